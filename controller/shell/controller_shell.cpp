@@ -259,11 +259,13 @@ void ControllerShell::Do(const action::SendQuery& a) {
 }
 
 void ControllerShell::Do(const action::AnswerSetState& a) {
+  Publish();
   const auto waiting = waiting_for_result_.extract(a.request);
   if (!waiting.empty() && waiting.mapped()) waiting.mapped()(a.result);
 }
 
 void ControllerShell::Do(const action::AnswerCall& a) {
+  Publish();
   const auto waiting = waiting_for_answer_.extract(a.request);
   if (!waiting.empty()) waiting.mapped()(a.result);
 }

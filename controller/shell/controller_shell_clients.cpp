@@ -50,7 +50,7 @@ void ControllerShell::CloseToClients(const Error& why) {
 }
 
 // The status is latched for people and dashboards: changes within kPublishPeriod are published as
-// one.
+// one. Only an answer publishes at once: a client that has it never reads an older status.
 void ControllerShell::PublishSoon() {
   if (publish_later_ || !status_) return;
   const Time now = dependencies_.node->loop().Now();

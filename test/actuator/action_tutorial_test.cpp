@@ -10,6 +10,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/messages/example_interfaces/fibonacci.hpp"
 #include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/support/wait.hpp"
 #include "musher/transport/endpoints.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -171,12 +172,11 @@ TEST(TheActuatorOfTheTutorial, ServesAndCallsTheActionFromItsSetUp) {
   ASSERT_TRUE(desk.Init(file.path()).ok());
   ASSERT_TRUE(desk.Start().ok());
   desk.RunOnLoop([&desk] { desk.client().Send(2); });
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   std::string last;
-  while (last != "succeeded " && std::chrono::steady_clock::now() < deadline) {
+  testing::Until([&] {
     desk.RunOnLoop([&] { last = desk.client().log.empty() ? "" : desk.client().log.back(); });
-    std::this_thread::yield();
-  }
+    return last == "succeeded ";
+  });
   EXPECT_EQ(last, "succeeded ");
 }
 

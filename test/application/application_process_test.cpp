@@ -2,12 +2,11 @@
 // fault.
 
 #include <fstream>
-#include <functional>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
 #include "musher/test/application/show.hpp"
 #include "musher/test/controller/cli/program.hpp"
+#include "musher/test/support/musher.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::application_process_test {
@@ -38,29 +37,23 @@ class AnApplicationsProcess : public ::testing::Test {
     EXPECT_THAT(RunProgram({"behavior", "show"}).out, HasSubstr("WORK"));
   }
   void Order(const std::string& order) {
-    ASSERT_TRUE(Until([this] {
+    ASSERT_TRUE(testing::Until([this] {
       int readers = 0;
       harness_.node().RunOnLoop([&] { readers = order_->MatchedReaders(); });
       return readers > 0;
     }));
     harness_.node().RunOnLoop([&] { static_cast<void>(order_->Publish({order})); });
   }
-  static bool Until(const std::function<bool()>& holds) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!holds()) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      std::this_thread::yield();
-    }
-    return true;
-  }
   // It was restarted, and ticks. On a loaded host that may take more than one restart.
-  static bool IsBack() {
-    const auto status = nlohmann::json::parse(RunProgram({"--json", "status"}).out, nullptr, false);
-    if (!status.is_object()) return false;
-    const auto& show = status["actuators"]["show"];
-    return show["restarts"] > 0 && show["restarting"] == false &&
-           RunProgram({"--json", "behavior", "show"}).out.find(R"("ticking":true)") !=
-               std::string::npos;
+  static void AwaitBack() {
+    testing::AwaitStatus([](const nlohmann::json& status) {
+      const auto& show = status["actuators"]["show"];
+      return show["restarts"] > 0 && show["restarting"] == false;
+    });
+    EXPECT_TRUE(testing::Until([] {
+      return RunProgram({"--json", "behavior", "show"}).out.find(R"("ticking":true)") !=
+             std::string::npos;
+    })) << RunProgram({"history"}).out;
   }
 
   Harness harness_{"steady"};
@@ -70,14 +63,14 @@ class AnApplicationsProcess : public ::testing::Test {
 TEST_F(AnApplicationsProcess, IsReportedAsHungWhenAStateBlocksAndIsRestarted) {
   Begin();
   Order("block");
-  EXPECT_TRUE(Until(IsBack)) << RunProgram({"history"}).out;
+  AwaitBack();
   EXPECT_THAT(RunProgram({"history"}).out, HasSubstr("hung"));
 }
 
 TEST_F(AnApplicationsProcess, ReportsWhyItsMachineStoppedAndIsRestarted) {
   Begin();
   Order("fail");
-  EXPECT_TRUE(Until(IsBack)) << RunProgram({"history"}).out;
+  AwaitBack();
   const auto history = RunProgram({"history"});
   EXPECT_THAT(history.out, HasSubstr("exit code 1")) << history.err;
   std::ifstream log(harness_.state_dir() + "/logs/show.log");

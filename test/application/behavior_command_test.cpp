@@ -22,6 +22,7 @@ using ::testing::HasSubstr;
 using testing::Process;
 using testing::RobotFile;
 using testing::Show;
+using testing::Until;
 
 const std::string kMusher = BinDir() + "/musher";
 
@@ -33,11 +34,6 @@ class BehaviorCommand : public ::testing::Test {
     ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
     ASSERT_TRUE(harness_.controller().Switch("Active").done());
     harness_.Tick(show, 7);
-  }
-  static bool Until(const std::function<bool()>& holds) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!holds() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
-    return holds();
   }
   std::string Dot(Show& show) {
     return show.Of([](Show& s) { return fsm::ToDot(s.machine().chart(), s.machine().Path()); });

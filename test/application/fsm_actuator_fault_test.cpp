@@ -123,10 +123,7 @@ TEST_F(AFaultyFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
 
    private:
     Result<> BuildMachine(fsm::Machine& machine) override {
-      const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-      while (!EmergencyStopped() && std::chrono::steady_clock::now() < deadline) {
-        std::this_thread::yield();
-      }
+      testing::Until([this] { return EmergencyStopped(); });
       RunOnLoop([this] { paused_early = paused_; });
       stop_seen = EmergencyStopped();
       machine.Add("A", std::make_unique<fsm::State>());
@@ -203,11 +200,11 @@ TEST_F(AFaultyFsmActuator, PublishesTheWholePathOfAForcedStateWhileItIsPaused) {
   std::vector<std::string> published;
   std::unique_ptr<transport::Subscription> topic;
   const auto await = [&](const std::string& path) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    for (bool there = false; !there && std::chrono::steady_clock::now() < deadline;) {
+    testing::Until([&] {
+      bool there = false;
       harness_.node().RunOnLoop([&] { there = !published.empty() && published.back() == path; });
-      std::this_thread::yield();
-    }
+      return there;
+    });
   };
   harness_.node().RunOnLoop([&] {
     topic = transport::MakeSubscription<msg::String>(

@@ -106,11 +106,7 @@ TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRele
                  .value();
     static_cast<void>(button->Publish({7, true, "a test", ""}));
   });
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (show.Of([](Show& s) { return s.ticking(); })) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-    std::this_thread::yield();
-  }
+  ASSERT_TRUE(testing::Until([&] { return !show.Of([](Show& s) { return s.ticking(); }); }));
   EXPECT_EQ(show.TakeLog().back(), "pauses");
   std::unique_ptr<transport::Client<msg::ReleaseEmergencyStop>> release;
   std::promise<Result<msg::ReleaseEmergencyStop::Response>> released;

@@ -274,15 +274,15 @@ TEST_F(AGroot2Debugger, ReceivesABreakpoint) {
   Parts breakpoint;
   const int soon_ms = 20;
   zmq_setsockopt(breakpoints_, ZMQ_RCVTIMEO, &soon_ms, sizeof soon_ms);
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (breakpoint.size() != 2 && std::chrono::steady_clock::now() < deadline) {
+  testing::Until([&] {
     watched_.Of([](Watched& self) {
       self.Restart();
       return 0;
     });
     harness_.Tick(watched_, 1);
     breakpoint = Receive(breakpoints_);
-  }
+    return breakpoint.size() == 2;
+  });
   ASSERT_EQ(breakpoint.size(), 2U);
   EXPECT_EQ(breakpoint[0].size(), 6U);
   EXPECT_EQ(breakpoint[0].substr(0, 2), (std::string{2, 'N'}));
@@ -344,11 +344,11 @@ TEST_F(AGroot2DebuggerThatIsLost, HoldsNothingAnyMore) {
   Activate();
   harness_.Tick(watched_, 2);
   std::vector<std::string> log;
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (log.empty() && std::chrono::steady_clock::now() < deadline) {
+  testing::Until([&] {
     harness_.Tick(watched_, 1);
     log = watched_.TakeLog();
-  }
+    return !log.empty();
+  });
   EXPECT_THAT(log, ElementsAre("first starts")) << "by itself: no request has come for 300 ms";
   EXPECT_EQ(Hooks(), "[]");
 }

@@ -20,6 +20,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/temp_folder.hpp"
+#include "musher/test/support/wait.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -183,12 +184,11 @@ class Harness {
   void Advance(Application& show, Duration step) {
     now_ += step;
     const Time there = Time{} + now_;
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (show.Of([](auto& s) { return s.Now(); }) != there) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    ASSERT_TRUE(Until([&] {
+      if (show.Of([](auto& s) { return s.Now(); }) == there) return true;
       node_->RunOnLoop([this] { static_cast<void>(world_->Publish({msg::ToStamp(now_)})); });
-      std::this_thread::yield();
-    }
+      return false;
+    }));
   }
   // This many ticks of 20 ms.
   template <class Application>

@@ -117,13 +117,11 @@ class SkillActuatorTest : public ::testing::Test {
   // Until `condition` holds on the client's loop.
   template <class Condition>
   void Await(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    bool met = false;
-    while (!met) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    ASSERT_TRUE(testing::Until([&] {
+      bool met = false;
       harness_.node().RunOnLoop([&] { met = condition(); });
-      std::this_thread::yield();
-    }
+      return met;
+    }));
   }
   void AwaitAccepted(const std::shared_ptr<SentSkill>& sent) {
     Await([&] { return sent->accepted && !sent->feedback.empty(); });

@@ -26,12 +26,11 @@ class ATreeActuator : public ::testing::Test {
     ASSERT_TRUE(Go("Active"));
   }
   void Await(const std::function<bool()>& there) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    for (bool done = false; !done;) {
+    ASSERT_TRUE(testing::Until([&] {
+      bool done = false;
       harness_.node().RunOnLoop([&] { done = there(); });
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-      std::this_thread::yield();
-    }
+      return done;
+    }));
   }
   // The reply of get_tree.
   msg::GetTree::Response Get(const msg::GetTree::Request& request) {

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -15,6 +13,7 @@
 #include "musher/test/contract/world.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
@@ -23,29 +22,12 @@ namespace musher::transport::two_processes_test {
 
 constexpr int kLeaseMs = 1000;
 
-// A child that runs contract_peer; killed, if nothing else has, at the end.
-class PeerProcess {
+// contract_peer, until the end of the test.
+class PeerProcess : public testing::Process {
  public:
-  explicit PeerProcess(const std::string& name) {
-    std::string program = BinDir() + "/contract_peer";
-    std::string domain = std::to_string(TestDomain()), lease = std::to_string(kLeaseMs), arg = name;
-    char* argv[] = {program.data(), domain.data(), lease.data(), arg.data(), nullptr};
-    EXPECT_EQ(posix_spawn(&pid_, program.c_str(), nullptr, nullptr, argv, environ), 0);
-  }
-  PeerProcess(const PeerProcess&) = delete;
-  PeerProcess& operator=(const PeerProcess&) = delete;
-  ~PeerProcess() { Kill(); }
-
-  void Signal(int signal) const { kill(pid_, signal); }
-  void Kill() {
-    if (pid_ <= 0) return;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-    pid_ = 0;
-  }
-
- private:
-  pid_t pid_ = 0;
+  explicit PeerProcess(const std::string& name)
+      : Process({BinDir() + "/contract_peer", std::to_string(TestDomain()),
+                 std::to_string(kLeaseMs), name}) {}
 };
 
 class TwoProcesses : public ::testing::TestWithParam<const char*> {
@@ -114,7 +96,7 @@ TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
   const auto client = Must(MakeClient<msg::SetState>(node(), name_ + "/set_state"));
   ASSERT_TRUE(RunUntil([&] { return writer != 0 && client->Ready(); }));
   const Time killed = loop().Now();
-  peer.Kill();
+  peer.Signal(SIGKILL);
   ASSERT_TRUE(RunUntil([&] { return lost != 0 && !client->Ready(); }));
   EXPECT_EQ(lost, writer);
   // By the configured lease: without it, "local" has one of ten seconds.

@@ -12,6 +12,7 @@
 #include <future>
 
 #include "musher/test/controller/journal_fixture.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::journal_trouble_test {
 
@@ -106,12 +107,10 @@ TEST_F(JournalTrouble, IsRetriedByItself) {
   journal.Append(Entry(1));
   ASSERT_EQ(in_trouble.get_future().wait_for(kFlushTimeout), std::future_status::ready);
   ClearThePath();
-  const auto deadline = std::chrono::steady_clock::now() + kFlushTimeout;
-  auto entries = ReadJournal(path_, 0, kAll);
-  while ((!entries || entries.value().entries.empty()) &&
-         std::chrono::steady_clock::now() < deadline) {
-    entries = ReadJournal(path_, 0, kAll);
-  }
+  testing::Until([&] {
+    const auto entries = ReadJournal(path_, 0, kAll);
+    return entries && !entries.value().entries.empty();
+  });
   EXPECT_THAT(Times(Read()), ElementsAre(1));
 }
 

@@ -24,6 +24,7 @@ class Leading : public TwoControllers {
                     *desk_, transport::MachineStatusTopic(""),
                     [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
                       status_of_[info.writer] = Epoch(status.epoch);
+                      latest_ = status;
                     },
                     transport::kLatchedFromManyQos,
                     {[this](transport::EndpointId writer) { status_of_.erase(writer); }, nullptr})
@@ -69,6 +70,7 @@ class Leading : public TwoControllers {
   }
 
   std::map<transport::EndpointId, Epoch> status_of_;  // epoch of the latched status, by writer
+  msg::MachineStatus latest_;                         // that was received
   std::unique_ptr<transport::Subscription> statuses_;
   std::unique_ptr<transport::Client<msg::GetStatus>> get_status_;
   std::unique_ptr<transport::Client<msg::SetState>> set_state_;
@@ -146,6 +148,32 @@ TEST_F(Leading, ARequestForTearDownIsAnsweredBeforeTheServicesGo) {
   EXPECT_FALSE(set_state_->Ready());
   network_.RunFor(std::chrono::seconds(1));
   EXPECT_THAT(status_of_, IsEmpty());
+}
+
+// It was up to 20 ms older: `musher status --watch` after `musher set` began with the state before.
+TEST_F(Leading, TheLatchedStatusIsNeverOlderThanAnAnswer) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  transport::sim::LinkFaults in_order;  // of two topics, what is sent first also arrives first
+  in_order.delay_min = in_order.delay_max = Milliseconds(1);
+  network_.SetFaults(in_order);
+  for (const char* target : {"LowPower", "Active"}) {
+    std::optional<msg::MachineStatus> latched;
+    set_state_->Call({target, ""}, kEnough, [&](const auto&) { latched = latest_; });
+    ASSERT_TRUE(RunUntil([&] { return latched.has_value(); }));
+    EXPECT_EQ(latched->state, target);
+    EXPECT_EQ(latched->target, "");
+    network_.RunFor(std::chrono::seconds(1));
+  }
+  const std::int32_t before = latest_.actuators.front().pid;
+  std::optional<msg::MachineStatus> latched;
+  const auto restart = Client<msg::RestartActuator>("restart_actuator");
+  restart->Call({latest_.actuators.front().name}, kEnough, [&](const auto& reply) {
+    EXPECT_TRUE(reply && reply.value().code == kCodeOk);
+    latched = latest_;
+  });
+  ASSERT_TRUE(RunUntil([&] { return latched.has_value(); }));
+  EXPECT_NE(latched->actuators.front().pid, before);
+  EXPECT_EQ(latched->actuators.front().state, "Active");
 }
 
 }  // namespace musher::testing::leading_test

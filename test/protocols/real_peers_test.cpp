@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <fstream>
 
@@ -15,6 +13,7 @@
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/test/protocols/cyberdog_manager.hpp"
 #include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
@@ -27,23 +26,10 @@ std::string NameSpace() {
   return "protocols_" + std::to_string(getpid());
 }
 
-class PeerProcess {
+class PeerProcess : public Process {
  public:
-  PeerProcess(std::string kind, std::string name) {
-    std::string program = kPeer, name_space = NameSpace(), lease = kLeaseMs;
-    char* argv[] = {program.data(), kind.data(),  name_space.data(),
-                    name.data(),    lease.data(), nullptr};
-    EXPECT_EQ(posix_spawn(&pid_, program.c_str(), nullptr, nullptr, argv, environ), 0);
-  }
-  PeerProcess(const PeerProcess&) = delete;
-  PeerProcess& operator=(const PeerProcess&) = delete;
-  ~PeerProcess() {
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-
- private:
-  pid_t pid_ = 0;
+  PeerProcess(const std::string& kind, const std::string& name)
+      : Process({kPeer, kind, NameSpace(), name, kLeaseMs}) {}
 };
 
 // One link against one process.

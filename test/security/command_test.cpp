@@ -72,8 +72,7 @@ TEST_F(Keys, AreIssuedOnlyWhereTheCasKeysAre) {
 
 TEST_F(Keys, NeedAConfigWithTheirFolder) {
   const std::string open = folder_ / "open.toml";
-  std::ifstream in(config_);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::string text = ReadFile(config_);
   std::ofstream(open) << text.substr(0, text.find("[security]"));
   const Ended init = Musher({"keys", "init", open});
   EXPECT_EQ(init.exit, 2);
@@ -133,8 +132,7 @@ TEST_F(WrongKeys, WithThePermissionsOfAnotherIdentityAreRefused) {
 }
 
 TEST_F(WrongKeys, WithPermissionsThatWereChangedAreRefused) {
-  std::ifstream in(keys_ + "/voice.permissions");
-  std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::string text = ReadFile(keys_ + "/voice.permissions");
   const std::size_t at = text.find("DENY");
   ASSERT_NE(at, std::string::npos);
   std::ofstream(keys_ + "/voice.permissions") << text.replace(at, 4, "ALLOW");

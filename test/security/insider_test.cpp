@@ -96,10 +96,7 @@ TEST_F(Insiders, AsOperatorsCallTheControllerAndCommandNoActuator) {
 
 TEST_F(Insiders, AsActuatorsMayEngageTheEmergencyStop) {
   const auto spy = Peer(keys_, "spy", {"stop"});
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (Status()["emergency_stop"]["engaged"] != true) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-  }
+  AwaitStatus([](const auto& status) { return status["emergency_stop"]["engaged"] == true; });
 }
 
 }  // namespace musher::testing::insider_test

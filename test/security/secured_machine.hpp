@@ -25,10 +25,12 @@ class SecuredMachine : public MachineByCli {
   }
 
   void Start() {
-    const Ended up = UpDetached();
+    const Ended up = Musher({"up", config_, "--detach"});
     ASSERT_EQ(up.exit, 0) << up.out << up.err;
+    StatusStream statuses;
+    statuses.Await(AllHaveArrived);
     ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
-    AwaitStatus(AllHaveArrived);
+    statuses.Await(AllHaveArrivedIn("LowPower"));
   }
 
   static Ended As(const std::string& identity, std::vector<std::string> words) {
@@ -62,13 +64,13 @@ class SecuredMachine : public MachineByCli {
 
   // The machine executes commands, and its status shows their results.
   static void ExpectTheMachineIsSound() {
-    const auto before = Status();
+    StatusStream statuses;
+    const auto before = statuses.Await(AllHaveArrivedIn("LowPower"));
     ASSERT_FALSE(before.is_null());
     for (const char* state : {"Active", "LowPower"}) {
       const Ended set = Musher({"set", state});
       EXPECT_EQ(set.exit, 0) << set.err;
-      const auto status = AwaitStatus(AllHaveArrived);
-      ASSERT_FALSE(status.is_null());
+      const auto status = statuses.Await(AllHaveArrivedIn(state));
       EXPECT_EQ(status["state"], state);
       EXPECT_EQ(status["epoch"], before["epoch"]);
       EXPECT_EQ(status["pid"], before["pid"]);

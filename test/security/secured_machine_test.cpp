@@ -8,11 +8,6 @@ namespace musher::testing::secured_machine_test {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string Text(const std::string& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST_F(SecuredMachine, ComesUpSwitchesStopsAndGoesDown) {
   ASSERT_NO_FATAL_FAILURE(Start());
   ExpectTheMachineIsSound();
@@ -29,13 +24,10 @@ TEST_F(SecuredMachine, ComesUpSwitchesStopsAndGoesDown) {
 TEST_F(SecuredMachine, DrivesAnActuatorThatWasKilledAgain) {
   ASSERT_NO_FATAL_FAILURE(Start());
   kill(Status()["actuators"]["voice"]["pid"].get<pid_t>(), SIGKILL);
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  nlohmann::json voice;
-  do {
-    voice = Status()["actuators"]["voice"];
-  } while ((voice["restarts"] != 1 || voice["state"] != "LowPower") &&
-           std::chrono::steady_clock::now() < deadline);
-  EXPECT_EQ(voice["state"], "LowPower") << voice;
+  AwaitStatus([](const nlohmann::json& status) {
+    const auto& voice = status["actuators"]["voice"];
+    return voice["restarts"] == 1 && voice["state"] == "LowPower";
+  });
 }
 
 TEST_F(SecuredMachine, LetsAnObserverLookAndNothingElse) {
@@ -73,7 +65,7 @@ TEST_F(SecuredMachine, IsTakenOverByTheNextController) {
 
 TEST_F(SecuredMachine, ReportsAnActuatorThatRunsWithoutCredentials) {
   const std::string open = folder_ / "open.toml";
-  const std::string text = Text(config_);
+  const std::string text = ReadFile(config_);
   std::ofstream(open) << text.substr(0, text.find("[security]"));
   const Process voice(
       {BinDir() + "/musher-exec", folder_ / "voice.toml", "--actuator", "voice", "--config", open});
@@ -89,15 +81,15 @@ TEST_F(SecuredMachine, ReportsAnActuatorThatRunsWithoutCredentials) {
 TEST_F(SecuredMachine, NeverWritesKeysDown) {
   ASSERT_NO_FATAL_FAILURE(Start());
   EXPECT_EQ(Musher({"down"}).exit, 0);
-  std::string secret = Text(keys_ + "/voice.key");
+  std::string secret = ReadFile(keys_ + "/voice.key");
   secret = secret.substr(secret.find('\n') + 1, 40);
   ASSERT_EQ(secret.size(), 40U);
   int files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "state")) {
     if (!entry.is_regular_file()) continue;
     ++files;
-    EXPECT_THAT(Text(entry.path()), Not(HasSubstr("PRIVATE KEY"))) << entry.path();
-    EXPECT_THAT(Text(entry.path()), Not(HasSubstr(secret))) << entry.path();
+    EXPECT_THAT(ReadFile(entry.path()), Not(HasSubstr("PRIVATE KEY"))) << entry.path();
+    EXPECT_THAT(ReadFile(entry.path()), Not(HasSubstr(secret))) << entry.path();
   }
   EXPECT_GT(files, 3);
   const Ended list = Musher({"keys", "list"});

@@ -1,24 +1,47 @@
 #include "musher/test/support/process.hpp"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/mman.h>
+#include <sys/inotify.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
-#include <thread>
+
+#include "musher/base/host.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::testing {
 namespace {
 
-constexpr int kWaitLimitMs = 30'000;  // between two pieces of output
+constexpr auto kOutputLimit = std::chrono::seconds(30);  // between two pieces of output
+constexpr auto kEndLimit = std::chrono::seconds(10);
+
+// A file that goes with its last descriptor; `changes` becomes readable when it is written to.
+int OpenNamelessFile(int changes) {
+  std::string path = (std::filesystem::temp_directory_path() / "musher-test-XXXXXX").string();
+  const int file = mkostemp(path.data(), O_CLOEXEC);
+  if (file < 0) throw std::runtime_error("mkostemp");
+  inotify_add_watch(changes, path.c_str(), IN_MODIFY);
+  unlink(path.c_str());
+  return file;
+}
+
+// A child has been reaped then.
+bool AwaitEndUntil(Time deadline, pid_t pid) {
+  if (const auto process = OpenPidfd(pid)) {
+    if (!AwaitReadable(process.value().get(), deadline)) return false;
+  }
+  waitpid(pid, nullptr, WNOHANG);
+  return true;
+}
 
 // Its offset is the child's too, and stays where it is.
 std::string Content(int file) {
@@ -37,7 +60,8 @@ Process::Process(const std::vector<std::string>& argv) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
   out_ = ends[0];
-  err_ = memfd_create("stderr", MFD_CLOEXEC);
+  err_changes_ = inotify_init1(IN_CLOEXEC);
+  err_ = OpenNamelessFile(err_changes_);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
@@ -58,6 +82,7 @@ Process::~Process() {
   }
   if (out_ >= 0) close(out_);
   close(err_);
+  close(err_changes_);
 }
 
 void Process::Signal(int signal) const {
@@ -69,10 +94,8 @@ void Process::CloseOutput() {
   out_ = -1;
 }
 
-bool Process::ReadMore() {
-  if (out_ < 0) return false;
-  pollfd readable{out_, POLLIN, 0};
-  if (poll(&readable, 1, kWaitLimitMs) != 1) return false;
+bool Process::ReadMore(Time deadline) {
+  if (out_ < 0 || !AwaitReadable(out_, deadline)) return false;
   std::array<char, 4096> part{};
   const ssize_t size = read(out_, part.data(), part.size());
   if (size <= 0) return false;
@@ -80,34 +103,42 @@ bool Process::ReadMore() {
   return true;
 }
 
-std::string Process::LineWith(const std::string& text) {
-  while (true) {
-    const std::size_t end = read_.find('\n', seen_);
-    if (end == std::string::npos) {
-      if (!ReadMore()) return "";
-      continue;
-    }
-    const std::string line = read_.substr(seen_, end - seen_);
-    seen_ = end + 1;
-    if (line.find(text) != std::string::npos) return line;
+std::optional<std::string> Process::NextLine(Time deadline) {
+  std::size_t end = 0;
+  while ((end = read_.find('\n', seen_)) == std::string::npos) {
+    if (!ReadMore(deadline)) return std::nullopt;
   }
+  std::string line = read_.substr(seen_, end - seen_);
+  seen_ = end + 1;
+  return line;
+}
+
+std::string Process::LineWith(const std::string& text) {
+  while (auto line = NextLine(In(kOutputLimit))) {
+    if (line->find(text) != std::string::npos) return *std::move(line);
+  }
+  return "";
 }
 
 bool Process::AwaitError(const std::string& text) const {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(kWaitLimitMs);
+  const Time deadline = In(kOutputLimit);
   while (Content(err_).find(text) == std::string::npos) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::yield();
+    if (!AwaitReadable(err_changes_, deadline)) return false;
+    std::array<char, 4096> events{};
+    if (read(err_changes_, events.data(), events.size()) < 0) return false;
   }
   return true;
 }
 
 Ended Process::Wait() {
-  while (ReadMore()) {
+  while (ReadMore(In(kOutputLimit))) {
   }
   Ended ended;
   int status = 0;
-  if (waitpid(pid_, &status, 0) == pid_ && WIFEXITED(status)) ended.exit = WEXITSTATUS(status);
+  if (waitpid(pid_, &status, 0) == pid_) {
+    if (WIFEXITED(status)) ended.exit = WEXITSTATUS(status);
+    if (WIFSIGNALED(status)) ended.signal = WTERMSIG(status);
+  }
   pid_ = 0;
   ended.out = read_;
   ended.err = Content(err_);
@@ -130,23 +161,17 @@ std::vector<pid_t> Children() {
   return children;
 }
 
-bool AwaitNoChildren() {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  for (auto children = Children(); !children.empty(); children = Children()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    for (const pid_t child : children)
-      waitpid(child, nullptr, WNOHANG);  // orphans that are children of the test now
-    std::this_thread::yield();
-  }
-  return true;
+bool AwaitEnd(pid_t pid) {
+  return AwaitEndUntil(In(kEndLimit), pid);
 }
 
-bool AwaitEnd(pid_t pid) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (kill(pid, 0) == 0) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    waitpid(pid, nullptr, WNOHANG);  // a child of the test now
-    std::this_thread::yield();
+// What a child leaves behind is a child of this process then.
+bool AwaitNoChildren() {
+  const Time deadline = In(kEndLimit);
+  for (auto children = Children(); !children.empty(); children = Children()) {
+    for (const pid_t child : children) {
+      if (!AwaitEndUntil(deadline, child)) return false;
+    }
   }
   return true;
 }

@@ -3,13 +3,17 @@
 
 #include <sys/types.h>
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "musher/base/time.hpp"
 
 namespace musher::testing {
 
 struct Ended {
   int exit = -1;    // -1: ended by a signal, or not at all
+  int signal = 0;   // that has ended it; 0: none
   std::string out;  // all of it
   std::string err;
 };
@@ -26,8 +30,10 @@ class Process {
   pid_t pid() const { return pid_; }
   void Signal(int signal) const;
 
-  // The next line of its output that contains `text`; "" when its output ends, or half a minute is
-  // over, before there is one.
+  // The next line of its output; none when its output ends, or at the deadline.
+  std::optional<std::string> NextLine(Time deadline);
+  // The next one that contains `text`; "" when its output ends, or half a minute is over, before
+  // there is one.
   std::string LineWith(const std::string& text);
   // Waits until it has said so on stderr, for half a minute at most; whether it has.
   bool AwaitError(const std::string& text) const;
@@ -37,14 +43,15 @@ class Process {
   Ended Wait();
 
  private:
-  // Waits for more output; false: there will be none.
-  bool ReadMore();
+  // Waits for more output; false: there is none.
+  bool ReadMore(Time deadline);
 
   pid_t pid_ = 0;
   int out_ = -1;
-  int err_ = -1;  // a file in memory
+  int err_ = -1;          // a file without a name, so that its writer never waits
+  int err_changes_ = -1;  // of inotify
   std::string read_;
-  std::size_t seen_ = 0;  // of `read_`, by LineWith()
+  std::size_t seen_ = 0;  // of `read_`, by NextLine()
 };
 
 // Runs a program to its end.
@@ -54,9 +61,10 @@ Ended RunToEnd(const std::vector<std::string>& argv);
 void AdoptOrphans();
 // The processes that this one is the parent of.
 std::vector<pid_t> Children();
-// Waits until that process, of any parent, has exited; for 10 s at most.
+// Waits until that process, of any parent, has exited; for 10 s at most. A child of this process is
+// reaped.
 bool AwaitEnd(pid_t pid);
-// Waits a moment for a process that exits on its own.
+// Waits until all children have exited on their own; for 10 s at most.
 bool AwaitNoChildren();
 // Kills all children, and theirs, until none is left.
 void KillChildren();

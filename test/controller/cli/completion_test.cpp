@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -13,6 +11,7 @@
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::completion_test {
@@ -40,12 +39,7 @@ std::vector<std::string> Offered(std::vector<std::string> words) {
 
 std::string Shell(const std::string& program, const TempFolder& folder, const std::string& script) {
   std::ofstream(folder / "script") << script;
-  FILE* pipe = popen((program + " " + (folder / "script") + " 2>&1").c_str(), "r");
-  std::string text;
-  std::array<char, 4096> part{};
-  while (std::fgets(part.data(), part.size(), pipe) != nullptr) text += part.data();
-  pclose(pipe);
-  return text;
+  return testing::RunToEnd({"sh", "-c", program + " " + (folder / "script") + " 2>&1"}).out;
 }
 
 // A folder with files, and the shells' scripts in another.
@@ -83,12 +77,7 @@ class CompletionScripts : public ::testing::Test {
     std::ofstream(scripts_ / "input") << input;
     const std::string all = "cd " + files_.path() + " && PATH=" + BinDir() + ":$PATH " + command +
                             " < " + (scripts_ / "input") + " 2>&1";
-    FILE* pipe = popen(all.c_str(), "r");
-    std::string text;
-    std::array<char, 4096> part{};
-    while (std::fgets(part.data(), part.size(), pipe) != nullptr) text += part.data();
-    pclose(pipe);
-    return text;
+    return testing::RunToEnd({"sh", "-c", all}).out;
   }
 
   const TempFolder files_;

@@ -17,6 +17,7 @@
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::cli::skill_command_test {
 
@@ -161,10 +162,7 @@ TEST_F(SkillCommand, CancelsTheSkillOnCtrlCAndWaitsForItsEnd) {
 TEST_F(SkillCommand, LeavesASkillThatIsNotCancelledAtTheSecondCtrlC) {
   FakeSkills robot("cf2x_0");
   Process run({kMusher, "--json", "skill", "run", "deaf"});
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (robot.goals() == 0 && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::yield();
-  }
+  ASSERT_TRUE(testing::Until([&] { return robot.goals() > 0; }));
   run.Signal(SIGINT);
   ASSERT_TRUE(run.AwaitError("refuses the cancellation of deaf"));
   run.Signal(SIGINT);

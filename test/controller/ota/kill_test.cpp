@@ -3,9 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -16,6 +13,7 @@
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/signature.hpp"
 #include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::ota::kill_test {
@@ -45,15 +43,9 @@ class RealFiles : public ::testing::Test {
 
   // How the installer ended: its exit code, or minus the signal.
   int Install(const std::string& version, int killed_at) const {
-    const std::string number = std::to_string(killed_at);
-    const std::string bundle = folder_ / version;
-    const std::string program = BinDir() + "/ota_killed_installer";
-    const char* argv[] = {program.c_str(), root_.c_str(), bundle.c_str(), number.c_str(), nullptr};
-    pid_t pid = 0;
-    posix_spawn(&pid, argv[0], nullptr, nullptr, const_cast<char**>(argv), environ);
-    int status = 0;
-    waitpid(pid, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    const ::musher::testing::Ended ended = ::musher::testing::RunToEnd(
+        {BinDir() + "/ota_killed_installer", root_, folder_ / version, std::to_string(killed_at)});
+    return ended.signal == 0 ? ended.exit : -ended.signal;
   }
 
   const TempFolder folder_;

@@ -20,8 +20,7 @@ std::vector<pid_t> ChildrenOf(pid_t pid) {
 int ZombiesBelow(pid_t pid) {
   int zombies = 0;
   for (const pid_t child : ChildrenOf(pid)) {
-    std::ifstream file("/proc/" + std::to_string(child) + "/stat");
-    const std::string stat{std::istreambuf_iterator<char>(file), {}};
+    const std::string stat = ReadFile("/proc/" + std::to_string(child) + "/stat");
     const bool ended = stat.find(") Z ") != std::string::npos;
     zombies += (ended ? 1 : 0) + ZombiesBelow(child);
   }
@@ -46,9 +45,7 @@ TEST_F(Container, ReapsWhatModulesLeaveBehindAndEndsAtSigtermWithTheRobotTornDow
        "[state.SetUp]\nshell = \"setsid -f sh -c 'echo > " + fifo + "'; cat " + fifo + "\"\n");
   Process up(Unshare(Command({"up", config_})));
   ASSERT_NE(up.LineWith("the machine is Active"), "");
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (ZombiesBelow(up.pid()) != 0 && std::chrono::steady_clock::now() < deadline) Status();
-  EXPECT_EQ(ZombiesBelow(up.pid()), 0);
+  EXPECT_TRUE(Until([&up] { return ZombiesBelow(up.pid()) == 0; }));
   const auto first = ChildrenOf(up.pid());
   ASSERT_EQ(first.size(), 1U);
   kill(first.front(), SIGTERM);

@@ -1,10 +1,8 @@
 // The controller's disk lets it down while the robot runs.
 
-#include <poll.h>
 #include <signal.h>
 #include <sys/resource.h>
 
-#include <chrono>
 #include <filesystem>
 
 #include "musher/test/integration/cli/machine.hpp"
@@ -54,12 +52,7 @@ TEST_F(Disk, WithoutItsStateFolderStillLetsAnActuatorBeStartedAgain) {
   }
   ExpectACrashedActuatorIsRestarted();
   // The controller looks once a second.
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  const std::string log = folder_ / "state/logs/legs.log";
-  while (!std::filesystem::exists(log) && std::chrono::steady_clock::now() < deadline) {
-    poll(nullptr, 0, 5);
-  }
-  EXPECT_TRUE(std::filesystem::exists(log));
+  EXPECT_TRUE(AwaitFile(folder_ / "state/logs/legs.log"));
 }
 
 TEST_F(Disk, WithoutWritableLogsIsReportedAndActuatorsAreStillRestarted) {

@@ -93,12 +93,11 @@ TEST_F(Inspect, TopShowsWhatTheProcessesUse) {
     return process["name"] != "(controller)" && process["heartbeat_age_s"].is_null();
   };
   nlohmann::json json;
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  do {
+  Until([&] {
     json = Json(Musher({"top", "--once", "--json"}).out);
-    ASSERT_EQ(json["processes"].size(), 4U);
-  } while (std::any_of(json["processes"].begin(), json["processes"].end(), is_silent) &&
-           std::chrono::steady_clock::now() < deadline);
+    return std::none_of(json["processes"].begin(), json["processes"].end(), is_silent);
+  });
+  ASSERT_EQ(json["processes"].size(), 4U);
   for (const auto& process : json["processes"]) {
     EXPECT_GT(process["memory_bytes"], 0) << process;
     EXPECT_GE(process["cpu_percent"], 0) << process;

@@ -1,38 +1,22 @@
 #pragma once
-// A machine of three musher-exec actuators in a domain and a namespace of its own, led through the
-// real `musher` program.
+// A machine of three musher-exec actuators.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "musher/test/integration/cli/arrival.hpp"
-#include "musher/test/support/domain.hpp"
+#include "musher/base/files.hpp"
+#include "musher/test/support/machine_fixture.hpp"
 #include "musher/test/support/paths.hpp"
-#include "musher/test/support/process.hpp"
-#include "musher/test/support/temp_folder.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::testing {
 
-class MachineByCli : public ::testing::Test {
+class MachineByCli : public MachineFixture {
  protected:
-  MachineByCli() {
-    AdoptOrphans();
-    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-    setenv("MUSHER_NAMESPACE", name_space_.c_str(), 1);
-    Write();
-  }
-  // Nothing that a test started outlives it.
-  ~MachineByCli() override { KillChildren(); }
+  MachineByCli() { Write(); }
 
   // What an actuator does in its states, as musher-exec reads it: "[state.Active]\nrun = [...]".
   void Does(const std::string& actuator, const std::string& toml) const {
@@ -45,56 +29,20 @@ class MachineByCli : public ::testing::Test {
   }
   void Release() const { std::ofstream(folder_ / "released") << "go"; }
 
-  static std::vector<std::string> Command(std::vector<std::string> words) {
-    words.insert(words.begin(), BinDir() + "/musher");
-    return words;
-  }
-  // The same on a terminal, whose screen is the program's output.
+  // A command on a terminal, whose screen is the program's output.
   static std::vector<std::string> OnATerminal(std::vector<std::string> words) {
     std::string line = "exec";
     for (const std::string& word : Command(std::move(words))) line += " '" + word + "'";
     return {"script", "-qefc", line, "/dev/null"};
   }
-  static Ended Musher(std::vector<std::string> words) {
-    return RunToEnd(Command(std::move(words)));
-  }
-  // Up, and stage 2, too, has come as far as the machine is: a switch up is refused while an
-  // actuator is still on its way.
-  Ended UpDetached() const {
-    Ended up = Musher({"up", config_, "--detach"});
-    if (up.exit == 0) AwaitStatus(AllHaveArrived);
-    return up;
-  }
-
-  static nlohmann::json Json(const std::string& text) {
-    auto json = nlohmann::json::parse(text, nullptr, false);
-    EXPECT_FALSE(json.is_discarded()) << text;
-    return json;
-  }
-  // The machine's status; null when there is no controller.
-  static nlohmann::json Status() {
-    const Ended status = Musher({"status", "--json"});
-    return status.exit == 0 ? Json(status.out) : nlohmann::json();
-  }
-  // The first status that is so, or the last one when none has been for 20 s.
-  static nlohmann::json AwaitStatus(const std::function<bool(const nlohmann::json&)>& is_so) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    for (;;) {
-      auto status = Status();
-      if (status.is_object() && is_so(status)) return status;
-      if (std::chrono::steady_clock::now() > deadline) {
-        ADD_FAILURE() << "waited in vain for a status; the last one is " << status;
-        return status;
-      }
-    }
-  }
+  // See testing::UpDetached().
+  Ended UpDetached() const { return testing::UpDetached(config_); }
 
   // robot.toml of another machine with the same actuators, in a folder of its own. Its name is
   // `name`, else that of its file; without `state_dir` it has the default one.
   std::string OtherRobot(const std::string& name, const std::string& name_space,
                          const std::string& state_dir) const {
-    std::ifstream file(config_);
-    std::string toml{std::istreambuf_iterator<char>(file), {}};
+    std::string toml = ReadFile(config_);
     const auto replace = [&toml](const std::string& key, const std::string& value) {
       const std::size_t at = toml.find(key + " = ");
       if (at != std::string::npos) toml.erase(at, toml.find('\n', at) + 1 - at);
@@ -111,17 +59,11 @@ class MachineByCli : public ::testing::Test {
   // Without these words from now on.
   void Drop(const std::string& words) const { Replace(words, ""); }
   void Replace(const std::string& words, const std::string& by) const {
-    std::string toml;
-    {
-      std::ifstream file(config_);
-      toml.assign(std::istreambuf_iterator<char>(file), {});
-    }
+    std::string toml = ReadFile(config_);
     toml.replace(toml.find(words), words.size(), by);
     std::ofstream(config_) << toml;
   }
 
-  const TempFolder folder_;
-  const std::string name_space_ = "test_" + std::to_string(getpid());
   const std::string config_ = folder_ / "robot.toml";
 
  private:

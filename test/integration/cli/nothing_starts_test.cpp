@@ -33,11 +33,7 @@ class NothingStarts : public MachineByCli,
     const std::string program = folder_ / "broken";
     std::ofstream(program) << broken().script;
     std::filesystem::permissions(program, std::filesystem::perms(0755));
-    std::string config;
-    {
-      std::ifstream file(config_);
-      config.assign(std::istreambuf_iterator<char>(file), {});
-    }
+    std::string config = ReadFile(config_);
     for (std::size_t at = 0; (at = config.find("\"musher-exec\"", at)) != std::string::npos;) {
       config.replace(at, 13, "\"" + program + "\"");
     }

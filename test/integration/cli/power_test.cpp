@@ -42,12 +42,8 @@ TEST_F(PowerOff, TearsTheMachineDownAndRunsTheCommand) {
       Start("command = [\"sh\", \"-c\", \"echo good night; touch " + mark + "\"]\n"));
   EXPECT_TRUE(CallTrigger("poweroff").success);
   EXPECT_EQ(up_->Wait().exit, 0);
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!std::ifstream(mark).good()) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the command has not run";
-  }
-  std::ifstream log(folder_ / "state" + "/logs/power_off.log");
-  const std::string said{std::istreambuf_iterator<char>(log), {}};
+  ASSERT_TRUE(AwaitFile(mark)) << "the command has not run";
+  const std::string said = ReadFile(folder_ / "state" + "/logs/power_off.log");
   EXPECT_THAT(said, ::testing::HasSubstr("good night"));
 }
 

@@ -64,8 +64,7 @@ TEST_F(Reasons, StatusReportsAProgramThatExitedByItself) {
 TEST_F(Reasons, PythonUnderMusherExecPrintsAtOnce) {
   Does("voice", "[state.SetUp]\nrun = [\"sh\", \"-c\", \"echo unbuffered=$PYTHONUNBUFFERED\"]\n");
   ASSERT_EQ(UpDetached().exit, 0);
-  std::ifstream file(folder_ / "state/logs/voice.log");
-  const std::string log{std::istreambuf_iterator<char>(file), {}};
+  const std::string log = ReadFile(folder_ / "state/logs/voice.log");
   EXPECT_THAT(log, HasSubstr("unbuffered=1"));
 }
 
@@ -84,8 +83,7 @@ TEST_F(Reasons, UpCountsTheRestartsOfAProgramThatEndsAtOnceAndNamesItsReasonOnce
   EXPECT_EQ(times("voice started (pid "), 1) << up.out;
   EXPECT_EQ(times("no board found"), 2) << "how it ended, and that it is degraded\n" << up.out;
   EXPECT_EQ(times("voice is degraded: given up after 3 restarts; as above"), 1) << up.out;
-  std::ifstream file(folder_ / "state/controller.log");
-  const std::string log{std::istreambuf_iterator<char>(file), {}};
+  const std::string log = ReadFile(folder_ / "state/controller.log");
   EXPECT_THAT(log, HasSubstr("voice: restarting in 40 ms (3 of 3)"));
 }
 

@@ -56,8 +56,7 @@ TEST_F(UpAsAService, HidesTheNotifySocketFromActuators) {
   Does("legs", "[state.Active]\nshell = \"env > " + seen + "\"\n");
   Process up(Unit());
   ASSERT_TRUE(systemd_.WaitFor("READY=1"));
-  std::ifstream file(seen);
-  const std::string env{std::istreambuf_iterator<char>(file), {}};
+  const std::string env = ReadFile(seen);
   EXPECT_THAT(env, HasSubstr("MUSHER_ACTUATOR=legs"));
   EXPECT_THAT(env, Not(HasSubstr("NOTIFY_SOCKET")));
   EXPECT_THAT(env, Not(HasSubstr("WATCHDOG_")));

@@ -21,13 +21,7 @@ class Takeover : public MachineByCli {
     leader_ = "process " + std::to_string(before_["pid"].get<int>());
   }
   // The same machine, led from another folder from now on.
-  void MoveToOtherFolder() const {
-    std::ifstream file(config_);
-    std::string toml{std::istreambuf_iterator<char>(file), {}};
-    const std::string state_dir = "state_dir = \"state\"";
-    toml.replace(toml.find(state_dir), state_dir.size(), "state_dir = \"other\"");
-    std::ofstream(config_) << toml;
-  }
+  void MoveToOtherFolder() const { Replace("state_dir = \"state\"", "state_dir = \"other\""); }
   static Ended TakeOver(const std::string& config) {
     return Musher({"up", config, "--takeover", "--detach"});
   }

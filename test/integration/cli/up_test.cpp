@@ -110,11 +110,7 @@ TEST_F(Up, ASupervisorsStartFinishesATearDownThatACrashInterruptedAndStaysDown) 
 
 // The start-up has failed before the controller's owner has the controller.
 TEST_F(Up, ReportsAFirstStageOfWhichNothingCouldBeStarted) {
-  std::string config;
-  {
-    std::ifstream file(config_);
-    config.assign(std::istreambuf_iterator<char>(file), {});
-  }
+  std::string config = ReadFile(config_);
   for (std::size_t at = 0; (at = config.find("\"musher-exec\"", at)) != std::string::npos;) {
     config.replace(at, 13, "\"nosuchprogram\"");
   }
@@ -140,11 +136,7 @@ TEST_F(Up, AfterARestartOfItsServiceTheMachineIsUp) {
 
 // It hangs in no state of its own: the whole process stands still, and nothing here may end it.
 TEST_F(Up, DownNamesTheActuatorThatItCannotReachAndExitsWithOne) {
-  std::string config;
-  {
-    std::ifstream file(config_);
-    config.assign(std::istreambuf_iterator<char>(file), {});
-  }
+  std::string config = ReadFile(config_);
   const std::string command = "command = [\"musher-exec\", \"" + (folder_ / "voice") + ".toml\"]\n";
   config.erase(config.find(command), command.size());
   std::ofstream(config_) << config;
@@ -291,8 +283,7 @@ TEST_F(Up, FindsProgramsBesideItself) {
 TEST_F(Up, WritesALogBesideTheJournal) {
   ASSERT_EQ(UpDetached().exit, 0);
   ASSERT_EQ(Musher({"down"}).exit, 0);
-  std::ifstream file(folder_ / "state/controller.log");
-  const std::string log{std::istreambuf_iterator<char>(file), {}};
+  const std::string log = ReadFile(folder_ / "state/controller.log");
   EXPECT_THAT(log, HasSubstr(" info: legs started (pid "));
   EXPECT_THAT(log, HasSubstr(" info: the machine is stopped after "));
 }

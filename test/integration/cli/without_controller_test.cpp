@@ -103,11 +103,7 @@ TEST_F(WithoutController, UpOfTheMachinesOwnConfigWhichWasEditedTakesItsActuator
 TEST_F(WithoutController, AnActuatorThatTheConfigHasNoLongerIsNamedUntilItIsEnded) {
   ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
   Replace("\"legs\", \"voice\", \"eyes\"]\nstates", "\"legs\", \"voice\"]\nstates");
-  std::string toml;
-  {
-    std::ifstream file(config_);
-    toml.assign(std::istreambuf_iterator<char>(file), {});
-  }
+  std::string toml = ReadFile(config_);
   const std::size_t eyes = toml.find("[actuator.eyes]");
   toml.erase(eyes, toml.find("[capability.guide]") - eyes);
   toml.replace(toml.find("actuators = [\"legs\", \"eyes\"]"), 28, "actuators = [\"legs\"]");

@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +12,7 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::first_module_test {
@@ -98,13 +97,9 @@ TEST_F(FirstModule, ReportsAFailedSelfCheckWithItsCode) {
 TEST_F(FirstModule, IsSetByAClientOfOnesOwn) {
   ASSERT_NO_FATAL_FAILURE(Start());
   ASSERT_TRUE(controller_.Switch("SelfCheck").done());
-  FILE* client =
-      popen((BinDir() + "/machine_client Active 2>&1").c_str(), "r");  // NOLINT(cert-env33-c)
-  ASSERT_NE(client, nullptr);
-  std::array<char, 512> line{};
-  ASSERT_NE(fgets(line.data(), line.size(), client), nullptr);
-  EXPECT_STREQ(line.data(), "done, the machine is in Active\n");
-  EXPECT_EQ(pclose(client), 0);
+  const testing::Ended client = testing::RunToEnd({BinDir() + "/machine_client", "Active"});
+  EXPECT_EQ(client.exit, 0) << client.err;
+  EXPECT_EQ(client.out, "done, the machine is in Active\n");
   EXPECT_EQ(controller_.GetMachineState(), "Active");
 }
 

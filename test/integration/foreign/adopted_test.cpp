@@ -103,11 +103,7 @@ TEST_F(Adopted, UnlessTheShellHasExitedThenItsRemainsAreKilledBeforeTheNextStart
 TEST_F(Adopted, UnlessTheConfigDoesNotListThemThenTheyAreStopped) {
   ASSERT_NO_FATAL_FAILURE(Start());
   KillController();
-  std::string toml;
-  {
-    std::ifstream file(config_);
-    toml.assign(std::istreambuf_iterator<char>(file), {});
-  }
+  std::string toml = ReadFile(config_);
   toml.replace(toml.find("[\"planner\", \"arm\"]"), 18, "[\"planner\"]");
   toml.erase(toml.find("[actuator.arm]"));
   std::ofstream(config_) << toml;

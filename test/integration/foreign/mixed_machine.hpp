@@ -2,13 +2,9 @@
 // A machine of a ROS 2 managed node ("planner") and a CyberDog module ("arm"), both without Musher,
 // controlled through the real `musher` program.
 
-#include <poll.h>
 #include <signal.h>
-#include <sys/inotify.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <sstream>
 
@@ -53,23 +49,13 @@ class MixedMachine : public MachineByCli {
     return pids;
   }
   bool AwaitEvent(const std::string& actuator, const std::string& event) const {
-    const int changes = inotify_init1(IN_CLOEXEC);
-    inotify_add_watch(changes, (folder_ / "").c_str(), IN_MODIFY | IN_CREATE);
-    bool found = false;
-    for (bool in_time = true; in_time && !found;) {
+    return AwaitChange(folder_.path(), [&] {
       const auto events = Events(actuator);
-      found = std::find(events.begin(), events.end(), event) != events.end();
-      pollfd readable{changes, POLLIN, 0};
-      in_time = found || poll(&readable, 1, kEventTimeoutMs) == 1;
-      std::array<char, 4096> ignored{};
-      if (!found && in_time && read(changes, ignored.data(), ignored.size()) < 0) in_time = false;
-    }
-    close(changes);
-    return found;
+      return std::find(events.begin(), events.end(), event) != events.end();
+    });
   }
   static bool Runs(pid_t pid) {
-    std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::string text = ReadFile("/proc/" + std::to_string(pid) + "/stat");
     const std::size_t bracket = text.rfind(')');
     return bracket != std::string::npos && text.substr(bracket).find(") Z") != 0;
   }
@@ -82,8 +68,6 @@ class MixedMachine : public MachineByCli {
   static nlohmann::json Actuator(const std::string& name) { return Status()["actuators"][name]; }
 
  private:
-  static constexpr int kEventTimeoutMs = 20'000;  // without a change of a file
-
   void WriteMixed() const {
     const std::string states =
         R"(["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "LowPower"])";

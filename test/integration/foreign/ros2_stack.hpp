@@ -32,12 +32,7 @@ class Ros2Stack : public MachineByCli {
     setenv("PATH", (before + BinDir() + ":/usr/bin:/bin").c_str(), 1);
   }
 
-  Ended Up() const { return Up(robot_); }
-  static Ended Up(const std::string& config) {
-    Ended up = Musher({"up", config, "--detach"});
-    if (up.exit == 0) AwaitStatus(AllHaveArrived);
-    return up;
-  }
+  Ended Up() const { return testing::UpDetached(robot_); }
 
   // All that the stand-ins have printed, in the order of time: "amcl: on_activate".
   std::vector<std::string> Events() const {

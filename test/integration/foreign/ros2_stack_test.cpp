@@ -180,8 +180,7 @@ class TheTalker : public Ros2Stack {
  protected:
   // A line of talker.toml is another one.
   void Replace(const std::string& line, const std::string& by) const {
-    std::ifstream file(talker_);
-    std::string toml{std::istreambuf_iterator<char>(file), {}};
+    std::string toml = ReadFile(talker_);
     toml.replace(toml.find(line), line.size(), by);
     std::ofstream(talker_) << toml;
   }
@@ -191,7 +190,7 @@ class TheTalker : public Ros2Stack {
 
 TEST_F(TheTalker, IsTheSmallestMachine) {
   EXPECT_EQ(Musher({"check", talker_}).out, "ok: 1 actuator, 5 states, 1 stage\n");
-  const Ended up = Up(talker_);
+  const Ended up = testing::UpDetached(talker_);
   ASSERT_EQ(up.exit, 0) << up.out << up.err;
   EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
   EXPECT_EQ(Musher({"down"}).exit, 0);

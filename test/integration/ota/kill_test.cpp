@@ -12,20 +12,13 @@ using ::testing::HasSubstr;
 
 class Killed : public RobotWithUpgrades {
  protected:
-  // Until a program of the new version says that it runs, by making this file.
-  void AwaitFile(const std::string& path) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!std::filesystem::exists(path)) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-      sched_yield();
-    }
-  }
   // An installer waits with the files until this is given back: for ten seconds, at most.
   std::unique_ptr<ota::Disk::Lock> HoldState() {
     auto lock = disk_.Take(root_ + "/ota_state.lock", /*wait=*/true);
     EXPECT_TRUE(lock) << lock.error().message;
     return std::move(lock).value();
   }
+  // What a program of the new version does: it makes this file, and does not come back.
   std::string Waits() const { return "touch " + (folder_ / "runs") + "; exec sleep 60"; }
 
  private:
@@ -63,7 +56,7 @@ TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {
 TEST_F(Killed, MachineInOtaCanBeTakenOutOfItByHand) {
   ASSERT_EQ(UpDetached().exit, 0);
   ASSERT_EQ(Musher({"set", "OTA"}).exit, 0);
-  AwaitArrival();
+  AwaitStatus(AllHaveArrivedIn("OTA"));
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
   EXPECT_EQ(Where(), "Active from a");
 }
@@ -72,7 +65,7 @@ TEST_F(Killed, ControllerInTheTrialBootIsFollowedByAControllerOfThePreviousVersi
   Make("1.1.0", {.set_up = Waits()});
   ASSERT_EQ(UpDetached().exit, 0);
   Process installer(Command({"ota", "install", Bundle("1.1.0")}));
-  AwaitFile(folder_ / "runs");
+  ASSERT_TRUE(AwaitFile(folder_ / "runs"));
   const int controller = Status()["pid"];
   ASSERT_EQ(kill(controller, SIGKILL), 0);
   const Ended ended = installer.Wait();
@@ -90,7 +83,7 @@ TEST_F(Killed, MachineIsTakenDownInTheTrialBootAndStartsFromTheVersionBefore) {
   Make("1.1.0", {.set_up = Waits()});
   ASSERT_EQ(Install("1.1.0").exit, 0);
   Process up(Command({"up", root_}));
-  AwaitFile(folder_ / "runs");
+  ASSERT_TRUE(AwaitFile(folder_ / "runs"));
   up.Signal(SIGINT);
   EXPECT_EQ(up.Wait().exit, 1);  // it was stopped before it was up
   EXPECT_THAT(std::string(Versions()["last"]["reason"]), HasSubstr("taken down before it was up"));
@@ -102,7 +95,7 @@ TEST_F(Killed, TwoInstallersDoNotMeet) {
   Make("1.1.0", {.set_up = Waits()});
   ASSERT_EQ(UpDetached().exit, 0);
   Process first(Command({"ota", "install", Bundle("1.1.0")}));
-  AwaitFile(folder_ / "runs");
+  ASSERT_TRUE(AwaitFile(folder_ / "runs"));
   const Ended second = Install("1.1.0");
   EXPECT_EQ(second.exit, 1);
   EXPECT_THAT(second.err, HasSubstr("another installation is running"));

@@ -1,34 +1,23 @@
 #pragma once
-// A machine of two musher-exec actuators that is started from a root, in a domain and a namespace
-// of its own, and bundles for it.
+// A machine of two musher-exec actuators that is started from a root, and bundles for it.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "musher/test/integration/cli/arrival.hpp"
-#include "musher/test/support/domain.hpp"
+#include "musher/test/support/machine_fixture.hpp"
 #include "musher/test/support/paths.hpp"
-#include "musher/test/support/process.hpp"
-#include "musher/test/support/temp_folder.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::testing {
 
-class RobotWithUpgrades : public ::testing::Test {
+class RobotWithUpgrades : public MachineFixture {
  protected:
   RobotWithUpgrades() {
-    AdoptOrphans();
-    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-    setenv("MUSHER_NAMESPACE", name_space_.c_str(), 1);
     setenv("MUSHER_OTA_ROOT", root_.c_str(), 1);
     EXPECT_EQ(Musher({"ota", "keygen", folder_ / "key"}).exit, 0);
     Make("1.0.0", {});
@@ -36,7 +25,6 @@ class RobotWithUpgrades : public ::testing::Test {
         Musher({"ota", "init", root_, "--from", Bundle("1.0.0"), "--key", folder_ / "key.pub"});
     EXPECT_EQ(init.exit, 0) << init.err;
   }
-  ~RobotWithUpgrades() override { KillChildren(); }
 
   // What differs from a version that is all right.
   struct Version {
@@ -74,43 +62,11 @@ class RobotWithUpgrades : public ::testing::Test {
 
   std::string Bundle(const std::string& version) const { return folder_ / version; }
 
-  static std::vector<std::string> Command(std::vector<std::string> words) {
-    words.insert(words.begin(), BinDir() + "/musher");
-    return words;
-  }
-  static Ended Musher(std::vector<std::string> words) {
-    return RunToEnd(Command(std::move(words)));
-  }
   Ended Install(const std::string& version) const {
     return Musher({"ota", "install", Bundle(version)});
   }
-  // Up, and stage 2, too, has come as far as the machine is: a switch is refused while an actuator
-  // is still on its way.
-  Ended UpDetached() const {
-    Ended up = Musher({"up", root_, "--detach"});
-    if (up.exit == 0) AwaitArrival();
-    return up;
-  }
-
-  static nlohmann::json Json(const std::string& text) {
-    auto json = nlohmann::json::parse(text, nullptr, false);
-    EXPECT_FALSE(json.is_discarded()) << text;
-    return json;
-  }
-  // The machine's status; null when there is no controller.
-  static nlohmann::json Status() {
-    const Ended status = Musher({"status", "--json"});
-    return status.exit == 0 ? Json(status.out) : nlohmann::json();
-  }
-  // Until every actuator is at rest in the machine's state.
-  static void AwaitArrival() {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    auto status = Status();
-    while (!status.is_object() || !AllHaveArrived(status)) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << status;
-      status = Status();
-    }
-  }
+  // See testing::UpDetached().
+  Ended UpDetached() const { return testing::UpDetached(root_); }
   static nlohmann::json Versions() { return Json(Musher({"ota", "status", "--json"}).out); }
   static std::string History() { return Musher({"history"}).out; }
 
@@ -123,8 +79,6 @@ class RobotWithUpgrades : public ::testing::Test {
     return std::string(status["state"]) + " from " + file.substr(slot + 7, 1);
   }
 
-  const TempFolder folder_;
-  const std::string name_space_ = "test_" + std::to_string(getpid());
   const std::string root_ = folder_ / "robot";
 
  private:

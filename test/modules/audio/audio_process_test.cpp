@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -20,6 +18,7 @@
 #include "musher/modules/audio/sound_file.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
 #include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/transport/clock.hpp"
 
 namespace musher::audio::audio_process_test {
@@ -246,42 +245,29 @@ TEST_F(AudioManagerProcess, ReportsAnInvalidFileAndExitsWithTwo) {
   EXPECT_THAT(peer_.Output(), HasSubstr("audio.toml:1:10: error: output"));
 }
 
-// The output of a program and how it exited.
-struct Ran {
-  int exit = -1;
-  std::string output;  // both streams
-};
-
-Ran RunTool(const std::string& arguments) {
-  FILE* pipe =  // NOLINTNEXTLINE(cert-env33-c)
-      popen((BinDir() + "/musher-audio " + arguments + " 2>&1").c_str(), "r");
-  Ran ran;
-  std::array<char, 4096> chunk{};
-  while (const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), pipe)) {
-    ran.output.append(chunk.data(), size);
-  }
-  ran.exit = WEXITSTATUS(pclose(pipe));
-  return ran;
+// Its errors are in its output.
+testing::Ended RunTool(const std::string& arguments) {
+  return testing::RunToEnd({"sh", "-c", BinDir() + "/musher-audio " + arguments + " 2>&1"});
 }
 
 TEST_F(AudioManagerProcess, IsControlledByTheTool) {
   Start(kWav);
-  const Ran loud = RunTool("volume 20");
-  EXPECT_EQ(loud.exit, 0) << loud.output;
-  EXPECT_EQ(loud.output, "volume 20 %\n");
-  EXPECT_THAT(RunTool("--json volume").output, HasSubstr("\"volume\": 20"));
-  const Ran spoken = RunTool("say One");
+  const testing::Ended loud = RunTool("volume 20");
+  EXPECT_EQ(loud.exit, 0) << loud.out;
+  EXPECT_EQ(loud.out, "volume 20 %\n");
+  EXPECT_THAT(RunTool("--json volume").out, HasSubstr("\"volume\": 20"));
+  const testing::Ended spoken = RunTool("say One");
   EXPECT_EQ(spoken.exit, 0);
-  EXPECT_EQ(spoken.output, "played to the end\n");
-  const Ran played = RunTool("play 1055 --json");
+  EXPECT_EQ(spoken.out, "played to the end\n");
+  const testing::Ended played = RunTool("play 1055 --json");
   EXPECT_EQ(played.exit, 0);
-  EXPECT_THAT(played.output, HasSubstr("\"status\": 0"));
-  const Ran unknown = RunTool("play 4711");
+  EXPECT_THAT(played.out, HasSubstr("\"status\": 0"));
+  const testing::Ended unknown = RunTool("play 4711");
   EXPECT_EQ(unknown.exit, 1);
-  EXPECT_EQ(unknown.output, "musher-audio: unknown phrase number (5023)\n");
+  EXPECT_EQ(unknown.out, "musher-audio: unknown phrase number (5023)\n");
   EXPECT_EQ(RunTool("say '早上好' --now").exit, 0);
   ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
-  EXPECT_EQ(RunTool("stop").output, "silent\n");
+  EXPECT_EQ(RunTool("stop").out, "silent\n");
   EXPECT_TRUE(peer_.Until([this] { return !sounds_; }));
 }
 
@@ -293,9 +279,9 @@ TEST_F(AudioManagerProcess, ARequestOfTheToolIsForTheModuleAndNotForAnotherReade
       peer_.node(), "speech_play_extend",
       [&](const msg::AudioPlayExtend&, const transport::SampleInfo&) { ++recorded; });
   ASSERT_TRUE(recorder);
-  const Ran ran = RunTool("say One --now");
+  const testing::Ended ran = RunTool("say One --now");
   EXPECT_EQ(ran.exit, 1);
-  EXPECT_THAT(ran.output, HasSubstr("no audio module"));
+  EXPECT_THAT(ran.out, HasSubstr("no audio module"));
   peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
   EXPECT_EQ(recorded, 0);
 }
@@ -304,30 +290,30 @@ TEST(AudioTool, ReportsACommandLineError) {
   for (const std::string wrong :
        {"", "sing", "say", "play", "play hello", "play 70000", "volume 101", "volume -1",
         "volume loud", "stop now", "say One --clock sun"}) {
-    const Ran ran = RunTool(wrong);
+    const testing::Ended ran = RunTool(wrong);
     EXPECT_EQ(ran.exit, 2) << wrong;
-    EXPECT_THAT(ran.output, HasSubstr("musher-audio: ")) << wrong;
+    EXPECT_THAT(ran.out, HasSubstr("musher-audio: ")) << wrong;
   }
 }
 
 TEST(AudioTool, ListsThePhrases) {
-  const Ran text = RunTool("phrases");
+  const testing::Ended text = RunTool("phrases");
   EXPECT_EQ(text.exit, 0);
-  EXPECT_THAT(text.output, HasSubstr("1000 to 1100  The battery is at {number} percent."));
-  const Ran json = RunTool("phrases --json");
-  EXPECT_THAT(json.output, HasSubstr("\"zh\": \"准备好了。\""));
-  const Ran absent = RunTool("phrases --phrases /absent.toml");
+  EXPECT_THAT(text.out, HasSubstr("1000 to 1100  The battery is at {number} percent."));
+  const testing::Ended json = RunTool("phrases --json");
+  EXPECT_THAT(json.out, HasSubstr("\"zh\": \"准备好了。\""));
+  const testing::Ended absent = RunTool("phrases --phrases /absent.toml");
   EXPECT_EQ(absent.exit, 2);
-  EXPECT_THAT(absent.output, HasSubstr("/absent.toml: error: the file cannot be read"));
+  EXPECT_THAT(absent.out, HasSubstr("/absent.toml: error: the file cannot be read"));
 }
 
 TEST(AudioTool, ReportsThatThereIsNoAudioModule) {
   for (const std::string command : {"say One", "say One --now"}) {
-    const Ran ran = RunTool("--namespace nowhere_at_all " + command);
+    const testing::Ended ran = RunTool("--namespace nowhere_at_all " + command);
     EXPECT_EQ(ran.exit, 1) << command;
-    EXPECT_THAT(ran.output, HasSubstr("no audio module in namespace 'nowhere_at_all'"));
+    EXPECT_THAT(ran.out, HasSubstr("no audio module in namespace 'nowhere_at_all'"));
   }
-  EXPECT_THAT(RunTool("--clock topic --namespace nowhere_at_all stop").output,
+  EXPECT_THAT(RunTool("--clock topic --namespace nowhere_at_all stop").out,
               HasSubstr("no publisher of /clock"));
 }
 

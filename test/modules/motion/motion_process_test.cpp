@@ -18,21 +18,21 @@ constexpr int kLying = 7;
 TEST(MotionProcess, StandsWalksASquareAndLiesDownForLowPower) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
-  const Ran stand = RunProgram("musher-motion", {"result", "111"});
-  EXPECT_EQ(stand.exit, 0) << stand.output;
-  EXPECT_THAT(stand.output, HasSubstr("motion 111 (RECOVERYSTAND) is done"));
+  const Ended stand = RunProgram("musher-motion", {"result", "111"});
+  EXPECT_EQ(stand.exit, 0) << stand.out;
+  EXPECT_THAT(stand.out, HasSubstr("motion 111 (RECOVERYSTAND) is done"));
 
-  const Ran walk = RunProgram("musher-motion", {"walk", "--square", "0.1", "--speed", "0.5"});
-  EXPECT_EQ(walk.exit, 0) << walk.output;
-  EXPECT_THAT(walk.output, HasSubstr("walked a square of 0.10 m"));
+  const Ended walk = RunProgram("musher-motion", {"walk", "--square", "0.1", "--speed", "0.5"});
+  EXPECT_EQ(walk.exit, 0) << walk.out;
+  EXPECT_THAT(walk.out, HasSubstr("walked a square of 0.10 m"));
   EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }))
       << "it stands at the end";
 
   EXPECT_TRUE(robot.controller().Switch("LowPower").done());
   robot.OnBoard([](TopicBoard& board) { EXPECT_EQ(board.board.report.mode, kLying); });
-  const Ran flip = RunProgram("musher-motion", {"result", "121"});
+  const Ended flip = RunProgram("musher-motion", {"result", "121"});
   EXPECT_EQ(flip.exit, 1);
-  EXPECT_THAT(flip.output, HasSubstr("(3003)"));
+  EXPECT_THAT(flip.out, HasSubstr("(3003)"));
   EXPECT_TRUE(robot.controller().Switch("Active").done());
   robot.OnBoard([](TopicBoard& board) {
     EXPECT_EQ(board.board.report.mode, kLying) << "nothing moves by itself";
@@ -45,8 +45,8 @@ TEST(MotionProcess, WalksInProtectedButDoesNoFlip) {
   ASSERT_TRUE(robot.BringUp());
   ASSERT_TRUE(robot.controller().Switch("Protected").done());
   EXPECT_EQ(robot.RequestMotion(121), (msg::MotionResultCmd::Response{121, false, 3013}));
-  const Ran walk = RunProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "0.3"});
-  EXPECT_EQ(walk.exit, 0) << walk.output;
+  const Ended walk = RunProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "0.3"});
+  EXPECT_EQ(walk.exit, 0) << walk.out;
   EXPECT_TRUE(robot.AwaitLog("motion 121 of App is refused"));
 }
 
@@ -80,10 +80,9 @@ TEST(MotionProcess, FailsItsSelfCheckWith3009WhenAMotorHasAnError) {
 TEST(MotionProcess, StopsTheBodyWhenTheStreamerCrashes) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
-  const pid_t streamer =
-      StartProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "600"});
+  Process streamer({BinDir() + "/musher-motion", "servo", "--vx", "0.3", "--seconds", "600"});
   EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.vel[0] > 0.2F; }));
-  End(streamer, SIGKILL);
+  streamer.Signal(SIGKILL);
   EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }));
   EXPECT_TRUE(robot.AwaitLog("no frame for 200 ms"));
 }
@@ -92,22 +91,22 @@ TEST(MotionProcess, StopsTheBodyWhenTheStreamerIsInterrupted) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
   robot.SubscribeToFrames();
-  const pid_t streamer =
-      StartProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "600"});
+  Process streamer({BinDir() + "/musher-motion", "servo", "--vx", "0.3", "--seconds", "600"});
   EXPECT_TRUE(robot.AwaitFrame(msg::MotionServoCmd::kData));
   EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.vel[0] > 0.2F; }));
-  EXPECT_EQ(End(streamer, SIGINT), 130);
+  streamer.Signal(SIGINT);
+  EXPECT_EQ(streamer.Wait().exit, 130);
   EXPECT_TRUE(robot.AwaitFrame(msg::MotionServoCmd::kEnd)) << "the watchdog is not needed";
   EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }));
 }
 
 TEST(MotionProcess, ReportsThePlacesOfErrorsInAFile) {
   TempFolder folder;
-  const Ran ran = RunProgram("musher-motion-manager",
-                             {"--actuator", "motion_manager", "--config",
-                              SourceDir() + "/config/cyberdog.toml", folder / "absent.toml"});
+  const Ended ran = RunProgram("musher-motion-manager",
+                               {"--actuator", "motion_manager", "--config",
+                                SourceDir() + "/config/cyberdog.toml", folder / "absent.toml"});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.output, HasSubstr("absent.toml: error: the file cannot be read"));
+  EXPECT_THAT(ran.out, HasSubstr("absent.toml: error: the file cannot be read"));
 }
 
 TEST(MotionTool, ReportsACommandLineError) {
@@ -120,26 +119,26 @@ TEST(MotionTool, ReportsACommandLineError) {
                                                 {"servo", "--vx", "inf"},
                                                 {"result", "111", "--source", "unknown"},
                                                 {"status", "--clock", "sun"}}) {
-    const Ran ran = RunProgram("musher-motion", wrong);
-    EXPECT_EQ(ran.exit, 2) << ran.output;
-    EXPECT_THAT(ran.output, HasSubstr("musher-motion: "));
+    const Ended ran = RunProgram("musher-motion", wrong);
+    EXPECT_EQ(ran.exit, 2) << ran.out;
+    EXPECT_THAT(ran.out, HasSubstr("musher-motion: "));
   }
 }
 
 TEST(MotionTool, ListsTheTable) {
-  const Ran text = RunProgram("musher-motion", {"list"});
+  const Ended text = RunProgram("musher-motion", {"list"});
   EXPECT_EQ(text.exit, 0);
-  EXPECT_THAT(text.output, HasSubstr("121  BACK_FLIP"));
-  const Ran json = RunProgram("musher-motion", {"list", "--json"});
-  EXPECT_THAT(json.output, HasSubstr("\"WALK_USERTROT\""));
+  EXPECT_THAT(text.out, HasSubstr("121  BACK_FLIP"));
+  const Ended json = RunProgram("musher-motion", {"list", "--json"});
+  EXPECT_THAT(json.out, HasSubstr("\"WALK_USERTROT\""));
 }
 
 TEST(MotionTool, ReportsThatThereIsNoMotionManager) {
   const std::string domain = std::to_string(transport::TestDomain());
-  const Ran ran =
+  const Ended ran =
       RunProgram("musher-motion", {"--namespace", "nowhere_at_all", "--domain", domain, "status"});
   EXPECT_EQ(ran.exit, 1);
-  EXPECT_THAT(ran.output, HasSubstr("no motion manager in namespace 'nowhere_at_all'"));
+  EXPECT_THAT(ran.out, HasSubstr("no motion manager in namespace 'nowhere_at_all'"));
 }
 
 }  // namespace musher::motion::testing::motion_process_test

@@ -1,12 +1,5 @@
 #include "musher/test/modules/motion/robot_rig.hpp"
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <array>
-#include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -32,35 +25,10 @@ void Write(const std::string& file, const std::string& text) {
 
 }  // namespace
 
-Ran RunProgram(const std::string& name, const std::vector<std::string>& arguments) {
-  std::string line = BinDir() + "/" + name;
+Ended RunProgram(const std::string& name, const std::vector<std::string>& arguments) {
+  std::string line = "exec " + BinDir() + "/" + name;
   for (const std::string& argument : arguments) line += " '" + argument + "'";
-  FILE* pipe = popen((line + " 2>&1").c_str(), "r");  // NOLINT(cert-env33-c)
-  Ran ran;
-  std::array<char, 4096> chunk{};
-  while (const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), pipe)) {
-    ran.output.append(chunk.data(), size);
-  }
-  ran.exit = WEXITSTATUS(pclose(pipe));
-  return ran;
-}
-
-pid_t StartProgram(const std::string& name, const std::vector<std::string>& arguments) {
-  std::string path = BinDir() + "/" + name;
-  std::vector<std::string> words = arguments;
-  std::vector<char*> argv = {path.data()};
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  pid_t pid = 0;
-  if (posix_spawn(&pid, path.c_str(), nullptr, nullptr, argv.data(), environ) != 0) std::abort();
-  return pid;
-}
-
-int End(pid_t pid, int signal) {
-  kill(pid, signal);
-  int status = 0;
-  waitpid(pid, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  return RunToEnd({"sh", "-c", line + " 2>&1"});
 }
 
 RobotRig::RobotRig() {

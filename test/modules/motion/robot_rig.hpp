@@ -14,25 +14,19 @@
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/test/modules/motion/topic_board.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::motion::testing {
 
-// The output of a program and how it exited.
-struct Ran {
-  int exit = -1;
-  std::string output;  // both streams
-};
+using musher::testing::Ended;
+using musher::testing::Process;
+using musher::testing::RunToEnd;
 
-// Runs a program of this build with these arguments, to its end.
-Ran RunProgram(const std::string& name, const std::vector<std::string>& arguments);
-
-// Starts it and does not wait.
-pid_t StartProgram(const std::string& name, const std::vector<std::string>& arguments);
-// Ends it by this signal; its exit code, or minus the signal.
-int End(pid_t pid, int signal);
+// Runs a program of this build with these arguments, to its end. Its errors are in its output.
+Ended RunProgram(const std::string& name, const std::vector<std::string>& arguments);
 
 class RobotRig {
  public:

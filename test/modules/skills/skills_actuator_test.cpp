@@ -110,13 +110,11 @@ class ASkillsActuator : public ::testing::Test {
   }
   template <class Condition>
   void Await(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    bool met = false;
-    while (!met) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    ASSERT_TRUE(testing::Until([&] {
+      bool met = false;
       Loop([&] { met = condition(); });
-      std::this_thread::yield();
-    }
+      return met;
+    }));
   }
   // Runs `go`, and waits until the robot is commanded to move.
   void BeginMoving() {

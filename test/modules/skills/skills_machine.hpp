@@ -3,15 +3,16 @@
 // of config/, which a test may change before Up().
 
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/musher.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -53,8 +54,7 @@ class SkillsMachine : public ::testing::Test {
   // Nothing that the test started outlives it.
   ~SkillsMachine() override {
     static_cast<void>(Musher({"down", "--timeout", "10"}));
-    for (const pid_t pid : testing::Children()) kill(pid, SIGKILL);
-    testing::AwaitNoChildren();
+    testing::KillChildren();
   }
 
   std::string Config() const { return folder_ / "machine.toml"; }
@@ -63,8 +63,7 @@ class SkillsMachine : public ::testing::Test {
     ASSERT_EQ(up.exit, 0) << up.out << up.err;
   }
   static testing::Ended Musher(std::vector<std::string> words) {
-    words.insert(words.begin(), BinDir() + "/musher");
-    return testing::RunToEnd(words);
+    return testing::Musher(std::move(words));
   }
   // `musher skill run` with these words, within a minute.
   static testing::Ended Skill(std::vector<std::string> words) {

@@ -66,11 +66,11 @@ class AnEngine : public ::testing::Test {
       client_->Call(request, std::chrono::seconds(20),
                     [&](const auto& reply) { response = reply.value(); });
     });
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    for (bool there = false; !there && std::chrono::steady_clock::now() < deadline;) {
+    testing::Until([&] {
+      bool there = false;
       harness_.node().RunOnLoop([&] { there = response.has_value(); });
-      std::this_thread::yield();
-    }
+      return there;
+    });
     return *response;
   }
   std::string StateOf(const std::string& program) {
@@ -81,11 +81,11 @@ class AnEngine : public ::testing::Test {
     return "none";
   }
   void AwaitState(const std::string& program, const std::string& state) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (StateOf(program) != state) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << StateOf(program);
+    ASSERT_TRUE(testing::Until([&] {
+      if (StateOf(program) == state) return true;
       harness_.Tick(engine_, 1);
-    }
+      return false;
+    })) << StateOf(program);
   }
 
   testing::Harness harness_;
