@@ -184,7 +184,7 @@ Identity IdentityOf(const Model& model, const World& w) {
     actuators.push_back(own);
   }
   std::sort(actuators.begin(), actuators.end());
-  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
+  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.disk.epoch, w.at_start,
             w.stopped, w.stop_seen_due, w.released, w.repeat);
   mixer.Add(m.phase, m.start_up.by_hand, m.state, m.epoch, m.number, m.start_up.set_up,
             m.start_up.stage, m.fallback.target, m.emergency.stop.has_value(),

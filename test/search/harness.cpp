@@ -9,18 +9,9 @@
 namespace musher::search {
 namespace {
 
-// How far each actuator's clock is ahead of its stamps, which differ while time stands still.
+// How far each actuator's clock is ahead of its stamps.
 constexpr Duration kClockAhead = Milliseconds(1);
 constexpr StopId kStopId = 5;
-
-// The token of a request holds its number, its kind and its sender.
-RequestToken TokenOf(CommandNumber number, bool query, Sender sender) {
-  return RequestToken(number.value() << 8 | static_cast<std::uint64_t>(query) << 7 |
-                      sender.value());
-}
-Sender SenderOf(RequestToken token) {
-  return Sender(token.value() & 127);
-}
 
 }  // namespace
 
@@ -33,44 +24,26 @@ void Harness::Log(const std::string& sentence) {
   if (notes_.log) notes_.scenario.push_back(sentence);
 }
 
-ActuatorReport Harness::Report(ActuatorIndex i) {
-  SimActuator& actuator = world_.actuators[i];
-  ActuatorReport report = actuator.core.report;
-  report.stamp = world_.now + Duration(++actuator.reports);
-  return report;
-}
-
-// Events are handled one after the other, as in the controller's shell.
-void Harness::Feed(const Event& event) {
-  queue_.push_back(event);
-  if (handling_) return;
-  handling_ = true;
-  while (!queue_.empty()) {
-    const Event next = std::move(queue_.front());
-    queue_.pop_front();
-    Machine& machine = world_.machine;
-    // The controller has ended, or is about to and can only refuse.
-    const bool requested = std::holds_alternative<event::SetStateRequested>(next);
-    if (machine.phase == Phase::kStopped && !requested) continue;
-    const bool starting = machine.current && machine.current->purpose == Purpose::kStartUpActivate;
-    const Before before{machine.state, machine.phase, machine.emergency.stop.has_value(), starting};
-    const auto actions = model_.rules.controller(config_, machine, next, world_.now);
-    for (const Action& action : actions) Apply(action);
-    CheckStep(model_, world_, before, notes_);
+void Harness::StepController(const Event& event) {
+  Machine& machine = world_.machine;
+  // The controller has ended, or is about to and can only refuse.
+  const bool requested = std::holds_alternative<event::SetStateRequested>(event);
+  if (machine.phase == Phase::kStopped && !requested) return;
+  const bool starting = machine.current && machine.current->purpose == Purpose::kStartUpActivate;
+  const Before before{machine.state, machine.phase, machine.emergency.stop.has_value(), starting};
+  const auto actions = model_.rules.controller(config_, machine, event, world_.now);
+  for (const Action& action : actions) {
+    const auto* send = std::get_if<action::SendSwitch>(&action);
+    if (send != nullptr) CheckCommand(model_, world_, *send, notes_);
+    Apply(action);
   }
-  handling_ = false;
+  CheckStep(model_, world_, before, notes_);
 }
 
 void Harness::RequestSwitch(const State& target) {
   world_.requests.push_back({target});
   Log("a caller requests " + target);
   Feed(event::SetStateRequested{RequestId(world_.requests.size()), target, std::nullopt});
-}
-
-void Harness::BeginController(bool by_hand) {
-  PerActuator<bool> running;
-  for (const SimActuator& actuator : world_.actuators) running.push_back(actuator.alive);
-  Feed(event::Begin{by_hand, world_.epoch_on_disk, running, "here", world_.stops_on_disk});
 }
 
 void Harness::RestartController() {
@@ -80,7 +53,7 @@ void Harness::RestartController() {
   w.machine = MakeMachine(config_);
   w.outbox.clear();
   for (Request& request : w.requests) request.abandoned |= request.replies == 0;
-  w.stop_seen_due = w.stopped && !w.released && w.stops_on_disk.engaged.empty();
+  w.stop_seen_due = w.stopped && !w.released && w.disk.stops.engaged.empty();
   for (SimActuator& actuator : w.actuators) {
     actuator.replies.clear();
     actuator.end.reset();
@@ -104,12 +77,7 @@ void Harness::FeedStatus(ActuatorIndex i) {
 
 void Harness::FeedEnd(ActuatorIndex i) {
   const bool clean = *std::exchange(world_.actuators[i].end, std::nullopt);
-  const std::int32_t pid = world_.actuators[i].core.report.pid;
-  const std::string how = clean ? "exit code 0" : "killed";
-  if (world_.machine.actuators[i].process.pid == pid) {
-    return Feed(event::ProcessEnded{i, pid, clean, how});
-  }
-  Feed(event::Vanished{i, Incarnation(static_cast<std::uint64_t>(pid)), true, "its process ended"});
+  FeedExit({i, world_.actuators[i].pid(), clean, clean ? "exit code 0" : "killed"});
 }
 
 void Harness::StartActuator(ActuatorIndex i) {
@@ -118,32 +86,16 @@ void Harness::StartActuator(ActuatorIndex i) {
   next.late = std::move(actuator.late);
   next.processes = actuator.processes + 1;
   actuator = std::move(next);
-  actuator.alive = true;
-  actuator.core.report.pid = actuator.processes;
-  actuator.core.report.incarnation =
-      Incarnation(static_cast<std::uint64_t>(actuator.core.report.pid));
-  actuator.core.report.host = "here";
+  actuator.Launch(actuator.processes);
   StepActuator(i, actuator_event::Started{});
   if (world_.stopped && !world_.released) ReceiveStop(i);  // its topic is latched
 }
 
-// A process that has ended, or is not set up, receives nothing.
-void Harness::Deliver(const Message& message, bool held_back, bool introduced) {
-  const SimActuator& actuator = world_.actuators[message.to];
-  if (!actuator.alive || !actuator.visible) return;
-  if (introduced) {
-    StepActuator(message.to,
-                 actuator_event::ControllerHeartbeatReceived{message.sender, message.epoch});
-  }
-  if (const auto* command = std::get_if<SwitchCommand>(&message.what)) {
-    const RequestToken token = TokenOf(command->number, false, message.sender);
-    StepActuator(message.to, actuator_event::SwitchArrived{token, *command, message.sender},
-                 held_back);
-  } else {
-    const QueryCommand& query = std::get<QueryCommand>(message.what);
-    const RequestToken token = TokenOf(query.number, true, message.sender);
-    StepActuator(message.to, actuator_event::QueryArrived{token, query, message.sender});
-  }
+void Harness::DeliverLate(const Message& message) {
+  Work& work = world_.actuators[message.to].work;
+  const Work before = work;
+  Deliver(message);
+  if (before == Work::kNone && work == Work::kRunning) work = Work::kOverdue;
 }
 
 // The end of a callback switches the output on, towards a state that is as active or more, or off;
@@ -185,7 +137,7 @@ void Harness::EngageStop(std::optional<ActuatorIndex> except) {
   }
 }
 
-void Harness::StepActuator(ActuatorIndex i, const ActuatorEvent& event, bool held_back) {
+void Harness::StepActuator(ActuatorIndex i, const ActuatorEvent& event) {
   SimActuator& actuator = world_.actuators[i];
   if (!actuator.alive) return;
   // Of the command that this event may begin.
@@ -200,7 +152,7 @@ void Harness::StepActuator(ActuatorIndex i, const ActuatorEvent& event, bool hel
       const CommandNumber number = actuator.core.report.busy_number;
       CheckBegin(model_, world_, i, run->target, epoch, number, notes_);
       actuator.begun = std::max(actuator.begun, number);
-      actuator.work = held_back ? Work::kOverdue : Work::kRunning;
+      actuator.work = Work::kRunning;
       actuator.stop_requested = false;
     }
     if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
@@ -211,57 +163,66 @@ void Harness::StepActuator(ActuatorIndex i, const ActuatorEvent& event, bool hel
         actuator.queried = std::max(actuator.queried, query->command.number);
       }
     }
-    Apply(i, action);
+    Do(i, action);
   }
   CheckStopped(model_, world_, i, before, notes_);
 }
 
-void Harness::Apply(ActuatorIndex i, const ActuatorAction& action) {
+// The token of a request holds its number, its kind and its sender.
+RequestToken Harness::TokenOf(Sender sender, CommandNumber number, bool query) {
+  return RequestToken(number.value() << 8 | static_cast<std::uint64_t>(query) << 7 |
+                      sender.value());
+}
+
+void Harness::Save(Stored what, SaveNumber save, std::function<void(testing::Disk&)> write) {
+  write(world_.disk);
+  Feed(event::SaveEnded{what, save, true, {}});
+}
+
+void Harness::Do(ActuatorIndex i, const ActuatorAction& action) {
   SimActuator& actuator = world_.actuators[i];
-  if (std::holds_alternative<actuator_action::RunEmergencyStop>(action)) actuator.energised = false;
   if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
     Log("  " + Name(i) + " begins " + run->target);
   } else if (std::holds_alternative<actuator_action::RequestStop>(action)) {
     actuator.stop_requested = true;
   } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
-    if (SenderOf(answer->token) != Controller()) return;  // its caller has ended
-    actuator.replies.push_back({i, CommandNumber(answer->token.value() >> 8),
-                                (answer->token.value() >> 7 & 1) != 0, answer->verdict,
-                                answer->code, answer->message, Report(i)});
-  } else if (std::holds_alternative<actuator_action::PublishStatus>(action) ||
-             std::holds_alternative<actuator_action::RunEmergencyStop>(action)) {
-    actuator.status_due = true;
+    const std::uint64_t token = answer->token.value();
+    if (Sender(token & 127) != world_.sender()) return;  // its caller has ended
+    actuator.replies.push_back({i, CommandNumber(token >> 8), (token >> 7 & 1) != 0,
+                                answer->verdict, answer->code, answer->message, Report(i)});
   } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
     actuator.visible = true;
+  } else if (std::holds_alternative<actuator_action::RunEmergencyStop>(action)) {
+    actuator.energised = false;
+    actuator.status_due = true;
+  } else if (std::holds_alternative<actuator_action::PublishStatus>(action)) {
+    actuator.status_due = true;
   } else if (const auto* finish = std::get_if<actuator_action::Finish>(&action)) {
     EndProcess(i, finish->code == kCodeOk);
   }
 }
 
-void Harness::Send(ActuatorIndex i, std::variant<SwitchCommand, QueryCommand> what) {
-  world_.outbox.push_back({i, Controller(), world_.machine.epoch, std::move(what)});
+// An actuator that receives the stop late receives all of it late.
+void Harness::PublishToActuators(bool engaged) {
+  const auto of_stop = [](const Late& late) { return std::holds_alternative<StopMessage>(late); };
+  for (const ActuatorIndex i : kIndices) {
+    const auto& late = world_.actuators[i].late;
+    if (!engaged) {
+      StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, world_.sender()});
+    } else if (std::none_of(late.begin(), late.end(), of_stop)) {
+      ReceiveStop(i);
+    }
+  }
 }
 
-void Harness::Apply(const Action& action) {
+void Harness::Do(const Action& action) {
   World& w = world_;
-  if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
-    CheckCommand(model_, w, *send, notes_);
-    Send(send->actuator, send->command);
-  } else if (const auto* query = std::get_if<action::SendQuery>(&action)) {
-    Send(query->actuator, query->command);
-  } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
+  if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     StartActuator(start->actuator);
-    Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].core.report.pid});
-  } else if (std::holds_alternative<action::FindProcesses>(action)) {
-    event::ProcessesFound found;
-    for (const SimActuator& actuator : w.actuators) {
-      found.processes.push_back(actuator.alive ? actuator.core.report.pid : 0);
-    }
-    Feed(found);
+    Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].pid()});
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     const SimActuator& actuator = w.actuators[signal->actuator];
-    if (actuator.alive && actuator.core.report.pid == signal->pid)
-      EndProcess(signal->actuator, false);
+    if (actuator.alive && actuator.pid() == signal->pid) EndProcess(signal->actuator, false);
   } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
     CheckAnswer(model_, w, *answer, notes_);
     const bool switched = answer->result.outcome == SwitchOutcome::kDone ||
@@ -272,28 +233,7 @@ void Harness::Apply(const Action& action) {
     Log("  request " + ToString(answer->request) + " gets: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
   } else if (const auto* publish = std::get_if<action::PublishEmergencyStop>(&action)) {
-    for (const ActuatorIndex i : kIndices) {
-      if (!publish->engaged) {
-        StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, Controller()});
-        continue;
-      }
-      // An actuator that receives the stop late receives all of it late.
-      const auto& late = w.actuators[i].late;
-      const bool later = std::any_of(late.begin(), late.end(), [](const Late& l) {
-        return std::holds_alternative<StopMessage>(l);
-      });
-      if (!later) ReceiveStop(i);
-    }
-  } else if (const auto* stops = std::get_if<action::SaveEmergencyStops>(&action)) {
-    w.stops_on_disk = stops->stops;
-    Feed(event::SaveEnded{Stored::kEmergencyStops, stops->save, true, {}});
-  } else if (const auto* saved = std::get_if<action::SaveEpoch>(&action)) {
-    w.epoch_on_disk = saved->epoch;
-    Feed(event::SaveEnded{Stored::kEpoch, saved->save, true, {}});
-  } else if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
-    Feed(event::SaveEnded{Stored::kStopIntent, intent->save, true, {}});
-  } else if (const auto* remote = std::get_if<action::SaveRemoteActuators>(&action)) {
-    Feed(event::SaveEnded{Stored::kRemoteActuators, remote->save, true, {}});
+    PublishToActuators(publish->engaged);
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
     if (notes_.log) Log("  " + record->message);
   }

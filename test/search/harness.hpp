@@ -1,7 +1,7 @@
 #pragma once
-// Connects the actions of the two decision codes in a World, as the shells do.
+// The fake robot of a World: what is sent waits there for a choice.
 
-#include <deque>
+#include <functional>
 #include <string>
 
 #include "musher/test/search/world.hpp"
@@ -10,31 +10,27 @@ namespace musher::search {
 
 bool FromActuator(const Late& late);
 
-class Harness {
+class Harness : public testing::FakeRobot {
  public:
   Harness(const Model& model, World& world, Notes& notes)
-      : model_(model), config_(model.config), world_(world), notes_(notes) {}
+      : FakeRobot(model.config, world), model_(model), world_(world), notes_(notes) {}
 
   // Events for the controller.
-  void Feed(const Event& event);
   void RequestSwitch(const State& target);
-  void BeginController(bool by_hand);
   void RestartController();
   void FeedReply(ActuatorIndex i);   // the first one under way
   void FeedStatus(ActuatorIndex i);  // with the actuator's present report
   void FeedEnd(ActuatorIndex i);     // of its process
 
-  // Events for actuators. `held_back`: the message is late, and its callback is overdue from the
-  // start.
+  // Events for actuators.
   void StartActuator(ActuatorIndex i);
-  void Deliver(const Message& message, bool held_back, bool introduced = true);
+  void DeliverLate(const Message& message);  // its callback is overdue from the start
   void EndCallback(ActuatorIndex i, std::int32_t code, const std::string& text);
   void ReceiveStop(ActuatorIndex i);
   void Crash(ActuatorIndex i);
   // All actuators but `except` receive it.
   void EngageStop(std::optional<ActuatorIndex> except = std::nullopt);
 
-  ActuatorReport Report(ActuatorIndex i);  // with a new stamp
   void Log(const std::string& sentence);
   std::string Name(ActuatorIndex i) const { return config_.actuators[i].name; }
   World& world() { return world_; }
@@ -42,19 +38,21 @@ class Harness {
   const State& Target() const { return model_.target; }
 
  private:
-  void StepActuator(ActuatorIndex i, const ActuatorEvent& event, bool held_back = false);
-  void Apply(ActuatorIndex i, const ActuatorAction& action);
-  void Apply(const Action& action);
-  void Send(ActuatorIndex i, std::variant<SwitchCommand, QueryCommand> what);
+  void StepController(const Event& event) override;
+  void StepActuator(ActuatorIndex i, const ActuatorEvent& event) override;
+  testing::FakeActuator& Actuator(ActuatorIndex i) override { return world_.actuators[i]; }
+  RequestToken TokenOf(Sender sender, CommandNumber number, bool query) override;
+  void Send(const Message& message) override { world_.outbox.push_back(message); }
+  void Save(Stored what, SaveNumber save, std::function<void(testing::Disk&)> write) override;
+  void Do(const Action& action) override;
+  void Do(ActuatorIndex i, const ActuatorAction& action);
+
+  void PublishToActuators(bool engaged);
   void EndProcess(ActuatorIndex i, bool clean);
-  Sender Controller() const { return Sender(world_.generation + 1); }
 
   const Model& model_;
-  const MachineConfig& config_;
   World& world_;
   Notes& notes_;
-  std::deque<Event> queue_;
-  bool handling_ = false;
 };
 
 }  // namespace musher::search

@@ -57,7 +57,7 @@ bool IsOver(const World& world, const SimActuator& actuator, const ActuatorRecor
 void Tidy(Harness& harness) {
   World& world = harness.world();
   if (world.faults_left == 0) {
-    for (const Message& message : std::exchange(world.outbox, {})) harness.Deliver(message, false);
+    for (const Message& message : std::exchange(world.outbox, {})) harness.Deliver(message);
   }
   const bool stopped = world.machine.phase == Phase::kStopped;
   for (const ActuatorIndex i : kIndices) {
@@ -169,7 +169,7 @@ class Making {
     const Late late = actuator().late[choice_.index];
     actuator().late.erase(actuator().late.begin() + choice_.index);
     harness_.Log("a delayed message arrives: " + Text(late));
-    if (const auto* message = std::get_if<Message>(&late)) return harness_.Deliver(*message, true);
+    if (const auto* message = std::get_if<Message>(&late)) return harness_.DeliverLate(*message);
     if (const auto* reply = std::get_if<event::Replied>(&late)) return harness_.Feed(*reply);
     if (const auto* seen = std::get_if<event::StatusSeen>(&late)) return harness_.Feed(*seen);
     harness_.ReceiveStop(i_);
@@ -206,13 +206,13 @@ class Making {
       case ChoiceKind::kDuplicate:
         actuator().late.emplace_back(message);
         harness_.Log("FAULT: duplicated: " + Text(message));
-        return harness_.Deliver(message, false);
+        return harness_.Deliver(message);
       case ChoiceKind::kUnannounced:
         harness_.Log("FAULT: before the controller was announced: " + Text(message));
-        return harness_.Deliver(message, false, false);
+        return harness_.Deliver(message, false);
       default:
         harness_.Log(Text(message));
-        return harness_.Deliver(message, false);
+        return harness_.Deliver(message);
     }
   }
 
@@ -316,7 +316,6 @@ Model::Model(MachineConfig machine, State wanted, Rules decisions)
 
 World NewWorld(const Model& model) {
   World world;
-  world.now = Time(std::chrono::hours(1));
   world.machine = MakeMachine(model.config);
   return world;
 }

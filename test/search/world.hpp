@@ -3,7 +3,7 @@
 // the messages between them. The search makes one Choice after the other; time is only the order of
 // the choices.
 //
-// What a World keeps beside the two decision codes:
+// What a World keeps beside the controller and its disk:
 //   outbox      commands and queries that the controller has not sent yet
 //   replies     under way to the controller, in order
 //   status_due  the latched status has changed and will be published, with its content by then
@@ -39,9 +39,8 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/actuator/actuator_core.hpp"
-#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/per_actuator.hpp"
+#include "musher/test/lifecycle/fake_robot.hpp"
 
 namespace musher::search {
 
@@ -63,30 +62,19 @@ class EachActuator {
   std::array<T, kActuators> values_{};
 };
 
-// A command or a query, from the controller that sent it.
-struct Message {
-  ActuatorIndex to = 0;
-  Sender sender = 0;
-  Epoch epoch = 0;
-  std::variant<SwitchCommand, QueryCommand> what;
-};
-
+using testing::Message;
 struct StopMessage {};
 
 using Late = std::variant<Message, event::Replied, event::StatusSeen, StopMessage>;
 
 enum class Work { kNone, kRunning, kOverdue };
 
-struct SimActuator {
-  bool alive = false;
-  bool visible = false;
+struct SimActuator : testing::FakeActuator {
   Work work = Work::kNone;
   bool stop_requested = false;  // of the running callback
   bool energised = false;       // its output: on at the end of an upward callback
   bool status_due = false;
-  std::int64_t reports = 0;
   std::int32_t processes = 0;  // also its pid: pids of different actuators are never compared
-  ActuatorCore core;
   std::vector<event::Replied> replies;
   std::optional<bool> end;  // of its process, cleanly or not, on its way to the controller
   std::vector<Late> late;
@@ -109,22 +97,17 @@ enum class Repeat : std::uint8_t {
   kDone,  // at least degraded; of the present controller
 };
 
-struct World {
-  Time now{};
+struct World : testing::FakeController {
   int faults = 0;  // that may happen in all
   int faults_left = 0;
-  Machine machine;
   EachActuator<SimActuator> actuators;
   std::vector<Message> outbox;
   std::vector<Request> requests;  // request n is the (n-1)th
   State from;                     // where the machine was before the first of them
-  std::uint64_t generation = 0;   // of the controller
-  Epoch epoch_on_disk = 0;
-  StoredStops stops_on_disk;
-  bool at_start = false;       // nothing has been requested yet
-  bool stopped = false;        // an emergency stop has been engaged
-  bool stop_seen_due = false;  // the controller has not received it
-  bool released = false;       // by a person
+  bool at_start = false;          // nothing has been requested yet
+  bool stopped = false;           // an emergency stop has been engaged
+  bool stop_seen_due = false;     // the controller has not received it
+  bool released = false;          // by a person
   Repeat repeat = Repeat::kNotYet;
 };
 

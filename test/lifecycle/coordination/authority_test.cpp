@@ -99,8 +99,7 @@ TEST_F(Authority, AFencedControllerChangesNothingAndRefusesEveryRequest) {
   EXPECT_EQ(t.calls.at(t.Release()).error().code, kCodePermissionDenied);
   t.Feed(event::SetUpAwaited{777});
   EXPECT_EQ(t.calls.at(777).error().code, kCodePermissionDenied);
-  EXPECT_FALSE(t.stops_on_disk.engaged.empty())
-      << "not released by a controller that does not lead";
+  EXPECT_FALSE(t.disk().stops.engaged.empty()) << "not released by a controller that does not lead";
 }
 
 TEST_F(Authority, AControllerReceivedBeforeItsEpochIsExceededLeads) {

@@ -36,7 +36,7 @@ TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoadAfterAStartThatAnEmergencyStop
   ActuatorNamed(config, "b").command = {"run", "b"};
   Harness t(config);
   t.On("b", "SetUp").takes = Milliseconds(90);
-  t.stops_on_disk.engaged = {{7, "a panel", ""}};
+  t.disk().stops.engaged = {{7, "a panel", ""}};
   t.Begin();
   t.Rest();
   ASSERT_EQ(t.machine().phase, Phase::kFailed);
@@ -53,7 +53,7 @@ TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoadAfterAStartThatAnEmergencyStop
 // The controller has crashed before the first command of its switch down.
 TEST_F(Rules, AStoredLevelDoesNotLowerTheMachineBeforeTheFirstSample) {
   Robot();
-  robot().policy_on_disk.lowering = Lowering{"Active", "Protected", robot().machine().epoch};
+  robot().disk().policy.lowering = Lowering{"Active", "Protected", robot().machine().epoch};
   robot().RestartController();
   robot().RunFor(std::chrono::seconds(2));
   EXPECT_EQ(state(), "Active");
@@ -93,7 +93,7 @@ TEST_F(Rules, AfterAFallbackTheBatteryDoesNotRaiseTheMachineToAStateOfAnEarlierC
   ActuatorNamed(config, "b").on_lost = "Protected";
   Robot("Active", config);
   Battery(3);
-  robot().policy_on_disk.lowering.value().from = "Dancing";
+  robot().disk().policy.lowering.value().from = "Dancing";
   robot().RestartController();
   robot().RunFor(std::chrono::seconds(5));
   robot().Crash("b");
@@ -200,7 +200,7 @@ TEST_F(Rules, AFallbackToWhereTheBatteryTookTheMachineEndsTheLowering) {
 
 TEST_F(Rules, AMachineWhoseStartHasFailedIsPoweredOffWhenTheBatteryIsEmpty) {
   Harness t(WithPolicy());
-  t.stops_on_disk.engaged = {{7, "a panel", ""}};
+  t.disk().stops.engaged = {{7, "a panel", ""}};
   t.Begin();
   t.Rest();
   ASSERT_EQ(t.machine().phase, Phase::kFailed);

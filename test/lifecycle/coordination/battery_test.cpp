@@ -274,7 +274,7 @@ TEST_F(BatteryRule, ARestartedControllerReportsWhyTheMachineWasTakenDown) {
 
 TEST_F(BatteryRule, ARestartedControllerWhoseConfigHasLostTheLowerStateBeginsWithTheUpperLevel) {
   Battery(10);
-  robot().policy_on_disk.lowering.value().to = "Sleeping";
+  robot().disk().policy.lowering.value().to = "Sleeping";
   robot().RestartController();
   robot().RunFor(std::chrono::seconds(5));
   Battery(6);

@@ -30,9 +30,9 @@ TEST_F(EmergencyStopped, IsPublishedToAllSavedAndChangesNoState) {
     EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kStop);
     EXPECT_EQ(t.StateOf(name), "Active");
   }
-  ASSERT_EQ(t.stops_on_disk.engaged.size(), 1U);
-  EXPECT_EQ(t.stops_on_disk.engaged[0].id, kStop);
-  EXPECT_EQ(t.stops_on_disk.engaged[0].by, "the test");
+  ASSERT_EQ(t.disk().stops.engaged.size(), 1U);
+  EXPECT_EQ(t.disk().stops.engaged[0].id, kStop);
+  EXPECT_EQ(t.disk().stops.engaged[0].by, "the test");
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_THAT(t.log(), IsEmpty());
 }
@@ -204,7 +204,7 @@ TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsNotHeld) {
 
 TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndReportsWhatToDo) {
   Harness t(Ours(2));
-  t.stops_on_disk.engaged = {{kStop, "operator", "smoke"}};
+  t.disk().stops.engaged = {{kStop, "operator", "smoke"}};
   t.Begin();
   t.Rest();
   EXPECT_EQ(t.machine().phase, Phase::kFailed);
@@ -257,7 +257,7 @@ TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   t.Rest();
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
   EXPECT_FALSE(t.machine().emergency.stop);
-  EXPECT_TRUE(t.stops_on_disk.engaged.empty());
+  EXPECT_TRUE(t.disk().stops.engaged.empty());
 }
 
 TEST_F(EmergencyStopped, AReleasedStopDoesNotComeBackByALateSample) {
@@ -337,7 +337,7 @@ TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
   Stop(t, kStop + 1);
   t.RestartController();
   t.Rest();
-  EXPECT_EQ(t.stops_on_disk.engaged.size(), 2U);
+  EXPECT_EQ(t.disk().stops.engaged.size(), 2U);
   EXPECT_TRUE(t.calls.at(t.Release()));
   t.Rest();
   for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
@@ -379,12 +379,12 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
 TEST_F(EmergencyStopped, SurvivesAControllerByItsActuators) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
-  t.stops_on_disk = {};
+  t.disk().stops = {};
   t.RestartController(/*lost_disk=*/true);
   t.Rest();
   ASSERT_TRUE(t.machine().emergency.stop);
   EXPECT_EQ(t.machine().emergency.stop->id, kStop);
-  EXPECT_FALSE(t.stops_on_disk.engaged.empty());
+  EXPECT_FALSE(t.disk().stops.engaged.empty());
 }
 
 TEST_F(EmergencyStopped, EngagedWithoutAControllerIsFoundByTheNext) {

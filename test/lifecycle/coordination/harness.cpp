@@ -33,26 +33,27 @@ ActuatorConfig& ActuatorNamed(MachineConfig& config, const std::string& name) {
 }
 
 Harness::Harness(MachineConfig config)
-    : config_(std::move(config)),
-      machine_(MakeMachine(config_)),
-      fakes_(config_.actuators.size()),
-      now_(std::chrono::hours(1)) {}
+    : FakeRobot(own_config_, own_controller_),
+      own_config_(std::move(config)),
+      fakes_(own_config_.actuators.size()) {
+  controller_.machine = MakeMachine(config_);
+}
 
 Behaviour& Harness::On(const std::string& actuator, const std::string& state) {
   return fakes_[Index(actuator)].script[state];
 }
 
 void Harness::After(Duration delay, std::function<void()> what) {
-  later_.emplace(now_ + delay, std::move(what));
+  later_.emplace(controller_.now + delay, std::move(what));
 }
 
 bool Harness::StepTime(Time limit) {
-  const auto deadline = NextDeadline(config_, machine_);
+  const auto deadline = NextDeadline(config_, machine());
   const bool timer_first = deadline && (later_.empty() || *deadline < later_.begin()->first);
   if (!timer_first && later_.empty()) return false;
   const Time next = timer_first ? *deadline : later_.begin()->first;
   if (next > limit) return false;
-  now_ = std::max(now_, next);
+  controller_.now = std::max(controller_.now, next);
   if (timer_first) {
     Feed(event::TimePassed{});
   } else {
@@ -64,70 +65,60 @@ bool Harness::StepTime(Time limit) {
 }
 
 void Harness::RunFor(Duration duration) {
-  const Time end = now_ + duration;
+  const Time end = controller_.now + duration;
   while (StepTime(end)) {
   }
-  now_ = end;
+  controller_.now = end;
 }
 
 void Harness::Rest(Duration limit) {
-  const Time end = now_ + limit;
+  const Time end = controller_.now + limit;
   while (StepTime(end)) {
   }
 }
 
 bool Harness::RunUntil(const std::function<bool()>& done) {
-  const Time end = now_ + std::chrono::hours(1);
+  const Time end = controller_.now + std::chrono::hours(1);
   while (!done()) {
     if (!StepTime(end)) return done();
   }
   return true;
 }
 
-void Harness::Feed(const Event& event) {
-  for (const Action& action : Step(config_, machine_, event, now_)) Do(action);
-  CheckInvariants(config_, machine_);
+void Harness::StepController(const Event& event) {
+  const auto actions = Step(config_, controller_.machine, event, controller_.now);
+  for (const Action& action : actions) Apply(action);
+  CheckInvariants(config_, controller_.machine);
   if (after_step) after_step();
 }
 
 void Harness::Begin(bool by_hand, Epoch epoch, bool restarted) {
-  PerActuator<bool> running;
   for (const ActuatorIndex i : fakes_.Indices()) {
-    if (config_.actuators[i].command.empty() && !fakes_[i].alive) {
-      StartActuator(config_.actuators[i].name);
-    }
-    running.push_back(fakes_[i].alive);
+    const ActuatorConfig& actuator = config_.actuators[i];
+    if (actuator.command.empty() && !fakes_[i].alive) StartActuator(actuator.name);
   }
-  Feed(event::Begin{by_hand,
-                    epoch,
-                    running,
-                    "here",
-                    stops_on_disk,
-                    {},
-                    policy_on_disk,
-                    stop_intent_on_disk,
-                    restarted});
+  controller_.disk.epoch = epoch;
+  BeginController(by_hand, restarted);
 }
 
 // A disk thread that ended with the controller's process does not answer the next one.
-template <class T>
-void Harness::Save(Stored what, SaveNumber save, T& stored, T value) {
-  const auto end = [this, what, save, &stored, value = std::move(value), generation = generation_] {
-    if (generation != generation_) return;
-    if (disk_fails.empty()) stored = value;
+void Harness::Save(Stored what, SaveNumber save, std::function<void(Disk&)> write) {
+  const auto end = [=, this, generation = controller_.generation] {
+    if (generation != controller_.generation) return;
+    if (disk_fails.empty()) write(controller_.disk);
     Feed(event::SaveEnded{what, save, disk_fails.empty(), disk_fails});
   };
   if (disk_takes) After(*disk_takes, end);
 }
 
 void Harness::RestartController(bool lost_disk, bool restarted) {
-  ++generation_;
-  machine_ = MakeMachine(config_);
+  ++controller_.generation;
+  controller_.machine = MakeMachine(config_);
   start_up_.reset();
-  Begin(false, lost_disk ? 0 : epoch_on_disk_, restarted);
+  Begin(false, lost_disk ? 0 : controller_.disk.epoch, restarted);
   for (const ActuatorIndex i : fakes_.Indices()) {
     if (!fakes_[i].alive) continue;
-    After(kWire, [this, i] { Feed(event::StatusSeen{i, ReportOf(i)}); });  // the latched status
+    After(kWire, [this, i] { Feed(event::StatusSeen{i, Report(i)}); });  // the latched status
   }
 }
 
@@ -138,20 +129,16 @@ RequestId Harness::SendPolicyRequest(event::PolicyRequested requested) {
 }
 
 void Harness::StartActuator(const std::string& name) {
-  FakeActuator& fake = fakes_[Index(name)];
-  auto script = fake.script;
-  fake = FakeActuator{};
-  fake.script = std::move(script);
-  fake.alive = true;
-  fake.pid = next_pid_++;
-  fake.core.report.incarnation = Incarnation(static_cast<std::uint64_t>(fake.pid));
-  fake.core.report.pid = fake.pid;
-  fake.core.report.host = "here";
-  After(kWire, [this, i = Index(name), pid = fake.pid] {
-    if (fakes_[i].pid != pid) return;
-    StepCore(i, actuator_event::Started{});
+  const ActuatorIndex i = Index(name);
+  ScriptedActuator next;
+  next.script = std::move(fakes_[i].script);
+  next.Launch(next_pid_++);
+  fakes_[i] = std::move(next);
+  After(kWire, [this, i, pid = fakes_[i].pid()] {
+    if (fakes_[i].pid() != pid) return;
+    StepActuator(i, actuator_event::Started{});
     for (const StopId stop : latched_stops_) {
-      StepCore(i, actuator_event::EmergencyStopReceived{stop, true, 0});
+      StepActuator(i, actuator_event::EmergencyStopReceived{stop, true, 0});
     }
   });
 }
@@ -165,15 +152,11 @@ void Harness::Exit(const std::string& name, int code, const std::string& words) 
 }
 
 void Harness::EndProcess(ActuatorIndex i, bool clean, const std::string& how, int exit_code) {
-  FakeActuator& fake = fakes_[i];
+  ScriptedActuator& fake = fakes_[i];
   if (!fake.alive) return;
   fake.alive = false;
-  After(kWire, [=, this, pid = fake.pid] {
-    const bool ours = machine_.actuators[i].process.pid == pid;
-    if (ours) return Feed(event::ProcessEnded{i, pid, clean, how, exit_code});
-    Feed(event::Vanished{i, Incarnation(static_cast<std::uint64_t>(pid)), true,
-                         "its process ended"});
-  });
+  After(kWire,
+        [this, end = event::ProcessEnded{i, fake.pid(), clean, how, exit_code}] { FeedExit(end); });
 }
 
 // Its last heartbeat was a while ago, or its heartbeat reports that its work thread hangs.
@@ -184,20 +167,15 @@ void Harness::Find(const std::string& name, Health health, bool silent) {
 }
 
 void Harness::StopAll(StopId id, const std::string& by) {
-  latched_stops_.insert(id);
-  const actuator_event::EmergencyStopReceived stop{id, true, 0};
-  for (const ActuatorIndex i : fakes_.Indices()) After(kWire, [=, this] { StepCore(i, stop); });
+  PublishStop(id, true, 0);
   After(kWire, [this, id, by] { Feed(event::EmergencyStopSeen{{id, by, ""}}); });
 }
 
-void Harness::PublishToActuators(const action::PublishEmergencyStop& stop) {
-  if (stop.engaged) latched_stops_.insert(stop.stop.id);
-  if (!stop.engaged) latched_stops_.erase(stop.stop.id);
-  for (const ActuatorIndex i : fakes_.Indices()) {
-    After(kWire, [=, this, sender = ControllerId()] {
-      StepCore(i, actuator_event::EmergencyStopReceived{stop.stop.id, stop.engaged, sender});
-    });
-  }
+void Harness::PublishStop(StopId id, bool engaged, Sender sender) {
+  if (engaged) latched_stops_.insert(id);
+  if (!engaged) latched_stops_.erase(id);
+  const actuator_event::EmergencyStopReceived stop{id, engaged, sender};
+  for (const ActuatorIndex i : fakes_.Indices()) After(kWire, [=, this] { StepActuator(i, stop); });
 }
 
 RequestId Harness::Restart(const std::string& name) {
@@ -238,46 +216,42 @@ State Harness::StateOf(const std::string& actuator) const {
 }
 
 const ActuatorRecord& Harness::RecordOf(const std::string& actuator) const {
-  return machine_.actuators[Index(actuator)];
+  return machine().actuators[Index(actuator)];
 }
 
 const ActuatorCore& Harness::CoreOf(const std::string& actuator) const {
   return fakes_[Index(actuator)].core;
 }
 
-ActuatorReport Harness::ReportOf(ActuatorIndex i) const {
-  ActuatorReport report = fakes_[i].core.report;
-  report.stamp = now_;
-  return report;
-}
-
-std::vector<ActuatorAction> Harness::Inject(const std::string& actuator,
-                                            const ActuatorEvent& event) {
-  const ActuatorIndex i = Index(actuator);
-  auto actions = Step(config_, i, fakes_[i].core, event, now_);
-  for (const ActuatorAction& action : actions) Do(i, action);
-  return actions;
-}
-
-void Harness::StepCore(ActuatorIndex i, const ActuatorEvent& event) {
+void Harness::StepActuator(ActuatorIndex i, const ActuatorEvent& event) {
   if (!fakes_[i].alive) return;
-  for (const ActuatorAction& action : Step(config_, i, fakes_[i].core, event, now_)) {
-    Do(i, action);
-  }
+  const auto actions = Step(config_, i, fakes_[i].core, event, controller_.now);
+  for (const ActuatorAction& action : actions) Do(i, action);
+}
+
+RequestToken Harness::TokenOf(Sender sender, CommandNumber number, bool query) {
+  const RequestToken token(requests_.size());
+  requests_.emplace_back(sender, number, query);
+  return token;
+}
+
+void Harness::Send(const Message& message) {
+  After(kWire, [=, this] {
+    if (!fakes_[message.to].rx_blocked) Deliver(message);
+  });
 }
 
 void Harness::Do(ActuatorIndex i, const ActuatorAction& action) {
-  FakeActuator& fake = fakes_[i];
-  const std::string& name = config_.actuators[i].name;
+  ScriptedActuator& fake = fakes_[i];
   const auto end_callback = [this, i](const actuator_event::CallbackEnded& ended) {
-    return [=, this, run = fakes_[i].run, pid = fakes_[i].pid] {
-      if (fakes_[i].run != run || fakes_[i].pid != pid) return;
+    return [=, this, run = fakes_[i].run, pid = fakes_[i].pid()] {
+      if (fakes_[i].run != run || fakes_[i].pid() != pid) return;
       ++fakes_[i].run;
-      StepCore(i, ended);
+      StepActuator(i, ended);
     };
   };
   if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
-    log_.push_back(name + ":" + run->target);
+    log_.push_back(config_.actuators[i].name + ":" + run->target);
     const auto own = fake.script.find(run->target);
     const auto common = fake.script.find("");
     const Behaviour behaviour = own != fake.script.end()      ? own->second
@@ -293,21 +267,19 @@ void Harness::Do(ActuatorIndex i, const ActuatorAction& action) {
     if (fake.hanging) After(kWire, end_callback({kCodeFailed, "stopped on request"}));
     fake.hanging = false;
   } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
-    const auto request = fake.requests.extract(answer->token);
-    if (request.empty() || fake.tx_blocked) return;
-    After(kWire + fake.delay, [this, i, answer = *answer, number = request.mapped().first,
-                               query = request.mapped().second, report = ReportOf(i),
-                               generation = generation_] {
-      if (generation != generation_) return;
-      Feed(event::Replied{i, number, query, answer.verdict, answer.code, answer.message, report});
-    });
-  } else if (std::holds_alternative<actuator_action::PublishStatus>(action)) {
-    if (fake.tx_blocked) return;
-    After(kWire + fake.delay, [this, i, report = ReportOf(i)] {
-      Feed(event::StatusSeen{i, report});
+    const std::uint64_t token = answer->token.value();
+    if (token >= requests_.size() || fake.tx_blocked) return;
+    const auto& [sender, number, query] = requests_[token];
+    const event::Replied reply{
+        i, number, query, answer->verdict, answer->code, answer->message, Report(i)};
+    After(kWire + fake.delay, [this, reply, sender = sender] {
+      if (sender == controller_.sender()) Feed(reply);
     });
   } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
     fake.visible = true;
+  } else if (std::holds_alternative<actuator_action::PublishStatus>(action)) {
+    if (fake.tx_blocked) return;
+    After(kWire + fake.delay, [this, seen = event::StatusSeen{i, Report(i)}] { Feed(seen); });
   } else if (const auto* finish = std::get_if<actuator_action::Finish>(&action)) {
     if (shared.contains(config_.actuators[i].name) && finish->code == kCodeOk) return;
     After(kWire * 3, [this, i, clean = finish->code == kCodeOk] {
@@ -316,47 +288,22 @@ void Harness::Do(ActuatorIndex i, const ActuatorAction& action) {
   }
 }
 
+void Harness::StartProcess(ActuatorIndex i) {
+  const Behaviour exec = fakes_[i].script["exec"];
+  if (exec.code != kCodeOk) return Feed(event::ProcessNotStarted{i, exec.message});
+  StartActuator(config_.actuators[i].name);
+  Feed(event::ProcessStarted{i, fakes_[i].pid()});
+  if (exec.exit_code != 0) Exit(config_.actuators[i].name, exec.exit_code, exec.message);
+}
+
 void Harness::Do(const Action& action) {
-  const auto deliver = [this](ActuatorIndex i, CommandNumber number, bool query, auto make_event) {
-    const RequestToken token = next_token_++;
-    After(kWire, [=, this, sender = ControllerId(), epoch = machine_.epoch] {
-      FakeActuator& fake = fakes_[i];
-      if (!fake.alive || !fake.visible || fake.rx_blocked) return;
-      fake.requests[token] = {number, query};
-      StepCore(i, actuator_event::ControllerHeartbeatReceived{sender, epoch});
-      StepCore(i, make_event(token));
-    });
-  };
-  const Sender sender = ControllerId();
-  if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
-    deliver(send->actuator, send->command.number, false,
-            [command = send->command, sender](RequestToken token) {
-              return ActuatorEvent{actuator_event::SwitchArrived{token, command, sender}};
-            });
-  } else if (const auto* query = std::get_if<action::SendQuery>(&action)) {
-    deliver(query->actuator, query->command.number, true,
-            [command = query->command, sender](RequestToken token) {
-              return ActuatorEvent{actuator_event::QueryArrived{token, command, sender}};
-            });
-  } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
-    const Behaviour exec = fakes_[start->actuator].script["exec"];
-    if (exec.code != kCodeOk) return Feed(event::ProcessNotStarted{start->actuator, exec.message});
-    StartActuator(config_.actuators[start->actuator].name);
-    Feed(event::ProcessStarted{start->actuator, fakes_[start->actuator].pid});
-    if (exec.exit_code != 0) {
-      Exit(config_.actuators[start->actuator].name, exec.exit_code, exec.message);
-    }
-  } else if (std::holds_alternative<action::FindProcesses>(action)) {
-    event::ProcessesFound found;
-    for (const FakeActuator& fake : fakes_) found.processes.push_back(fake.alive ? fake.pid : 0);
-    Feed(found);
+  if (const auto* start = std::get_if<action::StartProcess>(&action)) {
+    StartProcess(start->actuator);
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
-    signals.push_back(config_.actuators[signal->actuator].name +
-                      (signal->kill ? ":KILL" : ":TERM"));
-    const bool obeys = !fakes_[signal->actuator].script[signal->kill ? "KILL" : "TERM"].hangs;
-    if (obeys) {
-      EndProcess(signal->actuator, false, signal->kill ? "killed by SIGKILL" : "killed by SIGTERM");
-    }
+    const std::string name = signal->kill ? "KILL" : "TERM";
+    signals.push_back(config_.actuators[signal->actuator].name + ":" + name);
+    if (fakes_[signal->actuator].script[name].hangs) return;
+    EndProcess(signal->actuator, false, "killed by SIG" + name);
   } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
     answers[answer->request] = answer->result;
   } else if (const auto* call = std::get_if<action::AnswerCall>(&action)) {
@@ -366,17 +313,9 @@ void Harness::Do(const Action& action) {
       Feed(event::BacktraceTaken{take.actuator, take.pid, "in its main loop"});
     });
   } else if (const auto* stop = std::get_if<action::PublishEmergencyStop>(&action)) {
-    PublishToActuators(*stop);
-  } else if (const auto* stops = std::get_if<action::SaveEmergencyStops>(&action)) {
-    Save(Stored::kEmergencyStops, stops->save, stops_on_disk, stops->stops);
-  } else if (const auto* policy = std::get_if<action::SavePolicy>(&action)) {
-    Save(Stored::kPolicy, policy->save, policy_on_disk, policy->policy);
-  } else if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
-    Save(Stored::kStopIntent, intent->save, stop_intent_on_disk, intent->intended);
+    PublishStop(stop->stop.id, stop->engaged, controller_.sender());
   } else if (const auto* command = std::get_if<action::RunPowerCommand>(&action)) {
-    power.emplace_back(now_, command->reboot);
-  } else if (const auto* epoch = std::get_if<action::SaveEpoch>(&action)) {
-    Save(Stored::kEpoch, epoch->save, epoch_on_disk_, epoch->epoch);
+    power.emplace_back(now(), command->reboot);
   } else if (const auto* end = std::get_if<action::Fenced>(&action)) {
     fenced = end->message;
   } else if (const auto* record = std::get_if<action::Record>(&action)) {

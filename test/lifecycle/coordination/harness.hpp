@@ -1,19 +1,18 @@
 #pragma once
-// A whole machine in one test: the real coordinator and real actuator cores, with messages
-// delivered in virtual time. Each actuator's callbacks are scripted.
+// A whole machine in one test: a fake robot with messages delivered in virtual time. Each
+// actuator's callbacks are scripted.
 
-#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "musher/base/check.hpp"
-#include "musher/lifecycle/actuator/actuator_core.hpp"
-#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"
+#include "musher/test/lifecycle/fake_robot.hpp"
 
 namespace musher::testing {
 
@@ -35,7 +34,7 @@ inline void CheckInvariants(const MachineConfig& config, const Machine& machine)
   MUSHER_CHECK(broken.empty(), broken);
 }
 
-class Harness {
+class Harness : public FakeRobot {
  public:
   explicit Harness(MachineConfig config);
 
@@ -62,8 +61,6 @@ class Harness {
   RequestId Release();
   // A heartbeat of another controller arrives.
   void ReceiveRivalHeartbeat(Epoch epoch);
-  // Any other event for the controller.
-  void Feed(const Event& event);
   // Requests a restart of an actuator; the answer is stored in `calls`.
   RequestId Restart(const std::string& name);
   // Sends a request to the policy; the answer is stored in `calls`.
@@ -84,7 +81,7 @@ class Harness {
   // Advances time until `done` holds; false when it did not within a simulated hour.
   bool RunUntil(const std::function<bool()>& done);
 
-  const Machine& machine() const { return machine_; }
+  const Machine& machine() const { return controller_.machine; }
   const MachineConfig& config() const { return config_; }
   State StateOf(const std::string& actuator) const;
   const ActuatorRecord& RecordOf(const std::string& actuator) const;
@@ -99,68 +96,64 @@ class Harness {
   std::map<RequestId, SwitchResult> answers;
   std::map<RequestId, Result<>> calls;
   std::vector<action::Record> records;  // of all controllers
-  StoredStops stops_on_disk;
-  bool stop_intent_on_disk = false;
+  Disk& disk() { return controller_.disk; }
   std::optional<Duration> disk_takes = Duration{};  // for a save; none: it never ends
   std::string disk_fails;                           // why a save fails; empty: it does not
-  StoredPolicy policy_on_disk;
   std::vector<std::pair<Time, bool>> power;  // when the power command came, and whether to reboot
   std::optional<std::string> fenced;
   std::vector<action::Record> whole_records;  // of the present controller: id n at n - 1
   std::vector<std::string> signals;           // "audio:TERM"
   std::set<std::string> shared;      // actuators whose process still runs after their TearDown
   std::function<void()> after_step;  // called after every step of the controller
-  Time now() const { return now_; }
+  Time now() const { return controller_.now; }
   // An error of the actuator: it is in another state without a command.
   void GoByItself(const std::string& actuator, const State& state) {
     fakes_[Index(actuator)].core.report.state = state;
-    Feed(event::StatusSeen{Index(actuator), ReportOf(Index(actuator))});
+    Feed(event::StatusSeen{Index(actuator), Report(Index(actuator))});
   }
   // Commands of the test itself, as from an unknown participant.
-  std::vector<ActuatorAction> Inject(const std::string& actuator, const ActuatorEvent& event);
+  void Inject(const std::string& actuator, const ActuatorEvent& event) {
+    StepActuator(Index(actuator), event);
+  }
 
  private:
-  struct FakeActuator {
-    bool alive = false;
-    bool visible = false;
+  struct ScriptedActuator : FakeActuator {
     bool rx_blocked = false;
     bool tx_blocked = false;
     Duration delay{};
-    std::int32_t pid = 0;
     int run = 0;  // counts callbacks, so that the end of an old one does not count for a new one
     bool hanging = false;
-    ActuatorCore core;
-    std::map<RequestToken, std::pair<CommandNumber, bool>> requests;  // number, query
     std::map<std::string, Behaviour> script;
   };
 
+  void StepController(const Event& event) override;
+  void StepActuator(ActuatorIndex i, const ActuatorEvent& event) override;
+  FakeActuator& Actuator(ActuatorIndex i) override { return fakes_[i]; }
+  RequestToken TokenOf(Sender sender, CommandNumber number, bool query) override;
+  void Send(const Message& message) override;
+  void Save(Stored what, SaveNumber save, std::function<void(Disk&)> write) override;
+  void Do(const Action& action) override;
+
   void After(Duration delay, std::function<void()> what);
   bool StepTime(Time limit);
-  void StepCore(ActuatorIndex i, const ActuatorEvent& event);
   void Do(ActuatorIndex i, const ActuatorAction& action);
-  void Do(const Action& action);
-  void PublishToActuators(const action::PublishEmergencyStop& stop);
-  template <class T>
-  void Save(Stored what, SaveNumber save, T& stored, T value);
-  Sender ControllerId() const { return Sender(static_cast<std::uint64_t>(generation_)) + 1; }
+  void StartProcess(ActuatorIndex i);
+  void PublishStop(StopId id, bool engaged, Sender sender);
   void EndProcess(ActuatorIndex i, bool clean, const std::string& how, int exit_code = 0);
-  ActuatorReport ReportOf(ActuatorIndex i) const;
   ActuatorIndex Index(const std::string& name) const { return *config_.IndexOf(name); }
 
-  MachineConfig config_;
-  Machine machine_;
-  int generation_ = 0;  // of the controller
-  PerActuator<FakeActuator> fakes_;
-  Time now_{};
+  const MachineConfig own_config_;
+  FakeController own_controller_;
+  PerActuator<ScriptedActuator> fakes_;
   std::multimap<Time, std::function<void()>> later_;
+  // Sender and number of the request with token n, and whether it is a query.
+  std::vector<std::tuple<Sender, CommandNumber, bool>> requests_;
   std::set<StopId> latched_stops_;  // kept by the topic for late subscribers
   std::vector<std::string> log_;
   std::optional<action::StartUpEnded> start_up_;
   bool stopped_ = false;
   RequestId next_request_ = 1;
-  RequestToken next_token_ = 1;
   std::int32_t next_pid_ = 1000;
-  Epoch epoch_on_disk_ = 0;
 };
 
 // A machine of actuators "a", "b", "c", …, all states of CyberDog, 100 ms each.

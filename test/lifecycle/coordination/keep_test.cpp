@@ -220,7 +220,7 @@ TEST_F(KeepRule, LastsItsTimeThoughAClockIsReceivedThatTheConfigDoesNotName) {
 
 TEST_F(KeepRule, EndsInTimeAlsoWhereTheStartHasFailed) {
   Harness t(WithPolicy());
-  t.stops_on_disk.engaged = {{7, "a panel", ""}};
+  t.disk().stops.engaged = {{7, "a panel", ""}};
   t.Begin();
   t.Rest();
   t.Release();

@@ -44,7 +44,7 @@ TEST(FinishingATearDown, WaitsThreeSecondsForAnActuatorThatRunsAndIsSilent) {
   MachineConfig config = MachineOf(1);
   config.actuators[0].times.assign(config.states.size(), std::chrono::seconds(10));
   Harness t(config);
-  t.stop_intent_on_disk = true;
+  t.disk().stop_intent = true;
   const Time begun = t.now();
   t.Begin(false, 0, /*restarted=*/true);
   t.Mute("a", true, true);
@@ -54,7 +54,7 @@ TEST(FinishingATearDown, WaitsThreeSecondsForAnActuatorThatRunsAndIsSilent) {
 
 TEST(FinishingATearDown, IsRecordedWithTheStartOfTheSupervisor) {
   Harness t(MachineOf(1));
-  t.stop_intent_on_disk = true;
+  t.disk().stop_intent = true;
   t.Begin(false, 0, /*restarted=*/true);
   ASSERT_GE(t.whole_records.size(), 2U);
   const action::Record& resumed = t.whole_records[1];
@@ -67,7 +67,7 @@ TEST(FinishingATearDown, DoesNotWaitForAMusherActuatorThatDoesNotRun) {
   MachineConfig config = Ours(1);
   config.actuators[0].times.assign(config.states.size(), std::chrono::seconds(10));
   Harness t(config);
-  t.stop_intent_on_disk = true;
+  t.disk().stop_intent = true;
   const Time begun = t.now();
   t.Begin(false, 0, /*restarted=*/true);
   ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));

@@ -292,7 +292,7 @@ TEST_F(Stopping, TheIntentIsOnDiskBeforeTheFirstTearDown) {
   t.RunFor(Milliseconds(30));
   EXPECT_THAT(t.log(), ElementsAre());
   EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
-  EXPECT_TRUE(t.stop_intent_on_disk);
+  EXPECT_TRUE(t.disk().stop_intent);
 }
 
 TEST_F(Stopping, ADiskThatNeverAnswersDelaysTearDownForAMomentOnly) {
@@ -331,7 +331,7 @@ TEST_F(Stopping, APersonsStartClearsTheIntent) {
   t.RestartController();
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
-  EXPECT_FALSE(t.stop_intent_on_disk);
+  EXPECT_FALSE(t.disk().stop_intent);
 }
 
 TEST_F(Stopping, ARestartBySupervisorWithoutAnIntentAdoptsTheMachine) {
@@ -344,20 +344,20 @@ TEST_F(Stopping, ARestartBySupervisorWithoutAnIntentAdoptsTheMachine) {
 TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAnOperatorRequestsOne) {
   t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kStartsAgain});
   t.RunFor(Milliseconds(1));
-  EXPECT_FALSE(t.stop_intent_on_disk);
+  EXPECT_FALSE(t.disk().stop_intent);
   t.RequestSwitch("TearDown");
   t.Rest();
-  EXPECT_TRUE(t.stop_intent_on_disk);
+  EXPECT_TRUE(t.disk().stop_intent);
 }
 
 // `systemctl restart`: the supervisor that ends it starts it again.
 TEST_F(Stopping, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
   t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kMayStart});
   EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
-  EXPECT_TRUE(t.stop_intent_on_disk);
+  EXPECT_TRUE(t.disk().stop_intent);
   t.Rest();
   EXPECT_TRUE(t.stopped());
-  EXPECT_FALSE(t.stop_intent_on_disk);
+  EXPECT_FALSE(t.disk().stop_intent);
 }
 
 // The caller got the reply that it was released, and no panel received the release.
