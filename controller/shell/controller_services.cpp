@@ -76,7 +76,8 @@ Result<> ControllerServices::Open() {
   if (auto r = open(restart_actuator_, "restart_actuator",
                     [this](const auto& request, auto reply) {
                       RecordRequest(request.by, "requests a restart of " + request.actuator);
-                      shell_.Restart(request.actuator, [reply](const Result<>& result) {
+                      shell_.Restart(request.actuator, [this, reply](const Result<>& result) {
+                        shell_.PublishStatus();
                         reply(AnswerTo<msg::RestartActuator>(result));
                       });
                     });
@@ -86,7 +87,9 @@ Result<> ControllerServices::Open() {
   if (auto r = open(release_emergency_stop_, "release_emergency_stop",
                     [this](const auto& request, auto reply) {
                       shell_.ReleaseEmergencyStop(
-                          request.by.substr(0, kLongestName), [reply](const Result<>& result) {
+                          request.by.substr(0, kLongestName),
+                          [this, reply](const Result<>& result) {
+                            shell_.PublishStatus();
                             reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
                           });
                     });
@@ -140,8 +143,10 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
   std::optional<std::string> actuator;
   if (!request.actuator.empty()) actuator = request.actuator;
   RecordRequest(request.by, "requests " + request.target + (actuator ? " of " + *actuator : ""));
-  shell_.SetState(State(request.target), actuator,
-                  [reply](const SwitchResult& result) { reply(ToMessage(result)); });
+  shell_.SetState(State(request.target), actuator, [this, reply](const SwitchResult& result) {
+    shell_.PublishStatus();
+    reply(ToMessage(result));
+  });
 }
 
 void ControllerServices::OnRequestPolicy(
@@ -149,6 +154,7 @@ void ControllerServices::OnRequestPolicy(
     const transport::Server<msg::RequestPolicy>::Reply& reply) {
   const auto answer = [this, reply](const Result<>& result) {
     const Error end = result ? Error{kCodeOk, ""} : result.error();
+    shell_.PublishStatus();
     reply({end.code, end.message, shell_.machine().state});
   };
   const auto what = RequestOf(request.request);

@@ -259,13 +259,11 @@ void ControllerShell::Do(const action::SendQuery& a) {
 }
 
 void ControllerShell::Do(const action::AnswerSetState& a) {
-  Publish();
   const auto waiting = waiting_for_result_.extract(a.request);
   if (!waiting.empty() && waiting.mapped()) waiting.mapped()(a.result);
 }
 
 void ControllerShell::Do(const action::AnswerCall& a) {
-  Publish();
   const auto waiting = waiting_for_answer_.extract(a.request);
   if (!waiting.empty()) waiting.mapped()(a.result);
 }
@@ -349,7 +347,7 @@ void ControllerShell::Do(const action::StartUpEnded& a) {
 
 // The cause may be a request that is still being handled: its service closes after its reply.
 void ControllerShell::Do(const action::Stopped&) {
-  Publish();
+  PublishStatus();
   presence_->FallSilent();
   CloseOnceAnswered(dependencies_.node->loop().Now() + kLastAnswers);
   if (hooks_.on_stopped) hooks_.on_stopped();

@@ -132,6 +132,9 @@ class ControllerShell {
   const Machine& machine() const { return machine_; }
   const MachineConfig& config() const { return config_; }
   msg::MachineStatus Status() const;
+  // Publishes a changed status at once, not with the next changes. A service does so before it
+  // answers: a client that has the answer never reads an older status.
+  void PublishStatus();
   // The journal entries of this controller's last switches, oldest first.
   const std::vector<JournalEntry>& switches() const { return switches_; }
   msg::Capabilities Capabilities() const;
@@ -189,7 +192,6 @@ class ControllerShell {
   void ArmTimer();
   void PublishSoon();
   void PublishWhileUnsaved();
-  void Publish();
   SwitchResult Refusal(const Error& why) const;
   void Do(const action::SendSwitch& a);
   void Do(const action::SendQuery& a);

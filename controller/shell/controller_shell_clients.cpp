@@ -50,14 +50,14 @@ void ControllerShell::CloseToClients(const Error& why) {
 }
 
 // The status is latched for people and dashboards: changes within kPublishPeriod are published as
-// one. Only an answer publishes at once: a client that has it never reads an older status.
+// one.
 void ControllerShell::PublishSoon() {
   if (publish_later_ || !status_) return;
   const Time now = dependencies_.node->loop().Now();
   publish_later_ =
       dependencies_.node->loop().At(std::max(now, published_at_ + kPublishPeriod), [this] {
         publish_later_ = nullptr;
-        Publish();
+        PublishStatus();
       });
 }
 
@@ -75,7 +75,7 @@ void ControllerShell::PublishWhileUnsaved() {
   }
 }
 
-void ControllerShell::Publish() {
+void ControllerShell::PublishStatus() {
   if (!status_) return;
   msg::MachineStatus status = Status();
   if (status == published_) return;
