@@ -57,7 +57,8 @@ class Walk {
     }
     Heal();
     t_.Rest(std::chrono::seconds(120));
-    if (t_.machine().phase == Phase::kRunning) CheckRest();
+    const Phase phase = t_.machine().phase;
+    if (phase == Phase::kRunning || phase == Phase::kFailed) CheckRest();
     EXPECT_NE(t_.machine().phase, Phase::kStopping);
     for (const char* name : {"a", "b", "d"}) {
       EXPECT_FALSE(t_.stopped() && t_.IsAlive(name)) << name << " outlives the machine";
@@ -207,10 +208,11 @@ class Walk {
       const auto own = t_.config().RankOf(record.state());
       const auto machines = t_.config().RankOf(machine.state);
       const bool waits = machine.emergency.stop && (!own || (machines && *own < *machines));
-      const bool in_place =
-          record.presence == Presence::kPresent
-              ? record.state() == machine.state || !machines || waits
-              : record.presence == Presence::kAbsent && machine.emergency.stop;  // a later stage
+      const bool low = !machines && own.value_or(0) <= *BuiltInRank(kDeActive);  // in a start
+      const bool in_place = record.presence == Presence::kPresent
+                                ? record.state() == machine.state || low || waits
+                                : record.presence == Presence::kAbsent &&  // a later stage
+                                      (machine.emergency.stop || machine.phase == Phase::kFailed);
       EXPECT_TRUE(in_place || record.held || record.fault)
           << name << " is " << PresenceName(record.presence) << " in " << record.state()
           << " while the machine is in " << machine.state;
