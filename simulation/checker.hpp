@@ -132,6 +132,8 @@ class Checker {
   void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
   void CheckClients();
   void CheckClientsAtRest();
+  void CheckNotDegraded(const Machine& machine, const SwitchResult& result);
+  bool IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const;
   // policy_invariants.cpp
   void CheckCeiling(const Machine& machine, bool at_rest);
   void CheckPolicyChange(const Machine& machine, const Seen& seen);
@@ -142,11 +144,11 @@ class Checker {
   bool ByPolicy(const State& state) const;
   void NoteLowering(const State& from);
 
+  // rest_invariants.cpp
   void CheckLoss(const Machine& machine, ActuatorIndex i, bool provided);
   void CheckPlace(const Machine& machine, ActuatorIndex i);
+  void CheckPlaceInStart(const Machine& machine, ActuatorIndex i);
   std::string PendingActivity(const Machine& machine, ActuatorIndex i) const;
-  void CheckNotDegraded(const Machine& machine, const SwitchResult& result);
-  bool IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const;
 
   SimRobot& robot_;
   const MachineConfig& config_;

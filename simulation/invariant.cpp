@@ -23,8 +23,9 @@ std::string_view InvariantText(Invariant invariant) {
     case Invariant::kReachesStableState:
       return "the machine reaches a stable state after the last fault";
     case Invariant::kStatesAgree:
-      return "in a stable state each live actuator is in the machine's state, or listed with a "
-             "reason";
+      return "in a stable state each live actuator is in the machine's state (after a failed "
+             "start, "
+             "in DeActive or less active), or listed with a reason";
     case Invariant::kTearDownEndsProcesses:
       return "TearDown ends every process within its budget";
     case Invariant::kNoRestartOnConfigError:

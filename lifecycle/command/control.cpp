@@ -49,7 +49,8 @@ void Control::Attach(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   record.control.again.reset();
   if (record.presence == Presence::kPresent) return;
-  const bool late = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
+  const bool late = machine_.start_up.set_up && machine_.phase != Phase::kStopping &&
+                    machine_.phase != Phase::kStopped;
   record.presence = Presence::kPresent;
   record.set_up_by.reset();
   record.restart.at.reset();  // it was started by another party first

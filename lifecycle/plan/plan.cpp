@@ -142,7 +142,6 @@ class Planning {
     const ActuatorConfig& actuator = config_.actuators[i];
     const ActuatorRecord& record = machine_.actuators[i];
     const auto rank = config_.RankOf(plan_.target);
-    const auto machine_rank = config_.RankOf(machine_.state);
     if (record.presence != Presence::kPresent) {
       RefuseWith(kCodeStatusError,
                  actuator.name + " is " + std::string(PresenceName(record.presence)));
@@ -153,7 +152,7 @@ class Planning {
       RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
     } else if (record.report.busy() || record.command) {
       NoteBusy(i, "is busy with " + BusyWith(record));
-    } else if (rank && plan_.target != kTearDown && (!machine_rank || *rank > *machine_rank)) {
+    } else if (rank && plan_.target != kTearDown && IsTooActive(record)) {
       RefuseWith(kCodeStateInvalid, actuator.name +
                                         " may not be more active than the machine, which is in " +
                                         machine_.state);
@@ -169,6 +168,12 @@ class Planning {
       step.part = PlanStep::Part::kInTarget;
     }
     plan_.steps.push_back(step);
+  }
+
+  // Whether the target is above the machine. In a step of a start any is, but on the way down.
+  bool IsTooActive(const ActuatorRecord& record) const {
+    if (config_.RankOf(machine_.state)) return Falls(config_, plan_.target, machine_.state);
+    return !Falls(config_, record.state(), plan_.target);
   }
 
   // Whether it is in the target without running its callback. An actuator that is held by an

@@ -7,15 +7,13 @@
 namespace musher {
 
 bool Joining::DriveLateOnes() {
-  if (machine_.phase != Phase::kRunning || machine_.current || machine_.waiting) return false;
+  if (machine_.current || machine_.waiting) return false;
+  if (machine_.phase != Phase::kRunning) return LowerLateOnes();
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const ActuatorRecord& record = Of(i);
-    const bool free = record.presence == Presence::kPresent && !record.command &&
-                      !record.report.busy() && record.health != Health::kHung &&
-                      !record.restart.given_up && !record.restart.requested;
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
-    if (!free || record.held) continue;
+    if (!IsFree(i) || record.held) continue;
     if (!record.due && !unchecked) {
       const bool had_a_fault = record.fault.has_value();
       commands_.ReportUnchecked(i);
@@ -38,6 +36,38 @@ bool Joining::DriveLateOnes() {
     changed = true;
   }
   return changed;
+}
+
+bool Joining::IsFree(ActuatorIndex i) const {
+  const ActuatorRecord& record = Of(i);
+  return record.presence == Presence::kPresent && !record.command && !record.report.busy() &&
+         record.health != Health::kHung && !record.restart.given_up && !record.restart.requested;
+}
+
+// The machine is not usable yet, or its start has failed. The rollback has not reached an actuator
+// that was busy or out of reach.
+bool Joining::LowerLateOnes() {
+  bool changed = false;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    const bool late = machine_.start_up.set_up && Of(i).due && !Of(i).held && IsFree(i);
+    if (late) changed |= Lower(i);
+  }
+  return changed;
+}
+
+// The machine is in a step of a start: the actuator goes where a rollback leads. Returns whether it
+// is more active than that.
+bool Joining::Lower(ActuatorIndex i) {
+  if (!IsAbovePlace(i)) return false;
+  Of(i).due = false;
+  const State rest = RestOf(i);
+  if (rest.empty()) {
+    Degrade(i, kCodeUnSupport, texts::RollbackFailed("", texts::NoStateToGoBackTo().message),
+            Of(i).cause);
+  } else {
+    commands_.Issue(i, machine_.number + 1, rest, config_.TimeFor(i, rest));
+  }
+  return true;
 }
 
 // Whether an emergency stop is between the actuator and the state of the machine, another one that
@@ -100,7 +130,7 @@ void Joining::Join(ActuatorIndex i) {
   if (record.state() == place) {
     if (record.checked && !record.suspended) record.fault.reset();
   } else if (!config_.RankOf(place)) {
-    return;  // the machine is between states; the next switch includes this actuator
+    Lower(i);  // the next switch includes this actuator
   } else if (!ConfigOf(i).Lists(place)) {
     Degrade(i, kCodeUnSupport, texts::NoState(place), record.cause);
   } else {

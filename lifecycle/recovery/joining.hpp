@@ -1,6 +1,7 @@
 #pragma once
 // Drives one actuator on its own to the state of the machine: actuators of late stages, restarted
-// ones, and those that were overdue. Switches go first; joining waits for them.
+// ones, and those that were overdue. While the machine is in a step of a start, it drives down
+// those that have come back from an undone switch. Switches go first; joining waits for them.
 
 #include <string>
 
@@ -16,6 +17,9 @@ class Joining : StepPart {
   bool DriveLateOnes();
 
  private:
+  bool IsFree(ActuatorIndex i) const;
+  bool LowerLateOnes();
+  bool Lower(ActuatorIndex i);
   bool StoppedOnTheLevel(ActuatorIndex i) const;
   bool IsStopped(ActuatorIndex i) const;
   void Hold(ActuatorIndex i);

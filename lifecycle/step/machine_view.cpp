@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/config/flow.hpp"
+
 namespace musher {
 
 bool MachineView::IsComing(ActuatorIndex i) const {
@@ -51,9 +53,21 @@ bool MachineView::Fits(ActuatorIndex i) const {
 }
 
 bool MachineView::MayFollow(ActuatorIndex i) const {
-  const auto own = config_.RankOf(Of(i).state());
-  const auto machine = config_.RankOf(view_.state);
-  return Of(i).checked || (own && machine && *own > *machine);
+  return Of(i).checked || IsAbovePlace(i);
+}
+
+State MachineView::RestOf(ActuatorIndex i) const {
+  for (const std::string_view rest : {kDeActive, kLowPower}) {
+    if (ConfigOf(i).Lists(rest) && config_.RankOf(rest)) return State(rest);
+  }
+  return {};
+}
+
+bool MachineView::IsAbovePlace(ActuatorIndex i) const {
+  const State& state = Of(i).state();
+  if (config_.RankOf(view_.state)) return Falls(config_, state, view_.state);
+  const State rest = RestOf(i);
+  return rest.empty() ? Rises(config_, kUninitialized, state) : Falls(config_, state, rest);
 }
 
 bool MachineView::NeedsMet(ActuatorIndex i, std::optional<RecordText>& blocker) const {
@@ -85,15 +99,9 @@ std::optional<RecordText> MachineView::WaitsForSuspended(ActuatorIndex i) const 
 State MachineView::PlaceOf(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   if (!record.suspended) return view_.state;
-  const auto own = config_.RankOf(record.state());
-  const auto machine = config_.RankOf(view_.state);
-  for (const std::string_view rest : {kDeActive, kLowPower}) {
-    const auto rank = config_.RankOf(rest);
-    if (!ConfigOf(i).Lists(rest) || !rank) continue;
-    if (!own || *own <= *rank) break;
-    return machine && *machine < *rank ? view_.state : State(rest);
-  }
-  return record.state();
+  const State rest = RestOf(i);
+  if (rest.empty() || !Falls(config_, record.state(), rest)) return record.state();
+  return Falls(config_, rest, view_.state) ? view_.state : rest;
 }
 
 bool MachineView::StageIsSetUp(int stage) const {

@@ -37,6 +37,11 @@ class MachineView {
   bool Fits(ActuatorIndex i) const;
   // Whether it may be driven to the state of the machine: down always, up only after its check.
   bool MayFollow(ActuatorIndex i) const;
+  // Where it stays at most while the machine is in a step of a start: the nearest of DeActive and
+  // LowPower that it lists. Empty: none.
+  State RestOf(ActuatorIndex i) const;
+  // Whether it is more active than the machine or, in a step of a start, than where it stays.
+  bool IsAbovePlace(ActuatorIndex i) const;
   // Its target: the state of the machine; while suspended, DeActive or LowPower, and never higher
   // than its present state.
   State PlaceOf(ActuatorIndex i) const;

@@ -54,12 +54,12 @@ void Switching::Apply(const Switch& s, bool undone) {
     ActuatorRecord& record = Of(leg.actuator);
     if (leg.outcome == ActuatorOutcome::kDone) {
       if (!undone && !check) record.held = s.only.has_value() && leg.target != machine_.state;
-      // An actuator that has passed late is driven to the state of the machine.
+      // An actuator that has passed late is driven to the state of the machine. Before the machine
+      // is usable, one whose rollback had failed is driven back: its fault is cleared by the check.
       const bool passed = check && record.checked;  // by the present process
-      if (passed && machine_.phase == Phase::kRunning && !record.held &&
-          record.state() != machine_.state) {
-        record.due = true;
-      }
+      const bool runs = machine_.phase == Phase::kRunning;
+      const bool away = runs ? record.state() != machine_.state : IsAbovePlace(leg.actuator);
+      if (passed && away && !record.held) record.due = true;
       continue;
     }
     if (check) record.checked = false;

@@ -31,10 +31,22 @@ bool IsKnown(const World& world, const ActuatorRecord& record, const ActuatorRep
          HasSameContent(record.report, report);
 }
 
+// Whether a reply to the command is under way, with a report from before.
+bool IsReplied(const SimActuator& actuator, CommandNumber number) {
+  const auto replies = [number](const event::Replied& reply) { return reply.number == number; };
+  return std::ranges::any_of(actuator.replies, replies) ||
+         std::ranges::any_of(actuator.late, [&](const Late& late) {
+           const auto* reply = std::get_if<event::Replied>(&late);
+           return reply != nullptr && replies(*reply);
+         });
+}
+
 // Whether the controller awaits the end of the command in the report, which brings a newer report,
 // and nothing else can happen before.
-bool IsAwaited(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
-  return world.faults_left == 0 && record.presence == Presence::kPresent && record.command &&
+bool IsAwaited(const World& world, const SimActuator& actuator, const ActuatorRecord& record) {
+  const ActuatorReport& report = actuator.core.report;
+  return world.faults_left == 0 && !IsReplied(actuator, report.number) &&
+         record.presence == Presence::kPresent && record.command &&
          record.command->number == report.number &&
          record.command->number != report.outcome_number &&
          record.report.incarnation == report.incarnation && record.report.epoch == report.epoch &&
@@ -66,7 +78,7 @@ void Tidy(Harness& harness) {
     const ActuatorReport& report = actuator.core.report;
     std::erase_if(actuator.replies,
                   [&](const auto& reply) { return IsOver(world, actuator, record, reply); });
-    if (IsKnown(world, record, report) || IsAwaited(world, record, report)) {
+    if (IsKnown(world, record, report) || IsAwaited(world, actuator, record)) {
       actuator.status_due = false;
     }
     if (!stopped) continue;

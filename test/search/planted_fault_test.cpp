@@ -201,6 +201,26 @@ TEST_F(PlantedFault, FindsAnActuatorThatAReleasedStopHoldsAlthoughItsSwitchWasRe
   EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("is held by a released stop")));
 }
 
+// The controller sends nothing to an actuator that ends its callback after the rollback.
+TEST_F(PlantedFault, FindsAnActuatorThatStaysActiveAfterItsSwitchWasUndone) {
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    auto actions = Step(config, machine, event, now);
+    std::erase_if(actions, [&](const Action& a) {
+      const auto* send = std::get_if<action::SendSwitch>(&a);
+      if (send == nullptr || machine.current || config.RankOf(machine.state)) return false;
+      machine.actuators[send->actuator].command.reset();
+      return true;
+    });
+    return actions;
+  };
+  Search(rules, "SelfCheck", "Active", 1);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("is undone: a: overdue"));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("is in Active, the machine in SelfCheck")));
+}
+
 TEST_F(PlantedFault, ReportsTheShortestScenario) {
   Search(WithEvent<event::Vanished>(
              [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),

@@ -13,14 +13,13 @@ bool IsRequested(const World& world, const State& target) {
                      [&](const Request& request) { return request.target == target; });
 }
 
-// A controller that finds no actuator past the self-check, whichever controller led it, starts the
+// A controller that finds no actuator past the self-check, also one that takes over, starts the
 // machine.
 bool IsStarting(const World& world) {
   const auto& current = world.machine.current;
   const bool checked =
       world.from == kSelfCheck || world.from == kSetUp || IsRequested(world, State(kSelfCheck));
-  return checked && world.generation > 0 && current &&
-         current->purpose == Purpose::kStartUpActivate;
+  return checked && current && current->purpose == Purpose::kStartUpActivate;
 }
 
 // Whether the result lists the actuator as degraded, lost or skipped.
@@ -113,6 +112,23 @@ void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& 
   if (!own.on_lost.empty() && !actuator.alive && place && *place > *config.RankOf(own.on_lost)) {
     notes.violations.push_back(own.name + " is lost, and the machine is in " + machine.state);
   }
+}
+
+// Before the machine is usable, and after its start has failed, no actuator stays more active than
+// a rollback leaves it. It is degraded where its last callback has failed, or its status was lost.
+void CheckPlaceInStart(const Model& model, const World& world, ActuatorIndex i, Notes& notes) {
+  const Machine& machine = world.machine;
+  const ActuatorRecord& record = machine.actuators[i];
+  const SimActuator& actuator = world.actuators[i];
+  const ActuatorReport& report = actuator.core.report;
+  const bool in_start = machine.start_up.set_up && !model.config.RankOf(machine.state);
+  const bool reachable = actuator.alive && record.presence == Presence::kPresent;
+  if (!in_start || !reachable || actuator.work != Work::kNone || record.held) return;
+  if (!IsHigher(model.config, report.state, State(kDeActive))) return;
+  const bool known = record.state() == report.state && !record.report.busy();
+  if (record.fault && (report.outcome_code != kCodeOk || !known)) return;
+  notes.violations.push_back("in a stable state " + model.config.actuators[i].name + " is in " +
+                             report.state + ", the machine in " + machine.state);
 }
 
 // Of two actuators in order the first gets no command while the second switches, nor after that.
@@ -325,6 +341,11 @@ void CheckRest(const Model& model, const World& world, Notes& notes) {
   if (world.machine.current) notes.violations.emplace_back("a switch has no end");
   if (world.machine.phase == Phase::kStopping)
     notes.violations.emplace_back("the TearDown has no end");
+  const bool ends =
+      world.machine.phase == Phase::kStopping || world.machine.phase == Phase::kStopped;
+  for (const ActuatorIndex i : kIndices) {
+    if (!ends) CheckPlaceInStart(model, world, i, notes);
+  }
   if (world.machine.phase != Phase::kRunning) return;
   CheckDegraded(model, world, notes);
   for (const ActuatorIndex i : kIndices) CheckPlace(model, world, i, notes);

@@ -95,4 +95,16 @@ World WorldIn(const Model& model, const State& state) {
   return world;
 }
 
+World WorldInStart(const Model& model) {
+  World world = NewWorld(model);
+  Notes notes;
+  Begin(model, world, false, notes);
+  while (!world.machine.current || world.machine.current->purpose != Purpose::kStartUpActivate) {
+    Make(model, world, Choices(model, world).front(), notes);
+  }
+  assert(notes.violations.empty());
+  world.from = State(kSelfCheck);
+  return world;
+}
+
 }  // namespace musher::search

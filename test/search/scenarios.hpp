@@ -28,5 +28,7 @@ bool IsPermitted(const State& from, const State& to);
 
 // The machine in this state, without messages under way and without faults.
 World WorldIn(const Model& model, const State& state);
+// The machine while its start leads from SelfCheck to Active.
+World WorldInStart(const Model& model);
 
 }  // namespace musher::search

@@ -102,6 +102,19 @@ TEST(ExhaustiveSearchOfEqualRanks, FindsNoViolation) {
   }
 }
 
+// While the start leads to Active. Where b is critical, it can fail there.
+TEST(ExhaustiveSearchOfAStart, FindsNoViolation) {
+  for (const Scenario& scenario : Scenarios()) {
+    const Model model(scenario.config);
+    World root = WorldInStart(model);
+    root.faults = root.faults_left = FaultsOf(scenario);
+    const Searched searched = SearchAll(model, root);
+    EXPECT_FALSE(searched.fault) << scenario.name << "\n"
+                                 << ScenarioOf(model, root, searched.fault->path);
+    std::cout << scenario.name << ": " << searched.figures.nodes << " nodes\n";
+  }
+}
+
 TEST_P(ExhaustiveSearch, RefusesExactlyWhatTheFlowDoesNotPermit) {
   for (const State& to : AllStates()) {
     const Model model(scenario().config, to);

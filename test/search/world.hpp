@@ -24,8 +24,8 @@
 //     reordered, one is delayed. The end of a process that exits by itself is detected later or,
 //     before its last reply, at once.
 //   - A status that the controller knows already changes nothing and is not waited for. Nor is a
-//     status that reports a running command whose reply is awaited, once no fault is left:
-//     whatever ends the wait brings a newer report.
+//     status that reports a running command whose reply is awaited and not under way yet, once no
+//     fault is left: whatever ends the wait brings a newer report.
 //   - An emergency stop reaches all actuators at once, also between two commands of one wave; the
 //     controller receives it at any time. An actuator that receives it later is another fault.
 //   - Before the first request the only fault is an emergency stop: the rest is another start.

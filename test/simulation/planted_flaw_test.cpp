@@ -287,6 +287,25 @@ TEST_F(PlantedFlaw, FindsAClientThatIsNotNotifiedOfTheEndOfItsController) {
   ExpectFound(Invariant::kClientGetsOutcome, "is not notified that the controller has ended");
 }
 
+// The controller forgets an actuator that ends its callback after the rollback.
+TEST_F(PlantedFlaw, FindsAnActuatorThatStaysActiveAfterAFailedStart) {
+  slow_ = State(kActive);
+  MachineConfig config = MachineOf(1);
+  config.actuators[0].critical = true;
+  Make(config);
+  robot_->StartActuator("a");
+  robot_->StartController();
+  ASSERT_TRUE(RunUntil([&] { return robot_->machine().phase == Phase::kFailed; },
+                       std::chrono::seconds(10)));
+  ActuatorRecord& record = const_cast<Machine&>(robot_->machine()).actuators[0];
+  record.due = record.checked = false;
+  RunFor(std::chrono::seconds(30));
+  EXPECT_EQ(robot_->ReportOf("a")->state, "Active");
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  checker_->CheckRest(false);
+  ExpectFound(Invariant::kStatesAgree, "a stays in Active while the machine is in SelfCheck");
+}
+
 TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
   Make(MachineOf(2));
   robot_->StartActuator("a");

@@ -355,4 +355,21 @@ TEST_F(FoundBySimulation, AnActuatorWhoseCheckWasSupersededHasAReasonWhyItStays)
   EXPECT_THAT(t.RecordOf("b").fault, Is(EventName::kSelfCheckMissing));
 }
 
+// Found by a random walk, whose links lost for good what the transport repeats.
+TEST_F(FoundBySimulation, AnActuatorWhoseReportOfTheReleaseWasLateIsDrivenUpOnceItHasArrived) {
+  Harness& t = In("Active", Ours(2));
+  t.StopAll(7);
+  t.Crash("b");
+  t.Rest();
+  ASSERT_EQ(t.StateOf("b"), "SelfCheck") << "it waits for the release";
+  t.Mute("b", false, true);
+  t.Release();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck") << "the command could overtake the release";
+  t.Mute("b", false, false);
+  t.RepeatStatus("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
 }  // namespace musher::testing::found_by_simulation_test

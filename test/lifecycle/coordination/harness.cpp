@@ -116,10 +116,13 @@ void Harness::RestartController(bool lost_disk, bool restarted) {
   controller_.machine = MakeMachine(config_);
   start_up_.reset();
   Begin(false, lost_disk ? 0 : controller_.disk.epoch, restarted);
-  for (const ActuatorIndex i : fakes_.Indices()) {
-    if (!fakes_[i].alive) continue;
-    After(kWire, [this, i] { Feed(event::StatusSeen{i, Report(i)}); });  // the latched status
-  }
+  for (const ActuatorConfig& actuator : config_.actuators) RepeatStatus(actuator.name);
+}
+
+void Harness::RepeatStatus(const std::string& name) {
+  const ActuatorIndex i = Index(name);
+  if (!fakes_[i].alive) return;
+  After(kWire, [this, i] { Feed(event::StatusSeen{i, Report(i)}); });
 }
 
 RequestId Harness::SendPolicyRequest(event::PolicyRequested requested) {

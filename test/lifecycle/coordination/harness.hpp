@@ -52,6 +52,9 @@ class Harness : public FakeRobot {
   void Exit(const std::string& name, int code, const std::string& words);
   // Blocks the messages between controller and actuator, in one direction or both.
   void Mute(const std::string& name, bool to_actuator, bool from_actuator);
+  // Its latched status arrives, as the transport ensures for a new controller, and for one that did
+  // not receive it as soon as the link works again.
+  void RepeatStatus(const std::string& name);
   // Delays the messages of the actuator by this time.
   void DelayReports(const std::string& name, Duration delay) { fakes_[Index(name)].delay = delay; }
   // The health monitor's verdict.

@@ -57,7 +57,8 @@ class Walk {
     }
     Heal();
     t_.Rest(std::chrono::seconds(120));
-    if (t_.machine().phase == Phase::kRunning) CheckRest();
+    const Phase phase = t_.machine().phase;
+    if (phase == Phase::kRunning || phase == Phase::kFailed) CheckRest();
     EXPECT_NE(t_.machine().phase, Phase::kStopping);
     for (const char* name : {"a", "b", "d"}) {
       EXPECT_FALSE(t_.stopped() && t_.IsAlive(name)) << name << " outlives the machine";
@@ -174,6 +175,7 @@ class Walk {
       for (const State& state : t_.config().states) t_.On(name, state) = {};
       t_.On(name, "exec") = {};
       t_.Mute(name, false, false);
+      t_.RepeatStatus(name);
       if (t_.CoreOf(name).report.busy()) t_.Crash(name);
     }
     t_.RunFor(Milliseconds(10));
@@ -206,10 +208,11 @@ class Walk {
       const auto own = t_.config().RankOf(record.state());
       const auto machines = t_.config().RankOf(machine.state);
       const bool waits = machine.emergency.stop && (!own || (machines && *own < *machines));
-      const bool in_place =
-          record.presence == Presence::kPresent
-              ? record.state() == machine.state || !machines || waits
-              : record.presence == Presence::kAbsent && machine.emergency.stop;  // a later stage
+      const bool low = !machines && own.value_or(0) <= *BuiltInRank(kDeActive);  // in a start
+      const bool in_place = record.presence == Presence::kPresent
+                                ? record.state() == machine.state || low || waits
+                                : record.presence == Presence::kAbsent &&  // a later stage
+                                      (machine.emergency.stop || machine.phase == Phase::kFailed);
       EXPECT_TRUE(in_place || record.held || record.fault)
           << name << " is " << PresenceName(record.presence) << " in " << record.state()
           << " while the machine is in " << machine.state;
@@ -237,16 +240,26 @@ class Walk {
   std::optional<Rank> rank_;
 };
 
+void RunSeed(std::uint64_t seed, bool print = false) {
+  Walk walk(seed);
+  walk.Run();
+  if (print) std::cout << walk.Scenario();
+  ASSERT_FALSE(::testing::Test::HasFailure())
+      << "again with: MUSHER_SEED=" << seed << " lifecycle_test\n"
+      << walk.Scenario();
+}
+
 TEST(RandomWalk, LeavesEveryActuatorInItsStateAndAnswersEveryRequest) {
-  const std::uint64_t only = Environment("MUSHER_SEED", 0);
-  const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 1000);
-  for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
-    Walk walk(seed);
-    walk.Run();
-    if (only != 0) std::cout << walk.Scenario();
-    ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " lifecycle_test\n"
-                               << walk.Scenario();
-  }
+  if (const std::uint64_t only = Environment("MUSHER_SEED", 0); only != 0)
+    return RunSeed(only, true);
+  const std::uint64_t last = Environment("MUSHER_SEEDS", 1000);
+  for (std::uint64_t seed = 1; seed <= last && !HasFatalFailure(); ++seed) RunSeed(seed);
+}
+
+// Above those of the gate. The report of the release was lost on a muted link, which the transport
+// rules out.
+TEST(RandomWalk, OfASeedThatOnceFailedPasses) {
+  RunSeed(2884);
 }
 
 }  // namespace musher::testing::random_walk_test
