@@ -98,11 +98,12 @@ ExitCode WithoutController(Failure failure, const Uncontrolled& running, Console
 }
 
 ExitCode Watch(Link& link, Console& console) {
+  link.EndWithReader();
   const auto followed =
       link.FollowStatus([&console](const auto& status) { Show(status, console); });
   if (!followed) return console.Fail(followed.error());
   if (const auto failure = link.AwaitStatus()) return console.Fail(*failure);
-  link.RunUntilInterrupted();
+  link.RunUntilInterrupted(console);
   return ExitCode::kDone;
 }
 

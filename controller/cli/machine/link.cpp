@@ -1,12 +1,14 @@
 #include "musher/controller/cli/machine/link.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "musher/base/host.hpp"
 #include "musher/base/words.hpp"
+#include "musher/controller/cli/console/output_reader.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -101,10 +103,18 @@ bool Link::RunUntil(const std::function<bool()>& done, Duration timeout) {
   return done();
 }
 
-void Link::RunUntilInterrupted() {
-  while (!interrupted_) {
-    loop_.RunUntil([this] { return interrupted_; }, loop_.Now() + std::chrono::hours(24));
-  }
+void Link::RunUntilInterrupted(const Console& console) {
+  const auto ended = [&] { return interrupted_ || !console.HasReader(); };
+  while (!ended()) loop_.RunUntil(ended, loop_.Now() + std::chrono::hours(24));
+}
+
+void Link::EndWithReader() {
+  reader_ = TakeReaderOf(STDOUT_FILENO);
+  if (!reader_.valid()) return;
+  reader_watch_ = loop_.WhenReadable(reader_.get(), [this] {
+    interrupted_ = true;
+    reader_watch_.reset();  // it stays readable
+  });
 }
 
 std::optional<Failure> Link::Await(const std::function<bool()>& answered,
