@@ -100,7 +100,6 @@ class Link {
   Result<> Join();
 
   Failure NoAnswer(Duration timeout) const;
-  std::string UnreachableController() const;
 
   const GlobalOptions& global_;
   UniqueFd signals_;  // before the node: its threads inherit the mask
