@@ -12,7 +12,8 @@
 //         of the previous controller
 //
 // If its output is lost (`musher up … | head -2`, a full disk), this process reports that once on
-// stderr and continues; its exit code is about the machine. A service has no terminal: there SIGHUP does nothing.
+// stderr and continues; its exit code is about the machine. A service has no terminal: there SIGHUP
+// does nothing.
 //
 // As process 1 of a container it reaps orphaned processes.
 //

@@ -58,6 +58,8 @@ std::string Footer(std::string_view example) {
          "\nOptions of every command (--json, --namespace, --domain, ...): musher --help";
 }
 
+constexpr std::string_view kInvalidNamespace = "invalid namespace '";
+
 bool IsNamespace(const std::string& text) {
   if (text.empty()) return true;
   bool at_begin = true;  // at the first character of a part between slashes
@@ -180,6 +182,7 @@ void Grammar::AddGlobalOptions() {
 
 // "--domain: …": the help of a command does not list these options.
 bool Grammar::IsOfGlobalOption(std::string_view error) const {
+  if (error.starts_with(kInvalidNamespace)) return true;  // perhaps of the environment
   const auto options = app_->get_options();
   return std::any_of(options.begin(), options.end(), [error](const CLI::Option* option) {
     return error.starts_with(option->get_name() + ":");
@@ -212,9 +215,10 @@ void Grammar::TakeGlobalOptions() {
   global_.name_space = name_space_;
   TakeEnvironment();
   if (!IsNamespace(global_.name_space)) {
-    throw CLI::ValidationError("invalid namespace '" + global_.name_space +
-                               "'; expected names separated by '/' that begin with no digit, as in "
-                               "fleet/dog1");
+    throw CLI::ValidationError(
+        fmt::format("{}{}'; expected names separated by '/' that begin with no digit, as in "
+                    "fleet/dog1",
+                    kInvalidNamespace, global_.name_space));
   }
   if (colour_ == "always") global_.colour = ColourWhen::kAlways;
   if (colour_ == "never") global_.colour = ColourWhen::kNever;

@@ -159,7 +159,9 @@ TEST(CommandLine, PointsFromAMistakeInAGlobalOptionToTheHelpOfTheProgram) {
   EXPECT_THAT(Wrong({"--json", "status", "--domain", "x"}), EndsWith("; see musher --help"));
   EXPECT_THAT(Wrong({"status", "--domain", "233"}), EndsWith("; see musher --help"));
   EXPECT_THAT(Wrong({"status", "--timeout", "0"}), EndsWith("; see musher --help"));
-  EXPECT_THAT(Wrong({"status", "--namespace", "1a"}), HasSubstr("that begin with no digit"));
+  EXPECT_THAT(
+      Wrong({"status", "--namespace", "1a"}),
+      ::testing::AllOf(HasSubstr("that begin with no digit"), EndsWith("; see musher --help")));
 }
 
 TEST(CommandLine, PointsFromEachMistakeToTheHelpOfItsCommand) {

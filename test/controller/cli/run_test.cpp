@@ -135,7 +135,11 @@ TEST(Program, NamesTheKeyFileThatIsTheOtherOneOfThePair) {
   ASSERT_TRUE(pair);
   std::ofstream(folder / "dog.key") << pair.value().private_pem;
   std::ofstream(folder / "dog.pub") << pair.value().public_pem;
-  std::ofstream(folder / "robot.toml") << kRobotToml;
+  std::string robot = kRobotToml;  // an upgradable one
+  for (std::size_t at = 0; (at = robot.find("LowPower")) != std::string::npos;) {
+    robot.replace(at, std::string("LowPower").size(), "OTA");
+  }
+  std::ofstream(folder / "robot.toml") << robot;
   const Ran init =
       RunProgram({"ota", "init", folder / "root", "--from", "b100", "--key", folder / "dog.key"});
   EXPECT_EQ(init.exit, 2);
