@@ -49,6 +49,23 @@ constexpr std::pair<ModuleCode, const char*> kModuleNames[] = {
     {ModuleCode::kFace, "Face"},
 };
 
+bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+// Whether the sentence has the code already. Of a code without a name only as a number of its own,
+// and not where it is so short that it may count something.
+bool Says(const std::string& message, const std::string& code) {
+  constexpr std::size_t kShortest = 4;
+  const std::size_t at = message.find(code);
+  if (at == std::string::npos) return false;
+  if (code.ends_with(')')) return true;
+  const std::size_t end = at + code.size();
+  const bool alone =
+      (at == 0 || !IsDigit(message[at - 1])) && (end == message.size() || !IsDigit(message[end]));
+  return code.size() >= kShortest && alone;
+}
+
 }  // namespace
 
 std::string CodeText(std::int32_t code) {
@@ -67,8 +84,7 @@ std::string CodeText(std::int32_t code) {
 
 std::string WithCode(const std::string& message, std::int32_t code) {
   const std::string text = CodeText(code);
-  const bool says_it = text.ends_with(')') && message.find(text) != std::string::npos;
-  if (code == kCodeOk || says_it) return message;
+  if (code == kCodeOk || Says(message, text)) return message;
   return message + (message.empty() ? "(" : " (") + text + ")";
 }
 

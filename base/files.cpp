@@ -25,6 +25,15 @@ std::string ReadFile(const std::filesystem::path& file) {
   return stream.bad() ? std::string() : bytes;
 }
 
+Result<> WriteFile(const std::string& path, std::string_view content) {
+  constexpr mode_t kMode = 0666;  // as the umask permits
+  UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode));
+  if (!file.valid() || !WriteAll(file.get(), content) || !file.Close()) {
+    return SystemError("can't write " + path);
+  }
+  return Ok();
+}
+
 bool WriteAll(int fd, std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = write(fd, text.data(), text.size());

@@ -20,6 +20,9 @@ namespace musher {
 // The bytes of a file; empty if it cannot be read to its end.
 std::string ReadFile(const std::filesystem::path& file);
 
+// Writes a file that no process reads meanwhile, also a device such as /dev/stdout.
+Result<> WriteFile(const std::string& path, std::string_view content);
+
 // Whether all of it was written; else errno gives the reason. An interrupted write goes on.
 bool WriteAll(int fd, std::string_view text);
 

@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <climits>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
@@ -107,6 +109,11 @@ std::string HostId() {
   return boot + "/" + std::to_string(pid_namespace.st_ino);
 }
 
+std::string HostName() {
+  std::array<char, HOST_NAME_MAX + 1> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
 std::uint64_t NewIncarnation() {
   timespec now{};
   clock_gettime(CLOCK_BOOTTIME, &now);
@@ -118,6 +125,15 @@ Result<UniqueFd> OpenPidfd(pid_t pid) {
   UniqueFd fd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));  // close-on-exec by itself
   if (!fd.valid()) return SystemError("can't watch process " + std::to_string(pid));
   return fd;
+}
+
+// "State:\tT (stopped)", or "t (tracing stop)"
+bool IsStopped(pid_t pid) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string word; status >> word;) {
+    if (word == "State:") return status >> word && (word == "T" || word == "t");
+  }
+  return false;
 }
 
 bool SendSignal(int pidfd, int signal) {

@@ -27,6 +27,9 @@ Error SystemError(std::string_view what, int error_number = errno);
 // then unknown, and two empty ids must not count as equal.
 std::string HostId();
 
+// The name that people know the host by; empty: unknown.
+std::string HostName();
+
 // Nanoseconds since the host was booted: an id for a process that starts now, higher than that of
 // any process that started earlier, independent of the wall clock.
 std::uint64_t NewIncarnation();
@@ -34,6 +37,10 @@ std::uint64_t NewIncarnation();
 // A descriptor of the process, readable once the process has exited; it never refers to another
 // process that reuses the pid. Fails if no such process is alive.
 Result<UniqueFd> OpenPidfd(pid_t pid);
+
+// Whether the process is stopped, by a signal such as SIGSTOP or Ctrl-Z or by a debugger: it then
+// answers nothing until SIGCONT.
+bool IsStopped(pid_t pid);
 
 // Sends a signal to the process of a pidfd, never to another one that reuses its pid; 0 only checks
 // that it exists. False: `errno` has the reason; ESRCH: it has exited and been reaped.

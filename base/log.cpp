@@ -72,6 +72,24 @@ std::string LogLine(LogLevel level, std::string_view name, std::string_view text
   return line += '\n';
 }
 
+std::string TextOfLogLine(std::string_view line, std::string_view name) {
+  constexpr std::string_view kTime = "dddd-dd-dd dd:dd:dd.ddd ";
+  const auto fits = [](char c, char p) { return p == 'd' ? c >= '0' && c <= '9' : c == p; };
+  if (line.size() < kTime.size() || !std::equal(kTime.begin(), kTime.end(), line.begin(),
+                                                [&](char p, char c) { return fits(c, p); })) {
+    return std::string(line);
+  }
+  line.remove_prefix(kTime.size());
+  const auto drop = [&line](std::string_view word) {
+    if (!line.starts_with(word) || !line.substr(word.size()).starts_with(": ")) return false;
+    line.remove_prefix(word.size() + 2);
+    return true;
+  };
+  if (!name.empty()) drop(name);
+  std::any_of(kNames.begin(), kNames.end(), drop);
+  return std::string(line);
+}
+
 LogLevel LowestLogLevel() {
   static const LogLevel lowest = LevelFromEnvironment();
   return lowest;

@@ -33,6 +33,10 @@ std::optional<LogLevel> LogLevelNamed(std::string_view name);
 // one of its own after a place in a file ("robot.toml:3:7: error: ").
 std::string LogLine(LogLevel level, std::string_view name, std::string_view text);
 
+// What a line of WriteLog() that begins with the time says, without the time, this name and the
+// word of the level; another line stays as it is.
+std::string TextOfLogLine(std::string_view line, std::string_view name);
+
 // The lowest level that is written, as read from the environment once; another value than the four
 // is reported and counts as info.
 LogLevel LowestLogLevel();

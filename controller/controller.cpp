@@ -131,8 +131,8 @@ Result<> Controller::OpenStore() {
     last_config_hash_ = store.value().LoadConfigHash();
     store_ = std::make_shared<StateStore>(std::move(store).value());
   } else if (store.error().code == kCodeTargetBusy) {
-    return Error{kCodeTargetBusy,
-                 store.error().message + "; `musher status` shows it, --takeover replaces it"};
+    return Error{kCodeTargetBusy, store.error().message + "; " +
+                                      HowToReplace(StateStore::OwnerOf(config_.state_dir))};
   } else {
     Trouble("no journal, no saved epoch: " + store.error().message);
   }
@@ -152,8 +152,8 @@ Result<> Controller::TakeName() {
     }
     if (!options_.takeover && holder.trusted) {
       return Error{kCodeTargetBusy, "controller process " + std::to_string(holder.pid) +
-                                        " already leads " + leads +
-                                        "; `musher status` shows it, --takeover replaces it"};
+                                        " already leads " + leads + "; " +
+                                        HowToReplace(holder.pid)};
     }
     if (!options_.takeover) {
       return Error{kCodeTargetBusy,
@@ -251,6 +251,7 @@ Result<> Controller::OpenShell() {
   dependencies.wall_ns = WallNanoseconds;
   dependencies.config_text = TextOf(config_);
   dependencies.host = HostId();
+  dependencies.host_name = HostName();
   dependencies.pid = getpid();
   dependencies.incarnation = incarnation_;
   ControllerShell::Hooks hooks = options_.hooks;

@@ -80,4 +80,10 @@ Result<> EndOwnerOf(const std::string& state_dir) {
   });
 }
 
+std::string HowToReplace(pid_t pid) {
+  if (!IsStopped(pid)) return "`musher status` shows it, --takeover replaces it";
+  return "it is stopped: `kill -CONT " + std::to_string(pid) +
+         "` continues it, --takeover replaces it";
+}
+
 }  // namespace musher

@@ -21,6 +21,9 @@ Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it);
 // may be able to write there.
 Result<> EndOwnerOf(const std::string& state_dir);
 
+// How a person gets rid of the controller `pid`, in the message that refuses a second one.
+std::string HowToReplace(pid_t pid);
+
 // Waits for the exit of a process that was killed and has not exited yet: until then it holds its
 // locks, on a busy computer for a while. False, at once, for a process that runs. True as well for
 // one that does not exist.

@@ -157,7 +157,8 @@ int Main(int argc, char** argv) {
                  "Namespace of the machine; default $MUSHER_NAMESPACE, else none");
   app.add_option("--domain", options.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(0, 232).description(""));
-  app.add_option("--port", options.port, "Default 8765; 0: any that is free");
+  app.add_option("--port", options.port, "Default 8765; 0: any that is free")
+      ->check(CLI::Range(0, 65535).description(""));
   app.add_option("--bind", options.bind,
                  "Address to listen on; default 127.0.0.1, this host only. 0.0.0.0: all");
   app.add_option("--host", options.hosts,

@@ -10,7 +10,7 @@ namespace musher::config_toml {
 inline constexpr std::string_view kNameRule =
     "a name of letters, digits and '_' that begins with no digit, at most 64 long";
 inline constexpr std::string_view kNamespaceRule =
-    "names separated by '/', as in \"fleet/dog1\", at most 200 long";
+    "names separated by '/' that begin with no digit, as in \"fleet/dog1\", at most 200 long";
 
 // Names of machines, actuators and states: what ROS 2 accepts as a node or topic name.
 bool IsName(std::string_view text);

@@ -29,14 +29,14 @@ int Run(int argc, const char* const* argv, std::ostream& out, std::ostream& err,
   const auto parsed = ParseCommandLine(argc, argv);
   if (const auto* end = std::get_if<ParseEnd>(&parsed)) {
     Console console(out, err, {end->json, false, terminal});
-    return static_cast<int>(EndOfParse(*end, console));
+    return static_cast<int>(console.AfterOutput(EndOfParse(*end, console)));
   }
   const auto& line = std::get<CommandLine>(parsed);
   SetEnvironment(line.global);
   Console console(out, err,
                   {line.global.json, WantsColour(line.global.colour, terminal), terminal});
   try {
-    return static_cast<int>(line.run(line.global, console));
+    return static_cast<int>(console.AfterOutput(line.run(line.global, console)));
   } catch (const std::exception& e) {  // a system resource is exhausted
     return static_cast<int>(console.Fail({kCodeFailed, e.what()}));
   }

@@ -1,12 +1,15 @@
 #include "musher/controller/journal/journal_reader.hpp"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
 #include <sqlite3.h>
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
+#include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/journal/journal_checksum.hpp"
 #include "musher/controller/journal/journal_schema.hpp"
 
@@ -192,7 +195,10 @@ std::string DamageText(std::size_t count, const char* what, const Damage& damage
   return "read " + std::to_string(count) + " " + what + "; the rest is damaged: " + damage;
 }
 
+// Of a file that cannot be opened SQLite gives no reason.
 Error Unreadable(const std::string& path, const std::string& why) {
+  const UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) return SystemError("can't read the journal " + path);
   return {kCodeFailed, "can't read the journal " + path + ": " + why};
 }
 

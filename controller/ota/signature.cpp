@@ -58,6 +58,9 @@ Result<KeyPtr> Ed25519(EVP_PKEY* read, const char* what) {
 }
 
 Result<KeyPtr> PublicKey(std::string_view pem) {
+  if (pem.find("PRIVATE KEY-----") != std::string_view::npos) {
+    return Error{kCodeFailed, "not a public key but a private one, which must not be on a robot"};
+  }
   return Ed25519(PEM_read_bio_PUBKEY(Bio(pem).get(), nullptr, nullptr, nullptr),
                  "an Ed25519 public key");
 }

@@ -18,6 +18,7 @@
 #include "musher/base/exit_status.hpp"
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/log.hpp"
 #include "musher/controller/process/child_processes.hpp"
 
 namespace musher {
@@ -43,8 +44,9 @@ std::int64_t SizeOf(int fd) {
   return fstat(fd, &info) == 0 && S_ISREG(info.st_mode) ? info.st_size : -1;
 }
 
-// The last line of the file after `begin` that has a visible character.
-std::string LastOutput(int fd, std::int64_t begin) {
+// The last line of the file after `begin` that has a visible character; of a line of the log of
+// process `name` what it says.
+std::string LastOutput(int fd, std::int64_t begin, const std::string& name) {
   const std::int64_t size = SizeOf(fd);
   // A file shorter than before has been cut at its front meanwhile (log_files.hpp).
   const std::int64_t from = std::max(size < begin ? 0 : begin, size - kMaxTailBytes);
@@ -61,6 +63,7 @@ std::string LastOutput(int fd, std::int64_t begin) {
     if (first != std::string::npos)
       last = line.substr(first, line.find_last_not_of(' ') + 1 - first);
   }
+  last = TextOfLogLine(last, name);
   if (last.size() <= kMaxLineBytes) return last;
   std::size_t end = kMaxLineBytes;
   while (end > 0 && (static_cast<unsigned char>(last[end]) & 0xC0U) == 0x80U) --end;  // UTF-8
@@ -246,8 +249,8 @@ void ProcessSupervisor::AwaitLastOutput(const ProcessExit& exit, Process process
   // While the disk stalls only the last job of each name is kept: the queue is bounded.
   disk_.Do(
       "last output of " + process.name,
-      [output, log = process.log, begin = process.log_begin] {
-        *output = LastOutput(log->get(), begin);
+      [output, log = process.log, begin = process.log_begin, name = process.name] {
+        *output = LastOutput(log->get(), begin, name);
         return Ok();
       },
       // A destroyed supervisor has no ending left; the disk outlives it.

@@ -79,9 +79,9 @@ void ControllerPresence::Repeat() {
   if (!heartbeats_) return;
   NoteSilence();
   last_heartbeat_ = node_.loop().Now();
-  static_cast<void>(
-      heartbeats_->Publish({config_.name, epoch_.value(), identity_.incarnation.value(),
-                            identity_.host, identity_.pid, ControllerBeatPeriod(config_).count()}));
+  static_cast<void>(heartbeats_->Publish(
+      {config_.name, epoch_.value(), identity_.incarnation.value(), identity_.host, identity_.pid,
+       ControllerBeatPeriod(config_).count(), identity_.host_name}));
 }
 
 void ControllerPresence::NoteSilence() {
@@ -104,6 +104,13 @@ void ControllerPresence::FallSilent() {
   released_stops_ = nullptr;
 }
 
+// A controller of an older version sends no name; the beginning of the boot id distinguishes hosts.
+std::string ControllerPresence::HostOf(const msg::ControllerBeat& heartbeat) const {
+  if (heartbeat.host == identity_.host) return "this host";
+  if (!heartbeat.host_name.empty()) return "host " + heartbeat.host_name.substr(0, 64);
+  return "another host (boot id " + heartbeat.host.substr(0, 8) + "…)";
+}
+
 void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   // Of two controllers with the same epoch the one with the lower identity has precedence, for both
   // of them. Incarnations of different hosts, and of different boots of one host, cannot be
@@ -114,10 +121,8 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   if (theirs == ours) return;
   const Epoch epoch(heartbeat.epoch);
   if (epoch > kLastEpoch) return;  // out of range
-  rival_ = {"process " + std::to_string(heartbeat.pid) +
-                (heartbeat.host == identity_.host ? " of this host"
-                                                  : " of host " + heartbeat.host.substr(0, 64)),
-            epoch, heartbeat.machine};
+  rival_ = {"process " + std::to_string(heartbeat.pid) + " of " + HostOf(heartbeat), epoch,
+            heartbeat.machine};
   // Only a heartbeat that may change something is an event: others would fill the journal.
   if (epoch >= epoch_) emit_(event::RivalSeen{epoch, rival_->process, theirs < ours});
 }

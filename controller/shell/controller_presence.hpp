@@ -25,6 +25,7 @@ class ControllerPresence {
     Incarnation incarnation = 0;
     std::int32_t pid = 0;
     std::string host;
+    std::string host_name{};  // for people; may be empty
   };
 
   // `node` and `config` must outlive it.
@@ -60,6 +61,7 @@ class ControllerPresence {
   Result<> Open();
   void OnHeartbeat(const msg::ControllerBeat& heartbeat);
   void NoteSilence();
+  std::string HostOf(const msg::ControllerBeat& heartbeat) const;
 
   transport::Node& node_;
   const MachineConfig& config_;

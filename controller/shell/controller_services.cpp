@@ -135,6 +135,7 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
   if (const auto error = CheckLengths(request.target, request.actuator)) {
     SwitchResult refusal;
     refusal.outcome = SwitchOutcome::kRefused;
+    refusal.target = State(request.target).Shortened();
     refusal.code = error->code;
     refusal.reason = error->message;
     refusal.state = shell_.machine().state;
@@ -177,9 +178,11 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
   if (!error)
     return ToMessage(config, MakePlan(config, shell_.machine(), State(request.target), only));
   msg::GetPlan::Response response;
+  response.target = State(request.target).Shortened();
+  response.actuator = request.actuator.substr(0, kLongestName);
   response.code = error->code;
   response.reason = error->message;
-  response.state = shell_.machine().state;
+  if (request.actuator.empty()) response.state = shell_.machine().state;
   return response;
 }
 

@@ -47,7 +47,8 @@ Result<> ControllerShell::Open() {
     peers_[i].link = std::move(link).value();
   }
   auto presence = ControllerPresence::Make(
-      node, config_, {dependencies_.incarnation, dependencies_.pid, dependencies_.host},
+      node, config_,
+      {dependencies_.incarnation, dependencies_.pid, dependencies_.host, dependencies_.host_name},
       [this](const Event& event) { Handle(event); });
   if (!presence) return presence.error();
   presence_ = std::move(presence).value();

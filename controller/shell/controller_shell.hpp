@@ -61,6 +61,7 @@ class ControllerShell {
     std::function<std::int64_t()> wall_ns;  // since 1970
     std::string config_text;                // text of the config, for the journal; may be empty
     std::string host;                       // HostId()
+    std::string host_name;                  // HostName(); may be empty
     std::int32_t pid = 0;
     Incarnation incarnation = 0;  // of this controller
   };

@@ -13,6 +13,9 @@
 namespace musher {
 namespace {
 
+constexpr const char* kUnchecked = "has not passed its self-check";
+constexpr const char* kRunSelfCheck = "; run `musher set SelfCheck`";
+
 std::string List(const std::vector<State>& names) {
   return Joined(names, "none");
 }
@@ -82,10 +85,23 @@ class Planning {
     const bool exempt = (for_safety_ && plan_.direction == Direction::kDown) || on_its_way;
     if (!exempt && !FlowAllows(config_, plan_.from, target)) {
       return Error{kCodeStateInvalid, subject + " cannot go from " + plan_.from + " to " + target +
-                                          "; from here it can go to " +
-                                          List(Reachable(config_, plan_.from))};
+                                          WaysFrom(plan_.from)};
     }
     return plan_.only ? std::nullopt : RefusalByPolicy(config_, machine_, target);
+  }
+
+  // What can be done instead.
+  std::string WaysFrom(const State& from) const {
+    const auto states = Reachable(config_, from);
+    if (!states.empty()) return "; from here it can go to " + List(states);
+    const std::string none = "; no state follows " + from;
+    return plan_.only ? none + Restart(config_.actuators[*plan_.only]) : none;
+  }
+
+  // ": `musher restart lamp` starts it again", if the controller starts it; else "".
+  static std::string Restart(const ActuatorConfig& actuator) {
+    if (actuator.command.empty()) return "";
+    return ": `musher restart " + actuator.name + "` starts it again";
   }
 
   // The first reason is kept.
@@ -157,7 +173,7 @@ class Planning {
                                         " may not be more active than the machine, which is in " +
                                         machine_.state);
     } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
-      RefuseWith(kCodeSelfCheckFailed, actuator.name + " has not passed its self-check");
+      RefuseWith(kCodeSelfCheckFailed, actuator.name + " " + kUnchecked + kRunSelfCheck);
     } else if (plan_.direction == Direction::kUp && record.suspended) {
       RefuseWith(kCodeStatusError, actuator.name +
                                        " is suspended until the "
@@ -193,15 +209,18 @@ class Planning {
     const bool up = plan_.direction == Direction::kUp;
     const bool checking = plan_.direction == Direction::kCheck;
     PlanStep step = Blank(i);
-    const auto leave_out = [&](const std::string& why, std::int32_t code, bool blocks) {
+    // `cure`: the next step of a person whose switch is refused.
+    const auto leave_out = [&](const std::string& why, std::int32_t code, bool blocks,
+                               const std::string& cure = "") {
       step.part = PlanStep::Part::kLeftOut;
       step.note = why;
       if (blocks && up && actuator.critical)
-        RefuseWith(code, "critical " + actuator.name + " " + why);
+        RefuseWith(code, "critical " + actuator.name + " " + why + cure);
     };
     if (record.presence != Presence::kPresent) {
       const bool loading = !record.fault && record.presence != Presence::kLost;
-      leave_out(loading ? "is still starting" : "is not available", kCodeStatusError, !loading);
+      leave_out(loading ? "is still starting" : "is not available", kCodeStatusError, !loading,
+                Restart(actuator));
     } else if (record.state() == kTearDown && plan_.target != kTearDown) {
       // Its process still runs, with other actuators in it.
       leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
@@ -217,7 +236,7 @@ class Planning {
       leave_out("could not be configured", record.fault->code, false);
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
                (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i)) {
-      leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
+      leave_out(kUnchecked, kCodeSelfCheckFailed, true, kRunSelfCheck);
     } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
     } else if (!checking && IsInTarget(record) && !record.report.busy() && !record.command) {

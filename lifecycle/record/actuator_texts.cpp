@@ -65,7 +65,8 @@ RecordText ConfigDiffers(const std::string& actuator, const std::string& hash,
                          const std::string& file, const std::string& own_hash) {
   return MakeText(
       EventName::kConfigDiffers,
-      "{actuator} is using a different config ({hash}) than {config} ({own_hash})",
+      "{actuator} is using a different config ({hash}) than {config} ({own_hash}); if a "
+      "change concerns it, `musher restart {actuator}` starts it with this one",
       {{"actuator", actuator}, {"hash", hash}, {"config", file}, {"own_hash", own_hash}});
 }
 

@@ -114,7 +114,7 @@ void StartUp::EndFirstStage() {
   std::size_t present = 0;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const ActuatorRecord& record = Of(i);
-    if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
+    if (record.fault) missing.push_back(ConfigOf(i).name + ": " + record.fault->message);
     if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
   }
   AnswerSetUpRequests();
@@ -244,7 +244,7 @@ void StartUp::AnswerSetUpRequests() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (!answer) break;
     const auto& fault = Of(i).fault;
-    if (fault) answer = Error{kCodeTimeout, ConfigOf(i).name + " " + fault->message};
+    if (fault) answer = Error{kCodeTimeout, ConfigOf(i).name + ": " + fault->message};
   }
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, answer});

@@ -44,6 +44,9 @@ TEST(WithCode, LeavesOutSuccessAndACodeThatTheSentenceNames) {
   EXPECT_EQ(WithCode("all is well", kCodeOk), "all is well");
   EXPECT_EQ(WithCode("lidar: failed with 2012 (SensorManager: DeviceError), silent", 2012),
             "lidar: failed with 2012 (SensorManager: DeviceError), silent");
+  EXPECT_EQ(WithCode("lidar: failed with 6202, as above", 6202),
+            "lidar: failed with 6202, as above");
+  EXPECT_EQ(WithCode("port 16202 is used", 6202), "port 16202 is used (6202)");
 }
 
 }  // namespace musher::code_test

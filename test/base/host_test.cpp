@@ -78,6 +78,19 @@ TEST(HostId, IsTheSameInEveryProcessOfTheHost) {
   EXPECT_EQ(HostId(), std::string(buffer.data(), static_cast<std::size_t>(size)));
 }
 
+TEST(Process, IsStoppedFromSigstopToSigcont) {
+  Child child([] { return 0; });
+  ASSERT_TRUE(child.ready());
+  EXPECT_FALSE(IsStopped(child.pid()));
+  kill(child.pid(), SIGSTOP);
+  int status = 0;
+  ASSERT_EQ(waitpid(child.pid(), &status, WUNTRACED), child.pid());
+  EXPECT_TRUE(IsStopped(child.pid()));
+  kill(child.pid(), SIGCONT);
+  ASSERT_EQ(waitpid(child.pid(), &status, WCONTINUED), child.pid());
+  EXPECT_FALSE(IsStopped(child.pid()));
+}
+
 TEST(Pidfd, BecomesReadableWhenTheProcessEnds) {
   Child child([] { return 0; });
   ASSERT_TRUE(child.ready());

@@ -30,6 +30,16 @@ TEST(LogLine, DoesNotRepeatTheWordOfADiagnostic) {
             "gripper: robot.toml:3:7: error: unknown key\n");
 }
 
+TEST(LogLine, IsReadBackWithoutTimeNameAndLevel) {
+  const std::string time = "2026-03-01 13:00:05.250 ";
+  EXPECT_EQ(TextOfLogLine(time + "gripper: error: no jaw", "gripper"), "no jaw");
+  EXPECT_EQ(TextOfLogLine(time + "gripper: grips", "gripper"), "grips");
+  EXPECT_EQ(TextOfLogLine(time + "musher-exec: warning: slow", "gripper"),
+            "musher-exec: warning: slow");
+  EXPECT_EQ(TextOfLogLine("gripper: error: no jaw", "gripper"), "gripper: error: no jaw");
+  EXPECT_EQ(TextOfLogLine("2026-03-01", "gripper"), "2026-03-01");
+}
+
 TEST(LogLevels, HaveNames) {
   EXPECT_EQ(LogLevelNamed("debug"), LogLevel::kDebug);
   EXPECT_EQ(LogLevelNamed("info"), LogLevel::kInfo);

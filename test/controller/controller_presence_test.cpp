@@ -60,4 +60,38 @@ TEST_F(StoppedController, DoesNotListenWhereOnlyThisHostRunsControllers) {
   EXPECT_EQ(WaitAfterStopOf(seconds(9), TransportProfile::kLocal), Duration{});
 }
 
+class Rivals : public ::testing::Test {
+ protected:
+  // How the controller on `here` names the one on another host.
+  std::string NameOf(const ControllerPresence::Identity& other) {
+    const auto there = network_.MakeNode("there");
+    const auto ours = Presence(*here_, {1, 1, "boot-a/1", "dog"});
+    const auto theirs = Presence(*there, other);
+    ours->Announce(1);
+    theirs->Announce(2);
+    network_.RunFor(seconds(2));
+    return ours->rival() ? ours->rival()->process : "";
+  }
+
+ private:
+  std::unique_ptr<ControllerPresence> Presence(transport::Node& node,
+                                               const ControllerPresence::Identity& identity) {
+    return ControllerPresence::Make(node, config_, identity, [](const Event&) {}).value();
+  }
+
+  transport::sim::Network network_{1};
+  MachineConfig config_ = MachineOf(2);
+  std::unique_ptr<transport::Node> here_ = network_.MakeNode("here");
+};
+
+TEST_F(Rivals, AreKnownByTheNameOfTheirHost) {
+  EXPECT_EQ(NameOf({1, 7, "boot-b/1", "cat"}), "process 7 of host cat");
+  EXPECT_EQ(NameOf({1, 7, "boot-a/1", "dog"}), "process 7 of this host");
+}
+
+TEST_F(Rivals, OfAnOlderVersionAreKnownByAShortIdThatIsExplained) {
+  EXPECT_EQ(NameOf({1, 7, "5982c7ee-4f4e-4b5c-9f5e/4026531836", ""}),
+            "process 7 of another host (boot id 5982c7ee…)");
+}
+
 }  // namespace musher::testing::controller_presence_test

@@ -179,7 +179,7 @@ TEST(MachineController, ReportsAnActuatorThatDidNotStartByItsDeadline) {
   const Result<> result = controller.AwaitSetUp();
   ASSERT_FALSE(result.ok());
   EXPECT_THAT(result.error().message,
-              HasSubstr("arm " + texts::SetUpTimeout(Milliseconds(100)).message));
+              HasSubstr("arm: " + texts::SetUpTimeout(Milliseconds(100)).message));
 }
 
 }  // namespace musher::machine_controller_test

@@ -68,6 +68,12 @@ TEST_F(Supervisor, ReportsTheLastOutputOfAProcessThatExitsWithAnError) {
   EXPECT_EQ(exit_->Text(), "exit code 2") << "the words are another one's";
 }
 
+TEST_F(Supervisor, ReportsWhatTheLastLogLineSaysWithoutItsTime) {
+  MustStart(Script("echo '2026-11-26 06:48:46.082 helper: error: no such port'; exit 2"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(exit_->Text(), "exit code 2: helper: error: no such port");
+}
+
 TEST_F(Supervisor, CutsLongLastOutputBetweenCharacters) {
   MustStart(Script("for i in $(seq 300); do printf ä; done; exit 1"));
   ASSERT_TRUE(WaitForExit());

@@ -35,7 +35,7 @@ Examples OfTheMachine() {
       {"TearDownResumedBySupervisor", TearDownResumedBySupervisor()},
       {"StageStarted", StageStarted(2)},
       {"ActuatorsSetUp", ActuatorsSetUp(4)},
-      {"WaitingForManager", WaitingForManager({"eyes was not set up within 1500 ms"})},
+      {"WaitingForManager", WaitingForManager({"eyes: was not set up within 1500 ms"})},
       {"StartUpFailed", StartUpFailed("SelfCheck", "critical legs: joint 7 is hot")},
       {"UnfinishedSwitchFound", UnfinishedSwitchFound("legs in Active", "Protected")},
       {"MixedStatesFound", MixedStatesFound("legs in Active", "Protected")},

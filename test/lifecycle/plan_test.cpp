@@ -116,6 +116,26 @@ TEST_F(Plans, OfAnActuatorThatHasNotPassedItsCheckGoDownButNotUp) {
   EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeOk);
 }
 
+TEST_F(Plans, ThatAreRefusedNameTheNextStep) {
+  config_.actuators[1].command = {"b"};
+  machine_.actuators[1].checked = false;
+  machine_.actuators[1].report.state = State(kLowPower);
+  EXPECT_EQ(Of(1, kDeActive).refusal->message,
+            "b has not passed its self-check; run `musher set SelfCheck`");
+  config_.actuators[1].critical = true;
+  EXPECT_EQ(To(kActive).refusal->message,
+            "critical b has not passed its self-check; run `musher set SelfCheck`");
+  machine_.actuators[1].report.state = State(kTearDown);
+  EXPECT_EQ(Of(1, kSelfCheck).refusal->message,
+            "b cannot go from TearDown to SelfCheck; no state follows TearDown: `musher restart b` "
+            "starts it again");
+  machine_.actuators[1].presence = Presence::kLost;
+  EXPECT_EQ(To(kActive).refusal->message,
+            "critical b is not available: `musher restart b` starts it again");
+  config_.actuators[1].command.clear();  // the controller does not start it
+  EXPECT_EQ(To(kActive).refusal->message, "critical b is not available");
+}
+
 TEST_F(Plans, OfASuspendedActuatorDoNotGoUp) {
   machine_.actuators[1].suspended = true;
   machine_.actuators[1].report.state = State(kLowPower);

@@ -110,6 +110,11 @@ TEST_F(WrongKeys, ThatAreMissingAreReported) {
   ExpectRefusal("identity_ca.cert: No such file or directory; `musher keys init` creates");
 }
 
+TEST_F(WrongKeys, ThatAreBrokenAreReplacedWithForce) {
+  std::ofstream(keys_ + "/legs.cert") << "-----BEGIN NONSENSE-----";
+  ExpectRefusal("`musher keys add legs --force` replaces it");
+}
+
 TEST_F(WrongKeys, OfAnotherRobotAreRefused) {
   const std::string foreign = folder_ / "foreign";
   ASSERT_EQ(Musher({"keys", "init", foreign}).exit, 0);

@@ -51,7 +51,9 @@ TEST_F(UnauthorizedParticipants, WithoutKeysGetTheMissingKeyFromTheCommandLine) 
   unsetenv("MUSHER_KEYS");
   const Ended status = Musher({"status"});
   EXPECT_EQ(status.exit, 3);
-  EXPECT_THAT(status.err, HasSubstr("is unreachable without keys: use --keys FOLDER"));
+  EXPECT_THAT(
+      status.err,
+      HasSubstr("is unreachable without keys: the machine has [security]; use --keys FOLDER"));
   EXPECT_EQ(Musher({"set", "Active", "--timeout", "1"}).exit, 3);
   EXPECT_EQ(Musher({"estop", "--timeout", "1"}).exit, 3);
   setenv("MUSHER_KEYS", keys_.c_str(), 1);
@@ -68,7 +70,8 @@ TEST_F(UnauthorizedParticipants, OfAnotherRobotAreUnauthorizedHere) {
   ExpectWasAlone(*participant);
   const Ended status = Musher({"status", "--keys", foreign, "--timeout", "1"});
   EXPECT_EQ(status.exit, 3);
-  EXPECT_THAT(status.err, HasSubstr("is unreachable with the keys of operator in " + foreign));
+  EXPECT_THAT(status.err,
+              HasSubstr("the keys of operator in " + foreign + " are not of its machine"));
 }
 
 // The revoked one keeps the folder as it was, so that nothing on its own side stops it.

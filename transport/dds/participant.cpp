@@ -53,10 +53,16 @@ bool SharesItsPorts(int domain_id) {
   return domain_id >= 102 && domain_id <= 214;
 }
 
+// A bad CYCLONEDDS_URI is not.
+bool IsAboutPorts(const std::string& reason) {
+  return reason.find("in use") != std::string::npos ||
+         reason.find("participant index") != std::string::npos;
+}
+
 Error SetupError(int domain_id, dds_return_t code, LogCapture& log) {
   Error error = DdsError("cannot join DDS domain " + std::to_string(domain_id), code);
   if (const std::string reason = log.Take(); !reason.empty()) error.message += ": " + reason;
-  if (SharesItsPorts(domain_id)) {
+  if (SharesItsPorts(domain_id) && IsAboutPorts(error.message)) {
     error.message +=
         " (any program may hold a port of the domains 102 to 214: 0 to 101 and 215 to 232 have "
         "theirs to themselves)";

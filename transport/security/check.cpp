@@ -1,5 +1,7 @@
 #include "musher/transport/security/check.hpp"
 
+#include <filesystem>
+
 #include "musher/transport/security/certificates.hpp"
 #include "musher/transport/security/key_files.hpp"
 
@@ -72,8 +74,10 @@ Result<WallTime> Check(const KeyFolder& folder, const std::string& identity) {
   if (!revocations) return revocations.error();
   const auto certificate = ReadCertificate(folder.Certificate(identity));
   if (!certificate) {
+    std::error_code error;
+    const bool broken = std::filesystem::exists(folder.Certificate(identity), error);
     return Refusal(certificate.error().message + "; `musher keys add " + identity +
-                   "` creates an identity");
+                   (broken ? " --force` replaces it" : "` creates an identity"));
   }
   X509* own = certificate.value().get();
   const auto key = ReadKey(folder.Key(identity));

@@ -52,6 +52,7 @@ class Watch {
 
   ExitCode Run(const Report& begin) {
     Remember(begin);
+    link_.EndWithReader();
     transport::SubscriptionEvents events;
     events.on_writer_lost = [this](transport::EndpointId) { lost_ = true; };
     const auto states = transport::MakeSubscription<msg::String>(
@@ -62,7 +63,7 @@ class Watch {
     // The latched state arrives at once, unless the application exits before it is discovered.
     const bool found = link_.RunUntil([this] { return changed_ || lost_; }, link_.discovery());
     if (!found) lost_ = true;
-    while (!link_.interrupted()) {
+    while (!link_.interrupted() && console_.HasReader()) {
       link_.RunUntil([this] { return changed_ || lost_; }, std::chrono::hours(24));
       if (std::exchange(changed_, false)) PrintChanges();
       if (std::exchange(lost_, false)) PrintLost();

@@ -34,6 +34,7 @@ class TreeWatch {
 
   ExitCode Run(const TreeReport& begin) {
     Remember(begin);
+    link_.EndWithReader();
     transport::SubscriptionEvents events;
     events.on_writer_lost = [this](transport::EndpointId) { lost_ = true; };
     const auto states = transport::MakeSubscription<msg::TreeState>(

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "musher/controller/cli/commands/commands.hpp"
+#include "musher/controller/cli/config/key_check.hpp"
 #include "musher/controller/cli/config/program_check.hpp"
 #include "musher/controller/cli/config/ros_check.hpp"
 #include "musher/controller/cli/console/error_json.hpp"
@@ -49,6 +50,8 @@ ExitCode Check(const CheckOptions& options, const GlobalOptions& /*global*/, Con
       AddUpgradeFault(*read, reading.diagnostics);
       const auto found = CheckPrograms(*read);
       reading.diagnostics.insert(reading.diagnostics.end(), found.begin(), found.end());
+      const auto keys = CheckKeys(*read);
+      reading.diagnostics.insert(reading.diagnostics.end(), keys.begin(), keys.end());
       const auto ros = CheckRos(*read, transport::OwnEnvironment());
       reading.diagnostics.insert(reading.diagnostics.end(), ros.begin(), ros.end());
       if (HasError(found)) reading.config.reset();

@@ -136,6 +136,7 @@ class Queries {
         reach.allowed = plan.value().allowed;
         reach.code = plan.value().code;
         reach.reason = plan.value().reason;
+        reach.lower = plan.value().direction == DirectionName(Direction::kDown);
       });
     }
   }

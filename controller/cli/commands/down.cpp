@@ -11,6 +11,7 @@
 #include "musher/controller/cli/machine/ending.hpp"
 #include "musher/controller/cli/machine/link.hpp"
 #include "musher/controller/cli/machine/running.hpp"
+#include "musher/controller/cli/machine/silent_controller.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/lifecycle/state.hpp"
@@ -31,12 +32,14 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
   link.value()->RunUntil([&] { return link.value()->HasMachine(); }, link.value()->discovery());
-  if (link.value()->HasMachine() || link.value()->LeaderHere() != 0) {
-    return console.Fail(
-        {ExitCode::kNotDone,
-         {kCodeTargetBusy, "a controller leads the actuators of " +
-                               NamespaceText(global.name_space) +
-                               ": `musher down` stops them in their order, and it"}});
+  const pid_t leader = link.value()->LeaderHere();
+  if (link.value()->HasMachine() || leader != 0) {
+    std::string message = "a controller leads the actuators of " + NamespaceText(global.name_space);
+    message += link.value()->HasMachine()
+                   ? ": `musher down` stops them in their order, and it"
+                   : ": " + WhySilent(ExamineSilent(leader, global), global) +
+                         "; then `musher down` stops them in their order, and it";
+    return console.Fail({ExitCode::kNotDone, {kCodeTargetBusy, message}});
   }
   if (running.value()->Now().empty()) {
     return console.Fail(link.value()->NotFound("controller or actuator"));

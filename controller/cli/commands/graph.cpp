@@ -3,8 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 
+#include "musher/base/files.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
@@ -150,11 +150,8 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
     console.Print(console.mode().json ? GraphJson(format, drawing) : drawing);
     return ExitCode::kDone;
   }
-  std::ofstream file(options.output);
-  file << drawing;
-  file.close();
-  if (!file) {
-    return console.Fail({kCodeFailed, "cannot write " + options.output});
+  if (const auto written = WriteFile(options.output, drawing); !written) {
+    return console.Fail(written.error());
   }
   if (console.mode().json) console.Print(GraphFileJson(format, options.output));
   return ExitCode::kDone;

@@ -141,7 +141,8 @@ void Show(const Entries& history, bool csv, bool first, Console& console) {
 // Prints the entries after `last`, until Ctrl-C or until the controller exits.
 ExitCode Follow(Link& link, Selection selection, std::uint64_t last, std::int64_t since, bool csv,
                 Console& console) {
-  while (!link.interrupted()) {
+  link.EndWithReader();
+  while (!link.interrupted() && console.HasReader()) {
     link.RunUntil([] { return false; }, kFollowPeriod);
     if (link.interrupted()) break;
     auto read = FromController(link, since, kAll);

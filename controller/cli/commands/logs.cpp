@@ -18,6 +18,7 @@
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/log_files_of.hpp"
+#include "musher/controller/cli/console/output_reader.hpp"
 #include "musher/controller/cli/console/signals.hpp"
 #include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
@@ -95,6 +96,9 @@ class LogFollower {
     const auto end = loop_.WhenReadable(signals_.get(), [this] {
       if (NextSignal(signals_) != 0) loop_.Stop();
     });
+    const UniqueFd reader = TakeReaderOf(STDOUT_FILENO);
+    transport::LoopHandlePtr no_reader;
+    if (reader.valid()) no_reader = loop_.WhenReadable(reader.get(), [this] { loop_.Stop(); });
     const auto change = loop_.WhenReadable(changes_.get(), [this] { OnChange(); });
     OnChange();  // appended before the files were watched
     loop_.Run();

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <set>
 #include <system_error>
 
@@ -158,10 +157,9 @@ Result<> CheckDestination(const fs::path& folder) {
 
 Result<> WriteRenamed(const fs::path& from, const fs::path& to, const Project& project,
                       const ProjectName& name) {
-  std::ofstream out(to, std::ios::binary);
-  out << Renamed(ReadFile(from), project, name);
-  out.close();
-  if (!out) return Error{kCodeFailed, "cannot write " + to.string()};
+  if (auto written = WriteFile(to, Renamed(ReadFile(from), project, name)); !written) {
+    return written;
+  }
   constexpr auto kRuns = fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec;
   std::error_code ignored;  // without it, a script is run by its interpreter
   fs::permissions(to, fs::status(from, ignored).permissions() & kRuns, fs::perm_options::add,

@@ -24,7 +24,7 @@ ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& 
   const auto& plan = std::get<msg::GetPlan::Response>(answer);
   console.Print(console.mode().json ? PlanJson(plan) : PlanText(plan, console.mode().colour));
   if (plan.allowed) return ExitCode::kDone;
-  console.PrintError(plan.target + " would be refused: " + plan.reason);
+  console.PrintError(PlanError(plan));
   return ExitCode::kNotDone;
 }
 

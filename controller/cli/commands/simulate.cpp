@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <fstream>
 #include <thread>
 
+#include "musher/base/files.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
@@ -101,14 +101,6 @@ Result<SimulatedRun> RunWithTimeline(const MachineConfig& config, const Scenario
   return run;
 }
 
-Result<> Write(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) return Error{kCodeFailed, "cannot write " + path};
-  return Ok();
-}
-
 // Runs the scenario of --seed, and prints its timeline.
 ExitCode RunOne(const SimulateOptions& options, const MachineConfig& config,
                 const ScenarioOptions& scenario, Console& console) {
@@ -121,7 +113,7 @@ ExitCode RunOne(const SimulateOptions& options, const MachineConfig& config,
   const auto run = RunWithTimeline(config, scenario, id);
   if (!run) return console.Fail(run.error());
   if (!options.svg.empty()) {
-    const auto written = Write(options.svg, run.value().svg);
+    const auto written = WriteFile(options.svg, run.value().svg);
     if (!written) return console.Fail(written.error());
   }
   const auto& ending = run.value().ending;
@@ -151,7 +143,7 @@ ExitCode Simulate(const SimulateOptions& options, const GlobalOptions& /*global*
     const auto run = RunWithTimeline(*config, scenario.value(), *report.worst);
     failing_scenario = run.value().text;
     if (!options.svg.empty()) {
-      const auto written = Write(options.svg, run.value().svg);
+      const auto written = WriteFile(options.svg, run.value().svg);
       if (!written) return console.Fail(written.error());
     }
   }

@@ -86,11 +86,15 @@ Uncontrolled AwaitUnlisted(Link& link, const Running& running, const msg::Machin
   return NotIn(status, running.Now());
 }
 
-ExitCode WithoutController(Failure failure, const Uncontrolled& running, Console& console) {
+// `led`: a controller leads them here, but cannot be reached.
+ExitCode WithoutController(Failure failure, const Uncontrolled& running, bool led,
+                           Console& console) {
   if (failure.exit != ExitCode::kNoController || running.empty()) return console.Fail(failure);
-  failure.error.message += "; " + RunningNames(running) + (running.size() == 1 ? " runs" : " run") +
-                           " without one: `musher up` with their config takes control of them, "
-                           "`musher down --without-controller` stops them";
+  if (!led)
+    failure.error.message += "; " + RunningNames(running) +
+                             (running.size() == 1 ? " runs" : " run") +
+                             " without one: `musher up` with their config takes control of them, "
+                             "`musher down --without-controller` stops them";
   console.Print(console.mode().json ? RunningJson(failure, running)
                                     : RunningText(running, console.mode().colour));
   console.PrintError(failure.error.message);
@@ -98,11 +102,12 @@ ExitCode WithoutController(Failure failure, const Uncontrolled& running, Console
 }
 
 ExitCode Watch(Link& link, Console& console) {
+  link.EndWithReader();
   const auto followed =
       link.FollowStatus([&console](const auto& status) { Show(status, console); });
   if (!followed) return console.Fail(followed.error());
   if (const auto failure = link.AwaitStatus()) return console.Fail(*failure);
-  link.RunUntilInterrupted();
+  link.RunUntilInterrupted(console);
   return ExitCode::kDone;
 }
 
@@ -115,7 +120,8 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   if (!running) return console.Fail(running.error());
   const auto answer = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) {
-    return WithoutController(*failure, running.value()->Now(), console);
+    return WithoutController(*failure, running.value()->Now(), link.value()->LeaderHere() != 0,
+                             console);
   }
   msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
   AddCredentialHints(status, global);

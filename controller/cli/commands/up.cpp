@@ -22,6 +22,7 @@
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/up_launcher.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
+#include "musher/controller/cli/config/key_check.hpp"
 #include "musher/controller/cli/console/signals.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -139,17 +140,11 @@ bool StartedAgain(const UpOptions& options) {
 
 constexpr std::chrono::days kSoon(30);
 
-// Checks the credentials of the controller and of the actuators that it starts and that need them.
-// When they expire, running processes lose each other too: a warning comes 30 days before.
-Result<> CheckKeys(const MachineConfig& config, Console& console) {
-  if (config.keys.empty()) return Ok();
-  std::vector<std::string> identities = {transport::kControllerIdentity};
-  for (const ActuatorConfig& actuator : config.actuators) {
-    const bool needs_keys = !actuator.command.empty() && actuator.protocol == Protocol::kMusher;
-    if (needs_keys) identities.push_back(actuator.name);
-  }
+// Checks the credentials of the controller and of the actuators that it starts. When they expire,
+// running processes lose each other too: a warning comes 30 days before.
+Result<> TakeKeys(const MachineConfig& config, Console& console) {
   const transport::keys::KeyFolder folder(config.keys);
-  for (const std::string& identity : identities) {
+  for (const std::string& identity : KeyedIdentities(config)) {
     const auto until = transport::keys::Check(folder, identity);
     if (!until) return until.error();
     if (until.value() < std::chrono::system_clock::now() + kSoon) {
@@ -201,7 +196,7 @@ Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptio
                  "--namespace differs from the config: actuators use the namespace of " +
                      options.file + ", '" + config.name_space + "'"};
   }
-  return CheckKeys(config, console);
+  return TakeKeys(config, console);
 }
 
 ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {

@@ -31,6 +31,7 @@ UpLauncher::UpLauncher(Console& console, const MachineConfig& config, pid_t cont
       progress_(
           loop_, std::move(progress), [this](const Progress& p) { OnProgress(p); },
           [this] { OnEnd(); }) {
+  console_.TakeLost();  // Show() reports it
   if (getpid() != 1) return;
   children_ = TakeSignals({SIGCHLD});
   children_watch_ = loop_.WhenReadable(children_.get(), [this] {
@@ -79,7 +80,7 @@ void UpLauncher::Show(const Progress& progress) {
   }
   if (console_.HasReader() || reported_unread_ || stop_requested_) return;
   reported_unread_ = true;
-  console_.PrintError("output lost: its reader has exited; " + machine_ +
+  console_.PrintError("output lost: " + console_.lost() + "; " + machine_ +
                       " keeps running: Ctrl-C or `musher down` stops it");
 }
 

@@ -11,8 +11,9 @@
 //      └─ stopped before it was usable ─▶ 1; 0 with --restarted, when it has completed the TearDown
 //         of the previous controller
 //
-// If the reader of its output exits (`musher up … | head -2`), this process reports that once on
-// stderr and continues. A service has no terminal: there SIGHUP does nothing.
+// If its output is lost (`musher up … | head -2`, a full disk), this process reports that once on
+// stderr and continues; its exit code is about the machine. A service has no terminal: there SIGHUP
+// does nothing.
 //
 // As process 1 of a container it reaps orphaned processes.
 //

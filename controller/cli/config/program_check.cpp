@@ -113,7 +113,8 @@ std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration time
                      "in 'actuator." + actuator.name + "': '" + key + "': " + message});
   };
   for (const ActuatorConfig& actuator : config.actuators) {
-    if (actuator.command.empty()) continue;
+    // An empty program is an error of the config, which is already reported.
+    if (actuator.command.empty() || actuator.command.front().empty()) continue;
     std::error_code error;
     if (!actuator.cwd.empty() && !fs::is_directory(actuator.cwd, error)) {
       add(actuator, "cwd", Severity::kWarning, "folder not found: " + actuator.cwd);

@@ -1,7 +1,9 @@
 #include "musher/controller/cli/console/console.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <system_error>
 
 #include "musher/controller/cli/console/error_json.hpp"
 
@@ -56,22 +58,37 @@ std::string Printable(std::string_view text) {
   return printable;
 }
 
-void Console::Print(std::string_view text) {
-  EraseBlock();
-  out_ << text;
-  if (!text.empty() && text.back() != '\n') out_ << '\n';
-  DrawBlock();
+// Writes and flushes. The first write that fails has the reason in `errno`: it may be the one of a
+// full buffer, before the flush.
+void Console::Write(const std::function<void()>& write) {
+  const bool failed_before = out_.fail();
+  errno = 0;
+  write();
   out_.flush();
+  if (failed_before || !out_.fail()) return;
+  const int reason = errno;
+  quiet_ = reason == EPIPE;
+  lost_ = quiet_ ? "its reader has exited" : std::generic_category().message(reason);
+}
+
+void Console::Print(std::string_view text) {
+  Write([&] {
+    EraseBlock();
+    out_ << text;
+    if (!text.empty() && text.back() != '\n') out_ << '\n';
+    DrawBlock();
+  });
 }
 
 void Console::ShowBlock(std::string lines) {
   if (!mode_.terminal) return;
   while (lines.ends_with('\n')) lines.pop_back();
   if (lines == block_) return;
-  EraseBlock();
-  block_ = std::move(lines);
-  DrawBlock();
-  out_.flush();
+  Write([&] {
+    EraseBlock();
+    block_ = std::move(lines);
+    DrawBlock();
+  });
 }
 
 // The cursor is at the end of the block's last line.
@@ -89,17 +106,14 @@ void Console::DrawBlock() {
 }
 
 void Console::Redraw(std::string_view text) {
-  out_ << text;
-  out_.flush();
+  Write([&] { out_ << text; });
 }
 
 void Console::Note(std::string_view text) {
-  EraseBlock();
-  out_.flush();
+  Write([&] { EraseBlock(); });
   err_ << Printable(text) << '\n';
   err_.flush();
-  DrawBlock();
-  out_.flush();
+  Write([&] { DrawBlock(); });
 }
 
 void Console::PrintError(std::string_view text) {
@@ -114,6 +128,12 @@ ExitCode Console::Fail(const Failure& failure) {
 
 ExitCode Console::Fail(const Error& error) {
   return Fail(Failure{ExitCode::kUsage, error});
+}
+
+ExitCode Console::AfterOutput(ExitCode exit) {
+  if (lost_.empty() || quiet_ || taken_) return exit;
+  PrintError("output lost: " + lost_);
+  return exit == ExitCode::kDone ? ExitCode::kUsage : exit;
 }
 
 }  // namespace musher::cli

@@ -2,6 +2,7 @@
 // The output of a command: results on one stream, errors and warnings on the other; with or without
 // colour, as text or as JSON.
 
+#include <functional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -37,8 +38,16 @@ class Console {
   // Prints a line, a block of lines or a JSON document to the result stream and flushes it, above
   // the block that is redrawn.
   void Print(std::string_view text);
-  // False once output was lost because the reader of the pipe has exited.
+  // False once output was lost: lost() has the reason.
   bool HasReader() const { return !out_.fail(); }
+  // Why output was lost: "its reader has exited", or for example "No space left on device". "":
+  // none was.
+  const std::string& lost() const { return lost_; }
+  // The exit code of a command that ended with `exit`: a loss of output is reported and is not
+  // kDone, unless its reader has exited, as in `| head -1`, or the command has reported it.
+  ExitCode AfterOutput(ExitCode exit);
+  // The command has reported the loss itself, and its exit code is about something else.
+  void TakeLost() { taken_ = true; }
   // Print() without a newline, for a line that is redrawn; on a terminal only.
   void Redraw(std::string_view text);
   // Lines below everything that is printed, until HideBlock() or another block replaces them; a
@@ -57,11 +66,15 @@ class Console {
  private:
   void EraseBlock();
   void DrawBlock();
+  void Write(const std::function<void()>& write);
 
   std::ostream& out_;
   std::ostream& err_;
   Mode mode_;
   std::string block_;  // without a newline at its end; empty: none
+  std::string lost_;
+  bool quiet_ = false;  // the reader has exited
+  bool taken_ = false;
 };
 
 }  // namespace musher::cli

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -56,6 +57,8 @@ std::string Footer(std::string_view example) {
   return (example.empty() ? "" : "\nExample: " + std::string(example) + "\n") +
          "\nOptions of every command (--json, --namespace, --domain, ...): musher --help";
 }
+
+constexpr std::string_view kInvalidNamespace = "invalid namespace '";
 
 bool IsNamespace(const std::string& text) {
   if (text.empty()) return true;
@@ -177,9 +180,19 @@ void Grammar::AddGlobalOptions() {
         {"auto", "always", "never"});
 }
 
+// "--domain: …": the help of a command does not list these options.
+bool Grammar::IsOfGlobalOption(std::string_view error) const {
+  if (error.starts_with(kInvalidNamespace)) return true;  // perhaps of the environment
+  const auto options = app_->get_options();
+  return std::any_of(options.begin(), options.end(), [error](const CLI::Option* option) {
+    return error.starts_with(option->get_name() + ":");
+  });
+}
+
 std::string Grammar::ErrorText(const CLI::ParseError& e) const {
   std::string help = "see musher";
   const CLI::App* command = app_.get();
+  if (IsOfGlobalOption(e.what())) return std::string(e.what()) + "; " + help + " --help";
   while (!command->get_subcommands().empty()) {
     command = command->get_subcommands().front();
     help += " " + command->get_name();
@@ -202,8 +215,10 @@ void Grammar::TakeGlobalOptions() {
   global_.name_space = name_space_;
   TakeEnvironment();
   if (!IsNamespace(global_.name_space)) {
-    throw CLI::ValidationError("invalid namespace '" + global_.name_space +
-                               "'; expected names separated by '/', as in fleet/dog1");
+    throw CLI::ValidationError(
+        fmt::format("{}{}'; expected names separated by '/' that begin with no digit, as in "
+                    "fleet/dog1",
+                    kInvalidNamespace, global_.name_space));
   }
   if (colour_ == "always") global_.colour = ColourWhen::kAlways;
   if (colour_ == "never") global_.colour = ColourWhen::kNever;

@@ -137,6 +137,7 @@ class Grammar {
   CLI::App& AddTo(CLI::App* family, const std::string& name, const std::string& what,
                   RunCommand run);
   void AddGlobalOptions();
+  bool IsOfGlobalOption(std::string_view error) const;
   std::string ErrorText(const CLI::ParseError& e) const;
   void TakeEnvironment();
   void TakeGlobalOptions();

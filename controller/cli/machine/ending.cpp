@@ -77,8 +77,8 @@ Result<> Ending::Open() {
       node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
-  heartbeat_ = {"musher down", epoch_.value(), NewIncarnation(),
-                HostId(),      getpid(),       kHeartbeatPeriod.count()};
+  heartbeat_ = {"musher down", epoch_.value(),           NewIncarnation(), HostId(),
+                getpid(),      kHeartbeatPeriod.count(), HostName()};
   if (auto published = heartbeats_->Publish(heartbeat_); !published) return published;
   timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
   return Ok();

@@ -1,12 +1,15 @@
 #include "musher/controller/cli/machine/link.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "musher/base/host.hpp"
 #include "musher/base/words.hpp"
+#include "musher/controller/cli/console/output_reader.hpp"
+#include "musher/controller/cli/machine/silent_controller.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -101,10 +104,18 @@ bool Link::RunUntil(const std::function<bool()>& done, Duration timeout) {
   return done();
 }
 
-void Link::RunUntilInterrupted() {
-  while (!interrupted_) {
-    loop_.RunUntil([this] { return interrupted_; }, loop_.Now() + std::chrono::hours(24));
-  }
+void Link::RunUntilInterrupted(const Console& console) {
+  const auto ended = [&] { return interrupted_ || !console.HasReader(); };
+  while (!ended()) loop_.RunUntil(ended, loop_.Now() + std::chrono::hours(24));
+}
+
+void Link::EndWithReader() {
+  reader_ = TakeReaderOf(STDOUT_FILENO);
+  if (!reader_.valid()) return;
+  reader_watch_ = loop_.WhenReadable(reader_.get(), [this] {
+    interrupted_ = true;
+    reader_watch_.reset();  // it stays readable
+  });
 }
 
 std::optional<Failure> Link::Await(const std::function<bool()>& answered,
@@ -131,11 +142,13 @@ bool Link::HasMachine() const {
 
 Failure Link::NotFound(const std::string& what) const {
   std::string message = "no " + what + " in " + NamespaceText(global_.name_space);
-  if (machines_.empty()) {
+  if (const pid_t holder = LeaderHere(); holder != 0 && !HasMachine()) {
+    message += fmt::format(" of DDS domain {} answers: ", transport::DomainId({}).value()) +
+               WhySilent(ExamineSilent(holder, global_), global_);
+  } else if (machines_.empty()) {
     message += fmt::format(
         " of DDS domain {}; `musher up FILE` starts one, --transport lan searches other hosts",
         transport::DomainId({}).value());
-    message += UnreachableController();
   } else {
     std::string found;
     for (const auto& [writer, machine] : machines_) {
@@ -154,26 +167,18 @@ pid_t Link::LeaderHere() const {
       .pid;
 }
 
-// A controller with [security] is unreachable without its credentials, and one without [security]
-// is unreachable with credentials.
-std::string Link::UnreachableController() const {
-  const pid_t holder = LeaderHere();
-  if (holder == 0) return "";
-  const std::string here =
-      fmt::format("; process {} leads one on this host, but is unreachable ", holder);
-  if (global_.keys.empty()) return here + "without keys: use --keys FOLDER if it has [security]";
-  return here + fmt::format("with the keys of {} in {}", global_.identity, global_.keys);
-}
-
 Failure Link::NoAnswer(Duration timeout) const {
   std::string controller = "the controller";
   for (const auto& [writer, machine] : machines_) {
     if (machine.name_space != global_.name_space) continue;
     controller = fmt::format("the controller of {} (pid {})", machine.machine, machine.pid);
   }
-  return {ExitCode::kNoAnswer,
-          {kCodeTimeout,
-           fmt::format("{} did not answer within {:g} s", controller, ToSeconds(timeout))}};
+  std::string message =
+      fmt::format("{} did not answer within {:g} s", controller, ToSeconds(timeout));
+  if (const pid_t holder = LeaderHere(); IsStopped(holder)) {
+    message += "; " + WhySilent(ExamineSilent(holder, global_), global_);
+  }
+  return {ExitCode::kNoAnswer, {kCodeTimeout, message}};
 }
 
 }  // namespace musher::cli

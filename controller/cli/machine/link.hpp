@@ -17,6 +17,7 @@
 #include <utility>
 #include <variant>
 
+#include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/console/exit_code.hpp"
 #include "musher/controller/cli/console/options.hpp"
 #include "musher/controller/cli/console/signals.hpp"
@@ -83,8 +84,11 @@ class Link {
   // The failure "no <what> in namespace …".
   Failure NotFound(const std::string& what) const;
 
-  // Runs the loop until Ctrl-C.
-  void RunUntilInterrupted();
+  // Runs the loop until Ctrl-C, or until the console's output is lost.
+  void RunUntilInterrupted(const Console& console);
+  // From now on the exit of the reader of stdout, as in `| head -1`, counts as Ctrl-C: for commands
+  // that print until then.
+  void EndWithReader();
 
   // Runs the loop until the answer arrives. Fails if no controller is found in time, or if it does
   // not answer within `timeout`.
@@ -96,13 +100,14 @@ class Link {
   Result<> Join();
 
   Failure NoAnswer(Duration timeout) const;
-  std::string UnreachableController() const;
 
   const GlobalOptions& global_;
   UniqueFd signals_;  // before the node: its threads inherit the mask
   transport::LinuxEventLoop loop_;
   bool interrupted_ = false;
   transport::LoopHandlePtr signal_watch_;
+  UniqueFd reader_;
+  transport::LoopHandlePtr reader_watch_;
   std::map<transport::EndpointId, msg::MachineInfo> machines_;  // by their writer
   std::optional<msg::MachineStatus> status_;
   std::optional<msg::MachineStatus> last_leader_;

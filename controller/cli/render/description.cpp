@@ -301,10 +301,10 @@ std::vector<Advice> AdviceFor(const Description& d) {
   } else if (!stopped) {
     if (d.why_no_log.empty()) steps.push_back({"musher logs -f " + name, "watch what it prints"});
     for (const Description::Reach& reach : d.reach) {
-      if (!reach.allowed || reach.state == a.state || reach.state == kTearDown ||
-          reach.state == kSelfCheck) {
-        continue;
-      }
+      // Only a rest, never an upgrade or a fault: a newcomer may try it.
+      const bool rest =
+          reach.lower && reach.state != kTearDown && reach.state != kOta && reach.state != kError;
+      if (!reach.allowed || !rest) continue;
       steps.push_back({"musher set " + reach.state + " " + name, "switch it alone"});
       break;
     }

@@ -22,6 +22,7 @@ struct Description {
     bool allowed = false;
     std::int32_t code = 0;
     std::string reason;  // why not
+    bool lower = false;  // less active than its state now
   };
 
   std::string name;

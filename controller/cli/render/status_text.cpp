@@ -26,6 +26,11 @@ bool IsWell(const msg::ActuatorInfo& a) {
   return a.health == HealthName(Health::kWell);
 }
 
+// "given up after 5 restarts; crashed: …"
+bool IsGivenUp(const msg::ActuatorInfo& a) {
+  return a.degraded && a.message.starts_with("given up after ");
+}
+
 // "restarting, 2nd time", or the number of restarts.
 std::string RestartsOf(const msg::ActuatorInfo& a) {
   if (a.restarting)
@@ -39,7 +44,9 @@ std::string TroubleOf(const msg::ActuatorInfo& a) {
   if (!a.degraded) return IsWell(a) ? a.message : a.health;
   const std::string why = WithCode(a.message, a.code);
   if (IsWell(a)) return "degraded: " + why;
-  return a.message.starts_with(a.health) ? why : a.health + ": " + why;
+  // The sentence of one that is given up has the number of restarts and the last fault itself.
+  const bool says_it = a.message.starts_with(a.health) || IsGivenUp(a);
+  return says_it ? why : a.health + ": " + why;
 }
 
 // The NOTE of an actuator.
@@ -53,7 +60,7 @@ Table::Cell NoteOf(const msg::ActuatorInfo& a, bool held_by_stop) {
   if (a.held) add("held");
   // For an absent actuator its health, or that it restarts, says more.
   if (a.presence != "present" && IsWell(a) && !a.restarting) add(a.presence);
-  add(RestartsOf(a));
+  if (!IsGivenUp(a)) add(RestartsOf(a));
   add(TroubleOf(a));
   if (a.degraded || held_by_stop) return {note, Style::kBad};
   const bool changing = !a.target.empty() || a.restarting || !IsWell(a);

@@ -11,6 +11,11 @@
 namespace musher::cli {
 namespace {
 
+// A name in a sentence, also the empty one that a person gave.
+std::string NameOrEmpty(const std::string& name) {
+  return name.empty() ? "''" : name;
+}
+
 Style StyleOfOutcome(std::string_view outcome) {
   if (outcome == "done") return Style::kGood;
   if (outcome == "skipped" || outcome == "undone" || outcome == "unsupported") return Style::kBusy;
@@ -42,14 +47,21 @@ std::string SwitchText(const msg::SetState::Response& shown, bool colour) {
 
 std::string SwitchError(const msg::SetState::Response& result) {
   const std::string target =
-      (result.actuator.empty() ? "" : result.actuator + " to ") + result.target;
+      (result.actuator.empty() ? "" : result.actuator + " to ") + NameOrEmpty(result.target);
   return target + " is " + result.outcome + ": " +
          (result.reason.empty() ? CodeText(result.code) : result.reason);
 }
 
+std::string PlanError(const msg::GetPlan::Response& plan) {
+  const std::string target =
+      (plan.actuator.empty() ? "" : plan.actuator + " to ") + NameOrEmpty(plan.target);
+  return target + " would be refused: " + plan.reason;
+}
+
 std::string PlanText(const msg::GetPlan::Response& shown, bool colour) {
   const msg::GetPlan::Response plan = Printable(shown);
-  std::string text = plan.state + " \u2192 " + plan.target;
+  // An unknown actuator has no state.
+  std::string text = (plan.state.empty() ? "" : plan.state + " \u2192 ") + NameOrEmpty(plan.target);
   if (!plan.actuator.empty()) text = plan.actuator + ": " + text;
   if (!plan.allowed) {
     text += "  " + Paint("would be refused", Style::kBad, colour) + ": " +

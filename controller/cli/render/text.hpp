@@ -52,6 +52,8 @@ std::string BehaviorText(const std::string& name, const msg::GetBehavior::Respon
 std::string BehaviorLines(const msg::GetBehavior::Response& report, std::int64_t wall_ns,
                           bool colour);
 
+// Of a plan that would be refused.
+std::string PlanError(const msg::GetPlan::Response& plan);
 std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
 // "the machine went to ...", then a line "because ..." for each cause.
 std::string WhyText(const Why& why, bool colour);

@@ -14,6 +14,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/program_path.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
+#include "musher/controller/end_controller.hpp"
 #include "musher/controller/ota/files.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/root.hpp"
@@ -78,9 +79,8 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
   if (!root) return fail(root.error());
   const int holder = ota::HolderOf(root.value().RunLock());
   if (holder != 0 && !takeover) {
-    return fail({kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; `musher "
-                                              "status` shows it, --takeover replaces it",
-                                              holder, root.value().path())});
+    return fail({kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}",
+                                              holder, root.value().path(), HowToReplace(holder))});
   }
   std::string abandoned;  // why a version was abandoned
   while (true) {

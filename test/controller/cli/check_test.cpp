@@ -52,6 +52,24 @@ TEST_F(CheckCommand, LetsWarningsPass) {
   EXPECT_THAT(ran.out, HasSubstr("\nok: "));
 }
 
+TEST_F(CheckCommand, WarnsOfKeysThatUpWouldRefuse) {
+  const std::string file =
+      Write("dog.toml", std::string(kRobotToml) + "[security]\nkeys = \"nokeys\"\n");
+  const Ran ran = RunProgram({"check", file});
+  EXPECT_EQ(ran.exit, 0);
+  EXPECT_THAT(ran.out, HasSubstr("warning: in 'security': 'keys': "));
+  EXPECT_THAT(ran.out, HasSubstr("nokeys/identity_ca.cert: No such file or directory"));
+}
+
+TEST_F(CheckCommand, ReportsAnEmptyProgramOnce) {
+  std::string text = kRobotToml;
+  text.insert(text.find("critical = true"), "command = [\"\"]\n");
+  const Ran ran = RunProgram({"check", Write("dog.toml", text)});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr("expected a program, found an empty string"));
+  EXPECT_THAT(ran.out, Not(HasSubstr("is a folder")));
+}
+
 TEST_F(CheckCommand, ChecksAllOfSeveralFiles) {
   const std::string good = Write("good.toml", kRobotToml);
   const std::string bad = Write("bad.toml", "x = 1\n");

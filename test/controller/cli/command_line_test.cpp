@@ -154,10 +154,20 @@ TEST(CommandLine, HelpsWithTheProgramAndWithEachCommand) {
   EXPECT_THAT(of({"--version"}), ::testing::StartsWith("musher "));
 }
 
+// The help of a command does not list them.
+TEST(CommandLine, PointsFromAMistakeInAGlobalOptionToTheHelpOfTheProgram) {
+  EXPECT_THAT(Wrong({"--json", "status", "--domain", "x"}), EndsWith("; see musher --help"));
+  EXPECT_THAT(Wrong({"status", "--domain", "233"}), EndsWith("; see musher --help"));
+  EXPECT_THAT(Wrong({"status", "--timeout", "0"}), EndsWith("; see musher --help"));
+  EXPECT_THAT(
+      Wrong({"status", "--namespace", "1a"}),
+      ::testing::AllOf(HasSubstr("that begin with no digit"), EndsWith("; see musher --help")));
+}
+
 TEST(CommandLine, PointsFromEachMistakeToTheHelpOfItsCommand) {
   EXPECT_THAT(Wrong({"set"}), EndsWith("; see musher set --help"));
   EXPECT_THAT(Wrong({"set", "Active", "--now"}), EndsWith("; see musher set --help"));
-  EXPECT_THAT(Wrong({"--json", "status", "--domain", "x"}), EndsWith("; see musher status --help"));
+  EXPECT_THAT(Wrong({"status", "--watch=x"}), EndsWith("; see musher status --help"));
   EXPECT_THAT(Wrong({"keys", "add"}), EndsWith("; see musher keys add --help"));
   EXPECT_THAT(Wrong({"ota", "bundle", "x"}), EndsWith("; see musher ota bundle --help"));
   EXPECT_EQ(Wrong({"keys"}), "missing command; see musher keys --help");

@@ -2,10 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <sstream>
 
+#include "musher/controller/cli/console/output_reader.hpp"
 #include "musher/controller/cli/console/table.hpp"
+#include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::cli::console_test {
 
@@ -45,6 +53,64 @@ TEST(Console, PrintsAFailureOnceAsTextAndOnceAsJson) {
   Console programs(out, err, {true, false, false});
   EXPECT_EQ(programs.Fail({ExitCode::kNoAnswer, {107, "silence"}, 12}), ExitCode::kNoAnswer);
   EXPECT_EQ(out.str(), "{\"error\":\"silence\",\"code\":107,\"switch\":12}\n");
+}
+
+// A stream whose reader or disk is gone: every write fails with that errno.
+class Failing : public std::streambuf {
+ public:
+  explicit Failing(int reason) : reason_(reason) {}
+
+ private:
+  int_type overflow(int_type) override {
+    errno = reason_;
+    return traits_type::eof();
+  }
+  int sync() override {
+    errno = reason_;
+    return -1;
+  }
+  const int reason_;
+};
+
+TEST(Console, ACommandWhoseOutputTheDiskDoesNotTakeFailsWithTheReason) {
+  Failing full(ENOSPC);
+  std::ostream out(&full);
+  std::ostringstream err;
+  Console console(out, err, {});
+  console.Print("a result");
+  EXPECT_FALSE(console.HasReader());
+  EXPECT_EQ(console.lost(), "No space left on device");
+  EXPECT_EQ(console.AfterOutput(ExitCode::kDone), ExitCode::kUsage);
+  EXPECT_EQ(err.str(), "musher: output lost: No space left on device\n");
+  EXPECT_EQ(console.AfterOutput(ExitCode::kNotDone), ExitCode::kNotDone);
+  console.TakeLost();
+  EXPECT_EQ(console.AfterOutput(ExitCode::kDone), ExitCode::kDone);
+}
+
+TEST(Console, AReaderThatHasExitedIsNoFailureOfTheCommand) {
+  Failing closed(EPIPE);
+  std::ostream out(&closed);
+  std::ostringstream err;
+  Console console(out, err, {});
+  console.Print("a result");
+  EXPECT_EQ(console.lost(), "its reader has exited");
+  EXPECT_EQ(console.AfterOutput(ExitCode::kDone), ExitCode::kDone);
+  EXPECT_EQ(err.str(), "");
+}
+
+TEST(Console, TheReaderOfAPipeIsWatchedThatOfAFileIsNot) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  const UniqueFd reader = TakeReaderOf(ends[1]);
+  transport::LinuxEventLoop loop;
+  bool exited = false;
+  const auto watch = loop.WhenReadable(reader.get(), [&] { exited = true; });
+  loop.RunUntil([&] { return exited; }, loop.Now());
+  EXPECT_FALSE(exited);
+  close(ends[0]);
+  EXPECT_TRUE(loop.RunUntil([&] { return exited; }, loop.Now() + std::chrono::seconds(10)));
+  EXPECT_FALSE(TakeReaderOf(UniqueFd(open("/dev/null", O_WRONLY)).get()).valid());
+  close(ends[1]);
 }
 
 TEST(Table, AlignsColumnsByCharactersAndEndsLinesWithoutSpaces) {

@@ -63,7 +63,7 @@ class Describing : public ::testing::Test {
 };
 
 TEST_F(Describing, ShowsAllOnOneScreen) {
-  legs_.reach = {{"LowPower", true, 0, ""},
+  legs_.reach = {{"LowPower", true, 0, "", true},
                  {"Error", false, 103, "ranks above"},
                  {"OTA", false, 103, "ranks above"}};
   EXPECT_EQ(
@@ -88,6 +88,11 @@ TEST_F(Describing, ShowsAllOnOneScreen) {
       "next\n"
       "  musher logs -f legs       watch what it prints\n"
       "  musher set LowPower legs  switch it alone\n");
+}
+
+TEST_F(Describing, SuggestsNoSwitchUpAndNoUpgradeOfOneActuator) {
+  legs_.reach = {{"OTA", true, 0, "", true}, {"Active", true, 0, "", false}};
+  for (const std::string& command : Commands()) EXPECT_FALSE(command.starts_with("musher set"));
 }
 
 TEST_F(Describing, DoesNotClaimSinceWhenItIsInAStateThatItWasNotCommandedTo) {

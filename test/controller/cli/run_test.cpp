@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "musher/controller/journal/journal.hpp"
+#include "musher/controller/ota/signature.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -117,7 +118,38 @@ TEST(Program, ReportsAJournalThatCannotBeRead) {
   const Ran ran = RunProgram({"history", "--journal", "/no/such/journal", "--json"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.out, HasSubstr(R"({"error":)"));
-  EXPECT_THAT(ran.err, HasSubstr("/no/such/journal"));
+  EXPECT_THAT(ran.err, HasSubstr("/no/such/journal: No such file or directory"));
+}
+
+TEST(Program, ReportsWhyADrawingCannotBeWritten) {
+  const TempFolder folder;
+  std::ofstream(folder / "dog.toml") << kRobotToml;
+  const Ran ran = RunProgram({"graph", folder / "dog.toml", "-o", folder / "none/a.svg"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("none/a.svg: No such file or directory"));
+}
+
+TEST(Program, NamesTheKeyFileThatIsTheOtherOneOfThePair) {
+  const TempFolder folder;
+  const auto pair = ota::MakeKeyPair();
+  ASSERT_TRUE(pair);
+  std::ofstream(folder / "dog.key") << pair.value().private_pem;
+  std::ofstream(folder / "dog.pub") << pair.value().public_pem;
+  std::string robot = kRobotToml;  // an upgradable one
+  for (std::size_t at = 0; (at = robot.find("LowPower")) != std::string::npos;) {
+    robot.replace(at, std::string("LowPower").size(), "OTA");
+  }
+  std::ofstream(folder / "robot.toml") << robot;
+  const Ran init =
+      RunProgram({"ota", "init", folder / "root", "--from", "b100", "--key", folder / "dog.key"});
+  EXPECT_EQ(init.exit, 2);
+  EXPECT_THAT(init.err, HasSubstr("dog.key is not a public key but a private one"));
+  const Ran bundle = RunProgram({"ota", "bundle", folder.path(), "--version", "1.0.0", "--key",
+                                 folder / "dog.pub", "--out", folder / "b"});
+  EXPECT_EQ(bundle.exit, 2);
+  EXPECT_THAT(bundle.err,
+              HasSubstr("dog.pub is a public key; a bundle is signed with the private"));
+  EXPECT_THAT(bundle.err, Not(HasSubstr("chmod")));
 }
 
 TEST(Program, ListsTheTimesThatHistoryAccepts) {

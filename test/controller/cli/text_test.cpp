@@ -269,6 +269,34 @@ TEST_F(Text, ShowsWhatTheRobotCanDoAndWhyNot) {
   EXPECT_EQ(CapabilitiesText({}, false), "the config declares no capabilities\n");
 }
 
+TEST_F(Text, NamesTheEmptyStateAndTheUnknownActuatorThatAPersonGave) {
+  msg::SetState::Response refusal;
+  refusal.outcome = "refused";
+  refusal.reason = "unknown state ''";
+  EXPECT_EQ(SwitchError(refusal), "'' is refused: unknown state ''");
+  msg::GetPlan::Response plan;
+  plan.target = "Active";
+  plan.actuator = "nix";
+  plan.reason = "no actuator 'nix'";
+  EXPECT_EQ(PlanText(plan, false), "nix: Active  would be refused: no actuator 'nix'\n");
+  EXPECT_EQ(PlanError(plan), "nix to Active would be refused: no actuator 'nix'");
+}
+
+TEST_F(Text, ShowsTheRestartsOfAnActuatorThatIsGivenUpOnce) {
+  msg::MachineStatus status = RobotStatus();
+  status.actuators[1] = {};
+  status.actuators[1].name = "eyes";
+  status.actuators[1].presence = "absent";
+  status.actuators[1].degraded = true;
+  status.actuators[1].health = "crashed";
+  status.actuators[1].restarts = 5;
+  status.actuators[1].message =
+      "given up after 5 restarts; crashed: its process 7 ended: exit code 1";
+  EXPECT_THAT(StatusText(status, false),
+              ::testing::HasSubstr(
+                  "  given up after 5 restarts; crashed: its process 7 ended: exit code 1\n"));
+}
+
 TEST_F(Text, ShowsWhyAPlanWouldBeRefused) {
   msg::GetPlan::Response plan;
   plan.target = "OTA";

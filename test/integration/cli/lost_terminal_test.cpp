@@ -39,6 +39,26 @@ TEST_F(LostTerminal, AReaderOfTheOutputThatEndsDoesNotTakeTheControllerAlong) {
   }
 }
 
+// musher status --watch | head -1: nothing happens that would be printed.
+TEST_F(LostTerminal, ACommandThatFollowsEndsWithItsReaderAlsoWithoutAnEvent) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"status", "--watch"}, {"logs", "-f", "controller"}}) {
+    Process follows(Command(words));
+    ASSERT_NE(follows.LineWith("Active"), "") << words.front();
+    follows.CloseOutput();
+    const Ended ended = follows.Wait();
+    EXPECT_EQ(ended.exit, 0) << words.front() << ended.err;
+  }
+}
+
+TEST_F(LostTerminal, ACommandWhoseOutputIsNotTakenByTheDiskFails) {
+  const Ended ended =
+      RunToEnd({"sh", "-c", "'" + BinDir() + "/musher' graph '" + config_ + "' > /dev/full"});
+  EXPECT_EQ(ended.exit, 2);
+  EXPECT_THAT(ended.err, HasSubstr("output lost: No space left on device"));
+}
+
 // musher up robot.toml | tee log, and Ctrl-C, which ends tee at once
 TEST_F(LostTerminal, CtrlCTakesTheMachineDownAlsoWhereItEndsTheReaderOfTheOutput) {
   Process up(Command({"up", config_}));

@@ -110,6 +110,27 @@ TEST_F(Takeover, RobotsOfOneNameInTwoNamespacesDoNotMeet) {
   EXPECT_EQ(Status(), before_);
 }
 
+// Each command that meets it gives the cause and what to do, instead of leading to the next one.
+TEST_F(Takeover, AStoppedControllerIsNamedAsStoppedByEveryCommand) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t leader = before_["pid"];
+  kill(leader, SIGSTOP);
+  const std::string cure = "`kill -CONT " + std::to_string(leader) + "` continues it";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"status"}, {"down"}, {"down", "--without-controller"}}) {
+    const Ended asked = Musher(words);
+    SCOPED_TRACE(asked.err);
+    EXPECT_NE(asked.exit, 0);
+    EXPECT_THAT(asked.err, AllOf(HasSubstr(leader_), HasSubstr("it is stopped"), HasSubstr(cure),
+                                 HasSubstr("--takeover` replaces it")));
+    EXPECT_THAT(asked.err, AllOf(Not(HasSubstr("keys")), Not(HasSubstr("without one"))));
+  }
+  const Ended up = Musher({"up", config_});
+  EXPECT_EQ(up.exit, 2);
+  EXPECT_THAT(up.err, AllOf(HasSubstr(cure), HasSubstr("--takeover replaces it")));
+  kill(leader, SIGCONT);
+}
+
 TEST_F(Takeover, EndsAStoppedController) {
   ASSERT_NO_FATAL_FAILURE(Start());
   kill(before_["pid"].get<pid_t>(), SIGSTOP);

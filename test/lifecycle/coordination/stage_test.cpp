@@ -13,7 +13,7 @@ using Stages = OneController;
 
 // Why a is missing.
 std::string AIsLate() {
-  return "a " + texts::SetUpTimeout(Milliseconds(100)).message;
+  return "a: " + texts::SetUpTimeout(Milliseconds(100)).message;
 }
 
 TEST_F(Stages, AnActuatorWithoutACommandIsWaitedForAsLongAsItsSetUpMayTake) {

@@ -224,7 +224,7 @@ TEST(StartUpByAManager, NamesTheActuatorsThatAreNotSetUp) {
   t.Rest();
   EXPECT_TRUE(t.usable());
   const RecordText failed = texts::SetUpFailed(5012, "no sound card");
-  EXPECT_EQ(t.start_up()->message, texts::WaitingForManager({"b " + failed.message}).message);
+  EXPECT_EQ(t.start_up()->message, texts::WaitingForManager({"b: " + failed.message}).message);
 }
 
 TEST(StartUpByAManager, FailsWhenNoActuatorIsSetUp) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/commands/ota/ota_commands.hpp"
 #include "musher/controller/cli/commands/ota/ota_progress.hpp"
 #include "musher/controller/cli/commands/ota/ota_root.hpp"
@@ -58,13 +59,30 @@ std::string Absolute(const std::string& path) {
   return fs::absolute(path).lexically_normal();
 }
 
+// A public key may be readable by everyone: that it is the wrong one comes first.
 Result<std::string> ReadPrivateKey(ota::Disk& disk, const std::string& file) {
+  auto key = ota::ReadAll(disk, file, kLargestKey);
+  if (!key) return key;
+  if (ota::CheckPublicKey(key.value())) {
+    return Error{kCodeParametersInvalid,
+                 file + " is a public key; a bundle is signed with the private one"};
+  }
   const auto info = disk.Look(file);
   if (info && (info.value().mode & kOthers) != 0) {
     return Error{kCodePermissionDenied,
-                 file + ": the signing key is readable by others; restrict it: chmod 600"};
+                 file + ": the signing key is readable by others; restrict it: chmod 600 " +
+                     ShellWord(file)};
   }
-  return ota::ReadAll(disk, file, kLargestKey);
+  return key;
+}
+
+Result<std::string> ReadPublicKey(ota::Disk& disk, const std::string& file) {
+  auto key = ota::ReadAll(disk, file, kLargestKey);
+  if (!key) return key;
+  if (const auto good = ota::CheckPublicKey(key.value()); !good) {
+    return Error{kCodeParametersInvalid, file + " is " + good.error().message};
+  }
+  return key;
 }
 
 std::string Now() {
@@ -173,7 +191,7 @@ ExitCode OtaBundle(const OtaBundleOptions& options, const GlobalOptions& /*globa
 
 ExitCode OtaInit(const OtaInitOptions& options, const GlobalOptions& /*global*/, Console& console) {
   ota::PosixDisk disk;
-  const auto key = ota::ReadAll(disk, options.key, kLargestKey);
+  const auto key = ReadPublicKey(disk, options.key);
   if (!key) return console.Fail(key.error());
   const std::string root = Absolute(options.root);
   ota::RootConfig config;

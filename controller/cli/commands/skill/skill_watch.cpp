@@ -46,7 +46,8 @@ ExitCode WatchSkills(const SkillWatchOptions& options, const GlobalOptions& glob
                           : SkillFeedbackLine(of, WallNow(), console.mode().colour));
       });
   if (!feedback) return console.Fail(feedback.error());
-  link.value()->RunUntilInterrupted();
+  link.value()->EndWithReader();
+  link.value()->RunUntilInterrupted(console);
   return ExitCode::kDone;
 }
 
