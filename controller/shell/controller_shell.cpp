@@ -105,6 +105,7 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
     if (taken.incarnation == seen.report.incarnation) health_->OnReport(actuator, taken);
   }
   if (policy_inputs_) policy_inputs_->Begin();
+  if (const auto after = std::exchange(tear_down_at_begin_, std::nullopt)) TearDown(*after);
 }
 
 // Whether another actuator runs in the process of `report`. That process does not exit, even if
@@ -146,6 +147,10 @@ void ControllerShell::SetState(const State& target, const std::optional<std::str
 
 void ControllerShell::TearDown(AfterTearDown after) {
   CheckThread();
+  if (machine_.phase == Phase::kIdle) {
+    tear_down_at_begin_ = after;
+    return;
+  }
   Handle(event::SetStateRequested{next_request_++, State(kTearDown), std::nullopt, after});
 }
 

@@ -112,7 +112,7 @@ class ControllerShell {
   // Switches the machine, or one actuator. `done` runs exactly once, also for a refusal, maybe at
   // once.
   void SetState(const State& target, const std::optional<std::string>& actuator, OnResult done);
-  // TearDown of the machine; calls hooks.on_stopped at its end.
+  // TearDown of the machine, once it has begun; calls hooks.on_stopped at its end.
   void TearDown(AfterTearDown after);
   void AwaitSetUp(OnAnswer done);
   // Restarts an actuator's process; calls `done` when it is back, or with why it is not.
@@ -242,6 +242,7 @@ class ControllerShell {
   std::map<RequestId, OnAnswer> waiting_for_answer_;
   std::optional<Error> refused_;
   std::vector<JournalEntry> switches_;
+  std::optional<AfterTearDown> tear_down_at_begin_;  // requested before Begin()
   msg::MachineStatus published_;
   Time published_at_{};
   transport::LoopHandlePtr publish_later_;
