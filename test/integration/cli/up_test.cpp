@@ -40,6 +40,17 @@ TEST_F(Up, StopsAMachineWhoseConfigDoesNotListTearDown) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
+TEST_F(Up, ExitsWithOneAndTheReasonIfAnActuatorFailsToTearDown) {
+  Does("voice", "[state.TearDown]\nrun = [\"false\"]\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("eyes: Active done"), "");
+  up.Signal(SIGINT);
+  const Ended ended = up.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("musher: the machine is stopped after"));
+  EXPECT_THAT(ended.err, HasSubstr("; voice: failed with"));
+}
+
 TEST_F(Up, ShowsOnATerminalWhichActuatorsAreStillStarting) {
   Blocks("legs", "SelfCheck");
   Replace("[10000, 5000, 5000,", "[10000, 5000, 60000,");  // the time of the legs for SelfCheck

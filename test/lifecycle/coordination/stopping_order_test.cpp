@@ -46,6 +46,56 @@ TEST(StoppingByStages, AStageThatHangsDoesNotTakeTheTimeOfTheOnesBeforeIt) {
   EXPECT_TRUE(t.stopped());
 }
 
+// c is torn down before a, in the same stage.
+MachineConfig HangingBefore() {
+  MachineConfig config = MachineOf(3);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.command = {"run", actuator.name};
+    actuator.times.assign(9, Milliseconds(8000));
+  }
+  ActuatorNamed(config, "a").critical = true;
+  ActuatorNamed(config, "c").after = {"a"};
+  return config;
+}
+
+TEST(StoppingInOrder, AnActuatorThatHangsLeavesTimeForTheOneThatItStandsOn) {
+  Harness t(HangingBefore());
+  t.Begin();
+  t.Rest();
+  t.On("c", "TearDown").hangs = true;
+  t.On("a", "TearDown").takes = Milliseconds(3000);
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kDone) << result.actuators[0].message;
+  EXPECT_TRUE(t.stopped());
+}
+
+TEST(StoppingInOrder, AnActuatorHasAllOfItsTimeWhereTheTimesFit) {
+  MachineConfig config = HangingBefore();
+  ActuatorNamed(config, "a").times.assign(9, Milliseconds(500));
+  ActuatorNamed(config, "c").times.assign(9, Milliseconds(6000));
+  Harness t(config);
+  t.Begin();
+  t.Rest();
+  t.On("c", "TearDown").takes = Milliseconds(5900);
+  EXPECT_TRUE(t.Set("TearDown").done());
+}
+
+TEST(StoppingInOrder, AnActuatorForWhichNoTimeIsLeftIsNotCommanded) {
+  MachineConfig config = HangingBefore();
+  config.shutdown_budget = Milliseconds(2000);
+  Harness t(config);
+  t.Begin();
+  t.Rest();
+  t.ClearLog();
+  t.On("c", "TearDown").hangs = true;
+  t.Mute("c", true, true);  // the queries for its outcome take what its share leaves
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kSkipped);
+  EXPECT_EQ(result.actuators[0].message, texts::BudgetUsedUp().message);
+  EXPECT_THAT(t.log(), ElementsAre("b:TearDown"));
+}
+
 TEST(StoppingByStages, AnActuatorWhoseTurnDoesNotComeWithinTheBudgetIsListedWithATimeout) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "b").stage = 2;
