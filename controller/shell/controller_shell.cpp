@@ -105,6 +105,7 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
     if (taken.incarnation == seen.report.incarnation) health_->OnReport(actuator, taken);
   }
   if (policy_inputs_) policy_inputs_->Begin();
+  if (journal_at_begin_) OnJournalWritten(*journal_at_begin_);
   if (const auto after = std::exchange(tear_down_at_begin_, std::nullopt)) TearDown(*after);
 }
 
@@ -293,6 +294,14 @@ ControllerShell::Dependencies::OnSaved ControllerShell::OnSaved(Stored what, Sav
   return [this, what, save](const Result<>& saved) {
     Handle(event::SaveEnded{what, save, saved.ok(), saved ? "" : saved.error().message});
   };
+}
+
+void ControllerShell::OnJournalWritten(const Result<>& written) {
+  if (machine_.phase == Phase::kIdle) {
+    journal_at_begin_ = written;
+  } else {
+    OnSaved(Stored::kJournal, 0)(written);
+  }
 }
 
 void ControllerShell::Do(const action::SaveEmergencyStops& a) {

@@ -123,6 +123,9 @@ class ControllerShell {
   // code and reason unless the outcome is done.
   void SendPolicyRequest(event::PolicyRequested requested, OnAnswer done);
 
+  // Writing the journal has begun to fail, or works again.
+  void OnJournalWritten(const Result<>& written);
+
   // Records an event that needs no decision.
   void Remark(std::int32_t code, const std::string& message);
 
@@ -243,6 +246,7 @@ class ControllerShell {
   std::optional<Error> refused_;
   std::vector<JournalEntry> switches_;
   std::optional<AfterTearDown> tear_down_at_begin_;  // requested before Begin()
+  std::optional<Result<>> journal_at_begin_;         // the last OnJournalWritten() before Begin()
   msg::MachineStatus published_;
   Time published_at_{};
   transport::LoopHandlePtr publish_later_;
