@@ -34,6 +34,10 @@ std::int64_t WallNanoseconds() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
+Error NoFolder() {
+  return {kCodeFailed, "the controller has no folder"};
+}
+
 // An actuator that holds its name on this host has latched a status, which arrives soon.
 constexpr Duration kStatusWithin = Milliseconds(1000);
 constexpr Duration kStatusPollPeriod = Milliseconds(5);
@@ -67,7 +71,12 @@ Result<> Controller::Open() {
   if (store_) {
     JournalOptions options;
     options.max_bytes = config_.journal_size_bytes;
-    options.on_trouble = [this](const std::string& message) { Trouble(message); };
+    options.on_moved = [this](const std::string& message) { Trouble(message); };
+    options.on_writing = [this, alive = std::weak_ptr<bool>(alive_)](const Result<>& written) {
+      node_.loop().Post([this, alive, written] {
+        if (!alive.expired()) shell_->OnJournalWritten(written);
+      });
+    };
     auto journal = std::make_unique<Journal>(store_->JournalFile(), std::move(options));
     file_journal_ = journal.get();
     history_.emplace(node_.loop(), *journal);
@@ -201,7 +210,7 @@ Result<> Controller::OpenShell() {
   using OnSaved = ControllerShell::Dependencies::OnSaved;
   using Write = std::function<Result<>(StateStore&)>;
   const auto save = [this](Stored what, Write write, OnSaved done) {
-    if (!store_) return done(Error{kCodeFailed, "the controller has no folder"});
+    if (!store_) return done(NoFolder());
     disk_.Do(
         std::string(StoredName(what)),
         [store = store_, write = std::move(write)] { return write(*store); }, std::move(done));
@@ -349,6 +358,7 @@ void Controller::Begin() {
     begin.remote = store_->LoadRemoteActuators(HostId());
   }
   shell_->Begin(std::move(begin), children);
+  if (!store_) shell_->OnJournalWritten(NoFolder());
 }
 
 Epoch Controller::LoadEpoch() {
@@ -357,28 +367,6 @@ Epoch Controller::LoadEpoch() {
   if (epoch) return epoch.value();
   Trouble(epoch.error().message);
   return 0;
-}
-
-// Without a log the process is started anyway, and its output is lost.
-void Controller::OpenLogs() {
-  LogFilesOptions options;
-  options.max_total_bytes = config_.logs_size_bytes;
-  options.on_trouble = [this](const std::string& message) { Trouble(message); };
-  const auto add = [&](const std::string& name, std::int64_t bytes) {
-    options.logs.push_back({name, store_->LogFile(name), bytes});
-  };
-  for (const ActuatorConfig& actuator : config_.actuators) {
-    if (!actuator.command.empty()) add(actuator.name, actuator.log_size_bytes);
-  }
-  if (config_.view) add("musher-view", config_.log_size_bytes);
-  if (config_.policy) {
-    const PowerPolicy& power = config_.policy->power;
-    if (!power.off_command.empty()) add("power_off", config_.log_size_bytes);
-    if (!power.reboot_command.empty()) add("reboot", config_.log_size_bytes);
-  }
-  options.logs.push_back(
-      {"the controller", ControllerLogFile(config_), config_.log_size_bytes, /*open=*/false});
-  logs_ = std::make_unique<LogFiles>(node_.loop(), std::move(options));
 }
 
 void Controller::Trouble(const std::string& message) {

@@ -109,6 +109,7 @@ class Controller {
   std::unique_ptr<ControllerServices> services_;                // null unless this controller leads
   std::vector<std::unique_ptr<ExtensionServices>> extensions_;  // none unless this one leads
   std::unique_ptr<Ros2Tools> ros2_tools_;                       // null unless this controller leads
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   transport::LoopHandlePtr begin_later_;
   std::vector<transport::LoopHandlePtr> kill_later_;  // for processes that the config does not list
 };

@@ -1,4 +1,4 @@
-// The processes that already run when a controller starts.
+// The processes of the actuators: those that already run when a controller starts, and their logs.
 
 #include <unistd.h>
 
@@ -73,6 +73,28 @@ void Controller::EndUnlisted(const ChildProcess& child) {
   kill_later_.push_back(node_.loop().At(node_.loop().Now() + kUnlistedEndsWithin, [this, child] {
     static_cast<void>(processes_.Signal(child.pid, SIGKILL).ok());
   }));
+}
+
+// Without a log the process is started anyway, and its output is lost.
+void Controller::OpenLogs() {
+  LogFilesOptions options;
+  options.max_total_bytes = config_.logs_size_bytes;
+  options.on_trouble = [this](const std::string& message) { Trouble(message); };
+  const auto add = [&](const std::string& name, std::int64_t bytes) {
+    options.logs.push_back({name, store_->LogFile(name), bytes});
+  };
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    if (!actuator.command.empty()) add(actuator.name, actuator.log_size_bytes);
+  }
+  if (config_.view) add("musher-view", config_.log_size_bytes);
+  if (config_.policy) {
+    const PowerPolicy& power = config_.policy->power;
+    if (!power.off_command.empty()) add("power_off", config_.log_size_bytes);
+    if (!power.reboot_command.empty()) add("reboot", config_.log_size_bytes);
+  }
+  options.logs.push_back(
+      {"the controller", ControllerLogFile(config_), config_.log_size_bytes, /*open=*/false});
+  logs_ = std::make_unique<LogFiles>(node_.loop(), std::move(options));
 }
 
 }  // namespace musher

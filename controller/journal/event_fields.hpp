@@ -48,8 +48,8 @@ inline constexpr std::array<std::string_view, 8> kValueNames<PolicyRequest> = {
     "low-power store", "wake-up", "power-off", "reboot"};
 
 template <>
-inline constexpr std::array<std::string_view, 5> kValueNames<Stored> = {
-    "epoch", "emergency stops", "policy", "stop intent", "remote actuators"};
+inline constexpr std::array<std::string_view, 6> kValueNames<Stored> = {
+    "epoch", "emergency stops", "policy", "stop intent", "remote actuators", "journal"};
 
 template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<AfterTearDown> = {
@@ -69,7 +69,7 @@ static_assert(EndsWith(Verdict::kFailed) && EndsWith(Phase::kFenced) && EndsWith
               EndsWith(Leg::Progress::kEnded) && EndsWith(ActuatorOutcome::kUnsupported) &&
               EndsWith(SwitchOutcome::kSuperseded) && EndsWith(Health::kPartitioned) &&
               EndsWith(PolicyInput::kMotion) && EndsWith(BatteryLevel::kEmpty) &&
-              EndsWith(PolicyRequest::kReboot) && EndsWith(Stored::kRemoteActuators) &&
+              EndsWith(PolicyRequest::kReboot) && EndsWith(Stored::kJournal) &&
               EndsWith(AfterTearDown::kStartsAgain));
 
 template <>

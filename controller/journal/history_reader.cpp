@@ -1,6 +1,9 @@
 #include "musher/controller/journal/history_reader.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "musher/base/words.hpp"
 
 namespace musher {
 namespace {
@@ -8,7 +11,33 @@ namespace {
 constexpr std::size_t kMostWaiting = 16;
 constexpr Duration kFlushTimeout = std::chrono::seconds(1);
 
+std::string DescribeGap(const UnwrittenEntries& unwritten) {
+  if (!unwritten.gap) return "the disk is slow: the newest entries may be missing";
+  std::string text = "the journal is not on disk since " + unwritten.gap->Text() + "; " +
+                     Counted(unwritten.entries.size(), "entry", "entries") + " in memory only";
+  if (unwritten.lost == 0) return text;
+  return text + ", " + std::to_string(unwritten.lost) + " older ones and inputs are lost";
+}
+
 }  // namespace
+
+Result<JournalReading> WithUnwritten(Result<JournalReading> reading,
+                                     const UnwrittenEntries& unwritten, std::int64_t since_wall_ns,
+                                     std::size_t limit) {
+  if (!reading && unwritten.entries.empty()) return reading;
+  JournalReading all;
+  if (reading) all = std::move(reading).value();
+  const std::string trouble = reading ? all.damage : reading.error().message;
+  all.damage = DescribeGap(unwritten) + (trouble.empty() ? "" : "; " + trouble);
+  for (const JournalEntry& entry : unwritten.entries) {
+    if (entry.wall_ns >= since_wall_ns) all.entries.push_back(entry);
+  }
+  const std::size_t count = all.entries.size();
+  const std::size_t too_many = count - std::min(count, limit);
+  all.entries.erase(all.entries.begin(),
+                    all.entries.begin() + static_cast<std::ptrdiff_t>(too_many));
+  return all;
+}
 
 void HistoryReader::Read(std::int64_t since_wall_ns, std::size_t limit, OnHistory done) {
   if (requests_.size() >= kMostWaiting) {
@@ -24,8 +53,10 @@ void HistoryReader::ReadNext() {
   const Request& next = requests_.front();
   thread_ = std::jthread(
       [this, since = next.since_wall_ns, limit = next.limit, alive = std::weak_ptr<bool>(alive_)] {
-        static_cast<void>(journal_.Flush(kFlushTimeout));
+        const bool written = journal_.Flush(kFlushTimeout);
         auto reading = ReadJournal(journal_.path(), since, limit);
+        if (!written)
+          reading = WithUnwritten(std::move(reading), journal_.Unwritten(), since, limit);
         loop_.Post([this, alive, reading = std::move(reading)] {
           if (alive.expired()) return;
           const OnHistory done = std::move(requests_.front().done);

@@ -18,7 +18,7 @@
 namespace musher {
 
 // The queue and the thread that empties it. `mutex_` guards all members below it; only the thread
-// uses `file_`, `in_trouble_` and `options_`.
+// uses those above it.
 class Journal::Writer {
  public:
   Writer(std::string path, JournalOptions options);
@@ -27,20 +27,25 @@ class Journal::Writer {
   void Append(JournalItem item) noexcept;
   bool WantsSnapshot() noexcept { return wants_snapshot_.exchange(false); }
   bool Flush(Duration timeout);
+  UnwrittenEntries Unwritten();
 
  private:
   using Lock = std::unique_lock<std::mutex>;
 
   void Run();
   void WaitForWork(Lock& lock);
-  bool Write(const std::deque<JournalItem>& batch, std::uint64_t lost);
-  void Report(const std::string& text) const;
+  bool Write(std::deque<JournalItem>& batch, std::uint64_t lost);
+  void OnWritten();
+  void OnFailed(const std::string& why);
   void PutBack(std::deque<JournalItem> batch);
   void DropOldest();
 
+  const std::string path_;
   const JournalOptions options_;
   JournalFile file_;
   bool in_trouble_ = false;
+  bool noted_ = false;                 // the state of writing is in the note beside the file
+  std::optional<JournalGap> earlier_;  // that a controller before this one has left
   std::atomic<bool> wants_snapshot_ = false;
 
   std::mutex mutex_;
@@ -51,7 +56,8 @@ class Journal::Writer {
   std::uint64_t attempts_begun_ = 0;
   std::uint64_t attempts_ended_ = 0;
   bool last_attempt_worked_ = true;
-  bool hurry_ = false;  // try now, before the retry period is over
+  std::optional<JournalGap> gap_;  // while writing fails
+  bool hurry_ = false;             // try now, before the retry period is over
   bool stop_ = false;
   bool gathering_ = false;  // the writer needs no notification of more entries
 
@@ -66,14 +72,32 @@ constexpr Duration kGatherTime = Milliseconds(5);
 // Journal writes have a lower priority than the work of a switch.
 constexpr int kNiceness = 10;
 
-JournalEntry LostEntry(std::uint64_t lost) {
+std::int64_t WallNs() {
   const auto wall = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::nanoseconds(wall).count();
+}
+
+JournalEntry OwnEntry() {
   const auto steady = std::chrono::steady_clock::now().time_since_epoch();
   JournalEntry entry;
-  entry.wall_ns = std::chrono::nanoseconds(wall).count();
+  entry.wall_ns = WallNs();
   entry.steady_ns = std::chrono::nanoseconds(steady).count();
   entry.kind = "journal";
   entry.code = kCodeFailed;
+  return entry;
+}
+
+JournalEntry GapEntry(const JournalGap& gap) {
+  JournalEntry entry = OwnEntry();
+  entry.message =
+      "entries are missing before this one: the controller before this one ended while it could "
+      "not write the journal, since " +
+      gap.Text();
+  return entry;
+}
+
+JournalEntry LostEntry(std::uint64_t lost) {
+  JournalEntry entry = OwnEntry();
   entry.message =
       "entries and inputs lost before this one because the queue was full: " + std::to_string(lost);
   entry.data = "{\"lost\":" + std::to_string(lost) + "}";
@@ -95,8 +119,12 @@ std::thread StartQuietThread(Work work) {
 }  // namespace
 
 Journal::Writer::Writer(std::string path, JournalOptions options)
-    : options_(std::move(options)),
-      file_(std::move(path), options_.max_bytes, [this](const auto& text) { Report(text); }),
+    : path_(std::move(path)),
+      options_(std::move(options)),
+      file_(path_, options_.max_bytes,
+            [this](const auto& text) {
+              if (options_.on_moved) options_.on_moved("journal: " + text);
+            }),
       thread_(StartQuietThread([this] { Run(); })) {}
 
 Journal::Writer::~Writer() {
@@ -133,6 +161,7 @@ bool Journal::Writer::Flush(Duration timeout) {
 
 void Journal::Writer::Run() {
   setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread; unchanged if not permitted
+  earlier_ = ReadGap(path_);
   Lock lock(mutex_);
   while (true) {
     WaitForWork(lock);
@@ -142,9 +171,7 @@ void Journal::Writer::Run() {
     hurry_ = false;
     ++attempts_begun_;
     lock.unlock();
-    if (lost > 0) batch.push_front(LostEntry(lost));
     const bool worked = Write(batch, lost);
-    if (lost > 0) batch.pop_front();
     lock.lock();
     if (!worked) {
       lost_ += lost;
@@ -169,21 +196,54 @@ void Journal::Writer::WaitForWork(Lock& lock) {
 }
 
 // Without the lock.
-bool Journal::Writer::Write(const std::deque<JournalItem>& batch, std::uint64_t lost) {
+bool Journal::Writer::Write(std::deque<JournalItem>& batch, std::uint64_t lost) {
+  const std::size_t own = (earlier_ ? 1 : 0) + (lost > 0 ? 1 : 0);
+  if (lost > 0) batch.push_front(LostEntry(lost));
+  if (earlier_) batch.push_front(GapEntry(*earlier_));
+  bool worked = true;
   try {
     const auto written = file_.Write(batch, lost);
     if (lost > 0 || written == JournalFile::Written::kNoSnapshotLeft) wants_snapshot_ = true;
-    in_trouble_ = false;
-    return true;
+    OnWritten();
   } catch (const std::exception& trouble) {
-    if (!in_trouble_) Report(std::string("writing failed, retrying: ") + trouble.what());
-    in_trouble_ = true;
-    return false;
+    OnFailed(trouble.what());
+    worked = false;
   }
+  batch.erase(batch.begin(), batch.begin() + static_cast<std::ptrdiff_t>(own));
+  return worked;
 }
 
-void Journal::Writer::Report(const std::string& text) const {
-  if (options_.on_trouble) options_.on_trouble("journal: " + text);
+void Journal::Writer::OnWritten() {
+  earlier_.reset();
+  // The first time, this takes the room for a later note.
+  if (!noted_) noted_ = WriteGap(path_, std::nullopt).ok();
+  if (!std::exchange(in_trouble_, false)) return;
+  {
+    const Lock lock(mutex_);
+    gap_.reset();
+  }
+  if (options_.on_writing) options_.on_writing(Ok());
+}
+
+void Journal::Writer::OnFailed(const std::string& why) {
+  if (std::exchange(in_trouble_, true)) return;
+  const JournalGap gap = earlier_.value_or(JournalGap{WallNs(), why});
+  static_cast<void>(WriteGap(path_, gap));  // on a broken disk there is no note
+  noted_ = false;
+  {
+    const Lock lock(mutex_);
+    gap_ = gap;
+  }
+  if (options_.on_writing) options_.on_writing(Error{kCodeFailed, why});
+}
+
+UnwrittenEntries Journal::Writer::Unwritten() {
+  const Lock lock(mutex_);
+  UnwrittenEntries unwritten{{}, lost_, gap_};
+  for (const JournalItem& item : waiting_) {
+    if (const auto* entry = std::get_if<JournalEntry>(&item)) unwritten.entries.push_back(*entry);
+  }
+  return unwritten;
 }
 
 void Journal::Writer::PutBack(std::deque<JournalItem> batch) {
@@ -215,6 +275,10 @@ bool Journal::WantsSnapshot() noexcept {
 
 bool Journal::Flush(Duration timeout) {
   return writer_->Flush(timeout);
+}
+
+UnwrittenEntries Journal::Unwritten() const {
+  return writer_->Unwritten();
 }
 
 }  // namespace musher

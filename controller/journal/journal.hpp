@@ -9,17 +9,22 @@
 //
 // A disk fault never reaches the robot. It is reported once for each period of trouble; entries
 // wait in a bounded queue, from which the oldest are dropped and counted; the writer retries
-// periodically, and after success an entry records the number of lost entries. A damaged file, or
+// periodically, and after success an entry records the number of lost entries. Meanwhile a note
+// beside the file says that it lacks entries (journal_gap.hpp): if the controller ends before it
+// can write them, the next one records that. A damaged file, or
 // one that is not a journal, is moved aside as <path>.damaged-<n> and a new one is created.
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "musher/controller/journal/encoding.hpp"
+#include "musher/controller/journal/journal_gap.hpp"
 
 namespace musher {
 
@@ -66,9 +71,18 @@ struct JournalOptions {
   std::int64_t max_bytes = 64 << 20;  // beyond it the oldest tenth goes, up to a snapshot
   std::size_t max_waiting = 10000;    // entries and inputs
   Duration retry_period = Milliseconds(10000);
-  // Receives a description of each problem and its outcome. Runs on the writer thread, with no lock
-  // held; it may Append(), but must not throw or Flush().
-  std::function<void(const std::string&)> on_trouble;
+  // Both run on the writer thread, with no lock held; they may Append(), but must not throw or
+  // Flush(). `on_moved` receives what happened to a damaged file.
+  std::function<void(const std::string&)> on_moved;
+  // Called when writing begins to fail, with the reason, and when it works again.
+  std::function<void(const Result<>&)> on_writing;
+};
+
+// What is not in the file.
+struct UnwrittenEntries {
+  std::vector<JournalEntry> entries;  // that wait, oldest first
+  std::uint64_t lost = 0;             // dropped because the queue was full; older than `entries`
+  std::optional<JournalGap> gap;      // none: a write is only slow
 };
 
 class Journal : public JournalSink {
@@ -92,6 +106,8 @@ class Journal : public JournalSink {
   // trouble it makes the writer retry at once and returns after that attempt. From any thread
   // except the loop's, which must not wait for a disk while the robot runs.
   bool Flush(Duration timeout);
+  // After a Flush() in vain. Without the entries of a write that is under way. From any thread.
+  UnwrittenEntries Unwritten() const;
 
  private:
   class Writer;

@@ -21,7 +21,7 @@ struct ProcessSpec {
   std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
   std::string cwd;                         // empty: that of this process
   std::map<std::string, std::string> env;  // added to the inherited one without systemd's variables
-  int output = -1;        // for stdout and stderr; the caller keeps it; -1: inherited
+  int output = -1;        // for stdout and stderr; the caller keeps it; -1: /dev/null
   std::string mark = {};  // by which a later controller finds it (child_processes.hpp); empty: none
 };
 

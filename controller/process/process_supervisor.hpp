@@ -3,9 +3,9 @@
 // detected in well under a millisecond and nothing is polled.
 //
 // A child gets its own session and process group (Ctrl-C in our terminal is not for it, and it has
-// no terminal), /dev/null as stdin, the given output as stdout and stderr, no other descriptor of
-// ours, and default signal handling. It outlives this process, which sends it no signal when it
-// exits or crashes.
+// no terminal), /dev/null as stdin, the given output as stdout and stderr (/dev/null without one),
+// no other descriptor of ours, and default signal handling. It outlives this process, which sends
+// it no signal when it exits or crashes.
 //
 // When a child exits by itself with another exit code than 0, the report of its exit has the last
 // line that it wrote into its log file: mostly the reason. The disk thread reads it; a disk that

@@ -1,10 +1,13 @@
 #include "musher/controller/process/spawn.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cstring>
 #include <string>
 
+#include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/process/child_processes.hpp"
 #include "musher/transport/ros_environment.hpp"
 
@@ -34,7 +37,13 @@ Result<ForkedProgram> Spawn(const ProcessSpec& spec) {
   // What systemd gave to this process alone. An actuator that inherits it would notify systemd in
   // the name of the whole robot; a program with systemd support does so on its own.
   program.without = {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"};
-  program.output = spec.output;
+  // Not those of this process: they may be a pipe of the program that has started it.
+  UniqueFd nowhere;
+  if (spec.output < 0) {
+    nowhere = UniqueFd(open("/dev/null", O_WRONLY | O_CLOEXEC));
+    if (!nowhere.valid()) return SystemError("can't open /dev/null");
+  }
+  program.output = spec.output >= 0 ? spec.output : nowhere.get();
   program.env.emplace("MUSHER_LOG_TIME", "1");  // `musher logs` merges the lines by their times
   const bool marked = !spec.mark.empty();
   if (marked) program.env[kChildMark] = std::string(kMarkDigits, '0') + "/" + spec.mark;

@@ -106,6 +106,8 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
     if (taken.incarnation == seen.report.incarnation) health_->OnReport(actuator, taken);
   }
   if (policy_inputs_) policy_inputs_->Begin();
+  if (journal_at_begin_) OnJournalWritten(*journal_at_begin_);
+  if (const auto after = std::exchange(tear_down_at_begin_, std::nullopt)) TearDown(*after);
 }
 
 // Whether another actuator runs in the process of `report`. That process does not exit, even if
@@ -147,6 +149,10 @@ void ControllerShell::SetState(const State& target, const std::optional<std::str
 
 void ControllerShell::TearDown(AfterTearDown after) {
   CheckThread();
+  if (machine_.phase == Phase::kIdle) {
+    tear_down_at_begin_ = after;
+    return;
+  }
   Handle(event::SetStateRequested{next_request_++, State(kTearDown), std::nullopt, after});
 }
 
@@ -289,6 +295,14 @@ ControllerShell::Dependencies::OnSaved ControllerShell::OnSaved(Stored what, Sav
   return [this, what, save](const Result<>& saved) {
     Handle(event::SaveEnded{what, save, saved.ok(), saved ? "" : saved.error().message});
   };
+}
+
+void ControllerShell::OnJournalWritten(const Result<>& written) {
+  if (machine_.phase == Phase::kIdle) {
+    journal_at_begin_ = written;
+  } else {
+    OnSaved(Stored::kJournal, 0)(written);
+  }
 }
 
 void ControllerShell::Do(const action::SaveEmergencyStops& a) {

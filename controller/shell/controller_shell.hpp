@@ -113,7 +113,7 @@ class ControllerShell {
   // Switches the machine, or one actuator. `done` runs exactly once, also for a refusal, maybe at
   // once.
   void SetState(const State& target, const std::optional<std::string>& actuator, OnResult done);
-  // TearDown of the machine; calls hooks.on_stopped at its end.
+  // TearDown of the machine, once it has begun; calls hooks.on_stopped at its end.
   void TearDown(AfterTearDown after);
   void AwaitSetUp(OnAnswer done);
   // Restarts an actuator's process; calls `done` when it is back, or with why it is not.
@@ -123,6 +123,9 @@ class ControllerShell {
   // once, maybe at once. A request that leads to a switch is answered at the switch's end, with its
   // code and reason unless the outcome is done.
   void SendPolicyRequest(event::PolicyRequested requested, OnAnswer done);
+
+  // Writing the journal has begun to fail, or works again.
+  void OnJournalWritten(const Result<>& written);
 
   // Records an event that needs no decision.
   void Remark(std::int32_t code, const std::string& message);
@@ -245,6 +248,8 @@ class ControllerShell {
   std::map<RequestId, OnAnswer> waiting_for_answer_;
   std::optional<Error> refused_;
   std::vector<JournalEntry> switches_;
+  std::optional<AfterTearDown> tear_down_at_begin_;  // requested before Begin()
+  std::optional<Result<>> journal_at_begin_;         // the last OnJournalWritten() before Begin()
   msg::MachineStatus published_;
   Time published_at_{};
   transport::LoopHandlePtr publish_later_;

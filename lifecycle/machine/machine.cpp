@@ -47,9 +47,11 @@ std::string_view StoredName(Stored what) {
     case Stored::kStopIntent:
       return "intent to stop";
     case Stored::kRemoteActuators:
+      return "list of remote actuators";
+    case Stored::kJournal:
       break;
   }
-  return "list of remote actuators";
+  return "journal";
 }
 
 Machine MakeMachine(const MachineConfig& config) {

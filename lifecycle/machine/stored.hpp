@@ -38,6 +38,7 @@ enum class Stored {
   kPolicy,
   kStopIntent,  // the machine is to be torn down and to stay down
   kRemoteActuators,
+  kJournal,  // not by a save: its writer reports when writing begins to fail, and when it works
 };
 std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
 

@@ -196,4 +196,11 @@ RecordText MayStillRunOn(const std::string& host) {
                   {{"host", host}});
 }
 
+RecordText KeepsRunning(const State& state) {
+  return MakeText(EventName::kMayStillRun,
+                  "keeps running in {state}: it has no state TearDown, and the controller did not "
+                  "start its process",
+                  {{"state", state}});
+}
+
 }  // namespace musher::texts

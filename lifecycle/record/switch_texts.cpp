@@ -99,7 +99,7 @@ RecordText NoAnswerWithinBudget() {
 }
 
 RecordText BudgetUsedUp() {
-  return {EventName::kBudgetExceeded, "the budget was used up"};
+  return {EventName::kBudgetExceeded, "no time left of shutdown_budget_ms"};
 }
 
 RecordText RollbackFailed(const State& target, const std::string& why) {

@@ -62,6 +62,7 @@ RecordText ProcessSignalled(const std::string& actuator, std::int32_t pid, bool 
 RecordText ProcessLeftBehind(std::int32_t pid, const std::optional<std::string>& successor);
 RecordText MayStillRun(const std::optional<State>& state);  // none: not known
 RecordText MayStillRunOn(const std::string& host);
+RecordText KeepsRunning(const State& state);  // nothing can end it
 
 // A switch: switch_texts.cpp. `to`: "to Active", "of eyes to Active".
 RecordText SwitchRequested(const std::string& to, const State& target);

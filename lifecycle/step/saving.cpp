@@ -25,6 +25,8 @@ void Saving::Save(Stored what) {
       return Do(action::SaveStopIntent{machine_.phase == Phase::kStopping, save});
     case Stored::kRemoteActuators:
       return Do(action::SaveRemoteActuators{RemoteActuators(), save});
+    case Stored::kJournal:
+      break;
   }
 }
 
@@ -69,9 +71,12 @@ void Saving::NoteHosts() {
 
 void Saving::On(const event::SaveEnded& ended) {
   auto& unsaved = machine_.saves.unsaved;
-  const auto found = std::find_if(unsaved.begin(), unsaved.end(), [&](const Unsaved& one) {
+  auto found = std::find_if(unsaved.begin(), unsaved.end(), [&](const Unsaved& one) {
     return one.what == ended.what && one.save == ended.save;
   });
+  if (found == unsaved.end() && ended.what == Stored::kJournal && !ended.ok) {
+    found = unsaved.insert(found, Unsaved{ended.what, ended.save, now_, {}});
+  }
   if (found == unsaved.end()) return;  // a newer save of the same counts
   const bool failed_before = !found->why.empty();
   if (ended.ok) {

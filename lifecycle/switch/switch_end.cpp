@@ -74,7 +74,8 @@ void Switching::Apply(const Switch& s, bool undone) {
     const bool was_held = std::exchange(Of(i).held, false);
     const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;
     if (was_held && away) FallBack(i);  // from now on its loss counts
-    if (other.outcome == ActuatorOutcome::kUnsupported) {
+    // When the machine stops, only what becomes of its process counts.
+    if (other.outcome == ActuatorOutcome::kUnsupported && s.purpose != Purpose::kStop) {
       Degrade(i, other.code, {EventName::kStateUnsupported, other.message}, s.cause);
     }
   }

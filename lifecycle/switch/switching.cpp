@@ -1,13 +1,16 @@
 #include "musher/lifecycle/switch/switching.hpp"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/switch/tear_down_share.hpp"
 
 namespace musher {
 namespace {
+
+// With less time left a TearDown is not commanded: it would be overdue on arrival.
+constexpr Duration kShortestTearDown = Milliseconds(10);
 
 void Explain(Leg& leg, const RecordText& text) {
   leg.message = text.message;
@@ -96,6 +99,7 @@ bool Switching::StartLegs(std::vector<Leg>& legs) {
   const bool give_up = !s.rolling_back && Failed(s);
   const bool strict = !s.rolling_back && s.direction == Direction::kUp;
   bool changed = false;
+  PerActuator<Duration> chains;  // of TearDown, once they are needed
   for (Leg& leg : legs) {
     if (leg.progress != Leg::Progress::kWaiting) continue;
     if (const auto unfit = FindUnfit(leg)) {
@@ -117,7 +121,15 @@ bool Switching::StartLegs(std::vector<Leg>& legs) {
     if (!ready) continue;
     Duration budget = config_.TimeFor(leg.actuator, leg.target);
     if (machine_.stopping) {
-      budget = std::clamp(TearDownShare(leg), Duration(1), std::max(budget, Duration(1)));
+      const Duration left = machine_.stopping->tear_down_by - now_;
+      if (left < kShortestTearDown) {
+        EndLeg(leg, {ActuatorOutcome::kSkipped, kCodeTimeout, texts::BudgetUsedUp(), false}, now_);
+        leg.duration = {};
+        changed = true;
+        continue;
+      }
+      if (chains.empty()) chains = ChainTimes(config_, legs);
+      budget = std::max(ShareOf(left, budget, chains[leg.actuator]), Duration(1));
     }
     leg.progress = Leg::Progress::kUnderWay;
     leg.started = now_;
@@ -169,17 +181,6 @@ void Switching::SkipLeg(Leg& leg, const Leg* blocker) {
   Explain(leg, blocker == nullptr ? texts::AnotherFailedFirst()
                                   : texts::NeededOneFailed(ConfigOf(blocker->actuator).name));
   leg.may_fail = !Critical(leg.actuator);
-}
-
-// The remaining time for TearDown, in equal parts for the remaining stages: an actuator that hangs
-// does not use the time of those that are torn down after it.
-Duration Switching::TearDownShare(const Leg& leg) const {
-  std::set<int> stages = {ConfigOf(leg.actuator).stage};
-  for (const Leg& other : machine_.current->legs) {
-    const int stage = ConfigOf(other.actuator).stage;
-    if (stage < ConfigOf(leg.actuator).stage) stages.insert(stage);
-  }
-  return (machine_.stopping->tear_down_by - now_) / static_cast<int>(stages.size());
 }
 
 // Whether an emergency stop has ended a switch of the machine to another state that is as active:

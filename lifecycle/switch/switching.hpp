@@ -60,7 +60,6 @@ class Switching : StepPart {
   std::optional<CommandResult> FindUnfit(const Leg& leg) const;
   const Leg* FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const;
   void SkipLeg(Leg& leg, const Leg* blocker);
-  Duration TearDownShare(const Leg& leg) const;
   bool StoppedOnTheLevel(const Switch& s) const;
   bool Failed(const Switch& s) const;
   void BeginRollback(Switch& s);

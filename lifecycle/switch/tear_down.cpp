@@ -39,8 +39,9 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
     record.restart.at.reset();
     record.restart.requested = false;
     const bool present = record.presence == Presence::kPresent;
-    // A process that has exited cannot be left behind.
-    if (!present || record.state() == kTearDown) record.fault.reset();
+    // A process that has exited cannot be left behind; one without TearDown has nothing to fail in.
+    const bool has_part = present && record.state() != kTearDown && ConfigOf(i).Lists(kTearDown);
+    if (!has_part) record.fault.reset();
     if (present) continue;
     record.set_up_by.reset();
     if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
@@ -141,6 +142,10 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
 void TearDown::ListSurvivors() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (const auto why = WhyMayRun(i)) Degrade(i, kCodeNetError, *why, Of(i).cause);
+    const ActuatorRecord& record = Of(i);
+    const bool unreachable = ConfigOf(i).command.empty() && !ConfigOf(i).Lists(kTearDown);
+    if (!unreachable || record.presence != Presence::kPresent) continue;
+    Degrade(i, kCodeUnSupport, texts::KeepsRunning(record.state()), record.cause);
   }
 }
 

@@ -7,6 +7,9 @@
 // after a crash finishes the TearDown instead of bringing the machine up. A disk that does not
 // answer delays it for a moment only.
 //
+// An actuator that does not list TearDown is ended by the signals alone. Where the controller did
+// not start its process either, nothing ends it: it is listed as degraded.
+//
 // An actuator that was lost without a known exit may still run in its last state, also when only an
 // earlier controller of this host has received its status: it is listed as degraded, and the
 // outcome is done-degraded.

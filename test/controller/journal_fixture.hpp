@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -32,12 +33,16 @@ class JournalTest : public ::testing::Test {
   JournalOptions Options() {
     JournalOptions options;
     options.retry_period = Milliseconds(3600000);
-    options.on_trouble = [this](const std::string& text) {
-      const std::lock_guard lock(mutex_);
-      troubles_.push_back(text);
+    options.on_moved = [this](const std::string& text) { Note(text); };
+    options.on_writing = [this](const Result<>& written) {
+      if (!written) Note(written.error().message);
     };
     return options;
   }
+
+  // A directory where the file should be cannot be opened, and only this process can repair it.
+  void BlockThePath() { std::filesystem::create_directory(path_); }
+  void ClearThePath() { std::filesystem::remove(path_); }
 
   std::vector<std::string> Troubles() {
     const std::lock_guard lock(mutex_);
@@ -65,6 +70,11 @@ class JournalTest : public ::testing::Test {
   const std::string path_ = folder_ / "journal.sqlite";
 
  private:
+  void Note(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    troubles_.push_back(text);
+  }
+
   std::mutex mutex_;
   std::vector<std::string> troubles_;
 };

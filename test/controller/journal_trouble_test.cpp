@@ -44,10 +44,6 @@ class FullDisk {
 
 class JournalTrouble : public JournalTest {
  protected:
-  // A directory where the file should be cannot be opened, and only this process can repair it.
-  void BlockThePath() { fs::create_directory(path_); }
-  void ClearThePath() { fs::remove(path_); }
-
   void Damage(std::streamoff from) const {
     const auto size = static_cast<std::streamoff>(fs::file_size(path_));
     ASSERT_GT(size, from);
@@ -102,7 +98,9 @@ TEST_F(JournalTrouble, IsRetriedByItself) {
   std::promise<void> in_trouble;
   JournalOptions options;
   options.retry_period = Milliseconds(1);
-  options.on_trouble = [&](const std::string&) { in_trouble.set_value(); };
+  options.on_writing = [&](const Result<>& written) {
+    if (!written) in_trouble.set_value();
+  };
   Journal journal(path_, options);
   journal.Append(Entry(1));
   ASSERT_EQ(in_trouble.get_future().wait_for(kFlushTimeout), std::future_status::ready);

@@ -34,6 +34,15 @@ namespace musher::process_supervisor_test {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
+// Such as a pipe whose reader waits for its end.
+TEST_F(Supervisor, GivesAProcessWithoutALogFileNoOutputOfThisOne) {
+  ProcessSpec spec = Script("(readlink /proc/$$/fd/1 /proc/$$/fd/2) > $PIPE; exec sleep 1000");
+  spec.output = -1;
+  MustStart(spec);
+  EXPECT_EQ(WaitForLine(), "/dev/null");
+  EXPECT_EQ(WaitForLine(), "/dev/null");
+}
+
 TEST_F(Supervisor, ReportsTheExitCode) {
   MustStart(Script("exit 3"));
   EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 3, ""}));

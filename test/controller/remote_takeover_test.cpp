@@ -123,4 +123,14 @@ TEST_F(RemoteTakeover, StartsWhatIsTornDown) {
   EXPECT_THAT(host_.started, ElementsAre("b"));
 }
 
+// As by Ctrl-C in the second for which `musher up` listens for other controllers.
+TEST_F(RemoteTakeover, TakesTheMachineDownOnceItHasBegunIfThatWasRequestedBefore) {
+  LookAround();
+  shell_->TearDown(AfterTearDown::kMayStart);
+  Begin();
+  EXPECT_EQ(shell_->machine().phase, Phase::kStopping);
+  network_.RunFor(config_.shutdown_budget);
+  EXPECT_EQ(shell_->machine().phase, Phase::kStopped);
+}
+
 }  // namespace musher::testing::remote_takeover_test

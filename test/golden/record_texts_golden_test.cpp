@@ -66,6 +66,7 @@ Examples OfTheMachine() {
       {"MayStillRun", MayStillRun(std::nullopt)},
       {"MayStillRunOn", MayStillRunOn("there")},
       {"MayStillRunOn", MayStillRunOn("")},
+      {"KeepsRunning", KeepsRunning("Active")},
   };
 }
 

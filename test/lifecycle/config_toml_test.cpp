@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "musher/lifecycle/config/flow.hpp"
+
 namespace musher::config_toml_test {
 
 const std::string kController = R"(
@@ -78,6 +80,19 @@ TEST(ConfigToml, KeepsTheOrderOfTheControllersList) {
   const MachineConfig config = Read(kController + kVoice + kWheels);
   EXPECT_EQ(config.actuators[0].name, "wheels");
   EXPECT_EQ(config.actuators[1].name, "voice");
+}
+
+TEST(ConfigToml, AddsTearDownToAMachineThatDoesNotListIt) {
+  std::string text = kController + kVoice + kWheels;
+  for (const std::string word : {"\"TearDown\", ", "4000, ", "2, "}) {
+    for (std::size_t at = 0; (at = text.find(word)) != std::string::npos;) {
+      text.erase(at, word.size());
+    }
+  }
+  const MachineConfig config = Read(text);
+  EXPECT_TRUE(config.HasState("TearDown"));
+  EXPECT_TRUE(FlowAllows(config, "Active", "TearDown"));
+  EXPECT_FALSE(config.actuators[0].Lists("TearDown"));
 }
 
 TEST(ConfigToml, GivesTheDocumentedDefaults) {

@@ -17,6 +17,7 @@
 #include "musher/controller/cli/machine/why.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/journal/journal_gap.hpp"
 #include "musher/controller/journal/journal_reader.hpp"
 #include "musher/controller/shell/wire.hpp"
 #include "musher/lifecycle/event_name.hpp"
@@ -44,9 +45,17 @@ constexpr Duration kFollowPeriod = Milliseconds(300);
 std::variant<Entries, Failure> FromFile(const std::string& path, std::int64_t since,
                                         unsigned limit) {
   const auto read = ReadJournal(path, since, limit);
-  if (!read) return Failure{ExitCode::kUsage, read.error()};
+  const auto gap = ReadGap(path);
+  const std::string missing =
+      gap ? "the journal lacks the newest entries: it is not on disk since " + gap->Text() : "";
+  const auto with_gap = [&missing](const std::string& trouble) {
+    return trouble + (trouble.empty() || missing.empty() ? "" : "; ") + missing;
+  };
+  if (!read) {
+    return Failure{ExitCode::kUsage, {read.error().code, with_gap(read.error().message)}};
+  }
   msg::GetHistory::Response history = ToMessage(read.value().entries);
-  history.error = read.value().damage;
+  history.error = with_gap(read.value().damage);
   return history;
 }
 

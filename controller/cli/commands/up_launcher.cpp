@@ -10,6 +10,7 @@
 #include "musher/controller/cli/console/signals.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/lifecycle/event_name.hpp"
 
 namespace musher::cli {
 UpLauncher::UpLauncher(Console& console, const MachineConfig& config, pid_t controller,
@@ -64,6 +65,9 @@ void UpLauncher::OnProgress(const Progress& progress) {
   }
   Show(progress);
   if (progress.kind == Progress::kStopped) stopped_ = true;
+  if (progress.event == NameOf(EventName::kMachineStopped) && progress.code != kCodeOk) {
+    incomplete_stop_ = progress.message;
+  }
   if (progress.kind == Progress::kStartUp) OnStartUp(progress);
 }
 
@@ -110,7 +114,10 @@ void UpLauncher::OnEnd() {
   const auto status = ReapChild(controller_);
   if (stopped_) {
     if (!came_up_) console_.PrintError(machine_ + " was stopped before it was up");
-    return Leave(came_up_ || restarted_ ? ExitCode::kDone : ExitCode::kNotDone);
+    if (!incomplete_stop_.empty()) console_.PrintError(incomplete_stop_);
+    // A supervisor would start the machine again after a failure.
+    const bool good = (came_up_ && incomplete_stop_.empty()) || restarted_;
+    return Leave(good ? ExitCode::kDone : ExitCode::kNotDone);
   }
   if (failed_to_start_) return Leave(exit_);
   if (fenced_) return Leave(ExitCode::kNotDone);

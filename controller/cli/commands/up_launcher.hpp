@@ -3,13 +3,15 @@
 // signals to it. On a terminal a table shows the actuators while the machine is on its way.
 //
 //                       ┌ --detach: exits with 0
-//   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0
+//   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0; 1 if the TearDown was done-degraded
 //      ├─ SIGHUP, terminal closed ─▶ exits with 0; the controller continues, as with --detach
 //      ├─ failed ─▶ exits with 1; the controller and the actuators stay up for inspection
 //      ├─ not started ─▶ 2
 //      ├─ taken over by another controller, now or later ─▶ 1
-//      └─ stopped before it was usable ─▶ 1; 0 with --restarted, when it has completed the TearDown
-//         of the previous controller
+//      └─ stopped before it was usable ─▶ 1
+//
+// With --restarted a machine that is stopped is 0 in each case: after a failure the supervisor
+// would start it again.
 //
 // If its output is lost (`musher up … | head -2`, a full disk), this process reports that once on
 // stderr and continues; its exit code is about the machine. A service has no terminal: there SIGHUP
@@ -64,6 +66,7 @@ class UpLauncher {
   bool reported_unread_ = false;
   bool came_up_ = false;
   bool stopped_ = false;
+  std::string incomplete_stop_;  // why the TearDown was done-degraded; empty: it was not
   bool stop_requested_ = false;
   bool failed_to_start_ = false;
   bool fenced_ = false;

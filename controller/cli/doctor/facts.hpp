@@ -52,6 +52,7 @@ struct FolderFacts {
   std::int64_t total_bytes = 0;
   std::int64_t free_inodes = -1;  // -1: the file system has no limit
   std::uint64_t device = 0;       // equal: the same file system
+  std::string write_error{};      // why a test write fails; empty: it does not, or was not tried
 };
 
 // The lock by which the state folder has a running owner.

@@ -34,9 +34,14 @@ DoctorCheck CheckStateFolder(const DoctorFacts& facts) {
     check.reason = folder.existing + " is not writable for this user" +
                    (exists ? "" : ", and " + folder.path + " does not exist");
     check.fix = fmt::format("sudo install -d -o \"$USER\" -m 700 {}", ShellWord(folder.path));
+  } else if (!folder.write_error.empty()) {
+    check.reason = fmt::format("writing to {} fails, {} KiB free: {}", folder.existing,
+                               folder.free_bytes >> 10, folder.write_error);
+    check.fix = "du -xh " + ShellWord(folder.existing) + " | sort -h | tail";
   } else {
     check.health = kOk;
-    check.reason = folder.path + (exists ? " is writable" : " can be created");
+    check.reason = folder.path + (exists ? " is writable" : " can be created") +
+                   fmt::format(", {:.0f} MiB free", Mib(folder.free_bytes));
   }
   return check;
 }

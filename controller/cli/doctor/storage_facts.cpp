@@ -1,14 +1,19 @@
 #include "musher/controller/cli/doctor/storage_facts.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <pwd.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <sstream>
+#include <system_error>
 
+#include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/cli/doctor/host_facts.hpp"
 #include "musher/controller/cli/doctor/in_child.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
@@ -50,6 +55,18 @@ std::string DescribeFiles(const MachineConfig& config, int domain) {
   return text;
 }
 
+// As much as the journal needs for its next pages and their index.
+constexpr std::size_t kTestWrite = 128 << 10;  // bytes
+
+// Writes a file without a name, which leaves nothing behind; returns why that fails.
+std::string TestWrite(const std::string& folder) {
+  const UniqueFd file(open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600));
+  const bool unknown = errno == EOPNOTSUPP || errno == EISDIR;  // to this file system
+  if (!file.valid()) return unknown ? "" : std::generic_category().message(errno);
+  if (WriteAll(file.get(), std::string(kTestWrite, '\0')) && fsync(file.get()) == 0) return "";
+  return std::generic_category().message(errno);
+}
+
 }  // namespace
 
 void ReadStorage(DoctorFacts& facts, Duration timeout) {
@@ -61,6 +78,12 @@ void ReadStorage(DoctorFacts& facts, Duration timeout) {
   facts.log_dirs.push_back(ReadFolder(config.state_dir + "/logs", timeout, newest));
   if (!config.log.empty()) {
     facts.log_dirs.push_back(ReadFolder(fs::path(config.log).parent_path(), timeout, newest));
+  }
+  if (facts.state_dir->is_folder && facts.state_dir->writable) {
+    auto test = InChild::Start([&] { return TestWrite(facts.state_dir->existing); });
+    const auto error = test ? test.value().Await(std::chrono::steady_clock::now() + timeout)
+                            : Result<std::string>(test.error());
+    facts.state_dir->write_error = error ? error.value() : error.error().message;
   }
   const Time deadline = std::chrono::steady_clock::now() + timeout;
   auto child = InChild::Start([&] { return DescribeFiles(config, facts.domain); });

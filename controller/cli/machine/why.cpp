@@ -30,6 +30,7 @@ Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state
     why.events.push_back(event_of(entry));
   }
   why.complete = why.chain.back().cause == 0;
+  why.damage = history.error;
   return why;
 }
 

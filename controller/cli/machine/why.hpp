@@ -17,6 +17,7 @@ struct Why {
   std::vector<msg::HistoryEntry> chain;
   std::vector<std::string> events;  // of the chain
   bool complete = true;             // false: the cause of the last one is not among the entries
+  std::string damage{};             // what is missing among the entries; empty: nothing
 };
 
 // Why `state` was last entered; empty: why the machine is in its current state. Fails if the

@@ -235,7 +235,8 @@ std::string WhyJson(const Why& why) {
   for (std::size_t i = 0; i < why.chain.size(); ++i) {
     chain.push_back(OfEntry(why.chain[i], EventOf(why.events, i)));
   }
-  return JsonLine({{"state", why.state}, {"chain", chain}, {"complete", why.complete}});
+  return JsonLine(
+      {{"state", why.state}, {"chain", chain}, {"complete", why.complete}, {"damage", why.damage}});
 }
 
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage) {

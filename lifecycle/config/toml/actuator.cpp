@@ -90,7 +90,11 @@ class ActuatorReader {
     }
     for (const auto& [state, consequence] : kUsualStates) {
       if (MayList(State(state)) || !draft_.listed_states.contains(std::string(state))) continue;
-      reader_.Warn(at, "states", Quote(state) + " is not listed: " + std::string(consequence));
+      const bool stays = state == kTearDown && !reader_.Has("command");
+      reader_.Warn(at, "states",
+                   Quote(state) + " is not listed: " +
+                       (stays ? "without a command, too, it keeps running when the machine stops"
+                              : std::string(consequence)));
     }
   }
 

@@ -64,11 +64,17 @@ void ReadStates(TableReader& controller, Draft& draft) {
     controller.Fault(at, kKey, "expected \"SetUp\" among them, which every start begins with");
     draft.listed_states.emplace(kSetUp);
   }
-  for (const std::string_view state : {kSelfCheck, kActive, kTearDown}) {
+  for (const std::string_view state : {kSelfCheck, kActive}) {
     if (!listed(state)) {
       controller.Warn(at, kKey, Quote(state) + " is not listed: the machine can never be in it");
     }
   }
+  // Every machine can be stopped: without the state, its processes are ended by signals only.
+  if (listed(kTearDown)) return;
+  controller.Warn(at, kKey,
+                  Quote(kTearDown) + " is not listed; it is added: the machine ends in it");
+  draft.config.states.emplace_back(kTearDown);
+  draft.listed_states.emplace(kTearDown);
 }
 
 void ReadDefaultState(TableReader& controller, Draft& draft) {

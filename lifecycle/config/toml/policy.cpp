@@ -135,9 +135,6 @@ class PolicyReader {
       if (!CeilingState(draft_.config, level).empty()) continue;
       warn(key, "the machine has no state to go down to then");
     }
-    if (!draft_.listed_states.contains(std::string(kTearDown))) {
-      warn("tear_down_at", "the machine has no \"TearDown\": power-off comes without it");
-    }
   }
 
   void ReadLowPower() {

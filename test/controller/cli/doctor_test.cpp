@@ -134,6 +134,12 @@ const Planted kPlanted[] = {
      }},
     {"AHungDisk", "state folder", CheckStatus::kError, "did not answer within", "a local disk",
      [](DoctorFacts& f) { f.state_dir->error = "the disk did not answer within 2000 ms"; }},
+    {"AStateFolderThatCannotBeWritten", "state folder", CheckStatus::kError,
+     "writing to /state fails, 4 KiB free: No space left", "du -xh /state",
+     [](DoctorFacts& f) {
+       f.state_dir->free_bytes = 4 << 10;
+       f.state_dir->write_error = "No space left on device";
+     }},
     {"AFileForAStateFolder", "state folder", CheckStatus::kError, "is not a folder",
      "another state_dir", [](DoctorFacts& f) { f.state_dir->is_folder = false; }},
     {"AFullDisk", "disk", CheckStatus::kError, "5 of 9216 MiB free", "du -xh /state",

@@ -38,9 +38,37 @@ TEST_F(Disk, WithAFileSizeLimitIsReportedAndDoesNotEndTheController) {
   limit.rlim_cur = 1;
   ASSERT_EQ(prlimit(controller, RLIMIT_FSIZE, &limit, nullptr), 0);
   EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
-  EXPECT_NE(up_->LineWith("journal: writing failed, retrying"), "");
+  EXPECT_NE(up_->LineWith("the journal is not on disk: "), "");
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
   EXPECT_EQ(Status()["pid"], controller);
+}
+
+TEST_F(Disk, ThatIsFullIsInTheStatusAndTheHistoryAndForTheNextController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t controller = Status()["pid"];
+  rlimit limit{};
+  prlimit(controller, RLIMIT_FSIZE, nullptr, &limit);
+  limit.rlim_cur = 4096;  // as on a full disk, a block that is there can be written
+  ASSERT_EQ(prlimit(controller, RLIMIT_FSIZE, &limit, nullptr), 0);
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  ASSERT_EQ(Musher({"set", "Active"}).exit, 0);
+  const auto status = AwaitStatus([](const auto& s) { return !s["not_on_disk"].empty(); });
+  EXPECT_THAT(status["not_on_disk"][0].get<std::string>(), HasSubstr("journal ("));
+
+  const Ended history = Musher({"history"});
+  EXPECT_THAT(history.err, HasSubstr("the journal is not on disk since 2"));
+  EXPECT_THAT(history.out, HasSubstr("LowPower → Active"));
+  const Ended why = Musher({"history", "--why"});
+  EXPECT_THAT(why.err, HasSubstr("the journal is not on disk since 2"));
+  const std::string last = "(switch " + std::to_string(status["switch"].get<int>()) + ")";
+  EXPECT_THAT(why.out, HasSubstr(last));
+
+  kill(controller, SIGKILL);
+  EXPECT_EQ(up_->Wait().exit, 1);
+  const Ended file = Musher({"history", "--journal", folder_ / "state/journal.sqlite"});
+  EXPECT_THAT(file.err, HasSubstr("the journal lacks the newest entries"));
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_THAT(Musher({"history"}).out, HasSubstr("entries are missing before this one"));
 }
 
 TEST_F(Disk, WithoutItsStateFolderStillLetsAnActuatorBeStartedAgain) {

@@ -28,6 +28,29 @@ TEST_F(Up, StaysInTheForegroundAndTakesTheMachineDownOnCtrlC) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
+TEST_F(Up, StopsAMachineWhoseConfigDoesNotListTearDown) {
+  for (int i = 0; i < 4; ++i) Drop("\"TearDown\", ");  // of the machine and of each actuator
+  for (int i = 0; i < 3; ++i) Replace("[10000, 5000,", "[9000,");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("eyes: Active done"), "");
+  up.Signal(SIGINT);
+  const Ended ended = up.Wait();
+  EXPECT_EQ(ended.exit, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("gets SIGTERM"));
+  EXPECT_TRUE(AwaitNoChildren());
+}
+
+TEST_F(Up, ExitsWithOneAndTheReasonIfAnActuatorFailsToTearDown) {
+  Does("voice", "[state.TearDown]\nrun = [\"false\"]\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("eyes: Active done"), "");
+  up.Signal(SIGINT);
+  const Ended ended = up.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("musher: the machine is stopped after"));
+  EXPECT_THAT(ended.err, HasSubstr("; voice: failed with"));
+}
+
 TEST_F(Up, ShowsOnATerminalWhichActuatorsAreStillStarting) {
   Blocks("legs", "SelfCheck");
   Replace("[10000, 5000, 5000,", "[10000, 5000, 60000,");  // the time of the legs for SelfCheck

@@ -140,58 +140,6 @@ TEST(StoppingEarly, EndsProcessesThatAreStillSettingUp) {
   EXPECT_THAT(t.signals, UnorderedElementsAre("b:TERM"));
 }
 
-// The order of the stages
-
-MachineConfig TwoStages() {
-  MachineConfig config = MachineOf(3);
-  for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
-  ActuatorNamed(config, "c").stage = 2;
-  config.shutdown_budget = Milliseconds(1000);
-  return config;
-}
-
-TEST(StoppingByStages, TheLastStageIsTornDownBeforeTheFirst) {
-  Harness t(TwoStages());
-  t.Begin();
-  t.Rest();
-  ASSERT_EQ(t.StateOf("c"), "Active");
-  t.On("c", "TearDown").takes = Milliseconds(80);
-  t.ClearLog();
-  t.RequestSwitch("TearDown");
-  t.RunFor(Milliseconds(60));
-  EXPECT_THAT(t.log(), ElementsAre("c:TearDown")) << "stage 1 is what stage 2 stands on";
-  t.Rest();
-  EXPECT_THAT(t.log(), ElementsAre("c:TearDown", "a:TearDown", "b:TearDown"));
-  EXPECT_TRUE(t.stopped());
-}
-
-TEST(StoppingByStages, AStageThatHangsDoesNotTakeTheTimeOfTheOnesBeforeIt) {
-  MachineConfig config = TwoStages();
-  for (ActuatorConfig& actuator : config.actuators) actuator.times.assign(9, Milliseconds(5000));
-  Harness t(config);
-  t.Begin();
-  t.Rest();
-  t.On("c", "TearDown").hangs = true;
-  t.On("a", "TearDown").takes = Milliseconds(250);
-  const SwitchResult result = t.Set("TearDown");
-  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
-  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kDone) << result.actuators[0].message;
-  EXPECT_TRUE(t.stopped());
-}
-
-TEST(StoppingByStages, AnActuatorWhoseTurnDoesNotComeWithinTheBudgetIsListedWithATimeout) {
-  MachineConfig config = MachineOf(2);
-  ActuatorNamed(config, "b").stage = 2;
-  config.shutdown_budget = Milliseconds(800);
-  Harness t(config);
-  t.Begin();
-  t.Rest();
-  t.Mute("b", true, true);
-  const SwitchResult result = t.Set("TearDown");
-  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kSkipped);
-  EXPECT_EQ(result.actuators[0].code, kCodeTimeout);
-}
-
 // What still runs
 
 TEST_F(Stopping, AFrozenActuatorWithoutACommandIsListedThoughTheRestIsDown) {
