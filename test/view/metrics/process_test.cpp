@@ -14,9 +14,11 @@
 namespace musher::view::process_test {
 
 using musher::testing::AllHaveArrived;
+using musher::testing::Musher;
 using musher::testing::ParsedLabels;
 using musher::testing::ParsedMetrics;
 using musher::testing::ParseOpenMetrics;
+using musher::testing::Status;
 
 class Metrics : public musher::testing::MachineByCli {
  protected:
