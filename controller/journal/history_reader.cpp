@@ -25,9 +25,9 @@ Result<JournalReading> WithUnwritten(Result<JournalReading> reading,
                                      const UnwrittenEntries& unwritten, std::int64_t since_wall_ns,
                                      std::size_t limit) {
   if (!reading && unwritten.entries.empty()) return reading;
+  const std::string trouble = reading ? reading.value().damage : reading.error().message;
   JournalReading all;
   if (reading) all = std::move(reading).value();
-  const std::string trouble = reading ? all.damage : reading.error().message;
   all.damage = DescribeGap(unwritten) + (trouble.empty() ? "" : "; " + trouble);
   for (const JournalEntry& entry : unwritten.entries) {
     if (entry.wall_ns >= since_wall_ns) all.entries.push_back(entry);

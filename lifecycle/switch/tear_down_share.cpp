@@ -5,13 +5,14 @@
 namespace musher {
 namespace {
 
-// The legs in an order in which each stands behind those that it needs.
+// The legs in an order in which each stands before those that it needs.
 class Order {
  public:
   Order(const MachineConfig& config, const std::vector<Leg>& legs)
       : legs_(config.actuators.size(), nullptr), seen_(config.actuators.size(), false) {
     for (const Leg& leg : legs) legs_[leg.actuator] = &leg;
     for (const Leg& leg : legs) Visit(leg);
+    std::reverse(sorted_.begin(), sorted_.end());
   }
 
   const std::vector<const Leg*>& sorted() const { return sorted_; }
@@ -36,11 +37,11 @@ class Order {
 PerActuator<Duration> ChainTimes(const MachineConfig& config, const std::vector<Leg>& legs) {
   PerActuator<Duration> chains(config.actuators.size(), Duration{});
   const Order order(config, legs);
-  for (auto leg = order.sorted().rbegin(); leg != order.sorted().rend(); ++leg) {
+  for (const Leg* leg : order.sorted()) {
     // So far the longest chain behind it: those that wait for it came before.
-    Duration& chain = chains[(*leg)->actuator];
-    chain += config.TimeFor((*leg)->actuator, (*leg)->target);
-    for (const ActuatorIndex needed : (*leg)->needs) {
+    Duration& chain = chains[leg->actuator];
+    chain += config.TimeFor(leg->actuator, leg->target);
+    for (const ActuatorIndex needed : leg->needs) {
       chains[needed] = std::max(chains[needed], chain);
     }
   }

@@ -4,6 +4,7 @@
 #include <sys/mount.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "musher/test/fault_injection/faults/expectation.hpp"
@@ -29,17 +30,27 @@ void MustKeepWorking(FaultRun& run) {
   run.RecoveredIn(target);
 }
 
-// The controller reports the trouble, once.
-void MustReportTroubleOnce(FaultRun& run) {
-  run.Require(AwaitThat([&] { return run.robot.CountLines("trouble") > 0; }, kTimeout),
-              "the controller does not report the trouble");
+int ReportsOfTheJournal(FaultRun& run) {
+  return run.robot.CountLines("machine", "the journal is not on disk");
+}
+
+// The controller reports that its journal lacks entries, once; the status shows it.
+void MustReportTheJournal(FaultRun& run) {
+  run.Require(AwaitThat([&] { return ReportsOfTheJournal(run) > 0; }, kTimeout),
+              "the controller does not report that the journal is not on disk");
   if (!run.outcome.detection_ms) run.DetectedNow();
+  const auto shows = [](const msg::MachineStatus& status) {
+    return std::ranges::any_of(status.not_on_disk,
+                               [](const auto& what) { return what.starts_with("journal"); });
+  };
+  run.Require(run.observer().Await(shows, kTimeout).has_value(),
+              "the status does not show that the journal is not on disk");
 }
 
 void MustNotRepeatTheReport(FaultRun& run) {
-  const int count = run.robot.CountLines("trouble");
+  const int count = ReportsOfTheJournal(run);
   run.Expect(count <= 2,
-             "the controller has reported the trouble " + std::to_string(count) + " times");
+             "the controller has reported the journal " + std::to_string(count) + " times");
 }
 
 // Starts the next controller, which adopts the settled robot.
@@ -63,7 +74,7 @@ void DiskIsFull(FaultRun& run) {
     }
   }
   (void)AwaitFuture(run.observer().SetState("SelfCheck"));  // makes records
-  MustReportTroubleOnce(run);
+  MustReportTheJournal(run);
   MustKeepWorking(run);
   MustNotRepeatTheReport(run);
   fs::remove(ballast);
@@ -78,7 +89,7 @@ void FileSizeIsLimited(FaultRun& run) {
   run.FaultInjected();
   (void)AwaitFuture(run.observer().SetState("SelfCheck"));
   run.Require(!run.robot.ControllerHasEnded(), "the controller ended at the file size limit");
-  MustReportTroubleOnce(run);
+  MustReportTheJournal(run);
   MustKeepWorking(run);
   MustNotRepeatTheReport(run);
   RestartController(run);
@@ -129,7 +140,7 @@ void StateFolderIsReadOnly(FaultRun& run) {
   const bool adopted = run.robot.AwaitSettled(state);
   if (adopted) run.RecoveredNow();
   if (adopted) {
-    MustReportTroubleOnce(run);
+    MustReportTheJournal(run);
     MustKeepWorking(run);
     MustNotRepeatTheReport(run);
     run.robot.KillController();
