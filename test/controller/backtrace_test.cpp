@@ -238,6 +238,8 @@ TEST_F(Backtrace, IsTakenOnceAtATimeOfAProcess) {
   WriteToolThatHangs();
   Begin(hung_.pid());
   EXPECT_EQ(TakeFails(hung_.pid()).code, kCodeTargetBusy);
+  // Its shell has read the script, which is replaced now.
+  ASSERT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kStopped; }));
   HungProcess other;
   WriteTool("eu-stack", "echo '#0 other'");
   EXPECT_TRUE(Take(other.pid()));
