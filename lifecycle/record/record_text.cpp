@@ -31,6 +31,7 @@ std::string ArgumentOf(const std::vector<Argument>& arguments, std::string_view 
 
 RecordText MakeText(EventName event, std::string_view form, std::vector<Argument> arguments) {
   std::string message;
+  message.reserve(2 * form.size());
   while (true) {
     const std::size_t begin = form.find('{');
     message += form.substr(0, begin);

@@ -1,5 +1,7 @@
 #include "musher/lifecycle/step/step_part.hpp"
 
+#include <utility>
+
 namespace musher {
 namespace {
 
@@ -23,8 +25,9 @@ RecordId StepPart::Record(action::Record record) {
   if (of_machine && machine_.state != machine_.recorded_state) {
     record.state = machine_.recorded_state = machine_.state;
   }
-  Do(record);
-  return record.id;
+  const RecordId id = record.id;
+  Do(std::move(record));
+  return id;
 }
 
 RecordId StepPart::RecordMachine(std::int32_t code, const RecordText& text, RecordId cause) {
@@ -36,7 +39,7 @@ RecordId StepPart::RecordSwitch(std::optional<ActuatorIndex> only, CommandNumber
   action::Record record = Filled("switch", code, text, cause);
   record.actuator = only;
   record.switch_number = number;
-  return Record(record);
+  return Record(std::move(record));
 }
 
 RecordId StepPart::RecordBegin(const Switch& s, RecordId cause) {
@@ -47,7 +50,7 @@ RecordId StepPart::RecordBegin(const Switch& s, RecordId cause) {
   record.actuator = s.only;
   record.switch_number = s.number;
   record.of_switch = {s.target, std::nullopt, s.from};
-  return Record(record);
+  return Record(std::move(record));
 }
 
 RecordId StepPart::RecordEnd(const Switch& s, const SwitchResult& result, RecordId cause) {
@@ -56,7 +59,7 @@ RecordId StepPart::RecordEnd(const Switch& s, const SwitchResult& result, Record
   record.actuator = s.only;
   record.switch_number = s.number;
   record.of_switch = {s.target, result.outcome, result.state};
-  return Record(record);
+  return Record(std::move(record));
 }
 
 RecordId StepPart::RecordActuator(ActuatorIndex i, std::int32_t code, const RecordText& text,
@@ -64,14 +67,14 @@ RecordId StepPart::RecordActuator(ActuatorIndex i, std::int32_t code, const Reco
   action::Record record = Filled("actuator", code, text, cause);
   record.actuator = i;
   if (Of(i).command) record.switch_number = Of(i).command->number;
-  return Record(record);
+  return Record(std::move(record));
 }
 
 RecordId StepPart::RecordProcess(ActuatorIndex i, std::int32_t code, const RecordText& text,
                                  RecordId cause) {
   action::Record record = Filled("process", code, text, cause);
   record.actuator = i;
-  return Record(record);
+  return Record(std::move(record));
 }
 
 RecordId StepPart::RecordPolicy(std::int32_t code, const RecordText& text, RecordId cause) {
