@@ -127,15 +127,6 @@ Result<UniqueFd> OpenPidfd(pid_t pid) {
   return fd;
 }
 
-// "State:\tT (stopped)", or "t (tracing stop)"
-bool IsStopped(pid_t pid) {
-  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
-  for (std::string word; status >> word;) {
-    if (word == "State:") return status >> word && (word == "T" || word == "t");
-  }
-  return false;
-}
-
 bool SendSignal(int pidfd, int signal) {
   return syscall(SYS_pidfd_send_signal, pidfd, signal, nullptr, 0) == 0;
 }

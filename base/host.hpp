@@ -38,10 +38,6 @@ std::uint64_t NewIncarnation();
 // process that reuses the pid. Fails if no such process is alive.
 Result<UniqueFd> OpenPidfd(pid_t pid);
 
-// Whether the process is stopped, by a signal such as SIGSTOP or Ctrl-Z or by a debugger: it then
-// answers nothing until SIGCONT.
-bool IsStopped(pid_t pid);
-
 // Sends a signal to the process of a pidfd, never to another one that reuses its pid; 0 only checks
 // that it exists. False: `errno` has the reason; ESRCH: it has exited and been reaped.
 bool SendSignal(int pidfd, int signal);

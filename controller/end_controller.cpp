@@ -11,6 +11,7 @@
 #include <string>
 
 #include "musher/base/host.hpp"
+#include "musher/base/scheduling.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/controller/storage/state_store.hpp"
@@ -81,7 +82,8 @@ Result<> EndOwnerOf(const std::string& state_dir) {
 }
 
 std::string HowToReplace(pid_t pid) {
-  if (!IsStopped(pid)) return "`musher status` shows it, --takeover replaces it";
+  if (RunStateOf(pid) != ProcessRunState::kStopped)
+    return "`musher status` shows it, --takeover replaces it";
   return "it is stopped: `kill -CONT " + std::to_string(pid) +
          "` continues it, --takeover replaces it";
 }

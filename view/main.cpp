@@ -11,6 +11,7 @@
 #include <exception>
 #include <filesystem>
 
+#include "musher/base/host.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/base/version.hpp"
@@ -54,8 +55,8 @@ std::string UserName() {
 // What a browser on this host, or on another one, connects to.
 std::string AddressFor(const ViewOptions& options) {
   if (options.bind == "0.0.0.0" || options.bind == "::") {
-    std::array<char, 256> name{};
-    return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
+    const std::string name = HostName();
+    return name.empty() ? "localhost" : name;
   }
   return options.bind.find(':') == std::string::npos ? options.bind : "[" + options.bind + "]";
 }

@@ -55,8 +55,9 @@ void HistoryReader::ReadNext() {
       [this, since = next.since_wall_ns, limit = next.limit, alive = std::weak_ptr<bool>(alive_)] {
         const bool written = journal_.Flush(kFlushTimeout);
         auto reading = ReadJournal(journal_.path(), since, limit);
-        if (!written)
+        if (!written) {
           reading = WithUnwritten(std::move(reading), journal_.Unwritten(), since, limit);
+        }
         loop_.Post([this, alive, reading = std::move(reading)] {
           if (alive.expired()) return;
           const OnHistory done = std::move(requests_.front().done);

@@ -11,8 +11,8 @@
 // wait in a bounded queue, from which the oldest are dropped and counted; the writer retries
 // periodically, and after success an entry records the number of lost entries. Meanwhile a note
 // beside the file says that it lacks entries (journal_gap.hpp): if the controller ends before it
-// can write them, the next one records that. A damaged file, or
-// one that is not a journal, is moved aside as <path>.damaged-<n> and a new one is created.
+// can write them, the next one records that. A damaged file, or one that is not a journal, is moved
+// aside as <path>.damaged-<n> and a new one is created.
 
 #include <cstddef>
 #include <cstdint>

@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "musher/base/scheduling.hpp"
 #include "musher/transport/network.hpp"
 
 namespace musher::transport::host_test {
@@ -81,14 +82,14 @@ TEST(HostId, IsTheSameInEveryProcessOfTheHost) {
 TEST(Process, IsStoppedFromSigstopToSigcont) {
   Child child([] { return 0; });
   ASSERT_TRUE(child.ready());
-  EXPECT_FALSE(IsStopped(child.pid()));
+  EXPECT_EQ(RunStateOf(child.pid()), ProcessRunState::kRunning);
   kill(child.pid(), SIGSTOP);
   int status = 0;
   ASSERT_EQ(waitpid(child.pid(), &status, WUNTRACED), child.pid());
-  EXPECT_TRUE(IsStopped(child.pid()));
+  EXPECT_EQ(RunStateOf(child.pid()), ProcessRunState::kStopped);
   kill(child.pid(), SIGCONT);
   ASSERT_EQ(waitpid(child.pid(), &status, WCONTINUED), child.pid());
-  EXPECT_FALSE(IsStopped(child.pid()));
+  EXPECT_EQ(RunStateOf(child.pid()), ProcessRunState::kRunning);
 }
 
 TEST(Pidfd, BecomesReadableWhenTheProcessEnds) {

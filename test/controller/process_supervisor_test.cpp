@@ -36,7 +36,7 @@ using ::testing::HasSubstr;
 
 // Such as a pipe whose reader waits for its end.
 TEST_F(Supervisor, GivesAProcessWithoutALogFileNoOutputOfThisOne) {
-  ProcessSpec spec = Script("(readlink /proc/$$/fd/1 /proc/$$/fd/2) > $PIPE; exec sleep 1000");
+  ProcessSpec spec = Script("(readlink /proc/$$/fd/1 /proc/$$/fd/2) > $PIPE");
   spec.output = -1;
   MustStart(spec);
   EXPECT_EQ(WaitForLine(), "/dev/null");

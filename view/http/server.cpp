@@ -1,7 +1,6 @@
 #include "musher/view/http/server.hpp"
 
 #include <unistd.h>
-#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
@@ -22,11 +21,6 @@ using ErrorCode = boost::system::error_code;
 
 // Connections beyond the limit that may receive a refusal at a time.
 constexpr std::size_t kMaxRefusals = 32;
-
-std::string HostName() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? LowerCase(name.data()) : std::string();
-}
 
 }  // namespace
 
@@ -68,7 +62,7 @@ class Server::Impl {
        OnWebSocket on_websocket)
       : network_{io_,
                  options,
-                 HostNames{HostName(), options.hosts},
+                 HostNames{LowerCase(HostName()), options.hosts},
                  std::make_shared<Dispatch>(loop, std::move(on_request), std::move(on_websocket)),
                  std::make_shared<Mailbox>(io_),
                  {},

@@ -7,8 +7,8 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <array>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/link.hpp"
@@ -29,10 +29,8 @@ constexpr Duration kStopTimeout = std::chrono::seconds(5);
 // "alice@dog1"
 std::string Me() {
   const passwd* user = getpwuid(getuid());  // NOLINT(concurrency-mt-unsafe)
-  std::array<char, 256> host{};
-  gethostname(host.data(), host.size() - 1);
-  return (user != nullptr ? user->pw_name : std::to_string(getuid())) + std::string("@") +
-         host.data();
+  return (user != nullptr ? std::string(user->pw_name) : std::to_string(getuid())) + "@" +
+         HostName();
 }
 
 msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {

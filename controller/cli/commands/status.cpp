@@ -90,11 +90,12 @@ Uncontrolled AwaitUnlisted(Link& link, const Running& running, const msg::Machin
 ExitCode WithoutController(Failure failure, const Uncontrolled& running, bool led,
                            Console& console) {
   if (failure.exit != ExitCode::kNoController || running.empty()) return console.Fail(failure);
-  if (!led)
+  if (!led) {
     failure.error.message += "; " + RunningNames(running) +
                              (running.size() == 1 ? " runs" : " run") +
                              " without one: `musher up` with their config takes control of them, "
                              "`musher down --without-controller` stops them";
+  }
   console.Print(console.mode().json ? RunningJson(failure, running)
                                     : RunningText(running, console.mode().colour));
   console.PrintError(failure.error.message);

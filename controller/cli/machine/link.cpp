@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "musher/base/host.hpp"
+#include "musher/base/scheduling.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/console/output_reader.hpp"
 #include "musher/controller/cli/machine/silent_controller.hpp"
@@ -175,7 +176,8 @@ Failure Link::NoAnswer(Duration timeout) const {
   }
   std::string message =
       fmt::format("{} did not answer within {:g} s", controller, ToSeconds(timeout));
-  if (const pid_t holder = LeaderHere(); IsStopped(holder)) {
+  const pid_t holder = LeaderHere();
+  if (holder != 0 && RunStateOf(holder) == ProcessRunState::kStopped) {
     message += "; " + WhySilent(ExamineSilent(holder, global_), global_);
   }
   return {ExitCode::kNoAnswer, {kCodeTimeout, message}};

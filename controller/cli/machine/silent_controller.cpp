@@ -2,14 +2,14 @@
 
 #include <fmt/format.h>
 
-#include "musher/base/host.hpp"
+#include "musher/base/scheduling.hpp"
 #include "musher/controller/cli/machine/machine_files.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 
 namespace musher::cli {
 
 SilentController ExamineSilent(pid_t pid, const GlobalOptions& global) {
-  SilentController controller{pid, IsStopped(pid), std::nullopt, ""};
+  SilentController controller{pid, RunStateOf(pid) == ProcessRunState::kStopped, std::nullopt, ""};
   if (const auto origin = OriginOfProcess(pid)) controller.file = origin->file;
   const auto found = FindMachineFiles("", global);
   const auto* files = std::get_if<MachineFiles>(&found);
