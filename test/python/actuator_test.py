@@ -50,7 +50,7 @@ class Actuators(unittest.TestCase):
         robot, machine = self.start(program('def on_low_power(self):\n    return {}["valve"]'))
         outcome = machine.request("LowPower")
         self.assertRegex(outcome.actuators[0].reason, r"^on_low_power raised KeyError: 'valve' \(a\.py:\d+\)$")
-        self.assertIn("Traceback (most recent call last)", robot.log("a"))
+        robot.await_log("a", r"Traceback \(most recent call last\)")
 
     def test_nonsense_that_a_callback_returns_is_a_failure(self):
         robot, machine = self.start(program("def on_low_power(self): return 5"))
@@ -74,7 +74,7 @@ class Actuators(unittest.TestCase):
             "    except musher.NotAllowed as refusal: self.log.info(f'refused {refusal.code} {refusal.reason}')"),
             config='\n[capability.grip]\ndescription = "grip"\nactuators = ["a"]\nstates = ["Active"]\n')
         machine.set("LowPower")
-        self.assertRegex(robot.log("a"), r"a: refused 1(03|13) \S+")
+        robot.await_log("a", r"refused 1(03|13) \S+")
 
     def test_an_emergency_stop_runs_beside_a_callback(self):
         robot, machine = self.start(program(
@@ -167,7 +167,7 @@ class Actuators(unittest.TestCase):
             '@musher.state("LowPower")\ndef rest(self): self.log.info("rests")').replace(
                 "    def on_low_power(self): pass\n", ""))
         machine.set("LowPower")
-        self.assertIn("a: rests", robot.log("a"))
+        robot.await_log("a", "rests")
 
 
 class Ends(unittest.TestCase):

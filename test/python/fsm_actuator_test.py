@@ -148,7 +148,7 @@ class Applications(WithRobot):
         self.machine.set("Active")
         resumed = self.behavior("show")
         self.assertEqual((resumed["ticking"], resumed["state"]), (True, "PLAY"))
-        lines = [line.split("show: ")[-1] for line in self.robot.log("show").splitlines()]
+        lines = [line.split()[-1] for line in self.robot.await_log("show", " resumes$", count=2)]
         self.assertEqual([line for line in lines if line in ("pauses", "resumes")], ["resumes", "pauses", "resumes"])
 
     def test_a_machine_that_does_not_resume_begins_again(self):
@@ -178,7 +178,7 @@ class Applications(WithRobot):
         self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
         self.await_state(states, "STOP")
         self.assertRegex(self.behavior("show")["last_fault"], r"^PLAY: Run: ValueError: no music \(show\.py:\d+\)$")
-        self.assertIn("Traceback (most recent call last)", self.robot.log("show"))
+        self.robot.await_log("show", r"Traceback \(most recent call last\)")
 
     def test_a_state_that_exits_leads_to_the_safe_state_and_an_emergency_stop_is_still_handled(self):
         self.show("def in_scene(self, name, tick):\n    if name == 'PLAY': raise SystemExit(3)\n"
@@ -188,20 +188,21 @@ class Applications(WithRobot):
         self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
         self.await_state(states, "STOP")
         self.assertEqual(self.machine.estop("a test", timeout_s=DEADLINE_S), ["show"])
-        self.assertIn("outputs off", self.robot.log("show"))
+        self.robot.await_log("show", "outputs off")
 
     def test_without_a_safe_state_the_process_ends_and_is_restarted(self):
         self.show("safe = False\ndef in_scene(self, name, tick):\n    if name == 'PLAY': raise ValueError('no music')")
         self.await_state(self.states_of("show"), "GREET")
         self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
         self.machine.wait_until(lambda status: status.actuators[0].restarts > 0, DEADLINE_S)
-        self.assertIn("gives up: PLAY: Run: ValueError: no music", self.robot.log("show"))
+        self.robot.await_log("show", "gives up: PLAY: Run: ValueError: no music")
 
     def test_a_hook_around_the_tick_that_raises_is_logged_once_and_leads_to_the_safe_state(self):
-        self.show("def after_tick(self):\n    if self.machine.ticks < 20: raise ValueError('no camera')")
+        self.show("def after_tick(self):\n    if self.machine.ticks < 20: raise ValueError('no camera')\n"
+                  "    if self.machine.ticks == 20: self.log.info('a camera')")
         self.await_state(self.states_of("show"), "STOP")
-        self.await_behavior("show", lambda report: report["ticks"] >= 20)
-        self.assertEqual(self.robot.log("show").count("fault: after_tick: ValueError: no camera"), 1)
+        lines = self.robot.await_log("show", " a camera$")
+        self.assertEqual(sum("fault: after_tick: ValueError: no camera" in line for line in lines), 1)
 
     def test_a_tick_that_computes_for_ever_is_hung_and_the_status_is_answered_meanwhile(self):
         self.show("def in_scene(self, name, tick):\n"

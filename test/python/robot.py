@@ -1,11 +1,13 @@
 """A robot of Python actuators that a test runs: its own folder and DDS domain, real processes."""
 
 import os
+import re
 import shutil
 import socket
 import subprocess
 import sys
 import tempfile
+import threading
 from typing import Dict, Optional
 
 SOURCE = os.environ["MUSHER_SOURCE"]
@@ -79,11 +81,25 @@ class Robot:
         except FileNotFoundError:
             return ""
 
-    def log(self, name: str) -> str:
-        for folder, _, files in os.walk(os.path.join(self.folder, "state")):
-            if f"{name}.log" in files:
-                return self.read(os.path.join(folder, f"{name}.log"))
-        return ""
+    def await_log(self, name: str, pattern: str, count: int = 1) -> "list[str]":
+        """Waits until so many lines of an actuator's log match; returns all its lines up to there. A line is in the
+        log once the controller has read it, which is after the answer to a request that wrote it."""
+        lines = []
+        with subprocess.Popen(["musher", "logs", "--follow", "--lines", "0", name], stdout=subprocess.PIPE,
+                              text=True) as logs:
+            deadline = threading.Timer(DEADLINE_S, logs.kill)
+            deadline.start()
+            try:
+                assert logs.stdout is not None
+                for line in logs.stdout:
+                    lines.append(line.rstrip("\n"))
+                    count -= re.search(pattern, line) is not None
+                    if count == 0:
+                        return lines
+            finally:
+                deadline.cancel()
+                logs.kill()
+        raise AssertionError(f"no {pattern!r} in the log of {name}: {lines}")
 
     def up(self) -> "subprocess.Popen[str]":
         with open(os.path.join(self.folder, "up.err"), "w", encoding="utf-8") as err:
