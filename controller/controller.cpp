@@ -318,6 +318,11 @@ Result<> Controller::OpenExtensions() {
         "[policy] manager has no effect: give the controller the extension that serves it, such "
         "as MachineController({cyberdog::Extension()})");
   }
+  if (config_.policy && config_.policy->low_power &&
+      config_.policy->low_power->motion_ids.empty()) {
+    Trouble(
+        "[policy.low_power] has no effect: give it motion_ids, the motions of a robot that lies");
+  }
   return Ok();
 }
 

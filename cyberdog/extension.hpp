@@ -1,11 +1,12 @@
 #pragma once
 // CyberDog's protocol and manager for a controller: actuators with `protocol = "cyberdog"`, and the
-// interfaces of `[policy] manager = true`.
+// interfaces and the keys of `[policy] manager = true`.
 
 #include <string>
 
 #include "musher/controller/extension.hpp"
 #include "musher/cyberdog/serial_number.hpp"
+#include "musher/cyberdog/voice_policy.hpp"
 
 namespace musher::cyberdog {
 

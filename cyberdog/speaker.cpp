@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/cyberdog/voice_policy.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 
@@ -17,7 +18,7 @@ constexpr Duration kStandUpTime = std::chrono::seconds(20);
 
 Result<std::unique_ptr<Speaker>> Speaker::Make(transport::Endpoints& endpoints,
                                                ControllerShell& shell) {
-  if (shell.config().policy->voice.say.empty()) return std::unique_ptr<Speaker>();
+  if (VoiceOf(*shell.config().policy).say.empty()) return std::unique_ptr<Speaker>();
   std::unique_ptr<Speaker> speaker(new Speaker(shell));
   if (auto opened = speaker->Open(endpoints); !opened) return opened.error();
   return speaker;

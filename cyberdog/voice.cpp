@@ -6,6 +6,7 @@
 
 #include "musher/cyberdog/parts.hpp"
 #include "musher/cyberdog/sounds.hpp"
+#include "musher/cyberdog/voice_policy.hpp"
 #include "musher/messages/protocol/audio.hpp"
 
 namespace musher::cyberdog {
@@ -30,7 +31,7 @@ std::string Shortened(std::string text) {
 class Speaking {
  public:
   Speaking(const MachineConfig& config, VoiceState& voice, Time now)
-      : config_(config), rules_(config.policy->voice), voice_(voice), now_(now) {}
+      : config_(config), rules_(VoiceOf(*config.policy)), voice_(voice), now_(now) {}
 
   void On(const voice_event::MachineSeen& seen);
   void On(const voice_event::Recorded& recorded);

@@ -225,7 +225,7 @@ bool Checker::MayRise(const Machine& machine, const State& target) const {
   const auto rank = config_.RankOf(target);
   if (rank && place && *rank <= *place) return true;
   // A rollback of a single actuator may lead back up.
-  return machine.current && machine.current->rolling_back && machine.current->only;
+  return machine.current && machine.current->rollback.under_way && machine.current->only;
 }
 
 void Checker::CheckChange(const Machine& machine, Seen& seen) {

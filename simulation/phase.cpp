@@ -11,7 +11,7 @@ constexpr std::array<std::string_view, kMachinePhases> kNames = {
     "overdue",   "rolling back", "falling back", "stopped", "tearing down", "over"};
 
 MachinePhase MachinePhaseOfSwitch(const Switch& s, const Machine& machine) {
-  if (s.rolling_back) return MachinePhase::kRollingBack;
+  if (s.rollback.under_way) return MachinePhase::kRollingBack;
   if (s.purpose == Purpose::kStop) return MachinePhase::kTearingDown;
   const bool overdue =
       std::any_of(machine.actuators.begin(), machine.actuators.end(),

@@ -193,6 +193,12 @@ const Table* TableReader::SubTable(std::string_view key) {
   return table;
 }
 
+std::optional<TableReader> TableReader::Sub(std::string_view key) {
+  const Table* table = SubTable(key);
+  if (table == nullptr) return std::nullopt;
+  return TableReader(*table, At(key), Path(key), findings_);
+}
+
 void TableReader::RefuseOthers() {
   const std::vector<std::string_view> known(read_keys_.begin(), read_keys_.end());
   for (const Member& member : table_) {

@@ -52,6 +52,8 @@ class TableReader {
                                                     std::int64_t most,
                                                     ListRule rule = {.may_repeat = true});
   const Table* SubTable(std::string_view key);
+  // The same with a reader, whose path is this table's path and the key.
+  std::optional<TableReader> Sub(std::string_view key);
   // The tables of an array of tables.
   std::vector<const Value*> Tables(std::string_view key);
   // A string or an array of strings.

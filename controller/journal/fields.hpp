@@ -129,6 +129,13 @@ inline constexpr std::tuple kFields<SwitchGoal> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<Rollback> = {
+    Field{"rolling_back", &Rollback::under_way},
+    Field{"back_number", &Rollback::number},
+    Field{"back", &Rollback::legs},
+};
+
+template <>
 inline constexpr std::tuple kFields<Switch> = {
     Base<SwitchGoal>{},
     Field{"number", &Switch::number},
@@ -137,9 +144,7 @@ inline constexpr std::tuple kFields<Switch> = {
     Field{"legs", &Switch::legs},
     Field{"others", &Switch::others},
     Field{"stopped", &Switch::stopped},
-    Field{"rolling_back", &Switch::rolling_back},
-    Field{"back_number", &Switch::back_number},
-    Field{"back", &Switch::back},
+    Part{&Switch::rollback},
     Field{"cause", &Switch::cause},
 };
 

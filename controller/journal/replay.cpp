@@ -34,7 +34,7 @@ void ForEachEvent(M& machine, const Each& each) {
     if (record.fault) each(record.fault->message, record.fault->event);
   }
   if (!machine.current) return;
-  for (auto* legs : {&machine.current->legs, &machine.current->back}) {
+  for (auto* legs : {&machine.current->legs, &machine.current->rollback.legs}) {
     for (auto& leg : *legs) each(leg.message, leg.event);
   }
 }
@@ -75,7 +75,7 @@ bool IsWhole(const Machine& machine, std::size_t actuators) {
   if (machine.actuators.size() != actuators) return false;
   if (const auto& s = machine.current) {
     if (!HasOnly(machine, s->only)) return false;
-    if (!IsOf(s->legs, machine) || !IsOf(s->back, machine)) return false;
+    if (!IsOf(s->legs, machine) || !IsOf(s->rollback.legs, machine)) return false;
   }
   if (machine.waiting && !HasOnly(machine, machine.waiting->only)) return false;
   const auto& stopping = machine.stopping;

@@ -75,7 +75,7 @@ CommandResult Commands::Tolerate(ActuatorIndex i, const PendingCommand& command,
 Leg* Commands::LegUnderWay(ActuatorIndex i) {
   if (!machine_.current) return nullptr;
   Switch& s = *machine_.current;
-  std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
+  std::vector<Leg>& legs = s.driven_legs();
   const auto found = std::find_if(legs.begin(), legs.end(), [i](const Leg& leg) {
     return leg.actuator == i && leg.progress == Leg::Progress::kUnderWay;
   });

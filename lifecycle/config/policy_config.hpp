@@ -2,16 +2,13 @@
 // The manager's rules as data, from [policy.*] of the state config. A missing table switches its
 // rule off.
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/config/manager_policy.hpp"
 
 namespace musher {
 
@@ -29,8 +26,9 @@ struct BatteryPolicy {
 
 // [policy.low_power]: a robot that lies still goes to LowPower.
 struct LowPowerPolicy {
-  std::string topic = "motion_status";              // protocol/MotionStatus
-  std::vector<std::int32_t> motion_ids = {0, 101};  // lying, and lying down
+  std::string topic = "motion_status";  // protocol/MotionStatus
+  std::vector<std::int32_t>
+      motion_ids;  // of the body, while the robot lies; a manager has defaults
   Duration lying_still = std::chrono::seconds(30);
   bool enabled = false;  // the switch, until another value is stored
 
@@ -47,45 +45,16 @@ struct PowerPolicy {
   friend bool operator==(const PowerPolicy&, const PowerPolicy&) = default;
 };
 
-// The occasions on which the manager speaks.
-enum class Occasion {
-  kStart,    // the robot is ready, and which parts are not
-  kBattery,  // it is low
-  kTouch,    // a double tap queries the charge
-  kSwitch,   // a switch was refused, undone or done-degraded
-  kRefusal,  // the policy refuses something, or warns
-  kApp,      // the app connects for the first time; the robot also stands up
-};
-inline constexpr std::array<std::pair<std::string_view, Occasion>, 6> kOccasions = {{
-    {"start", Occasion::kStart},
-    {"battery", Occasion::kBattery},
-    {"touch", Occasion::kTouch},
-    {"switch", Occasion::kSwitch},
-    {"refusal", Occasion::kRefusal},
-    {"app", Occasion::kApp},
-}};
-
-// [policy.voice], used with policy.manager.
-struct VoicePolicy {
-  std::vector<Occasion> say = {Occasion::kStart,  Occasion::kBattery, Occasion::kTouch,
-                               Occasion::kSwitch, Occasion::kRefusal, Occasion::kApp};
-  int battery_at = 30;        // %: at or below it the first announcement of the battery
-  bool quiet_asleep = false;  // in LowPower the manager speaks only when the robot is touched
-
-  bool Announces(Occasion occasion) const {
-    return std::find(say.begin(), say.end(), occasion) != say.end();
-  }
-  friend bool operator==(const VoicePolicy&, const VoicePolicy&) = default;
-};
-
+// [policy].
 struct PolicyConfig {
   bool manager = false;  // an extension of the controller serves a manager's interfaces
   std::optional<BatteryPolicy> battery;
   std::optional<LowPowerPolicy> low_power;
   PowerPolicy power;
-  VoicePolicy voice;
+  ManagerPolicyPtr of_manager;  // what the manager reads from its own tables
+  Duration empty_notice{};  // from an empty battery to TearDown, in which the manager announces it
 
-  friend bool operator==(const PolicyConfig&, const PolicyConfig&) = default;
+  friend bool operator==(const PolicyConfig& one, const PolicyConfig& other);
 };
 
 }  // namespace musher

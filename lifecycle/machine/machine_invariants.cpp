@@ -29,8 +29,8 @@ const char* BrokenOf(const Machine& machine, const ActuatorRecord& record) {
 
 // Whether each leg that is under way has its command, and each command of the switch its leg.
 bool LegsHaveCommands(const Machine& machine, const Switch& s) {
-  const CommandNumber number = s.rolling_back ? s.back_number : s.number;
-  const std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
+  const CommandNumber number = s.driven_number();
+  const std::vector<Leg>& legs = s.driven_legs();
   return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) {
     if (!machine.actuators.Has(leg.actuator)) return false;
     const auto& command = machine.actuators[leg.actuator].command;
@@ -51,7 +51,8 @@ const char* BrokenOf(const Machine& machine, const Switch& s) {
   if ((s.purpose == Purpose::kStop) != (machine.phase == Phase::kStopping)) {
     return "a switch other than TearDown is under way in a machine that stops, or the reverse";
   }
-  if (s.rolling_back && s.back_number <= s.number) return "a rollback has no number of its own";
+  if (s.rollback.under_way && s.rollback.number <= s.number)
+    return "a rollback has no number of its own";
   if (!LegsHaveCommands(machine, s)) return "a leg under way has no command, or the reverse";
   return nullptr;
 }

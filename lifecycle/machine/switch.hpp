@@ -62,6 +62,15 @@ enum class Purpose {
   kPolicy,           // by a rule: the battery, or lying still
 };
 
+// The way back of a switch on which an actuator failed.
+struct Rollback {
+  bool under_way = false;
+  CommandNumber number = 0;  // of its commands
+  std::vector<Leg> legs;
+
+  friend bool operator==(const Rollback&, const Rollback&) = default;
+};
+
 struct Switch : SwitchGoal {
   CommandNumber number = 0;
   Purpose purpose = Purpose::kRequested;
@@ -69,10 +78,13 @@ struct Switch : SwitchGoal {
   std::vector<Leg> legs;
   std::vector<ActuatorResult> others;  // the actuators not driven, and why
   bool stopped = false;                // by an emergency stop
-  bool rolling_back = false;
-  CommandNumber back_number = 0;  // of the commands of the rollback
-  std::vector<Leg> back;          // the legs of the rollback
-  RecordId cause = 0;             // the record with the reason for this switch
+  Rollback rollback;
+  RecordId cause = 0;  // the record with the reason for this switch
+
+  // The legs that are driven now, and the number of their commands.
+  std::vector<Leg>& driven_legs() { return rollback.under_way ? rollback.legs : legs; }
+  const std::vector<Leg>& driven_legs() const { return rollback.under_way ? rollback.legs : legs; }
+  CommandNumber driven_number() const { return rollback.under_way ? rollback.number : number; }
 
   friend bool operator==(const Switch&, const Switch&) = default;
 };

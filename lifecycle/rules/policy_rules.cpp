@@ -114,11 +114,7 @@ bool PolicyRules::ApplyBatteryRule() {
   if (!config_.policy->battery || BatteryRulesWait()) return false;
   const BatteryLevel level = TakingDownLevel(machine_.policy);
   if (level == BatteryLevel::kEmpty) {
-    // A manager that speaks announces it first, before its voice is torn down with the rest.
-    const bool speaks =
-        config_.policy->manager && config_.policy->voice.Announces(Occasion::kBattery);
-    const Duration word = speaks ? config_.policy->power.delay : Duration{};
-    power_.Begin(false, now_ + word, machine_.policy.level_cause);
+    power_.Begin(false, now_ + config_.policy->empty_notice, machine_.policy.level_cause);
     if (TearDownForPower()) return true;
     power_.Force();  // its time may be zero
     return false;

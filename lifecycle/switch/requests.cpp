@@ -58,7 +58,7 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
     return true;
   }
   Switch& s = *machine_.current;
-  if (s.target == requested.target && s.only == only && !s.rolling_back) {
+  if (s.target == requested.target && s.only == only && !s.rollback.under_way) {
     if (machine_.stopping) {
       tear_down_.Join(requested);
     } else {

@@ -64,7 +64,7 @@ std::vector<ActuatorResult> SwitchConclusion::Results(const Switch& s) const {
           leg.progress == Leg::Progress::kWaiting ? "nothing was sent" : "was under way";
     }
     CorrectIfAway(s, leg.actuator, result);
-    for (const Leg& back : s.back) {
+    for (const Leg& back : s.rollback.legs) {
       if (back.actuator != leg.actuator || leg.outcome != ActuatorOutcome::kDone) continue;
       if (back.outcome == ActuatorOutcome::kDone) {
         result.outcome = ActuatorOutcome::kUndone;
@@ -90,7 +90,7 @@ std::vector<ActuatorResult> SwitchConclusion::Results(const Switch& s) const {
 // An actuator whose part was done, or that was in the target before, may have left it since.
 void SwitchConclusion::CorrectIfAway(const Switch& s, ActuatorIndex i,
                                      ActuatorResult& result) const {
-  if (result.outcome != ActuatorOutcome::kDone || s.rolling_back) return;
+  if (result.outcome != ActuatorOutcome::kDone || s.rollback.under_way) return;
   const auto away = WhyAway(s, i);
   if (!away) return;
   result.outcome = ActuatorOutcome::kLost;

@@ -24,7 +24,7 @@ EndedSwitch Switching::End() {
   machine_.current.reset();
   // Where the only actuator did not switch, nothing was done.
   const bool single_failed = s.only && !s.legs.empty() && s.legs.front().failed();
-  const bool undone = s.rolling_back || (single_failed && s.direction != Direction::kCheck);
+  const bool undone = s.rollback.under_way || (single_failed && s.direction != Direction::kCheck);
   if (!undone && !s.only) {
     const bool a_step = !config_.RankOf(machine_.state) || machine_.state == kError;
     if (s.direction != Direction::kCheck || a_step) machine_.state = s.target;
@@ -63,7 +63,7 @@ void Switching::Apply(const Switch& s, bool undone) {
       continue;
     }
     if (check) record.checked = false;
-    if (undone && (!leg.ran || s.rolling_back)) continue;
+    if (undone && (!leg.ran || s.rollback.under_way)) continue;
     const bool reported = leg.outcome != ActuatorOutcome::kSkipped;
     Degrade(leg.actuator, leg.code, {leg.event, leg.message}, reported ? record.cause : s.cause);
   }
@@ -98,7 +98,7 @@ void Switching::DriveTheRest(const Switch& s) {
 
 // The effects of a rollback.
 void Switching::SettleBack(const Switch& s) {
-  for (const Leg& leg : s.back) {
+  for (const Leg& leg : s.rollback.legs) {
     ActuatorRecord& record = Of(leg.actuator);
     const bool present = record.presence == Presence::kPresent;
     if (leg.outcome == ActuatorOutcome::kDone) {
@@ -144,7 +144,7 @@ void Switching::Supersede(CommandNumber by, const State& target, RecordId cause)
   result.code = kCodeTargetBusy;
   result.reason = "switch " + ToString(by) + " (to " + target + ") took over";
   RecordEnd(s, result, cause);
-  for (const Leg& leg : s.rolling_back ? s.back : s.legs) {
+  for (const Leg& leg : s.driven_legs()) {
     if (leg.progress != Leg::Progress::kUnderWay) continue;
     Of(leg.actuator).command.reset();
     Of(leg.actuator).free_by = now_ + config_.TimeFor(leg.actuator, leg.target);

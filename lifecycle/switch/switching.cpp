@@ -81,14 +81,14 @@ void Switching::PermitSwitchingOn(const Switch& s) {
 Switching::Progress Switching::Advance() {
   if (!machine_.current) return {};
   Switch& s = *machine_.current;
-  std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
+  std::vector<Leg>& legs = s.driven_legs();
   while (StartLegs(legs)) {
   }
   const bool ended = std::all_of(legs.begin(), legs.end(), [](const Leg& leg) {
     return leg.progress == Leg::Progress::kEnded;
   });
   if (!ended) return {};
-  if (s.rolling_back || !Failed(s)) return {true, End()};
+  if (s.rollback.under_way || !Failed(s)) return {true, End()};
   BeginRollback(s);
   return {true};
 }
@@ -96,8 +96,8 @@ Switching::Progress Switching::Advance() {
 // Begins the legs whose needs have ended. Returns whether anything changed without an event.
 bool Switching::StartLegs(std::vector<Leg>& legs) {
   Switch& s = *machine_.current;
-  const bool give_up = !s.rolling_back && Failed(s);
-  const bool strict = !s.rolling_back && s.direction == Direction::kUp;
+  const bool give_up = !s.rollback.under_way && Failed(s);
+  const bool strict = !s.rollback.under_way && s.direction == Direction::kUp;
   bool changed = false;
   PerActuator<Duration> chains;  // of TearDown, once they are needed
   for (Leg& leg : legs) {
@@ -133,9 +133,9 @@ bool Switching::StartLegs(std::vector<Leg>& legs) {
     }
     leg.progress = Leg::Progress::kUnderWay;
     leg.started = now_;
-    const bool detached = s.only.has_value() && !s.rolling_back && leg.target != machine_.state;
-    commands_.Issue(leg.actuator, s.rolling_back ? s.back_number : s.number, leg.target, budget,
-                    detached);
+    const bool detached =
+        s.only.has_value() && !s.rollback.under_way && leg.target != machine_.state;
+    commands_.Issue(leg.actuator, s.driven_number(), leg.target, budget, detached);
   }
   return changed;
 }
@@ -149,7 +149,7 @@ std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
   }
   // Modules of other protocols do not receive the stop. A switch up is undone as a whole.
   const Switch& s = *machine_.current;
-  const bool level = !s.rolling_back && s.direction != Direction::kUp;
+  const bool level = !s.rollback.under_way && s.direction != Direction::kUp;
   if (s.stopped && level && SwitchesOnAgain(config_, leg.from, leg.target) &&
       RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
@@ -203,8 +203,8 @@ bool Switching::Failed(const Switch& s) const {
 }
 
 void Switching::BeginRollback(Switch& s) {
-  s.rolling_back = true;
-  s.back_number = ++machine_.number;
+  s.rollback.under_way = true;
+  s.rollback.number = ++machine_.number;
   for (const Leg& leg : s.legs) {
     if (!leg.ran || Of(leg.actuator).presence != Presence::kPresent) continue;
     // It was unconfigured before the switch.
@@ -233,13 +233,13 @@ void Switching::BeginRollback(Switch& s) {
         continue;
       back.needs.push_back(other.actuator);
     }
-    s.back.push_back(back);
+    s.rollback.legs.push_back(back);
   }
-  const auto driven = std::ranges::count(s.back, Leg::Progress::kWaiting, &Leg::progress);
+  const auto driven = std::ranges::count(s.rollback.legs, Leg::Progress::kWaiting, &Leg::progress);
   const Leg* worst = conclusion().WorstLeg(s);
   RecordSwitch(
       s.only, s.number, kCodeOk,
-      texts::RollbackStarted(s.number, s.back_number, static_cast<std::size_t>(driven)),
+      texts::RollbackStarted(s.number, s.rollback.number, static_cast<std::size_t>(driven)),
       s.stopped || worst == nullptr ? machine_.emergency.cause : Of(worst->actuator).cause);
 }
 

@@ -22,7 +22,7 @@ class Inputs : public ::testing::Test {
     config_.name_space = "dog1";
     PolicyConfig& policy = config_.policy.emplace();
     policy.battery.emplace();
-    policy.low_power.emplace();
+    policy.low_power.emplace().motion_ids = {0, 101};
   }
   void Open() {
     inputs_ = PolicyInputs::Make(*node_, config_, [this](const Event& event) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/cyberdog/voice_policy.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/manager.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
@@ -27,6 +28,7 @@ inline MachineConfig ManagedMachine(int actuators = 2) {
   config.policy->manager = true;
   config.policy->battery.emplace();
   config.policy->low_power.emplace();
+  cyberdog::SetVoice({}, *config.policy);
   return config;
 }
 

@@ -184,7 +184,9 @@ class AMutedRobot : public ASpeakingRobot {
   AMutedRobot() : ASpeakingRobot(Muted()) {}
   static MachineConfig Muted() {
     MachineConfig config = WithAudio();
-    config.policy->voice.say.clear();
+    cyberdog::VoicePolicy voice;
+    voice.say.clear();
+    cyberdog::SetVoice(voice, *config.policy);
     return config;
   }
 };

@@ -126,7 +126,9 @@ TEST_F(Voices, TheRobotStandsUpForTheAppAlsoWithoutAVoice) {
 }
 
 TEST_F(Voices, OnlyTheOccasionsOfTheConfigAreAnnounced) {
-  config_.policy->voice.say = {Occasion::kTouch};
+  VoicePolicy voice;
+  voice.say = {Occasion::kTouch};
+  SetVoice(voice, *config_.policy);
   BringUp();
   SetBattery(3);
   Record("policy", 0, 113, "refused");
@@ -137,7 +139,9 @@ TEST_F(Voices, OnlyTheOccasionsOfTheConfigAreAnnounced) {
 }
 
 TEST_F(Voices, AQuietSleeperOnlyAnswersATouchAndAnnouncesTheRestAwake) {
-  config_.policy->voice.quiet_asleep = true;
+  VoicePolicy voice;
+  voice.quiet_asleep = true;
+  SetVoice(voice, *config_.policy);
   BringUp();
   machine_.state = kLowPower;
   SetBattery(18);

@@ -10,17 +10,22 @@
 
 namespace musher::cyberdog::voice_property_test {
 
-MachineConfig AnyManagedConfig() {
+VoicePolicy AnyVoice() {
+  VoicePolicy voice;
+  voice.quiet_asleep = *rc::gen::arbitrary<bool>();
+  voice.say.clear();
+  for (const auto& [name, occasion] : kOccasions) {
+    if (*rc::gen::weightedElement<bool>({{1, false}, {4, true}})) voice.say.push_back(occasion);
+  }
+  return voice;
+}
+
+MachineConfig ConfigWith(const VoicePolicy& voice) {
   MachineConfig config = testing::MachineOf(2);
   config.policy.emplace();
   config.policy->manager = true;
   config.policy->battery.emplace();
-  config.policy->voice.quiet_asleep = *rc::gen::arbitrary<bool>();
-  std::vector<Occasion> say;
-  for (const auto& [name, occasion] : kOccasions) {
-    if (*rc::gen::weightedElement<bool>({{1, false}, {4, true}})) say.push_back(occasion);
-  }
-  config.policy->voice.say = say;
+  SetVoice(voice, *config.policy);
   return config;
 }
 
@@ -105,7 +110,7 @@ class Life {
     if (once) RC_ASSERT(once_.insert(id).second || both_failed_and_up);
   }
 
-  MachineConfig config_ = AnyManagedConfig();
+  MachineConfig config_ = ConfigWith(AnyVoice());
   VoiceState voice_;
   Time now_{std::chrono::seconds(100)};
   std::set<std::uint16_t> once_;
@@ -118,8 +123,9 @@ RC_GTEST_PROP(VoiceProperty, OneAtATimeNothingTwiceAndNothingForEver, ()) {
 
 // Nothing that is queued while it sleeps, but the answer to a touch.
 RC_GTEST_PROP(VoiceProperty, AQuietSleeperIsQuiet, ()) {
-  MachineConfig config = AnyManagedConfig();
-  config.policy->voice.quiet_asleep = true;
+  VoicePolicy quiet = AnyVoice();
+  quiet.quiet_asleep = true;
+  const MachineConfig config = ConfigWith(quiet);
   VoiceState voice;
   Time now{std::chrono::seconds(100)};
   const auto feed = [&](const VoiceEvent& what) { return Speak(config, voice, what, now); };

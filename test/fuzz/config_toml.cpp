@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "musher/cyberdog/voice_policy.hpp"  // reads [policy.voice]
 #include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/plan/plan.hpp"
 #include "musher/test/fuzz/fuzz.hpp"

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/cyberdog/voice_policy.hpp"  // reads [policy.voice]
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/support/paths.hpp"
 

@@ -361,4 +361,16 @@ TEST(ConfigToml, ReadsWhatTheRobotCanDoAndWhere) {
   EXPECT_EQ(config.CapabilityOf("fly"), nullptr);
 }
 
+// As an actuator, whose controller has checked them.
+TEST(ConfigToml, WithoutAManagerSkipsTheTablesOfOneButNoOtherKey) {
+  const MachineConfig config = ReadWith("[policy.low_power]\n[policy.voice]\nsay = 5\n");
+  EXPECT_EQ(config.policy->of_manager, nullptr);
+  EXPECT_TRUE(config.policy->low_power->motion_ids.empty());
+  const ConfigReading reading = ReadConfigText("[policy]\nvoice = 5\n", "robot.toml");
+  EXPECT_TRUE(std::any_of(reading.diagnostics.begin(), reading.diagnostics.end(),
+                          [](const Diagnostic& diagnostic) {
+                            return diagnostic.message.starts_with("policy: unknown key \"voice\"");
+                          }));
+}
+
 }  // namespace musher::config_toml_test

@@ -148,7 +148,7 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   if (model.releases) mixer.Add(record.report.emergency_stop);
   if (machine.current) {
     AddLegs(mixer, machine.current->legs, i);
-    AddLegs(mixer, machine.current->back, i);
+    AddLegs(mixer, machine.current->rollback.legs, i);
     for (const ActuatorResult& other : machine.current->others) {
       if (other.name == model.config.actuators[i].name) mixer.Add(other.outcome);
     }
@@ -193,7 +193,7 @@ Identity IdentityOf(const Model& model, const World& w) {
   if (m.current) {
     const Switch& s = *m.current;
     mixer.Add(s.number, s.from, s.target, s.only, s.direction, s.purpose, s.requests, s.stopped,
-              s.rolling_back, s.back_number);
+              s.rollback.under_way, s.rollback.number);
   }
   mixer.Add(m.waiting.has_value());
   if (m.waiting)

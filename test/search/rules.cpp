@@ -136,7 +136,7 @@ void CheckOrder(const Model& model, const World& world, const action::SendSwitch
                 Notes& notes) {
   const auto& current = world.machine.current;
   if (!current) return;
-  const bool reversed = current->rolling_back || current->direction == Direction::kDown;
+  const bool reversed = current->rollback.under_way || current->direction == Direction::kDown;
   const auto comes_after = [&](ActuatorIndex one, ActuatorIndex other) {
     const auto& after = model.config.actuators[one].after;
     return std::find(after.begin(), after.end(), model.config.actuators[other].name) != after.end();
@@ -237,8 +237,8 @@ void CheckCommand(const Model& model, const World& world, const action::SendSwit
   if (!IsHigher(model.config, send.command.target, state) || send.command.target == machine.state)
     return;
   const auto& current = machine.current;
-  const bool wanted = current && current->target == send.command.target && !current->rolling_back &&
-                      IsRequested(world, send.command.target);
+  const bool wanted = current && current->target == send.command.target &&
+                      !current->rollback.under_way && IsRequested(world, send.command.target);
   if (wanted || IsStarting(world)) return;
   notes.violations.push_back(model.config.actuators[send.actuator].name + " is commanded up from " +
                              state + " to " + send.command.target + ", which was not requested");

@@ -44,7 +44,7 @@ MachineConfig ThreeActuators() {
       "arm", {"SetUp", "SelfCheck", "Active", "Protected", "LowPower", "Error", "TearDown"});
   MachineConfig made = std::move(config).value();
   made.policy.emplace().battery.emplace();
-  made.policy->low_power.emplace();
+  made.policy->low_power.emplace().motion_ids = {0, 101};
   return made;
 }
 

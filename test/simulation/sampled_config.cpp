@@ -76,6 +76,7 @@ std::optional<PolicyConfig> SamplePolicy(std::uint64_t seed) {
   }
   if (random.Bernoulli(0.9)) {
     LowPowerPolicy& low_power = policy.low_power.emplace();
+    low_power.motion_ids = {0, 101};
     low_power.enabled = random.Bernoulli(0.5);
     low_power.lying_still = random.Between(Milliseconds(500), std::chrono::seconds(5));
   }

@@ -191,15 +191,13 @@ void AddPolicy(const PolicyConfig& policy, WordList& words) {
     words.Table("policy.reboot");
     words.Key("command", Argv(power.reboot_command));
   }
-  if (policy.voice == VoicePolicy{}) return;
-  words.Table("policy.voice");
-  Strings say;
-  for (const auto& [name, occasion] : kOccasions) {
-    if (policy.voice.Announces(occasion)) say.emplace_back(name);
+  if (!policy.of_manager) return;
+  std::string table;
+  for (ManagerPolicy::Key& key : policy.of_manager->Keys()) {
+    if (std::exchange(table, key.table) != key.table) words.Table(key.table);
+    key.is_set ? words.Set(key.name, std::move(key.values))
+               : words.Key(key.name, std::move(key.values.front()));
   }
-  words.Set("say", std::move(say));
-  words.Key("battery_at", Percent(policy.voice.battery_at));
-  words.Key("quiet_asleep", Bool(policy.voice.quiet_asleep));
 }
 
 void AddCapability(const CapabilityConfig& capability, WordList& words) {

@@ -6,6 +6,7 @@
 
 #include "musher/base/toml/names.hpp"
 #include "musher/lifecycle/config/toml/draft.hpp"
+#include "musher/lifecycle/config/toml/manager_policy.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
 
 namespace musher::config_toml {
@@ -14,6 +15,8 @@ namespace {
 constexpr double kLongestS = 86'400;  // a day; a longer time is refused as a typing error
 constexpr double kShortestS = 0.1;
 constexpr int kFull = 100;
+
+ManagerPolicyReader manager_reader = nullptr;  // set before main()
 
 std::optional<Duration> ReadSeconds(std::string_view key, TableReader& reader, double least) {
   const auto seconds = reader.Number(key, least, kLongestS);
@@ -46,27 +49,21 @@ std::vector<std::string> ReadCommand(TableReader& reader, const Draft& draft) {
 class PolicyReader {
  public:
   PolicyReader(const Table& table, Position at, Draft& draft)
-      : reader_(table, at, "policy", draft.findings), draft_(draft) {}
+      : table_(table), reader_(table, at, "policy", draft.findings), draft_(draft) {}
 
   PolicyConfig Read() {
     policy_.manager = reader_.Bool("manager").value_or(policy_.manager);
     ReadBattery();
     ReadLowPower();
     ReadPower();
-    ReadVoice();
+    ReadManager();
     reader_.RefuseOthers();
     return std::move(policy_);
   }
 
  private:
-  std::optional<TableReader> Sub(std::string_view key) {
-    const Table* table = reader_.SubTable(key);
-    if (table == nullptr) return std::nullopt;
-    return TableReader(*table, reader_.At(key), "policy." + std::string(key), draft_.findings);
-  }
-
   void ReadBattery() {
-    auto reader = Sub("battery");
+    auto reader = reader_.Sub("battery");
     if (!reader) return;
     BatteryPolicy& battery = policy_.battery.emplace();
     battery.topic = ReadTopic(*reader, battery.topic);
@@ -138,7 +135,7 @@ class PolicyReader {
   }
 
   void ReadLowPower() {
-    auto reader = Sub("low_power");
+    auto reader = reader_.Sub("low_power");
     if (!reader) return;
     LowPowerPolicy& low_power = policy_.low_power.emplace();
     low_power.topic = ReadTopic(*reader, low_power.topic);
@@ -160,7 +157,7 @@ class PolicyReader {
 
   void ReadPower() {
     PowerPolicy& power = policy_.power;
-    if (auto off = Sub("power_off")) {
+    if (auto off = reader_.Sub("power_off")) {
       power.delay = ReadSeconds("delay_s", *off, 0).value_or(power.delay);
       power.force_after = ReadSeconds("force_after_s", *off, 0).value_or(power.force_after);
       power.off_command = ReadCommand(*off, draft_);
@@ -170,35 +167,31 @@ class PolicyReader {
         off->Fault(off->At(at), at, "force_after_s has to be no less than delay_s");
       }
     }
-    if (auto reboot = Sub("reboot")) {
+    if (auto reboot = reader_.Sub("reboot")) {
       power.reboot_command = ReadCommand(*reboot, draft_);
       reboot->RefuseOthers();
     }
   }
 
-  void ReadVoice() {
-    auto reader = Sub("voice");
-    if (!reader) return;
-    VoicePolicy& voice = policy_.voice;
-    if (auto say = reader->Choices<Occasion>("say", {kOccasions.begin(), kOccasions.end()},
-                                             {.may_be_empty = true})) {
-      voice.say = std::move(*say);
-    }
-    const auto percent = reader->Integer("battery_at", 0, kFull, " (percent)");
-    if (percent) voice.battery_at = static_cast<int>(*percent);
-    voice.quiet_asleep = reader->Bool("quiet_asleep").value_or(voice.quiet_asleep);
-    reader->RefuseOthers();
-    if (!policy_.manager) {
-      reader_.Warn(reader->at(), "voice", "has no effect: only policy.manager speaks");
+  void ReadManager() {
+    if (manager_reader != nullptr) return manager_reader(reader_, policy_);
+    for (const Member& member : table_) {
+      if (member.value.As<Table>() != nullptr) reader_.SubTable(member.key);  // of a manager
     }
   }
 
+  const Table& table_;
   TableReader reader_;
   Draft& draft_;
   PolicyConfig policy_;
 };
 
 }  // namespace
+
+bool ReadManagerPolicyBy(ManagerPolicyReader reader) {
+  manager_reader = reader;
+  return true;
+}
 
 void ReadPolicy(TableReader& root, Draft& draft) {
   const Table* table = root.SubTable("policy");

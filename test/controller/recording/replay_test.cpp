@@ -248,7 +248,7 @@ TEST(Replay, RejectsAnInconsistentSnapshot) {
   EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.only = ActuatorIndex(3); })), kRefused);
   EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.legs.emplace_back().actuator = 3; })),
               kRefused);
-  EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.back.emplace_back().needs = {3}; })),
+  EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.rollback.legs.emplace_back().needs = {3}; })),
               kRefused);
   EXPECT_THAT(
       NotesWith([](Machine& machine) { machine.waiting.emplace().only = ActuatorIndex(3); }),

@@ -200,7 +200,7 @@ TEST_F(LateAfterFailure, AnActuatorThatReturnsWhileTheOthersAreBroughtBackFollow
   t.Mute("c", true, true);
   t.RunFor(Milliseconds(5));  // what was under way arrives
   t.Find("c", Health::kPartitioned, true);
-  t.RunUntil([&] { return t.machine().current && t.machine().current->rolling_back; });
+  t.RunUntil([&] { return t.machine().current && t.machine().current->rollback.under_way; });
   t.Mute("c", false, false);
   t.RepeatStatus("c");
   t.RunUntil([&] { return t.machine().phase == Phase::kFailed; });

@@ -15,7 +15,7 @@ inline MachineConfig WithPolicy(int actuators = 2) {
   MachineConfig config = MachineOf(actuators);
   PolicyConfig& policy = config.policy.emplace();
   policy.battery.emplace();
-  policy.low_power.emplace();
+  policy.low_power.emplace().motion_ids = {0, 101};
   return config;
 }
 

@@ -160,12 +160,12 @@ TEST_F(Power, APlainTearDownIsNotAPowerOff) {
 }
 
 TEST_F(Power, OffByAnEmptyBatteryWaitsOnlyWhereTheManagerAnnouncesItFirst) {
-  for (const bool manager : {false, true}) {
+  for (const bool announced : {false, true}) {
     MachineConfig config = WithPolicy();
-    config.policy->manager = manager;
+    if (announced) config.policy->empty_notice = config.policy->power.delay;
     Robot("Active", config);
     robot().Feed(event::BatterySeen{0, false});
-    EXPECT_EQ(robot().machine().phase, manager ? Phase::kRunning : Phase::kStopping);
+    EXPECT_EQ(robot().machine().phase, announced ? Phase::kRunning : Phase::kStopping);
     robot().RunFor(config.policy->power.delay);
     EXPECT_NE(robot().machine().phase, Phase::kRunning);
   }

@@ -1,0 +1,60 @@
+#include "musher/cyberdog/voice_policy.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+namespace musher::cyberdog {
+
+bool VoicePolicy::Announces(Occasion occasion) const {
+  return std::find(say.begin(), say.end(), occasion) != say.end();
+}
+
+std::vector<ManagerPolicy::Key> VoicePolicy::Keys() const {
+  static const VoicePolicy usual;
+  if (say == usual.say && battery_at == usual.battery_at && quiet_asleep == usual.quiet_asleep) {
+    return {};
+  }
+  Key occasions{"policy.voice", "say", {}, true};
+  for (const auto& [name, occasion] : kOccasions) {
+    if (Announces(occasion)) occasions.values.emplace_back(name);
+  }
+  return {occasions,
+          {"policy.voice", "battery_at", {std::to_string(battery_at) + " %"}},
+          {"policy.voice", "quiet_asleep", {quiet_asleep ? "true" : "false"}}};
+}
+
+void SetVoice(const VoicePolicy& voice, PolicyConfig& policy) {
+  policy.of_manager = std::make_shared<const VoicePolicy>(voice);
+  const bool announced = policy.manager && voice.Announces(Occasion::kBattery);
+  policy.empty_notice = announced ? policy.power.delay : Duration{};
+  if (policy.low_power && policy.low_power->motion_ids.empty()) {
+    policy.low_power->motion_ids.assign(kLyingMotions.begin(), kLyingMotions.end());
+  }
+}
+
+const VoicePolicy& VoiceOf(const PolicyConfig& policy) {
+  static const VoicePolicy usual;
+  const auto* voice = dynamic_cast<const VoicePolicy*>(policy.of_manager.get());
+  return voice == nullptr ? usual : *voice;
+}
+
+void ReadVoicePolicy(config_toml::TableReader& table, PolicyConfig& policy) {
+  VoicePolicy voice;
+  if (auto reader = table.Sub("voice")) {
+    if (auto say = reader->Choices<Occasion>("say", {kOccasions.begin(), kOccasions.end()},
+                                             {.may_be_empty = true})) {
+      voice.say = std::move(*say);
+    }
+    const auto percent = reader->Integer("battery_at", 0, 100, " (percent)");
+    if (percent) voice.battery_at = static_cast<int>(*percent);
+    voice.quiet_asleep = reader->Bool("quiet_asleep").value_or(voice.quiet_asleep);
+    reader->RefuseOthers();
+    if (!policy.manager) {
+      table.Warn(reader->at(), "voice", "has no effect: only policy.manager speaks");
+    }
+  }
+  SetVoice(voice, policy);
+}
+
+}  // namespace musher::cyberdog
