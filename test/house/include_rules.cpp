@@ -89,10 +89,11 @@ const std::map<std::string, Layers>& Rooms() {
 // Headers of base/ that query the kernel or the environment. Folders without IO may not include
 // them.
 bool IsOfTheKernel(const std::string& header) {
-  static const std::set<std::string> kernel = {
-      "base/config_path.hpp",  "base/exit_status.hpp",   "base/files.hpp",
-      "base/host.hpp",         "base/process_usage.hpp", "base/program.hpp",
-      "base/program_path.hpp", "base/scheduling.hpp",    "base/unique_fd.hpp"};
+  static const std::set<std::string> kernel = {"base/config_path.hpp", "base/date_text.hpp",
+                                               "base/exit_status.hpp", "base/files.hpp",
+                                               "base/host.hpp",        "base/process_usage.hpp",
+                                               "base/program.hpp",     "base/program_path.hpp",
+                                               "base/scheduling.hpp",  "base/unique_fd.hpp"};
   return kernel.contains(header);
 }
 

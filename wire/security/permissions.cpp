@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/base/date_text.hpp"
 #include "musher/transport/service_names.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -211,8 +212,8 @@ std::string PermissionsXml(const Grant& grant, const ExtensionInterfaces& extens
   return Document(Element(
       "permissions", "<grant name=\"" + grant.name + "\">\n" +
                          Element("subject_name", grant.subject) +
-                         Element("validity", Element("not_before", IsoTime(grant.not_before)) +
-                                                 Element("not_after", IsoTime(grant.not_after))) +
+                         Element("validity", Element("not_before", FormatUtc(grant.not_before)) +
+                                                 Element("not_after", FormatUtc(grant.not_after))) +
                          rules + Element("default", "DENY") + "</grant>\n"));
 }
 

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "musher/base/date_text.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
 #include "musher/controller/cli/console/table.hpp"
@@ -183,7 +184,7 @@ ExitCode KeysList(const GlobalOptions& global, Console& console) {
   for (const Identity& identity : identities.value()) {
     table.Add({{identity.name},
                {RoleText(identity)},
-               {transport::keys::IsoTime(identity.not_after)},
+               {FormatUtc(identity.not_after)},
                {NoteOf(identity, now), identity.revoked ? Style::kBad : Style::kPlain}});
   }
   return Done(console, folder.value(), table.Text(console.mode().colour));
