@@ -133,12 +133,20 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
   return table;
 }
 
-// Headers that would burden all code that includes Musher's.
+// Headers that would burden all code that includes Musher's headers with them.
 bool IsHeavy(const std::string& library) {
   static const std::set<std::string> heavy = {"toml++/",    "tinyxml2.h", "CLI/",
                                               "SQLiteCpp/", "sqlite3.h",  "nlohmann/",
                                               "fmt/",       "opencv2/",   "boost/"};
   return heavy.contains(library);
+}
+
+// Whether another folder may include that one's headers. None may include those of programs on top
+// of everything, of modules (of which none includes another) and of test/.
+bool IsSharedFolder(const std::string& folder) {
+  return std::any_of(MayInclude().begin(), MayInclude().end(), [&](const auto& row) {
+    return row.first.substr(0, row.first.find('/')) != folder && row.second.contains(folder);
+  });
 }
 
 // "exec" of "modules/exec/child.hpp".
@@ -212,10 +220,8 @@ std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {
                                      [&](const std::string& place) { return file.In(place); });
     if (!at_home) return "<" + header + "> has no place in " + file.Folder();
     const bool light = header.ends_with("_fwd.hpp");  // forward declarations alone
-    // Its interfaces are about OpenCV's pictures, and included in its module only.
-    const bool needed = header == "opencv2/core.hpp" && file.In("modules/vision/course/");
-    if (file.Is(".hpp") && IsHeavy(library) && !light && !needed && !file.In("test/")) {
-      return "<" + header + "> is too heavy for a header";
+    if (file.Is(".hpp") && IsHeavy(library) && !light && IsSharedFolder(file.Folder())) {
+      return "<" + header + "> is too heavy for a header of " + file.Folder();
     }
   }
   return {};
