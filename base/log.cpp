@@ -5,8 +5,9 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <iostream>
+
+#include "musher/base/date_text.hpp"
 
 namespace musher {
 namespace {
@@ -40,15 +41,12 @@ bool WantsTime() {
 
 // "2026-03-01 13:00:05.250 "
 std::string LocalNow() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  const auto seconds = static_cast<std::time_t>(ms / 1000);
-  std::tm parts{};
-  localtime_r(&seconds, &parts);
-  std::array<char, 40> text{};
-  const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &parts);
-  std::snprintf(text.data() + size, text.size() - size, ".%03d ", static_cast<int>(ms % 1000));
-  return text.data();
+  const auto now = std::chrono::system_clock::now();
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(now);
+  const auto rest = std::chrono::duration_cast<std::chrono::milliseconds>(now - seconds);
+  std::array<char, 8> fraction{};
+  std::snprintf(fraction.data(), fraction.size(), ".%03d ", static_cast<int>(rest.count()));
+  return FormatLocal(seconds, "%Y-%m-%d %H:%M:%S") + fraction.data();
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/cyberdog/interfaces.hpp"
 #include "musher/cyberdog/numbers.hpp"
 #include "musher/cyberdog/self_check.hpp"
 
@@ -19,9 +20,9 @@ Announcements::Announcements(transport::Endpoints& endpoints, const MachineConfi
     : loop_(endpoints.node().loop()),
       config_(config),
       machine_(machine),
-      publish_state_(endpoints.PublishFunction<msg::StateSwitchStatus>("state_switch_status")),
-      publish_self_check_(endpoints.PublishFunction<msg::SelfCheckStatus>("self_check_status")),
-      publish_ready_(endpoints.PublishFunction<msg::Bool>("ready_notify")) {
+      publish_state_(endpoints.PublishFunction<msg::StateSwitchStatus>(kStateSwitchStatus)),
+      publish_self_check_(endpoints.PublishFunction<msg::SelfCheckStatus>(kSelfCheckStatus)),
+      publish_ready_(endpoints.PublishFunction<msg::Bool>(kReadyNotify)) {
   self_check_timer_ = loop_.Every(kSelfCheckPeriod, [this] {
     if (Leads()) publish_self_check_(SelfCheckOf(config_, machine_));
   });

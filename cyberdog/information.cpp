@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "musher/base/version.hpp"
+#include "musher/cyberdog/interfaces.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/wire/battery_watch.hpp"
@@ -45,14 +46,14 @@ Information::Information(transport::Endpoints& endpoints, const MachineConfig& c
       },
       transport::kSensorDataQos);
   endpoints.Subscribe<msg::NodeError>(
-      "node_errors", [publish = endpoints.PublishFunction<msg::String>("manager_errors")](
-                         const msg::NodeError& error) {
+      kNodeErrors, [publish = endpoints.PublishFunction<msg::String>(kManagerErrors)](
+                       const msg::NodeError& error) {
         publish({Text({{"name", error.name.substr(0, kLongestName)}, {"code", error.code}})});
       });
-  endpoints.Serve<msg::BmsInfo>("bms_info",
+  endpoints.Serve<msg::BmsInfo>(kBmsInfo,
                                 [this](const auto&, const auto& reply) { reply(Battery()); });
   endpoints.Serve<msg::DeviceInfo>(
-      "query_divice_info",
+      kQueryDiviceInfo,
       [this](const auto& request, const auto& reply) { reply(About(request.enables)); });
   ServeIdentity(endpoints);
 }
@@ -60,20 +61,20 @@ Information::Information(transport::Endpoints& endpoints, const MachineConfig& c
 // The bridge to the app needs the serial number before anything else.
 void Information::ServeIdentity(transport::Endpoints& endpoints) {
   endpoints.Subscribe<msg::String>(
-      "uid_set", [this](const msg::String& uid) { uid_ = uid.data.substr(0, kLongestName); });
-  endpoints.Serve<msg::UidSn>("uid_sn", [this](const auto&, const auto& reply) {
+      kUidSet, [this](const msg::String& uid) { uid_ = uid.data.substr(0, kLongestName); });
+  endpoints.Serve<msg::UidSn>(kUidSn, [this](const auto&, const auto& reply) {
     reply({uid_, serial_number_, serial_number_.empty() ? kCodeUnSupport : kCodeOk});
   });
-  endpoints.Serve<msg::Trigger>("get_dog_sn", [this](const auto&, const auto& reply) {
+  endpoints.Serve<msg::Trigger>(kGetDogSn, [this](const auto&, const auto& reply) {
     const bool known = !serial_number_.empty();
     reply({known, known ? serial_number_ : "no serial number found on this computer"});
   });
   if (serial_number_.empty()) return;
-  serial_timer_ = loop_.Every(kSerialPeriod,
-                              [this, publish = endpoints.PublishFunction<msg::String>("dog_sn")] {
-                                publish({serial_number_});
-                                if (++serials_published_ == kSerialTimes) serial_timer_ = nullptr;
-                              });
+  serial_timer_ =
+      loop_.Every(kSerialPeriod, [this, publish = endpoints.PublishFunction<msg::String>(kDogSn)] {
+        publish({serial_number_});
+        if (++serials_published_ == kSerialTimes) serial_timer_ = nullptr;
+      });
 }
 
 msg::BmsInfo::Response Information::Battery() const {

@@ -1,5 +1,6 @@
 #include "musher/cyberdog/requests.hpp"
 
+#include "musher/cyberdog/interfaces.hpp"
 #include "musher/cyberdog/numbers.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
@@ -31,15 +32,15 @@ Requests::Requests(transport::Endpoints& endpoints, ControllerShell& shell,
 }
 
 void Requests::ServeStates(transport::Endpoints& endpoints) {
-  endpoints.Subscribe<msg::UInt8>("machine_state_switch",
+  endpoints.Subscribe<msg::UInt8>(kMachineStateSwitch,
                                   [this](const msg::UInt8& wanted) { OnSwitch(wanted.data); });
   endpoints.Serve<msg::MachineState>(
-      "machine_state_switch_keep",
+      kMachineStateSwitchKeep,
       [this](const auto& request, const KeepReply& reply) { OnKeep(request, reply); });
-  endpoints.Serve<msg::Trigger>("machine_state_valget", [this](const auto&, const auto& reply) {
+  endpoints.Serve<msg::Trigger>(kMachineStateValget, [this](const auto&, const auto& reply) {
     reply({true, std::string(TextOf(shell_.machine().state))});
   });
-  endpoints.Serve<msg::SetBool>("ota_state_switch", [this](const auto& request, const auto& reply) {
+  endpoints.Serve<msg::SetBool>(kOtaStateSwitch, [this](const auto& request, const auto& reply) {
     event::PolicyRequested requested;
     requested.what = PolicyRequest::kOta;
     requested.enable = request.data;
@@ -68,16 +69,16 @@ void Requests::ServePower(transport::Endpoints& endpoints) {
       });
     });
   };
-  enable("low_power_enable", PolicyRequest::kLowPowerSwitch);
-  enable("low_power_onoff", PolicyRequest::kLowPowerStore);
-  trigger("low_power_exit", PolicyRequest::kWakeUp);
-  trigger("poweroff", PolicyRequest::kPowerOff);
-  trigger("reboot", PolicyRequest::kReboot);
-  endpoints.Serve<msg::Trigger>("low_power_switch_state", [this](const auto&, const auto& reply) {
+  enable(kLowPowerEnable, PolicyRequest::kLowPowerSwitch);
+  enable(kLowPowerOnoff, PolicyRequest::kLowPowerStore);
+  trigger(kLowPowerExit, PolicyRequest::kWakeUp);
+  trigger(kPoweroff, PolicyRequest::kPowerOff);
+  trigger(kReboot, PolicyRequest::kReboot);
+  endpoints.Serve<msg::Trigger>(kLowPowerSwitchState, [this](const auto&, const auto& reply) {
     const bool on = shell_.machine().policy.low_power;
     reply({on, on ? "on" : "off"});
   });
-  endpoints.Subscribe<msg::Bool>("dog_wakeup", [this](const msg::Bool&) { OnWakeWord(); });
+  endpoints.Subscribe<msg::Bool>(kDogWakeup, [this](const msg::Bool&) { OnWakeWord(); });
 }
 
 void Requests::Request(const event::PolicyRequested& requested,
@@ -103,7 +104,8 @@ void Requests::Request(const event::PolicyRequested& requested,
 void Requests::OnSwitch(std::uint8_t number) {
   const auto state = StateOfNumber(number);
   if (!state) {
-    return shell_.Remark(kCodeParametersInvalid, "machine_state_switch: " + NoState(number));
+    return shell_.Remark(kCodeParametersInvalid,
+                         std::string(kMachineStateSwitch) + ": " + NoState(number));
   }
   event::PolicyRequested requested;
   requested.what = PolicyRequest::kSwitch;
@@ -116,7 +118,8 @@ void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply
   const bool cancels = kept && request.ticks == 0;  // in whichever state
   const auto state = StateOfNumber(request.state);
   if (!state && !cancels) {
-    shell_.Remark(kCodeParametersInvalid, "machine_state_switch_keep: " + NoState(request.state));
+    shell_.Remark(kCodeParametersInvalid,
+                  std::string(kMachineStateSwitchKeep) + ": " + NoState(request.state));
     return reply({false, kCodeParametersInvalid});
   }
   event::PolicyRequested requested;

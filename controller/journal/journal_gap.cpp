@@ -4,10 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <ctime>
 #include <fstream>
 
+#include "musher/base/date_text.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/unique_fd.hpp"
 
@@ -24,12 +23,7 @@ std::string GapFileOf(const std::string& path) {
 }  // namespace
 
 std::string JournalGap::Text() const {
-  const auto seconds = static_cast<std::time_t>(since_wall_ns / 1'000'000'000);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  std::array<char, 32> time{};
-  const std::size_t size = std::strftime(time.data(), time.size(), "%FT%TZ", &utc);
-  return std::string(time.data(), size) + ": " + why;
+  return FormatUtc(WholeSeconds(since_wall_ns)) + ": " + why;
 }
 
 std::optional<JournalGap> ReadGap(const std::string& path) {

@@ -89,10 +89,11 @@ const std::map<std::string, Layers>& Rooms() {
 // Headers of base/ that query the kernel or the environment. Folders without IO may not include
 // them.
 bool IsOfTheKernel(const std::string& header) {
-  static const std::set<std::string> kernel = {
-      "base/config_path.hpp",  "base/exit_status.hpp",   "base/files.hpp",
-      "base/host.hpp",         "base/process_usage.hpp", "base/program.hpp",
-      "base/program_path.hpp", "base/scheduling.hpp",    "base/unique_fd.hpp"};
+  static const std::set<std::string> kernel = {"base/config_path.hpp", "base/date_text.hpp",
+                                               "base/exit_status.hpp", "base/files.hpp",
+                                               "base/host.hpp",        "base/process_usage.hpp",
+                                               "base/program.hpp",     "base/program_path.hpp",
+                                               "base/scheduling.hpp",  "base/unique_fd.hpp"};
   return kernel.contains(header);
 }
 
@@ -132,12 +133,20 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
   return table;
 }
 
-// Headers that would burden all code that includes Musher's.
+// Headers that would burden all code that includes Musher's headers with them.
 bool IsHeavy(const std::string& library) {
   static const std::set<std::string> heavy = {"toml++/",    "tinyxml2.h", "CLI/",
                                               "SQLiteCpp/", "sqlite3.h",  "nlohmann/",
                                               "fmt/",       "opencv2/",   "boost/"};
   return heavy.contains(library);
+}
+
+// Whether another folder may include that one's headers. None may include those of programs on top
+// of everything, of modules (of which none includes another) and of test/.
+bool IsSharedFolder(const std::string& folder) {
+  return std::any_of(MayInclude().begin(), MayInclude().end(), [&](const auto& row) {
+    return row.first.substr(0, row.first.find('/')) != folder && row.second.contains(folder);
+  });
 }
 
 // "exec" of "modules/exec/child.hpp".
@@ -211,10 +220,8 @@ std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {
                                      [&](const std::string& place) { return file.In(place); });
     if (!at_home) return "<" + header + "> has no place in " + file.Folder();
     const bool light = header.ends_with("_fwd.hpp");  // forward declarations alone
-    // Its interfaces are about OpenCV's pictures, and included in its module only.
-    const bool needed = header == "opencv2/core.hpp" && file.In("modules/vision/course/");
-    if (file.Is(".hpp") && IsHeavy(library) && !light && !needed && !file.In("test/")) {
-      return "<" + header + "> is too heavy for a header";
+    if (file.Is(".hpp") && IsHeavy(library) && !light && IsSharedFolder(file.Folder())) {
+      return "<" + header + "> is too heavy for a header of " + file.Folder();
     }
   }
   return {};

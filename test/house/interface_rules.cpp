@@ -45,9 +45,13 @@ Names TypesOf(const std::vector<SourceFile>& tree) {
 Names InterfacesOfTheManager(const std::vector<SourceFile>& tree) {
   static const std::regex opened(
       R"re((?:Subscribe|Serve|PublishFunction|OpenClient)<[^>]+>\(\s*"([\w/]+)")re");
+  static const std::regex constant(R"re(\bk\w+ = "([\w/]+)";)re");
   Names names;
   for (const SourceFile& file : tree) {
-    if (file.In("cyberdog/")) Collect(WithoutComments(file.text), opened, names);
+    if (!file.In("cyberdog/")) continue;
+    const std::string code = WithoutComments(file.text);
+    Collect(code, opened, names);
+    if (file.Is("/interfaces.hpp")) Collect(code, constant, names);
   }
   return names;
 }

@@ -10,11 +10,13 @@ using ::testing::IsEmpty;
 const std::vector<SourceFile> kTree = {
     {"modules/voice/shell.cpp", "Serve<msg::X>(\"stop_play\"); // \"later\"\n", false},
     {"cyberdog/manager.cpp", "PublishFunction<msg::Bool>(\n  \"ready_notify\");", false},
+    {"cyberdog/interfaces.hpp", "constexpr const char* kUidSn = \"uid_sn\";", false},
     {"messages/protocol/audio.idl", "@final struct AudioText_Request_ {", false}};
 
 SourceFile Page(const std::string& there, const std::string& left_out) {
   return {"docs/cyberdog.md",
-          "`AudioText`\n## What is implemented\n| name | |\n|---|---|\n| `ready_notify` | |\n" +
+          "`AudioText` `uid_sn`\n## What is implemented\n"
+          "| name | |\n|---|---|\n| `ready_notify` | |\n" +
               there + "## What is left out\n| name | why |\n|---|---|\n| `ad` | `stop_play` |\n" +
               left_out,
           false};
@@ -40,7 +42,8 @@ TEST(InterfaceRules, AnInterfaceOrATypeMissingInThePageIsReported) {
       "## What is implemented\n| `stop_play` | |\n## What is left out\n| `ad` | |\n", false};
   EXPECT_THAT(WrongInterfaces(page, kTree),
               ElementsAre("docs/cyberdog.md: `AudioText` is missing",
-                          "docs/cyberdog.md: `ready_notify` is missing"));
+                          "docs/cyberdog.md: `ready_notify` is missing",
+                          "docs/cyberdog.md: `uid_sn` is missing"));
 }
 
 }  // namespace musher::house::interface_rules_test

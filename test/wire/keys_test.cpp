@@ -25,7 +25,7 @@ class Keys : public ::testing::Test {
 
   Result<> Add(const std::string& name, Role role = Role::kActuator, int days = 30,
                bool force = false) {
-    return Issue(folder_, name, role, {days, force});
+    return Issue(folder_, name, role, {}, {days, force});
   }
   std::string ErrorOf(const std::string& name) {
     const auto checked = Check(folder_, name);
@@ -85,7 +85,7 @@ TEST_F(Keys, ThatWereRevokedStayRevokedWhileOthersAre) {
 TEST_F(Keys, DoNotLetTheirOwnerSignPermissions) {
   const KeyFolder other(temp_ / "other");
   ASSERT_TRUE(CreateAuthority(other, Protection::kEncrypted, false));
-  ASSERT_TRUE(Issue(other, "legs", Role::kController, {}));
+  ASSERT_TRUE(Issue(other, "legs", Role::kController, {}, {}));
   ASSERT_TRUE(Add("legs"));
   std::ofstream(folder_.Permissions("legs")) << Text(other.Permissions("legs"));
   EXPECT_THAT(ErrorOf("legs"), HasSubstr("was not signed by the CA of"));
@@ -108,7 +108,7 @@ TEST_F(Keys, ThatAreNoKeysAreNamed) {
 
 TEST(Permissions, OfAnActuatorAreThoseOfItsOwnName) {
   const Grant grant{"legs", "CN=legs", Role::kActuator, {}, {}};
-  const std::string xml = PermissionsXml(grant);
+  const std::string xml = PermissionsXml(grant, {});
   EXPECT_THAT(xml, HasSubstr("<topic>rr/*/legs/musher_commandReply</topic>"));
   EXPECT_THAT(xml, HasSubstr("<partition>legs</partition>"));
   EXPECT_THAT(xml, HasSubstr("<subject_name>CN=legs</subject_name>"));
@@ -117,7 +117,7 @@ TEST(Permissions, OfAnActuatorAreThoseOfItsOwnName) {
 }
 
 TEST(Permissions, OfAnObserverAllowOnlyQueries) {
-  const std::string xml = PermissionsXml({"guest", "CN=guest", Role::kObserver, {}, {}});
+  const std::string xml = PermissionsXml({"guest", "CN=guest", Role::kObserver, {}, {}}, {});
   EXPECT_THAT(xml, Not(HasSubstr("<topic>*</topic>")));
   EXPECT_THAT(xml, Not(HasSubstr("set_state")));
   EXPECT_THAT(xml, Not(HasSubstr("emergency_stop")));
@@ -128,30 +128,51 @@ TEST(Permissions, OfAnObserverAllowOnlyQueries) {
   EXPECT_THAT(xml, Not(HasSubstr("send_goal"))) << "an observer starts no skill";
 }
 
-TEST(Permissions, ForCyberdogsManagerAreTheOperatorsExceptQueriesAndWakingUp) {
+const ExtensionInterfaces kExtension{.published = {"mode"},
+                                     .queries = {"get_mode"},
+                                     .subscribed = {"note"},
+                                     .services = {"wake"},
+                                     .operator_topics = {"mode_requested"},
+                                     .operator_services = {"set_mode"}};
+
+TEST(Permissions, OfAnExtensionAreThoseThatItNames) {
   const auto may = [](Role role, const std::string& topic) {
-    const std::string xml = PermissionsXml({"x", "CN=x", role, {}, {}});
+    const std::string xml = PermissionsXml({"x", "CN=x", role, {}, {}}, kExtension);
     const std::string allowed = xml.substr(0, xml.find("<deny_rule>"));
-    return allowed.find("<topic>" + topic + "</topic>") != std::string::npos &&
-           allowed.find("<topic>" + topic + "</topic>") < allowed.find("<subscribe>");
+    return allowed.find("<topic>" + topic + "</topic>") < allowed.find("<subscribe>");
   };
-  for (const char* topic : {"rq/poweroffRequest", "rq/*/poweroffRequest", "rt/machine_state_switch",
-                            "rq/machine_state_switch_keepRequest"}) {
+  for (const char* topic :
+       {"rq/set_modeRequest", "rq/*/set_modeRequest", "rt/mode_requested", "rt/*/mode_requested"}) {
     EXPECT_TRUE(may(Role::kOperator, topic)) << topic;
     EXPECT_FALSE(may(Role::kActuator, topic)) << topic;
     EXPECT_FALSE(may(Role::kObserver, topic)) << topic;
   }
   for (const Role role : {Role::kOperator, Role::kActuator, Role::kObserver}) {
-    EXPECT_TRUE(may(role, "rq/bms_infoRequest"));
-    EXPECT_FALSE(may(role, "rt/state_switch_status"));
-    EXPECT_EQ(may(role, "rq/low_power_exitRequest"), role != Role::kObserver);
+    EXPECT_TRUE(may(role, "rq/get_modeRequest"));
+    EXPECT_FALSE(may(role, "rt/mode"));
+    EXPECT_FALSE(may(role, "rr/set_modeReply"));
+    EXPECT_EQ(may(role, "rq/wakeRequest"), role != Role::kObserver);
+    EXPECT_EQ(may(role, "rt/note"), role != Role::kObserver);
   }
-  EXPECT_TRUE(may(Role::kController, "rt/state_switch_status"));
-  EXPECT_TRUE(may(Role::kController, "rr/*/poweroffReply"));
+  EXPECT_TRUE(may(Role::kController, "rt/mode"));
+  EXPECT_TRUE(may(Role::kController, "rr/*/set_modeReply"));
+}
+
+TEST(Permissions, DenyAllElseOnTheTopicsOfAnExtension) {
+  const auto denied = [](const ExtensionInterfaces& extension) {
+    const std::string xml = PermissionsXml({"x", "CN=x", Role::kActuator, {}, {}}, extension);
+    return xml.substr(xml.find("<deny_rule>"));
+  };
+  for (const char* topic : {"rt/mode", "rr/get_modeReply", "rt/note", "rq/*/wakeRequest",
+                            "rt/mode_requested", "rq/set_modeRequest"}) {
+    const std::string element = "<topic>" + std::string(topic) + "</topic>";
+    EXPECT_THAT(denied(kExtension), HasSubstr(element));
+    EXPECT_THAT(denied({}), Not(HasSubstr(element)));
+  }
 }
 
 TEST(Permissions, OfAControllerCoverAllOfTheMachinesManagedNode) {
-  const std::string xml = PermissionsXml({"dog", "CN=dog", Role::kController, {}, {}});
+  const std::string xml = PermissionsXml({"dog", "CN=dog", Role::kController, {}, {}}, {});
   const std::string allowed = xml.substr(0, xml.find("<deny_rule>"));
   EXPECT_THAT(allowed, HasSubstr("<topic>rt/musher/transition_event</topic>"));
   EXPECT_THAT(allowed, HasSubstr("<topic>rr/musher/*Reply</topic>"));

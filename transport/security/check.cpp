@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "musher/base/date_text.hpp"
 #include "musher/transport/security/certificates.hpp"
 #include "musher/transport/security/key_files.hpp"
 
@@ -17,10 +18,10 @@ Error NotVouchedFor(const KeyFolder& folder, const std::string& name, X509* cert
   const std::string file = folder.Certificate(name);
   switch (reason) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
-      return Refusal(file + " has expired on " + IsoTime(ValidityOf(certificate).not_after) +
+      return Refusal(file + " has expired on " + FormatUtc(ValidityOf(certificate).not_after) +
                      "; `musher keys add " + name + " --force` makes a new one");
     case X509_V_ERR_CERT_NOT_YET_VALID:
-      return Refusal(file + " is valid from " + IsoTime(ValidityOf(certificate).not_before) +
+      return Refusal(file + " is valid from " + FormatUtc(ValidityOf(certificate).not_before) +
                      "; check the clock");
     case X509_V_ERR_CERT_REVOKED:
       return Refusal(file + " is revoked in " + folder.Revocations());

@@ -2,23 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <ctime>
-
+#include "musher/base/date_text.hpp"
 #include "musher/view/mcap/scan.hpp"
 #include "musher/view/record/commands.hpp"
 #include "musher/view/record/merge.hpp"
 
 namespace musher::view {
 namespace {
-
-std::string Utc(std::int64_t ns) {
-  const std::time_t seconds = ns / 1'000'000'000;
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[32];
-  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 struct TopicInfo {
   std::string type;
@@ -51,8 +41,8 @@ int RunInfo(const std::string& file) {
   if (!messages.empty()) {
     const std::int64_t first = messages.front().log_ns;
     const std::int64_t last = messages.back().log_ns;
-    fmt::print("from      {}\nto        {}\nduration  {:.3f} s\n", Utc(first), Utc(last),
-               static_cast<double>(last - first) / 1e9);
+    fmt::print("from      {}\nto        {}\nduration  {:.3f} s\n", FormatUtc(WholeSeconds(first)),
+               FormatUtc(WholeSeconds(last)), static_cast<double>(last - first) / 1e9);
   }
   fmt::print("{:>10} {:>14}  {:<40} TYPE\n", "MESSAGES", "BYTES", "TOPIC");
   for (const auto& [name, topic] : TopicsOf(*scan.value())) {

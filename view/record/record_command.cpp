@@ -1,8 +1,8 @@
 // musher-record record: topics, the journal and trouble into a file or a ring of files.
 
 #include <chrono>
-#include <ctime>
 
+#include "musher/base/date_text.hpp"
 #include "musher/base/words.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/dds/topic_watch.hpp"
@@ -33,12 +33,7 @@ mcap::Compression CompressionFrom(const std::string& name) {
 }
 
 std::string DefaultName() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char name[64];
-  std::strftime(name, sizeof(name), "musher_%Y-%m-%d_%H-%M-%S.mcap", &local);
-  return name;
+  return FormatLocal(WholeSeconds(WallNow()), "musher_%Y-%m-%d_%H-%M-%S.mcap");
 }
 
 // A recording under way.

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <ctime>
+
+#include "musher/base/date_text.hpp"
 
 namespace musher::view {
 
@@ -62,14 +63,8 @@ std::int64_t Ring::OldestNeeded(std::int64_t now_ns) const {
 }
 
 std::string KeptName(std::int64_t trouble_ns, const std::string& reason) {
-  constexpr std::int64_t kSecond = 1'000'000'000;
-  const std::time_t seconds = trouble_ns / kSecond;
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char time[32];
-  std::strftime(time, sizeof(time), "%Y-%m-%dT%H-%M-%SZ", &utc);
-  std::string name = std::string(time) + "_" + reason.substr(0, 80);
-  for (char& c : name) {
+  std::string name = FormatUtc(WholeSeconds(trouble_ns)) + "_" + reason.substr(0, 80);
+  for (char& c : name) {  // the colons of the time, too
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_') c = '-';
   }
   return name + ".mcap";

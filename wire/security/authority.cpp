@@ -110,7 +110,7 @@ Result<> CreateAuthority(const KeyFolder& folder, Protection protection, bool fo
 }
 
 Result<> Issue(const KeyFolder& folder, const std::string& name, Role role,
-               const IssueOptions& options) {
+               const ExtensionInterfaces& extension, const IssueOptions& options) {
   if (!IsIdentityName(name)) {
     return Error{kCodeParametersInvalid,
                  "'" + name +
@@ -143,7 +143,8 @@ Result<> Issue(const KeyFolder& folder, const std::string& name, Role role,
   if (auto r = WriteCertificate(folder.Certificate(name), certificate.value().get(), force); !r) {
     return r;
   }
-  return SignInto(folder.Permissions(name), PermissionsXml(grant), permissions.value(), force);
+  return SignInto(folder.Permissions(name), PermissionsXml(grant, extension), permissions.value(),
+                  force);
 }
 
 Result<> Revoke(const KeyFolder& folder, const std::string& name) {

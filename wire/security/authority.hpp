@@ -22,8 +22,9 @@ struct IssueOptions {
 Result<> CreateAuthority(const KeyFolder& folder, Protection protection, bool force);
 
 // Creates key, certificate and permissions of one identity. Fails if it exists, unless forced.
+// `extension`: of the robot's controller. Its topics are open to every actuator if it is not named.
 Result<> Issue(const KeyFolder& folder, const std::string& name, Role role,
-               const IssueOptions& options);
+               const ExtensionInterfaces& extension, const IssueOptions& options);
 
 // Revokes its certificate: processes that have the new revoked.crl no longer accept it.
 Result<> Revoke(const KeyFolder& folder, const std::string& name);

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/base/date_text.hpp"
 #include "musher/transport/service_names.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -64,37 +65,23 @@ const std::string kAllMachineServices = "musher/*";
 const Topics kBehaviorQueries = {"*/get_behavior", "*/get_skill"};
 const Topics kBehaviorPublishes = {"*/behavior_state", "skills", "skill_feedback"};
 
-// CyberDog's manager (cyberdog/): its topics, its queries, open to all; the topics and
-// the service that the robot's modules may use; and those for operators only.
-const Topics kManagerPublishes = {"state_switch_status", "self_check_status", "ready_notify",
-                                  "manager_errors", "dog_sn"};
-const Topics kManagerQueries = {"machine_state_valget",
-                                "low_power_switch_state",
-                                "bms_info",
-                                "query_divice_info",
-                                "uid_sn",
-                                "get_dog_sn"};
-const Topics kManagerSubscribes = {"dog_wakeup", "node_errors", "uid_set"};
-const Topics kManagerWakeUp = {"low_power_exit"};
-const Topics kManagerSwitchTopics = {"machine_state_switch"};
-const Topics kManagerOperatorServices = {
-    "machine_state_switch_keep", "ota_state_switch", "low_power_enable",
-    "low_power_onoff",           "poweroff",         "reboot"};
-
 Topics operator+(Topics one, const Topics& other) {
   one.insert(one.end(), other.begin(), other.end());
   return one;
 }
 
-// All topics and services of the manager, which the controller offers.
-Topics OfManager() {
-  const Topics services = kManagerQueries + kManagerWakeUp + kManagerOperatorServices;
-  return DataTopics(kManagerPublishes + kManagerSubscribes + kManagerSwitchTopics) +
+Topics AllServicesOf(const ExtensionInterfaces& extension) {
+  return extension.queries + extension.services + extension.operator_services;
+}
+
+Topics AllTopicsOf(const ExtensionInterfaces& extension) {
+  const Topics services = AllServicesOf(extension);
+  return DataTopics(extension.published + extension.subscribed + extension.operator_topics) +
          Requests(services) + Replies(services);
 }
 
-// All topics of Musher itself: none is open to all.
-Topics Reserved() {
+// All topics of Musher itself and of the extension: none is open to all.
+Topics Reserved(const ExtensionInterfaces& extension) {
   Topics topics;
   for (const std::string& name :
        {std::string("musher/*"), std::string("*/musher_command*"), std::string("*machine_service*"),
@@ -103,7 +90,7 @@ Topics Reserved() {
       for (const std::string& topic : InEveryNamespace(kind + name)) topics.push_back(topic);
     }
   }
-  return topics + OfManager();
+  return topics + AllTopicsOf(extension);
 }
 
 // One direction of a rule. `partition`: only in this one; nullopt: in every partition.
@@ -141,52 +128,51 @@ const Topics kNodeGraph = {"ros_discovery_info"};
 const Topics kMachine =
     DataTopics({MachineStatusTopic(""), CapabilitiesTopic(""), std::string(kMachinesTopic)});
 
-std::vector<Criteria> OfController() {
+std::vector<Criteria> OfController(const ExtensionInterfaces& extension) {
   const Topics published =
       kAnnouncements + kMachine + kStops +
-      DataTopics(kManagerPublishes + Topics{MachineService("", "transition_event")});
-  const Topics answered = Replies({kAllMachineServices}) +
-                          Replies(kManagerQueries + kManagerWakeUp + kManagerOperatorServices);
+      DataTopics(extension.published + Topics{MachineService("", "transition_event")});
+  const Topics answered = Replies({kAllMachineServices}) + Replies(AllServicesOf(extension));
   return {{"publish", published + answered + Requests(ServicesOf("*"))}, {"subscribe", {"*"}}};
 }
 
-std::vector<Criteria> OfActuator(const std::string& name) {
-  const Topics called = kManagerQueries + kManagerWakeUp;
+std::vector<Criteria> OfActuator(const std::string& name, const ExtensionInterfaces& extension) {
+  const Topics called = extension.queries + extension.services;
   return {{"publish", kStatuses, name},
-          {"publish",
-           kStops + Replies(ServicesOf(name)) + DataTopics(kManagerSubscribes) + Requests(called)},
+          {"publish", kStops + Replies(ServicesOf(name)) + DataTopics(extension.subscribed) +
+                          Requests(called)},
           {"subscribe", kAnnouncements + kStops + kMachine + Requests(ServicesOf(name)) +
-                            DataTopics(kManagerPublishes) + Replies(called)}};
+                            DataTopics(extension.published) + Replies(called)}};
 }
 
-std::vector<Criteria> OfOperator() {
-  const Topics called = kManagerQueries + kManagerWakeUp + kManagerOperatorServices;
+std::vector<Criteria> OfOperator(const ExtensionInterfaces& extension) {
+  const Topics called = AllServicesOf(extension);
   return {{"publish", kStops + Requests({kAllMachineServices}) + Requests(called) +
-                          DataTopics(kManagerSubscribes + kManagerSwitchTopics)},
+                          DataTopics(extension.subscribed + extension.operator_topics)},
           {"subscribe", kMachine + kStatuses + kStops + kAnnouncements +
                             Replies({kAllMachineServices}) + Replies(called) +
-                            DataTopics(kManagerPublishes)}};
+                            DataTopics(extension.published)}};
 }
 
-std::vector<Criteria> OfObserver() {
-  const Topics called = Queries() + kManagerQueries + kBehaviorQueries;
+std::vector<Criteria> OfObserver(const ExtensionInterfaces& extension) {
+  const Topics called = Queries() + extension.queries + kBehaviorQueries;
   return {{"publish", Requests(called) + kNodeGraph},
           {"subscribe", kMachine + kStatuses + Replies(called) +
-                            DataTopics(kManagerPublishes + kBehaviorPublishes)}};
+                            DataTopics(extension.published + kBehaviorPublishes)}};
 }
 
-std::vector<Criteria> Of(const Grant& grant) {
+std::vector<Criteria> Of(const Grant& grant, const ExtensionInterfaces& extension) {
   switch (grant.role) {
     case Role::kController:
-      return OfController();
+      return OfController(extension);
     case Role::kActuator:
-      return OfActuator(grant.name);
+      return OfActuator(grant.name, extension);
     case Role::kOperator:
-      return OfOperator();
+      return OfOperator(extension);
     case Role::kObserver:
       break;
   }
-  return OfObserver();
+  return OfObserver(extension);
 }
 
 std::string Document(const std::string& body) {
@@ -216,17 +202,18 @@ std::string GovernanceXml(Protection protection) {
                                  Element("topic_access_rules", topic_rule))));
 }
 
-std::string PermissionsXml(const Grant& grant) {
-  std::string rules = Rule("allow_rule", Of(grant));
+std::string PermissionsXml(const Grant& grant, const ExtensionInterfaces& extension) {
+  std::string rules = Rule("allow_rule", Of(grant, extension));
   if (grant.role != Role::kObserver) {
-    rules += Rule("deny_rule", {{"publish", Reserved()}, {"subscribe", Reserved()}});
+    const Topics reserved = Reserved(extension);
+    rules += Rule("deny_rule", {{"publish", reserved}, {"subscribe", reserved}});
     rules += Rule("allow_rule", {{"publish", {"*"}}, {"subscribe", {"*"}}});
   }
   return Document(Element(
       "permissions", "<grant name=\"" + grant.name + "\">\n" +
                          Element("subject_name", grant.subject) +
-                         Element("validity", Element("not_before", IsoTime(grant.not_before)) +
-                                                 Element("not_after", IsoTime(grant.not_after))) +
+                         Element("validity", Element("not_before", FormatUtc(grant.not_before)) +
+                                                 Element("not_after", FormatUtc(grant.not_after))) +
                          rules + Element("default", "DENY") + "</grant>\n"));
 }
 

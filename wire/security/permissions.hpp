@@ -3,8 +3,9 @@
 //
 // The governance is the same for the whole robot: every participant needs a certificate, discovery
 // is protected, and a topic is open only to identities whose permissions name it. Each identity has
-// permissions of its own. Their rules apply in order: first what the role may do on Musher's own
-// topics, then a denial of everything else on them, then the rest, the modules' data, is open.
+// permissions of its own. Their rules apply in order: first what the role may do on the topics of
+// Musher and of the controller's extension, then a denial of everything else on them, then the
+// rest, the modules' data, is open.
 //
 // Topics carry the name of their actuator, except the status and the heartbeat, which all actuators
 // publish on one topic. There each writes in the partition of its name, and its permissions name
@@ -13,6 +14,7 @@
 #include <string>
 
 #include "musher/transport/security/wall_time.hpp"
+#include "musher/wire/security/extension_interfaces.hpp"
 #include "musher/wire/security/role.hpp"
 
 namespace musher::transport::keys {
@@ -30,6 +32,7 @@ struct Grant {
   WallTime not_after;
 };
 
-std::string PermissionsXml(const Grant& grant);
+// `extension`: of the controller; {}: none.
+std::string PermissionsXml(const Grant& grant, const ExtensionInterfaces& extension);
 
 }  // namespace musher::transport::keys

@@ -6,12 +6,14 @@
 
 #include <filesystem>
 
+#include "musher/base/date_text.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
 #include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/json.hpp"
+#include "musher/cyberdog/interfaces.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/wire/dds_options.hpp"
 #include "musher/wire/security/authority.hpp"
@@ -127,7 +129,7 @@ ExitCode KeysInit(const KeysInitOptions& options, const GlobalOptions& /*global*
   }
   for (const auto& [name, role] : plan->identities) {
     const IssueOptions issue{options.days, options.force};
-    if (auto made = Issue(plan->folder, name, role, issue); !made) {
+    if (auto made = Issue(plan->folder, name, role, cyberdog::Interfaces(), issue); !made) {
       return console.Fail(made.error());
     }
   }
@@ -144,7 +146,7 @@ ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Con
   if (!folder) return console.Fail(folder.error());
   const Role role = transport::keys::RoleFrom(options.role).value();
   const IssueOptions issue{options.days, options.force};
-  if (auto made = Issue(folder.value(), options.name, role, issue); !made) {
+  if (auto made = Issue(folder.value(), options.name, role, cyberdog::Interfaces(), issue); !made) {
     return console.Fail(made.error());
   }
   return Done(
@@ -182,7 +184,7 @@ ExitCode KeysList(const GlobalOptions& global, Console& console) {
   for (const Identity& identity : identities.value()) {
     table.Add({{identity.name},
                {RoleText(identity)},
-               {transport::keys::IsoTime(identity.not_after)},
+               {FormatUtc(identity.not_after)},
                {NoteOf(identity, now), identity.revoked ? Style::kBad : Style::kPlain}});
   }
   return Done(console, folder.value(), table.Text(console.mode().colour));

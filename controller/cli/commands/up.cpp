@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/date_text.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/program_path.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
@@ -148,10 +149,9 @@ Result<> TakeKeys(const MachineConfig& config, Console& console) {
     const auto until = transport::keys::Check(folder, identity);
     if (!until) return until.error();
     if (until.value() < std::chrono::system_clock::now() + kSoon) {
-      console.PrintError(folder.Certificate(identity) + " expires on " +
-                         transport::keys::IsoTime(until.value()) + "; " + identity +
-                         " loses its connection then; `musher keys add " + identity +
-                         " --force` creates a new one");
+      console.PrintError(folder.Certificate(identity) + " expires on " + FormatUtc(until.value()) +
+                         "; " + identity + " loses its connection then; `musher keys add " +
+                         identity + " --force` creates a new one");
     }
   }
   return Ok();

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <charconv>
 #include <chrono>
 #include <ctime>
 #include <optional>
+
+#include "musher/base/date_text.hpp"
 
 namespace musher::cli {
 namespace {
@@ -15,14 +16,11 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kLongestAgo = 100LL * 365 * 86400;  // seconds; keeps the arithmetic in range
 
 std::string Format(std::int64_t wall_ns, bool local, const char* pattern) {
-  const bool before_1970 = wall_ns % kSecond < 0;  // rounds towards the past as for later times
-  const auto seconds = static_cast<std::time_t>(wall_ns / kSecond - (before_1970 ? 1 : 0));
-  std::tm parts{};
-  local ? localtime_r(&seconds, &parts) : gmtime_r(&seconds, &parts);
-  std::array<char, 64> text{};
-  const std::size_t size = std::strftime(text.data(), text.size(), pattern, &parts);
-  return fmt::format("{}.{:03}", std::string_view(text.data(), size),
-                     (wall_ns % kSecond + (before_1970 ? kSecond : 0)) / 1'000'000);
+  const std::chrono::sys_seconds seconds = WholeSeconds(wall_ns);
+  const std::int64_t rest_ns = (wall_ns % kSecond + kSecond) % kSecond;  // also before 1970
+  return fmt::format("{}.{:03}",
+                     local ? FormatLocal(seconds, pattern) : FormatUtc(seconds, pattern),
+                     rest_ns / 1'000'000);
 }
 
 std::optional<std::int64_t> SecondsAgo(std::string_view text) {

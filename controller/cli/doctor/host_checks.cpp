@@ -1,10 +1,11 @@
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <limits>
 
+#include "musher/base/date_text.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
 
@@ -21,7 +22,8 @@ constexpr std::int64_t kFirstPossibleTime = 1'735'689'600;  // 2025-01-01
 constexpr std::int64_t kJumpSeconds = 5;
 
 std::string WallText(std::int64_t seconds) {
-  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(static_cast<std::time_t>(seconds)));
+  return FormatUtc(std::chrono::sys_seconds(std::chrono::seconds(seconds)),
+                   "%Y-%m-%d %H:%M:%S UTC");
 }
 
 DoctorCheck CheckClock(const DoctorFacts& facts) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "musher/base/date_text.hpp"
 #include "musher/base/joined.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
@@ -46,7 +47,7 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
                        [](const auto& a, const auto& b) { return a.until < b.until; });
   check.reason =
       fmt::format("{}, the first expires on {} ({})", Counted(facts.keys.size(), "certificate"),
-                  transport::keys::IsoTime(first->until), first->identity);
+                  FormatUtc(first->until), first->identity);
   if (first->until < facts.now + kExpiresSoon) {
     check.health = kWarning;
     check.reason += ": within 30 days; the process loses its connection then";

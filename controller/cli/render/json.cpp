@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "musher/base/date_text.hpp"
 #include "musher/controller/cli/console/json_line.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
 
@@ -264,7 +265,7 @@ std::string KeysJson(const std::string& folder,
   Json all = Json::object();
   for (const transport::keys::Identity& identity : identities) {
     all[identity.name] = {{"role", identity.role ? Json(RoleName(*identity.role)) : Json()},
-                          {"valid_until", transport::keys::IsoTime(identity.not_after)},
+                          {"valid_until", FormatUtc(identity.not_after)},
                           {"revoked", identity.revoked},
                           {"has_key", identity.has_key}};
   }

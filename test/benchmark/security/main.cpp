@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "musher/controller/machine_controller.hpp"
+#include "musher/cyberdog/interfaces.hpp"
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/benchmark/common/fleet.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
@@ -45,8 +46,11 @@ void MakeKeys(const Fleet& fleet, Protection protection) {
   const std::filesystem::path config = fleet.config_file();
   const transport::keys::KeyFolder folder(config.parent_path() / "keys");
   Must(CreateAuthority(folder, protection, false));
-  Must(Issue(folder, "controller", Role::kController, {}));
-  for (const std::string& name : fleet.names()) Must(Issue(folder, name, Role::kActuator, {}));
+  const auto issue = [&folder](const std::string& name, Role role) {
+    Must(Issue(folder, name, role, cyberdog::Interfaces(), {}));  // as `musher keys` does
+  };
+  issue("controller", Role::kController);
+  for (const std::string& name : fleet.names()) issue(name, Role::kActuator);
 }
 
 // The median time of a switch to and fro, in µs.

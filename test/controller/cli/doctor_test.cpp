@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 
 #include "musher/controller/cli/doctor/checks.hpp"
 #include "musher/controller/cli/doctor/host_facts.hpp"
@@ -122,6 +123,9 @@ const Planted kPlanted[] = {
      "timedatectl set-ntp true", [](DoctorFacts& f) { f.clock.wall_s = 100; }},
     {"AClockThatWasSetBack", "clock", CheckStatus::kWarning, "3600 s from now", "timedatectl",
      [](DoctorFacts& f) { f.clock.newest_file_s = f.clock.wall_s + 3600; }},
+    {"AFileOfAYearBeyondTheCalendar", "clock", CheckStatus::kWarning,
+     "a file of @9223372036854775807, ", "timedatectl",
+     [](DoctorFacts& f) { f.clock.newest_file_s = std::numeric_limits<std::int64_t>::max(); }},
     {"AClockWithoutNtp", "clock", CheckStatus::kWarning, "not synchronised",
      "timedatectl set-ntp true", [](DoctorFacts& f) { f.clock.synchronised = false; }},
     {"ACoarseClock", "steady clock", CheckStatus::kWarning, "jiffies", "available_clocksource",

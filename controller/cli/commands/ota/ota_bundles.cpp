@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "musher/base/date_text.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/commands/ota/ota_commands.hpp"
 #include "musher/controller/cli/commands/ota/ota_progress.hpp"
@@ -86,8 +87,7 @@ Result<std::string> ReadPublicKey(ota::Disk& disk, const std::string& file) {
 }
 
 std::string Now() {
-  return transport::keys::IsoTime(
-      std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
+  return FormatUtc(std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
 }
 
 // Makes the manifest from the options; nullopt: the error is already printed.
