@@ -1,7 +1,8 @@
 #include "musher/base/code.hpp"
 
 #include <array>
-#include <utility>
+#include <map>
+#include <mutex>
 
 namespace musher {
 namespace {
@@ -12,42 +13,41 @@ constexpr std::array<const char*, 14> kKeyNames = {
     "UnSupport",   "SelfCheckFailed", "ParametersInvalid", "TargetBusy",
     "DeviceError", "ProtectedError"};
 
-constexpr std::pair<ModuleCode, const char*> kModuleNames[] = {
-    {ModuleCode::kRobot, "Robot"},
-    {ModuleCode::kServer, "Server"},
-    {ModuleCode::kBridgeGrpc, "BridgeGrpc"},
-    {ModuleCode::kBridgeNet, "BridgeNet"},
-    {ModuleCode::kApp, "App"},
-    {ModuleCode::kDeviceManager, "DeviceManager"},
-    {ModuleCode::kLed, "LED"},
-    {ModuleCode::kMiniLed, "MiniLED"},
-    {ModuleCode::kWifi, "Wifi"},
-    {ModuleCode::kBms, "Bms"},
-    {ModuleCode::kTouch, "Touch"},
-    {ModuleCode::kUwb, "UWB"},
-    {ModuleCode::kSensorManager, "SensorManager"},
-    {ModuleCode::kLidar, "Lidar"},
-    {ModuleCode::kTof, "ToF"},
-    {ModuleCode::kUltrasonic, "Ultrasonic"},
-    {ModuleCode::kGps, "GPS"},
-    {ModuleCode::kMotionManager, "MotionManager"},
-    {ModuleCode::kMotionBoard, "MotionBoard"},
-    {ModuleCode::kMotionUtils, "MotionUtils"},
-    {ModuleCode::kFollow, "Follow"},
-    {ModuleCode::kAi, "AI"},
-    {ModuleCode::kMapNav, "MapNav"},
-    {ModuleCode::kCameraServer, "CameraServer"},
-    {ModuleCode::kAudioNx, "AudioNX"},
-    {ModuleCode::kAudioBoard, "AudioBoard"},
-    {ModuleCode::kConnector, "Connector"},
-    {ModuleCode::kNavigation, "Navigation"},
-    {ModuleCode::kTransmission, "Transmission"},
-    {ModuleCode::kFence, "Fence"},
-    {ModuleCode::kAft, "AFT"},
-    {ModuleCode::kOta, "OTA"},
-    {ModuleCode::kVisualProgram, "VisualProgram"},
-    {ModuleCode::kFace, "Face"},
+constexpr ModuleName kOwnNames[] = {{ModuleCode::kRobot, "Robot"}, {ModuleCode::kOta, "OTA"}};
+
+class ModuleNames {
+ public:
+  bool Add(std::span<const ModuleName> names) {
+    const std::lock_guard lock(mutex_);
+    bool all = true;
+    for (const auto& [module, name] : names) {
+      all = names_.try_emplace(module, name).first->second == name && all;
+    }
+    return all;
+  }
+
+  // Empty: none.
+  std::string_view Of(ModuleCode module) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = names_.find(module);
+    return found == names_.end() ? std::string_view() : found->second;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<ModuleCode, std::string_view> names_;
 };
+
+// Made when it is first used, which may be before main(), and never destroyed: threads may still
+// print codes when the process exits.
+ModuleNames& NamesOfThisProcess() {
+  static auto* const names = [] {
+    auto* made = new ModuleNames;
+    made->Add(kOwnNames);
+    return made;
+  }();
+  return *names;
+}
 
 bool IsDigit(char c) {
   return c >= '0' && c <= '9';
@@ -68,18 +68,21 @@ bool Says(const std::string& message, const std::string& code) {
 
 }  // namespace
 
+bool NameModules(std::span<const ModuleName> names) {
+  return NamesOfThisProcess().Add(names);
+}
+
 std::string CodeText(std::int32_t code) {
   std::string number = std::to_string(code);
   if (code < 0) return number;
   const std::int32_t key = code % 100;
   const bool named_key = key < static_cast<std::int32_t>(kKeyNames.size());
   if (code < 100) return named_key ? number + " (" + kKeyNames[key] + ")" : number;
-  for (const auto& [module, name] : kModuleNames) {
-    if (static_cast<std::int32_t>(module) != code - key) continue;
-    return number + " (" + name + (named_key && key > 0 ? std::string(": ") + kKeyNames[key] : "") +
-           ")";
-  }
-  return number;
+  const std::string_view module = NamesOfThisProcess().Of(static_cast<ModuleCode>(code - key));
+  if (module.empty()) return number;
+  number.append(" (").append(module);
+  if (named_key && key > 0) number.append(": ").append(kKeyNames[key]);
+  return number + ")";
 }
 
 std::string WithCode(const std::string& message, std::int32_t code) {

@@ -1,11 +1,13 @@
 #pragma once
-// CyberDog's error codes: success is 0, every other code is a module's base plus a key of 1 to 99.
-// Keys 0 to 20 mean the same for every module, 21 to 99 belong to the module.
+// Error codes, numbered as CyberDog's: success is 0, every other code is a module's base plus a key
+// of 1 to 99. Keys 0 to 20 mean the same for every module, 21 to 99 belong to the module.
 //
 // Threads: any.
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace musher {
 
@@ -26,42 +28,12 @@ enum class KeyCode : std::int32_t {
   kProtectedError = 13,
 };
 
+// The modules of Musher itself. A robot's own are values of this type too: CyberDog's are in
+// cyberdog/codes/module_codes.hpp.
 enum class ModuleCode : std::int32_t {
   kUnknown = -1,
   kRobot = 100,
-  kServer = 200,
-  kBridgeGrpc = 300,
-  kBridgeNet = 600,
-  kApp = 700,
-  kDeviceManager = 1000,
-  kLed = 1100,
-  kMiniLed = 1200,
-  kWifi = 1300,
-  kBms = 1400,
-  kTouch = 1500,
-  kUwb = 1600,
-  kSensorManager = 2000,
-  kLidar = 2100,
-  kTof = 2200,
-  kUltrasonic = 2300,
-  kGps = 2400,
-  kMotionManager = 3000,
-  kMotionBoard = 3100,
-  kMotionUtils = 3200,
-  kFollow = 4100,
-  kAi = 4200,
-  kMapNav = 4300,
-  kCameraServer = 4400,
-  kAudioNx = 5000,
-  kAudioBoard = 5100,
-  kConnector = 5200,
-  kNavigation = 5300,
-  kTransmission = 5400,
-  kFence = 5500,
-  kAft = 5600,
   kOta = 5700,
-  kVisualProgram = 5800,
-  kFace = 5900,
 };
 
 // The code of `key` from `module`; plain 0 for kOk.
@@ -89,7 +61,20 @@ inline constexpr std::int32_t kCodeParametersInvalid = RobotCode(KeyCode::kParam
 inline constexpr std::int32_t kCodeTargetBusy = RobotCode(KeyCode::kTargetBusy);
 inline constexpr std::int32_t kCodeProtectedError = RobotCode(KeyCode::kProtectedError);
 
-// A code in words: "0 (ok)", "3009 (MotionManager: SelfCheckFailed)", "7 (Timeout)", "4711".
+// The name of a module in texts; it lives as long as the program.
+struct ModuleName {
+  ModuleCode module;
+  std::string_view name;
+};
+
+// Gives modules their names in the texts of this process; how a robot's own modules get theirs,
+// too. A name that is given again changes nothing. Returns whether all modules have these names
+// now: one that has another name already keeps it. A controller's records contain the names;
+// `musher replay` reports a record with a name that it does not know as a difference.
+bool NameModules(std::span<const ModuleName> names);
+
+// A code in words: "0 (ok)", "7 (Timeout)", "109 (Robot: SelfCheckFailed)"; "4711" if its module
+// has no name.
 std::string CodeText(std::int32_t code);
 
 // A sentence with its code behind it: "the lidar is silent (2012 (SensorManager: DeviceError))".

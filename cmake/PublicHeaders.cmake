@@ -23,6 +23,7 @@ set(MUSHER_ALSO_PUBLIC
   behavior/tree/models.hpp
   behavior/tree/xml/tree_xml.hpp
   controller/client/latching.hpp
+  cyberdog/codes/module_codes.hpp
   cyberdog/extension.hpp
   cyberdog/machine.hpp
   lifecycle/config/config_toml.hpp

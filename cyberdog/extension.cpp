@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
 #include "musher/cyberdog/fs_machine_link.hpp"
 #include "musher/cyberdog/manager.hpp"
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "musher/base/version.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/cyberdog/interfaces.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
@@ -78,9 +79,9 @@ void Information::ServeIdentity(transport::Endpoints& endpoints) {
 }
 
 msg::BmsInfo::Response Information::Battery() const {
-  if (!battery_) return {{}, MakeCode(ModuleCode::kBms, KeyCode::kUninitialized)};
+  if (!battery_) return {{}, MakeCode(module_code::kBms, KeyCode::kUninitialized)};
   const bool old = loop_.Now() - battery_at_ > transport::BatteryWatch::kSilent;
-  return {*battery_, old ? MakeCode(ModuleCode::kBms, KeyCode::kTimeout) : kCodeOk};
+  return {*battery_, old ? MakeCode(module_code::kBms, KeyCode::kTimeout) : kCodeOk};
 }
 
 // Fields of an account or of another module, which this controller does not have, are null.

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::cyberdog {
 namespace {
@@ -20,24 +21,24 @@ struct SoundRow {
 // CyberDog's manager plays 31024 and 31025 for sensor and device manager, which are the phrases of
 // audio and motion; these are from its AudioPlay.msg.
 constexpr std::array<SoundRow, 18> kSoundRows = {{
-    {ModuleCode::kGps, 31006, 31016},
-    {ModuleCode::kLidar, 31007, 31017},
-    {ModuleCode::kTof, 31008, 31018},
-    {ModuleCode::kUltrasonic, 31009, 31019},
-    {ModuleCode::kBms, 31010, 31020},
-    {ModuleCode::kLed, 31011, 31021},
-    {ModuleCode::kMiniLed, 31011, 31021},
-    {ModuleCode::kTouch, 31012, 31022},
-    {ModuleCode::kUwb, 31013, 31023},
-    {ModuleCode::kAudioNx, 31014, 31024},
-    {ModuleCode::kAudioBoard, 31014, 31024},
-    {ModuleCode::kMotionManager, 31015, 31025},
-    {ModuleCode::kMotionBoard, 31015, 31025},
-    {ModuleCode::kMotionUtils, 31015, 31025},
-    {ModuleCode::kSensorManager, 0, 31026},
-    {ModuleCode::kDeviceManager, 0, 31027},
-    {ModuleCode::kCameraServer, 31054, 0},
-    {ModuleCode::kNavigation, 31058, 0},
+    {module_code::kGps, 31006, 31016},
+    {module_code::kLidar, 31007, 31017},
+    {module_code::kTof, 31008, 31018},
+    {module_code::kUltrasonic, 31009, 31019},
+    {module_code::kBms, 31010, 31020},
+    {module_code::kLed, 31011, 31021},
+    {module_code::kMiniLed, 31011, 31021},
+    {module_code::kTouch, 31012, 31022},
+    {module_code::kUwb, 31013, 31023},
+    {module_code::kAudioNx, 31014, 31024},
+    {module_code::kAudioBoard, 31014, 31024},
+    {module_code::kMotionManager, 31015, 31025},
+    {module_code::kMotionBoard, 31015, 31025},
+    {module_code::kMotionUtils, 31015, 31025},
+    {module_code::kSensorManager, 0, 31026},
+    {module_code::kDeviceManager, 0, 31027},
+    {module_code::kCameraServer, 31054, 0},
+    {module_code::kNavigation, 31058, 0},
 }};
 
 struct Owner {
@@ -46,11 +47,11 @@ struct Owner {
 };
 
 constexpr std::array<Owner, 5> kOwners = {{
-    {"motion_manager", ModuleCode::kMotionManager},
-    {"audio", ModuleCode::kAudioNx},
-    {"sensor_manager", ModuleCode::kSensorManager},
-    {"device_manager", ModuleCode::kDeviceManager},
-    {"RealSenseActuator", ModuleCode::kCameraServer},
+    {"motion_manager", module_code::kMotionManager},
+    {"audio", module_code::kAudioNx},
+    {"sensor_manager", module_code::kSensorManager},
+    {"device_manager", module_code::kDeviceManager},
+    {"RealSenseActuator", module_code::kCameraServer},
 }};
 
 ModuleCode ModuleOf(std::int32_t code) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::audio {
 
@@ -21,15 +22,16 @@ enum class AudioKey : std::int32_t {
 };
 
 constexpr std::int32_t AudioCode(KeyCode key) {
-  return MakeCode(ModuleCode::kAudioNx, key);
+  return MakeCode(cyberdog::module_code::kAudioNx, key);
 }
 constexpr std::int32_t AudioCode(AudioKey key) {
-  return static_cast<std::int32_t>(ModuleCode::kAudioNx) + static_cast<std::int32_t>(key);
+  return static_cast<std::int32_t>(cyberdog::module_code::kAudioNx) +
+         static_cast<std::int32_t>(key);
 }
 
 // The output's self-check reports as the sound board, which CyberDog has a phrase for.
 inline constexpr std::int32_t kBoardFailed =
-    MakeCode(ModuleCode::kAudioBoard, KeyCode::kSelfCheckFailed);
+    MakeCode(cyberdog::module_code::kAudioBoard, KeyCode::kSelfCheckFailed);
 
 // The meaning of a code; empty for a code that is not this module's.
 std::string AudioCodeText(std::int32_t code);

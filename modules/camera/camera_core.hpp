@@ -17,6 +17,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/camera/camera_config.hpp"
 #include "musher/modules/camera/pace.hpp"
 
@@ -78,7 +79,9 @@ class CameraCore {
   const std::optional<LogLine>& fault() const { return fault_; }
 
   // A code of the camera server.
-  static std::int32_t Code(KeyCode key) { return MakeCode(ModuleCode::kCameraServer, key); }
+  static std::int32_t Code(KeyCode key) {
+    return MakeCode(cyberdog::module_code::kCameraServer, key);
+  }
 
  private:
   CameraActions BeginFault(std::int32_t code, std::string text);

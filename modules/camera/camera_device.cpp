@@ -3,6 +3,7 @@
 #include <numbers>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/camera_info.hpp"
 #include "musher/modules/camera/fit.hpp"
@@ -137,7 +138,8 @@ Result<> CameraDevice::Check() const {
     return Error{core_.fault()->code, core_.fault()->text.substr(camera_.name.size() + 2)};
   }
   if (core_.has_given()) return Ok();
-  constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
+  constexpr std::int32_t kCode =
+      MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kSelfCheckFailed);
   return Error{kCode, "no picture from " + camera_.from};
 }
 

@@ -5,6 +5,7 @@
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/actuator/program/states.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/camera/media.hpp"
 
 namespace musher::camera {
@@ -30,7 +31,8 @@ Result<> CameraManager::Run(const State& state) {
 }
 
 Result<> CameraManager::SetUp() {
-  constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kParametersInvalid);
+  constexpr std::int32_t kCode =
+      MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kParametersInvalid);
   if (Result<> known = program::CheckStates(machine_config(), "on_in", config_.on_in, kCode);
       !known) {
     return known;
@@ -58,7 +60,7 @@ Result<> CameraManager::MakeCameras() {
       [this](const LogLine& log) {
         Log({log.code, log.text});
       },
-      [this] { return Allowed("camera", ModuleCode::kCameraServer); },
+      [this] { return Allowed("camera", cyberdog::module_code::kCameraServer); },
       [this, &node](const CameraConfig& camera,
                     SourceEvents events) -> Result<std::unique_ptr<Source>> {
         if (camera.source == SourceKind::kWorld) {
@@ -107,7 +109,8 @@ Result<> CameraManager::SelfCheck() {
     cameras_->SetChecked(false);
   });
   if (result.result && !result.failing.empty()) {
-    constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
+    constexpr std::int32_t kCode =
+        MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kSelfCheckFailed);
     ReportDegraded({kCode, result.failing});
     Log({kCode, "self-check, degraded: " + result.failing});
   }

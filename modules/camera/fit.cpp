@@ -5,11 +5,13 @@
 #include <string>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
+
 namespace musher::camera {
 namespace {
 
 constexpr std::int32_t kUnreadable =
-    MakeCode(ModuleCode::kCameraServer, KeyCode::kParametersInvalid);
+    MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kParametersInvalid);
 
 int ChannelsOf(const std::string& encoding) {
   if (encoding == "mono8") return 1;

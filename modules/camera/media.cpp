@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "musher/base/program_path.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::camera {
 namespace {
@@ -30,7 +31,8 @@ void SetUpCodecs() {
 
 Result<Media*> LoadMedia() {
   static const Result<Media*> media = []() -> Result<Media*> {
-    constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kUninitialized);
+    constexpr std::int32_t kCode =
+        MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kUninitialized);
     void* library = dlopen(PathOfLibrary().c_str(), RTLD_NOW | RTLD_LOCAL);
     const auto failed = [] {
       const char* why = dlerror();

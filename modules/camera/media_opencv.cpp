@@ -11,13 +11,14 @@
 #include <optional>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/camera/media.hpp"
 
 namespace musher::camera {
 namespace {
 
 Error Failure(const std::string& what, KeyCode key = KeyCode::kDeviceError) {
-  return {MakeCode(ModuleCode::kCameraServer, key), what};
+  return {MakeCode(cyberdog::module_code::kCameraServer, key), what};
 }
 
 // Runs code in which OpenCV may throw.

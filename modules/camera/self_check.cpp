@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
+
 namespace musher::camera {
 
 SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraResult>& checked,
@@ -21,7 +23,8 @@ SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraResult>& checked,
                        one.result.error().message + ", " + std::to_string(one.result.error().code);
   }
   if (critical_failed || (failed > 0 && failed == checked.size())) {
-    constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
+    constexpr std::int32_t kCode =
+        MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kSelfCheckFailed);
     verdict.result = Error{kCode, verdict.failing};
   }
   return verdict;

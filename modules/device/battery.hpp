@@ -12,13 +12,14 @@
 #include <optional>
 
 #include "musher/base/result.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 
 namespace musher::device {
 
 constexpr std::int32_t BmsCode(KeyCode key) {
-  return MakeCode(ModuleCode::kBms, key);
+  return MakeCode(cyberdog::module_code::kBms, key);
 }
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::device {
 
@@ -43,13 +44,14 @@ Result<> DeviceManager::MakeDevices() {
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  const Dependencies dependencies = {node_->node(),
-                                     *clock_,
-                                     machine_config().name_space,
-                                     [this] { return clock_->Stamp(); },
-                                     [this](const std::string& line) { Log(line); },
-                                     [this] { return CurrentState(); },
-                                     [this] { return Allowed("motor_power", ModuleCode::kBms); }};
+  const Dependencies dependencies = {
+      node_->node(),
+      *clock_,
+      machine_config().name_space,
+      [this] { return clock_->Stamp(); },
+      [this](const std::string& line) { Log(line); },
+      [this] { return CurrentState(); },
+      [this] { return Allowed("motor_power", cyberdog::module_code::kBms); }};
   auto devices = Devices::Make(dependencies, config_);
   if (!devices) return devices.error();
   devices_ = std::move(devices).value();

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "musher/base/result.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/protocol/device.hpp"
 
 namespace musher::device {
@@ -27,7 +28,7 @@ enum class LedKey : std::int32_t {
 };
 
 constexpr std::int32_t LedCode(LedKey key) {
-  return static_cast<std::int32_t>(ModuleCode::kLed) + static_cast<std::int32_t>(key);
+  return static_cast<std::int32_t>(cyberdog::module_code::kLed) + static_cast<std::int32_t>(key);
 }
 
 // In the order of precedence.

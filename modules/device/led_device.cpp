@@ -5,6 +5,7 @@
 
 #include "musher/base/check.hpp"
 #include "musher/base/toml/findings.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::device {
 
@@ -59,7 +60,8 @@ void LedDevice::Flush() {
 
 Result<> LedDevice::Check() const {
   if (!present_ || lights_->MatchedReaders() > 0) return Ok();
-  return Error{MakeCode(ModuleCode::kLed, KeyCode::kSelfCheckFailed), "no subscriber of world/led"};
+  return Error{MakeCode(cyberdog::module_code::kLed, KeyCode::kSelfCheckFailed),
+               "no subscriber of world/led"};
 }
 
 }  // namespace musher::device

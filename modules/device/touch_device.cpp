@@ -1,4 +1,5 @@
 #include "musher/modules/device/touch_device.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
 
 #include <string>
@@ -50,7 +51,7 @@ void TouchDevice::WakeUp() {
 
 Result<> TouchDevice::Check() const {
   if (!touches_ || touches_->MatchedWriters() > 0) return Ok();
-  return Error{MakeCode(ModuleCode::kTouch, KeyCode::kSelfCheckFailed),
+  return Error{MakeCode(cyberdog::module_code::kTouch, KeyCode::kSelfCheckFailed),
                "no publisher of world/touch"};
 }
 

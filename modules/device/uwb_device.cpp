@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
+
 namespace musher::device {
 namespace {
 
@@ -22,7 +24,7 @@ Result<> UwbDevice::Connect() {
   endpoints_.Serve<msg::GetUWBMacSessionID>("get_uwb_mac_session_id", [this](const auto&,
                                                                              auto reply) {
     msg::GetUWBMacSessionID::Response response;
-    response.code = MakeCode(ModuleCode::kUwb, KeyCode::kUnSupport);
+    response.code = MakeCode(cyberdog::module_code::kUwb, KeyCode::kUnSupport);
     if (present_) {
       response = {kSessionId, kMaster, kMaster + 1, kMaster + 2, kMaster + 3, kMaster + 4, kCodeOk};
     }
@@ -49,7 +51,8 @@ void UwbDevice::OnReading(const msg::UwbRaw& reading) {
 
 Result<> UwbDevice::Check() const {
   if (!present_ || readings_->MatchedWriters() > 0) return Ok();
-  return Error{MakeCode(ModuleCode::kUwb, KeyCode::kSelfCheckFailed), "no publisher of world/uwb"};
+  return Error{MakeCode(cyberdog::module_code::kUwb, KeyCode::kSelfCheckFailed),
+               "no publisher of world/uwb"};
 }
 
 }  // namespace musher::device

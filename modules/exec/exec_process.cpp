@@ -7,6 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
+
 namespace musher::exec {
 namespace {
 

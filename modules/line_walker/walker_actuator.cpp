@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::line_walker {
 
@@ -32,7 +33,7 @@ Result<> WalkerActuator::Run(const State& state) {
 Result<> WalkerActuator::SetUp() {
   node_ = node();
   if (!node_) {
-    return Error{MakeCode(ModuleCode::kFollow, KeyCode::kUninitialized),
+    return Error{MakeCode(cyberdog::module_code::kFollow, KeyCode::kUninitialized),
                  "there is no node to walk from"};
   }
   Result<> made;
@@ -63,7 +64,7 @@ Result<> WalkerActuator::Enter(const State& state) {
   node_->RunOnLoop([&] {
     if (state != kActive) return topics_->Permit(false, "it is in " + state);
     if (!EmergencyStopped()) return topics_->Permit(true, "");
-    entered = Error{MakeCode(ModuleCode::kFollow, KeyCode::kStateInvalid),
+    entered = Error{MakeCode(cyberdog::module_code::kFollow, KeyCode::kStateInvalid),
                     "an emergency stop was engaged meanwhile"};
   });
   return entered;

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
+
 namespace musher::line_walker {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr Duration kQuiet = std::chrono::seconds(2);  // between warnings of one
 constexpr std::size_t kLongestWord = 40;              // of a refused command, in the log
 
 Error Failed(const std::string& what) {
-  return {MakeCode(ModuleCode::kFollow, KeyCode::kSelfCheckFailed), what};
+  return {MakeCode(cyberdog::module_code::kFollow, KeyCode::kSelfCheckFailed), what};
 }
 
 // Printable and short: the word comes from outside.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::motion {
 
@@ -36,10 +37,11 @@ enum class MotionKey : std::int32_t {
 };
 
 constexpr std::int32_t MotionCode(KeyCode key) {
-  return MakeCode(ModuleCode::kMotionManager, key);
+  return MakeCode(cyberdog::module_code::kMotionManager, key);
 }
 constexpr std::int32_t MotionCode(MotionKey key) {
-  return static_cast<std::int32_t>(ModuleCode::kMotionManager) + static_cast<std::int32_t>(key);
+  return static_cast<std::int32_t>(cyberdog::module_code::kMotionManager) +
+         static_cast<std::int32_t>(key);
 }
 
 // The board's status of a change from one motion to another (MotionStatus.switch_status).

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/motion/topic_backend.hpp"
 
 namespace musher::motion {
@@ -67,7 +68,7 @@ Result<> MotionManager::OpenShell() {
   auto shell = MotionShell::Make(
       {node, *clock_, table_, config_, name_space,
        [this](const std::string& capability) {
-         return Allowed(capability, ModuleCode::kMotionManager);
+         return Allowed(capability, cyberdog::module_code::kMotionManager);
        },
        [this](const std::string& text) { Log(text); }, name()},
       [&](MotionBackend::OnBody on_body) -> Result<std::unique_ptr<MotionBackend>> {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
 #include "musher/messages/protocol/motion.hpp"
 
 namespace musher::race {

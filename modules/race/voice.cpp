@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
+
 namespace musher::race {
 
 void Voice::Begin(Index speech, const Memory& memory, Duration now) {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/protocol/sensor.hpp"
 
 namespace musher::sensor {
@@ -30,7 +31,7 @@ Result<Phase> Operate(SensorKind kind, Phase phase, std::uint8_t operation) {
       if (phase == Phase::kStarted) return OutOfOrder(kind, "is started: stop it first");
       return Phase::kClosed;
     default:
-      return Error{MakeCode(ModuleCode::kSensorManager, KeyCode::kParametersInvalid),
+      return Error{MakeCode(cyberdog::module_code::kSensorManager, KeyCode::kParametersInvalid),
                    "unknown operation " + std::to_string(operation) +
                        "; 1 opens, 2 starts, 3 stops, 4 closes"};
   }

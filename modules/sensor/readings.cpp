@@ -1,5 +1,6 @@
 #include "musher/modules/sensor/readings.hpp"
 #include "musher/base/words.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 constexpr std::size_t kMostRays = 100'000;
 
 Error Refused(const std::string& why) {
-  return {MakeCode(ModuleCode::kSensorManager, KeyCode::kParametersInvalid), why};
+  return {MakeCode(cyberdog::module_code::kSensorManager, KeyCode::kParametersInvalid), why};
 }
 
 std::string Number(double number) {

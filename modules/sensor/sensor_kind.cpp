@@ -1,5 +1,6 @@
 #include "musher/modules/sensor/sensor_kind.hpp"
 
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/protocol/sensor.hpp"
 
 namespace musher::sensor {
@@ -13,11 +14,11 @@ struct Known {
 };
 
 constexpr std::array<Known, kSensorKinds.size()> kKnown = {{
-    {SensorKind::kLidar, "lidar", ModuleCode::kLidar, msg::SensorOperation::kLidar},
-    {SensorKind::kTof, "tof", ModuleCode::kTof, msg::SensorOperation::kTof},
-    {SensorKind::kUltrasonic, "ultrasonic", ModuleCode::kUltrasonic,
+    {SensorKind::kLidar, "lidar", cyberdog::module_code::kLidar, msg::SensorOperation::kLidar},
+    {SensorKind::kTof, "tof", cyberdog::module_code::kTof, msg::SensorOperation::kTof},
+    {SensorKind::kUltrasonic, "ultrasonic", cyberdog::module_code::kUltrasonic,
      msg::SensorOperation::kUltrasonic},
-    {SensorKind::kGps, "gps", ModuleCode::kGps, msg::SensorOperation::kGps},
+    {SensorKind::kGps, "gps", cyberdog::module_code::kGps, msg::SensorOperation::kGps},
 }};
 
 const Known& Of(SensorKind kind) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
+
 namespace musher::sensor {
 namespace {
 
@@ -74,7 +76,7 @@ Result<> Sensors::Operate(const Operation::Request& request) {
                  [this](SensorKind each) { return Of(each).exists(); });
   }
   if (kinds.empty()) {
-    return Error{MakeCode(ModuleCode::kSensorManager, KeyCode::kParametersInvalid),
+    return Error{MakeCode(cyberdog::module_code::kSensorManager, KeyCode::kParametersInvalid),
                  "unknown sensor " + std::to_string(request.sensor_id) +
                      "; 0 is all, 1 lidar, 2 ultrasonic, 3 tof, 4 gps"};
   }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/vision/faces/faces_json.hpp"
 
@@ -96,7 +97,7 @@ void FaceTopics::NoteGap(Duration gap) {
   if (rare_ < kRareInARow) return;
   faults_.Set(
       rarity_,
-      Error{MakeCode(ModuleCode::kFace, KeyCode::kTimeout),
+      Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kTimeout),
             "pictures are processed " + Ms(gap) + " apart, more than [faces] confirm_within_ms (" +
                 Ms(longest) + "): faces are published late"},
       "");

@@ -4,6 +4,7 @@
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/actuator/program/states.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
 
 namespace musher::vision {
@@ -55,7 +56,8 @@ Result<> VisionManager::Load() {
 }
 
 Result<> VisionManager::SetUp() {
-  constexpr std::int32_t kCode = MakeCode(ModuleCode::kFace, KeyCode::kParametersInvalid);
+  constexpr std::int32_t kCode =
+      MakeCode(cyberdog::module_code::kFace, KeyCode::kParametersInvalid);
   if (Result<> known = program::CheckStates(machine_config(), "look_in", config_.look_in, kCode);
       !known) {
     return known;
@@ -169,7 +171,8 @@ Result<> VisionManager::Enter(const State& state) {
 
 Result<> VisionManager::SelfCheck() {
   if (Result<> loaded = Load(); !loaded) {
-    return Error{MakeCode(ModuleCode::kFace, KeyCode::kSelfCheckFailed), loaded.error().message};
+    return Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kSelfCheckFailed),
+                 loaded.error().message};
   }
   Result<> result;
   node_->RunOnLoop([&] { result = SetChecked(true); });

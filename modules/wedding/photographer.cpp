@@ -1,5 +1,7 @@
 #include "musher/modules/wedding/photographer.hpp"
 
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
+
 namespace musher::wedding {
 
 using msg::CameraService;

@@ -2,6 +2,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/base/log.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
 #include "musher/python/native/node.hpp"
 #include "musher/python/native/py_actuator.hpp"
 

@@ -16,6 +16,8 @@ namespace musher::battery_gate_test {
 
 using testing::RobotFile;
 
+constexpr ModuleCode kLegs{3000};
+
 class Legs : public MachineActuator {
  public:
   Legs() : MachineActuator("legs") {
@@ -80,9 +82,9 @@ TEST_F(BatteryGate, FollowsTheTopicOfThePolicy) {
   EXPECT_FALSE(legs_.Allowed("jump").ok()) << "nothing is known of the battery";
   EXPECT_TRUE(Becomes(true, 80));
   EXPECT_TRUE(Becomes(false, 29));
-  EXPECT_EQ(legs_.Allowed("jump", ModuleCode::kMotionManager).error().code, 3013);
+  EXPECT_EQ(legs_.Allowed("jump", kLegs).error().code, 3013);
   ASSERT_TRUE(controller_.Switch("LowPower").done());
-  EXPECT_EQ(legs_.Allowed("jump", ModuleCode::kMotionManager).error().code, 3003);
+  EXPECT_EQ(legs_.Allowed("jump", kLegs).error().code, 3003);
 }
 
 }  // namespace musher::battery_gate_test

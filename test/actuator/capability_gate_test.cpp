@@ -11,6 +11,8 @@ namespace musher::capability_gate_test {
 
 using ::testing::HasSubstr;
 
+constexpr ModuleCode kLegs{3000};
+
 class Legs : public MachineActuator {
  public:
   Legs() : MachineActuator("legs") {
@@ -56,7 +58,7 @@ class OnesOwnFunctions : public ::testing::Test {
 };
 
 TEST_F(OnesOwnFunctions, AreRefusedBeforeInit) {
-  const Result<> walk = legs_.Allowed("walk", ModuleCode::kMotionManager);
+  const Result<> walk = legs_.Allowed("walk", kLegs);
   ASSERT_FALSE(walk.ok());
   EXPECT_EQ(walk.error().code, 3003);
   EXPECT_THAT(walk.error().message, HasSubstr("is not initialised"));
@@ -71,7 +73,7 @@ TEST_F(OnesOwnFunctions, FollowTheStateAndTheCallbackThatRuns) {
   EXPECT_FALSE(legs_.Allowed("walk").ok());
   Report("Protected");
   EXPECT_TRUE(legs_.Allowed("walk").ok());
-  EXPECT_EQ(legs_.Allowed("roll", ModuleCode::kMotionManager).error().code, 3013);
+  EXPECT_EQ(legs_.Allowed("roll", kLegs).error().code, 3013);
 }
 
 TEST_F(OnesOwnFunctions, AreRefusedWhileAnEmergencyStopIsLatched) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
 #include "musher/lifecycle/machine/report.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 #include "musher/test/support/paths.hpp"

@@ -47,6 +47,30 @@ TEST(IncludeRules, LetOnlyTheCommandLineOfTheControllerIncludeTheSimulation) {
   EXPECT_THAT(ForbiddenIncludes(Including("controller/process/a.cpp", simulation)), SizeIs(1));
 }
 
+TEST(IncludeRules, LetModulesIncludeTheCodesOfCyberdogAndNotTheRestOfIt) {
+  const std::string codes = "\"musher/cyberdog/codes/module_codes.hpp\"";
+  EXPECT_THAT(ForbiddenIncludes(Including("modules/motion/a.cpp", codes)), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes(Including("cyberdog/sounds.cpp", codes)), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes(Including("actuator/a.cpp", codes)),
+              ElementsAre("actuator/a.cpp:2: actuator may not include cyberdog"));
+  const std::string manager = "\"musher/cyberdog/manager.hpp\"";
+  EXPECT_THAT(ForbiddenIncludes(Including("modules/motion/a.cpp", manager)),
+              ElementsAre("modules/motion/a.cpp:2: modules may not include cyberdog"));
+  EXPECT_THAT(ForbiddenIncludes(Including("python/native/a.cpp", manager)), SizeIs(1));
+  EXPECT_THAT(ForbiddenIncludes(Including("modules/motion/a.cpp", "\"musher/cyberdog/codes.hpp\"")),
+              SizeIs(1));
+}
+
+TEST(IncludeRules, LetTheCodesOfCyberdogIncludeOnlyTheBase) {
+  const auto including = [](const std::string& header) {
+    return ForbiddenIncludes(Including("cyberdog/codes/a.hpp", "\"musher/" + header + "\""));
+  };
+  EXPECT_THAT(including("base/code.hpp"), IsEmpty());
+  EXPECT_THAT(including("cyberdog/numbers.hpp"),
+              ElementsAre("cyberdog/codes/a.hpp:2: cyberdog/codes may not include cyberdog"));
+  EXPECT_THAT(including("lifecycle/state.hpp"), SizeIs(1));
+}
+
 TEST(IncludeRules, KeepTheRoomsOfAFolderInTheirLayers) {
   const std::string switching = "\"musher/lifecycle/switch/switching.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/coordinator/a.cpp", switching)), IsEmpty());

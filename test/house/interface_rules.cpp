@@ -17,7 +17,8 @@ void Collect(const std::string& text, const std::regex& pattern, Names& names) {
   }
 }
 
-// Strings of the programs, without what leads them to a namespace: "world/led" is also "led".
+// Strings of the programs, without what leads them to a namespace: "world/led" is also "led". Names
+// of modules are no interfaces.
 Names StringsOf(const std::vector<SourceFile>& tree) {
   static const std::regex quoted(R"re("([\w/.]+)")re");
   Names names;
@@ -26,7 +27,8 @@ Names StringsOf(const std::vector<SourceFile>& tree) {
         file.IsCpp() && (file.In("controller/") || file.In("cyberdog/") || file.In("actuator/") ||
                          file.In("transport/") || file.In("modules/"));
     const bool config = file.In("config/") && file.Is(".toml");
-    if (program) Collect(WithoutComments(file.text), quoted, names);
+    const bool module_names = file.In("cyberdog/codes/");
+    if (program && !module_names) Collect(WithoutComments(file.text), quoted, names);
     if (config) Collect(file.text, quoted, names);
   }
   for (const std::string& name : Names(names)) names.insert(name.substr(name.rfind('/') + 1));

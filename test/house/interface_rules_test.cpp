@@ -11,6 +11,7 @@ const std::vector<SourceFile> kTree = {
     {"modules/voice/shell.cpp", "Serve<msg::X>(\"stop_play\"); // \"later\"\n", false},
     {"cyberdog/manager.cpp", "PublishFunction<msg::Bool>(\n  \"ready_notify\");", false},
     {"cyberdog/interfaces.hpp", "constexpr const char* kUidSn = \"uid_sn\";", false},
+    {"cyberdog/codes/module_codes.cpp", "{module_code::kAd, \"ad\"}", false},
     {"messages/protocol/audio.idl", "@final struct AudioText_Request_ {", false}};
 
 SourceFile Page(const std::string& there, const std::string& left_out) {

@@ -36,6 +36,16 @@ Numbers EnumOf(const SourceFile& header, const std::string& name) {
   return numbers;
 }
 
+// The constants "ModuleCode kName{12};".
+Numbers ModulesOf(const SourceFile& header) {
+  static const std::regex constant(R"(\bModuleCode k(\w+)\{(\d+)\};)");
+  Numbers numbers;
+  ForEachMatch(header.text, constant, [&](const std::smatch& match) {
+    numbers[InLowerCase(match[1])] = std::stoi(match[2]);
+  });
+  return numbers;
+}
+
 std::vector<std::string> Compare(const std::string& what, const Numbers& code,
                                  const Numbers& listed) {
   std::vector<std::string> wrong;
@@ -117,7 +127,8 @@ std::vector<std::string> WrongTopicsAndServices(const SourceFile& page,
   return wrong;
 }
 
-std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& header) {
+std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& header,
+                                    const SourceFile& cyberdog) {
   static const std::regex key_row(R"(\n\| (\d+) \| (\w+) \|)");
   static const std::regex module_cell(R"(\| (\w+)(?: \([a-z ]+\))? \| (\d+00) (?=\|))");
   const std::string section = SectionOf(page, "Codes");
@@ -130,8 +141,9 @@ std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& he
     modules[InLowerCase(match[1])] = std::stoi(match[2]);
   });
   std::vector<std::string> wrong = Compare("key", EnumOf(header, "KeyCode"), keys);
-  const std::vector<std::string> of_modules =
-      Compare("module", EnumOf(header, "ModuleCode"), modules);
+  Numbers all_modules = EnumOf(header, "ModuleCode");
+  all_modules.merge(ModulesOf(cyberdog));
+  const std::vector<std::string> of_modules = Compare("module", all_modules, modules);
   wrong.insert(wrong.end(), of_modules.begin(), of_modules.end());
   return wrong;
 }

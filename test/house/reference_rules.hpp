@@ -13,9 +13,10 @@ std::string SectionOf(const SourceFile& page, const std::string& title);
 std::vector<std::string> WrongVariables(const SourceFile& page,
                                         const std::vector<SourceFile>& tree);
 
-// Keys and modules of base/code.hpp that the section "Codes" lacks or names with another number,
-// and those it names that are not there.
-std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& header);
+// Keys and modules of base/code.hpp, and modules of cyberdog/codes/module_codes.hpp, that the
+// section "Codes" lacks or names with another number, and those it names that are not there.
+std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& header,
+                                    const SourceFile& cyberdog);
 
 // Topics and services musher/… of the wire and the controller that the table in "Topics and
 // services" lacks, those it names that no program has, and rows with a type that is in no IDL file.

@@ -10,8 +10,9 @@ using ::testing::IsEmpty;
 
 const SourceFile kHeader = {"base/code.hpp",
                             "enum class KeyCode {\n  kOk = 0,\n  kFailed = 1,\n};\n"
-                            "enum class ModuleCode {\n  kUnknown = -1,\n  kRobot = 100,\n"
-                            "  kUwb = 1600,\n};\n"};
+                            "enum class ModuleCode {\n  kUnknown = -1,\n  kRobot = 100,\n};\n"};
+const SourceFile kCyberdog = {"cyberdog/codes/module_codes.hpp",
+                              "inline constexpr ModuleCode kUwb{1600};\n"};
 
 SourceFile PageWith(const std::string& text) {
   return {"docs/reference.md", "# Reference\n\n" + text + "\n## Files\n"};
@@ -20,15 +21,18 @@ SourceFile PageWith(const std::string& text) {
 TEST(ReferenceRules, AcceptAListThatAgrees) {
   const SourceFile page =
       PageWith("## Codes\n\n| 1 | Failed | why |\n\n| Robot (the machine) | 100 | UWB | 1600 |\n");
-  EXPECT_THAT(WrongCodes(page, kHeader), IsEmpty());
+  EXPECT_THAT(WrongCodes(page, kHeader, kCyberdog), IsEmpty());
 }
 
 TEST(ReferenceRules, ReportACodeThatIsMissingWrongOrRemoved) {
   const SourceFile page =
       PageWith("## Codes\n\n| 7 | Timeout | why |\n\n| Robot (the machine) | 200 | UWB | 1600 |\n");
-  EXPECT_THAT(WrongCodes(page, kHeader),
+  EXPECT_THAT(WrongCodes(page, kHeader, kCyberdog),
               ElementsAre("the reference does not list the key failed", "there is no key timeout",
                           "the reference says 200 for the module robot, which is 100"));
+  EXPECT_THAT(WrongCodes(PageWith("## Codes\n\n| 1 | Failed | why |\n\n| Robot | 100 |\n"), kHeader,
+                         kCyberdog),
+              ElementsAre("the reference does not list the module uwb"));
 }
 
 TEST(ReferenceRules, ReportAVariableThatIsUnexplainedOrRemoved) {

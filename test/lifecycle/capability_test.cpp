@@ -71,8 +71,8 @@ TEST_F(Capabilities, AreRefusedAsProtectedWhereTheyRunInActiveButNotInProtected)
 }
 
 TEST_F(Capabilities, HaveTheCodeOfTheCallingModule) {
-  const auto refused = EvaluateCapability(config_, "flip", {"legs", "Protected", "", false, {}},
-                                          ModuleCode::kMotionManager);
+  const auto refused =
+      EvaluateCapability(config_, "flip", {"legs", "Protected", "", false, {}}, ModuleCode{3000});
   EXPECT_EQ(refused.error().code, 3013);
 }
 

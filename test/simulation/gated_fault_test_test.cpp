@@ -16,7 +16,7 @@ class Spinner : public MachineActuator {
     }
   }
 
-  Result<> Spin() const { return Allowed("spin", ModuleCode::kMotionManager); }
+  Result<> Spin() const { return Allowed("spin", ModuleCode{3000}); }
 };
 
 struct SpinnerFaultTest : simulation::ActuatorFaultTest<Spinner> {

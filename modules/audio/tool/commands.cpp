@@ -2,13 +2,14 @@
 
 #include <iostream>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/audio/audio_code.hpp"
 
 namespace musher::audio::tool {
 
 ExitCode Fail(ExitCode exit, const Error& error) {
   std::cerr << "musher-audio: " << error.message;
-  if (error.code >= static_cast<std::int32_t>(ModuleCode::kAudioNx)) {
+  if (error.code >= static_cast<std::int32_t>(cyberdog::module_code::kAudioNx)) {
     std::cerr << " (" << error.code << ")";
   }
   std::cerr << std::endl;

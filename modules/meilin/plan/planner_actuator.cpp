@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
+
 namespace musher::meilin {
 
 PlannerActuator::PlannerActuator(const std::string& actuator_name, PlannerConfig config)
@@ -27,7 +29,7 @@ Result<> PlannerActuator::Run(const State& state) {
   node_->RunOnLoop([&] {
     if (state != kActive) return endpoint_->Permit(false, "it is in " + state);
     if (!EmergencyStopped()) return endpoint_->Permit(true, "");
-    entered = Error{MakeCode(ModuleCode::kApp, KeyCode::kStateInvalid),
+    entered = Error{MakeCode(cyberdog::module_code::kApp, KeyCode::kStateInvalid),
                     "an emergency stop was engaged meanwhile"};
   });
   return entered;
@@ -36,7 +38,7 @@ Result<> PlannerActuator::Run(const State& state) {
 Result<> PlannerActuator::SetUp() {
   node_ = node();
   if (!node_) {
-    return Error{MakeCode(ModuleCode::kApp, KeyCode::kUninitialized),
+    return Error{MakeCode(cyberdog::module_code::kApp, KeyCode::kUninitialized),
                  "there is no node for its topics"};
   }
   Result<> opened;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/transport/clock.hpp"
 
 namespace musher::meilin::servers {
@@ -45,7 +46,7 @@ Result<> ServerActuator::Enter(const State& state) {
     return Ok();
   }
   if (EmergencyStopped()) {
-    return Error{MakeCode(ModuleCode::kApp, KeyCode::kStateInvalid),
+    return Error{MakeCode(cyberdog::module_code::kApp, KeyCode::kStateInvalid),
                  "an emergency stop was engaged meanwhile"};
   }
   Permit(true, "");
@@ -85,7 +86,7 @@ Result<> ServerActuator::SelfCheck() {
       [this]() -> Result<> {
         const std::string missing = server_ ? server_->Missing() : "the process ends";
         if (missing.empty()) return Ok();
-        return Error{MakeCode(ModuleCode::kApp, KeyCode::kSelfCheckFailed), missing};
+        return Error{MakeCode(cyberdog::module_code::kApp, KeyCode::kSelfCheckFailed), missing};
       },
       [this] { return StopRequested(); });
 }

@@ -2,13 +2,14 @@
 
 #include <iostream>
 
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/motion/motion_code.hpp"
 
 namespace musher::motion::tool {
 
 ExitCode Fail(ExitCode exit, const Error& error) {
   std::cerr << "musher-motion: " << error.message;
-  if (error.code >= static_cast<std::int32_t>(ModuleCode::kMotionManager)) {
+  if (error.code >= static_cast<std::int32_t>(cyberdog::module_code::kMotionManager)) {
     std::cerr << " (" << error.code << ")";
   }
   std::cerr << std::endl;

@@ -20,6 +20,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/actuator/program/await.hpp"
 #include "musher/actuator/program/end_signals.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/transport/clock.hpp"
 
 namespace musher::navigation {
@@ -43,7 +44,7 @@ struct SelfCheckResult {
   }
   Result<> result() const {
     if (missing.empty()) return Ok();
-    return Error{MakeCode(ModuleCode::kNavigation, KeyCode::kSelfCheckFailed), missing};
+    return Error{MakeCode(cyberdog::module_code::kNavigation, KeyCode::kSelfCheckFailed), missing};
   }
 };
 
@@ -80,7 +81,7 @@ class ServerActuator : public MachineActuator {
     node_->RunOnLoop([&] {
       if (state != kActive) return server_->Permit(false, "it is in " + state);
       if (!EmergencyStopped()) return server_->Permit(true, "");
-      entered = Error{MakeCode(ModuleCode::kNavigation, KeyCode::kStateInvalid),
+      entered = Error{MakeCode(cyberdog::module_code::kNavigation, KeyCode::kStateInvalid),
                       "an emergency stop was engaged meanwhile"};
     });
     return entered;
@@ -88,7 +89,7 @@ class ServerActuator : public MachineActuator {
   Result<> SetUp() {
     node_ = node();
     if (!node_) {
-      return Error{MakeCode(ModuleCode::kNavigation, KeyCode::kUninitialized),
+      return Error{MakeCode(cyberdog::module_code::kNavigation, KeyCode::kUninitialized),
                    "there is no node for its topics"};
     }
     Result<> made;

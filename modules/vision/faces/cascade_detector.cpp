@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/vision/faces/detector.hpp"
 
 namespace musher::vision {
@@ -73,7 +74,8 @@ std::string DefaultModel() {
 
 Result<std::unique_ptr<Detector>> MakeCascadeDetector(const CascadeConfig& config) {
   const auto error = [&](const std::string& what) {
-    return Error{MakeCode(ModuleCode::kFace, KeyCode::kDeviceError), config.model + ": " + what};
+    return Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kDeviceError),
+                 config.model + ": " + what};
   };
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(config.model, ignored)) {

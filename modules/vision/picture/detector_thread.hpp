@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/vision/picture/detector_worker.hpp"
 #include "musher/transport/event_loop.hpp"
 
@@ -80,7 +81,7 @@ inline std::int64_t SteadyNs() {
 }
 
 inline Error Failed(const std::string& what) {
-  return {MakeCode(ModuleCode::kFace, KeyCode::kDeviceError), what};
+  return {MakeCode(cyberdog::module_code::kFace, KeyCode::kDeviceError), what};
 }
 
 inline Error FailedBy(const std::exception& thrown) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::vision {
 namespace {
@@ -18,7 +19,8 @@ bool IsLength(double px) {
 
 Result<Lens> LensOf(const msg::CameraInfo& info) {
   const auto error = [](const std::string& what) {
-    return Error{MakeCode(ModuleCode::kFace, KeyCode::kParametersInvalid), "CameraInfo: " + what};
+    return Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kParametersInvalid),
+                 "CameraInfo: " + what};
   };
   if (info.width == 0 || info.height == 0) return error("it is of no size");
   if (!IsLength(info.k[0]) || !IsLength(info.k[4])) return error("it has no focal length");

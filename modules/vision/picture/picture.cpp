@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::vision {
 namespace {
@@ -17,7 +18,7 @@ constexpr std::int64_t kNewerNs = 1'000'000;
 constexpr std::int64_t kJumpNs = 1'000'000'000;  // no picture is later than this
 
 Error Fault(const std::string& what) {
-  return {MakeCode(ModuleCode::kFace, KeyCode::kParametersInvalid), what};
+  return {MakeCode(cyberdog::module_code::kFace, KeyCode::kParametersInvalid), what};
 }
 
 std::string Printable(std::string text) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::vision {
 namespace {
@@ -12,7 +13,7 @@ constexpr transport::Qos kNewestPictureQos{transport::Qos::Reliability::kBestEff
                                            transport::Qos::Durability::kVolatile, 1};
 
 Error FeedFault(KeyCode key, const std::string& what) {
-  return {MakeCode(ModuleCode::kFace, key), what};
+  return {MakeCode(cyberdog::module_code::kFace, key), what};
 }
 
 std::string MsText(Duration time) {

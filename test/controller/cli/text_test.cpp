@@ -8,6 +8,7 @@
 #include <ctime>
 #include <functional>
 
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
 #include "musher/test/controller/cli/robot.hpp"
 
 namespace musher::cli::text_test {

@@ -1,6 +1,7 @@
 // The result of a switch for every actuator, and its effects.
 
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::outcome_test {
