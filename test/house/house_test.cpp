@@ -8,6 +8,7 @@
 
 #include "musher/test/house/build_rules.hpp"
 #include "musher/test/house/doc_rules.hpp"
+#include "musher/test/house/field_rules.hpp"
 #include "musher/test/house/include_rules.hpp"
 #include "musher/test/house/interface_rules.hpp"
 #include "musher/test/house/message_rules.hpp"
@@ -61,6 +62,9 @@ bool IsRead(const SourceFile& file) {
   return IsCpp(file) || IsDocument(file) || file.Is("CMakeLists.txt") || file.In("scripts/") ||
          file.In("cmake/") || file.Is(".py") || file.Is(".idl") || file.Is(".js") ||
          file.Is(".expected") || (file.In("config/") && file.Is(".toml"));
+}
+bool IsMessage(const SourceFile& file) {
+  return file.In("messages/") && file.Is(".idl");
 }
 bool IsAny(const SourceFile&) {
   return true;
@@ -176,6 +180,10 @@ TEST(House, TheReferenceExplainsEveryFieldOfTheWire) {
     if (!file.In("messages/musher_msgs/") || !file.Is(".idl")) continue;
     EXPECT_THAT(Unexplained(File("docs/reference.md"), file), IsEmpty()) << file.path;
   }
+}
+
+TEST(House, EveryFieldOfAMessageHasAComment) {
+  EXPECT_EQ(ViolationsOf(IsMessage, UncommentedFields), "");
 }
 
 TEST(House, TroubleshootingExplainsEveryRecordFindingAndCode) {

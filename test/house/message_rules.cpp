@@ -4,6 +4,7 @@
 #include <cctype>
 #include <regex>
 #include <set>
+#include <utility>
 
 #include "musher/test/house/reference_rules.hpp"
 
