@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/cyberdog/voice.hpp"
+#include "musher/cyberdog/voice_policy.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
