@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 #include <mutex>
+#include <regex>
 
 namespace musher {
 namespace {
@@ -83,6 +84,11 @@ std::string CodeText(std::int32_t code) {
   number.append(" (").append(module);
   if (named_key && key > 0) number.append(": ").append(kKeyNames[key]);
   return number + ")";
+}
+
+std::string WithoutModuleNames(const std::string& text) {
+  static const std::regex named(R"((\d{3,4}) \([^():]+(: \w+)?\))");
+  return std::regex_replace(text, named, "$1");
 }
 
 std::string WithCode(const std::string& message, std::int32_t code) {

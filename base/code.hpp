@@ -67,15 +67,18 @@ struct ModuleName {
   std::string_view name;
 };
 
-// Gives modules their names in the texts of this process; how a robot's own modules get theirs,
-// too. A name that is given again changes nothing. Returns whether all modules have these names
-// now: one that has another name already keeps it. A controller's records contain the names;
-// `musher replay` reports a record with a name that it does not know as a difference.
+// Gives modules their names in the texts of this process, also a robot's own modules. A name that
+// is given again changes nothing. Returns whether all modules have these names now: one that has
+// another name already keeps it.
 bool NameModules(std::span<const ModuleName> names);
 
 // A code in words: "0 (ok)", "7 (Timeout)", "109 (Robot: SelfCheckFailed)"; "4711" if its module
 // has no name.
 std::string CodeText(std::int32_t code);
+
+// The text with the codes in it as numbers only: "failed with 3009". Two programs that know
+// different modules write the same then.
+std::string WithoutModuleNames(const std::string& text);
 
 // A sentence with its code behind it: "the lidar is silent (2012 (SensorManager: DeviceError))".
 // Without, where the code is 0 or the sentence names it already.

@@ -7,9 +7,9 @@
 namespace musher {
 namespace {
 
-using Breaker = std::tm* (*)(const std::time_t*, std::tm*);  // gmtime_r() or localtime_r()
+using BreakDown = std::tm* (*)(const std::time_t*, std::tm*);  // gmtime_r() or localtime_r()
 
-std::string Format(std::chrono::sys_seconds time, const char* pattern, Breaker break_down) {
+std::string Format(std::chrono::sys_seconds time, const char* pattern, BreakDown break_down) {
   const std::time_t seconds = time.time_since_epoch().count();
   std::tm parts{};
   constexpr int kLastYear = std::numeric_limits<int>::max() - 1900;  // glibc's %Y overflows later

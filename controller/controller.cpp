@@ -313,15 +313,14 @@ Result<> Controller::OpenExtensions() {
     served |= extension.serves_manager;
     extensions_.push_back(std::move(services).value());
   }
-  if (config_.policy && config_.policy->manager && !served) {
+  if (!config_.policy) return Ok();
+  if (config_.policy->manager && !served) {
     Trouble(
         "[policy] manager has no effect: give the controller the extension that serves it, such "
         "as MachineController({cyberdog::Extension()})");
   }
-  if (config_.policy && config_.policy->low_power &&
-      config_.policy->low_power->motion_ids.empty()) {
-    Trouble(
-        "[policy.low_power] has no effect: give it motion_ids, the motions of a robot that lies");
+  for (const std::string& table : config_.policy->unread_tables) {
+    Trouble("[" + table + "] has no effect: no extension of this program reads it");
   }
   return Ok();
 }

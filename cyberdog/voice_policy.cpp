@@ -5,16 +5,21 @@
 #include <string>
 
 namespace musher::cyberdog {
+namespace {
+
+const VoicePolicy& Defaults() {
+  static const VoicePolicy defaults;
+  return defaults;
+}
+
+}  // namespace
 
 bool VoicePolicy::Announces(Occasion occasion) const {
   return std::find(say.begin(), say.end(), occasion) != say.end();
 }
 
 std::vector<ManagerPolicy::Key> VoicePolicy::Keys() const {
-  static const VoicePolicy usual;
-  if (say == usual.say && battery_at == usual.battery_at && quiet_asleep == usual.quiet_asleep) {
-    return {};
-  }
+  if (*this == Defaults()) return {};
   Key occasions{"policy.voice", "say", {}, true};
   for (const auto& [name, occasion] : kOccasions) {
     if (Announces(occasion)) occasions.values.emplace_back(name);
@@ -24,19 +29,18 @@ std::vector<ManagerPolicy::Key> VoicePolicy::Keys() const {
           {"policy.voice", "quiet_asleep", {quiet_asleep ? "true" : "false"}}};
 }
 
-void SetVoice(const VoicePolicy& voice, PolicyConfig& policy) {
-  policy.of_manager = std::make_shared<const VoicePolicy>(voice);
+void CompletePolicy(const VoicePolicy& voice, PolicyConfig& policy) {
+  policy.manager_policy = SharedManagerPolicy(std::make_shared<const VoicePolicy>(voice));
   const bool announced = policy.manager && voice.Announces(Occasion::kBattery);
-  policy.empty_notice = announced ? policy.power.delay : Duration{};
+  policy.empty_battery_delay = announced ? policy.power.delay : Duration{};
   if (policy.low_power && policy.low_power->motion_ids.empty()) {
     policy.low_power->motion_ids.assign(kLyingMotions.begin(), kLyingMotions.end());
   }
 }
 
 const VoicePolicy& VoiceOf(const PolicyConfig& policy) {
-  static const VoicePolicy usual;
-  const auto* voice = dynamic_cast<const VoicePolicy*>(policy.of_manager.get());
-  return voice == nullptr ? usual : *voice;
+  const auto* voice = dynamic_cast<const VoicePolicy*>(policy.manager_policy.get());
+  return voice == nullptr ? Defaults() : *voice;
 }
 
 void ReadVoicePolicy(config_toml::TableReader& table, PolicyConfig& policy) {
@@ -54,7 +58,7 @@ void ReadVoicePolicy(config_toml::TableReader& table, PolicyConfig& policy) {
       table.Warn(reader->at(), "voice", "has no effect: only policy.manager speaks");
     }
   }
-  SetVoice(voice, policy);
+  CompletePolicy(voice, policy);
 }
 
 }  // namespace musher::cyberdog

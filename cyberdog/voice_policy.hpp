@@ -44,17 +44,22 @@ class VoicePolicy : public ManagerPolicy {
 
   bool Announces(Occasion occasion) const;
   std::vector<Key> Keys() const override;
+
+  friend bool operator==(const VoicePolicy& one, const VoicePolicy& other) {
+    return one.say == other.say && one.battery_at == other.battery_at &&
+           one.quiet_asleep == other.quiet_asleep;
+  }
 };
 
-// Puts `voice` into the policy and completes it, as reading [policy.voice] does. `policy.manager`
-// and the times of `policy.power` are set before.
-void SetVoice(const VoicePolicy& voice, PolicyConfig& policy);
+// Completes the policy with `voice` and the manager's defaults, as reading [policy.voice] does.
+// `policy.manager` and the times of `policy.power` are set before.
+void CompletePolicy(const VoicePolicy& voice, PolicyConfig& policy);
 
 // The defaults, if the config has no [policy.voice].
 const VoicePolicy& VoiceOf(const PolicyConfig& policy);
 
 void ReadVoicePolicy(config_toml::TableReader& table, PolicyConfig& policy);
 
-inline const bool kVoicePolicyIsRead = config_toml::ReadManagerPolicyBy(ReadVoicePolicy);
+inline const bool kVoicePolicyIsRead = config_toml::RegisterManagerPolicyReader(ReadVoicePolicy);
 
 }  // namespace musher::cyberdog

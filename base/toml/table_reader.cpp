@@ -202,12 +202,16 @@ std::optional<TableReader> TableReader::Sub(std::string_view key) {
 void TableReader::RefuseOthers() {
   const std::vector<std::string_view> known(read_keys_.begin(), read_keys_.end());
   for (const Member& member : table_) {
-    if (std::find(read_keys_.begin(), read_keys_.end(), member.key) != read_keys_.end()) continue;
+    if (Knows(member.key)) continue;
     std::string message = "unknown key " + Quote(member.key);
     const std::string guess = findings_.Guess(member.key, known);
     message += guess.empty() ? "; expected one of " + Listing(known) : guess;
     findings_.Error(member.at, (path_.empty() ? "" : path_ + ": ") + message);
   }
+}
+
+bool TableReader::Knows(std::string_view key) const {
+  return std::find(read_keys_.begin(), read_keys_.end(), key) != read_keys_.end();
 }
 
 const Value* TableReader::Get(std::string_view key) {

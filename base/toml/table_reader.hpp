@@ -73,6 +73,8 @@ class TableReader {
 
   const Value* Get(std::string_view key);
   bool Has(std::string_view key) { return Get(key) != nullptr; }
+  // Whether the key has been read.
+  bool Knows(std::string_view key) const;
   // The position of the value of `key`, or of the table where the key is missing.
   Position At(std::string_view key);
   // Puts the table's path and the key before `message`.

@@ -23,6 +23,11 @@ PolicyInputs::PolicyInputs(const MachineConfig& config, Emit emit)
 Result<std::unique_ptr<PolicyInputs>> PolicyInputs::Make(transport::Node& node,
                                                          const MachineConfig& config, Emit emit) {
   if (!config.policy) return std::unique_ptr<PolicyInputs>();
+  if (config.policy->low_power && config.policy->low_power->motion_ids.empty()) {
+    return Error{kCodeParametersInvalid,
+                 "policy.low_power: motion_ids is missing: the motions of a robot that lies; an "
+                 "extension with a manager, such as cyberdog::Extension(), has a default"};
+  }
   std::unique_ptr<PolicyInputs> inputs(new PolicyInputs(config, std::move(emit)));
   if (auto opened = inputs->Open(node); !opened) return opened.error();
   return inputs;

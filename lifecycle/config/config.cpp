@@ -102,15 +102,6 @@ std::vector<FlowEdge> DefaultFlow(const std::vector<State>& states) {
   return flow;
 }
 
-bool operator==(const PolicyConfig& one, const PolicyConfig& other) {
-  const auto keys = [](const PolicyConfig& policy) {
-    return policy.of_manager ? policy.of_manager->Keys() : std::vector<ManagerPolicy::Key>{};
-  };
-  return one.manager == other.manager && one.battery == other.battery &&
-         one.low_power == other.low_power && one.power == other.power &&
-         one.empty_notice == other.empty_notice && keys(one) == keys(other);
-}
-
 std::string NoSuchActuator(std::string_view name, const MachineConfig& config) {
   std::vector<std::string> names;
   names.reserve(config.actuators.size());

@@ -4,11 +4,11 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace musher {
 
-// Immutable; the copies of a config share it.
 class ManagerPolicy {
  public:
   struct Key {
@@ -22,12 +22,29 @@ class ManagerPolicy {
 
   virtual ~ManagerPolicy() = default;
 
-  // All keys of the tables that differ from their defaults, as `musher diff` compares them. Two of
-  // the same manager are equal if these are.
+  // All keys of the tables, as `musher diff` compares them; none if all have their defaults.
   virtual std::vector<Key> Keys() const = 0;
 };
 
-// Null: the program has no manager, or the config none of its tables.
-using ManagerPolicyPtr = std::shared_ptr<const ManagerPolicy>;
+// The same as a value of the config, which its copies share. Two are equal if their keys are.
+class SharedManagerPolicy {
+ public:
+  SharedManagerPolicy() = default;
+  explicit SharedManagerPolicy(std::shared_ptr<const ManagerPolicy> policy)
+      : policy_(std::move(policy)) {}
+
+  // Null: the program has no manager.
+  const ManagerPolicy* get() const { return policy_.get(); }
+  std::vector<ManagerPolicy::Key> Keys() const {
+    return policy_ ? policy_->Keys() : std::vector<ManagerPolicy::Key>();
+  }
+
+  friend bool operator==(const SharedManagerPolicy& one, const SharedManagerPolicy& other) {
+    return one.Keys() == other.Keys();
+  }
+
+ private:
+  std::shared_ptr<const ManagerPolicy> policy_;
+};
 
 }  // namespace musher

@@ -27,8 +27,9 @@ struct BatteryPolicy {
 // [policy.low_power]: a robot that lies still goes to LowPower.
 struct LowPowerPolicy {
   std::string topic = "motion_status";  // protocol/MotionStatus
-  std::vector<std::int32_t>
-      motion_ids;  // of the body, while the robot lies; a manager has defaults
+  // The motions of a robot that lies. Empty: not given, and no manager has a default, with which no
+  // controller starts.
+  std::vector<std::int32_t> motion_ids;
   Duration lying_still = std::chrono::seconds(30);
   bool enabled = false;  // the switch, until another value is stored
 
@@ -51,10 +52,11 @@ struct PolicyConfig {
   std::optional<BatteryPolicy> battery;
   std::optional<LowPowerPolicy> low_power;
   PowerPolicy power;
-  ManagerPolicyPtr of_manager;  // what the manager reads from its own tables
-  Duration empty_notice{};  // from an empty battery to TearDown, in which the manager announces it
+  SharedManagerPolicy manager_policy;      // of the manager's own tables
+  std::vector<std::string> unread_tables;  // "policy.voice": of a manager that this program lacks
+  Duration empty_battery_delay{};          // before TearDown, for the manager to announce it
 
-  friend bool operator==(const PolicyConfig& one, const PolicyConfig& other);
+  friend bool operator==(const PolicyConfig&, const PolicyConfig&) = default;
 };
 
 }  // namespace musher

@@ -62,7 +62,7 @@ enum class Purpose {
   kPolicy,           // by a rule: the battery, or lying still
 };
 
-// The way back of a switch on which an actuator failed.
+// The rollback of a switch in which an actuator failed.
 struct Rollback {
   bool under_way = false;
   CommandNumber number = 0;  // of its commands

@@ -114,7 +114,7 @@ bool PolicyRules::ApplyBatteryRule() {
   if (!config_.policy->battery || BatteryRulesWait()) return false;
   const BatteryLevel level = TakingDownLevel(machine_.policy);
   if (level == BatteryLevel::kEmpty) {
-    power_.Begin(false, now_ + config_.policy->empty_notice, machine_.policy.level_cause);
+    power_.Begin(false, now_ + config_.policy->empty_battery_delay, machine_.policy.level_cause);
     if (TearDownForPower()) return true;
     power_.Force();  // its time may be zero
     return false;

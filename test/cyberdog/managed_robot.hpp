@@ -28,7 +28,7 @@ inline MachineConfig ManagedMachine(int actuators = 2) {
   config.policy->manager = true;
   config.policy->battery.emplace();
   config.policy->low_power.emplace();
-  cyberdog::SetVoice({}, *config.policy);
+  cyberdog::CompletePolicy({}, *config.policy);
   return config;
 }
 

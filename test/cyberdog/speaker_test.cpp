@@ -186,7 +186,7 @@ class AMutedRobot : public ASpeakingRobot {
     MachineConfig config = WithAudio();
     cyberdog::VoicePolicy voice;
     voice.say.clear();
-    cyberdog::SetVoice(voice, *config.policy);
+    cyberdog::CompletePolicy(voice, *config.policy);
     return config;
   }
 };

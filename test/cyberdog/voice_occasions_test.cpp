@@ -128,7 +128,7 @@ TEST_F(Voices, TheRobotStandsUpForTheAppAlsoWithoutAVoice) {
 TEST_F(Voices, OnlyTheOccasionsOfTheConfigAreAnnounced) {
   VoicePolicy voice;
   voice.say = {Occasion::kTouch};
-  SetVoice(voice, *config_.policy);
+  CompletePolicy(voice, *config_.policy);
   BringUp();
   SetBattery(3);
   Record("policy", 0, 113, "refused");
@@ -141,7 +141,7 @@ TEST_F(Voices, OnlyTheOccasionsOfTheConfigAreAnnounced) {
 TEST_F(Voices, AQuietSleeperOnlyAnswersATouchAndAnnouncesTheRestAwake) {
   VoicePolicy voice;
   voice.quiet_asleep = true;
-  SetVoice(voice, *config_.policy);
+  CompletePolicy(voice, *config_.policy);
   BringUp();
   machine_.state = kLowPower;
   SetBattery(18);

@@ -36,14 +36,14 @@ TEST(VoicePolicy, HasItsDefaultsWithoutATable) {
   EXPECT_EQ(VoiceOf(policy).say.size(), kOccasions.size());
   EXPECT_EQ(VoiceOf(policy).battery_at, 30);
   EXPECT_FALSE(VoiceOf(policy).quiet_asleep);
-  EXPECT_THAT(policy.of_manager->Keys(), IsEmpty());
+  EXPECT_THAT(policy.manager_policy.Keys(), IsEmpty());
 }
 
 TEST(VoicePolicy, IsPartOfWhatTwoConfigsDifferIn) {
   const std::string voice = "manager = true\n[policy.voice]\n";
   const PolicyConfig quiet = Read(voice + "say = [\"touch\", \"start\"]\nquiet_asleep = true");
   using Key = ManagerPolicy::Key;
-  EXPECT_THAT(quiet.of_manager->Keys(),
+  EXPECT_THAT(quiet.manager_policy.Keys(),
               ElementsAre(Key{"policy.voice", "say", {"start", "touch"}, true},
                           Key{"policy.voice", "battery_at", {"30 %"}},
                           Key{"policy.voice", "quiet_asleep", {"true"}}));
@@ -53,10 +53,11 @@ TEST(VoicePolicy, IsPartOfWhatTwoConfigsDifferIn) {
 }
 
 TEST(VoicePolicy, AnnouncesAnEmptyBatteryBeforeTheRobotGoesOff) {
-  EXPECT_EQ(Read("manager = true\n[policy.power_off]\ndelay_s = 3").empty_notice,
+  EXPECT_EQ(Read("manager = true\n[policy.power_off]\ndelay_s = 3").empty_battery_delay,
             std::chrono::seconds(3));
-  EXPECT_EQ(Read("manager = true\n[policy.voice]\nsay = [\"touch\"]").empty_notice, Duration{});
-  EXPECT_EQ(Read("manager = false").empty_notice, Duration{});
+  EXPECT_EQ(Read("manager = true\n[policy.voice]\nsay = [\"touch\"]").empty_battery_delay,
+            Duration{});
+  EXPECT_EQ(Read("manager = false").empty_battery_delay, Duration{});
 }
 
 TEST(VoicePolicy, KnowsTheMotionsOfARobotThatLies) {

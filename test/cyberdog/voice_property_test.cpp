@@ -25,7 +25,7 @@ MachineConfig ConfigWith(const VoicePolicy& voice) {
   config.policy.emplace();
   config.policy->manager = true;
   config.policy->battery.emplace();
-  SetVoice(voice, *config.policy);
+  CompletePolicy(voice, *config.policy);
   return config;
 }
 

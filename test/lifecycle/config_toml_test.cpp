@@ -364,13 +364,17 @@ TEST(ConfigToml, ReadsWhatTheRobotCanDoAndWhere) {
 // As an actuator, whose controller has checked them.
 TEST(ConfigToml, WithoutAManagerSkipsTheTablesOfOneButNoOtherKey) {
   const MachineConfig config = ReadWith("[policy.low_power]\n[policy.voice]\nsay = 5\n");
-  EXPECT_EQ(config.policy->of_manager, nullptr);
+  EXPECT_EQ(config.policy->manager_policy.get(), nullptr);
+  EXPECT_EQ(config.policy->unread_tables, std::vector<std::string>{"policy.voice"});
   EXPECT_TRUE(config.policy->low_power->motion_ids.empty());
-  const ConfigReading reading = ReadConfigText("[policy]\nvoice = 5\n", "robot.toml");
-  EXPECT_TRUE(std::any_of(reading.diagnostics.begin(), reading.diagnostics.end(),
-                          [](const Diagnostic& diagnostic) {
-                            return diagnostic.message.starts_with("policy: unknown key \"voice\"");
-                          }));
+  for (const std::string policy : {"[policy]\nvoice = 5\n", "[policy.batery]\n"}) {
+    const ConfigReading reading =
+        ReadConfigText(kController + kVoice + kWheels + policy, "robot.toml");
+    const auto is_refused = [](const Diagnostic& diagnostic) {
+      return diagnostic.message.starts_with("policy: unknown key");
+    };
+    EXPECT_TRUE(std::any_of(reading.diagnostics.begin(), reading.diagnostics.end(), is_refused));
+  }
 }
 
 }  // namespace musher::config_toml_test

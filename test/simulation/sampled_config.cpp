@@ -81,6 +81,8 @@ std::optional<PolicyConfig> SamplePolicy(std::uint64_t seed) {
     low_power.lying_still = random.Between(Milliseconds(500), std::chrono::seconds(5));
   }
   policy.power.delay = random.Between(Milliseconds(0), std::chrono::seconds(2));
+  const bool announced = policy.power.delay.count() % 3 == 0;  // without another random number
+  if (announced) policy.empty_battery_delay = policy.power.delay;
   policy.power.force_after = policy.power.delay + random.Between({}, std::chrono::seconds(15));
   return policy;
 }

@@ -22,7 +22,8 @@ struct IssueOptions {
 Result<> CreateAuthority(const KeyFolder& folder, Protection protection, bool force);
 
 // Creates key, certificate and permissions of one identity. Fails if it exists, unless forced.
-// `extension`: of the robot's controller. Its topics are open to every actuator if it is not named.
+// `extension`: the interfaces of the controller's extension; every actuator may use those that are
+// not in it.
 Result<> Issue(const KeyFolder& folder, const std::string& name, Role role,
                const ExtensionInterfaces& extension, const IssueOptions& options);
 

@@ -1,7 +1,8 @@
 #pragma once
 // The topics and services that an extension of the controller adds to Musher's own, by who may use
 // them. The controller, which offers them, may subscribe to all topics; the permissions deny every
-// use that is not named here.
+// use of them that is not named here. One that is not listed at all is data between actuators, open
+// to all of them. `musher keys` knows those of CyberDog's manager.
 
 #include <string>
 #include <vector>

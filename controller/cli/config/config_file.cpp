@@ -1,6 +1,7 @@
 #include "musher/controller/cli/config/config_file.hpp"
 
 #include "musher/controller/cli/console/error_json.hpp"
+#include "musher/cyberdog/voice_policy.hpp"  // reads [policy.voice], also where no controller runs
 #include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::cli {

@@ -191,12 +191,10 @@ void AddPolicy(const PolicyConfig& policy, WordList& words) {
     words.Table("policy.reboot");
     words.Key("command", Argv(power.reboot_command));
   }
-  if (!policy.of_manager) return;
   std::string table;
-  for (ManagerPolicy::Key& key : policy.of_manager->Keys()) {
+  for (ManagerPolicy::Key& key : policy.manager_policy.Keys()) {
     if (std::exchange(table, key.table) != key.table) words.Table(key.table);
-    key.is_set ? words.Set(key.name, std::move(key.values))
-               : words.Key(key.name, std::move(key.values.front()));
+    key.is_set ? words.Set(key.name, std::move(key.values)) : words.Key(key.name, Argv(key.values));
   }
 }
 

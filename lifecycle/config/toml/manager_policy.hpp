@@ -11,10 +11,11 @@ namespace musher::config_toml {
 // Reports errors to `table`; throws nothing.
 using ManagerPolicyReader = void (*)(TableReader& table, PolicyConfig& policy);
 
-// From now on this program reads the tables of that manager; those of another one are errors. A
-// program without a reader, such as an actuator, skips tables of [policy] that it does not know:
-// the controller has checked them. To be called before a config is read; an inline variable of the
-// library's header does so, whose value it returns.
-bool ReadManagerPolicyBy(ManagerPolicyReader reader);
+// From now on this program reads the tables of that manager, and refuses those of others; a program
+// has one at most. Without a reader, such as in an actuator, they are only listed
+// (PolicyConfig::unread_tables), and a controller refuses to start with them.
+//
+// To be called before main(): an inline variable of the library's header does so. Returns true.
+bool RegisterManagerPolicyReader(ManagerPolicyReader reader);
 
 }  // namespace musher::config_toml

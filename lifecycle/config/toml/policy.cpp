@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "musher/base/check.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/lifecycle/config/toml/draft.hpp"
 #include "musher/lifecycle/config/toml/manager_policy.hpp"
@@ -15,6 +16,9 @@ namespace {
 constexpr double kLongestS = 86'400;  // a day; a longer time is refused as a typing error
 constexpr double kShortestS = 0.1;
 constexpr int kFull = 100;
+
+const std::vector<std::string_view> kOwnKeys = {"manager", "battery", "low_power", "power_off",
+                                                "reboot"};
 
 ManagerPolicyReader manager_reader = nullptr;  // set before main()
 
@@ -176,7 +180,11 @@ class PolicyReader {
   void ReadManager() {
     if (manager_reader != nullptr) return manager_reader(reader_, policy_);
     for (const Member& member : table_) {
-      if (member.value.As<Table>() != nullptr) reader_.SubTable(member.key);  // of a manager
+      if (member.value.As<Table>() == nullptr || reader_.Knows(member.key)) continue;
+      // A typing error of a table above is none of a manager's tables.
+      if (!draft_.findings.Guess(member.key, kOwnKeys).empty()) continue;
+      reader_.SubTable(member.key);
+      policy_.unread_tables.push_back("policy." + member.key);
     }
   }
 
@@ -188,7 +196,9 @@ class PolicyReader {
 
 }  // namespace
 
-bool ReadManagerPolicyBy(ManagerPolicyReader reader) {
+bool RegisterManagerPolicyReader(ManagerPolicyReader reader) {
+  MUSHER_CHECK(manager_reader == nullptr || manager_reader == reader,
+               "a program has one manager at most");
   manager_reader = reader;
   return true;
 }

@@ -162,7 +162,7 @@ TEST_F(Power, APlainTearDownIsNotAPowerOff) {
 TEST_F(Power, OffByAnEmptyBatteryWaitsOnlyWhereTheManagerAnnouncesItFirst) {
   for (const bool announced : {false, true}) {
     MachineConfig config = WithPolicy();
-    if (announced) config.policy->empty_notice = config.policy->power.delay;
+    if (announced) config.policy->empty_battery_delay = config.policy->power.delay;
     Robot("Active", config);
     robot().Feed(event::BatterySeen{0, false});
     EXPECT_EQ(robot().machine().phase, announced ? Phase::kRunning : Phase::kStopping);
