@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "musher/modules/camera/camera_code.hpp"
+
 namespace musher::camera {
 namespace {
 
@@ -49,7 +51,7 @@ CameraActions CameraCore::OnFrame(const FrameFacts& frame, Time now) {
   const std::pair size(frame.width_px, frame.height_px);
   if (expected_ && *expected_ != size) {
     actions.log =
-        LogLine{Code(KeyCode::kParametersInvalid),
+        LogLine{CameraCode(KeyCode::kParametersInvalid),
                 name_ + ": its pictures are " + SizeText(size) + ", not " + SizeText(*expected_)};
   }
   expected_ = size;  // so that it is logged once
@@ -89,9 +91,9 @@ CameraActions CameraCore::Tick(Time now) {
   if (!open_ || now < last_frame_at_ + silence_) return {};
   const std::string silent = "no picture for " + std::to_string(ToMilliseconds(silence_)) + " ms";
   if (source_ == SourceKind::kWorld) {
-    return fault_ ? CameraActions{} : BeginFault(Code(KeyCode::kTimeout), silent);
+    return fault_ ? CameraActions{} : BeginFault(CameraCode(KeyCode::kTimeout), silent);
   }
-  return OnFailed({Code(KeyCode::kTimeout), silent}, now);
+  return OnFailed({CameraCode(KeyCode::kTimeout), silent}, now);
 }
 
 std::optional<Time> CameraCore::NextTick() const {

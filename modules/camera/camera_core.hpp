@@ -17,7 +17,6 @@
 
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/camera/camera_config.hpp"
 #include "musher/modules/camera/pace.hpp"
 
@@ -77,11 +76,6 @@ class CameraCore {
   bool ended() const { return ended_; }
   // The present fault.
   const std::optional<LogLine>& fault() const { return fault_; }
-
-  // A code of the camera server.
-  static std::int32_t Code(KeyCode key) {
-    return MakeCode(cyberdog::module_code::kCameraServer, key);
-  }
 
  private:
   CameraActions BeginFault(std::int32_t code, std::string text);

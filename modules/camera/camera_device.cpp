@@ -3,8 +3,8 @@
 #include <numbers>
 #include <utility>
 
-#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/modules/camera/camera_code.hpp"
 #include "musher/modules/camera/camera_info.hpp"
 #include "musher/modules/camera/fit.hpp"
 
@@ -138,8 +138,7 @@ Result<> CameraDevice::Check() const {
     return Error{core_.fault()->code, core_.fault()->text.substr(camera_.name.size() + 2)};
   }
   if (core_.has_given()) return Ok();
-  constexpr std::int32_t kCode =
-      MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kSelfCheckFailed);
+  constexpr std::int32_t kCode = CameraCode(KeyCode::kSelfCheckFailed);
   return Error{kCode, "no picture from " + camera_.from};
 }
 

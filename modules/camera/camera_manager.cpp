@@ -6,6 +6,7 @@
 #include "musher/actuator/program/await.hpp"
 #include "musher/actuator/program/states.hpp"
 #include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/camera/camera_code.hpp"
 #include "musher/modules/camera/media.hpp"
 
 namespace musher::camera {
@@ -31,8 +32,7 @@ Result<> CameraManager::Run(const State& state) {
 }
 
 Result<> CameraManager::SetUp() {
-  constexpr std::int32_t kCode =
-      MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kParametersInvalid);
+  constexpr std::int32_t kCode = CameraCode(KeyCode::kParametersInvalid);
   if (Result<> known = program::CheckStates(machine_config(), "on_in", config_.on_in, kCode);
       !known) {
     return known;
@@ -109,8 +109,7 @@ Result<> CameraManager::SelfCheck() {
     cameras_->SetChecked(false);
   });
   if (result.result && !result.failing.empty()) {
-    constexpr std::int32_t kCode =
-        MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kSelfCheckFailed);
+    constexpr std::int32_t kCode = CameraCode(KeyCode::kSelfCheckFailed);
     ReportDegraded({kCode, result.failing});
     Log({kCode, "self-check, degraded: " + result.failing});
   }

@@ -5,13 +5,12 @@
 #include <string>
 #include <utility>
 
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/camera/camera_code.hpp"
 
 namespace musher::camera {
 namespace {
 
-constexpr std::int32_t kUnreadable =
-    MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kParametersInvalid);
+constexpr std::int32_t kUnreadable = CameraCode(KeyCode::kParametersInvalid);
 
 int ChannelsOf(const std::string& encoding) {
   if (encoding == "mono8") return 1;

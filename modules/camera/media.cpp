@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "musher/base/program_path.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/camera/camera_code.hpp"
 
 namespace musher::camera {
 namespace {
@@ -31,8 +31,7 @@ void SetUpCodecs() {
 
 Result<Media*> LoadMedia() {
   static const Result<Media*> media = []() -> Result<Media*> {
-    constexpr std::int32_t kCode =
-        MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kUninitialized);
+    constexpr std::int32_t kCode = CameraCode(KeyCode::kUninitialized);
     void* library = dlopen(PathOfLibrary().c_str(), RTLD_NOW | RTLD_LOCAL);
     const auto failed = [] {
       const char* why = dlerror();

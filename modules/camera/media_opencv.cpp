@@ -11,14 +11,14 @@
 #include <optional>
 #include <utility>
 
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/camera/camera_code.hpp"
 #include "musher/modules/camera/media.hpp"
 
 namespace musher::camera {
 namespace {
 
 Error Failure(const std::string& what, KeyCode key = KeyCode::kDeviceError) {
-  return {MakeCode(cyberdog::module_code::kCameraServer, key), what};
+  return {CameraCode(key), what};
 }
 
 // Runs code in which OpenCV may throw.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/camera/camera_code.hpp"
 
 namespace musher::camera {
 
@@ -23,8 +23,7 @@ SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraResult>& checked,
                        one.result.error().message + ", " + std::to_string(one.result.error().code);
   }
   if (critical_failed || (failed > 0 && failed == checked.size())) {
-    constexpr std::int32_t kCode =
-        MakeCode(cyberdog::module_code::kCameraServer, KeyCode::kSelfCheckFailed);
+    constexpr std::int32_t kCode = CameraCode(KeyCode::kSelfCheckFailed);
     verdict.result = Error{kCode, verdict.failing};
   }
   return verdict;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/camera/camera_code.hpp"
 
 namespace musher::camera {
 namespace {
@@ -127,7 +127,7 @@ Decision Execute(const CameraService::Request& request, const ServiceState& stat
 }  // namespace
 
 CameraService::Response Answer(std::uint8_t result, std::string text) {
-  return {result, std::move(text), MakeCode(cyberdog::module_code::kCameraServer, KeyOf(result))};
+  return {result, std::move(text), CameraCode(KeyOf(result))};
 }
 
 std::optional<std::string> FaultOfName(const std::string& name) {

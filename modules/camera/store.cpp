@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "musher/base/files.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/camera/camera_code.hpp"
 #include "musher/modules/camera/media.hpp"
 #include "musher/modules/camera/service_core.hpp"
 
@@ -23,7 +23,7 @@ constexpr std::uintmax_t kLeastFreeBytes = 16U << 20;
 constexpr std::size_t kMostWaiting = 60;  // pictures, some 50 MB
 
 Error Failure(const std::string& what, KeyCode key = KeyCode::kFailed) {
-  return {MakeCode(cyberdog::module_code::kCameraServer, key), what};
+  return {CameraCode(key), what};
 }
 
 // The work itself, on the store's thread.

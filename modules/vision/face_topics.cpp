@@ -4,10 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "musher/base/code.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/vision/faces/faces_json.hpp"
+#include "musher/modules/vision/picture/vision_code.hpp"
 
 namespace musher::vision {
 namespace {
@@ -97,9 +96,9 @@ void FaceTopics::NoteGap(Duration gap) {
   if (rare_ < kRareInARow) return;
   faults_.Set(
       rarity_,
-      Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kTimeout),
-            "pictures are processed " + Ms(gap) + " apart, more than [faces] confirm_within_ms (" +
-                Ms(longest) + "): faces are published late"},
+      Error{VisionCode(KeyCode::kTimeout), "pictures are processed " + Ms(gap) +
+                                               " apart, more than [faces] confirm_within_ms (" +
+                                               Ms(longest) + "): faces are published late"},
       "");
 }
 

@@ -4,8 +4,8 @@
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/actuator/program/states.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/modules/vision/picture/vision_code.hpp"
 
 namespace musher::vision {
 
@@ -56,8 +56,7 @@ Result<> VisionManager::Load() {
 }
 
 Result<> VisionManager::SetUp() {
-  constexpr std::int32_t kCode =
-      MakeCode(cyberdog::module_code::kFace, KeyCode::kParametersInvalid);
+  constexpr std::int32_t kCode = VisionCode(KeyCode::kParametersInvalid);
   if (Result<> known = program::CheckStates(machine_config(), "look_in", config_.look_in, kCode);
       !known) {
     return known;
@@ -171,8 +170,7 @@ Result<> VisionManager::Enter(const State& state) {
 
 Result<> VisionManager::SelfCheck() {
   if (Result<> loaded = Load(); !loaded) {
-    return Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kSelfCheckFailed),
-                 loaded.error().message};
+    return Error{VisionCode(KeyCode::kSelfCheckFailed), loaded.error().message};
   }
   Result<> result;
   node_->RunOnLoop([&] { result = SetChecked(true); });

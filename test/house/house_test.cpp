@@ -175,6 +175,17 @@ TEST(House, ThePageOfCyberDogListsWhatIsImplementedAndWhatIsLeftOut) {
   EXPECT_THAT(WrongInterfaces(File("docs/cyberdog.md"), Tree()), IsEmpty());
 }
 
+TEST(House, EveryInterfaceOfTheManagerHasPermissions) {
+  EXPECT_THAT(UnlistedInterfaces(File("cyberdog/interfaces.hpp"), File("cyberdog/interfaces.cpp")),
+              IsEmpty());
+}
+
+TEST(House, EveryModuleOfCyberDogHasItsName) {
+  EXPECT_THAT(WronglyNamedModules(File("cyberdog/codes/module_codes.hpp"),
+                                  File("cyberdog/codes/module_codes.cpp")),
+              IsEmpty());
+}
+
 TEST(House, TheReferenceExplainsEveryFieldOfTheWire) {
   for (const SourceFile& file : Tree()) {
     if (!file.In("messages/musher_msgs/") || !file.Is(".idl")) continue;

@@ -1,5 +1,6 @@
 #include "musher/test/house/interface_rules.hpp"
 
+#include <algorithm>
 #include <regex>
 #include <set>
 
@@ -58,6 +59,15 @@ Names InterfacesOfTheManager(const std::vector<SourceFile>& tree) {
   return names;
 }
 
+std::vector<std::string> AllMatches(const SourceFile& file, const std::regex& pattern) {
+  const std::string code = WithoutComments(file.text);
+  std::vector<std::string> found;
+  for (std::sregex_iterator i(code.begin(), code.end(), pattern), end; i != end; ++i) {
+    found.push_back((*i)[1]);
+  }
+  return found;
+}
+
 bool Has(const SourceFile& page, const std::string& name) {
   return page.text.find("`" + name + "`") != std::string::npos;
 }
@@ -92,6 +102,41 @@ std::vector<std::string> WrongInterfaces(const SourceFile& page,
     if (all.empty()) violations.push_back(page.path + ": nothing to compare it with");
     for (const std::string& name : all) {
       if (!Has(page, name)) violations.push_back(page.path + ": `" + name + "` is missing");
+    }
+  }
+  return violations;
+}
+
+std::vector<std::string> UnlistedInterfaces(const SourceFile& constants, const SourceFile& list) {
+  static const std::regex declared(R"re(\b(k\w+) = ")re");
+  static const std::regex name(R"(\b(k\w+))");
+  const std::vector<std::string> all = AllMatches(constants, declared);
+  const std::vector<std::string> listed = AllMatches(list, name);
+  std::vector<std::string> violations;
+  if (all.empty()) violations.push_back(constants.path + ": nothing to compare with");
+  for (const std::string& one : all) {
+    if (std::count(listed.begin(), listed.end(), one) == 0) {
+      violations.push_back(list.path + ": " + one + " is missing: every actuator may use it");
+    }
+  }
+  return violations;
+}
+
+std::vector<std::string> WronglyNamedModules(const SourceFile& constants, const SourceFile& names) {
+  static const std::regex declared(R"(\bModuleCode (k\w+)\{)");
+  static const std::regex name(R"re(\{module_code::(k\w+), "[^"]+"\})re");
+  const std::vector<std::string> all = AllMatches(constants, declared);
+  const std::vector<std::string> named = AllMatches(names, name);
+  std::vector<std::string> violations;
+  if (all.empty()) violations.push_back(constants.path + ": nothing to compare with");
+  for (const std::string& one : all) {
+    const auto count = std::count(named.begin(), named.end(), one);
+    if (count == 0) violations.push_back(names.path + ": " + one + " has no name");
+    if (count > 1) violations.push_back(names.path + ": " + one + " has several names");
+  }
+  for (const std::string& one : named) {
+    if (std::count(all.begin(), all.end(), one) == 0) {
+      violations.push_back(names.path + ": " + one + " is no module");
     }
   }
   return violations;

@@ -14,4 +14,12 @@ namespace musher::house {
 std::vector<std::string> WrongInterfaces(const SourceFile& page,
                                          const std::vector<SourceFile>& tree);
 
+// Constants of the manager's interfaces (cyberdog/interfaces.hpp) that `list`, the permissions of
+// all of them (interfaces.cpp), lacks: every actuator may use those.
+std::vector<std::string> UnlistedInterfaces(const SourceFile& constants, const SourceFile& list);
+
+// Modules of `constants` (cyberdog/codes/module_codes.hpp) that have no name in `names` (the .cpp
+// beside it), or several, and names of no such module.
+std::vector<std::string> WronglyNamedModules(const SourceFile& constants, const SourceFile& names);
+
 }  // namespace musher::house

@@ -47,4 +47,33 @@ TEST(InterfaceRules, AnInterfaceOrATypeMissingInThePageIsReported) {
                           "docs/cyberdog.md: `uid_sn` is missing"));
 }
 
+TEST(InterfaceRules, AnInterfaceWithoutPermissionsIsReported) {
+  const SourceFile constants = {
+      "cyberdog/interfaces.hpp",
+      "constexpr const char* kReboot = \"reboot\";\nconstexpr const char* kUid = \"uid\";\n"};
+  EXPECT_THAT(UnlistedInterfaces(constants, {"cyberdog/interfaces.cpp", "{kUid, kReboot}"}),
+              IsEmpty());
+  EXPECT_THAT(
+      UnlistedInterfaces(constants, {"cyberdog/interfaces.cpp", "{kUid}  // kReboot"}),
+      ElementsAre("cyberdog/interfaces.cpp: kReboot is missing: every actuator may use it"));
+  EXPECT_THAT(UnlistedInterfaces({"cyberdog/interfaces.hpp", ""}, {}),
+              ElementsAre("cyberdog/interfaces.hpp: nothing to compare with"));
+}
+
+TEST(InterfaceRules, AModuleWithoutANameAndANameWithoutAModuleAreReported) {
+  const SourceFile constants = {
+      "cyberdog/codes/module_codes.hpp",
+      "inline constexpr ModuleCode kLed{1100};\ninline constexpr ModuleCode kUwb{1600};\n"};
+  const auto wrong = [&](const std::string& names) {
+    return WronglyNamedModules(constants, {"module_codes.cpp", names});
+  };
+  EXPECT_THAT(wrong("{module_code::kLed, \"LED\"}, {module_code::kUwb, \"UWB\"}"), IsEmpty());
+  EXPECT_THAT(wrong("{module_code::kUwb, \"UWB\"}, {module_code::kUwb, \"Uwb\"}"),
+              ElementsAre("module_codes.cpp: kLed has no name",
+                          "module_codes.cpp: kUwb has several names"));
+  EXPECT_THAT(wrong("{module_code::kLed, \"LED\"}, {module_code::kUwb, \"UWB\"}, "
+                    "{module_code::kGps, \"GPS\"}"),
+              ElementsAre("module_codes.cpp: kGps is no module"));
+}
+
 }  // namespace musher::house::interface_rules_test

@@ -4,10 +4,9 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "musher/base/code.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/vision/course/qr_finder.hpp"
 #include "musher/modules/vision/course/words.hpp"
+#include "musher/modules/vision/picture/vision_code.hpp"
 
 // Of the OpenMP library that Tesseract uses.
 extern "C" void omp_set_max_active_levels(int levels);
@@ -83,7 +82,7 @@ Result<std::unique_ptr<LetterReader>> LetterReader::Make(const QrParameters& par
   const bool has_failed =
       engine->api.Init(nullptr, parameters.language.c_str(), tesseract::OEM_LSTM_ONLY) != 0;
   if (has_failed) {
-    return Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kDeviceError),
+    return Error{VisionCode(KeyCode::kDeviceError),
                  "Tesseract cannot load its model of the language '" + parameters.language +
                      "': install " + PackagesOf(parameters.language)};
   }

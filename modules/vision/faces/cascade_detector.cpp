@@ -6,9 +6,8 @@
 #include <opencv2/objdetect.hpp>
 #include <utility>
 
-#include "musher/base/code.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/vision/faces/detector.hpp"
+#include "musher/modules/vision/picture/vision_code.hpp"
 
 namespace musher::vision {
 namespace {
@@ -74,8 +73,7 @@ std::string DefaultModel() {
 
 Result<std::unique_ptr<Detector>> MakeCascadeDetector(const CascadeConfig& config) {
   const auto error = [&](const std::string& what) {
-    return Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kDeviceError),
-                 config.model + ": " + what};
+    return Error{VisionCode(KeyCode::kDeviceError), config.model + ": " + what};
   };
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(config.model, ignored)) {

@@ -17,9 +17,8 @@
 #include <thread>
 #include <utility>
 
-#include "musher/base/code.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/vision/picture/detector_worker.hpp"
+#include "musher/modules/vision/picture/vision_code.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::vision {
@@ -81,7 +80,7 @@ inline std::int64_t SteadyNs() {
 }
 
 inline Error Failed(const std::string& what) {
-  return {MakeCode(cyberdog::module_code::kFace, KeyCode::kDeviceError), what};
+  return {VisionCode(KeyCode::kDeviceError), what};
 }
 
 inline Error FailedBy(const std::exception& thrown) {

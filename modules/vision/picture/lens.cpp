@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "musher/base/code.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/vision/picture/vision_code.hpp"
 
 namespace musher::vision {
 namespace {
@@ -19,8 +18,7 @@ bool IsLength(double px) {
 
 Result<Lens> LensOf(const msg::CameraInfo& info) {
   const auto error = [](const std::string& what) {
-    return Error{MakeCode(cyberdog::module_code::kFace, KeyCode::kParametersInvalid),
-                 "CameraInfo: " + what};
+    return Error{VisionCode(KeyCode::kParametersInvalid), "CameraInfo: " + what};
   };
   if (info.width == 0 || info.height == 0) return error("it is of no size");
   if (!IsLength(info.k[0]) || !IsLength(info.k[4])) return error("it has no focal length");

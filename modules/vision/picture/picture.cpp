@@ -5,8 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/base/code.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/vision/picture/vision_code.hpp"
 
 namespace musher::vision {
 namespace {
@@ -18,7 +17,7 @@ constexpr std::int64_t kNewerNs = 1'000'000;
 constexpr std::int64_t kJumpNs = 1'000'000'000;  // no picture is later than this
 
 Error Fault(const std::string& what) {
-  return {MakeCode(cyberdog::module_code::kFace, KeyCode::kParametersInvalid), what};
+  return {VisionCode(KeyCode::kParametersInvalid), what};
 }
 
 std::string Printable(std::string text) {

@@ -3,8 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "musher/base/code.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/vision/picture/vision_code.hpp"
 
 namespace musher::vision {
 namespace {
@@ -13,7 +12,7 @@ constexpr transport::Qos kNewestPictureQos{transport::Qos::Reliability::kBestEff
                                            transport::Qos::Durability::kVolatile, 1};
 
 Error FeedFault(KeyCode key, const std::string& what) {
-  return {MakeCode(cyberdog::module_code::kFace, key), what};
+  return {VisionCode(key), what};
 }
 
 std::string MsText(Duration time) {

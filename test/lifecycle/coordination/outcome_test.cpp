@@ -1,13 +1,16 @@
 // The result of a switch for every actuator, and its effects.
 
 #include "musher/base/code.hpp"
-#include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::outcome_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+
+// Of a module without a name: texts have the number only.
+constexpr std::int32_t kLegFailed = MakeCode(ModuleCode{6100}, KeyCode::kFailed);
+constexpr std::int32_t kLegInvalid = MakeCode(ModuleCode{6100}, KeyCode::kStateInvalid);
 
 class Outcomes : public OneController {
  protected:
@@ -42,9 +45,9 @@ TEST_F(Outcomes, NameTheFailedActuatorAndNotTheActuatorsSkippedBecauseOfIt) {
   config_.actuators[0].after = {"b"};
   In("LowPower");
   RequestSwitch("Active");
-  Fail(1, 5001);
+  Fail(1, kLegFailed);
   Obey(1);  // it is rolled back
-  EXPECT_EQ(Result().reason, "b: failed with 5001 (AudioNX: Failed), it stumbled");
+  EXPECT_EQ(Result().reason, "b: failed with 6101, it stumbled");
   EXPECT_EQ(Result().actuators[0].outcome, ActuatorOutcome::kSkipped);
   EXPECT_EQ(Result().actuators[0].code, kCodeStatusError);
 }
@@ -64,7 +67,7 @@ TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayContinue) {
   In("LowPower");
   Of(0).fault = Of(1).fault = ActuatorFault{kCodeFailed, "it was degraded before"};
   RequestSwitch("Active");
-  Fail(1, 5001);
+  Fail(1, kLegFailed);
   EXPECT_TRUE(Of(2).command);
   Obey(2);
   EXPECT_EQ(Result().actuators[0].message, texts::NeededOneFailed("b").message);
@@ -95,16 +98,16 @@ TEST_F(Outcomes, OfAnActuatorInAnotherStateWithAReasonAreDoneDegraded) {
 TEST_F(Outcomes, OfTwoEquallySevereFailuresNameTheFirst) {
   StartUp();
   RequestSwitch("LowPower");
-  Fail(0, 5001);
-  Fail(1, 5002);
-  EXPECT_EQ(Result().code, 5001);
+  Fail(0, kLegFailed);
+  Fail(1, kLegInvalid);
+  EXPECT_EQ(Result().code, kLegFailed);
 }
 
 TEST_F(Outcomes, NameTheActuatorsThatAreBackAndThatFailed) {
   In("LowPower");
   RequestSwitch("Active");
   Obey(0);
-  Fail(1, 5001);
+  Fail(1, kLegFailed);
   Obey(0);
   Obey(1);
   const SwitchResult result = Result();
@@ -118,12 +121,12 @@ TEST_F(Outcomes, ReportAnActuatorAsBackOnlyWhenItIs) {
   In("LowPower");
   RequestSwitch("Active");
   Obey(0);
-  Fail(1, 5001);
-  Fail(0, 5003);
+  Fail(1, kLegFailed);
+  Fail(0, kLegInvalid);
   Obey(1);
   const SwitchResult result = Result();
   EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kDone) << "and it is not undone";
-  EXPECT_EQ(Of(0).fault->code, 5003);
+  EXPECT_EQ(Of(0).fault->code, kLegInvalid);
 }
 
 TEST_F(Outcomes, OfASupersededSwitchNameTheActuatorsUnderWayAndNotCommanded) {
@@ -169,7 +172,7 @@ TEST_F(Outcomes, KeepAnActuatorDetachedUntilASwitchIsDoneNotUndone) {
   ASSERT_TRUE(Of(0).held);
   RequestSwitch("Active");
   Obey(0);
-  Fail(1, 5001);
+  Fail(1, kLegFailed);
   Obey(0);
   Obey(1);
   EXPECT_EQ(Of(0).state(), "LowPower");
@@ -191,7 +194,7 @@ TEST_F(Outcomes, AFailedCheckOfOneActuatorIsDoneDegradedAndNotUndone) {
 TEST_F(Outcomes, OfAnActuatorThatKeepsItsStateAreUndone) {
   StartUp();
   RequestSwitch("LowPower", "a");
-  Fail(0, 5001);
+  Fail(0, kLegFailed);
   EXPECT_EQ(Result().outcome, SwitchOutcome::kUndone);
 }
 
@@ -244,7 +247,7 @@ TEST_F(Outcomes, AnActuatorRestartedBeforeItsRollbackIsDrivenOnItsOwn) {
   In("LowPower");
   RequestSwitch("Active");
   Obey(0);
-  Fail(1, 5001);
+  Fail(1, kLegFailed);
   ASSERT_TRUE(Of(1).command) << "the reverse order";
   ActuatorReport report = Report(0);
   report.incarnation += 100;
