@@ -172,29 +172,6 @@ TEST(MachineController, WarnsOfAManagerThatNoExtensionServes) {
   EXPECT_THAT(log, HasSubstr("[policy] manager has no effect: give the controller the extension"));
 }
 
-TEST(MachineController, WarnsOfATableOfAManagerThatItDoesNotHave) {
-  const RobotFile file({"legs"}, kAllStates);
-  std::ofstream(file.path(), std::ios::app) << "[policy.voice]\nsay = []\n";
-  ::testing::internal::CaptureStderr();
-  {
-    MachineController controller;
-    EXPECT_TRUE(controller.Init(file.path()));
-  }
-  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-              HasSubstr("[policy.voice] has no effect: no extension of this program reads it"));
-}
-
-TEST(MachineController, RefusesARobotThatLiesWithoutTheMotionsThatCount) {
-  const RobotFile file({"legs"}, kAllStates);
-  std::ofstream(file.path(), std::ios::app) << "[policy.low_power]\n";
-  MachineController controller;
-  const Result<> begun = controller.Init(file.path());
-  ASSERT_FALSE(begun.ok());
-  EXPECT_EQ(begun.error().message,
-            "policy.low_power: motion_ids is missing: the motions of a robot that lies; an "
-            "extension with a manager, such as cyberdog::Extension(), has a default");
-}
-
 TEST(MachineController, ReportsAnActuatorThatDidNotStartByItsDeadline) {
   const RobotFile file({"arm"}, kAllStates, {{"SetUp", 100}});
   MachineController controller;

@@ -27,7 +27,7 @@ times = [8000, 4000, 2000, 900]
 [policy]
 )" + policy,
                                 "/robots/dog.toml");
-  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  EXPECT_FALSE(HasError(reading.diagnostics));
   return reading.config.value().policy.value();
 }
 
