@@ -319,8 +319,8 @@ Result<> Controller::OpenExtensions() {
         "[policy] manager has no effect: give the controller the extension that serves it, such "
         "as MachineController({cyberdog::Extension()})");
   }
-  for (const std::string& table : config_.policy->unread_tables) {
-    Trouble("[" + table + "] has no effect: no extension of this program reads it");
+  for (const std::string& key : config_.policy->unread_keys) {
+    Trouble(key + " has no effect: no extension of this program reads it");
   }
   return Ok();
 }

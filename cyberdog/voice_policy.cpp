@@ -49,6 +49,7 @@ void ReadVoicePolicy(config_toml::TableReader& table, PolicyConfig& policy) {
     if (auto say = reader->Choices<Occasion>("say", {kOccasions.begin(), kOccasions.end()},
                                              {.may_be_empty = true})) {
       voice.say = std::move(*say);
+      std::sort(voice.say.begin(), voice.say.end());  // their order has no meaning
     }
     const auto percent = reader->Integer("battery_at", 0, 100, " (percent)");
     if (percent) voice.battery_at = static_cast<int>(*percent);

@@ -115,8 +115,13 @@ class Replayer {
       if (auto taken = Take(row); !taken) return taken.error();
     }
     EndStep(true);
-    if (report_.inputs == 0 && report_.notes.empty()) {
+    if (report_.starts == 0 && report_.inputs == 0 && report_.notes.empty()) {
       report_.notes.emplace_back("it contains no start of a controller and no snapshot");
+    }
+    if (report_.inputs == 0 && options_.epoch && report_.starts > 0) {
+      return Error{kCodeParametersInvalid,
+                   "the journal has no decision of a controller with epoch " +
+                       std::to_string(options_.epoch->value())};
     }
     if (report_.starts == 0) return Error{kCodeFailed, "nothing to replay: " + report_.notes[0]};
     if (machine_) report_.replayed_state = machine_->state;

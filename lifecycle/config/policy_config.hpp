@@ -52,9 +52,9 @@ struct PolicyConfig {
   std::optional<BatteryPolicy> battery;
   std::optional<LowPowerPolicy> low_power;
   PowerPolicy power;
-  SharedManagerPolicy manager_policy;      // of the manager's own tables
-  std::vector<std::string> unread_tables;  // "policy.voice": of a manager that this program lacks
-  Duration empty_battery_delay{};          // before TearDown, for the manager to announce it
+  SharedManagerPolicy manager_policy;    // of the manager's own tables
+  std::vector<std::string> unread_keys;  // "policy.voice": of a manager that this program lacks
+  Duration empty_battery_delay{};        // before TearDown, for the manager to announce it
 
   friend bool operator==(const PolicyConfig&, const PolicyConfig&) = default;
 };

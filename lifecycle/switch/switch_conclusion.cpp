@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/record/texts.hpp"
+
 namespace musher {
 namespace {
 
@@ -69,8 +71,14 @@ std::vector<ActuatorResult> SwitchConclusion::Results(const Switch& s) const {
       if (back.outcome == ActuatorOutcome::kDone) {
         result.outcome = ActuatorOutcome::kUndone;
         result.message = "is back in " + back.target;
-      } else if (back.code == kCodeProtectedError && back.outcome == ActuatorOutcome::kSkipped) {
+      } else if (back.outcome != ActuatorOutcome::kSkipped) {
+        result.outcome = back.outcome;
+        result.code = back.code;
+        result.message = texts::RollbackFailed(back.target, back.message).message;
+      } else if (back.code == kCodeProtectedError) {
         result.message = back.message;
+      } else {
+        result.message = texts::RollbackFailed(back.target, back.message).message;
       }
     }
     results.push_back(std::move(result));

@@ -23,7 +23,7 @@ TEST(WithoutManager, WarnsOfATableOfAManagerThatItDoesNotHave) {
     EXPECT_TRUE(controller.Init(file.path()));
   }
   EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-              HasSubstr("[policy.voice] has no effect: no extension of this program reads it"));
+              HasSubstr("policy.voice has no effect: no extension of this program reads it"));
 }
 
 TEST(WithoutManager, RefusesARobotThatLiesWithoutTheMotionsThatCount) {

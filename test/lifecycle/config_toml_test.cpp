@@ -365,9 +365,9 @@ TEST(ConfigToml, ReadsWhatTheRobotCanDoAndWhere) {
 TEST(ConfigToml, WithoutAManagerSkipsTheTablesOfOneButNoOtherKey) {
   const MachineConfig config = ReadWith("[policy.low_power]\n[policy.voice]\nsay = 5\n");
   EXPECT_EQ(config.policy->manager_policy.get(), nullptr);
-  EXPECT_EQ(config.policy->unread_tables, std::vector<std::string>{"policy.voice"});
+  EXPECT_EQ(config.policy->unread_keys, std::vector<std::string>{"policy.voice"});
   EXPECT_TRUE(config.policy->low_power->motion_ids.empty());
-  for (const std::string policy : {"[policy]\nvoice = 5\n", "[policy.batery]\n"}) {
+  for (const std::string policy : {"[policy]\nmangaer = true\n", "[policy.batery]\n"}) {
     const ConfigReading reading =
         ReadConfigText(kController + kVoice + kWheels + policy, "robot.toml");
     const auto is_refused = [](const Diagnostic& diagnostic) {

@@ -65,8 +65,14 @@ std::optional<std::int64_t> PointInTime(const std::string& text) {
       fraction += (*rest - '0') * weight;
     }
   }
-  if (*rest == '\0') return Nanoseconds(std::mktime(&parts), fraction);
-  const std::int64_t as_utc = timegm(&parts);
+  std::tm corrected = parts;
+  if (*rest == '\0') {
+    const std::int64_t local = std::mktime(&corrected);
+    if (corrected.tm_mday != parts.tm_mday) return std::nullopt;  // February 30
+    return Nanoseconds(local, fraction);
+  }
+  const std::int64_t as_utc = timegm(&corrected);
+  if (corrected.tm_mday != parts.tm_mday) return std::nullopt;
   std::tm zone{};
   const char* end = strptime(rest, "%z", &zone);  // takes "Z", "+01:00" and "+0100"
   if (end == nullptr || *end != '\0') return std::nullopt;

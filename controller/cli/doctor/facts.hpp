@@ -134,6 +134,7 @@ struct DoctorFacts {
   CoreFacts core;
   CpuFacts cpu;
   std::vector<KeyFacts> keys;        // of the identities that the machine needs on this host
+  bool keys_made = true;             // the folder has what all identities share
   std::vector<Diagnostic> programs;  // CheckPrograms()
   std::vector<Diagnostic> ros;       // CheckRos()
   std::vector<ControllerFacts> controllers;

@@ -30,7 +30,9 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
     check.health = kError;
     if (!key.error.empty()) {
       check.reason = key.identity + ": " + key.error;
-      check.fix = command(key.identity);
+      check.fix = facts.keys_made
+                      ? command(key.identity)
+                      : fmt::format("musher keys init {}", ShellWord(facts.config->file));
       return check;
     }
     if ((key.mode & kGroupAndOthers) != 0) {

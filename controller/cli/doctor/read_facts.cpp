@@ -1,6 +1,7 @@
 #include "musher/controller/cli/doctor/read_facts.hpp"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -73,6 +74,7 @@ void ReadKeys(DoctorFacts& facts) {
     if (needs_keys) identities.push_back(actuator.name);
   }
   const transport::keys::KeyFolder folder(facts.config->keys);
+  facts.keys_made = access(folder.IdentityCa().c_str(), F_OK) == 0;
   for (const std::string& identity : identities) {
     KeyFacts key;
     key.identity = identity;

@@ -13,7 +13,7 @@ using ManagerPolicyReader = void (*)(TableReader& table, PolicyConfig& policy);
 
 // From now on this program reads the tables of that manager, and refuses those of others; a program
 // has one at most. Without a reader, such as in an actuator, they are only listed
-// (PolicyConfig::unread_tables), and a controller refuses to start with them.
+// (PolicyConfig::unread_keys), and a controller warns of them.
 //
 // To be called before main(): an inline variable of the library's header does so. Returns true.
 bool RegisterManagerPolicyReader(ManagerPolicyReader reader);

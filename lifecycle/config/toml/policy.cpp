@@ -180,11 +180,11 @@ class PolicyReader {
   void ReadManager() {
     if (manager_reader != nullptr) return manager_reader(reader_, policy_);
     for (const Member& member : table_) {
-      if (member.value.As<Table>() == nullptr || reader_.Knows(member.key)) continue;
-      // A typing error of a table above is none of a manager's tables.
+      if (reader_.Knows(member.key)) continue;
+      // A typing error of a key above is none of a manager's keys.
       if (!draft_.findings.Guess(member.key, kOwnKeys).empty()) continue;
-      reader_.SubTable(member.key);
-      policy_.unread_tables.push_back("policy." + member.key);
+      reader_.Get(member.key);
+      policy_.unread_keys.push_back("policy." + member.key);
     }
   }
 

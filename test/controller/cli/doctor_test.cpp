@@ -233,6 +233,12 @@ const Planted kPlanted[] = {
      [](DoctorFacts& f) {
        f.keys.push_back({"legs", "there is no certificate", {}, "", 0});
      }},
+    {"NoKeysAtAll", "keys", CheckStatus::kError, "controller: there is no certificate",
+     "musher keys init dog.toml",
+     [](DoctorFacts& f) {
+       f.keys[0].error = "there is no certificate";
+       f.keys_made = false;
+     }},
     {"AReadableKey", "keys", CheckStatus::kError, "has the permissions 644",
      "chmod 600 /etc/keys/c.key", [](DoctorFacts& f) { f.keys[0].mode = 0644; }},
     {"ACertificateThatExpiresSoon", "keys", CheckStatus::kWarning, "within 30 days",

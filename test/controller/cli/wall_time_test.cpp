@@ -47,9 +47,10 @@ TEST_F(WallTime, IsReadAsADateInTheLocalZoneOrTheOneGiven) {
 }
 
 TEST_F(WallTime, IsRefusedWhenItIsNone) {
-  for (const char* wrong : {"", "10", "m", "-5m", "10 m", "yesterday", "2026-13-01", "2026-03-01T",
-                            "2026-03-01Tx", "2026-03-01T12:00 +", "99999999999999d",
-                            "99999999999999999999s", "2026-03-01T12:00:00Zjunk"}) {
+  for (const char* wrong :
+       {"", "10", "m", "-5m", "10 m", "yesterday", "2026-13-01", "2026-02-29", "2026-02-30Z",
+        "2026-03-01T", "2026-03-01Tx", "2026-03-01T12:00 +", "99999999999999d",
+        "99999999999999999999s", "2026-03-01T12:00:00Zjunk"}) {
     EXPECT_EQ(Since(wrong), -1) << wrong;
   }
 }

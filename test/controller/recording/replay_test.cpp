@@ -210,6 +210,14 @@ TEST(Replay, StartsFromASnapshotOfAnOlderVersionAsThatVersionContinued) {
   EXPECT_TRUE(explained);
 }
 
+TEST(Replay, RefusesAControllerThatIsNotInTheJournal) {
+  ReplayOptions options;
+  options.epoch = Epoch(99);
+  const auto report = Replay(Rows(), options);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().message, "the journal has no decision of a controller with epoch 99");
+}
+
 TEST(Replay, NeedsAConfigWhenNoneIsRecorded) {
   auto rows = Rows();
   for (JournalRow& row : rows) {

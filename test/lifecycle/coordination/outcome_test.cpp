@@ -125,7 +125,7 @@ TEST_F(Outcomes, ReportAnActuatorAsBackOnlyWhenItIs) {
   Fail(0, kLegInvalid);
   Obey(1);
   const SwitchResult result = Result();
-  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kDone) << "and it is not undone";
+  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kFailed) << "neither done nor undone";
   EXPECT_EQ(Of(0).fault->code, kLegInvalid);
 }
 

@@ -154,6 +154,9 @@ TEST_F(Switching, AnActuatorThatCannotBeBroughtBackIsDegraded) {
   EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
   EXPECT_THAT(result.degraded, ElementsAre("a"));
   EXPECT_THAT(t.RecordOf("a").fault, Is(EventName::kRollbackFailed));
+  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kFailed) << "not done: it is not back";
+  EXPECT_EQ(result.actuators[0].code, 3001);
+  EXPECT_EQ(result.actuators[0].message, t.RecordOf("a").fault->message);
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
