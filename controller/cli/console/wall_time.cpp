@@ -66,13 +66,10 @@ std::optional<std::int64_t> PointInTime(const std::string& text) {
     }
   }
   std::tm corrected = parts;
-  if (*rest == '\0') {
-    const std::int64_t local = std::mktime(&corrected);
-    if (corrected.tm_mday != parts.tm_mday) return std::nullopt;  // February 30
-    return Nanoseconds(local, fraction);
-  }
   const std::int64_t as_utc = timegm(&corrected);
+  // By the calendar alone: mktime() also moves a time that the zone skips.
   if (corrected.tm_mday != parts.tm_mday) return std::nullopt;
+  if (*rest == '\0') return Nanoseconds(std::mktime(&parts), fraction);
   std::tm zone{};
   const char* end = strptime(rest, "%z", &zone);  // takes "Z", "+01:00" and "+0100"
   if (end == nullptr || *end != '\0') return std::nullopt;
