@@ -126,10 +126,6 @@ TEST(House, UsesTheWordsOfTheField) {
   EXPECT_EQ(ViolationsOf(IsAny, rule), "");
 }
 
-TEST(House, NoFileIsTooLongToRead) {
-  EXPECT_THAT(ViolationsOf(IsCpp, Oversize), IsEmpty());
-}
-
 TEST(House, EveryHeaderMayBeIncludedTwice) {
   EXPECT_THAT(ViolationsOf(IsHeader, MissingPragmaOnce), IsEmpty());
 }

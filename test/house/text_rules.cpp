@@ -6,7 +6,6 @@
 namespace musher::house {
 namespace {
 
-constexpr std::size_t kMostLines = 400;
 constexpr std::size_t kLongestPhrase = 3;  // words
 constexpr const char* kKept = "a name that stays";
 
@@ -124,13 +123,6 @@ std::vector<std::string> PrivateWords(const SourceFile& file,
     check(line.text, file.path + ":" + std::to_string(line.number));
   }
   return violations;
-}
-
-std::vector<std::string> Oversize(const SourceFile& file) {
-  const std::size_t lines = Lines(file.text).size();
-  if (lines <= kMostLines) return {};
-  return {file.path + ": " + std::to_string(lines) + " lines; more than " +
-          std::to_string(kMostLines) + "; split it"};
 }
 
 std::vector<std::string> MissingPragmaOnce(const SourceFile& file) {

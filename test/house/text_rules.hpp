@@ -23,8 +23,6 @@ std::map<std::string, std::string> ReadPrivateWords(const std::string& text);
 // parts of snake_case and CamelCase. A name with "a name that stays" is permitted as it is spelled.
 std::vector<std::string> PrivateWords(const SourceFile& file,
                                       const std::map<std::string, std::string>& words);
-// A file that should be split.
-std::vector<std::string> Oversize(const SourceFile& file);
 // A header that may be included twice.
 std::vector<std::string> MissingPragmaOnce(const SourceFile& file);
 // A script that cannot be run as it is.

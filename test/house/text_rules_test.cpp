@@ -72,13 +72,6 @@ TEST(TextRules, KeepTheNamesOfFileFormats) {
   EXPECT_THAT(PrivateWords(Cpp("Field{\"zebra\", &zebra}"), words), SizeIs(1));
 }
 
-TEST(TextRules, FindFilesOfMoreThanFourHundredLines) {
-  std::string text;
-  for (int i = 0; i < 400; ++i) text += "\n";
-  EXPECT_THAT(Oversize(Cpp(text)), IsEmpty());
-  EXPECT_THAT(Oversize(Cpp(text + "\n")), SizeIs(1));
-}
-
 TEST(TextRules, FindHeadersWithoutPragmaOnce) {
   EXPECT_THAT(MissingPragmaOnce({"a.hpp", "#pragma once\n"}), IsEmpty());
   EXPECT_THAT(MissingPragmaOnce({"a.hpp", "// #pragma once\n"}), SizeIs(1));
