@@ -23,7 +23,7 @@ std::vector<std::string> Find(const SourceFile& file, const std::string& text,
 
 // The words of `text` in lower case, as the parts of snake_case and CamelCase; an empty one where
 // other signs than spaces separate two of them.
-std::vector<std::string> Words(const std::string& text) {
+std::vector<std::string> WordsIn(const std::string& text) {
   std::vector<std::string> words = {""};
   bool continues = false;
   for (const char c : text) {
@@ -44,7 +44,7 @@ std::vector<std::string> Words(const std::string& text) {
 // Each word of `text`, and each sequence of words: "take", "take off", "off".
 std::vector<std::string> Phrases(const std::string& text) {
   std::vector<std::string> phrases;
-  const std::vector<std::string> words = Words(text);
+  const std::vector<std::string> words = WordsIn(text);
   for (std::size_t i = 0; i < words.size(); ++i) {
     std::string phrase;
     for (std::size_t n = 0; n < kLongestPhrase && i + n < words.size(); ++n) {
