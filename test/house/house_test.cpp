@@ -110,6 +110,13 @@ TEST(House, NoExceptionWhereAFileVanishesWhileItIsRead) {
   EXPECT_EQ(ViolationsOf(product, ThrowingIterators), "");
 }
 
+TEST(House, NoClientOutlivesTheControllerThatItWaitsFor) {
+  const Filter client = [](const SourceFile& file) {
+    return file.IsCpp() && (file.In("controller/cli/") || file.In("view/"));
+  };
+  EXPECT_EQ(ViolationsOf(client, UnwatchedCalls), "");
+}
+
 TEST(House, NothingIsLeftForLaterInTheCode) {
   EXPECT_THAT(ViolationsOf(IsText, Leftovers), IsEmpty());
 }

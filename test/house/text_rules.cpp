@@ -82,6 +82,13 @@ std::vector<std::string> Sleeps(const SourceFile& file) {
   return Find(file, WithoutComments(file.text), sleep, "waits for a time instead of an event");
 }
 
+std::vector<std::string> UnwatchedCalls(const SourceFile& file) {
+  static const std::regex unwatched(
+      R"(\b(Call|MakeClient)<msg::(SetState|RestartActuator|RequestPolicy)>)");
+  return Find(file, WithoutComments(file.text), unwatched,
+              "waits for a controller that may have exited; LeaderCall and SwitchClient notice it");
+}
+
 std::vector<std::string> ThrowingIterators(const SourceFile& file) {
   static const std::regex throwing(
       R"(\bistreambuf_iterator\b|(: |distance\()[\w:]*\bdirectory_iterator\()");

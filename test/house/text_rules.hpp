@@ -13,6 +13,8 @@ namespace musher::house {
 std::vector<std::string> Impurities(const SourceFile& file);
 // Calls that wait for a time instead of an event.
 std::vector<std::string> Sleeps(const SourceFile& file);
+// Calls of a service that answers after a switch, by a client that does not watch its controller.
+std::vector<std::string> UnwatchedCalls(const SourceFile& file);
 // Iterators that throw where a file or a folder vanishes while it is read, as in /proc.
 std::vector<std::string> ThrowingIterators(const SourceFile& file);
 // Notes that something is not done.

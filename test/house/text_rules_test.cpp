@@ -35,6 +35,14 @@ TEST(TextRules, FindSleeps) {
   EXPECT_THAT(Sleeps(Cpp("run({\"sleep\", \"5\"});")), IsEmpty());
 }
 
+TEST(TextRules, FindCallsThatOutliveTheirController) {
+  EXPECT_THAT(UnwatchedCalls(Cpp("link->Call<msg::RestartActuator>(\"restart_actuator\", {});")),
+              SizeIs(1));
+  EXPECT_THAT(UnwatchedCalls(Cpp("transport::MakeClient<msg::SetState>(node, name);")), SizeIs(1));
+  EXPECT_THAT(UnwatchedCalls(Cpp("link->Call<msg::GetStatus>(\"get_status\", {});")), IsEmpty());
+  EXPECT_THAT(UnwatchedCalls(Cpp("LeaderCall<msg::SetState>::Make(node);")), IsEmpty());
+}
+
 TEST(TextRules, FindIteratorsThatThrow) {
   EXPECT_THAT(ThrowingIterators(Cpp("std::string text{std::istreambuf_iterator<char>(in), {}};")),
               SizeIs(1));

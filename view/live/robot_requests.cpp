@@ -53,6 +53,10 @@ void RobotRequests::Answer(const http::Respond& respond, const typename S::Respo
   RespondJson(respond, std::move(text).value());
 }
 
+LeaderWatch::Options RobotRequests::Leader() {
+  return {options_.name_space, options_.host, WatchByPidfd(node_.loop())};
+}
+
 bool RobotRequests::HasController(const http::Respond& respond) {
   if (status_()) return true;
   respond(http::ErrorResponse(503, kCodeNetError, "no controller leads the machine"));
@@ -99,7 +103,7 @@ void RobotRequests::Set(const std::string& by, const std::string& target,
   if (!HasController(respond)) return;
   std::erase_if(switches_, [](const Switch& each) { return each.ended; });
   SwitchClient::Options options;
-  options.leader = {options_.name_space, options_.host, WatchByPidfd(node_.loop())};
+  options.leader = Leader();
   options.by = by;
   options.timeout = kSwitchTime;
   options.find = kAnswerTime;
@@ -123,7 +127,20 @@ void RobotRequests::Set(const std::string& by, const std::string& target,
 void RobotRequests::Restart(const std::string& by, const std::string& actuator,
                             const http::Respond& respond) {
   if (!HasActuator(actuator, respond)) return;
-  Call<msg::RestartActuator>("restart_actuator", {actuator, by}, kRestartTime, respond);
+  std::erase_if(restarts_, [](const Restarting& each) { return each.ended; });
+  Restarting& one = restarts_.emplace_back();
+  auto call = LeaderCall<msg::RestartActuator>::Make(
+      node_, Leader(), "restart_actuator", {actuator, by}, kRestartTime,
+      [this, &one, respond](const Result<msg::RestartActuator::Response>& answer) {
+        one.ended = true;
+        if (answer) return Answer<msg::RestartActuator>(respond, answer.value());
+        respond(http::ErrorResponse(504, answer.error().code, answer.error().message));
+      });
+  if (!call) {
+    restarts_.pop_back();
+    return respond(http::ErrorResponse(500, call.error().code, call.error().message));
+  }
+  one.call = std::move(call).value();
 }
 
 void RobotRequests::Release(const std::string& by, const http::Respond& respond) {

@@ -5,7 +5,7 @@
 // Threads: loop thread only, callbacks too. Each `respond` runs once, within a time; never after
 // this is dropped. Errors are responses with a status and a sentence:
 //   400 the request is malformed        404 no actuator of that name, or it has no such service
-//   503 no controller leads             504 no answer in time
+//   503 no controller leads             504 no answer in time, or the controller is lost
 // A switch that is refused, undone or degraded is an answer, no error.
 
 #include <functional>
@@ -15,6 +15,7 @@
 #include <string>
 
 #include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/leader_call.hpp"
 #include "musher/controller/client/switch_client.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
@@ -64,6 +65,10 @@ class RobotRequests {
     std::unique_ptr<SwitchClient> client;
     bool ended = false;
   };
+  struct Restarting {
+    std::unique_ptr<LeaderCall<msg::RestartActuator>> call;
+    bool ended = false;
+  };
   struct Stopping {
     std::unique_ptr<Latching> latching;
     http::Respond respond;  // empty: it was answered
@@ -80,6 +85,7 @@ class RobotRequests {
                        const typename S::Request& request, const http::Respond& respond);
   template <msg::Service S>
   void Answer(const http::Respond& respond, const typename S::Response& response);
+  LeaderWatch::Options Leader();
   bool HasController(const http::Respond& respond);
   bool HasActuator(const std::string& actuator, const http::Respond& respond);
   void LookAtStops();
@@ -92,6 +98,7 @@ class RobotRequests {
   std::map<std::string, std::unique_ptr<transport::Client<msg::GetBehavior>>> behaviors_;
   std::map<std::string, std::unique_ptr<transport::Client<msg::GetTree>>> trees_;
   std::list<Switch> switches_;
+  std::list<Restarting> restarts_;
   std::list<Stopping> stops_;
   transport::LoopHandlePtr stop_timer_;  // while there are stops
 };

@@ -38,8 +38,8 @@ ExitCode Request(const PolicyCommand& policy,
                  const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
-  const auto answer =
-      link.value()->Call<msg::RequestPolicy>("request_policy", policy.request, kPolicyTimeout);
+  const auto answer = link.value()->CallLeader<msg::RequestPolicy>("request_policy", policy.request,
+                                                                   kPolicyTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& response = std::get<msg::RequestPolicy::Response>(answer);
   if (response.code != kCodeOk) {

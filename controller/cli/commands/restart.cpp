@@ -22,6 +22,11 @@ Failure WithHint(Failure failure, const std::string& actuator) {
   if (failure.exit == ExitCode::kNoAnswer || failure.exit == ExitCode::kInterrupted) {
     failure.error.message +=
         "; the restart of " + actuator + " continues, `musher status` shows its outcome";
+  } else if (failure.exit == ExitCode::kUnknownEnd) {
+    failure.error.message +=
+        "; `musher up` with the same config takes control of what still runs, and `musher status` "
+        "then shows whether " +
+        actuator + " is back";
   }
   return failure;
 }
@@ -29,8 +34,8 @@ Failure WithHint(Failure failure, const std::string& actuator) {
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
-  const auto answer = link.value()->Call<msg::RestartActuator>("restart_actuator",
-                                                               {options.actuator}, kRestartTimeout);
+  const auto answer = link.value()->CallLeader<msg::RestartActuator>(
+      "restart_actuator", {options.actuator}, kRestartTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     return console.Fail(WithHint(*failure, options.actuator));
   }

@@ -12,7 +12,7 @@ enum class ExitCode : int {
   kUsage = 2,         // a wrong command line, config or environment
   kNoController = 3,  // no controller in the namespace
   kNoAnswer = 4,      // the controller did not answer in time
-  kUnknownEnd = 5,    // the controller exited during a switch and no successor reports its outcome
+  kUnknownEnd = 5,    // the controller exited during a request and no successor reports its outcome
   kInterrupted = 130  // by Ctrl-C, as in shells
 };
 

@@ -17,10 +17,12 @@
 #include <utility>
 #include <variant>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/console/exit_code.hpp"
 #include "musher/controller/cli/console/options.hpp"
 #include "musher/controller/cli/console/signals.hpp"
+#include "musher/controller/client/leader_call.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/node.hpp"
@@ -53,6 +55,12 @@ class Link {
   // `service`: for example "set_state". Waits for --timeout if given, else for `timeout`.
   template <msg::Service S>
   Answer<S> Call(const std::string& service, const typename S::Request& request, Duration timeout);
+
+  // The same for a service whose answer may take as long as a switch: fails with kUnknownEnd once
+  // the controller that was called is lost.
+  template <msg::Service S>
+  Answer<S> CallLeader(const std::string& service, const typename S::Request& request,
+                       Duration timeout);
 
   // Subscribes to the machine's latched status. on_change gets each one, and none when the
   // controller is lost. To be called once.
@@ -134,6 +142,22 @@ Link::Answer<S> Link::Call(const std::string& service, const typename S::Request
       Await([&] { return reply.has_value(); }, [&] { return client.value()->Ready(); }, wait);
   if (failure) return *failure;
   if (!*reply) return Failure{ExitCode::kNoAnswer, reply->error()};
+  return std::move(*reply).value();
+}
+
+template <msg::Service S>
+Link::Answer<S> Link::CallLeader(const std::string& service, const typename S::Request& request,
+                                 Duration timeout) {
+  const Duration wait = global_.timeout.value_or(timeout);
+  std::optional<Result<typename S::Response>> reply;
+  const auto call = LeaderCall<S>::Make(*node_, {global_.name_space, HostId(), WatchByPidfd(loop_)},
+                                        service, request, wait + std::chrono::minutes(1),
+                                        [&reply](auto result) { reply = std::move(result); });
+  if (!call) return Failure{ExitCode::kUsage, call.error()};
+  const auto failure =
+      Await([&] { return reply.has_value(); }, [&] { return call.value()->found(); }, wait);
+  if (failure) return *failure;
+  if (!*reply) return Failure{ExitCode::kUnknownEnd, reply->error()};
   return std::move(*reply).value();
 }
 

@@ -3,6 +3,9 @@
 
 #include <signal.h>
 
+#include <chrono>
+#include <filesystem>
+
 #include "musher/test/integration/cli/machine.hpp"
 
 namespace musher::testing::restart_test {
@@ -65,6 +68,27 @@ TEST_F(Restart, ByHandSuggestsTheNameThatWasMeant) {
               HasSubstr("there is no actuator 'vioce'; did you mean 'voice'? There are "
                         "legs, voice and eyes"));
   EXPECT_EQ(Voice()["pid"], voice_);
+}
+
+// It waited for 60 s, and then reported that the next controller had not answered.
+TEST_F(Restart, ByHandExitsWithFiveAtOnceWhenTheControllerDies) {
+  Blocks("voice", "SelfCheck");
+  Release();
+  ASSERT_NO_FATAL_FAILURE(Start());
+  std::filesystem::remove(folder_ / "released");
+  Process restart(Command({"restart", "voice"}));
+  const auto status =
+      AwaitStatus([this](const auto& s) { return s["actuators"]["voice"]["pid"] != voice_; });
+  const auto controller = status["pid"].get<pid_t>();
+  const auto killed = std::chrono::steady_clock::now();
+  kill(controller, SIGKILL);
+  const Ended ended = restart.Wait();
+  EXPECT_LT(std::chrono::steady_clock::now() - killed, std::chrono::seconds(10));
+  EXPECT_EQ(ended.exit, 5);
+  EXPECT_THAT(ended.err, HasSubstr("the controller (pid " + std::to_string(controller) +
+                                   ", epoch 1) has exited before it answered"));
+  EXPECT_THAT(ended.err, HasSubstr("shows whether voice is back"));
+  Release();
 }
 
 TEST_F(Restart, FollowsACrashOfAProcess) {

@@ -112,8 +112,8 @@ std::optional<Failure> RootMachine::Connect() {
 }
 
 Result<> RootMachine::RequestPolicy(bool enter) {
-  const auto answer =
-      link_->Call<msg::RequestPolicy>("request_policy", {"ota", "", 0, enter}, kSwitchTimeout);
+  const auto answer = link_->CallLeader<msg::RequestPolicy>("request_policy", {"ota", "", 0, enter},
+                                                            kSwitchTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
   const auto& response = std::get<msg::RequestPolicy::Response>(answer);
   // done-degraded counts as done: a robot with a failed actuator must be upgradable, too.
@@ -124,7 +124,7 @@ Result<> RootMachine::RequestPolicy(bool enter) {
 }
 
 Result<> RootMachine::Switch(const std::string& state) {
-  const auto answer = link_->Call<msg::SetState>("set_state", {state, ""}, kSwitchTimeout);
+  const auto answer = link_->CallLeader<msg::SetState>("set_state", {state, ""}, kSwitchTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
   const auto& response = std::get<msg::SetState::Response>(answer);
   if (response.state == state) return Ok();

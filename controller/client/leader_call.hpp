@@ -1,0 +1,125 @@
+#pragma once
+// Calls a service of the leading controller whose answer may take as long as a switch, and ends
+// when that controller does: the transport keeps a call until its own deadline, because another
+// server may answer.
+//
+//   finding ──a controller leads──▶ called ──its reply──▶ ended
+//                                     └──it ends, and does not lead again──▶ ended, lost
+//
+// For a switch see SwitchClient, which gets the outcome from the successor.
+//
+// Threads: loop thread only.
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "musher/base/code.hpp"
+#include "musher/controller/client/leader_watch.hpp"
+#include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher {
+
+template <msg::Service S>
+class LeaderCall {
+ public:
+  using Request = typename S::Request;
+  using Response = typename S::Response;
+  // Runs exactly once, never inside Make(). It must not drop the call. The errors are
+  // kCodeTimeout, or kCodeNetError: the controller that was called is lost.
+  using OnReply = std::function<void(Result<Response>)>;
+
+  // `service`: as "restart_actuator". The node must outlive the call; dropping the call only ends
+  // the waiting.
+  static Result<std::unique_ptr<LeaderCall>> Make(transport::Node& node,
+                                                  LeaderWatch::Options leader,
+                                                  const std::string& service, Request request,
+                                                  Duration timeout, OnReply on_reply) {
+    std::unique_ptr<LeaderCall> call(
+        new LeaderCall(node, leader.host, std::move(request), timeout, std::move(on_reply)));
+    auto client =
+        transport::MakeClient<S>(node, transport::MachineService(leader.name_space, service),
+                                 [self = call.get()] { self->Send(); });
+    if (!client) return client.error();
+    call->client_ = std::move(client).value();
+    auto watch = LeaderWatch::Make(
+        node, std::move(leader),
+        [self = call.get()](const msg::MachineStatus& status) { self->OnStatus(status); },
+        [self = call.get()](const msg::MachineStatus& status, const std::string& how) {
+          self->OnLeaderEnd(status, how);
+        });
+    if (!watch) return watch.error();
+    call->watch_ = std::move(watch).value();
+    return call;
+  }
+
+  // A controller that leads has been found.
+  bool found() const { return called_ || watch_->leader(); }
+
+ private:
+  // A reply may still arrive after the exit of a controller of this host is noticed. One of another
+  // host leads again when its link is back.
+  static constexpr Duration kGrace = Milliseconds(200);
+  static constexpr Duration kLinkGrace = std::chrono::seconds(5);
+
+  LeaderCall(transport::Node& node, std::string host, Request request, Duration timeout,
+             OnReply on_reply)
+      : node_(node),
+        host_(std::move(host)),
+        request_(std::move(request)),
+        on_reply_(std::move(on_reply)) {
+    transport::EventLoop& loop = node.loop();
+    deadline_ = loop.Now() + timeout;
+    timer_ = loop.At(deadline_, [this] {
+      End(Error{kCodeTimeout, "no answer of a controller that leads"});
+    });
+  }
+
+  void OnStatus(const msg::MachineStatus& status) {
+    if (called_ && status.pid == called_->pid && status.host == called_->host) grace_ = nullptr;
+    Send();
+  }
+  // The service of a crashed controller may still be matched, so only that of the leader is called.
+  void Send() {
+    if (called_ || !watch_ || !watch_->leader()) return;
+    const auto servers = client_->Servers();
+    if (std::find(servers.begin(), servers.end(), watch_->participant()) == servers.end()) return;
+    called_ = watch_->leader();
+    client_->Call(request_, deadline_ - node_.loop().Now(),
+                  [this](Result<Response> reply) { End(std::move(reply)); });
+  }
+  void OnLeaderEnd(const msg::MachineStatus& leader, const std::string& how) {
+    if (!called_ || leader.pid != called_->pid || leader.host != called_->host) return;
+    transport::EventLoop& loop = node_.loop();
+    grace_ = loop.At(loop.Now() + (leader.host == host_ ? kGrace : kLinkGrace), [this, how] {
+      End(Error{kCodeNetError, "the controller (pid " + std::to_string(called_->pid) + ", epoch " +
+                                   std::to_string(called_->epoch) + ") " + how +
+                                   " before it answered"});
+    });
+  }
+  void End(Result<Response> reply) {
+    if (ended_) return;
+    ended_ = true;
+    timer_ = nullptr;
+    grace_ = nullptr;
+    on_reply_(std::move(reply));
+  }
+
+  transport::Node& node_;
+  const std::string host_;
+  const Request request_;
+  const OnReply on_reply_;
+  Time deadline_{};
+  bool ended_ = false;
+  std::optional<msg::MachineStatus> called_;  // the controller that has the request
+  transport::LoopHandlePtr timer_;
+  transport::LoopHandlePtr grace_;  // while that controller does not lead
+  std::unique_ptr<transport::Client<S>> client_;
+  std::unique_ptr<LeaderWatch> watch_;  // last: its callbacks use all of the above
+};
+
+}  // namespace musher

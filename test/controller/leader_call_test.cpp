@@ -1,0 +1,82 @@
+// A client that waits for the answer of a controller that exits: it waited until its own deadline.
+
+#include "musher/controller/client/leader_call.hpp"
+
+#include <gmock/gmock.h>
+
+#include <map>
+
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/test/controller/two_controllers.hpp"
+
+namespace musher::testing::leader_call_test {
+
+using ::testing::HasSubstr;
+
+class LeaderCalls : public TwoControllers {
+ protected:
+  // `host`: the client's.
+  void Request(const std::string& host) {
+    callback_takes_ = Milliseconds(1500);
+    const std::string actuator = config_.actuators.begin()->name;
+    const auto watch = [this](std::int32_t, std::function<void()> on_end) {
+      on_exit_ = std::move(on_end);
+      return std::make_unique<transport::LoopHandle>();
+    };
+    call_ = LeaderCall<msg::RestartActuator>::Make(
+                *desk_, {"", host, watch}, "restart_actuator", {actuator, "me"},
+                std::chrono::seconds(60), [this](auto reply) { reply_ = std::move(reply); })
+                .value();
+    ASSERT_TRUE(RunUntil([this] { return call_->found(); }));
+    network_.RunFor(Milliseconds(300));
+    ASSERT_FALSE(reply_);
+  }
+
+  std::function<void()> on_exit_;
+  std::optional<Result<msg::RestartActuator::Response>> reply_;
+  std::unique_ptr<LeaderCall<msg::RestartActuator>> call_;
+};
+
+TEST_F(LeaderCalls, PassOnTheAnswerOfALivingController) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(Request("sim/1"));
+  ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }));
+  ASSERT_TRUE(*reply_);
+  EXPECT_EQ(reply_->value().code, kCodeOk) << reply_->value().reason;
+}
+
+TEST_F(LeaderCalls, EndAtOnceWithTheControllerOfTheirHost) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(Request("sim/1"));
+  const std::string pid = std::to_string(first_.process->pid());
+  first_.process.reset();
+  on_exit_();
+  ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }, Milliseconds(300)));
+  ASSERT_FALSE(*reply_);
+  EXPECT_THAT(reply_->error().message,
+              HasSubstr("the controller (pid " + pid + ", epoch 1) has exited before it answered"));
+}
+
+TEST_F(LeaderCalls, EndWithALostControllerOfAnotherHostAlsoBesideItsSuccessor) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(Request("desk"));
+  first_.process.reset();
+  Open(second_, "second", &first_.disk);
+  network_.RunFor(std::chrono::seconds(1));
+  second_.process->Begin(false);
+  ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }, std::chrono::seconds(10)));
+  EXPECT_FALSE(*reply_);
+}
+
+TEST_F(LeaderCalls, GoOnWithAControllerWhoseLinkIsBackSoon) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(Request("desk"));
+  network_.Block("first", "desk");
+  network_.RunFor(std::chrono::seconds(2));
+  network_.Heal("first", "desk");
+  ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }));
+  ASSERT_TRUE(*reply_) << reply_->error().message;
+  EXPECT_EQ(reply_->value().code, kCodeOk) << reply_->value().reason;
+}
+
+}  // namespace musher::testing::leader_call_test
