@@ -21,6 +21,7 @@ struct Entry {
   // Type of the ports that use it. Null: any, or ports with two types use it, one of them a text.
   const Type* type = nullptr;
   Value value{};
+  bool declared = false;       // a port uses it, and UnsetBlackboard has not cleared it
   std::uint64_t sequence = 0;  // how many times it was set
 
   // Converts to `type` where it has one; fails and keeps the value where that is impossible.

@@ -58,6 +58,7 @@ std::vector<Diagnostic> Building::Take() && {
 
 std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t history) {
   tree_ = std::unique_ptr<Tree>(new Tree(main.id, history));
+  tree_->enums_ = factory_.shared_enums();
   tree_->boards_.push_back(std::make_unique<Board>());
   elements_.clear();
   types_.clear();

@@ -43,6 +43,7 @@ Setup::Connection Building::Connect(const Element& element, Board& board, const 
   const auto key = KeyOf(attribute->value, model.name);
   if (key) {
     Entry& entry = board.At(*key);
+    entry.declared = true;
     Unify(entry, *attribute, model);
     if (model.direction != Direction::kOut) NoteRead(entry, attribute->value_at);
     if (model.direction != Direction::kIn) NoteWrite(entry, attribute->value_at);

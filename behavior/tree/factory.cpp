@@ -128,7 +128,7 @@ std::vector<PortModel> Factory::PortsOf(std::string_view name) const {
   if (registered == nullptr) return {};
   const Element element;
   Board board;
-  Setup setup(nullptr, element, board, enums_);
+  Setup setup(nullptr, element, board, *enums_);
   static_cast<void>(registered->make(setup));
   return setup.ports();
 }

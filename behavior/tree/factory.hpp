@@ -71,14 +71,16 @@ class Factory {
 
   // A name for a number, in scripts and ports.
   void AddEnum(std::string_view name, double value) {
-    enums_.insert_or_assign(std::string(name), value);
+    if (enums_.use_count() > 1) enums_ = std::make_shared<Enums>(*enums_);  // a tree has them
+    enums_->insert_or_assign(std::string(name), value);
   }
   // Nodes whose name or path matches, with '*' for any characters, become test nodes.
   void Substitute(std::string pattern, TestNodeConfig config);
 
   const Registered* Find(std::string_view name) const;  // null: there is none
   std::vector<std::string> Names() const;               // sorted
-  const Enums& enums() const { return enums_; }
+  const Enums& enums() const { return *enums_; }
+  std::shared_ptr<const Enums> shared_enums() const { return enums_; }
   bool has_substitutes() const { return !substitutes_.empty(); }
   const TestNodeConfig* Substituted(std::string_view name, std::string_view path) const;
   // The ports of a node.
@@ -95,7 +97,7 @@ class Factory {
   }
 
   std::map<std::string, Registered, std::less<>> nodes_;
-  Enums enums_;
+  std::shared_ptr<Enums> enums_ = std::make_shared<Enums>();
   std::vector<std::pair<std::string, TestNodeConfig>> substitutes_;
 };
 

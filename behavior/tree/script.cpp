@@ -27,8 +27,9 @@ std::int64_t WholeOf(const Operand& operand, std::string_view sign) {
 
 bool TruthOf(const Operand& operand) {
   if (operand.is_number()) return operand.number() != 0;
-  if (operand.is_text() && operand.text() == "true") return true;
-  if (operand.is_text() && operand.text() == "false") return false;
+  if (operand.is_text()) {
+    if (const auto truth = Convert<bool>::FromText(operand.text())) return truth.value();
+  }
   throw ScriptError("expected true or false, or a number; got " + Shown(operand));
 }
 
@@ -107,7 +108,7 @@ void Script::Keep(const Operation& operation, Operand& operand) const {
 Operand Script::Unary(const Operation& operation) const {
   const Operand operand = Evaluate(operation.a);
   if (operation.code == Code::kNegate) return Operand(-NumberOf(operand, "-"));
-  if (operation.code == Code::kNot) return Operand(NumberOf(operand, "!") == 0 ? 1.0 : 0.0);
+  if (operation.code == Code::kNot) return Operand(TruthOf(operand) ? 0.0 : 1.0);
   return Operand(static_cast<double>(~WholeOf(operand, "~")));
 }
 
@@ -129,6 +130,8 @@ Operand Script::Binary(const Operation& operation) const {
       return Operand(NumberOf(left, "*") * NumberOf(right, "*"));
     case Code::kDivide:
       return Operand(NumberOf(left, "/") / NumberOf(right, "/"));
+    case Code::kJoin:
+      return Join(operation, left, right);
     case Code::kBitAnd:
       return Operand(static_cast<double>(WholeOf(left, "&") & WholeOf(right, "&")));
     case Code::kBitOr:
@@ -140,6 +143,27 @@ Operand Script::Binary(const Operation& operation) const {
     default:
       return Operand(TruthOf(left) || TruthOf(right) ? 1.0 : 0.0);
   }
+}
+
+Operand Script::Join(const Operation& operation, const Operand& left, const Operand& right) const {
+  std::string joined;
+  for (const Operand& each : {left, right}) {
+    if (!each.is_number() && !each.is_text()) {
+      throw ScriptError("'..' needs texts or numbers; got " + Shown(each));
+    }
+    joined += each.is_text() ? std::string(each.text()) : NumberText(each.number());
+  }
+  operation.text = std::move(joined);
+  return Operand(std::string_view(operation.text));
+}
+
+// The number to which a text is converted to be compared with one.
+double Script::NumberIn(std::string_view text, const Operand& left, const Operand& right) const {
+  if (text == "true") return 1;
+  if (text == "false") return 0;
+  if (const auto known = enums_->find(text); known != enums_->end()) return known->second;
+  if (const auto number = Convert<double>::FromText(text)) return number.value();
+  throw ScriptError("can not compare " + Shown(left) + " with " + Shown(right));
 }
 
 Operand Script::Compare(const Operation& first) const {
@@ -171,6 +195,10 @@ Operand Script::Compare(const Operation& first) const {
       is = holds(left.number(), right.number(), comparison);
     } else if (left.is_text() && right.is_text()) {
       is = holds(left.text(), right.text(), comparison);
+    } else if (left.is_text() && right.is_number()) {
+      is = holds(NumberIn(left.text(), left, right), right.number(), comparison);
+    } else if (left.is_number() && right.is_text()) {
+      is = holds(left.number(), NumberIn(right.text(), left, right), comparison);
     } else {
       throw ScriptError("can not compare " + Shown(left) + " with " + Shown(right));
     }
@@ -184,7 +212,7 @@ Operand Script::Compare(const Operation& first) const {
 Operand Script::Assign(const Operation& operation) const {
   Entry& entry = *operations_[operation.a].entry;
   const auto kind = static_cast<Assignment>(operation.kind);
-  if (kind != Assignment::kMake && entry.value.empty() && entry.type == nullptr) {
+  if (kind != Assignment::kMake && entry.value.empty() && !entry.declared) {
     throw ScriptError("the blackboard has no value of '" + entry.key +
                       "'; to make an entry, use ':='");
   }

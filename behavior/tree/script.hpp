@@ -2,12 +2,16 @@
 // The scripting language of BehaviorTree.CPP 4: "speed := 0.5; near = distance < 2 && !blocked".
 //
 //   values       1.5, 0x1F, 'text', true, false, names of enums, keys of the blackboard
-//   operators    := = += -= *= /=   a ? b : c   && ||   == != < > <= >=   + - * /   & | ^ ~   ! -
+//   operators    := = += -= *= /=   a ? b : c   ||   &&   == != < > <= >=   | ^   &   ..   + -   *
+//   /
+//                ! ~ -             those on the right bind tighter
 //   sequence     a; b; c      the value is that of the last one
 //
-// := makes an entry that has no value, = needs one. A comparison may be a chain: 0 < x < 5. && and
-// || have the same rank, from the left, and both sides are always evaluated, as in
-// BehaviorTree.CPP. Numbers are 64-bit floating-point; bit operators need whole numbers.
+// := makes an entry, = needs one that has a value or that a port of the tree uses. A comparison may
+// be a chain: 0 < x < 5. Of a text and a number the text is converted: to true or false, to the
+// number of an enum, to a number. Both sides of && and || are always evaluated, as in
+// BehaviorTree.CPP. Numbers are 64-bit floating-point; bit operators need whole numbers; .. joins
+// texts and numbers to a text.
 //
 // The names become entries of the blackboard when the script is parsed. A run allocates nothing
 // unless a text grows. Run() and True() throw ScriptError.
@@ -70,7 +74,7 @@ class Script {
   };
 
   // Always gives a script; one with an error in `findings` must not run. With `is_condition`, an
-  // assignment with '=' is warned of.
+  // assignment with '=' is warned of. `enums` must exist as long as the script.
   static Script Parse(std::string_view text, Board& board, const Enums& enums, bool is_condition,
                       std::vector<Finding>& findings);
 
@@ -96,6 +100,7 @@ class Script {
     kSubtract,
     kMultiply,
     kDivide,
+    kJoin,
     kBitAnd,
     kBitOr,
     kBitXor,
@@ -125,10 +130,13 @@ class Script {
   Operand Unary(const Operation& operation) const;
   Operand Binary(const Operation& operation) const;
   Operand Compare(const Operation& operation) const;
+  Operand Join(const Operation& operation, const Operand& left, const Operand& right) const;
+  double NumberIn(std::string_view text, const Operand& left, const Operand& right) const;
   Operand Assign(const Operation& operation) const;
 
   std::vector<Operation> operations_;
   std::vector<std::uint32_t> statements_;
+  const Enums* enums_ = nullptr;
   bool assigns_inside_ = false;  // within an expression: its operands are kept
   std::vector<Entry*> reads_;
   std::vector<Entry*> writes_;

@@ -11,7 +11,9 @@ class ScriptParser {
  public:
   ScriptParser(std::string_view text, Board& board, const Enums& enums, bool is_condition,
                std::vector<Script::Finding>& findings)
-      : text_(text), board_(board), enums_(enums), is_condition_(is_condition), found_(findings) {}
+      : text_(text), board_(board), enums_(enums), is_condition_(is_condition), found_(findings) {
+    script_.enums_ = &enums;
+  }
 
   Script Parse() && {
     Skip();
@@ -29,7 +31,10 @@ class ScriptParser {
  private:
   using Index = std::uint32_t;
   using Code = Script::Code;
-  static constexpr int kDeepest = 100;  // parentheses and prefixes in each other
+  // Parentheses, prefixes and branches in each other, which the parser follows by calls.
+  static constexpr int kDeepest = 100;
+  // Operators in each other, which the evaluation follows by calls: 1 + 2 + 3 are two.
+  static constexpr std::uint32_t kDeepestOperation = 1000;
 
   Index AssignmentLevel() {
     const Nesting nesting(*this);
@@ -62,31 +67,33 @@ class ScriptParser {
   }
 
   Index ConditionalLevel() {
-    const Index condition = LogicLevel();
+    const Index condition = OrLevel();
     if (failed_ || !Take("?")) return condition;
     const Index yes = AssignmentLevel();
     if (!failed_ && (text_.substr(at_).starts_with(":=") || !Take(":"))) {
       Fail("expected ':' of 'condition ? value : value'");
     }
+    const Nesting nesting(*this);
     const Index no = failed_ ? 0 : ConditionalLevel();
     const Index made = Add(Code::kIf, condition, yes);
     At(made).c = no;
+    Deepen(made, no);
     return made;
   }
 
-  Index LogicLevel() {
+  Index OrLevel() {
+    Index left = AndLevel();
+    while (!failed_ && Take("||")) {
+      const Index right = AndLevel();
+      left = Add(Code::kOr, left, right);
+    }
+    return left;
+  }
+  Index AndLevel() {
     Index left = ComparisonLevel();
-    std::optional<Code> last;
-    while (!failed_) {
-      const std::size_t at = at_;
-      const Code code = text_.substr(at_).starts_with("&&") ? Code::kAnd : Code::kOr;
-      if (!Take(code == Code::kAnd ? "&&" : "||")) break;
-      if (last && *last == Code::kOr && code == Code::kAnd) {
-        Warn("'a || b && c' is '(a || b) && c' here; use parentheses", at);
-      }
-      last = code;
+    while (!failed_ && Take("&&")) {
       const Index right = ComparisonLevel();
-      left = Add(code, left, right);
+      left = Add(Code::kAnd, left, right);
     }
     return left;
   }
@@ -107,8 +114,12 @@ class ScriptParser {
       const Index right = BitOrLevel();
       const Index made = Add(Code::kCompare, left, right);
       At(made).kind = static_cast<std::uint8_t>(found->second);
-      if (head) At(tail).c = made;
-      if (!head) head = made;
+      if (head) {
+        At(tail).c = made;
+        Deepen(*head, right);
+      } else {
+        head = made;
+      }
       tail = made;
       left = right;
     }
@@ -127,11 +138,19 @@ class ScriptParser {
     return left;
   }
   Index BitAndLevel() {
-    Index left = SumLevel();
+    Index left = JoinLevel();
     while (!failed_ && Peek() == '&' && Peek(1) != '&') {
       Take("&");
-      const Index right = SumLevel();
+      const Index right = JoinLevel();
       left = Add(Code::kBitAnd, left, right);
+    }
+    return left;
+  }
+  Index JoinLevel() {
+    Index left = SumLevel();
+    while (!failed_ && Take("..")) {
+      const Index right = SumLevel();
+      left = Add(Code::kJoin, left, right);
     }
     return left;
   }
@@ -205,7 +224,9 @@ class ScriptParser {
       if (code == std::errc()) size = static_cast<std::size_t>(end - rest.data());
       number = static_cast<double>(whole);
     } else {
-      const auto [end, code] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+      // The dots of "1..2" are an operator.
+      const auto* const last = rest.data() + std::min(rest.find(".."), rest.size());
+      const auto [end, code] = std::from_chars(rest.data(), last, number);
       if (code == std::errc()) size = static_cast<std::size_t>(end - rest.data());
     }
     if (size == 0 || (size < rest.size() && IsNameStart(rest[size]))) {
@@ -261,7 +282,17 @@ class ScriptParser {
 
   Index Add(Code code, Index a, Index b) {
     script_.operations_.push_back({.code = code, .a = a, .b = b});
-    return static_cast<Index>(script_.operations_.size() - 1);
+    depths_.push_back(1);
+    const auto made = static_cast<Index>(script_.operations_.size() - 1);
+    if (code > Code::kEntry) Deepen(made, a);
+    if (code > Code::kNot) Deepen(made, b);
+    return made;
+  }
+  // `inside` is evaluated within `index`.
+  void Deepen(Index index, Index inside) {
+    if (failed_) return;
+    depths_[index] = std::max(depths_[index], depths_[inside] + 1);
+    if (depths_[index] > kDeepestOperation) Fail("the expression is nested too deeply");
   }
   Script::Operation& At(Index index) {
     if (script_.operations_.empty()) Add(Code::kNumber, 0, 0);  // after an error
@@ -286,8 +317,7 @@ class ScriptParser {
     if (!failed_) found_.push_back({at_, true, std::move(what)});
     failed_ = true;
   }
-  void Warn(std::string what) { Warn(std::move(what), at_); }
-  void Warn(std::string what, std::size_t at) { found_.push_back({at, false, std::move(what)}); }
+  void Warn(std::string what) { found_.push_back({at_, false, std::move(what)}); }
 
   const std::string_view text_;
   Board& board_;
@@ -295,6 +325,7 @@ class ScriptParser {
   const bool is_condition_;
   std::vector<Script::Finding>& found_;
   Script script_;
+  std::vector<std::uint32_t> depths_;  // by operation
   std::size_t at_ = 0;
   int depth_ = 0;
   bool failed_ = false;

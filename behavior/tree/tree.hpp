@@ -55,7 +55,7 @@ class Tree {
   // One tick.
   Result<Status> TickExactlyOnce(Time now);
   // One tick, and a further one as long as a node has asked for it (Repeat, RetryUntilSuccessful,
-  // AsyncSequence), at most kMostTicksAtOnce.
+  // SequenceWithMemory, AsyncSequence), at most kMostTicksAtOnce.
   Result<Status> TickOnce(Time now);
   // Halts every running node once. An error has the path of one that threw, and what.
   Result<> Halt(Time now);
@@ -96,6 +96,7 @@ class Tree {
   Error HaltFault() const;
 
   std::string name_;
+  std::shared_ptr<const Enums> enums_;  // of the scripts
   std::vector<std::unique_ptr<Board>> boards_;
   std::vector<std::unique_ptr<Node>> nodes_;  // by id
   std::vector<NodeInfo> infos_;

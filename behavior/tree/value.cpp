@@ -3,6 +3,11 @@
 #include <array>
 
 namespace musher::tree {
+namespace {
+
+constexpr double kWholeNumbers = 0x1p63;  // below it a number may be a 64-bit integer
+
+}  // namespace
 
 Value& Value::operator=(const Value& other) {
   if (this == &other) return *this;
@@ -85,7 +90,11 @@ Result<> Value::SetTextAs(const Type& type, std::string_view text) {
 
 std::string NumberText(double number) {
   std::array<char, 40> room{};
-  const auto [end, code] = std::to_chars(room.data(), room.data() + room.size(), number);
+  // "100000" instead of "1e+05".
+  const bool whole = std::trunc(number) == number && std::abs(number) < kWholeNumbers;
+  const auto [end, code] = whole ? std::to_chars(room.data(), room.data() + room.size(), number,
+                                                 std::chars_format::fixed)
+                                 : std::to_chars(room.data(), room.data() + room.size(), number);
   return code == std::errc() ? std::string(room.data(), end) : "?";
 }
 

@@ -22,4 +22,8 @@ std::vector<std::string> Unexplained(const SourceFile& document, const SourceFil
 // Relative links of `document` to files that are not in `tree`.
 std::vector<std::string> DeadLinks(const SourceFile& document, const std::vector<SourceFile>& tree);
 
+// Tests that `document` cites as `Suite.Name` and that no file of `tree` has.
+std::vector<std::string> MissingTests(const SourceFile& document,
+                                      const std::vector<SourceFile>& tree);
+
 }  // namespace musher::house

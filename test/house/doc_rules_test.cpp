@@ -66,6 +66,14 @@ TEST(DocRules, FindLinksThatLeadNowhere) {
       << "code has no links";
 }
 
+TEST(DocRules, FindCitedTestsThatDoNotExist) {
+  const std::vector<SourceFile> tests = {
+      {"test/a_test.cpp", "TEST_F(Doors, Open) {}\nTEST(Doors,\n     Close) {}\n"}};
+  EXPECT_THAT(MissingTests(Document("`Doors.Open`, `Doors.Close`, `main.cpp`"), tests), IsEmpty());
+  EXPECT_THAT(MissingTests(Document("\n`Doors.Slam`"), tests),
+              ElementsAre("docs/guide.md:2: there is no test Doors.Slam"));
+}
+
 TEST(DocRules, FindWhatADocumentDoesNotExplain) {
   EXPECT_THAT(Unexplained(Document("`x` is a number"), kTree[0]), IsEmpty());
   EXPECT_THAT(Unexplained(Document("x is a number"), kTree[0]), SizeIs(1));

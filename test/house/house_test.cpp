@@ -155,6 +155,11 @@ TEST(House, LinksInDocumentsLeadSomewhere) {
               IsEmpty());
 }
 
+TEST(House, TestsThatDocumentsCiteExist) {
+  EXPECT_THAT(ViolationsOf(IsGuide, [](const auto& f) { return MissingTests(f, Tree()); }),
+              IsEmpty());
+}
+
 TEST(House, TheReferenceExplainsEveryConfigKey) {
   for (const char* file : {"every_key.toml", "recovery.toml", "protocols.toml"}) {
     EXPECT_THAT(Unexplained(File("docs/reference.md"),

@@ -18,7 +18,8 @@ constexpr std::array kDescriptions = {
                 "first that fails."},
     Description{"AsyncSequence", "A Sequence that returns RUNNING between two children."},
     Description{"SequenceWithMemory",
-                "A Sequence that goes on with the same child after a failure or a halt."},
+                "A Sequence that returns RUNNING between two children, and goes on with the same "
+                "child after a failure or a halt."},
     Description{"ReactiveSequence",
                 "A Sequence that begins with its first child in each tick, and halts the others "
                 "when one runs."},

@@ -66,6 +66,7 @@ class UnsetBlackboard : public Action {
  private:
   Status Do(const Tick&) override {
     key_->value.Clear();
+    key_->declared = false;
     return Status::kSuccess;
   }
   Entry* key_;

@@ -157,7 +157,7 @@ class Switch : public Control {
     return number;
   }
 
-  const Enums enums_;
+  const Enums& enums_;
   InPort<std::string> variable_;
   std::vector<InPort<std::string>> cases_;
   std::optional<std::size_t> running_;

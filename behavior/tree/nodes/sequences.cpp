@@ -153,7 +153,7 @@ void AddControls(Factory& factory) {
   using SequenceNode = InOrder<Status::kSuccess>;
   using FallbackNode = InOrder<Status::kFailure>;
   static_cast<void>(factory.Register("Sequence", Plain<SequenceNode>(false, false)));
-  static_cast<void>(factory.Register("SequenceWithMemory", Plain<SequenceNode>(true, false)));
+  static_cast<void>(factory.Register("SequenceWithMemory", Plain<SequenceNode>(true, true)));
   static_cast<void>(factory.Register("AsyncSequence", Plain<SequenceNode>(false, true)));
   static_cast<void>(factory.Register("Fallback", Plain<FallbackNode>(false, false)));
   static_cast<void>(factory.Register("AsyncFallback", Plain<FallbackNode>(false, true)));

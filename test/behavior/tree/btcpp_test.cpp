@@ -125,7 +125,7 @@ TEST_F(Btcpp, LoopsTakeTheNextValueAfterASkippedChild) {
                 3),
             "RRS a^ ");
 }
-// There 'case_1="1"' also matches "1x", and numbers that differ by less than 1e-7.
+// There numbers that differ by less than 1e-7 are equal.
 TEST_F(Btcpp, SwitchComparesWholeTextsAndEqualNumbers) {
   tree = MakeTree(Main("<Switch2 variable=\"{v}\" case_1=\"1\" case_2=\"2.0\">" + Leaf("a", "S") +
                        Leaf("b", "S") + Leaf("c", "S") + "</Switch2>"),

@@ -68,9 +68,15 @@ class Interpreter {
   }
   Status InOrder(Plain& node, Status goes_on) {
     for (; node.at < node.children.size(); ++node.at) {
+      const bool fresh = node.children[node.at].status != Status::kRunning;
       const Status status = Tick(node.children[node.at]);
       if (status == Status::kRunning) return status;
-      if (status == goes_on) continue;
+      if (status == goes_on) {
+        const bool yields = node.kind == "SequenceWithMemory" && fresh;
+        if (!yields || node.at + 1 == node.children.size()) continue;
+        ++node.at;
+        return Status::kRunning;
+      }
       if (node.kind != "SequenceWithMemory") node.at = 0;
       ResetFailed(node);
       return status;

@@ -84,12 +84,6 @@ TEST_F(Scripts, NameThePlaceOfASyntaxError) {
   EXPECT_THAT(Run(std::string(1000, '(')), testing::HasSubstr("nested too deeply"));
   EXPECT_THAT(Run(std::string(1000, '-')), testing::HasSubstr("nested too deeply"));
 }
-TEST_F(Scripts, GiveAndAndOrTheSameRank) {
-  EXPECT_EQ(Run("true || false && false"), "0");
-  ASSERT_EQ(findings.size(), 1U);
-  EXPECT_EQ(findings[0].what, "'a || b && c' is '(a || b) && c' here; use parentheses");
-}
-
 TEST_F(Scripts, ReachTheMainTreeByAnAtSign) {
   Board inner(board, false);
   Script::Parse("@x := 5", inner, enums, false, findings).Run();
