@@ -38,6 +38,7 @@ endif()
 # (its bugs 105651 and 105562). -Wno-subobject-linkage: GCC warns of a class with a member of a type in
 # an anonymous namespace unless both are in the main file, which in a unity build they are not.
 include(MusherUnity)
+include(MusherPrecompiled)
 function(musher_target target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=
@@ -48,6 +49,7 @@ function(musher_target target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${MUSHER_UNITY}
     UNITY_BUILD_BATCH_SIZE ${MUSHER_UNITY_BATCH})
   cmake_language(EVAL CODE "cmake_language(DEFER CALL musher_join_sources [[${target}]])")  # all its sources are known
+  musher_precompile(${target})
   add_dependencies(${target} musher_message_headers)
 endfunction()
 
@@ -108,22 +110,25 @@ function(musher_man_page name)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endfunction()
 
-# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s] [EACH]) makes a
+# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s] [EACH] [NIGHTLY]
+# [NIGHTLY_TESTS regex]) makes a
 # GoogleTest program and gives its suites to ctest, which starts those of high cost first. A start takes 0.05
 # to 0.5 s of a CPU and most tests take less: a process for each test doubled the time of all. EACH: one for
-# each test, of suites with tests of many seconds, which can run beside each other.
+# each test, of suites with tests of many seconds, which can run beside each other. NIGHTLY: only
+# MUSHER_NIGHTLY builds the program with `all` and gives its tests to ctest; NIGHTLY_TESTS: only the tests
+# (without EACH, suites) whose names match.
 function(musher_test name)
-  cmake_parse_arguments(ARG "EACH" "TIMEOUT;COST" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "EACH;NIGHTLY" "TIMEOUT;COST;NIGHTLY_TESTS" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   musher_target(${name})
   target_include_directories(${name} PRIVATE ${MUSHER_INCLUDE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} musher_test_support GTest::gmock_main)
-  target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)  # for ccache
-  if(NOT MUSHER_OPTIMISED_FOLDER)  # these headers are compiled with the flags of the other tests
-    target_precompile_headers(${name} REUSE_FROM musher_test_headers)
-    if(TARGET musher_test_headers_sum)
-      add_dependencies(${name} musher_test_headers_sum)
-    endif()
+  if(ARG_NIGHTLY AND NOT MUSHER_NIGHTLY)
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL TRUE)
+    return()
+  endif()
+  if(MUSHER_NIGHTLY OR NOT ARG_NIGHTLY_TESTS)
+    set(ARG_NIGHTLY_TESTS "^$")
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
@@ -135,6 +140,7 @@ function(musher_test name)
   add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${tests}
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DOUTPUT=${tests} -DEACH=${ARG_EACH}
             -DTIMEOUT=${ARG_TIMEOUT} -DCOST=${ARG_COST} "-DLABELS=${ARG_LABELS}"
+            "-DLEFT_OUT=${ARG_NIGHTLY_TESTS}"
             -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverTests.cmake)
   # A build of some targets only has no such file of the others.
   set(include ${CMAKE_CURRENT_BINARY_DIR}/${name}_include.cmake)

@@ -119,9 +119,10 @@ RecordText NotAnnounced(const std::string& actuator, const std::vector<std::stri
   std::string wrapped = R"(["musher-exec", "--")";
   for (const std::string& word : command) wrapped += ", \"" + word + "\"";
   return MakeText(EventName::kNotAnnounced,
-                  "its program runs (process {pid}) but never announced itself as actuator "
-                  "{actuator} within {within_ms} ms; wrap a program that is not a Musher module "
-                  "with musher-exec: command = {command}",
+                  "its program runs (process {pid}) but did not announce itself as actuator "
+                  "{actuator} within {within_ms} ms; if it is still starting, give its SetUp more "
+                  "time in `times`; if it is not a Musher module, wrap it with musher-exec: "
+                  "command = {command}",
                   {{"pid", pid},
                    {"actuator", actuator},
                    {"within_ms", ToMilliseconds(within)},

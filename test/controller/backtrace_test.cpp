@@ -93,22 +93,22 @@ class Backtrace : public ::testing::Test {
 
   bool Eventually(const std::function<bool()>& condition) {
     const auto tick = loop_.Every(Milliseconds(2), [] {});
-    return loop_.RunUntil(condition, loop_.Now() + std::chrono::seconds(30));
+    return loop_.RunUntil(condition, loop_.Now() + std::chrono::seconds(120));
   }
-  void Begin(pid_t pid, Duration timeout = std::chrono::seconds(30)) {
+  void Begin(pid_t pid, Duration timeout = std::chrono::seconds(120)) {
     taker_->Take(pid, timeout, [this](const Result<std::string>& result) {
       ++calls_;
       result_ = result;
     });
   }
-  Result<std::string> Take(pid_t pid, Duration timeout = std::chrono::seconds(30)) {
+  Result<std::string> Take(pid_t pid, Duration timeout = std::chrono::seconds(120)) {
     result_.reset();
     Begin(pid, timeout);
     EXPECT_FALSE(result_) << "called inside Take()";
     EXPECT_TRUE(Eventually([this] { return result_.has_value(); }));
     return result_.value_or(Error{kCodeFailed, "nothing was reported"});
   }
-  Error TakeFails(pid_t pid, Duration timeout = std::chrono::seconds(30)) {
+  Error TakeFails(pid_t pid, Duration timeout = std::chrono::seconds(120)) {
     const auto result = Take(pid, timeout);
     EXPECT_FALSE(result) << result.value();
     return result ? Error{} : result.error();
@@ -247,7 +247,7 @@ TEST_F(Backtrace, IsTakenOnceAtATimeOfAProcess) {
 
 TEST_F(Backtrace, MayDestroyItsTakerOnceItIsComplete) {
   WriteTool("eu-stack", "echo '#0'");
-  taker_->Take(hung_.pid(), std::chrono::seconds(30), [this](const Result<std::string>&) {
+  taker_->Take(hung_.pid(), std::chrono::seconds(120), [this](const Result<std::string>&) {
     taker_ = nullptr;
     ++calls_;
   });

@@ -82,7 +82,7 @@ bool ActuatorPeer::AwaitVisible() {
 
 // It accepts commands once it has received the announcement of this controller.
 bool ActuatorPeer::AwaitObedience() {
-  const Time deadline = loop_.Now() + std::chrono::seconds(20);
+  const Time deadline = loop_.Now() + std::chrono::seconds(120);
   while (loop_.Now() < deadline) {
     const Reply reply = Query();
     if (reply && reply.value().verdict == msg::ActuatorCommand::kVerdictDone) return true;
@@ -99,7 +99,7 @@ msg::ActuatorCommand::Request ActuatorPeer::Request(std::uint8_t kind) const {
   request.kind = kind;
   request.epoch = 1;
   request.number = number_;
-  request.budget_ns = Duration(std::chrono::seconds(20)).count();
+  request.budget_ns = Duration(std::chrono::seconds(120)).count();
   request.incarnation = report_.incarnation.value();
   request.status_stamp_ns = transport::ToNanoseconds(report_.stamp);
   request.since_status_ns = Duration(std::chrono::steady_clock::now() - report_at_).count();
@@ -111,14 +111,14 @@ void ActuatorPeer::Send(const State& target) {
   reply_.reset();
   auto request = Request(msg::ActuatorCommand::kKindSwitch);
   request.target = target;
-  client_->Call(request, std::chrono::seconds(60), [this](const Reply& reply) { reply_ = reply; });
+  client_->Call(request, std::chrono::seconds(180), [this](const Reply& reply) { reply_ = reply; });
 }
 
 ActuatorPeer::Reply ActuatorPeer::Query() {
   answer_.reset();
   auto request = Request(msg::ActuatorCommand::kKindAsk);
   request.stop = true;
-  client_->Call(request, std::chrono::seconds(20), [this](const Reply& reply) { answer_ = reply; });
+  client_->Call(request, std::chrono::seconds(120), [this](const Reply& reply) { answer_ = reply; });
   Until([this] { return answer_.has_value(); });
   return answer_.value();
 }

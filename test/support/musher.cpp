@@ -12,7 +12,7 @@
 namespace musher::testing {
 namespace {
 
-constexpr auto kLimit = std::chrono::seconds(20);
+constexpr auto kLimit = std::chrono::seconds(120);
 constexpr int kNoController = 3;
 
 }  // namespace

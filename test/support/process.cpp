@@ -21,8 +21,8 @@
 namespace musher::testing {
 namespace {
 
-constexpr auto kOutputLimit = std::chrono::seconds(30);  // between two pieces of output
-constexpr auto kEndLimit = std::chrono::seconds(10);
+constexpr auto kOutputLimit = std::chrono::seconds(120);  // between two pieces of output
+constexpr auto kEndLimit = std::chrono::seconds(60);
 
 // A file that goes with its last descriptor; `changes` becomes readable when it is written to.
 int OpenNamelessFile(int changes) {

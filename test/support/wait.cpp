@@ -15,7 +15,7 @@
 namespace musher::testing {
 namespace {
 
-constexpr auto kFileLimit = std::chrono::seconds(30);
+constexpr auto kFileLimit = std::chrono::seconds(120);
 
 bool AwaitChangeUntil(Time deadline, const std::string& folder,
                       const std::function<bool()>& holds) {

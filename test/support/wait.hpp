@@ -22,6 +22,6 @@ bool AwaitFile(const std::string& path);
 
 // Waits until `holds`, which is asked all the time: for a value of this process that changes
 // without an event to wait for.
-bool Until(const std::function<bool()>& holds, Duration limit = std::chrono::seconds(20));
+bool Until(const std::function<bool()>& holds, Duration limit = std::chrono::seconds(120));
 
 }  // namespace musher::testing

@@ -40,7 +40,8 @@ TEST_F(Reasons, AProgramThatIsNoModuleIsToBeWrapped) {
   EXPECT_THAT(
       note,
       AllOf(HasSubstr("its program runs (process "),
-            HasSubstr("but never announced itself as actuator voice within 400 ms"),
+            HasSubstr("but did not announce itself as actuator voice within 400 ms"),
+            HasSubstr("if it is still starting, give its SetUp more time"),
             HasSubstr("command = [\"musher-exec\", \"--\", \"tail\", \"-f\", \"/dev/null\"]")));
 }
 
