@@ -54,8 +54,12 @@ void Parts::Round(const Vector3d& at_m, const Matrix3d& turned, const Vector3d& 
 void Parts::Limb(const Vector3d& from_m, const Vector3d& to_m, double radius_m,
                  const Light3& color) {
   const Vector3d along_m = to_m - from_m;
-  const Matrix3d turned =
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), along_m).toRotationMatrix();
+  // Any frame whose x axis is along the limb, which is round. Not by FromTwoVectors() of Eigen,
+  // which solves by a decomposition that compiles for 8 s.
+  const Vector3d x = along_m.isZero() ? Vector3d(Vector3d::UnitX()) : along_m.normalized();
+  const Vector3d y = x.unitOrthogonal();
+  Matrix3d turned;
+  turned << x, y, x.cross(y);
   Round(from_m + along_m / 2, turned, {along_m.norm() / 2 + 0.6 * radius_m, radius_m, radius_m},
         color);
 }

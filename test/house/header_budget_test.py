@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""What a user's source pays for a header of Musher: its lines after the preprocessor.
+
+    header_budget_test.py COMPILER INCLUDE_FOLDER
+
+A header that grows past its budget has probably included a library that belongs in a .cpp file. Lines without
+spaces and comments, GCC 12, of which the standard library's <string>, <vector> and <functional> alone are 30,000.
+"""
+import subprocess
+import sys
+
+BUDGET_LINES = {
+    "base/result.hpp": 24_000,
+    "base/log.hpp": 24_000,
+    "base/toml/document.hpp": 27_000,
+    "base/time.hpp": 34_000,
+    "lifecycle/state.hpp": 33_000,
+    "lifecycle/config/config.hpp": 63_000,
+    "behavior/fsm/machine.hpp": 62_000,
+    "behavior/tree/tree.hpp": 74_000,
+    "transport/node.hpp": 72_000,
+    "transport/dds/dds_node.hpp": 72_000,
+    "actuator/machine_actuator.hpp": 73_000,
+    "controller/machine_controller.hpp": 73_000,
+    "application/fsm_actuator.hpp": 73_000,
+    "application/skill_actuator.hpp": 74_000,
+    "application/tree_actuator.hpp": 83_000,
+    "simulation/actuator_fault_test.hpp": 93_000,
+}
+
+
+def lines_of(header, compiler, folder):
+    source = f'#include "musher/{header}"\n'
+    run = subprocess.run([compiler, "-std=c++20", "-E", "-P", "-I", folder, "-x", "c++", "-"], input=source,
+                         capture_output=True, text=True, check=True)
+    return run.stdout.count("\n")
+
+
+def main():
+    compiler, folder = sys.argv[1:]
+    exceeded = 0
+    for header, budget in BUDGET_LINES.items():
+        lines = lines_of(header, compiler, folder)
+        print(f"{lines:7,} of {budget:7,} lines: {header}")
+        if lines > budget:
+            exceeded += 1
+            print(f"{header}: {lines:,} lines after the preprocessor, its budget is {budget:,}: "
+                  "include the new library in a .cpp file", file=sys.stderr)
+    return 1 if exceeded else 0
+
+
+sys.exit(main())
