@@ -44,6 +44,7 @@ class Journal::Writer {
   const JournalOptions options_;
   JournalFile file_;
   bool in_trouble_ = false;
+  bool removed_ = false;               // the file was, and no entry records it yet
   bool noted_ = false;                 // the state of writing is in the note beside the file
   std::optional<JournalGap> earlier_;  // that a controller before this one has left
   std::atomic<bool> wants_snapshot_ = false;
@@ -93,6 +94,14 @@ JournalEntry GapEntry(const JournalGap& gap) {
       "entries are missing before this one: the controller before this one ended while it could "
       "not write the journal, since " +
       gap.Text();
+  return entry;
+}
+
+JournalEntry RemovedEntry() {
+  JournalEntry entry = OwnEntry();
+  entry.message =
+      "entries are missing before this one: the journal's file was removed while it was written, "
+      "or another volume was mounted there";
   return entry;
 }
 
@@ -165,7 +174,7 @@ void Journal::Writer::Run() {
   Lock lock(mutex_);
   while (true) {
     WaitForWork(lock);
-    if (waiting_.empty() && lost_ == 0) return;  // stopped, and nothing to do
+    if (stop_ && waiting_.empty() && lost_ == 0) return;
     auto batch = std::exchange(waiting_, {});
     const auto lost = std::exchange(lost_, 0);
     hurry_ = false;
@@ -189,7 +198,13 @@ void Journal::Writer::WaitForWork(Lock& lock) {
   if (in_trouble_) {
     work_.wait_for(lock, options_.retry_period, [&] { return stop_ || hurry_; });
   }
-  work_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
+  const auto has_work = [&] { return stop_ || !waiting_.empty(); };
+  while (!work_.wait_for(lock, options_.look_period, has_work)) {
+    lock.unlock();
+    removed_ |= file_.CloseIfRemoved();
+    lock.lock();
+    if (removed_) return;
+  }
   gathering_ = true;
   work_.wait_for(lock, kGatherTime, [&] { return stop_ || hurry_; });
   gathering_ = false;
@@ -197,13 +212,20 @@ void Journal::Writer::WaitForWork(Lock& lock) {
 
 // Without the lock.
 bool Journal::Writer::Write(std::deque<JournalItem>& batch, std::uint64_t lost) {
-  const std::size_t own = (earlier_ ? 1 : 0) + (lost > 0 ? 1 : 0);
+  removed_ |= file_.CloseIfRemoved();
+  const std::size_t own = (earlier_ ? 1 : 0) + (removed_ ? 1 : 0) + (lost > 0 ? 1 : 0);
   if (lost > 0) batch.push_front(LostEntry(lost));
+  if (removed_) {
+    batch.push_front(RemovedEntry());
+    noted_ = false;  // its file went as well
+  }
   if (earlier_) batch.push_front(GapEntry(*earlier_));
   bool worked = true;
   try {
     const auto written = file_.Write(batch, lost);
-    if (lost > 0 || written == JournalFile::Written::kNoSnapshotLeft) wants_snapshot_ = true;
+    const bool begun = written == JournalFile::Written::kNoSnapshotLeft || removed_;
+    if (lost > 0 || begun) wants_snapshot_ = true;
+    removed_ = false;
     OnWritten();
   } catch (const std::exception& trouble) {
     OnFailed(trouble.what());

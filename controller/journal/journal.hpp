@@ -12,7 +12,8 @@
 // periodically, and after success an entry records the number of lost entries. Meanwhile a note
 // beside the file says that it lacks entries (journal_gap.hpp): if the controller ends before it
 // can write them, the next one records that. A damaged file, or one that is not a journal, is moved
-// aside as <path>.damaged-<n> and a new one is created.
+// aside as <path>.damaged-<n> and a new one is created; so is one in place of a file that was
+// removed while it was written.
 
 #include <cstddef>
 #include <cstdint>
@@ -71,6 +72,7 @@ struct JournalOptions {
   std::int64_t max_bytes = 64 << 20;  // beyond it the oldest tenth goes, up to a snapshot
   std::size_t max_waiting = 10000;    // entries and inputs
   Duration retry_period = Milliseconds(10000);
+  Duration look_period = Milliseconds(1000);  // whether the file is still at its path
   // Both run on the writer thread, with no lock held; they may Append(), but must not throw or
   // Flush(). `on_moved` receives what happened to a damaged file.
   std::function<void(const std::string&)> on_moved;

@@ -22,16 +22,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxFileSize = 64 << 10;  // bytes, of the small files here
-constexpr std::size_t kLongestText = 256;       // bytes, of who engaged a stop and why, of a host
+// Bytes of the small files here: the names and hosts of kMostActuators are 2 MiB at most.
+constexpr std::size_t kMaxFileSize = 4 << 20;
+constexpr std::size_t kLongestText = 256;  // bytes, of who engaged a stop and why, of a host
 // The stop that a damaged file counts as.
 constexpr StopId kUnknownStop = 1;
 
 std::string ReadSmall(int fd) {
-  std::string text(kMaxFileSize, '\0');
+  struct stat info {};
+  if (fstat(fd, &info) != 0) return "";
+  std::string text(std::min(kMaxFileSize, static_cast<std::size_t>(info.st_size)), '\0');
   const ssize_t size = pread(fd, text.data(), text.size(), 0);
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
   return text;
+}
+
+// Whether the path names this file.
+bool IsAt(const std::string& path, dev_t device, ino_t inode) {
+  struct stat info {};
+  return lstat(path.c_str(), &info) == 0 && info.st_dev == device && info.st_ino == inode;
+}
+
+// The lock counts, not what is in the file: on a full disk it may stay empty.
+void NameOwner(int lock, const MachineOrigin& machine) {
+  const std::string owner = std::to_string(getpid()) + " " + machine.name + "\n";
+  if (ftruncate(lock, 0) == 0) WriteAll(lock, owner);
 }
 
 std::string OneWord(std::string text) {
@@ -80,10 +95,52 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   if (recorded && !recorded->IsOf(machine, false)) return Foreign(dir, *recorded, machine, 0);
   // On a full disk it stays as it is, and the machine starts all the same.
   if (recorded != machine) static_cast<void>(SaveOrigin(dir, machine));
-  // The lock counts, not what is in the file: on a full disk it may stay empty.
-  const std::string owner = std::to_string(getpid()) + " " + machine.name + "\n";
-  if (ftruncate(lock.get(), 0) == 0) WriteAll(lock.get(), owner);
-  return StateStore(dir, std::move(lock));
+  NameOwner(lock.get(), machine);
+  return StateStore(dir, machine, std::move(lock));
+}
+
+StateStore::StateStore(std::string dir, MachineOrigin machine, UniqueFd lock)
+    : dir_(std::move(dir)), machine_(std::move(machine)), lock_(std::move(lock)) {
+  for (const std::string& path :
+       {OriginFile(dir_), EpochFile(), EmergencyStopFile(), PolicyFile(), ConfigHashFile(),
+        StopIntentFile(), RemoteActuatorsFile(), ProcessesFileIn(dir_)}) {
+    const UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    if (file.valid()) Remember(path, ReadSmall(file.get()));
+  }
+}
+
+void StateStore::Remember(const std::string& path, const std::string& content) {
+  struct stat info {};
+  if (lstat(path.c_str(), &info) != 0) info = {};
+  kept_[path] = {content, info.st_dev, info.st_ino};
+}
+
+Result<std::vector<std::string>> StateStore::SaveRemoved() {
+  std::vector<std::string> saved;
+  auto taken = TakeLockAgain();
+  if (!taken) return taken.error();
+  if (taken.value()) saved.emplace_back("controller.lock");
+  const std::map<std::string, Kept> files = kept_;
+  for (const auto& [path, kept] : files) {
+    if (IsAt(path, kept.device, kept.inode)) continue;
+    if (auto written = Replace(path, kept.content); !written) return written.error();
+    saved.push_back(fs::path(path).filename());
+  }
+  return saved;
+}
+
+// Whether the lock's file was removed: another controller could take the one that is there now.
+Result<bool> StateStore::TakeLockAgain() {
+  const std::string path = dir_ + "/controller.lock";
+  struct stat held {};
+  if (fstat(lock_.get(), &held) == 0 && IsAt(path, held.st_dev, held.st_ino)) return false;
+  if (auto made = MakePrivateFolder(fs::path(dir_) / "logs"); !made) return made.error();
+  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!lock.valid()) return SystemError("can't open " + path);
+  if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) return SystemError("can't lock " + path);
+  NameOwner(lock.get(), machine_);
+  lock_ = std::move(lock);
+  return true;
 }
 
 Result<Epoch> StateStore::LoadEpoch() const {
@@ -106,7 +163,9 @@ Result<> StateStore::SaveEpoch(Epoch epoch) {
 }
 
 Result<> StateStore::Replace(const std::string& path, const std::string& content) {
-  return ReplaceFile(path, content, {.mode = 0600});
+  auto written = ReplaceFile(path, content, {.mode = 0600});
+  if (written) Remember(path, content);
+  return written;
 }
 
 // "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; a last line "end".
@@ -156,6 +215,7 @@ StoredStops StateStore::LoadEmergencyStops() const {
 
 Result<> StateStore::SaveStopIntent(bool intended) {
   if (intended) return Replace(StopIntentFile(), "the machine is to stay down\n");
+  kept_.erase(StopIntentFile());
   const bool gone = unlink(StopIntentFile().c_str()) == 0 || errno == ENOENT;
   if (!gone || !SyncFolder(dir_)) return SystemError("can't remove " + StopIntentFile());
   return Ok();

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <future>
 
+#include "musher/base/files.hpp"
 #include "musher/test/controller/journal_fixture.hpp"
 #include "musher/test/support/wait.hpp"
 
@@ -197,6 +198,90 @@ TEST_F(JournalTrouble, OfANewerLayoutMovesTheFileAside) {
   { Journal(path_, Options()).Append(Entry(2)); }
   EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("its version is 99, not 3")));
   EXPECT_THAT(Times(Read()), ElementsAre(2));
+}
+
+// It was written into a file that no name led to any more.
+TEST_F(JournalTrouble, OfARemovedFileBeginsAnotherAndRecordsIt) {
+  Journal journal(path_, Options());
+  journal.Append(Entry(1));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  for (const char* file : {"", "-wal", "-shm"}) fs::remove(path_ + file);
+  journal.Append(Entry(2));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("was removed, or another volume was mounted")));
+  EXPECT_TRUE(journal.WantsSnapshot());
+  const auto entries = Read();
+  ASSERT_THAT(entries, SizeIs(2));
+  EXPECT_EQ(entries[0].kind, "journal");
+  EXPECT_THAT(entries[0].message, HasSubstr("the journal's file was removed"));
+  EXPECT_EQ(entries[1].wall_ns, 2);
+}
+
+TEST_F(JournalTrouble, OfARemovedFileIsNoticedWithoutAnEntry) {
+  auto options = Options();
+  options.look_period = Milliseconds(1);
+  Journal journal(path_, options);
+  journal.Append(Entry(1));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  fs::remove(path_);  // and what stands beside it is left
+  testing::Until([&] { return fs::exists(path_) && !Read().empty(); });
+  journal.Append(Entry(2));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  EXPECT_THAT(Read(), SizeIs(2));
+}
+
+TEST_F(JournalTrouble, OfAFolderThatIsReplacedLeavesTheJournalThere) {
+  const std::string folder = folder_ / "volume";
+  const std::string path = folder + "/journal.sqlite";
+  { Journal(path, Options()).Append(Entry(1)); }
+  fs::rename(folder, folder_ / "other");
+  Journal journal(path, Options());
+  journal.Append(Entry(2));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  fs::rename(folder, folder_ / "before");
+  fs::rename(folder_ / "other", folder);
+  journal.Append(Entry(3));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  const auto reading = ReadJournal(path, 0, kAll);
+  ASSERT_TRUE(reading);
+  ASSERT_THAT(reading.value().entries, SizeIs(3));
+  EXPECT_EQ(reading.value().entries[0].wall_ns, 1);
+  EXPECT_EQ(reading.value().entries[2].wall_ns, 3);
+}
+
+// With one wrong byte of the schema nothing was written any more.
+TEST_F(JournalTrouble, OfOneWrongByteOfTheHeaderOrTheSchemaIsOver) {
+  { Journal(path_, Options()).Append(Entry(1)); }
+  const std::string whole = ReadFile(path_);
+  ASSERT_GT(whole.size(), 4096U);
+  for (std::size_t at = 0; at < 4096; ++at) {
+    if (at > 120 && whole[at] == '\0') continue;  // not used
+    for (const char* companion : {"-wal", "-shm"}) fs::remove(path_ + companion);
+    std::string wrong = whole;
+    wrong[at] = static_cast<char>(wrong[at] ^ 1);
+    ASSERT_TRUE(WriteFile(path_, wrong));
+    Journal journal(path_, Options());
+    journal.Append(Entry(2));
+    ASSERT_TRUE(journal.Flush(kFlushTimeout)) << "byte " << at << ": " << Troubles().back();
+    const auto reading = ReadJournal(path_, 2, kAll);
+    ASSERT_TRUE(reading) << "byte " << at << ": " << reading.error().message;
+    ASSERT_THAT(reading.value().entries, SizeIs(1)) << "byte " << at;
+  }
+}
+
+TEST_F(JournalTrouble, OfDamagedPagesIsNoticedAtTheStart) {
+  {
+    Journal journal(path_, Options());
+    for (std::int64_t time = 1; time <= 500; ++time) {
+      journal.Append(Entry(time, std::string(200, 'x')));
+    }
+  }
+  const std::string whole = ReadFile(path_);
+  const std::size_t middle = whole.size() / 2 / 4096 * 4096;
+  ASSERT_TRUE(WriteFile(path_, std::string(whole).replace(middle, 4096, 4096, '\xa5')));
+  { Journal(path_, Options()).Append(Entry(1000)); }
+  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("quick_check: ")));
+  EXPECT_THAT(Times(Read()), ElementsAre(1000));
 }
 
 }  // namespace musher::journal_trouble_test
