@@ -163,8 +163,12 @@ void JournalFile::Open() {
   if (database_) return;
   std::error_code ignored;  // opening the file reports the error
   fs::create_directories(fs::path(path_).parent_path(), ignored);
+  // SQLite accepts no link in any part of the path then.
+  const fs::path folder = fs::canonical(fs::path(path_).parent_path(), ignored);
+  if (folder.empty()) throw Trouble(path_ + ": its folder does not exist");
   auto database = std::make_unique<SQLite::Database>(
-      path_, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kBusyTimeoutMs);
+      folder / fs::path(path_).filename(),
+      SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE | SQLITE_OPEN_NOFOLLOW, kBusyTimeoutMs);
   EnsureSchema(*database);  // first: a file that is not a journal must not be changed
   if (!std::exchange(checked_, true)) QuickCheck(*database);
   database->exec("PRAGMA journal_mode = WAL");
@@ -195,6 +199,10 @@ void JournalFile::QuickCheck(SQLite::Database& database) {
   }
   sqlite3_progress_handler(database.getHandle(), 0, nullptr, nullptr);
   if (found != "ok") throw Damaged("quick_check: " + found);
+}
+
+void JournalFile::Close() {
+  database_.reset();
 }
 
 bool JournalFile::CloseIfRemoved() {

@@ -31,6 +31,8 @@ class JournalFile {
               std::function<void(const std::string&)> on_moved);
   ~JournalFile();
 
+  void Close();
+
   // Whether the open file is no longer at its path: it was removed, or another volume is mounted
   // there. It is then closed, and the next Write() opens or creates the one at the path.
   bool CloseIfRemoved();

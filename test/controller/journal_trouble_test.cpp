@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
@@ -12,8 +14,10 @@
 #include <future>
 
 #include "musher/base/files.hpp"
+#include "musher/controller/journal/history_reader.hpp"
 #include "musher/test/controller/journal_fixture.hpp"
 #include "musher/test/support/wait.hpp"
+#include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::journal_trouble_test {
 
@@ -282,6 +286,53 @@ TEST_F(JournalTrouble, OfDamagedPagesIsNoticedAtTheStart) {
   { Journal(path_, Options()).Append(Entry(1000)); }
   EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("quick_check: ")));
   EXPECT_THAT(Times(Read()), ElementsAre(1000));
+}
+
+// A file that the kernel does not open, as on a disk that does not answer: until it is released.
+class Hanging {
+ public:
+  explicit Hanging(std::string path) : path_(std::move(path)) {
+    EXPECT_EQ(mkfifo(path_.c_str(), 0600), 0);
+  }
+  Hanging(const Hanging&) = delete;
+  Hanging& operator=(const Hanging&) = delete;
+  // What waits in open() continues.
+  ~Hanging() {
+    const int file = open(path_.c_str(), O_RDWR | O_NONBLOCK);
+    unlink(path_.c_str());
+    close(file);
+  }
+
+ private:
+  const std::string path_;
+};
+
+TEST_F(JournalTrouble, OfADiskThatDoesNotAnswerDoesNotHoldTheEnd) {
+  const Hanging note(path_ + ".gap");
+  auto options = Options();
+  options.stop_timeout = Milliseconds(10);
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    Journal journal(path_, options);
+    journal.Append(Entry(1));
+    EXPECT_FALSE(journal.Flush(Milliseconds(10)));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, kFlushTimeout);
+}
+
+TEST_F(JournalTrouble, OfADiskThatDoesNotAnswerDoesNotHoldTheEndOfAReader) {
+  Journal journal(path_, Options());
+  journal.Append(Entry(1));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  fs::remove(path_);
+  const Hanging file(path_);
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    transport::LinuxEventLoop loop;
+    HistoryReader reader(loop, journal);
+    reader.Read(0, kAll, [](const auto&) { ADD_FAILURE() << "it is over"; });
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, kFlushTimeout);
 }
 
 }  // namespace musher::journal_trouble_test
