@@ -15,6 +15,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/controller/storage/private_folder.hpp"
 
 namespace musher {
@@ -49,6 +50,13 @@ void NameOwner(int lock, const MachineOrigin& machine) {
   if (ftruncate(lock, 0) == 0) WriteAll(lock, owner);
 }
 
+// Only this user may change what is in them: see CheckOwnFolder().
+Result<> MakeFolders(const std::string& dir) {
+  if (auto own = CheckOwnFolder(dir); !own) return own;
+  if (auto made = MakePrivateFolder(fs::path(dir) / "logs"); !made) return made;
+  return CheckOwnFolder(dir + "/logs");
+}
+
 std::string OneWord(std::string text) {
   std::erase_if(text, [](unsigned char c) { return c <= ' '; });
   return text.substr(0, kLongestText);
@@ -76,9 +84,9 @@ Error Foreign(const std::string& dir, const MachineOrigin& recorded, const Machi
 }  // namespace
 
 Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin& machine) {
-  if (auto made = MakePrivateFolder(fs::path(dir) / "logs"); !made) return made.error();
+  if (auto made = MakeFolders(dir); !made) return made.error();
   const std::string path = dir + "/controller.lock";
-  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (!lock.valid()) return SystemError("can't open " + path);
   if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return SystemError("can't lock " + path);
@@ -104,7 +112,7 @@ StateStore::StateStore(std::string dir, MachineOrigin machine, UniqueFd lock)
   for (const std::string& path :
        {OriginFile(dir_), EpochFile(), EmergencyStopFile(), PolicyFile(), ConfigHashFile(),
         StopIntentFile(), RemoteActuatorsFile(), ProcessesFileIn(dir_)}) {
-    const UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    const UniqueFd file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
     if (file.valid()) Remember(path, ReadSmall(file.get()));
   }
 }
@@ -134,8 +142,8 @@ Result<bool> StateStore::TakeLockAgain() {
   const std::string path = dir_ + "/controller.lock";
   struct stat held {};
   if (fstat(lock_.get(), &held) == 0 && IsAt(path, held.st_dev, held.st_ino)) return false;
-  if (auto made = MakePrivateFolder(fs::path(dir_) / "logs"); !made) return made.error();
-  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (auto made = MakeFolders(dir_); !made) return made.error();
+  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (!lock.valid()) return SystemError("can't open " + path);
   if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) return SystemError("can't lock " + path);
   NameOwner(lock.get(), machine_);
@@ -144,7 +152,7 @@ Result<bool> StateStore::TakeLockAgain() {
 }
 
 Result<Epoch> StateStore::LoadEpoch() const {
-  const UniqueFd file(open(EpochFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(EpochFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   if (!file.valid()) {
     if (errno == ENOENT) return Epoch();
     return SystemError("can't read " + EpochFile());
@@ -186,7 +194,7 @@ Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
 // A file that cannot be read counts as an engaged stop: that is the safe side.
 StoredStops StateStore::LoadEmergencyStops() const {
   StoredStops damaged{{{kUnknownStop, "", "its file was damaged"}}, {}};
-  const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   if (!file.valid()) return errno == ENOENT ? StoredStops{} : damaged;
   std::istringstream text(ReadSmall(file.get()));
   StoredStops stops;
@@ -236,7 +244,7 @@ Result<> StateStore::SaveRemoteActuators(const std::vector<RemoteActuator>& actu
 }
 
 std::vector<RemoteActuator> StateStore::LoadRemoteActuators(const std::string& host) const {
-  const UniqueFd file(open(RemoteActuatorsFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(RemoteActuatorsFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   std::istringstream lines(file.valid() ? ReadSmall(file.get()) : "");
   std::vector<RemoteActuator> actuators;
   std::string boot_then;  // of this computer
@@ -270,7 +278,7 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
 
 StoredPolicy StateStore::LoadPolicy() const {
   StoredPolicy policy;
-  const UniqueFd file(open(PolicyFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(PolicyFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
   for (std::string word; text >> word;) {
     std::string from;
@@ -290,7 +298,7 @@ Result<> StateStore::SaveConfigHash(const std::string& hash) {
 }
 
 std::string StateStore::LoadConfigHash() const {
-  const UniqueFd file(open(ConfigHashFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(ConfigHashFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   const std::string text = file.valid() ? ReadSmall(file.get()) : "";
   return text.substr(0, text.find('\n'));
 }
@@ -302,12 +310,12 @@ Result<> StateStore::SaveChildren(const std::vector<ChildProcess>& children,
 
 std::vector<ChildProcess> StateStore::LoadChildren(const std::string& dir,
                                                    const std::string& host) {
-  const UniqueFd file(open(ProcessesFileIn(dir).c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(ProcessesFileIn(dir).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   return ChildrenFrom(file.valid() ? ReadSmall(file.get()) : "", host);
 }
 
 pid_t StateStore::OwnerOf(const std::string& dir) {
-  const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   const std::string text = lock.valid() ? ReadSmall(lock.get()) : "";
   pid_t owner = 0;
   std::from_chars(text.data(), text.data() + text.size(), owner);

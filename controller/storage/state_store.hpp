@@ -44,7 +44,8 @@ inline std::string ControllerLogFile(const MachineConfig& config) {
 class StateStore {
  public:
   // Makes the folder (only for its owner) and takes the lock. Fails
-  //   - with kCodePermissionDenied if the folder belongs to another machine, with its name: exit;
+  //   - with kCodePermissionDenied if the folder belongs to another machine, with its name, or if
+  //     another user may change what is in it: exit;
   //   - with kCodeTargetBusy if a running controller of this machine has the lock, with its name:
   //     exit;
   //   - with kCodeFailed on a disk error: a controller may continue without a store, with the epoch

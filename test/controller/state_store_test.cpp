@@ -11,6 +11,7 @@
 #include <fstream>
 #include <optional>
 
+#include "musher/base/files.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::state_store_test {
@@ -311,6 +312,34 @@ TEST_F(Store, LoadsTheProcessesAndHostsOfTheLargestMachine) {
   EXPECT_EQ(store.LoadRemoteActuators("here/1").size(), remote.size());
   ASSERT_TRUE(store.SaveChildren(children, "here/1"));
   EXPECT_EQ(StateStore::LoadChildren(dir_, "here/1").size(), children.size());
+}
+
+TEST_F(Store, IsNotOpenedInAFolderThatOthersCanChange) {
+  fs::create_directories(dir_);
+  ASSERT_EQ(chmod(dir_.c_str(), 0777), 0);
+  const auto store = StateStore::Open(dir_, robot_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, kCodePermissionDenied) << "the controller ends";
+  EXPECT_THAT(store.error().message, HasSubstr("is writable for all users"));
+}
+
+// As another user could have left them before the folder became ours.
+TEST_F(Store, FollowsNoLinks) {
+  const std::string target = folder_ / "target";
+  ASSERT_TRUE(WriteFile(target, "of root"));
+  fs::create_directories(dir_);
+  for (const char* name : {"epoch", "epoch.new", "machine", "emergency_stop"}) {
+    fs::create_symlink(target, fs::path(dir_) / name);
+  }
+  StateStore store = MustOpen();
+  EXPECT_EQ(store.LoadEmergencyStops().engaged.size(), 1U) << "a damaged file counts as a stop";
+  static_cast<void>(store.SaveEpoch(7));  // it fails, or replaces the links
+  static_cast<void>(store.SaveEmergencyStops({}));
+  EXPECT_EQ(ReadFile(target), "of root");
+  fs::remove(dir_ + "/controller.lock");
+  fs::create_symlink(target, dir_ + "/controller.lock");
+  EXPECT_FALSE(StateStore::Open(dir_, robot_));
+  EXPECT_EQ(ReadFile(target), "of root");
 }
 
 }  // namespace musher::state_store_test
