@@ -53,7 +53,8 @@ Result<> ReplaceFile(const std::string& path, std::string_view content,
     unlink(draft.c_str());
     return error;
   };
-  UniqueFd file(open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, options.mode));
+  UniqueFd file(
+      open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, options.mode));
   if (!file.valid() || !WriteAll(file.get(), content)) return failed();
   if (options.synced && fsync(file.get()) != 0) return failed();
   if (!file.Close() || rename(draft.c_str(), path.c_str()) != 0) return failed();

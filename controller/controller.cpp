@@ -9,6 +9,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -41,6 +42,8 @@ Error NoFolder() {
 // An actuator that holds its name on this host has latched a status, which arrives soon.
 constexpr Duration kStatusWithin = Milliseconds(1000);
 constexpr Duration kStatusPollPeriod = Milliseconds(5);
+// As often as the logs.
+constexpr Duration kCheckFolderPeriod = Milliseconds(1000);
 }  // namespace
 
 Controller::Controller(transport::Node& node, int domain_id, const MachineConfig& config,
@@ -362,7 +365,33 @@ void Controller::Begin() {
     begin.remote = store_->LoadRemoteActuators(HostId());
   }
   shell_->Begin(std::move(begin), children);
-  if (!store_) shell_->OnJournalWritten(NoFolder());
+  if (!store_) return shell_->OnJournalWritten(NoFolder());
+  check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });
+}
+
+// The state folder may be removed under a running machine, or another volume mounted over it.
+void Controller::CheckFolder() {
+  const auto saved = std::make_shared<std::vector<std::string>>();
+  disk_.Do(
+      "state folder",
+      [store = store_, saved]() -> Result<> {
+        auto removed = store->SaveRemoved();
+        if (!removed) return removed.error();
+        *saved = std::move(removed).value();
+        return Ok();
+      },
+      [this, saved](const Result<>& checked) {
+        const std::string in = " in " + config_.state_dir;
+        if (!checked) {
+          Trouble("files that were removed" + in +
+                  " cannot be saved again: " + checked.error().message);
+        } else if (!saved->empty()) {
+          Trouble(Joined(*saved) + in + " had been removed; saved again");
+          shell_->Remark(kCodeFailed, Joined(*saved) + in +
+                                          " had been removed, or another volume was mounted "
+                                          "there; saved again");
+        }
+      });
 }
 
 Epoch Controller::LoadEpoch() {

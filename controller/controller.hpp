@@ -74,6 +74,7 @@ class Controller {
   Result<> OpenShell();
   Result<> OpenServices();
   Result<> OpenExtensions();
+  void CheckFolder();
   MachineOrigin Origin() const;
   Result<> MayTakeOver(pid_t controller) const;
   void BeginAfter(Duration listen);
@@ -111,6 +112,7 @@ class Controller {
   std::unique_ptr<Ros2Tools> ros2_tools_;                       // null unless this controller leads
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   transport::LoopHandlePtr begin_later_;
+  transport::LoopHandlePtr check_folder_;  // periodically, from the beginning of the machine on
   std::vector<transport::LoopHandlePtr> kill_later_;  // for processes that the config does not list
 };
 

@@ -43,6 +43,7 @@ struct EstopReport {
   bool knows_origin = false;  // … with its origin and reason, unless these were lost earlier
   std::optional<Earlier> earlier;
   std::vector<Actuator> actuators;
+  std::string silent_controller;  // of this host: why it does not answer, and what to do
 
   std::vector<std::string> Missing() const;  // the actuators that are not stopped
   // Every actuator that can latch the stop has: no need to wait longer.

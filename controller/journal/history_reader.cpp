@@ -1,6 +1,9 @@
 #include "musher/controller/journal/history_reader.hpp"
 
 #include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "musher/base/words.hpp"
@@ -10,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 16;
 constexpr Duration kFlushTimeout = std::chrono::seconds(1);
+constexpr Duration kEndTimeout = std::chrono::seconds(2);  // of the destructor
 
 std::string DescribeGap(const UnwrittenEntries& unwritten) {
   if (!unwritten.gap) return "the disk is slow: the newest entries may be missing";
@@ -20,6 +24,24 @@ std::string DescribeGap(const UnwrittenEntries& unwritten) {
 }
 
 }  // namespace
+
+struct HistoryReader::Shared {
+  std::mutex mutex;
+  std::condition_variable ended;
+  transport::EventLoop* loop = nullptr;  // none once the reader is destroyed
+  bool reading = false;
+};
+
+HistoryReader::HistoryReader(transport::EventLoop& loop, const Journal& journal)
+    : loop_(loop), journal_(journal.access()), shared_(std::make_shared<Shared>()) {
+  shared_->loop = &loop;
+}
+
+HistoryReader::~HistoryReader() {
+  std::unique_lock lock(shared_->mutex);
+  shared_->ended.wait_for(lock, kEndTimeout, [this] { return !shared_->reading; });
+  shared_->loop = nullptr;
+}
 
 Result<JournalReading> WithUnwritten(Result<JournalReading> reading,
                                      const UnwrittenEntries& unwritten, std::int64_t since_wall_ns,
@@ -51,21 +73,31 @@ void HistoryReader::Read(std::int64_t since_wall_ns, std::size_t limit, OnHistor
 
 void HistoryReader::ReadNext() {
   const Request& next = requests_.front();
-  thread_ = std::jthread(
-      [this, since = next.since_wall_ns, limit = next.limit, alive = std::weak_ptr<bool>(alive_)] {
-        const bool written = journal_.Flush(kFlushTimeout);
-        auto reading = ReadJournal(journal_.path(), since, limit);
-        if (!written) {
-          reading = WithUnwritten(std::move(reading), journal_.Unwritten(), since, limit);
-        }
-        loop_.Post([this, alive, reading = std::move(reading)] {
-          if (alive.expired()) return;
-          const OnHistory done = std::move(requests_.front().done);
-          requests_.pop_front();
-          if (!requests_.empty()) ReadNext();
-          done(reading);
-        });
-      });
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->reading = true;
+  }
+  std::thread([this, shared = shared_, journal = journal_, since = next.since_wall_ns,
+               limit = next.limit] {
+    const bool written = journal.Flush(kFlushTimeout);
+    auto reading = ReadJournal(journal.path(), since, limit);
+    if (!written) reading = WithUnwritten(std::move(reading), journal.Unwritten(), since, limit);
+    const std::lock_guard lock(shared->mutex);
+    shared->reading = false;
+    shared->ended.notify_all();
+    if (shared->loop == nullptr) return;
+    shared->loop->Post([this, weak = std::weak_ptr(shared), reading = std::move(reading)] {
+      const auto alive = weak.lock();
+      if (alive && alive->loop != nullptr) OnRead(reading);
+    });
+  }).detach();
+}
+
+void HistoryReader::OnRead(const Result<JournalReading>& reading) {
+  const OnHistory done = std::move(requests_.front().done);
+  requests_.pop_front();
+  if (!requests_.empty()) ReadNext();
+  done(reading);
 }
 
 }  // namespace musher

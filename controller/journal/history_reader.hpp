@@ -9,7 +9,6 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include <thread>
 
 #include "musher/controller/journal/journal.hpp"
 #include "musher/controller/journal/journal_reader.hpp"
@@ -31,8 +30,12 @@ Result<JournalReading> WithUnwritten(Result<JournalReading> reading,
 
 class HistoryReader {
  public:
-  // Both must outlive it. The destructor waits for the running read; no `done` runs after it.
-  HistoryReader(transport::EventLoop& loop, Journal& journal) : loop_(loop), journal_(journal) {}
+  // The loop must outlive it. No `done` runs after the destructor, which waits for a read under
+  // way, but not for a disk that does not answer.
+  HistoryReader(transport::EventLoop& loop, const Journal& journal);
+  ~HistoryReader();
+  HistoryReader(const HistoryReader&) = delete;
+  HistoryReader& operator=(const HistoryReader&) = delete;
 
   // See ReadHistory. Fails with kCodeTargetBusy if too many requests wait.
   void Read(std::int64_t since_wall_ns, std::size_t limit, OnHistory done);
@@ -43,13 +46,14 @@ class HistoryReader {
     std::size_t limit = 0;
     OnHistory done;
   };
+  struct Shared;  // with the thread
   void ReadNext();
+  void OnRead(const Result<JournalReading>& reading);
 
   transport::EventLoop& loop_;
-  Journal& journal_;
+  const Journal::Access journal_;
   std::deque<Request> requests_;  // the first one is being read
-  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
-  std::jthread thread_;
+  const std::shared_ptr<Shared> shared_;
 };
 
 }  // namespace musher

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <mutex>
 #include <thread>
+#include <type_traits>
 #include <utility>
 
 #include "musher/controller/journal/journal_file.hpp"
@@ -22,7 +23,11 @@ namespace musher {
 class Journal::Writer {
  public:
   Writer(std::string path, JournalOptions options);
-  ~Writer();
+
+  static void Start(const std::shared_ptr<Writer>& writer);
+  // Ends the thread, but waits only `stop_timeout` for it. No callback runs after it.
+  void Stop();
+  const std::string& path() const { return path_; }
 
   void Append(JournalItem item) noexcept;
   bool WantsSnapshot() noexcept { return wants_snapshot_.exchange(false); }
@@ -33,6 +38,10 @@ class Journal::Writer {
   using Lock = std::unique_lock<std::mutex>;
 
   void Run();
+  void WriteUntilStopped();
+  template <typename... Arguments>
+  void Notify(std::function<void(Arguments...)> JournalOptions::*callback,
+              const std::type_identity_t<Arguments>&... arguments);
   void WaitForWork(Lock& lock);
   bool Write(std::deque<JournalItem>& batch, std::uint64_t lost);
   void OnWritten();
@@ -41,9 +50,11 @@ class Journal::Writer {
   void DropOldest();
 
   const std::string path_;
-  const JournalOptions options_;
+  JournalOptions options_;
+  std::mutex callbacks_;  // of the options: held while one runs
   JournalFile file_;
   bool in_trouble_ = false;
+  bool removed_ = false;               // the file was, and no entry records it yet
   bool noted_ = false;                 // the state of writing is in the note beside the file
   std::optional<JournalGap> earlier_;  // that a controller before this one has left
   std::atomic<bool> wants_snapshot_ = false;
@@ -59,9 +70,8 @@ class Journal::Writer {
   std::optional<JournalGap> gap_;  // while writing fails
   bool hurry_ = false;             // try now, before the retry period is over
   bool stop_ = false;
+  bool ended_ = false;
   bool gathering_ = false;  // the writer needs no notification of more entries
-
-  std::thread thread_;  // last: it uses all of the above
 };
 
 namespace {
@@ -96,6 +106,14 @@ JournalEntry GapEntry(const JournalGap& gap) {
   return entry;
 }
 
+JournalEntry RemovedEntry() {
+  JournalEntry entry = OwnEntry();
+  entry.message =
+      "entries are missing before this one: the journal's file was removed while it was written, "
+      "or another volume was mounted there";
+  return entry;
+}
+
 JournalEntry LostEntry(std::uint64_t lost) {
   JournalEntry entry = OwnEntry();
   entry.message =
@@ -104,36 +122,41 @@ JournalEntry LostEntry(std::uint64_t lost) {
   return entry;
 }
 
-// Starts a thread that no signal is delivered to.
-template <typename Work>
-std::thread StartQuietThread(Work work) {
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread thread(std::move(work));
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread;
-}
-
 }  // namespace
 
 Journal::Writer::Writer(std::string path, JournalOptions options)
     : path_(std::move(path)),
       options_(std::move(options)),
       file_(path_, options_.max_bytes,
-            [this](const auto& text) {
-              if (options_.on_moved) options_.on_moved("journal: " + text);
-            }),
-      thread_(StartQuietThread([this] { Run(); })) {}
+            [this](const auto& text) { Notify(&JournalOptions::on_moved, "journal: " + text); }) {}
 
-Journal::Writer::~Writer() {
+// No signal is delivered to the thread.
+void Journal::Writer::Start(const std::shared_ptr<Writer>& writer) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread([writer] { writer->Run(); }).detach();
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+void Journal::Writer::Stop() {
   {
-    const Lock lock(mutex_);
+    Lock lock(mutex_);
     stop_ = true;
+    work_.notify_one();
+    attempted_.wait_for(lock, options_.stop_timeout, [this] { return ended_; });
   }
-  work_.notify_one();
-  thread_.join();
+  const std::lock_guard lock(callbacks_);
+  options_.on_moved = nullptr;
+  options_.on_writing = nullptr;
+}
+
+template <typename... Arguments>
+void Journal::Writer::Notify(std::function<void(Arguments...)> JournalOptions::*callback,
+                             const std::type_identity_t<Arguments>&... arguments) {
+  const std::lock_guard lock(callbacks_);
+  if (options_.*callback) (options_.*callback)(arguments...);
 }
 
 void Journal::Writer::Append(JournalItem item) noexcept {
@@ -160,12 +183,20 @@ bool Journal::Writer::Flush(Duration timeout) {
 }
 
 void Journal::Writer::Run() {
+  WriteUntilStopped();
+  file_.Close();
+  const Lock lock(mutex_);
+  ended_ = true;
+  attempted_.notify_all();
+}
+
+void Journal::Writer::WriteUntilStopped() {
   setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread; unchanged if not permitted
   earlier_ = ReadGap(path_);
   Lock lock(mutex_);
   while (true) {
     WaitForWork(lock);
-    if (waiting_.empty() && lost_ == 0) return;  // stopped, and nothing to do
+    if (stop_ && waiting_.empty() && lost_ == 0) return;
     auto batch = std::exchange(waiting_, {});
     const auto lost = std::exchange(lost_, 0);
     hurry_ = false;
@@ -189,7 +220,13 @@ void Journal::Writer::WaitForWork(Lock& lock) {
   if (in_trouble_) {
     work_.wait_for(lock, options_.retry_period, [&] { return stop_ || hurry_; });
   }
-  work_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
+  const auto has_work = [&] { return stop_ || !waiting_.empty(); };
+  while (!work_.wait_for(lock, options_.look_period, has_work)) {
+    lock.unlock();
+    removed_ |= file_.CloseIfRemoved();
+    lock.lock();
+    if (removed_) return;
+  }
   gathering_ = true;
   work_.wait_for(lock, kGatherTime, [&] { return stop_ || hurry_; });
   gathering_ = false;
@@ -197,13 +234,20 @@ void Journal::Writer::WaitForWork(Lock& lock) {
 
 // Without the lock.
 bool Journal::Writer::Write(std::deque<JournalItem>& batch, std::uint64_t lost) {
-  const std::size_t own = (earlier_ ? 1 : 0) + (lost > 0 ? 1 : 0);
+  removed_ |= file_.CloseIfRemoved();
+  const std::size_t own = (earlier_ ? 1 : 0) + (removed_ ? 1 : 0) + (lost > 0 ? 1 : 0);
   if (lost > 0) batch.push_front(LostEntry(lost));
+  if (removed_) {
+    batch.push_front(RemovedEntry());
+    noted_ = false;  // its file went as well
+  }
   if (earlier_) batch.push_front(GapEntry(*earlier_));
   bool worked = true;
   try {
     const auto written = file_.Write(batch, lost);
-    if (lost > 0 || written == JournalFile::Written::kNoSnapshotLeft) wants_snapshot_ = true;
+    const bool begun = written == JournalFile::Written::kNoSnapshotLeft || removed_;
+    if (lost > 0 || begun) wants_snapshot_ = true;
+    removed_ = false;
     OnWritten();
   } catch (const std::exception& trouble) {
     OnFailed(trouble.what());
@@ -222,7 +266,7 @@ void Journal::Writer::OnWritten() {
     const Lock lock(mutex_);
     gap_.reset();
   }
-  if (options_.on_writing) options_.on_writing(Ok());
+  Notify(&JournalOptions::on_writing, Ok());
 }
 
 void Journal::Writer::OnFailed(const std::string& why) {
@@ -234,7 +278,7 @@ void Journal::Writer::OnFailed(const std::string& why) {
     const Lock lock(mutex_);
     gap_ = gap;
   }
-  if (options_.on_writing) options_.on_writing(Error{kCodeFailed, why});
+  Notify(&JournalOptions::on_writing, Error{kCodeFailed, why});
 }
 
 UnwrittenEntries Journal::Writer::Unwritten() {
@@ -260,10 +304,26 @@ void Journal::Writer::DropOldest() {
   }
 }
 
-Journal::Journal(std::string path, JournalOptions options)
-    : path_(std::move(path)), writer_(std::make_unique<Writer>(path_, std::move(options))) {}
+const std::string& Journal::Access::path() const {
+  return writer_->path();
+}
 
-Journal::~Journal() = default;
+bool Journal::Access::Flush(Duration timeout) const {
+  return writer_->Flush(timeout);
+}
+
+UnwrittenEntries Journal::Access::Unwritten() const {
+  return writer_->Unwritten();
+}
+
+Journal::Journal(std::string path, JournalOptions options)
+    : path_(std::move(path)), writer_(std::make_shared<Writer>(path_, std::move(options))) {
+  Writer::Start(writer_);
+}
+
+Journal::~Journal() {
+  writer_->Stop();
+}
 
 void Journal::Append(JournalItem item) noexcept {
   writer_->Append(std::move(item));
@@ -271,14 +331,6 @@ void Journal::Append(JournalItem item) noexcept {
 
 bool Journal::WantsSnapshot() noexcept {
   return writer_->WantsSnapshot();
-}
-
-bool Journal::Flush(Duration timeout) {
-  return writer_->Flush(timeout);
-}
-
-UnwrittenEntries Journal::Unwritten() const {
-  return writer_->Unwritten();
 }
 
 }  // namespace musher

@@ -12,7 +12,8 @@
 // periodically, and after success an entry records the number of lost entries. Meanwhile a note
 // beside the file says that it lacks entries (journal_gap.hpp): if the controller ends before it
 // can write them, the next one records that. A damaged file, or one that is not a journal, is moved
-// aside as <path>.damaged-<n> and a new one is created.
+// aside as <path>.damaged-<n> and a new one is created; so is one in place of a file that was
+// removed while it was written.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +21,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -71,6 +73,8 @@ struct JournalOptions {
   std::int64_t max_bytes = 64 << 20;  // beyond it the oldest tenth goes, up to a snapshot
   std::size_t max_waiting = 10000;    // entries and inputs
   Duration retry_period = Milliseconds(10000);
+  Duration look_period = Milliseconds(1000);   // whether the file is still at its path
+  Duration stop_timeout = Milliseconds(5000);  // of the destructor, on a disk that does not answer
   // Both run on the writer thread, with no lock held; they may Append(), but must not throw or
   // Flush(). `on_moved` receives what happened to a damaged file.
   std::function<void(const std::string&)> on_moved;
@@ -86,11 +90,26 @@ struct UnwrittenEntries {
 };
 
 class Journal : public JournalSink {
+  class Writer;
+
  public:
+  // For a thread that reads the file; also after the journal is destroyed. From any thread.
+  class Access {
+   public:
+    explicit Access(std::shared_ptr<Writer> writer) : writer_(std::move(writer)) {}
+    const std::string& path() const;
+    bool Flush(Duration timeout) const;  // as Journal::Flush()
+    UnwrittenEntries Unwritten() const;  // as Journal::Unwritten()
+
+   private:
+    std::shared_ptr<Writer> writer_;
+  };
+
   // Opens nothing itself: the writer thread opens the file and creates it, with its folder if
   // needed.
   Journal(std::string path, JournalOptions options);
-  // Tries once more to write the queued items.
+  // Tries once more to write the queued items. A writer that a disk holds for longer than
+  // `stop_timeout` is left to itself; no callback runs any more.
   ~Journal() override;
 
   Journal(const Journal&) = delete;
@@ -105,14 +124,14 @@ class Journal : public JournalSink {
   // Waits until everything appended before is written, at most `timeout`; returns whether it is. In
   // trouble it makes the writer retry at once and returns after that attempt. From any thread
   // except the loop's, which must not wait for a disk while the robot runs.
-  bool Flush(Duration timeout);
+  bool Flush(Duration timeout) { return access().Flush(timeout); }
   // After a Flush() in vain. Without the entries of a write that is under way. From any thread.
-  UnwrittenEntries Unwritten() const;
+  UnwrittenEntries Unwritten() const { return access().Unwritten(); }
+  Access access() const { return Access(writer_); }
 
  private:
-  class Writer;
   const std::string path_;
-  std::unique_ptr<Writer> writer_;
+  const std::shared_ptr<Writer> writer_;  // shared with its thread
 };
 
 }  // namespace musher

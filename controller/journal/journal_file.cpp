@@ -3,8 +3,11 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <SQLiteCpp/VariadicBind.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <utility>
 #include <variant>
@@ -24,15 +27,34 @@ struct Damaged : JournalFile::Trouble {
 
 constexpr int kBusyTimeoutMs =
     1000;  // a reader that recovers the file after a crash locks it shortly
+constexpr Duration kQuickCheckWithin = Milliseconds(1000);
+constexpr int kStepsBetweenLooks = 1000;  // of SQLite's virtual machine
+
+// Errors that a whole file does not give: the statements are always the same, so that even one that
+// cannot be prepared, or violates a constraint, shows a damaged schema.
+bool MeansDamage(int code) {
+  switch (code & 0xff) {
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+    case SQLITE_ERROR:
+    case SQLITE_CONSTRAINT:
+    case SQLITE_MISMATCH:
+      return true;
+    default:
+      return false;
+  }
+}
 
 // Runs `work` with SQLite's exceptions sorted into Damaged and the rest.
 template <typename Work>
-void Sorted(Work work) {
+void Sorted(const std::string& path, Work work) {
   try {
     work();
   } catch (const SQLite::Exception& e) {
-    const int code = e.getErrorCode() & 0xff;
-    if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) throw Damaged(e.what());
+    if (MeansDamage(e.getErrorCode())) throw Damaged(e.what());
+    // By a damaged header, a file that we may write is one of a version that can only be read.
+    const bool readonly = (e.getErrorCode() & 0xff) == SQLITE_READONLY;
+    if (readonly && access(path.c_str(), W_OK) == 0) throw Damaged(e.what());
     throw JournalFile::Trouble(e.what());
   }
 }
@@ -126,7 +148,7 @@ JournalFile::Written JournalFile::TryWrite(const std::deque<JournalItem>& items,
                                            std::uint64_t lost) {
   try {
     auto written = Written::kAll;
-    Sorted([&] {
+    Sorted(path_, [&] {
       Open();
       written = Insert(items, lost);
     });
@@ -141,14 +163,63 @@ void JournalFile::Open() {
   if (database_) return;
   std::error_code ignored;  // opening the file reports the error
   fs::create_directories(fs::path(path_).parent_path(), ignored);
+  // SQLite accepts no link in any part of the path then.
+  const fs::path folder = fs::canonical(fs::path(path_).parent_path(), ignored);
+  if (folder.empty()) throw Trouble(path_ + ": its folder does not exist");
   auto database = std::make_unique<SQLite::Database>(
-      path_, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kBusyTimeoutMs);
+      folder / fs::path(path_).filename(),
+      SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE | SQLITE_OPEN_NOFOLLOW, kBusyTimeoutMs);
   EnsureSchema(*database);  // first: a file that is not a journal must not be changed
+  if (!std::exchange(checked_, true)) QuickCheck(*database);
   database->exec("PRAGMA journal_mode = WAL");
   database->exec("PRAGMA synchronous = NORMAL");
   database->exec("PRAGMA journal_size_limit = 4194304");  // of the WAL beside it
   next_id_ = Query(*database, journal_schema::kNewest) + 1;
+  struct stat info {};
+  if (stat(path_.c_str(), &info) != 0) throw Trouble(path_ + " was removed");
+  device_ = info.st_dev;
+  inode_ = info.st_ino;
   database_ = std::move(database);
+}
+
+// Of the file's structure, not of its rows, which have checksums. What takes longer is not checked.
+void JournalFile::QuickCheck(SQLite::Database& database) {
+  auto end = std::chrono::steady_clock::now() + kQuickCheckWithin;
+  const auto is_over = [](void* limit) {
+    return std::chrono::steady_clock::now() > *static_cast<decltype(end)*>(limit) ? 1 : 0;
+  };
+  sqlite3_progress_handler(database.getHandle(), kStepsBetweenLooks, is_over, &end);
+  std::string found;
+  try {
+    found = database.execAndGet("PRAGMA quick_check(1)").getString();
+  } catch (const SQLite::Exception& e) {
+    sqlite3_progress_handler(database.getHandle(), 0, nullptr, nullptr);
+    if ((e.getErrorCode() & 0xff) == SQLITE_INTERRUPT) return;
+    throw;
+  }
+  sqlite3_progress_handler(database.getHandle(), 0, nullptr, nullptr);
+  if (found != "ok") throw Damaged("quick_check: " + found);
+}
+
+void JournalFile::Close() {
+  database_.reset();
+}
+
+bool JournalFile::CloseIfRemoved() {
+  if (!database_) return false;
+  struct stat info {};
+  const bool exists = stat(path_.c_str(), &info) == 0;
+  if (exists && info.st_dev == device_ && info.st_ino == inode_) return false;
+  // By their names, these may belong to another journal that is there now.
+  int persist = 1;
+  sqlite3_file_control(database_->getHandle(), "main", SQLITE_FCNTL_PERSIST_WAL, &persist);
+  database_.reset();
+  std::error_code ignored;
+  for (const char* companion : {"-wal", "-shm"}) {
+    if (!exists) fs::remove(path_ + companion, ignored);
+  }
+  on_moved_(path_ + " was removed, or another volume was mounted there; a new one is begun");
+  return true;
 }
 
 JournalFile::Written JournalFile::Insert(const std::deque<JournalItem>& items, std::uint64_t lost) {

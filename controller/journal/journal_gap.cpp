@@ -45,7 +45,7 @@ Result<> WriteGap(const std::string& path, const std::optional<JournalGap>& gap)
   text += '\n';
   text.resize(kGapFileSize, '\n');
   const std::string name = GapFileOf(path);
-  const UniqueFd file(open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  const UniqueFd file(open(name.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (!file.valid()) return SystemError("can't open " + name);
   const ssize_t written = pwrite(file.get(), text.data(), text.size(), 0);
   if (written != static_cast<ssize_t>(text.size()) || fdatasync(file.get()) != 0) {

@@ -141,6 +141,7 @@ Result<> Installation::Prepare() {
     }
     SlotState next = state;
     next.on_trial_boot = next.started = next.other_good = false;
+    next.installing = manifest_.manifest.version.text;
     return next;
   });
 }
@@ -168,6 +169,7 @@ Result<> Installation::MarkTrialBoot() {
     SlotState next = state;
     next.on_trial_boot = true;
     next.started = false;
+    next.installing.clear();
     return next;
   });
 }
@@ -205,6 +207,7 @@ Result<Version> MarkRollback(const Root& root, std::optional<Slot> running) {
     SlotState next = state;
     next.on_trial_boot = true;
     next.started = false;
+    next.installing.clear();
     return next;
   });
   if (!changed) return changed.error();

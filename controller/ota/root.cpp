@@ -145,6 +145,7 @@ Result<Boot> Root::Boot() const {
   const auto state = LoadState();
   auto boot = DecideBoot(state, CurrentSlot(), look);
   if (!boot) return boot.error();
+  ReportUnfinished(boot.value());
   if (state != boot.value().next) {
     const auto saved = SaveState(boot.value().next);
     if (!saved && boot.value().on_trial_boot) {
@@ -162,6 +163,15 @@ Result<Boot> Root::Boot() const {
     [[maybe_unused]] const auto pointed = PointTo(boot.value().next.confirmed);
   }
   return boot;
+}
+
+// Unless its installer is at work.
+void Root::ReportUnfinished(ota::Boot& boot) const {
+  std::string& version = boot.next.installing;
+  if (version.empty() || !disk_->Take(InstallLock(), /*wait=*/false)) return;
+  boot.reason += (boot.reason.empty() ? "" : "; ") + ("the upgrade to version " + version) +
+                 " did not finish, `musher ota install` repeats it";
+  version.clear();
 }
 
 Result<> Root::EndTrialBoot(const std::string& version, const Result<>& outcome) const {

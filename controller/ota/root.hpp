@@ -76,6 +76,7 @@ class Root {
   Result<> Begin(Slot slot) const;
 
  private:
+  void ReportUnfinished(ota::Boot& boot) const;
   Root(Disk& disk, std::string path) : disk_(&disk), path_(std::move(path)) {}
 
   std::string StateFile() const { return path_ + "/ota_state"; }

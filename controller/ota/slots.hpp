@@ -44,6 +44,7 @@ struct SlotState {
   bool started = false;        // … and its one start has been used
   bool other_good = false;     // the other one was confirmed once, and is as it was then
   std::optional<TrialBootEnd> last;
+  std::string installing{};  // the version that is being written into the other one; empty: none
 
   friend bool operator==(const SlotState&, const SlotState&) = default;
 };

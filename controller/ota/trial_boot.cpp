@@ -21,7 +21,8 @@ std::string Why(const MachineConfig& config, ActuatorIndex actuator, const Error
 
 }  // namespace
 
-std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine) {
+std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine,
+                                          bool held) {
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) return std::nullopt;
   bool settled = machine.phase == Phase::kRunning && !machine.current;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
@@ -32,6 +33,7 @@ std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Mac
     }
     settled = settled && !coming_back && Settled(config, machine, i);
   }
+  if (machine.phase == Phase::kFailed && held) return std::nullopt;
   if (machine.phase == Phase::kFailed) return Result<>(Error{kCodeFailed, "the start-up failed"});
   return settled ? std::optional(Ok()) : std::nullopt;
 }

@@ -18,6 +18,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/controller/storage/log_parts.hpp"
 #include "musher/controller/storage/log_rotation.hpp"
 #include "musher/controller/storage/private_folder.hpp"
@@ -50,7 +51,8 @@ constexpr const char* kNoteOfCut =
 class PartWriter {
  public:
   explicit PartWriter(std::string path) : path_(std::move(path)), next_(path_ + ".new") {
-    fd_ = UniqueFd(open(next_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+    fd_ =
+        UniqueFd(open(next_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0644));
     const int own = fcntl(fd_.get(), F_DUPFD_CLOEXEC, 0);  // which gzclose() closes
     if (own >= 0) file_ = gzdopen(own, "wb1");
     if (own >= 0 && file_ == nullptr) close(own);
@@ -166,7 +168,8 @@ struct LogFiles::State {
 
   static Result<UniqueFd> OpenOne(const std::string& path) {
     if (auto made = MakePrivateFolder(fs::path(path).parent_path()); !made) return made.error();
-    UniqueFd file(open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+    if (auto own = CheckOwnFolder(fs::path(path).parent_path()); !own) return own.error();
+    UniqueFd file(open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0644));
     if (!file.valid()) return SystemError("can't write " + path);
     return file;
   }
@@ -202,7 +205,8 @@ struct LogFiles::State {
       return false;
     }
     const std::uint64_t next = sizes.parts.empty() ? 1 : sizes.parts.back().number + 1;
-    const UniqueFd file(open(log.file.path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC));
+    const int links = log.file.open ? O_NOFOLLOW : 0;  // the controller's log may be a link
+    const UniqueFd file(open(log.file.path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC | links));
     const Result<> cut =
         file.valid() ? Cut(log, file.get(), actions, next) : Result<>(SystemError("can't open it"));
     // A drop without a save says nothing about the room for a part.

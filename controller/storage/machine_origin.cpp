@@ -17,10 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kLock = "controller.lock";
 
-std::string FileIn(const std::string& state_dir) {
-  return state_dir + "/machine";
-}
-
 // One line of the file.
 std::string Line(const std::string& key, std::string value) {
   std::replace(value.begin(), value.end(), '\n', ' ');
@@ -28,6 +24,10 @@ std::string Line(const std::string& key, std::string value) {
 }
 
 }  // namespace
+
+std::string OriginFile(const std::string& state_dir) {
+  return state_dir + "/machine";
+}
 
 std::string MachineOrigin::Text() const {
   return name + " of " + file + " (" + NamespaceText(name_space) + ", domain " +
@@ -43,7 +43,7 @@ bool MachineOrigin::IsOf(const MachineOrigin& now, bool led) const {
 }
 
 std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir) {
-  std::ifstream in(FileIn(state_dir));
+  std::ifstream in(OriginFile(state_dir));
   MachineOrigin origin;
   for (std::string line; std::getline(in, line);) {
     const std::size_t space = std::min(line.find(' '), line.size());
@@ -61,7 +61,7 @@ std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir) {
 }
 
 Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin) {
-  return ReplaceFile(FileIn(state_dir),
+  return ReplaceFile(OriginFile(state_dir),
                      Line("name", origin.name) + Line("namespace", origin.name_space) +
                          Line("domain", std::to_string(origin.domain)) + Line("file", origin.file),
                      {.synced = false});

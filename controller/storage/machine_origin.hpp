@@ -31,6 +31,8 @@ struct MachineOrigin {
   friend bool operator==(const MachineOrigin&, const MachineOrigin&) = default;
 };
 
+// The file of a folder with its identity.
+std::string OriginFile(const std::string& state_dir);
 // The identity saved in a folder; nullopt if there is none or it cannot be read.
 std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir);
 Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin);

@@ -15,6 +15,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/controller/storage/private_folder.hpp"
 
 namespace musher {
@@ -22,16 +23,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxFileSize = 64 << 10;  // bytes, of the small files here
-constexpr std::size_t kLongestText = 256;       // bytes, of who engaged a stop and why, of a host
+// Bytes of the small files here: the names and hosts of kMostActuators are 2 MiB at most.
+constexpr std::size_t kMaxFileSize = 4 << 20;
+constexpr std::size_t kLongestText = 256;  // bytes, of who engaged a stop and why, of a host
 // The stop that a damaged file counts as.
 constexpr StopId kUnknownStop = 1;
 
 std::string ReadSmall(int fd) {
-  std::string text(kMaxFileSize, '\0');
+  struct stat info {};
+  if (fstat(fd, &info) != 0) return "";
+  std::string text(std::min(kMaxFileSize, static_cast<std::size_t>(info.st_size)), '\0');
   const ssize_t size = pread(fd, text.data(), text.size(), 0);
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
   return text;
+}
+
+// Whether the path names this file.
+bool IsAt(const std::string& path, dev_t device, ino_t inode) {
+  struct stat info {};
+  return lstat(path.c_str(), &info) == 0 && info.st_dev == device && info.st_ino == inode;
+}
+
+// The lock counts, not what is in the file: on a full disk it may stay empty.
+void NameOwner(int lock, const MachineOrigin& machine) {
+  const std::string owner = std::to_string(getpid()) + " " + machine.name + "\n";
+  if (ftruncate(lock, 0) == 0) WriteAll(lock, owner);
+}
+
+// Only this user may change what is in them: see CheckOwnFolder().
+Result<> MakeFolders(const std::string& dir) {
+  if (auto own = CheckOwnFolder(dir); !own) return own;
+  if (auto made = MakePrivateFolder(fs::path(dir) / "logs"); !made) return made;
+  return CheckOwnFolder(dir + "/logs");
 }
 
 std::string OneWord(std::string text) {
@@ -61,9 +84,9 @@ Error Foreign(const std::string& dir, const MachineOrigin& recorded, const Machi
 }  // namespace
 
 Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin& machine) {
-  if (auto made = MakePrivateFolder(fs::path(dir) / "logs"); !made) return made.error();
+  if (auto made = MakeFolders(dir); !made) return made.error();
   const std::string path = dir + "/controller.lock";
-  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (!lock.valid()) return SystemError("can't open " + path);
   if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return SystemError("can't lock " + path);
@@ -80,14 +103,56 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   if (recorded && !recorded->IsOf(machine, false)) return Foreign(dir, *recorded, machine, 0);
   // On a full disk it stays as it is, and the machine starts all the same.
   if (recorded != machine) static_cast<void>(SaveOrigin(dir, machine));
-  // The lock counts, not what is in the file: on a full disk it may stay empty.
-  const std::string owner = std::to_string(getpid()) + " " + machine.name + "\n";
-  if (ftruncate(lock.get(), 0) == 0) WriteAll(lock.get(), owner);
-  return StateStore(dir, std::move(lock));
+  NameOwner(lock.get(), machine);
+  return StateStore(dir, machine, std::move(lock));
+}
+
+StateStore::StateStore(std::string dir, MachineOrigin machine, UniqueFd lock)
+    : dir_(std::move(dir)), machine_(std::move(machine)), lock_(std::move(lock)) {
+  for (const std::string& path :
+       {OriginFile(dir_), EpochFile(), EmergencyStopFile(), PolicyFile(), ConfigHashFile(),
+        StopIntentFile(), RemoteActuatorsFile(), ProcessesFileIn(dir_)}) {
+    const UniqueFd file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (file.valid()) Remember(path, ReadSmall(file.get()));
+  }
+}
+
+void StateStore::Remember(const std::string& path, const std::string& content) {
+  struct stat info {};
+  if (lstat(path.c_str(), &info) != 0) info = {};
+  kept_[path] = {content, info.st_dev, info.st_ino};
+}
+
+Result<std::vector<std::string>> StateStore::SaveRemoved() {
+  std::vector<std::string> saved;
+  auto taken = TakeLockAgain();
+  if (!taken) return taken.error();
+  if (taken.value()) saved.emplace_back("controller.lock");
+  const std::map<std::string, Kept> files = kept_;
+  for (const auto& [path, kept] : files) {
+    if (IsAt(path, kept.device, kept.inode)) continue;
+    if (auto written = Replace(path, kept.content); !written) return written.error();
+    saved.push_back(fs::path(path).filename());
+  }
+  return saved;
+}
+
+// Whether the lock's file was removed: another controller could take the one that is there now.
+Result<bool> StateStore::TakeLockAgain() {
+  const std::string path = dir_ + "/controller.lock";
+  struct stat held {};
+  if (fstat(lock_.get(), &held) == 0 && IsAt(path, held.st_dev, held.st_ino)) return false;
+  if (auto made = MakeFolders(dir_); !made) return made.error();
+  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
+  if (!lock.valid()) return SystemError("can't open " + path);
+  if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) return SystemError("can't lock " + path);
+  NameOwner(lock.get(), machine_);
+  lock_ = std::move(lock);
+  return true;
 }
 
 Result<Epoch> StateStore::LoadEpoch() const {
-  const UniqueFd file(open(EpochFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(EpochFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   if (!file.valid()) {
     if (errno == ENOENT) return Epoch();
     return SystemError("can't read " + EpochFile());
@@ -106,7 +171,9 @@ Result<> StateStore::SaveEpoch(Epoch epoch) {
 }
 
 Result<> StateStore::Replace(const std::string& path, const std::string& content) {
-  return ReplaceFile(path, content, {.mode = 0600});
+  auto written = ReplaceFile(path, content, {.mode = 0600});
+  if (written) Remember(path, content);
+  return written;
 }
 
 // "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; a last line "end".
@@ -127,7 +194,7 @@ Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
 // A file that cannot be read counts as an engaged stop: that is the safe side.
 StoredStops StateStore::LoadEmergencyStops() const {
   StoredStops damaged{{{kUnknownStop, "", "its file was damaged"}}, {}};
-  const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   if (!file.valid()) return errno == ENOENT ? StoredStops{} : damaged;
   std::istringstream text(ReadSmall(file.get()));
   StoredStops stops;
@@ -156,6 +223,7 @@ StoredStops StateStore::LoadEmergencyStops() const {
 
 Result<> StateStore::SaveStopIntent(bool intended) {
   if (intended) return Replace(StopIntentFile(), "the machine is to stay down\n");
+  kept_.erase(StopIntentFile());
   const bool gone = unlink(StopIntentFile().c_str()) == 0 || errno == ENOENT;
   if (!gone || !SyncFolder(dir_)) return SystemError("can't remove " + StopIntentFile());
   return Ok();
@@ -176,7 +244,7 @@ Result<> StateStore::SaveRemoteActuators(const std::vector<RemoteActuator>& actu
 }
 
 std::vector<RemoteActuator> StateStore::LoadRemoteActuators(const std::string& host) const {
-  const UniqueFd file(open(RemoteActuatorsFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(RemoteActuatorsFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   std::istringstream lines(file.valid() ? ReadSmall(file.get()) : "");
   std::vector<RemoteActuator> actuators;
   std::string boot_then;  // of this computer
@@ -210,7 +278,7 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
 
 StoredPolicy StateStore::LoadPolicy() const {
   StoredPolicy policy;
-  const UniqueFd file(open(PolicyFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(PolicyFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
   for (std::string word; text >> word;) {
     std::string from;
@@ -230,7 +298,7 @@ Result<> StateStore::SaveConfigHash(const std::string& hash) {
 }
 
 std::string StateStore::LoadConfigHash() const {
-  const UniqueFd file(open(ConfigHashFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(ConfigHashFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   const std::string text = file.valid() ? ReadSmall(file.get()) : "";
   return text.substr(0, text.find('\n'));
 }
@@ -242,12 +310,12 @@ Result<> StateStore::SaveChildren(const std::vector<ChildProcess>& children,
 
 std::vector<ChildProcess> StateStore::LoadChildren(const std::string& dir,
                                                    const std::string& host) {
-  const UniqueFd file(open(ProcessesFileIn(dir).c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(open(ProcessesFileIn(dir).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   return ChildrenFrom(file.valid() ? ReadSmall(file.get()) : "", host);
 }
 
 pid_t StateStore::OwnerOf(const std::string& dir) {
-  const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   const std::string text = lock.valid() ? ReadSmall(lock.get()) : "";
   pid_t owner = 0;
   std::from_chars(text.data(), text.data() + text.size(), owner);

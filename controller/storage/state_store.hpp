@@ -14,11 +14,13 @@
 //   journal.sqlite      see journal.hpp
 //   logs/<actuator>.log what the actuator's process prints
 //
-// Threads: the loop thread; SaveEpoch() waits for the disk and is called once at start-up.
+// Threads: those that wait for the disk (Save…) from one thread, which may be another one than that
+// of the loads; they are called after them.
 
 #include <sys/types.h>
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -42,7 +44,8 @@ inline std::string ControllerLogFile(const MachineConfig& config) {
 class StateStore {
  public:
   // Makes the folder (only for its owner) and takes the lock. Fails
-  //   - with kCodePermissionDenied if the folder belongs to another machine, with its name: exit;
+  //   - with kCodePermissionDenied if the folder belongs to another machine, with its name, or if
+  //     another user may change what is in it: exit;
   //   - with kCodeTargetBusy if a running controller of this machine has the lock, with its name:
   //     exit;
   //   - with kCodeFailed on a disk error: a controller may continue without a store, with the epoch
@@ -80,9 +83,13 @@ class StateStore {
   StoredPolicy LoadPolicy() const;
 
   // Another small file of the folder, for people and programs beside the controller.
-  Result<> SaveText(const std::string& name, const std::string& text) const {
+  Result<> SaveText(const std::string& name, const std::string& text) {
     return Replace(dir_ + "/" + name, text);
   }
+
+  // Saves the small files again that were removed or replaced by others since they were read or
+  // saved, as on a volume that was mounted there, and takes the lock again. Returns their names.
+  Result<std::vector<std::string>> SaveRemoved();
 
   // The hash of the config that the machine was led with last; empty where none is known.
   Result<> SaveConfigHash(const std::string& hash);
@@ -102,7 +109,14 @@ class StateStore {
   std::string LogFile(std::string_view actuator) const;
 
  private:
-  StateStore(std::string dir, UniqueFd lock) : dir_(std::move(dir)), lock_(std::move(lock)) {}
+  // What a file holds, and which file that is.
+  struct Kept {
+    std::string content;
+    dev_t device = 0;
+    ino_t inode = 0;
+  };
+
+  StateStore(std::string dir, MachineOrigin machine, UniqueFd lock);
 
   std::string EpochFile() const { return dir_ + "/epoch"; }
   std::string EmergencyStopFile() const { return dir_ + "/emergency_stop"; }
@@ -110,10 +124,14 @@ class StateStore {
   std::string ConfigHashFile() const { return dir_ + "/config"; }
   std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
   std::string RemoteActuatorsFile() const { return dir_ + "/remote_actuators"; }
-  static Result<> Replace(const std::string& path, const std::string& content);
+  Result<> Replace(const std::string& path, const std::string& content);
+  void Remember(const std::string& path, const std::string& content);
+  Result<bool> TakeLockAgain();
 
   std::string dir_;
+  MachineOrigin machine_;
   UniqueFd lock_;
+  std::map<std::string, Kept> kept_;  // by path
 };
 
 }  // namespace musher

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
@@ -11,8 +13,11 @@
 #include <fstream>
 #include <future>
 
+#include "musher/base/files.hpp"
+#include "musher/controller/journal/history_reader.hpp"
 #include "musher/test/controller/journal_fixture.hpp"
 #include "musher/test/support/wait.hpp"
+#include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::journal_trouble_test {
 
@@ -197,6 +202,137 @@ TEST_F(JournalTrouble, OfANewerLayoutMovesTheFileAside) {
   { Journal(path_, Options()).Append(Entry(2)); }
   EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("its version is 99, not 3")));
   EXPECT_THAT(Times(Read()), ElementsAre(2));
+}
+
+// It was written into a file that no name led to any more.
+TEST_F(JournalTrouble, OfARemovedFileBeginsAnotherAndRecordsIt) {
+  Journal journal(path_, Options());
+  journal.Append(Entry(1));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  for (const char* file : {"", "-wal", "-shm"}) fs::remove(path_ + file);
+  journal.Append(Entry(2));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("was removed, or another volume was mounted")));
+  EXPECT_TRUE(journal.WantsSnapshot());
+  const auto entries = Read();
+  ASSERT_THAT(entries, SizeIs(2));
+  EXPECT_EQ(entries[0].kind, "journal");
+  EXPECT_THAT(entries[0].message, HasSubstr("the journal's file was removed"));
+  EXPECT_EQ(entries[1].wall_ns, 2);
+}
+
+TEST_F(JournalTrouble, OfARemovedFileIsNoticedWithoutAnEntry) {
+  auto options = Options();
+  options.look_period = Milliseconds(1);
+  Journal journal(path_, options);
+  journal.Append(Entry(1));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  fs::remove(path_);  // and what stands beside it is left
+  testing::Until([&] { return fs::exists(path_) && !Read().empty(); });
+  journal.Append(Entry(2));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  EXPECT_THAT(Read(), SizeIs(2));
+}
+
+TEST_F(JournalTrouble, OfAFolderThatIsReplacedLeavesTheJournalThere) {
+  const std::string folder = folder_ / "volume";
+  const std::string path = folder + "/journal.sqlite";
+  { Journal(path, Options()).Append(Entry(1)); }
+  fs::rename(folder, folder_ / "other");
+  Journal journal(path, Options());
+  journal.Append(Entry(2));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  fs::rename(folder, folder_ / "before");
+  fs::rename(folder_ / "other", folder);
+  journal.Append(Entry(3));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  const auto reading = ReadJournal(path, 0, kAll);
+  ASSERT_TRUE(reading);
+  ASSERT_THAT(reading.value().entries, SizeIs(3));
+  EXPECT_EQ(reading.value().entries[0].wall_ns, 1);
+  EXPECT_EQ(reading.value().entries[2].wall_ns, 3);
+}
+
+// With one wrong byte of the schema nothing was written any more.
+TEST_F(JournalTrouble, OfOneWrongByteOfTheHeaderOrTheSchemaIsOver) {
+  { Journal(path_, Options()).Append(Entry(1)); }
+  const std::string whole = ReadFile(path_);
+  ASSERT_GT(whole.size(), 4096U);
+  for (std::size_t at = 0; at < 4096; ++at) {
+    if (at > 120 && whole[at] == '\0') continue;  // not used
+    for (const char* companion : {"-wal", "-shm"}) fs::remove(path_ + companion);
+    std::string wrong = whole;
+    wrong[at] = static_cast<char>(wrong[at] ^ 1);
+    ASSERT_TRUE(WriteFile(path_, wrong));
+    Journal journal(path_, Options());
+    journal.Append(Entry(2));
+    ASSERT_TRUE(journal.Flush(kFlushTimeout)) << "byte " << at << ": " << Troubles().back();
+    const auto reading = ReadJournal(path_, 2, kAll);
+    ASSERT_TRUE(reading) << "byte " << at << ": " << reading.error().message;
+    ASSERT_THAT(reading.value().entries, SizeIs(1)) << "byte " << at;
+  }
+}
+
+TEST_F(JournalTrouble, OfDamagedPagesIsNoticedAtTheStart) {
+  {
+    Journal journal(path_, Options());
+    for (std::int64_t time = 1; time <= 500; ++time) {
+      journal.Append(Entry(time, std::string(200, 'x')));
+    }
+  }
+  const std::string whole = ReadFile(path_);
+  const std::size_t middle = whole.size() / 2 / 4096 * 4096;
+  ASSERT_TRUE(WriteFile(path_, std::string(whole).replace(middle, 4096, 4096, '\xa5')));
+  { Journal(path_, Options()).Append(Entry(1000)); }
+  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("quick_check: ")));
+  EXPECT_THAT(Times(Read()), ElementsAre(1000));
+}
+
+// A file that the kernel does not open, as on a disk that does not answer: until it is released.
+class Hanging {
+ public:
+  explicit Hanging(std::string path) : path_(std::move(path)) {
+    EXPECT_EQ(mkfifo(path_.c_str(), 0600), 0);
+  }
+  Hanging(const Hanging&) = delete;
+  Hanging& operator=(const Hanging&) = delete;
+  // What waits in open() continues.
+  ~Hanging() {
+    const int file = open(path_.c_str(), O_RDWR | O_NONBLOCK);
+    unlink(path_.c_str());
+    close(file);
+  }
+
+ private:
+  const std::string path_;
+};
+
+TEST_F(JournalTrouble, OfADiskThatDoesNotAnswerDoesNotHoldTheEnd) {
+  const Hanging note(path_ + ".gap");
+  auto options = Options();
+  options.stop_timeout = Milliseconds(10);
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    Journal journal(path_, options);
+    journal.Append(Entry(1));
+    EXPECT_FALSE(journal.Flush(Milliseconds(10)));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, kFlushTimeout);
+}
+
+TEST_F(JournalTrouble, OfADiskThatDoesNotAnswerDoesNotHoldTheEndOfAReader) {
+  Journal journal(path_, Options());
+  journal.Append(Entry(1));
+  ASSERT_TRUE(journal.Flush(kFlushTimeout));
+  fs::remove(path_);
+  const Hanging file(path_);
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    transport::LinuxEventLoop loop;
+    HistoryReader reader(loop, journal);
+    reader.Read(0, kAll, [](const auto&) { ADD_FAILURE() << "it is over"; });
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, kFlushTimeout);
 }
 
 }  // namespace musher::journal_trouble_test

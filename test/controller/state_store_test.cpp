@@ -11,13 +11,17 @@
 #include <fstream>
 #include <optional>
 
+#include "musher/base/files.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::state_store_test {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
 
 class Store : public ::testing::Test {
  protected:
@@ -270,6 +274,72 @@ TEST_F(Store, KeepsTheConfigThatTheMachineRanWith) {
   EXPECT_EQ(store.LoadConfigHash(), "");
   ASSERT_TRUE(store.SaveConfigHash("ab12"));
   EXPECT_EQ(store.LoadConfigHash(), "ab12");
+}
+
+TEST_F(Store, SavesFilesAgainThatWereRemoved) {
+  { static_cast<void>(MustOpen().SaveConfigHash("hash of before")); }
+  StateStore store = MustOpen();
+  ASSERT_TRUE(store.SaveEpoch(7));
+  const StoredStops stops{{{7, "alice@desk", "smoke"}}, {}};
+  ASSERT_TRUE(store.SaveEmergencyStops(stops));
+  ASSERT_TRUE(store.SaveStopIntent(true));
+  ASSERT_TRUE(store.SaveStopIntent(false));
+  EXPECT_THAT(store.SaveRemoved().value(), IsEmpty());
+  fs::rename(dir_, dir_ + ".before");  // as another volume is mounted there
+  EXPECT_THAT(
+      store.SaveRemoved().value(),
+      UnorderedElementsAre("controller.lock", "machine", "config", "epoch", "emergency_stop"));
+  EXPECT_EQ(store.LoadEpoch().value(), Epoch(7));
+  EXPECT_EQ(store.LoadEmergencyStops(), stops);
+  EXPECT_EQ(store.LoadConfigHash(), "hash of before");
+  EXPECT_FALSE(store.LoadStopIntent());
+  EXPECT_EQ(StateStore::OwnerOf(dir_), getpid());
+  EXPECT_FALSE(StateStore::Open(dir_, robot_)) << "its lock is taken again";
+  fs::remove(dir_ + "/epoch");
+  EXPECT_THAT(store.SaveRemoved().value(), ElementsAre("epoch"));
+}
+
+TEST_F(Store, LoadsTheProcessesAndHostsOfTheLargestMachine) {
+  StateStore store = MustOpen();
+  std::vector<RemoteActuator> remote;
+  std::vector<ChildProcess> children;
+  for (std::size_t i = 0; i < 4096; ++i) {
+    const std::string name = "actuator_with_a_long_name_" + std::to_string(i);
+    remote.push_back({name, "host_" + std::to_string(i)});
+    children.push_back({name, static_cast<pid_t>(i + 2), 1});
+  }
+  ASSERT_TRUE(store.SaveRemoteActuators(remote, "here/1"));
+  EXPECT_EQ(store.LoadRemoteActuators("here/1").size(), remote.size());
+  ASSERT_TRUE(store.SaveChildren(children, "here/1"));
+  EXPECT_EQ(StateStore::LoadChildren(dir_, "here/1").size(), children.size());
+}
+
+TEST_F(Store, IsNotOpenedInAFolderThatOthersCanChange) {
+  fs::create_directories(dir_);
+  ASSERT_EQ(chmod(dir_.c_str(), 0777), 0);
+  const auto store = StateStore::Open(dir_, robot_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, kCodePermissionDenied) << "the controller ends";
+  EXPECT_THAT(store.error().message, HasSubstr("is writable for all users"));
+}
+
+// As another user could have left them before the folder became ours.
+TEST_F(Store, FollowsNoLinks) {
+  const std::string target = folder_ / "target";
+  ASSERT_TRUE(WriteFile(target, "of root"));
+  fs::create_directories(dir_);
+  for (const char* name : {"epoch", "epoch.new", "machine", "emergency_stop"}) {
+    fs::create_symlink(target, fs::path(dir_) / name);
+  }
+  StateStore store = MustOpen();
+  EXPECT_EQ(store.LoadEmergencyStops().engaged.size(), 1U) << "a damaged file counts as a stop";
+  static_cast<void>(store.SaveEpoch(7));  // it fails, or replaces the links
+  static_cast<void>(store.SaveEmergencyStops({}));
+  EXPECT_EQ(ReadFile(target), "of root");
+  fs::remove(dir_ + "/controller.lock");
+  fs::create_symlink(target, dir_ + "/controller.lock");
+  EXPECT_FALSE(StateStore::Open(dir_, robot_));
+  EXPECT_EQ(ReadFile(target), "of root");
 }
 
 }  // namespace musher::state_store_test

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "musher/base/date_text.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/transport/security/certificates.hpp"
 #include "musher/transport/security/key_files.hpp"
 
@@ -66,6 +67,7 @@ Result<> CheckDocuments(const KeyFolder& folder, const std::string& name, X509* 
 }  // namespace
 
 Result<WallTime> Check(const KeyFolder& folder, const std::string& identity) {
+  if (auto own = CheckOwnFolder(folder.path()); !own) return own.error();
   const auto authority = ReadCertificate(folder.IdentityCa());
   if (!authority) {
     return Refusal(authority.error().message +

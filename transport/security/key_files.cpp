@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "musher/base/host.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/base/words.hpp"
 
@@ -105,7 +106,9 @@ Result<> MakeFolder(const std::string& folder) {
   const auto parent = std::filesystem::path(folder).parent_path();
   if (!parent.empty()) std::filesystem::create_directories(parent, error);
   if (mkdir(folder.c_str(), 0700) == 0) return Ok();
-  if (errno == EEXIST && std::filesystem::is_directory(folder, error)) return Ok();
+  if (errno == EEXIST && std::filesystem::is_directory(folder, error)) {
+    return CheckOwnFolder(folder);
+  }
   return SystemError(folder);
 }
 

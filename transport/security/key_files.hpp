@@ -15,7 +15,7 @@ Result<KeyPtr> ReadKey(const std::string& file);
 
 // Writes are atomic, and files have their final mode from the start. Replaces a file only if
 // `replace`.
-Result<> MakeFolder(const std::string& folder);  // 0700; an existing one is unchanged
+Result<> MakeFolder(const std::string& folder);  // 0700; an existing one has to be ours
 Result<> WriteText(const std::string& file, const std::string& text, bool replace);
 Result<> WriteCertificate(const std::string& file, X509* certificate, bool replace);
 Result<> WriteRevocations(const std::string& file, X509_CRL* revocations);

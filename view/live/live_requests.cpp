@@ -19,6 +19,7 @@ namespace {
 using RequestJson = nlohmann::json;
 
 constexpr const char* kCookie = "musher_view";
+constexpr unsigned kNormalClosure = 1000;
 constexpr std::uint32_t kMostHistory = 10'000;
 constexpr std::int32_t kNeedsLogin = kCodePermissionDenied;
 
@@ -126,6 +127,7 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   const std::string target = TextIn(body, "target");
   const std::string actuator = TextIn(body, "actuator");
   if (request.path == "/api/plan") return requests_->Plan(target, actuator, respond);
+  if (request.path == "/api/logout") return OnLogout(request, respond);
   const std::string person = PersonOf(request);
   if (person.empty()) {
     return respond(http::ErrorResponse(
@@ -152,6 +154,28 @@ void LiveServer::OnLogin(const http::Request& request, const http::Respond& resp
   http::Response response = Redirect("/");
   response.headers.emplace_back("Set-Cookie", std::string(kCookie) + "=" + session.value() +
                                                   "; HttpOnly; SameSite=Strict; Path=/");
+  respond(std::move(response));
+}
+
+// Ends the session, also of its other pages: they look on without the login, where they may.
+void LiveServer::OnLogout(const http::Request& request, const http::Respond& respond) {
+  http::Response response;
+  response.body = std::make_shared<const std::string>("{}");
+  response.headers.emplace_back(
+      "Set-Cookie", std::string(kCookie) + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
+  const auto cookie = request.cookies.find(kCookie);
+  if (cookie == request.cookies.end()) return respond(std::move(response));
+  login_.End(cookie->second);
+  std::vector<std::shared_ptr<http::WebSocket>> sockets;
+  for (const Page& page : pages_) sockets.push_back(page.socket);
+  for (const auto& acting : acting_) {
+    if (auto socket = acting.lock()) sockets.push_back(std::move(socket));
+  }
+  for (const auto& socket : sockets) {
+    const auto own = socket->request().cookies.find(kCookie);
+    const bool same = own != socket->request().cookies.end() && own->second == cookie->second;
+    if (same) socket->Close(kNormalClosure, "the login has ended");
+  }
   respond(std::move(response));
 }
 

@@ -110,6 +110,8 @@ http::WebSocketHandlers LiveServer::OnFoxglove(const std::shared_ptr<http::WebSo
     socket->Close(kPolicyViolation, "looking from another host needs a login: ?token=TOKEN");
     return {};
   }
+  std::erase_if(acting_, [](const auto& each) { return each.expired(); });
+  if (may_act) acting_.push_back(socket);
   http::WebSocketHandlers handlers = foxglove_->OnWebSocket(socket, may_act);
   handlers.on_closed = [this, closed = std::move(handlers.on_closed)] {
     closed();

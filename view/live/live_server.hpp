@@ -72,6 +72,7 @@ class LiveServer {
   void OnGet(const http::Request& request, const http::Respond& respond);
   void OnPost(const http::Request& request, const http::Respond& respond);
   void OnLogin(const http::Request& request, const http::Respond& respond);
+  void OnLogout(const http::Request& request, const http::Respond& respond);
   void OnLink(const http::Request& request, const http::Respond& respond);
   void OnLog(const http::Request& request, const http::Respond& respond);
   http::WebSocketHandlers OnWebSocket(const std::shared_ptr<http::WebSocket>& socket);
@@ -102,7 +103,8 @@ class LiveServer {
   std::unique_ptr<foxglove::FoxgloveServer> foxglove_;
   std::unique_ptr<transport::TopicWatch> topic_watch_;
   std::list<Page> pages_;
-  transport::LoopHandlePtr topics_timer_;  // while a change is not sent
+  std::vector<std::weak_ptr<http::WebSocket>> acting_;  // of Foxglove, by a login
+  transport::LoopHandlePtr topics_timer_;               // while a change is not sent
   transport::LoopHandlePtr every_second_;
   std::unique_ptr<http::Server> http_;  // last: its functions use all of the above
 };

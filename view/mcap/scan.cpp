@@ -24,6 +24,20 @@ Error Why(const std::string& path, const std::string& what) {
 
 }  // namespace
 
+std::string LibraryOf(const std::string& path) {
+  const UniqueFd fd(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  std::string head(512, '\0');
+  const ssize_t size = fd.valid() ? pread(fd.get(), head.data(), head.size(), 0) : 0;
+  head.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  Parser fields(head);
+  const bool is_mcap = fields.Raw(kMagic.size()) == kMagic &&
+                       fields.Get<std::uint8_t>() == static_cast<std::uint8_t>(Op::kHeader);
+  if (!is_mcap) return "";
+  fields.Get<std::uint64_t>();  // the length
+  fields.Text();                // the profile
+  return std::string(fields.Text());
+}
+
 Result<std::unique_ptr<Scan>> Scan::Open(const std::string& path) {
   UniqueFd fd(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};

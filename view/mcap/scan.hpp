@@ -41,6 +41,10 @@ struct ScannedMessage {
   std::uint64_t size = 0;
 };
 
+// The program that wrote the file, as its header has it: "musher 1.0.0"; empty: the file is no MCAP
+// file, or cannot be read.
+std::string LibraryOf(const std::string& path);
+
 class Scan {
  public:
   // Fails if the file cannot be read or is no MCAP file; not for damage further on.

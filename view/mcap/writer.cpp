@@ -179,7 +179,10 @@ Result<std::unique_ptr<Writer>> Writer::Open(const std::string& path, WriterOpti
   }
   const std::string header =
       Record(Op::kHeader, Fields().Text("ros2").Text(file->options.library).data());
-  if (auto written = file->Append(std::string(kMagic) + header); !written) return written.error();
+  if (auto written = file->Append(std::string(kMagic) + header); !written) {
+    unlink(path.c_str());
+    return written.error();
+  }
   return std::unique_ptr<Writer>(new Writer(std::move(file)));
 }
 

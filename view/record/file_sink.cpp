@@ -4,6 +4,7 @@
 #include <atomic>
 #include <filesystem>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "musher/base/files.hpp"
@@ -28,10 +29,11 @@ struct DiskSide {
   std::unique_ptr<RecordingFile> file;
   std::map<std::size_t, std::pair<std::int64_t, msg::Bytes>> latched;  // last samples, of a ring
   std::atomic<bool> full = false;
-  std::size_t max_kept = 0;
 
   void Full(const std::string& why) {
-    if (!full.exchange(true) && report) report(why);
+    if (full.exchange(true)) return;
+    if (segment != 0) cut[segment] = why;
+    if (report) report(why);
   }
   void Check(const Result<>& result) {
     if (!result) Full(result.error().message);
@@ -49,32 +51,130 @@ struct DiskSide {
     return last->Close();
   }
 
-  std::string Segment(std::uint64_t number) const {
-    std::string digits = std::to_string(number);
-    digits.insert(0, 8 - std::min<std::size_t>(digits.size(), 8), '0');
-    return options.path + "/ring/" + digits + ".mcap";
-  }
-  void Begin(std::uint64_t number, std::int64_t now_ns) {
+  // What is to be kept and is not yet: its segments stay until it is.
+  struct Unkept {
+    std::vector<std::uint64_t> numbers;
+    std::string name;
+    std::string why;
+  };
+
+  std::size_t max_kept = 0;
+  std::uint64_t segment = 0;                 // the current one of a ring
+  std::map<std::uint64_t, std::string> cut;  // segments that the disk did not take, and why
+  std::set<std::uint64_t> ours;              // segments on the disk
+  std::set<std::uint64_t> old;               // of these, no longer in the ring
+  std::vector<Unkept> unkept;
+  bool folder_is_ours = false;
+  std::string failure;  // the first thing of which not all is kept
+
+  std::string Folder() const { return options.path + "/ring"; }
+  std::string Segment(std::uint64_t number) const { return Folder() + "/" + SegmentName(number); }
+  void Begin(std::uint64_t number, std::int64_t wall_ns) {
     Check(Close());
+    segment = number;
     full = false;  // there may be room again
     auto opened = RecordingFile::Open(Segment(number), options.compression);
-    if (!opened) return Full(opened.error().message);
-    file = std::move(opened).value();
-    for (const auto& [channel, sample] : latched) {
-      Check(file->Write(channels[channel], channel, now_ns, std::min(sample.first, now_ns - 1),
-                        sample.second));
+    if (!opened) {
+      Full(opened.error().message);
+    } else {
+      file = std::move(opened).value();
+      ours.insert(number);
+      for (const auto& [channel, sample] : latched) {
+        Check(file->Write(channels[channel], channel, wall_ns, std::min(sample.first, wall_ns - 1),
+                          sample.second));
+      }
+    }
+    KeepAll();
+  }
+  void Drop(const std::set<std::uint64_t>& numbers) {
+    old.insert(numbers.begin(), numbers.end());
+    std::erase_if(old, [this](std::uint64_t number) {
+      const bool needed = std::any_of(unkept.begin(), unkept.end(), [number](const Unkept& each) {
+        return std::find(each.numbers.begin(), each.numbers.end(), number) != each.numbers.end();
+      });
+      if (needed) return false;
+      std::error_code ignored;
+      if (ours.erase(number) > 0) fs::remove(Segment(number), ignored);
+      cut.erase(number);
+      return true;
+    });
+  }
+  void Keep(std::vector<std::uint64_t> numbers, const std::string& name) {
+    unkept.push_back({std::move(numbers), name, ""});
+    KeepAll();
+    if (unkept.size() > max_kept) {
+      Fail("not kept, since " + std::to_string(max_kept) +
+           " others wait for the disk as well: " + unkept.front().name);
+      unkept.erase(unkept.begin());
+    }
+    Drop({});
+  }
+  // Also what an earlier attempt could not keep.
+  void KeepAll() {
+    const std::size_t before = unkept.size();
+    std::erase_if(unkept, [this](Unkept& each) {
+      const std::string out = FreeName(each.name);
+      std::vector<std::string> segments;
+      for (const std::uint64_t number : each.numbers) segments.push_back(Segment(number));
+      const auto merged = MergeSegments(segments, out, options.compression);
+      if (!merged) {
+        if (each.why.empty()) {
+          report("not kept yet: " + merged.error().message + "; what it needs stays in " +
+                 Folder());
+        }
+        each.why = merged.error().message;
+        return false;
+      }
+      report("kept " + out);
+      for (const std::uint64_t number : each.numbers) {
+        if (cut.contains(number)) {
+          Fail(out + " lacks a part: " + cut[number]);
+          break;
+        }
+      }
+      MakeRoom(out);
+      return true;
+    });
+    if (unkept.size() < before) Drop({});
+  }
+  // A clock that was set back may name two files alike.
+  std::string FreeName(const std::string& name) const {
+    const std::string path = options.path + "/" + name;
+    const std::string stem = path.substr(0, path.size() - std::string(".mcap").size());
+    std::string free = path;
+    std::error_code error;
+    for (int n = 2; fs::exists(fs::symlink_status(free, error)); ++n) {
+      free = stem + "_" + std::to_string(n) + ".mcap";
+    }
+    return free;
+  }
+  // Deletes the oldest kept files, but `newest`, beyond the limit. Other files are the user's.
+  void MakeRoom(const std::string& newest) const {
+    std::vector<std::string> kept;
+    for (const fs::path& entry : EntriesOf(options.path)) {
+      const bool ours = IsKeptName(entry.filename().string()) && IsByMusher(entry.string());
+      if (ours && entry != newest) kept.push_back(entry.string());
+    }
+    std::error_code ignored;
+    for (const std::string& each : OldestBeyond(kept, std::max<std::size_t>(max_kept, 1) - 1)) {
+      fs::remove(each, ignored);
     }
   }
-  void Keep(const std::vector<std::string>& segments, const std::string& name) {
-    const std::string out = options.path + "/" + name;
-    const auto merged = MergeSegments(segments, out, options.compression);
-    report(merged ? "kept " + out : "not kept: " + merged.error().message);
-    std::vector<std::string> kept;
-    std::error_code ignored;
-    for (const fs::path& entry : EntriesOf(options.path)) {
-      if (entry.extension() == ".mcap") kept.push_back(entry.string());
+  void Fail(const std::string& what) {
+    report(what);
+    if (failure.empty()) failure = what;
+  }
+  // Deletes the segments, but those of what could not be kept.
+  Result<> End() {
+    Drop(ours);
+    for (const Unkept& each : unkept) {
+      Fail(each.name + " is not kept: " + each.why + "; its segments are in " + Folder() +
+           ", from which the next recorder keeps them");
     }
-    for (const std::string& old : OldestBeyond(kept, max_kept)) fs::remove(old, ignored);
+    std::error_code ignored;
+    if (folder_is_ours) fs::remove(Folder(), ignored);  // if it is empty
+    if (failure.empty()) return Ok();
+    return Error{kCodeFailed, failure};
   }
 };
 
@@ -123,9 +223,10 @@ Result<> FileSink::Close() {
   return disk_->Close();
 }
 
-RingSink::RingSink(const FileSinkOptions& options, RingOptions ring,
+RingSink::RingSink(transport::EventLoop& loop, const FileSinkOptions& options, RingOptions ring,
                    std::function<std::int64_t()> wall_clock)
-    : disk_(std::make_shared<DiskSide>(options)),
+    : loop_(loop),
+      disk_(std::make_shared<DiskSide>(options)),
       ring_(ring),
       wall_clock_(std::move(wall_clock)),
       queue_(options.max_waiting) {
@@ -141,25 +242,34 @@ Result<std::unique_ptr<RingSink>> RingSink::Open(transport::EventLoop& loop,
                                                  std::function<std::int64_t()> wall_clock,
                                                  OnKept on_kept) {
   std::error_code error;
-  fs::create_directories(options.path + "/ring", error);
+  const bool created = fs::create_directories(options.path + "/ring", error);
   if (error) {
     return Error{kCodeParametersInvalid,
                  options.path + " cannot be used as a folder: " + error.message()};
   }
-  std::unique_ptr<RingSink> sink(new RingSink(options, ring, std::move(wall_clock)));
-  sink->disk_->report = [&loop, on_kept = std::move(on_kept)](const std::string& sentence) {
+  std::unique_ptr<RingSink> sink(new RingSink(loop, options, ring, std::move(wall_clock)));
+  DiskSide* disk = sink->disk_.get();
+  disk->report = [&loop, on_kept = std::move(on_kept)](const std::string& sentence) {
     loop.Post([on_kept, sentence] { on_kept(sentence); });
   };
-  std::vector<std::string> left;
-  for (const fs::path& entry : EntriesOf(options.path + "/ring")) left.push_back(entry.string());
+  // Of a recorder that was killed, or could not keep them. Other files are the user's.
+  std::vector<std::uint64_t> left;
+  std::uint64_t last = 0;
+  for (const fs::path& entry : EntriesOf(disk->Folder())) {
+    const std::uint64_t number = SegmentNumber(entry.filename().string());
+    last = std::max(last, number);
+    if (number != 0 && IsByMusher(entry.string())) left.push_back(number);
+  }
+  std::sort(left.begin(), left.end());
+  disk->folder_is_ours = created || !left.empty();
+  sink->ring_ = Ring(ring, last + 1);
   if (!left.empty()) {
-    std::sort(left.begin(), left.end());
-    sink->disk_->Keep(left, KeptName(sink->wall_clock_(), "recorder-restarted"));
-    for (const std::string& old : left) fs::remove(old, error);
+    disk->ours.insert(left.begin(), left.end());
+    disk->Keep(left, KeptName(sink->wall_clock_(), "recorder-restarted"));
+    disk->Drop(disk->ours);
   }
   const auto tick = [self = sink.get()] {
-    const std::int64_t now_ns = self->wall_clock_();
-    self->Do(self->ring_.At(now_ns), now_ns);
+    self->Do(self->ring_.At(self->loop_.Now()));
     self->queue_.Do(0, [disk = self->disk_.get()] {
       if (disk->file && !disk->full) disk->Check(disk->file->Flush());
     });
@@ -185,25 +295,23 @@ bool RingSink::Write(std::size_t channel, std::int64_t log_ns, msg::Bytes data) 
 }
 
 void RingSink::OnTrouble(const std::string& reason) {
-  ring_.OnTrouble(reason, wall_clock_());
+  ring_.OnTrouble(reason, loop_.Now(), wall_clock_());
 }
 
-void RingSink::Do(const std::vector<RingAction>& actions, std::int64_t now_ns) {
+void RingSink::Do(const std::vector<RingAction>& actions) {
   for (const RingAction& action : actions) {
     DiskSide* disk = disk_.get();
     if (const auto* begin = std::get_if<BeginSegment>(&action)) {
-      queue_.Do(0, [disk, number = begin->number, now_ns] { disk->Begin(number, now_ns); });
-    } else if (const auto* old = std::get_if<DeleteSegment>(&action)) {
-      queue_.Do(0, [disk, number = old->number] {
-        std::error_code ignored;
-        fs::remove(disk->Segment(number), ignored);
+      queue_.Do(0, [disk, number = begin->number, wall_ns = wall_clock_()] {
+        disk->Begin(number, wall_ns);
       });
+    } else if (const auto* past = std::get_if<DeleteSegment>(&action)) {
+      queue_.Do(0, [disk, number = past->number] { disk->Drop({number}); });
     } else if (const auto* keep = std::get_if<KeepSegments>(&action)) {
-      std::vector<std::string> segments;
-      for (const std::uint64_t number : keep->numbers) segments.push_back(disk->Segment(number));
-      queue_.Do(0, [disk, segments, name = KeptName(keep->trouble_ns, keep->reason)] {
-        disk->Keep(segments, name);
-      });
+      queue_.Do(0,
+                [disk, numbers = keep->numbers, name = KeptName(keep->trouble_ns, keep->reason)] {
+                  disk->Keep(numbers, name);
+                });
     }
   }
 }
@@ -212,13 +320,10 @@ Result<> RingSink::Close() {
   if (!tick_) return Ok();
   tick_.reset();
   queue_.Drain();
-  auto closed = disk_->Close();
-  const std::int64_t now_ns = wall_clock_();
-  Do(ring_.End(now_ns), now_ns);
+  disk_->Check(disk_->Close());
+  Do(ring_.End(loop_.Now()));
   queue_.Drain();
-  std::error_code ignored;
-  fs::remove_all(disk_->options.path + "/ring", ignored);
-  return closed;
+  return disk_->End();
 }
 
 }  // namespace musher::view

@@ -61,7 +61,8 @@ class RingSink : public Sink {
   using OnKept = std::function<void(const std::string& sentence)>;
 
   // `options.path` is the folder of the kept files; the segments are in its folder "ring". Those of
-  // a recorder that was killed are kept as a file.
+  // a recorder that was killed are kept as a file. Other files of both folders are left alone.
+  // What cannot be kept, as on a full disk, is tried again with each new segment.
   static Result<std::unique_ptr<RingSink>> Open(transport::EventLoop& loop,
                                                 const FileSinkOptions& options, RingOptions ring,
                                                 std::function<std::int64_t()> wall_clock,
@@ -71,15 +72,19 @@ class RingSink : public Sink {
   std::size_t AddChannel(const RecordedChannel& channel) override;
   bool Write(std::size_t channel, std::int64_t log_ns, msg::Bytes data) override;
   void OnTrouble(const std::string& reason);
-  // Keeps trouble that waits for what comes after it, and deletes the segments.
+  // Waits until the disk has done all that it was given so far.
+  void Drain() { queue_.Drain(); }
+  // Keeps trouble that waits for what comes after it, and deletes the segments. Fails if something
+  // is not kept; its segments stay then.
   Result<> Close();
 
  private:
-  RingSink(const FileSinkOptions& options, RingOptions ring,
+  RingSink(transport::EventLoop& loop, const FileSinkOptions& options, RingOptions ring,
            std::function<std::int64_t()> wall_clock);
 
-  void Do(const std::vector<RingAction>& actions, std::int64_t now_ns);
+  void Do(const std::vector<RingAction>& actions);
 
+  transport::EventLoop& loop_;
   std::shared_ptr<DiskSide> disk_;
   Ring ring_;
   std::function<std::int64_t()> wall_clock_;

@@ -6,6 +6,7 @@
 
 #include "musher/base/words.hpp"
 #include "musher/view/mcap/scan.hpp"
+#include "musher/view/record/recording_file.hpp"
 
 namespace musher::view {
 namespace {
@@ -54,8 +55,14 @@ Result<> MergeSegments(const std::vector<std::string>& segments, const std::stri
                        mcap::Compression compression) {
   const std::string part = out + ".part";
   std::remove(part.c_str());
-  auto writer = mcap::Writer::Open(part, {compression});
-  if (!writer) return writer.error();
+  mcap::WriterOptions options;
+  options.compression = compression;
+  options.library = MusherLibrary();
+  auto writer = mcap::Writer::Open(part, options);
+  if (!writer) {
+    std::remove(part.c_str());
+    return writer.error();
+  }
   Copy copy(*writer.value());
   bool first = true;
   for (const std::string& segment : segments) {
@@ -72,6 +79,7 @@ Result<> MergeSegments(const std::vector<std::string>& segments, const std::stri
     first = false;
   }
   auto closed = writer.value()->Close();
+  if (closed && first) closed = Error{kCodeFailed, "no segment can be read"};
   if (closed && std::rename(part.c_str(), out.c_str()) != 0) {
     closed = Error{kCodeFailed, out + " cannot be created"};
   }

@@ -10,7 +10,8 @@
 namespace musher::view {
 
 // Writes the messages of these files, oldest first, into a new file; a sample that a later file
-// repeats from an earlier one is written once. A file that cannot be read is left out.
+// repeats from an earlier one is written once. A file that cannot be read is left out; fails if
+// none can.
 Result<> MergeSegments(const std::vector<std::string>& segments, const std::string& out,
                        mcap::Compression compression);
 

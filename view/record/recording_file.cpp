@@ -1,17 +1,26 @@
 #include "musher/view/record/recording_file.hpp"
 
 #include "musher/base/version.hpp"
+#include "musher/view/mcap/scan.hpp"
 #include "musher/view/record/qos_text.hpp"
 #include "musher/view/record/schema.hpp"
 #include "musher/view/record/type_names.hpp"
 
 namespace musher::view {
 
+std::string MusherLibrary() {
+  return "musher " + std::string(Version());
+}
+
+bool IsByMusher(const std::string& path) {
+  return mcap::LibraryOf(path).starts_with("musher");
+}
+
 Result<std::unique_ptr<RecordingFile>> RecordingFile::Open(const std::string& path,
                                                            mcap::Compression compression) {
   mcap::WriterOptions options;
   options.compression = compression;
-  options.library = "musher " + std::string(Version());
+  options.library = MusherLibrary();
   auto writer = mcap::Writer::Open(path, options);
   if (!writer) return writer.error();
   return std::unique_ptr<RecordingFile>(new RecordingFile(std::move(writer).value()));

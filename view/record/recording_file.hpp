@@ -14,6 +14,11 @@ namespace musher::view {
 // In the metadata of a channel without a schema: its type, so that it can be played.
 inline constexpr const char* kTypeOfUnknown = "musher_type";
 
+// What the header of each file of ours names as its writer: "musher 1.0.0"; and whether a file has
+// it.
+std::string MusherLibrary();
+bool IsByMusher(const std::string& path);
+
 class RecordingFile {
  public:
   static Result<std::unique_ptr<RecordingFile>> Open(const std::string& path,

@@ -12,6 +12,7 @@
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/link.hpp"
+#include "musher/controller/cli/machine/silent_controller.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/client/latching.hpp"
@@ -62,8 +63,11 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());
   }
-  const EstopReport report =
+  EstopReport report =
       AwaitAll(*link.value(), *latching.value(), global.timeout.value_or(kStopTimeout));
+  if (const pid_t silent = report.controller ? 0 : link.value()->LeaderHere(); silent != 0) {
+    report.silent_controller = WhySilent(ExamineSilent(silent, global), global);
+  }
   if (!report.controller && report.actuators.empty()) {
     return console.Fail(link.value()->NotFound("controller or actuator"));
   }

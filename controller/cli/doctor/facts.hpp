@@ -53,6 +53,7 @@ struct FolderFacts {
   std::int64_t free_inodes = -1;  // -1: the file system has no limit
   std::uint64_t device = 0;       // equal: the same file system
   std::string write_error{};      // why a test write fails; empty: it does not, or was not tried
+  std::string untrusted{};        // how another user can change what is in it; empty: none can
 };
 
 // The lock by which the state folder has a running owner.

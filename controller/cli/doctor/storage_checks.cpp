@@ -34,6 +34,10 @@ DoctorCheck CheckStateFolder(const DoctorFacts& facts) {
     check.reason = folder.existing + " is not writable for this user" +
                    (exists ? "" : ", and " + folder.path + " does not exist");
     check.fix = fmt::format("sudo install -d -o \"$USER\" -m 700 {}", ShellWord(folder.path));
+  } else if (!folder.untrusted.empty()) {
+    check.reason = folder.untrusted;
+    check.fix =
+        fmt::format("sudo chown -R -h \"$USER\" {0} && chmod -R go-w {0}", ShellWord(folder.path));
   } else if (!folder.write_error.empty()) {
     check.reason = fmt::format("writing to {} fails, {} KiB free: {}", folder.existing,
                                folder.free_bytes >> 10, folder.write_error);

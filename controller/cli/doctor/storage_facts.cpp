@@ -13,6 +13,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/controller/cli/doctor/host_facts.hpp"
 #include "musher/controller/cli/doctor/in_child.hpp"
@@ -32,7 +33,8 @@ std::string OwnerOfFile(const std::string& path) {
 }
 
 // Lines: the user of the lock file, whether it is writable, the process that holds it, the other
-// machine that the folder belongs to; then the path and the user of each log that is not writable.
+// machine that the folder belongs to, who else can change what is in it; then the path and the user
+// of each log that is not writable.
 std::string DescribeFiles(const MachineConfig& config, int domain) {
   const std::string lock = config.state_dir + "/controller.lock";
   MachineOrigin own{config.name, config.name_space, domain, fs::absolute(config.file)};
@@ -41,9 +43,12 @@ std::string DescribeFiles(const MachineConfig& config, int domain) {
   const pid_t owner = StateStore::OwnerOf(config.state_dir);
   const bool held = owner != 0 && StateStore::IsOwner(config.state_dir, owner);
   const bool foreign = origin && !origin->IsOf(own, held);
+  auto own_folder = CheckOwnFolder(config.state_dir);
+  if (own_folder) own_folder = CheckOwnFolder(config.state_dir + "/logs");
   std::string text =
-      fmt::format("{}\n{}\n{}\n{}\n", OwnerOfFile(lock), access(lock.c_str(), W_OK) == 0 ? 1 : 0,
-                  held ? owner : 0, foreign ? origin->Text() : "");
+      fmt::format("{}\n{}\n{}\n{}\n{}\n", OwnerOfFile(lock),
+                  access(lock.c_str(), W_OK) == 0 ? 1 : 0, held ? owner : 0,
+                  foreign ? origin->Text() : "", own_folder ? "" : own_folder.error().message);
   std::vector<std::string> logs = {ControllerLogFile(config)};
   for (const ActuatorConfig& actuator : config.actuators) {
     logs.push_back(config.state_dir + "/logs/" + actuator.name + ".log");
@@ -101,6 +106,7 @@ void ReadStorage(DoctorFacts& facts, Duration timeout) {
   lock.writable = line() == "1" || lock.owner.empty();
   lock.held_by = static_cast<int>(std::strtol(line().c_str(), nullptr, 10));
   lock.belongs_to = line();
+  facts.state_dir->untrusted = line();
   facts.lock = std::move(lock);
   for (std::string path = line(); !path.empty(); path = line()) {
     facts.unwritable_logs.push_back({path, line()});

@@ -55,6 +55,9 @@ std::string EstopText(const EstopReport& report, bool colour) {
   }
   if (!report.complete()) return text;
   text += StopSummary(report);
+  if (!report.silent_controller.empty()) {
+    return text + "; the controller has not confirmed it: " + report.silent_controller + "\n";
+  }
   return text + (report.controller
                      ? "; no upward switch until `musher estop --release`\n"
                      : "; no controller leads here: `musher up FILE` takes over the stop, then "

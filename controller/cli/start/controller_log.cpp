@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
@@ -87,7 +88,10 @@ struct ControllerLog::State {
       return Ok();
     }
     auto made = MakePrivateFolder(std::filesystem::path(path).parent_path());
-    file = UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+    // Where another user could have put a link, none is followed.
+    const auto folder = std::filesystem::path(path).parent_path();
+    const int links = CheckOwnFolder(folder) ? 0 : O_NOFOLLOW;
+    file = UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | links, 0644));
     if (file.valid()) made = Ok();
     if (!file.valid() && made) made = SystemError("can't write " + path);
     if (!made && !std::exchange(reported, true)) {
@@ -100,7 +104,10 @@ struct ControllerLog::State {
   void TakeStandardOutput() {
     took_output = true;
     const UniqueFd nowhere(open("/dev/null", O_RDWR | O_CLOEXEC));
-    const int target = file.valid() ? file.get() : nowhere.get();
+    // Without a free descriptor stdin serves, which is /dev/null: a reader of this process's output
+    // must not wait for it.
+    const int nothing = nowhere.valid() ? nowhere.get() : STDIN_FILENO;
+    const int target = file.valid() ? file.get() : nothing;
     for (const int fd : {STDOUT_FILENO, STDERR_FILENO}) dup2(target, fd);
   }
 

@@ -139,20 +139,30 @@ Result<> RootLock::Take(const std::string& root_path) {
 TrialBoot::TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, const SlotRun& run,
                      const MachineConfig& config, std::function<const Machine*()> machine,
                      OnEnd on_end)
-    : disk_(disk),
+    : loop_(loop),
+      disk_(disk),
       run_(run),
       config_(config),
       machine_(std::move(machine)),
       on_end_(std::move(on_end)),
-      evaluation_(loop.Every(kCheckEvery, [this] { Evaluate(); })),
-      deadline_(loop.At(loop.Now() + run.trial, [this] {
-        Fail({kCodeTimeout, fmt::format("it was not up within {:g} s", ToSeconds(run_.trial))});
-      })) {}
+      evaluation_(loop.Every(kCheckEvery, [this] { Evaluate(); })) {
+  ExpectEnd();
+}
+
+// The time counts once no emergency stop is engaged any more.
+void TrialBoot::ExpectEnd() {
+  deadline_ = loop_.At(loop_.Now() + run_.trial, [this] {
+    const Machine* machine = machine_();
+    if (machine != nullptr && machine->emergency.stop) return ExpectEnd();
+    Fail({kCodeTimeout, fmt::format("it was not up within {:g} s", ToSeconds(run_.trial))});
+  });
+}
 
 void TrialBoot::Evaluate() {
   const Machine* machine = machine_();
   if (machine == nullptr || ending_) return;
-  if (const auto verdict = ota::EvaluateTrialBoot(config_, *machine)) End(*verdict);
+  held_ |= machine->phase == Phase::kFailed && machine->emergency.stop;
+  if (const auto verdict = ota::EvaluateTrialBoot(config_, *machine, held_)) End(*verdict);
 }
 
 void TrialBoot::Fail(const Error& why) {

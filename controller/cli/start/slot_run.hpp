@@ -80,8 +80,10 @@ class TrialBoot {
 
  private:
   void Evaluate();
+  void ExpectEnd();
   void End(const Result<>& outcome);
 
+  transport::EventLoop& loop_;
   transport::DiskWriter& disk_;
   const SlotRun& run_;
   const MachineConfig& config_;
@@ -89,6 +91,7 @@ class TrialBoot {
   OnEnd on_end_;
   bool under_way_ = true;
   bool ending_ = false;  // its outcome is being saved
+  bool held_ = false;    // an emergency stop has kept the machine from starting
   transport::LoopHandlePtr evaluation_;
   transport::LoopHandlePtr deadline_;
 };

@@ -61,7 +61,7 @@ ViewProcess::~ViewProcess() {
 
 void ViewProcess::Start() {
   restart_.reset();
-  UniqueFd output(open(log_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600));
+  UniqueFd output(open(log_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (!output.valid()) output = UniqueFd(open("/dev/null", O_WRONLY | O_CLOEXEC));
   ProgramSpec spec;
   spec.argv = command_;

@@ -144,6 +144,9 @@ const Planted kPlanted[] = {
        f.state_dir->free_bytes = 4 << 10;
        f.state_dir->write_error = "No space left on device";
      }},
+    {"AStateFolderThatAnotherUserCanChange", "state folder", CheckStatus::kError,
+     "belongs to user 1001", "chown -R",
+     [](DoctorFacts& f) { f.state_dir->untrusted = "/state belongs to user 1001"; }},
     {"AFileForAStateFolder", "state folder", CheckStatus::kError, "is not a folder",
      "another state_dir", [](DoctorFacts& f) { f.state_dir->is_folder = false; }},
     {"AFullDisk", "disk", CheckStatus::kError, "5 of 9216 MiB free", "du -xh /state",

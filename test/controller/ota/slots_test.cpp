@@ -62,6 +62,7 @@ TEST(SlotStates, SurviveTheDisk) {
       EXPECT_EQ(ParseState(FormatState(state)), state);
       state.last = TrialBootEnd{Slot::kB, "1.2.0", false, "legs: \"it's\"\nbroken"};
       state.last->reason = "legs: said \"no\" in one line";
+      state.installing = "1.3.0";
       EXPECT_EQ(ParseState(FormatState(state)), state);
     }
   }

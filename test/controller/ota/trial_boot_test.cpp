@@ -58,6 +58,14 @@ TEST_F(Trials, WaitForALaterStage) {
   EXPECT_EQ(Verdict(), "kept");
 }
 
+TEST_F(Trials, AreNotKnownWhereAnEmergencyStopHasKeptTheMachineFromStarting) {
+  machine_.phase = Phase::kFailed;
+  EXPECT_EQ(Verdict(), "the start-up failed");
+  EXPECT_FALSE(EvaluateTrialBoot(config_, machine_, /*held=*/true));
+  machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "the motors are gone"};
+  EXPECT_TRUE(EvaluateTrialBoot(config_, machine_, /*held=*/true));
+}
+
 TEST_F(Trials, EndBadlyWithACriticalActuator) {
   machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "the motors are gone"};
   EXPECT_THAT(Verdict(), HasSubstr("critical legs: the motors are gone"));

@@ -96,4 +96,20 @@ TEST_F(Disk, WithoutWritableLogsIsReportedAndActuatorsAreStillRestarted) {
   });
 }
 
+// It went on for ever into files that no name led to, with an empty `not_on_disk`.
+TEST_F(Disk, WhoseStateFolderIsReplacedHasTheJournalAndAllSmallFilesAgain) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string state = folder_ / "state";
+  std::filesystem::rename(state, state + ".before");  // as another volume is mounted there
+  EXPECT_NE(up_->LineWith("had been removed, or another volume was mounted there; saved again"),
+            "");
+  for (const char* file : {"machine", "epoch", "config", "processes"}) {
+    EXPECT_TRUE(std::filesystem::exists(state + "/" + file)) << file;
+  }
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  const std::string history = Musher({"history"}).out;
+  EXPECT_THAT(history, HasSubstr("the journal's file was removed while it was written"));
+  EXPECT_THAT(history, HasSubstr("Active → LowPower"));
+}
+
 }  // namespace musher::testing::disk_test

@@ -203,6 +203,18 @@ TEST_F(EmergencyStop, NamesAnActuatorThatDoesNotSayThatItHasStopped) {
   EXPECT_THAT(estop.out, HasSubstr("legs   stopped after "));
 }
 
+// It said that no controller led, and to start one.
+TEST_F(EmergencyStop, BesideAStoppedControllerNamesItAndHowItContinues) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t controller = Status()["pid"];
+  kill(controller, SIGSTOP);
+  const Ended estop = Musher({"estop"});
+  kill(controller, SIGCONT);
+  EXPECT_THAT(estop.out, HasSubstr("the controller has not confirmed it: process " +
+                                   std::to_string(controller)));
+  EXPECT_THAT(estop.out, HasSubstr("kill -CONT " + std::to_string(controller)));
+}
+
 TEST_F(EmergencyStop, KeepsANextStartFromGoingUpUntilItIsReleased) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Estop();

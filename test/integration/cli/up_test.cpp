@@ -94,6 +94,18 @@ TEST_F(Up, PrintsALineOfJsonForEachEvent) {
   EXPECT_EQ(last_kind, "stopped");
 }
 
+// The controller had no descriptor left for /dev/null, and kept the stderr whose reader then waited
+// for ever.
+TEST_F(Up, ReturnsDetachedAlsoWithFewFileDescriptors) {
+  for (const int files : {18, 20, 22, 24}) {
+    auto up = Command({"up", config_, "--detach"});
+    up.insert(up.begin(), {"prlimit", "--nofile=" + std::to_string(files)});
+    EXPECT_NE(RunToEnd(up).exit, 0) << files;
+    KillChildren();
+    std::filesystem::remove_all(folder_ / "state");
+  }
+}
+
 TEST_F(Up, LeavesTheMachineUpWhenItIsDetached) {
   const Ended up = UpDetached();
   EXPECT_EQ(up.exit, 0) << up.err;

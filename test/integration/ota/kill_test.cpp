@@ -9,6 +9,7 @@
 namespace musher::testing::kill_test {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Killed : public RobotWithUpgrades {
  protected:
@@ -38,6 +39,24 @@ TEST_F(Killed, InstallerLeavesTheMachineInOtaUntilItIsInstalledAgain) {
   const Ended again = Install("1.1.0");
   EXPECT_EQ(again.exit, 0) << again.err;
   EXPECT_EQ(Where(), "Active from b");
+}
+
+// The next start did not say so, and the robot seemed to have the version that it has not.
+TEST_F(Killed, InstallerAndControllerInTheMiddleAreReportedByTheNextStartOnce) {
+  Make("1.1.0", {.large_bytes = 64 << 20});
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("copy"), "");
+  installer.Signal(SIGKILL);
+  EXPECT_EQ(installer.Wait().exit, -1);
+  ASSERT_EQ(kill(Status()["pid"], SIGKILL), 0);
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_THAT(History(), HasSubstr("the upgrade to version 1.1.0 did not finish"));
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const Ended again = Musher({"up", root_, "--detach"});
+  EXPECT_EQ(again.exit, 0);
+  EXPECT_THAT(again.out, Not(HasSubstr("did not finish")));
 }
 
 TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {

@@ -135,6 +135,25 @@ test('a link opens one session, a wrong token none, and a foreign page none at a
   assert.equal((await post('api/release', {}, {cookie, origin: 'http://evil.example'})).status, 403);
 });
 
+test('a login ends, with the connections that it has opened', async () => {
+  const cookie = await session();
+  const socket = new WebSocket(`${view.url.replace('http', 'ws')}live`, 'musher.view.v1', {headers: {cookie}});
+  await once(socket, 'open');
+  const closed = once(socket, 'close');
+  const answer = await post('api/logout', {}, {cookie});
+  assert.equal(answer.status, 200);
+  assert.match(answer.headers.get('set-cookie'), /Max-Age=0/);
+  assert.equal((await closed)[0], 1000);
+  assert.equal((await post('api/release', {}, {cookie})).status, 403);
+});
+
+test('a person ends the login on the page, and looks on', async () => {
+  const {page, close} = await openActing();
+  await page.click('text=End the login');
+  await page.waitForSelector('text=Looking only');
+  await close();
+});
+
 test('bad requests are refused with a sentence', async () => {
   const cookie = await session();
   for (const [path, body, status] of [['api/set', [], 400], ['api/plan', 7, 400], ['api/nothing', {}, 404],

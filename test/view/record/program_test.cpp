@@ -232,6 +232,25 @@ TEST_F(RecordProgram, ARingKeepsWhatWentWrong) {
   EXPECT_EQ(TextsOf(kept[0], "/musher/machine_status").size(), 2U);
 }
 
+TEST_F(RecordProgram, ARingThatCannotKeepWhatWentWrongSaysSoAndExitsWithOne) {
+  const auto machine = transport::MakePublisher<msg::MachineStatus>(*node_, "musher/machine_status",
+                                                                    transport::kLatchedQos)
+                           .value();
+  msg::MachineStatus status;
+  ASSERT_TRUE(machine->Publish(status));
+  testing::Process recorder(
+      {"prlimit", "--fsize=1", kRecord, "record", "--ring", "5m", "-o", folder_ / "kept"});
+  ASSERT_TRUE(loop_.RunUntil([&] { return machine->MatchedReaders() == 2; }, loop_.Now() + kLong));
+  ASSERT_TRUE(machine->Flush(kLong));
+  status.emergency_stop = true;
+  ASSERT_TRUE(machine->Publish(status));
+  ASSERT_TRUE(recorder.AwaitError("trouble: emergency-stop"));
+  recorder.Signal(SIGINT);
+  const auto ended = recorder.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("emergency-stop.mcap is not kept: "));
+}
+
 TEST_F(RecordProgram, SaysWhatIsWrongWithItsInput) {
   const auto error = [](const std::vector<std::string>& arguments) {
     std::vector<std::string> argv = {kRecord};

@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
+#include <csignal>
 #include <filesystem>
 
+#include "musher/base/files.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -14,8 +18,11 @@
 namespace musher::view::ring_files_test {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
@@ -35,17 +42,18 @@ class RingFiles : public ::testing::Test {
     state_ = ring_->AddChannel({"/state", std::string(msg::String::kTypeName), "", true});
     chat_ = ring_->AddChannel({"/chat", std::string(msg::String::kTypeName), "", false});
   }
-  std::int64_t Now() const { return kBegin + (network_.now() - begin_).count(); }
+  std::int64_t Now() const { return kBegin + (network_.now() - begin_ + clock_set_).count(); }
   void Write(std::size_t channel, const std::string& text) {
     msg::String message;
     message.data = text;
-    EXPECT_TRUE(ring_->Write(channel, Now(), msg::Encode(message)));
+    EXPECT_TRUE(ring_->Write(channel, Now(), msg::Encode(message)) || full_);
   }
   // A message each second.
   void Run(int seconds) {
     for (int i = 0; i < seconds; ++i) {
       Write(chat_, std::to_string(count_++));
       network_.RunFor(std::chrono::seconds(1));
+      ring_->Drain();
     }
   }
   std::vector<std::string> Kept() const {
@@ -71,6 +79,8 @@ class RingFiles : public ::testing::Test {
   const Time begin_ = network_.now();
   std::unique_ptr<transport::Node> node_ = network_.MakeNode("dog");
   std::vector<std::string> sentences_;
+  Duration clock_set_{};  // by which the wall clock was set
+  bool full_ = false;     // the disk
   int count_ = 0;
   std::size_t state_ = 0;
   std::size_t chat_ = 0;
@@ -122,6 +132,124 @@ TEST_F(RingFiles, WhatAKilledRecorderLeftBehindIsKept) {
   Open();
   ASSERT_THAT(Kept(), ElementsAre("2026-03-01T12-00-05Z_recorder-restarted.mcap"));
   EXPECT_THAT(Texts(Kept()[0]), ElementsAre("ring/00000001.mcap", "ring/00000002.mcap"));
+}
+
+TEST_F(RingFiles, OtherFilesOfTheFolderAreLeftAlone) {
+  const auto write = [](const std::string& path) { ASSERT_TRUE(WriteFile(path, "mine")); };
+  write(folder_ / "run.mcap");
+  write(folder_ / "2025-01-01T00-00-00Z_mine.mcap");  // not of a recorder
+  write(folder_ / "notes.txt");
+  fs::create_directory(folder_ / "ring");
+  write(folder_ / "ring/photo.jpg");
+  write(folder_ / "ring/00000001.mcap");
+  Open();
+  for (const char* reason : {"a", "b", "c"}) {
+    ring_->OnTrouble(reason);
+    Run(60);
+  }
+  ASSERT_TRUE(ring_->Close());
+  EXPECT_THAT(Kept(), SizeIs(5)) << "two of the recorder";
+  for (const char* name : {"run.mcap", "2025-01-01T00-00-00Z_mine.mcap", "notes.txt",
+                           "ring/photo.jpg", "ring/00000001.mcap"}) {
+    EXPECT_EQ(ReadFile(folder_ / name), "mine") << name;
+  }
+}
+
+TEST_F(RingFiles, AnEmptyFolderRingOfTheUserIsNotRemoved) {
+  fs::create_directory(folder_ / "ring");
+  Open();
+  Run(20);
+  ASSERT_TRUE(ring_->Close());
+  EXPECT_TRUE(fs::is_empty(folder_ / "ring"));
+}
+
+TEST_F(RingFiles, AClockSetBackMakesNoSegmentLongerAndTheNewestIsKept) {
+  Open();
+  Run(100);
+  ring_->OnTrouble("a");
+  Run(40);
+  ring_->OnTrouble("b");
+  Run(40);
+  clock_set_ = -std::chrono::hours(1);
+  Run(100);
+  EXPECT_THAT(EntriesOf(folder_ / "ring"), SizeIs(7));
+  ring_->OnTrouble("c");
+  Run(40);
+  ASSERT_TRUE(ring_->Close());
+  ASSERT_THAT(Kept(), SizeIs(2));
+  EXPECT_THAT(Kept()[0], HasSubstr("T11-"));
+  EXPECT_THAT(Kept()[0], HasSubstr("_c.mcap"));
+  const auto texts = Texts(Kept()[0]);
+  EXPECT_GE(std::stoi(texts.front()), 209);
+}
+
+TEST_F(RingFiles, TwoTroublesOfOneSecondAreTwoFiles) {
+  Open();
+  Run(10);
+  ring_->OnTrouble("a");
+  Run(40);
+  clock_set_ = -std::chrono::seconds(40);
+  ring_->OnTrouble("a");
+  Run(40);
+  ASSERT_TRUE(ring_->Close());
+  EXPECT_THAT(Kept(), SizeIs(2));
+}
+
+// Lets files grow to some size only, as a full disk.
+class SizeLimit {
+ public:
+  explicit SizeLimit(rlim_t bytes) {
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(RingFiles, WhatADiskDoesNotTakeStaysAndIsKeptOnceItDoes) {
+  Open();
+  Run(30);
+  ring_->OnTrouble("error");
+  {
+    const SizeLimit full(1);
+    full_ = true;
+    Run(65);
+  }
+  EXPECT_THAT(Kept(), IsEmpty());
+  EXPECT_THAT(sentences_, Contains(HasSubstr("not kept yet: ")));
+  Run(10);  // until the next segment
+  full_ = false;
+  Run(90);
+  EXPECT_FALSE(ring_->Close()) << "of the time of the full disk nothing is there";
+  ASSERT_THAT(Kept(), ElementsAre("2026-03-01T12-00-35Z_error.mcap"));
+  EXPECT_EQ(Texts(Kept()[0]).front(), "0");
+  EXPECT_THAT(sentences_, Contains(HasSubstr("lacks a part: ")));
+  EXPECT_FALSE(fs::exists(folder_ / "ring"));
+}
+
+TEST_F(RingFiles, WhatCannotBeKeptAtTheEndStaysForTheNextRecorder) {
+  Open();
+  Run(30);
+  ring_->OnTrouble("error");
+  Run(5);
+  {
+    const SizeLimit full(1);
+    const auto closed = ring_->Close();
+    ASSERT_FALSE(closed);
+    EXPECT_THAT(closed.error().message,
+                AllOf(HasSubstr("_error.mcap is not kept: "), HasSubstr("/ring")));
+  }
+  EXPECT_THAT(Kept(), IsEmpty());
+  Open();
+  ASSERT_TRUE(ring_->Close());
+  ASSERT_THAT(Kept(), SizeIs(1));
+  EXPECT_THAT(Kept()[0], HasSubstr("_recorder-restarted.mcap"));
+  EXPECT_EQ(Texts(Kept()[0]).front(), "0");
+  EXPECT_FALSE(fs::exists(folder_ / "ring"));
 }
 
 }  // namespace musher::view::ring_files_test
