@@ -279,6 +279,13 @@ void ActuatorShell::Do(const actuator_action::RunCallback& action) {
               });
 }
 
+void ActuatorShell::ReportFault(const Error& fault) {
+  node_.loop().Post([this, alive = std::weak_ptr<bool>(alive_),
+                     event = actuator_event::PartFailed{fault.code, fault.message}] {
+    if (!alive.expired()) Handle(event);
+  });
+}
+
 void ActuatorShell::Do(const actuator_action::RequestStop&) {
   if (hooks_.set_stop_requested) hooks_.set_stop_requested(true);
 }

@@ -56,6 +56,9 @@ class ActuatorShell {
 
   // Runs SetUp; the status is latched from now on.
   void Start();
+  // Part of the actuator has failed outside of a callback; code 0: the fault with this message is
+  // over. Takes effect in the next turn of the loop.
+  void ReportFault(const Error& fault);
   // No callback begins from now on; a running one continues. The worker may be dropped after that.
   void Close() { closed_ = true; }
 

@@ -92,6 +92,9 @@ Result<> MachineActuator::Allowed(const std::string& capability, ModuleCode modu
 void MachineActuator::ReportDegraded(const Error& why) {
   impl_->degraded().Put(why);
 }
+void MachineActuator::ReportFault(const Error& fault) {
+  impl_->ReportFault(fault);
+}
 bool MachineActuator::EmergencyStopped() const {
   return impl_->emergency_stopped();
 }

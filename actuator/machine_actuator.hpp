@@ -145,6 +145,11 @@ class MachineActuator {
   // self-check. The last call of a check counts; in other callbacks it has no effect. From any
   // thread.
   void ReportDegraded(const Error& why);
+  // On the loop, in a handler or a timer: reports that part of the actuator has failed since its
+  // self-check. Status shows it as degraded with the reason and its code, until its next
+  // self-check, or until this is called with the same message and code 0. No effect in a
+  // fault-injection test without transport.
+  void ReportFault(const Error& fault);
 
   // Whether an emergency stop is engaged. The callbacks of less active states also run during a
   // stop, and must not move then. From any thread.

@@ -117,6 +117,9 @@ class MachineActuator::Impl {
   void Log(LogLevel level, const std::string& text) const { WriteLog(level, name_, text); }
 
   DegradedReport& degraded() { return degraded_; }
+  void ReportFault(const Error& fault) {
+    if (shell_ != nullptr) shell_->ReportFault(fault);
+  }
 
   void Shutdown() {
     const std::lock_guard one_at_a_time(shutdown_mutex_);

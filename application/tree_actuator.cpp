@@ -169,7 +169,7 @@ class TreeActuator::Impl {
     ++revision_;
     result_ = tree::Status::kIdle;
     resting_ = loaded_.tree == nullptr;
-    last_fault_.clear();
+    ForgetFault();
     time_ = {};
     reported_changes_ = 0;
   }
@@ -214,7 +214,7 @@ class TreeActuator::Impl {
     HaltTree();
     result_ = tree::Status::kIdle;
     resting_ = rests || !has_tree();
-    if (!rests) last_fault_.clear();
+    if (!rests) ForgetFault();
     Report(true);
   }
 
@@ -286,11 +286,18 @@ class TreeActuator::Impl {
     return result_;
   }
 
-  // Logged once as long as it is the same.
+  // Logged once as long as it is the same; the status of the actuator shows it until the tree
+  // begins again, another one is loaded, or the next self-check.
   void Fault(const std::string& what) {
+    if (last_fault_ != what) owner_.ReportFault({kCodeFailed, kTreeFault + what});
     last_fault_ = what;
     if (std::exchange(logged_fault_, what) == what) return;
     log_(time_.last().time_since_epoch(), LogLevel::kError, "fault: " + what);
+  }
+
+  void ForgetFault() {
+    if (!last_fault_.empty()) owner_.ReportFault({kCodeOk, kTreeFault + last_fault_});
+    last_fault_.clear();
   }
 
   void JumpBack(Time now) {
@@ -315,6 +322,7 @@ class TreeActuator::Impl {
     static_cast<void>(publisher_->Publish(state_));  // the next change has another one
   }
 
+  static inline const std::string kTreeFault = "the tree has failed: ";
   static constexpr Duration kShortestReport = std::chrono::milliseconds(50);  // between two states
 
   TreeActuator& owner_;

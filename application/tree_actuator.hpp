@@ -34,11 +34,12 @@
 // mission that has ended does not begin again because the robot has slept. Hooks are called while
 // it rests.
 //
-// A tick that throws: the nodes that run are halted, last_fault() is the reason with the path of
-// the node, and that is an end with FAILURE. The process goes on, because the next plan, another
-// tree or a Restart() may be possible. So does an exception of BeforeTick() (the tree is not ticked
-// then) or AfterTick(). A node that blocks blocks the loop: with checkpoint_ms in the config the
-// actuator is then reported as hung.
+// A tick that throws: the nodes that run are halted, last_fault() is the reason with the place and
+// the path of the node, and that is an end with FAILURE. `musher status` shows the actuator as
+// degraded with it until Restart(), Load() or the next self-check. The process goes on, because the
+// next plan, another tree or a Restart() may be possible. So does an exception of BeforeTick() (the
+// tree is not ticked then) or AfterTick(). A node that blocks blocks the loop: with checkpoint_ms
+// in the config the actuator is then reported as hung.
 //
 // Interfaces: service `<actuator>/get_tree` (musher_msgs/GetTree) and topic `<actuator>/tree_state`
 // (musher_msgs/TreeState, latched): at most 20 a second while a program is subscribed, and at each

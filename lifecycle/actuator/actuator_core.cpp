@@ -103,6 +103,18 @@ class Deciding {
     Do(PublishStatus{});
   }
 
+  // The next self-check replaces it.
+  void On(const event::PartFailed& failed) {
+    const bool over = failed.code == kCodeOk;
+    if (over ? report_.degraded_reason != failed.reason
+             : report_.degraded_code == failed.code && report_.degraded_reason == failed.reason) {
+      return;
+    }
+    report_.degraded_code = failed.code;
+    report_.degraded_reason = over ? "" : failed.reason;
+    Do(PublishStatus{});
+  }
+
   void On(const event::ControllerHeartbeatReceived& received) {
     if (received.sender == 0) return;
     if (received.sender == core_.controller) core_.controller_last_heartbeat = now_;

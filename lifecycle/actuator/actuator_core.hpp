@@ -68,6 +68,12 @@ struct CallbackEnded {
   std::int32_t degraded_code = 0;
   std::string degraded_reason = {};
 };
+// Outside of a callback: part of the actuator has failed. Code 0: the fault with this reason is
+// over.
+struct PartFailed {
+  std::int32_t code = 0;
+  std::string reason;
+};
 // A heartbeat of a controller.
 struct ControllerHeartbeatReceived {
   Sender sender = 0;
@@ -90,8 +96,9 @@ struct TimePassed {};
 using ActuatorEvent =
     std::variant<actuator_event::Started, actuator_event::SwitchArrived,
                  actuator_event::QueryArrived, actuator_event::ManagerCommand,
-                 actuator_event::CallbackEnded, actuator_event::ControllerHeartbeatReceived,
-                 actuator_event::EmergencyStopReceived, actuator_event::TimePassed>;
+                 actuator_event::CallbackEnded, actuator_event::PartFailed,
+                 actuator_event::ControllerHeartbeatReceived, actuator_event::EmergencyStopReceived,
+                 actuator_event::TimePassed>;
 
 namespace actuator_action {
 // Run the callback of `target` on the worker; its end comes back as CallbackEnded.

@@ -157,6 +157,21 @@ TEST_F(ATreeActuator, EndsWithFailureWhenANodeOrAHookThrowsAndGoesOnAfterRestart
   }
 }
 
+TEST_F(ATreeActuator, ShowsAFaultOfItsTreeInTheStatusUntilItBeginsAgain) {
+  ActuatorRunner<Course> course;
+  course.data().throws["second starts"] = "the leg is stuck";
+  Begin(course);
+  harness_.Tick(course, 4);
+  ASSERT_EQ(course.Result(), Status::kFailure);
+  EXPECT_THAT(harness_.controller().Switch("LowPower").degraded, ElementsAre("show"));
+  EXPECT_THAT(harness_.controller().Switch("Active").degraded, ElementsAre("show"));
+  course.RunOnLoop([&] {
+    course.data().throws.clear();
+    course.Restart();
+  });
+  EXPECT_THAT(harness_.controller().Switch("LowPower").degraded, ElementsAre());
+}
+
 TEST_F(ATreeActuator, LoadsAnotherTreeWhileItRunsAndHaltsTheOldOneFirst) {
   ActuatorRunner<Course> course;
   Begin(course);

@@ -8,6 +8,7 @@ using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::CallbackEnded;
 using actuator_event::EmergencyStopReceived;
 using actuator_event::ManagerCommand;
+using actuator_event::PartFailed;
 using actuator_event::QueryArrived;
 using actuator_event::Started;
 using actuator_event::SwitchArrived;
@@ -256,6 +257,24 @@ TEST_F(Actuator, ASelfCheckThatFailsReportsNoPartialFaultOfTheOneBefore) {
   Do(CallbackEnded{1409, "no motor answers"});
   EXPECT_EQ(core_.report.degraded_code, kCodeOk);
   EXPECT_EQ(core_.report.degraded_reason, "");
+}
+
+TEST_F(Actuator, APartThatFailsOutsideOfACallbackIsReportedUntilItIsOverOrTheNextSelfCheck) {
+  SetUpIt();
+  Switch(1, "SelfCheck");
+  Switch(2, "Active");
+  EXPECT_FALSE(Do(PartFailed{1, "the tree has failed: a"}).empty()) << "published";
+  EXPECT_TRUE(Do(PartFailed{1, "the tree has failed: a"}).empty()) << "nothing new";
+  EXPECT_EQ(core_.report.degraded_code, 1);
+  EXPECT_EQ(core_.report.degraded_reason, "the tree has failed: a");
+  EXPECT_TRUE(Do(PartFailed{kCodeOk, "another fault"}).empty()) << "is not that one";
+  EXPECT_FALSE(Do(PartFailed{kCodeOk, "the tree has failed: a"}).empty());
+  EXPECT_EQ(core_.report.degraded_code, kCodeOk);
+  EXPECT_EQ(core_.report.degraded_reason, "");
+  Do(PartFailed{1, "the tree has failed: b"});
+  Do(Command(3, "SelfCheck"));
+  Do(CallbackEnded{});
+  EXPECT_EQ(core_.report.degraded_code, kCodeOk);
 }
 
 TEST_F(Actuator, IsFinishedAfterTearDownAndRefusesEverythingFromThenOn) {
