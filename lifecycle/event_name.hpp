@@ -121,6 +121,8 @@ enum class EventName {
   kPowerCommandGiven,
   kPowerCommandFailed,
   kPowerTearDownRefused,
+  kBatteryJumped,
+  kBatteryDoubled,
 };
 
 // Names by value of EventName.
@@ -226,8 +228,10 @@ inline constexpr auto kEventNames = std::to_array<std::string_view>({
     "power_command_given",
     "power_command_failed",
     "power_tear_down_refused",
+    "battery_jumped",
+    "battery_doubled",
 });
-static_assert(static_cast<std::size_t>(EventName::kPowerTearDownRefused) + 1 == kEventNames.size());
+static_assert(static_cast<std::size_t>(EventName::kBatteryDoubled) + 1 == kEventNames.size());
 
 // "switch_done"; empty: kNone.
 constexpr std::string_view NameOf(EventName event) {

@@ -39,6 +39,7 @@ Checker::Checker(SimRobot& robot)
     CheckSignal(controller, pid);
   };
   robot_.on_power = [this] { power_due_.reset(); };
+  robot_.on_battery = [this](int percent, bool charging) { OnBattery(percent, charging); };
   robot_.on_person_starts = [this] { PersonStarts(); };
 }
 
@@ -172,6 +173,7 @@ void Checker::CheckController(const ControllerProcess& controller) {
   }
   CheckChange(machine, seen);
   CheckCeiling(machine, false);
+  CheckQuiet(machine, seen);
   CheckStaysDown(controller);
 }
 

@@ -89,6 +89,10 @@ class Checker {
     std::optional<std::pair<Time, int>> over_since;
     PerActuator<Incarnation> received;  // of each actuator, the incarnation reported last
     Epoch epoch = 0;
+    // When it last knew a sample of the battery that permits at most LowPower, or Protected.
+    std::optional<Time> low_power_at;
+    std::optional<Time> protected_at;
+    CommandNumber raise;  // the last one of the policy
   };
   using CommandKey =
       std::tuple<Epoch, ActuatorIndex, CommandNumber>;  // of the actuator with this index
@@ -139,6 +143,9 @@ class Checker {
   void CheckPolicyChange(const Machine& machine, const Seen& seen);
   void ForgetEndedPolicySwitches(const Machine& machine);
   void CheckRaise(const State& raised_to, int percent);
+  void CheckQuiet(const Machine& machine, Seen& seen);
+  void OnBattery(int percent, bool charging);
+  void CheckPowerOffStarted(const action::Record& record);
   void NoteLevels(const BatteryPolicy& policy, int percent);
   void CheckPowerOff();
   bool ByPolicy(const State& state) const;
@@ -180,6 +187,8 @@ class Checker {
   bool state_lost_ = false;        // a disk was full: a controller may have stored outdated state
   bool urgent_requested_ = false;  // Error or TearDown, which supersede others
   std::optional<Time> power_due_;
+  int empty_samples_ = 0;         // of the battery, published so far
+  RecordId power_requested_ = 0;  // the record of the last request for a power-off
   // The actuators that exited with a configuration error, and the controller whose child each was.
   std::map<std::string, std::uint64_t> config_errors_;
   std::map<std::string, State> false_reporters_;  // the false state published last

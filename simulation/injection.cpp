@@ -53,6 +53,9 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kOta, "ota", 0},
     {InjectionKind::kLowPowerSwitch, "low-power-switch", 0},
     {InjectionKind::kPowerOff, "power-off", 0},
+    {InjectionKind::kBatteryGlitch, "battery-glitch", 0},  // some of the battery become one
+    {InjectionKind::kBatteryWriter, "battery-writer", 0},
+    {InjectionKind::kBatteryWalk, "battery-walk", 0},
     {InjectionKind::kReboot, "reboot", 0},
     {InjectionKind::kHostPartition, "host-partition", 0},
     {InjectionKind::kHostOneWay, "host-one-way", 0},
@@ -75,6 +78,10 @@ constexpr InjectionKind kOfPolicy[] = {
     InjectionKind::kWakeUp,         InjectionKind::kKeep,      InjectionKind::kOta,
     InjectionKind::kLowPowerSwitch, InjectionKind::kPowerOff};
 constexpr int kFull = 100;
+// The share of the battery's events that are faults of what publishes it, and their kinds.
+constexpr double kSensorShare = 0.4;
+constexpr InjectionKind kOfSensor[] = {InjectionKind::kBatteryGlitch, InjectionKind::kBatteryGlitch,
+                                       InjectionKind::kBatteryWriter, InjectionKind::kBatteryWalk};
 
 // The share of events that hit a host instead of a single process, with one host and with several.
 constexpr double kHostShare = 0.03;
@@ -155,6 +162,7 @@ class InjectionSampler {
         random_(seed * 2 + 1),
         policy_random_(seed * 2 + 0x706f6c),
         exit_random_(seed * 2 + 0x65786974),
+        sensor_random_(seed * 2 + 0x73656e73),
         host_random_(seed * 2 + 0x72656274),
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
@@ -206,6 +214,8 @@ class InjectionSampler {
     const auto percent = static_cast<std::uint64_t>(SamplePercent(config_, injection.random));
     const std::uint64_t cable = policy_random_.Bernoulli(0.3) ? 1 : 0;
     injection.random = percent * 2 + cable;
+    if (!sensor_random_.Bernoulli(kSensorShare)) return;
+    injection.kind = kOfSensor[sensor_random_.Next() % std::size(kOfSensor)];
   }
 
   // Adds a client's switch that is under way when the controller is killed.
@@ -331,6 +341,7 @@ class InjectionSampler {
   // Generators of their own, so that the other events do not depend on them.
   Random policy_random_;
   Random exit_random_;
+  Random sensor_random_;
   Random host_random_;
   std::size_t hosts_;
   Duration at_{};
@@ -345,7 +356,9 @@ std::string_view KindName(InjectionKind kind) {
 
 bool IsFault(InjectionKind kind) {
   const bool of_hosts = kind >= InjectionKind::kReboot && kind <= InjectionKind::kStalledDisk;
-  return kind < InjectionKind::kSet || of_hosts;
+  const bool of_sensor =
+      kind >= InjectionKind::kBatteryGlitch && kind <= InjectionKind::kBatteryWalk;
+  return kind < InjectionKind::kSet || of_hosts || of_sensor;
 }
 
 Injections SampleInjections(const MachineConfig& config, std::uint64_t seed) {

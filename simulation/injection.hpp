@@ -50,6 +50,9 @@ enum class InjectionKind : std::uint8_t {
   kOta,             // an application enters OTA, or leaves it
   kLowPowerSwitch,  // an operator switches automatic LowPower on or off
   kPowerOff,        // an operator presses the power button
+  kBatteryGlitch,   // one sample of the battery is wrong
+  kBatteryWriter,   // a second program publishes the battery, with another level; lasts
+  kBatteryWalk,     // the battery's level jitters by a random walk; lasts
   // Faults of hosts.
   kReboot,         // a host reboots: its processes end, its clock is reset
   kHostPartition,  // the link between two hosts is cut; lasts
@@ -62,7 +65,7 @@ enum class InjectionKind : std::uint8_t {
   kClientRelease,  // the release of the emergency stops
   kClientRestart,  // the restart of an actuator
 };
-inline constexpr std::size_t kInjectionKinds = 41;
+inline constexpr std::size_t kInjectionKinds = 44;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
 
@@ -91,7 +94,7 @@ Injections SampleInjections(const MachineConfig& config, std::uint64_t seed);
 // "the process of audio is killed"
 std::string Describe(const MachineConfig& config, const Injection& injection);
 
-// Percentage of kBattery, and whether the battery is charging.
+// Percentage of the battery's kinds, and whether the battery is charging.
 int BatteryOf(const Injection& injection);
 bool ChargesIn(const Injection& injection);
 

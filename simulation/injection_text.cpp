@@ -87,6 +87,13 @@ std::string Describe(const MachineConfig& config, const Injection& injection) {
              (injection.random % 3 == 0 ? "off" : "on");
     case InjectionKind::kPowerOff:
       return "the robot is switched off by its button";
+    case InjectionKind::kBatteryGlitch:
+      return "one sample of the battery reports " + std::to_string(BatteryOf(injection)) + " %";
+    case InjectionKind::kBatteryWriter:
+      return "a second program publishes a battery at " + std::to_string(BatteryOf(injection)) +
+             " %" + lasts;
+    case InjectionKind::kBatteryWalk:
+      return "the battery jitters around " + std::to_string(BatteryOf(injection)) + " %" + lasts;
     case InjectionKind::kReboot:
       return "host " + host + " is rebooted and is back after " + InMilliseconds(injection.lasts);
     case InjectionKind::kHostPartition:

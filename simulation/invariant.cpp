@@ -57,6 +57,10 @@ std::string_view InvariantText(Invariant invariant) {
       return "the policy supersedes no switch";
     case Invariant::kPowerOffInTime:
       return "an accepted power-off happens within its time";
+    case Invariant::kNotOffByOneSample:
+      return "one sample of the battery powers nothing off";
+    case Invariant::kRaisedAfterQuiet:
+      return "the battery raises nothing within raise_after_s of a lower sample of any publisher";
     case Invariant::kSafeWithoutCritical:
       return "without a critical actuator the machine is in its on_lost state, or less active";
     case Invariant::kOnLostCoversLoss:

@@ -38,13 +38,15 @@ enum class Invariant : std::uint8_t {
   kNoFlapping,             // the battery raises only what it lowered, beyond its hysteresis
   kPolicyNeverSupersedes,  // the policy supersedes no switch
   kPowerOffInTime,         // an accepted power-off happens within its time
+  kNotOffByOneSample,      // one sample of the battery powers nothing off
+  kRaisedAfterQuiet,       // the battery raises nothing within raise_after_s of a lower sample
   // That a config can violate as well.
   kSafeWithoutCritical,        // without a critical actuator the machine is in its on_lost or below
   kOnLostCoversLoss,           // on_lost says what follows when an actuator is lost permanently
   kRecoverable,                // an operator can recover the machine from every stable state
   kAllAvailableAfterRecovery,  // and then all actuators are available
 };
-inline constexpr std::size_t kInvariants = 29;
+inline constexpr std::size_t kInvariants = 31;
 
 std::string_view InvariantText(Invariant invariant);  // a sentence without its full stop
 // Whether the config, rather than the middleware, can be the reason for a violation.

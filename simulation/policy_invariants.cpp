@@ -1,5 +1,5 @@
-// The invariants of the policy. They go by the battery's percentage alone, not by the level that
-// the controller derives from it.
+// The invariants of the policy. They go by the samples of the battery alone, not by the level that
+// the controller derives from them.
 
 #include <algorithm>
 #include <utility>
@@ -69,7 +69,10 @@ void Checker::OnRecord(const action::Record& record) {
     case EventName::kSwitchRequested:
       // A request that ends in the same step never shows as the switch under way.
       if (!record.actuator && !TargetOf(record).empty()) just_replied_.insert(TargetOf(record));
+      if (record.event == EventName::kPolicyRequested) power_requested_ = record.id;
       return;
+    case EventName::kPowerOffStarted:
+      return CheckPowerOffStarted(record);
     case EventName::kSwitchStarted:
       if (std::exchange(lowering_begins_, false)) NoteLowering(record.of_switch->state);
       return;
@@ -131,6 +134,45 @@ void Checker::CheckPolicyChange(const Machine& machine, const Seen& seen) {
   ForgetEndedPolicySwitches(machine);
   lowered_.reset();
   if (std::exchange(raise_requested_, false)) lowered_ = {State(kActive), machine.state};
+}
+
+void Checker::OnBattery(int percent, bool charging) {
+  const auto& battery = config_.policy ? config_.policy->battery : std::nullopt;
+  if (battery && percent <= battery->tear_down_at && !charging) ++empty_samples_;
+}
+
+// By a request, or because the battery is empty.
+void Checker::CheckPowerOffStarted(const action::Record& record) {
+  if (record.cause == power_requested_ || empty_samples_ > 1) return;
+  ReportViolation(Invariant::kNotOffByOneSample, "the robot is powered off after " +
+                                                     std::to_string(empty_samples_) +
+                                                     " samples of an empty battery");
+}
+
+// By the samples that the controller knows, not by the level that it derives from them.
+void Checker::CheckQuiet(const Machine& machine, Seen& seen) {
+  if (!config_.policy || !config_.policy->battery) return;
+  const BatteryPolicy& battery = *config_.policy->battery;
+  const Time now = robot_.network().now();
+  for (const BatterySource& source : machine.policy.batteries) {
+    const auto most = MostAt(battery, source.percent, source.charging);
+    if (!most) continue;
+    seen.protected_at = now;
+    if (*most < *BuiltInRank(kProtected)) seen.low_power_at = now;
+  }
+  const auto& s = machine.current;
+  const bool raises = s && s->purpose == Purpose::kPolicy && s->direction == Direction::kUp;
+  if (!raises || std::exchange(seen.raise, s->number) == s->number) return;
+  const auto rank = config_.RankOf(s->target);
+  const auto check = [&](const std::optional<Time>& lower_at, std::string_view most) {
+    if (!lower_at || now >= *lower_at + battery.raise_after || *rank <= *BuiltInRank(most)) return;
+    ReportViolation(Invariant::kRaisedAfterQuiet,
+                    "the policy raises the machine to " + s->target + ' ' +
+                        std::to_string(ToMilliseconds(now - *lower_at)) +
+                        " ms after a sample that permits " + std::string(most));
+  };
+  check(seen.low_power_at, kLowPower);
+  check(seen.protected_at, kProtected);
 }
 
 void Checker::ForgetEndedPolicySwitches(const Machine& machine) {

@@ -29,6 +29,13 @@ constexpr Duration kReleaseTimeout = Milliseconds(1000);
 // How often the battery and the body publish their status.
 constexpr Duration kBodyPeriod = std::chrono::seconds(1);
 
+msg::BmsStatus BatteryAt(int percent, bool charging) {
+  msg::BmsStatus status;
+  status.batt_soc = static_cast<std::uint8_t>(percent);
+  status.power_wired_charging = charging;
+  return status;
+}
+
 }  // namespace
 
 SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script, Layout layout)
@@ -245,10 +252,23 @@ void SimRobot::EngageEmergencyStop(StopId id, std::size_t panel) {
 }
 
 void SimRobot::SetBattery(int percent, bool charging) {
-  battery_.emplace();
-  battery_->batt_soc = static_cast<std::uint8_t>(percent);
-  battery_->power_wired_charging = charging;
+  battery_ = BatteryAt(percent, charging);
   PublishBody();
+}
+
+void SimRobot::GlitchBattery(int percent, bool charging) {
+  OpenBody();
+  PublishBattery(*battery_publisher_, BatteryAt(percent, charging));
+}
+
+void SimRobot::SetOtherBattery(std::optional<int> percent) {
+  other_battery_.reset();
+  if (percent) other_battery_ = BatteryAt(*percent, false);
+  OpenBody();
+}
+
+std::optional<int> SimRobot::battery() const {
+  return battery_ ? std::optional<int>(battery_->batt_soc) : std::nullopt;
 }
 
 void SimRobot::SetMotion(std::int32_t motion) {
@@ -257,21 +277,34 @@ void SimRobot::SetMotion(std::int32_t motion) {
   PublishBody();
 }
 
-void SimRobot::PublishBody() {
+void SimRobot::OpenBody() {
   const std::string prefix = config_.name_space.empty() ? "" : config_.name_space + "/";
   if (!body_timer_) {
     const BatteryPolicy battery;
     const LowPowerPolicy low_power;
     const PolicyConfig policy = config_.policy.value_or(PolicyConfig{});
-    battery_publisher_ = transport::MakePublisher<msg::BmsStatus>(
-                             *environment_, prefix + policy.battery.value_or(battery).topic)
-                             .value();
+    for (auto* publisher : {&battery_publisher_, &other_battery_publisher_}) {
+      *publisher = transport::MakePublisher<msg::BmsStatus>(
+                       *environment_, prefix + policy.battery.value_or(battery).topic)
+                       .value();
+    }
     motion_publisher_ = transport::MakePublisher<msg::MotionStatus>(
                             *environment_, prefix + policy.low_power.value_or(low_power).topic)
                             .value();
     body_timer_ = environment_->loop().Every(kBodyPeriod, [this] { PublishBody(); });
   }
-  if (battery_) static_cast<void>(battery_publisher_->Publish(*battery_));
+}
+
+void SimRobot::PublishBattery(transport::Publisher<msg::BmsStatus>& publisher,
+                              const msg::BmsStatus& status) {
+  if (on_battery) on_battery(status.batt_soc, status.power_wired_charging);
+  static_cast<void>(publisher.Publish(status));
+}
+
+void SimRobot::PublishBody() {
+  OpenBody();
+  if (battery_) PublishBattery(*battery_publisher_, *battery_);
+  if (other_battery_) PublishBattery(*other_battery_publisher_, *other_battery_);
   if (motion_) static_cast<void>(motion_publisher_->Publish(*motion_));
 }
 

@@ -65,6 +65,8 @@ class SimRobot {
   // A controller writes a sample.
   std::function<void(const ControllerProcess&, const std::string& topic, const msg::Bytes&)>
       on_write;
+  // The battery, or another program in its place, publishes a sample.
+  std::function<void(int percent, bool charging)> on_battery;
   // Before a controller sends a signal.
   std::function<void(const ControllerProcess&, std::int32_t pid)> on_signal;
   // Before a controller is killed.
@@ -112,6 +114,11 @@ class SimRobot {
   std::vector<const Client::Request*> OpenRequests() const;
   // Publishes the battery's and the body's status from now on, once a second.
   void SetBattery(int percent, bool charging);
+  // Publishes one sample, and goes on with the level of SetBattery().
+  void GlitchBattery(int percent, bool charging);
+  // The level that a second program publishes; nullopt: it ends.
+  void SetOtherBattery(std::optional<int> percent);
+  std::optional<int> battery() const;  // %, as set
   void SetMotion(std::int32_t motion);
   void ReleaseEmergencyStop();  // by the controller, for an operator
   // An operator restarts an actuator; does not wait for it.
@@ -148,7 +155,10 @@ class SimRobot {
   void KillController(std::size_t which);
   void TakeOverOnSameHost();
   Disk& DiskOf(std::size_t which) { return disks_[OneHost() ? 0 : which]; }
+  void OpenBody();
   void PublishBody();
+  void PublishBattery(transport::Publisher<msg::BmsStatus>& publisher,
+                      const msg::BmsStatus& status);
 
   MachineConfig config_;
   const Layout layout_;
@@ -169,7 +179,9 @@ class SimRobot {
   transport::LoopHandlePtr takes_over_;
   std::optional<msg::BmsStatus> battery_;
   std::optional<msg::MotionStatus> motion_;
+  std::optional<msg::BmsStatus> other_battery_;
   std::unique_ptr<transport::Publisher<msg::BmsStatus>> battery_publisher_;
+  std::unique_ptr<transport::Publisher<msg::BmsStatus>> other_battery_publisher_;
   std::unique_ptr<transport::Publisher<msg::MotionStatus>> motion_publisher_;
   transport::LoopHandlePtr body_timer_;
 };

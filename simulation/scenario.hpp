@@ -16,6 +16,7 @@
 #include "musher/simulation/injection.hpp"
 #include "musher/simulation/invariant.hpp"
 #include "musher/simulation/robot.hpp"
+#include "musher/transport/sim/random.hpp"
 
 namespace musher::simulation {
 
@@ -102,6 +103,8 @@ class Scenario {
   void RequestSwitch(const State& target,
                      const std::optional<std::string>& actuator = std::nullopt);
   void ApplyToPolicy(const Injection& injection);
+  void ApplyToBattery(const Injection& injection);
+  void WalkBattery(transport::sim::Random random, Time until);
   void RequestPolicy(const event::PolicyRequested& requested);
   void ApplyNetworkFaults();
   void ApplyToHosts(const Injection& injection);

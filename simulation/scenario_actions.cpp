@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::int32_t kLying = 0;
 constexpr std::int32_t kWalking = 303;
+constexpr int kMostBattery = 100;
+constexpr Duration kWalkPeriod = Milliseconds(300);  // of the samples of a battery that jitters
 
 }  // namespace
 
@@ -69,6 +71,7 @@ void Scenario::Apply(const Injection& injection) {
       if (injection.kind == InjectionKind::kCrossingStops) return ApplyToStops(injection);
       if (injection.kind == InjectionKind::kStalledDisk) return ApplyToController(injection);
       if (injection.kind >= InjectionKind::kReboot) return ApplyToHosts(injection);
+      if (injection.kind >= InjectionKind::kBatteryGlitch) return ApplyToBattery(injection);
       if (injection.kind > InjectionKind::kRestart) return ApplyToPolicy(injection);
       return injection.kind < InjectionKind::kControllerCrash ? ApplyToNetwork(injection)
                                                               : ApplyToController(injection);
@@ -101,6 +104,29 @@ void Scenario::ApplyToPolicy(const Injection& injection) {
     default:
       return RequestPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
   }
+}
+
+// Faults of what publishes the battery.
+void Scenario::ApplyToBattery(const Injection& injection) {
+  switch (injection.kind) {
+    case InjectionKind::kBatteryGlitch:
+      return robot_.GlitchBattery(BatteryOf(injection), ChargesIn(injection));
+    case InjectionKind::kBatteryWriter:
+      robot_.SetOtherBattery(BatteryOf(injection));
+      return Later(injection.lasts, [this] { robot_.SetOtherBattery(std::nullopt); });
+    default:
+      robot_.SetBattery(BatteryOf(injection), false);
+      return WalkBattery(transport::sim::Random(injection.random),
+                         robot_.network().now() + injection.lasts);
+  }
+}
+
+void Scenario::WalkBattery(transport::sim::Random random, Time until) {
+  if (robot_.network().now() >= until) return;
+  const int step = static_cast<int>(random.Next() % 7) - 3;
+  robot_.SetBattery(std::clamp(robot_.battery().value_or(kMostBattery) + step, 0, kMostBattery),
+                    false);
+  Later(kWalkPeriod, [this, random, until] { WalkBattery(random, until); });
 }
 
 void Scenario::RequestPolicy(const event::PolicyRequested& requested) {

@@ -126,6 +126,7 @@ template <>
 inline constexpr std::tuple kFields<StoredPolicy> = {
     Field{"low_power", &StoredPolicy::low_power},
     Field{"lowering", &StoredPolicy::lowering},
+    Field{"level", &StoredPolicy::level},
 };
 
 template <>
@@ -257,6 +258,13 @@ template <>
 inline constexpr std::tuple kFields<event::BatterySeen> = {
     Field{"percent", &event::BatterySeen::percent},
     Field{"charging", &event::BatterySeen::charging},
+    Field{"source", &event::BatterySeen::source},
+};
+template <>
+inline constexpr std::string_view kEventName<event::BatterySourceSilent> = "BatterySourceSilent";
+template <>
+inline constexpr std::tuple kFields<event::BatterySourceSilent> = {
+    Field{"source", &event::BatterySourceSilent::source},
 };
 template <>
 inline constexpr std::string_view kEventName<event::MotionSeen> = "MotionSeen";

@@ -57,6 +57,10 @@ inline constexpr std::tuple kFields<ControlRecord> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<FailedChecks> = {Field{"count", &FailedChecks::count},
+                                                     Field{"at", &FailedChecks::at}};
+
+template <>
 inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"presence", &ActuatorRecord::presence},
     Field{"report", &ActuatorRecord::report},
@@ -69,6 +73,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"set_up_by", &ActuatorRecord::set_up_by},
     Field{"checked", &ActuatorRecord::checked},
     Field{"join_tried", &ActuatorRecord::join_tried},
+    Field{"failed_checks", &ActuatorRecord::failed_checks},
     Field{"set_again", &ActuatorRecord::set_again},
     Field{"held", &ActuatorRecord::held},
     Field{"due", &ActuatorRecord::due},
@@ -186,15 +191,35 @@ inline constexpr std::tuple kFields<PowerDown> = {
     Field{"cause", &PowerDown::cause},
 };
 template <>
+inline constexpr std::tuple kFields<BatterySource> = {
+    Field{"source", &BatterySource::source},
+    Field{"percent", &BatterySource::percent},
+    Field{"charging", &BatterySource::charging},
+};
+template <>
+inline constexpr std::tuple kFields<LevelRun> = {
+    Field{"level", &LevelRun::level},
+    Field{"since", &LevelRun::since},
+    Field{"samples", &LevelRun::samples},
+    Field{"higher", &LevelRun::higher},
+};
+
+template <>
 inline constexpr std::tuple kFields<PolicyState> = {
     Field{"clock", &PolicyState::clock},
     Field{"loaded", &PolicyState::loaded},
+    Field{"batteries", &PolicyState::batteries},
     Field{"battery", &PolicyState::battery},
     Field{"charging", &PolicyState::charging},
     Field{"battery_silent", &PolicyState::battery_silent},
     Field{"invalid_told", &PolicyState::invalid_recorded},
+    Field{"jump_recorded", &PolicyState::jump_recorded},
+    Field{"doubled_recorded", &PolicyState::doubled_recorded},
     Field{"level", &PolicyState::level},
     Field{"level_cause", &PolicyState::level_cause},
+    Field{"lifting", &PolicyState::lifting},
+    Field{"emptying", &PolicyState::emptying},
+    Field{"empty", &PolicyState::empty},
     Field{"stored", &PolicyState::stored},
     Field{"withheld", &PolicyState::withheld},
     Field{"low_power", &PolicyState::low_power},

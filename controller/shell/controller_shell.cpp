@@ -185,7 +185,6 @@ void ControllerShell::SendPolicyRequest(event::PolicyRequested requested, OnAnsw
   if (refused_) return done(*refused_);
   requested.request = next_request_++;
   waiting_for_answer_[requested.request] = std::move(done);
-  if (policy_inputs_) policy_inputs_->EmitTime();
   Handle(requested);
 }
 
@@ -206,6 +205,8 @@ void ControllerShell::RecordHere(const std::string& kind, std::optional<Actuator
 void ControllerShell::Handle(const Event& event) {
   CheckThread();
   if (KeepForBegin(event)) return;
+  // Every event may begin a time of the policy: the end of a switch that of lying still.
+  if (policy_inputs_ && !handling_) policy_inputs_->EmitTime();
   queue_.push_back(event);
   if (handling_) return;
   handling_ = true;

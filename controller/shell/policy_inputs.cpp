@@ -46,7 +46,9 @@ Result<> PolicyInputs::Open(transport::Node& node) {
     battery_input_.timeout = policy_.battery->silent;
     auto battery = transport::MakeSubscription<msg::BmsStatus>(
         node, topic(policy_.battery->topic),
-        [this](const msg::BmsStatus& status, const transport::SampleInfo&) { OnBattery(status); },
+        [this](const msg::BmsStatus& status, const transport::SampleInfo& info) {
+          OnBattery(status, info.writer);
+        },
         transport::kSensorDataQos);
     if (!battery) return battery.error();
     battery_input_.subscription = std::move(battery).value();
@@ -64,13 +66,17 @@ Result<> PolicyInputs::Open(transport::Node& node) {
 
 void PolicyInputs::OnWorldRestarted() {
   battery_input_.received = motion_input_.received = clock_->Now();
+  for (auto& [writer, source] : batteries_) source.received = clock_->Now();
   EmitTime();
 }
 
 void PolicyInputs::Begin() {
   begun_ = true;
   EmitTime();
-  if (battery_) EmitOnceBegun(*battery_);
+  for (auto& [writer, source] : batteries_) {
+    source.emitted = 1;
+    EmitOnceBegun(source.last);
+  }
   if (motion_) EmitOnceBegun(*motion_);
   for (Input* input : {&battery_input_, &motion_input_}) {
     if (!input->subscription) continue;
@@ -103,13 +109,43 @@ void PolicyInputs::EmitOnceBegun(const Event& event) {
   emit_(event);
 }
 
-void PolicyInputs::OnBattery(const msg::BmsStatus& status) {
-  const event::BatterySeen seen{status.batt_soc, status.power_wired_charging};
-  const bool was_silent = battery_input_.silent;
+// Emits a sample that differs from the one before, and those after it that confirm it.
+void PolicyInputs::OnBattery(const msg::BmsStatus& status, transport::EndpointId writer) {
   OnSample(battery_input_);
-  if (seen == battery_ && !was_silent) return;
-  battery_ = seen;
+  const auto [at, is_new] = batteries_.try_emplace(writer);
+  BatterySource& source = at->second;
+  if (is_new) {
+    source.last.source = next_source_++;
+    ConfirmAgain();
+  }
+  source.received = clock_->Now();
+  ForgetSilentSources();
+  const event::BatterySeen seen{status.batt_soc, status.power_wired_charging, source.last.source};
+  if (seen != source.last) source.emitted = 0;
+  source.last = seen;
+  if (source.emitted == kConfirmingSamples) return;
+  ++source.emitted;
   EmitOnceBegun(seen);
+}
+
+// Only while another publisher sends: otherwise the battery is silent.
+void PolicyInputs::ForgetSilentSources() {
+  for (auto at = batteries_.begin(); at != batteries_.end();) {
+    const BatterySource& source = at->second;
+    if (clock_->Now() < source.received + battery_input_.timeout) {
+      ++at;
+      continue;
+    }
+    const std::uint32_t silent = source.last.source;
+    at = batteries_.erase(at);
+    ConfirmAgain();
+    EmitOnceBegun(event::BatterySourceSilent{silent});
+  }
+}
+
+// The publishers have changed: the next samples of all are emitted, equal or not.
+void PolicyInputs::ConfirmAgain() {
+  for (auto& [writer, source] : batteries_) source.emitted = 0;
 }
 
 void PolicyInputs::OnMotion(const msg::MotionStatus& status) {
@@ -136,6 +172,7 @@ void PolicyInputs::WatchForTimeout(Input& input) {
   input.timer = clock_->At(input.received + input.timeout, [this, &input] {
     if (clock_->Now() < input.received + input.timeout) return WatchForTimeout(input);
     input.silent = true;
+    if (input.input == PolicyInput::kBattery) batteries_.clear();
     EmitOnceBegun(event::InputSilent{input.input});
   });
 }

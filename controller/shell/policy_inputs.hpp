@@ -5,6 +5,7 @@
 // Threads: loop thread only.
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -28,7 +29,7 @@ class PolicyInputs {
   void Begin();
   // Wakes the policy at this time of its clock. No effect with the steady clock.
   void WakeAt(std::optional<Time> when);
-  // Emits the policy's time if it comes from a topic. To be called before events that depend on it.
+  // Emits the policy's time if it comes from a topic. To be called before every other event.
   void EmitTime();
 
  private:
@@ -42,10 +43,19 @@ class PolicyInputs {
     transport::LoopHandlePtr timer;
   };
 
+  // One publisher of the battery.
+  struct BatterySource {
+    event::BatterySeen last;
+    int emitted = 0;  // samples that equal the last one
+    Time received{};
+  };
+
   PolicyInputs(const MachineConfig& config, Emit emit);
   Result<> Open(transport::Node& node);
   void OnWorldRestarted();
-  void OnBattery(const msg::BmsStatus& status);
+  void OnBattery(const msg::BmsStatus& status, transport::EndpointId writer);
+  void ForgetSilentSources();
+  void ConfirmAgain();
   void OnMotion(const msg::MotionStatus& status);
   void OnSample(Input& input);
   void WatchForTimeout(Input& input);
@@ -57,8 +67,9 @@ class PolicyInputs {
   Emit emit_;
   bool begun_ = false;
   bool by_topic_ = false;
-  std::optional<event::BatterySeen> battery_;  // the last one, emitted or to be emitted by Begin()
-  std::optional<event::MotionSeen> motion_;
+  std::map<transport::EndpointId, BatterySource> batteries_;  // those that are not silent
+  std::uint32_t next_source_ = 0;
+  std::optional<event::MotionSeen> motion_;  // the last one, emitted or to be emitted by Begin()
   std::optional<Time> emitted_time_;
   std::unique_ptr<transport::Clock> clock_;
   transport::LoopHandlePtr first_time_;

@@ -14,7 +14,7 @@ msg::PolicyInfo PolicyOf(const MachineConfig& config, const PolicyState& policy)
   info.battery = policy.battery.value_or(-1);
   info.charging = policy.charging;
   info.battery_silent = policy.battery_silent;
-  if (policy.battery && policy.level != BatteryLevel::kFree) {
+  if (config.policy && config.policy->battery && policy.level != BatteryLevel::kFree) {
     info.ceiling = CeilingState(config, policy.level);
     info.ceiling_reason = AboveCeiling(config, policy, policy.level).message;
   }

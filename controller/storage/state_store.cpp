@@ -264,7 +264,10 @@ std::vector<RemoteActuator> StateStore::LoadRemoteActuators(const std::string& h
   return actuators;
 }
 
-// "low_power on", "lowered Active Protected 7", the last the epoch.
+constexpr std::string_view kProtectedWord = "protected";
+constexpr std::string_view kLowPowerWord = "low_power";
+
+// "low_power on", "lowered Active Protected 7", the last the epoch, "level protected".
 Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
   std::string text;
   if (policy.low_power)
@@ -272,6 +275,10 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
   if (policy.lowering) {
     text += "lowered " + policy.lowering->from + " " + policy.lowering->to + " " +
             ToString(policy.lowering->epoch) + "\n";
+  }
+  if (policy.level != BatteryLevel::kFree) {
+    const bool is_protected = policy.level == BatteryLevel::kProtected;
+    text += "level " + std::string(is_protected ? kProtectedWord : kLowPowerWord) + "\n";
   }
   return Replace(PolicyFile(), text);
 }
@@ -286,6 +293,9 @@ StoredPolicy StateStore::LoadPolicy() const {
     std::uint64_t epoch = 0;
     if (word == "low_power" && text >> word) {
       if (word == "on" || word == "off") policy.low_power = word == "on";
+    } else if (word == "level" && text >> word) {
+      if (word == kProtectedWord) policy.level = BatteryLevel::kProtected;
+      if (word == kLowPowerWord) policy.level = BatteryLevel::kLowPower;
     } else if (word == "lowered" && text >> from >> to >> epoch) {
       policy.lowering = Lowering{State(from), State(to), Epoch(epoch)};
     }

@@ -5,6 +5,13 @@
 #include <algorithm>
 
 namespace musher {
+namespace {
+
+// The delay before a failed self-check is repeated; doubled each time.
+constexpr Duration kFirstCheckAgain = std::chrono::seconds(10);
+constexpr int kMostCheckDoublings = 5;  // about five minutes
+
+}  // namespace
 
 void EndLeg(Leg& leg, const CommandResult& end, Time now) {
   leg.progress = Leg::Progress::kEnded;
@@ -39,6 +46,7 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
     const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
     if (well || command.target == kTearDown) Of(i).fault.reset();
   }
+  if (command.target == kSelfCheck) NoteCheck(i, end.outcome);
   // Driven on once it is free, unless a check is still running.
   if (end.outcome == ActuatorOutcome::kOverdue && command.target != kSelfCheck) Of(i).due = true;
   if (Leg* leg = LegUnderWay(i)) {
@@ -53,6 +61,17 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
   if (unknown && MayRestart(i) && ProcessOf(i) != 0) {
     Hang(i, true, texts::HungIn(command.target, took));
   }
+}
+
+// A self-check may fail for a passing reason, such as load: a failed one is repeated.
+void Commands::NoteCheck(ActuatorIndex i, ActuatorOutcome outcome) {
+  FailedChecks& failed = Of(i).failed_checks;
+  if (outcome != ActuatorOutcome::kFailed && outcome != ActuatorOutcome::kOverdue) {
+    failed = {};
+    return;
+  }
+  failed.at = now_ + kFirstCheckAgain * (1 << std::min(failed.count, kMostCheckDoublings));
+  ++failed.count;
 }
 
 // A self-check that fails with a code that is not critical counts as passed, and the actuator is
@@ -93,7 +112,9 @@ void Commands::EndOwn(ActuatorIndex i, const PendingCommand& command, const Comm
   if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
   Degrade(i, end.code, texts::CommandNotDone(command.target, end.outcome, end.text.message),
           record.cause);
-  FallBack(i);
+  // A repeated check that fails again is no new loss: a person may have gone on without it.
+  const bool repeated = command.target == kSelfCheck && record.failed_checks.count > 1;
+  if (!repeated) FallBack(i);
 }
 
 // Its TearDown before a restart has ended. A process of Musher's protocol exits by itself after

@@ -60,6 +60,7 @@ class Commands : StepPart {
 
  private:
   void Drifted(ActuatorIndex i);
+  void NoteCheck(ActuatorIndex i, ActuatorOutcome outcome);
   CommandResult Tolerate(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);
   Leg* LegUnderWay(ActuatorIndex i);
   void EndOwn(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);

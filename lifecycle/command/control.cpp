@@ -59,6 +59,7 @@ void Control::Attach(ActuatorIndex i) {
   const bool beyond = record.state() == kSelfCheck || config_.RankOf(record.state());
   record.checked = (beyond && record.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
   record.join_tried = false;
+  record.failed_checks = {};
   record.held = record.report.detached;
   record.suspended = false;
   record.health = Health::kWell;

@@ -20,6 +20,9 @@ struct BatteryPolicy {
   int tear_down_at = 0;                        // TearDown and off, unless it is being charged
   int hysteresis = 2;                          // a ceiling is lifted this far above its level
   Duration silent = std::chrono::seconds(10);  // without a sample this long: a warning
+  // Both by the steady clock: a jump of /clock confirms nothing.
+  Duration tear_down_after = std::chrono::seconds(3);  // all samples this long report it empty
+  Duration raise_after = std::chrono::seconds(5);  // no sample this long is below the next ceiling
 
   friend bool operator==(const BatteryPolicy&, const BatteryPolicy&) = default;
 };

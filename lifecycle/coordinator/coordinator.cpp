@@ -6,6 +6,7 @@
 #include "musher/lifecycle/command/arrivals.hpp"
 #include "musher/lifecycle/coordinator/authority.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"
+#include "musher/lifecycle/policy/policy.hpp"
 #include "musher/lifecycle/recovery/binding.hpp"
 #include "musher/lifecycle/recovery/fallback.hpp"
 #include "musher/lifecycle/recovery/joining.hpp"
@@ -15,6 +16,12 @@
 
 namespace musher {
 namespace {
+
+// Whether the rules of the policy are evaluated.
+bool RulesApply(const MachineConfig& config, const Machine& machine) {
+  return config.policy && (machine.phase == Phase::kStarting || machine.phase == Phase::kRunning ||
+                           machine.phase == Phase::kFailed);
+}
 
 // The parts of one step, each after those that it uses.
 class Coordinator : StepPart {
@@ -84,6 +91,7 @@ void Coordinator::Handle(const Event& event) {
                  [&](const event::SetStateRequested& e) { requests_.On(e); },
                  [&](const event::SetUpAwaited& e) { start_up_.On(e); },
                  [&](const event::BatterySeen& e) { rules_.On(e); },
+                 [&](const event::BatterySourceSilent& e) { rules_.On(e); },
                  [&](const event::MotionSeen& e) { rules_.On(e); },
                  [&](const event::InputSilent& e) { rules_.On(e); },
                  [&](const event::ClockReceived& e) { rules_.On(e); },
@@ -167,6 +175,17 @@ void Coordinator::Decline(const Event& event) {
   }
 }
 
+// When samples of the battery, confirmed by their number, are confirmed by time, too.
+std::optional<Time> NextConfirmation(const MachineConfig& config, const Machine& machine) {
+  const PolicyState& policy = machine.policy;
+  if (!RulesApply(config, machine) || !config.policy->battery) return std::nullopt;
+  const BatteryPolicy& battery = *config.policy->battery;
+  auto next = ConfirmedAt(policy.lifting, battery.raise_after);
+  const auto empty = ConfirmedAt(policy.emptying, battery.tear_down_after);
+  if (empty && !policy.empty) next = next ? std::min(*next, *empty) : *empty;
+  return next;
+}
+
 // When the next command, take-control attempt or set-up deadline of one actuator is due.
 std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   std::optional<Time> next;
@@ -207,7 +226,11 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
   const auto consider = [&](std::optional<Time> when) {
     if (when) next = next ? std::min(*next, *when) : *when;
   };
-  for (const ActuatorRecord& record : machine.actuators) consider(NextDeadlineOf(record));
+  const bool joins = machine.phase == Phase::kRunning && !machine.current && !machine.waiting;
+  for (const ActuatorRecord& record : machine.actuators) {
+    consider(NextDeadlineOf(record));
+    if (joins) consider(record.failed_checks.at);
+  }
   if (machine.phase == Phase::kStopping && machine.stopping) {
     const Stopping& stopping = *machine.stopping;
     consider(stopping.intent_by);
@@ -216,14 +239,13 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
   }
   if (machine.waiting) consider(machine.waiting->until);
   consider(NextPowerDeadline(machine));
+  consider(NextConfirmation(config, machine));
   if (config.clock == ClockSource::kSteady) consider(NextPolicyDeadline(config, machine));
   return next;
 }
 
 std::optional<Time> NextPolicyDeadline(const MachineConfig& config, const Machine& machine) {
-  const bool at_work = machine.phase == Phase::kStarting || machine.phase == Phase::kRunning ||
-                       machine.phase == Phase::kFailed;
-  if (!config.policy || !at_work) return std::nullopt;
+  if (!RulesApply(config, machine)) return std::nullopt;
   const PolicyState& policy = machine.policy;
   std::optional<Time> next;
   if (policy.keep) next = policy.keep->until;

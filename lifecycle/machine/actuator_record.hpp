@@ -85,6 +85,14 @@ struct Restarts {
   friend bool operator==(const Restarts&, const Restarts&) = default;
 };
 
+// A failed self-check, which is repeated.
+struct FailedChecks {
+  int count = 0;           // in a row
+  std::optional<Time> at;  // the next one
+
+  friend bool operator==(const FailedChecks&, const FailedChecks&) = default;
+};
+
 // Whether this controller controls an actuator.
 struct ControlRecord {
   Incarnation incarnation = 0;  // that TakeControl() was sent to
@@ -115,9 +123,10 @@ struct ActuatorRecord {
   // How it follows the machine.
   bool checked = false;     // passed its self-check since its process started
   bool join_tried = false;  // the self-check of a late actuator was commanded
-  bool held = false;        // detached by SetState(actuator, state)
-  bool due = false;         // to be driven to the state of the machine, as soon as it is free
-  bool suspended = false;   // an actuator that it is bound to is not up
+  FailedChecks failed_checks;
+  bool held = false;       // detached by SetState(actuator, state)
+  bool due = false;        // to be driven to the state of the machine, as soon as it is free
+  bool suspended = false;  // an actuator that it is bound to is not up
   // Since the release of the last emergency stop a switch has been requested that leads it up or to
   // a state of the same rank: it may switch on again.
   bool set_again = false;

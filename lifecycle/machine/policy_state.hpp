@@ -55,6 +55,7 @@ struct Lowering {
 struct StoredPolicy {
   std::optional<bool> low_power;  // the switch, once it was stored
   std::optional<Lowering> lowering;
+  BatteryLevel level = BatteryLevel::kFree;  // the last known, at most LowPower
 
   friend bool operator==(const StoredPolicy&, const StoredPolicy&) = default;
 };
@@ -80,16 +81,44 @@ struct PowerDown {
   friend bool operator==(const PowerDown&, const PowerDown&) = default;
 };
 
+// So many samples in a row confirm what one sample may not decide.
+inline constexpr int kConfirmingSamples = 3;
+
+// The last sample of one publisher of the battery.
+struct BatterySource {
+  std::uint32_t source = 0;
+  std::int32_t percent = 0;
+  bool charging = false;
+
+  friend bool operator==(const BatterySource&, const BatterySource&) = default;
+};
+
+// Samples in a row that allow a level, by the steady clock.
+struct LevelRun {
+  BatteryLevel level = BatteryLevel::kFree;  // the lowest charge that one of them has reported
+  Time since{};
+  int samples = 0;
+  int higher = 0;  // the last of them, which allow more
+
+  friend bool operator==(const LevelRun&, const LevelRun&) = default;
+};
+
 struct PolicyState {
   Time clock{};         // the last time received from /clock, where the policy follows it
   bool loaded = false;  // all stages have been up, or given up: the battery rules begin
 
-  std::optional<int> battery;  // in percent, the last valid one
-  bool charging = false;
+  std::vector<BatterySource> batteries;  // the last to report stands last
+  std::optional<int> battery;            // in percent, the lowest of them
+  bool charging = false;                 // all of them report it
   bool battery_silent = false;
-  bool invalid_recorded = false;  // an out-of-range value was recorded
-  BatteryLevel level = BatteryLevel::kFree;
-  RecordId level_cause = 0;  // the record of the level
+  bool invalid_recorded = false;             // an out-of-range value was recorded
+  bool jump_recorded = false;                // a change that no battery can make was recorded
+  bool doubled_recorded = false;             // several publishers were recorded
+  BatteryLevel level = BatteryLevel::kFree;  // sets the ceiling; without samples the stored one
+  RecordId level_cause = 0;                  // the record of the level
+  std::optional<LevelRun> lifting;           // samples that would lift the ceiling to their level
+  std::optional<LevelRun> emptying;          // samples that report the battery empty
+  bool empty = false;                        // they have confirmed it: the robot is powered off
 
   StoredPolicy stored;
   std::optional<Lowering> withheld;  // the higher state that the battery does not allow yet

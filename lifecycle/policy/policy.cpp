@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "musher/base/decimal.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 
@@ -47,20 +48,33 @@ State CeilingState(const MachineConfig& config, BatteryLevel level) {
   return best;
 }
 
-BatteryLevel TakingDownLevel(const PolicyState& policy) {
-  return policy.charging ? std::min(policy.level, BatteryLevel::kProtected) : policy.level;
+BatteryLevel TakingDownLevel(const MachineConfig& config, const PolicyState& policy) {
+  if (!policy.battery) return BatteryLevel::kFree;
+  const BatteryLevel level = LevelAt(*config.policy->battery, *policy.battery, policy.level);
+  return policy.charging ? std::min(level, BatteryLevel::kProtected) : level;
+}
+
+std::optional<Time> ConfirmedAt(const std::optional<LevelRun>& run, Duration after) {
+  if (!run || run->samples < kConfirmingSamples) return std::nullopt;
+  return run->since + after;
 }
 
 std::string BatteryText(const PolicyState& policy) {
-  return texts::BatteryText(policy.battery.value_or(0), policy.charging);
+  if (!policy.battery) return "the battery was low, and has sent no sample since";
+  return texts::BatteryText(*policy.battery, policy.charging);
 }
 
 Error AboveCeiling(const MachineConfig& config, const PolicyState& policy, BatteryLevel level) {
   const State most = CeilingState(config, level);
+  const BatteryPolicy& battery = *config.policy->battery;
+  const int left_at = LeftAt(battery, level);
+  const std::string percent = std::to_string(left_at) + " %";
+  const bool lifting = policy.battery && *policy.battery >= left_at;
   return {kCodeProtectedError, BatteryText(policy) + ": the machine is limited to " +
-                                   (most.empty() ? State(kLowPower) : most) +
-                                   " until it is charged to " +
-                                   std::to_string(LeftAt(*config.policy->battery, level)) + " %"};
+                                   (most.empty() ? State(kLowPower) : most) + " until " +
+                                   (lifting ? "no sample has been below " + percent + " for " +
+                                                  Decimal(ToSeconds(battery.raise_after), 1) + " s"
+                                            : "it is charged to " + percent)};
 }
 
 std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine& machine,
@@ -77,9 +91,9 @@ std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine&
   const bool loading =
       machine.phase == Phase::kStarting || (machine.phase == Phase::kRunning && !policy.loaded);
   const bool kept = policy.keep && policy.keep->state == target;
-  if (!policy.battery || kept || loading) return std::nullopt;
+  if (!config.policy->battery || kept || loading) return std::nullopt;
   // Charging keeps the machine in its state; it does not raise the ceiling.
-  const BatteryLevel level = rises ? policy.level : TakingDownLevel(policy);
+  const BatteryLevel level = rises ? policy.level : TakingDownLevel(config, policy);
   const auto most = CeilingRank(level);
   if (!most || *rank <= *most) return std::nullopt;
   return AboveCeiling(config, policy, level);

@@ -26,10 +26,14 @@ std::optional<Rank> CeilingRank(BatteryLevel level);
 // none.
 State CeilingState(const MachineConfig& config, BatteryLevel level);
 
-// The level that takes the machine down: while being charged, it is not taken below Protected.
-BatteryLevel TakingDownLevel(const PolicyState& policy);
+// The level that takes the machine down: that of the present samples, without a stored one. While
+// being charged, the machine is not taken below Protected.
+BatteryLevel TakingDownLevel(const MachineConfig& config, const PolicyState& policy);
 
-// "the battery is at 4 %, being charged"
+// When samples in a row have confirmed their level by time; nullopt: they are too few.
+std::optional<Time> ConfirmedAt(const std::optional<LevelRun>& run, Duration after);
+
+// "the battery is at 4 %, being charged", or without a sample, that it was low before
 std::string BatteryText(const PolicyState& policy);
 
 // Why nothing goes above the ceiling of `level`, with the numbers and what to do.

@@ -14,17 +14,27 @@ constexpr int kMostDoublings = 6;  // about a minute
 
 }  // namespace
 
-// Restores what an earlier controller stored about the battery, if none has led since, and the
-// config still has the rule. The level was at least as low then; so its hysteresis applies.
+// Restores what an earlier controller stored about the battery: its level, and if none has led
+// since, and the config still has the rule, the lowering. The level was at least as low then; so
+// its hysteresis applies.
 void PolicyMemory::ResumeLowering() {
   PolicyState& policy = machine_.policy;
   auto lowering = policy.stored.lowering;
+  if (config_.policy->battery) policy.level = policy.stored.level;
   if (!lowering) return;
   if (lowering->epoch + 1 != machine_.epoch || !config_.policy->battery) return Lower(std::nullopt);
   const auto to = config_.RankOf(lowering->to);
   policy.level =
-      to && to <= BuiltInRank(kLowPower) ? BatteryLevel::kLowPower : BatteryLevel::kProtected;
+      std::max(policy.level, to && to <= BuiltInRank(kLowPower) ? BatteryLevel::kLowPower
+                                                                : BatteryLevel::kProtected);
   Lower(lowering);
+}
+
+void PolicyMemory::SetLevel(BatteryLevel level) {
+  PolicyState& policy = machine_.policy;
+  policy.level = level;
+  const BatteryLevel kept = std::min(level, BatteryLevel::kLowPower);  // powers nothing off
+  if (std::exchange(policy.stored.level, kept) != kept) saving_.Save(Stored::kPolicy);
 }
 
 void PolicyMemory::Lower(std::optional<Lowering> lowering) {
@@ -68,7 +78,7 @@ void PolicyMemory::OnSwitchEnded(const Switch& s, bool undone) {
   if (s.purpose == Purpose::kPolicy && undone) {
     // The battery may have fallen during a raise that has failed: lowering does not wait for the
     // next attempt to raise.
-    const BatteryLevel level = TakingDownLevel(policy);
+    const BatteryLevel level = TakingDownLevel(config_, policy);
     const auto rank = config_.RankOf(machine_.state);
     const auto most = CeilingRank(level);
     const bool lowers = level == BatteryLevel::kEmpty || (rank && most && *rank > *most);

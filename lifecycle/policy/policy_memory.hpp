@@ -14,8 +14,10 @@ class PolicyMemory : StepPart {
  public:
   PolicyMemory(StepContext& step, Saving& saving) : StepPart(step), saving_(saving) {}
 
-  // Restores what an earlier controller stored about the battery, if none has led since.
+  // Restores what an earlier controller stored about the battery.
   void ResumeLowering();
+  // The level, which outlives the controller.
+  void SetLevel(BatteryLevel level);
   // Stores the lowering, when it has changed.
   void Lower(std::optional<Lowering> lowering);
   // An actuator is lost: the battery rule brings the machine back at most to `most`.

@@ -45,6 +45,21 @@ RecordText BatterySampleInvalid(int percent) {
                   {{"percent", percent}});
 }
 
+RecordText BatteryJumped(int before, int percent) {
+  return MakeText(EventName::kBatteryJumped,
+                  "the battery reports {percent} % after {before} %, which no battery does between "
+                  "two samples; check what publishes it",
+                  {{"percent", percent}, {"before", before}});
+}
+
+RecordText BatteryDoubled(const std::string& topic, int publishers, int lowest, int highest) {
+  return MakeText(
+      EventName::kBatteryDoubled,
+      "{publishers} programs publish {topic}, {lowest} to {highest} %; the lowest "
+      "counts, stop all but one",
+      {{"publishers", publishers}, {"topic", topic}, {"lowest", lowest}, {"highest", highest}});
+}
+
 RecordText BatterySilent(Duration limit, std::optional<int> last) {
   return MakeText(
       EventName::kBatterySilent,

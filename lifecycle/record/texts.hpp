@@ -166,6 +166,8 @@ std::string BatteryText(int percent, bool charging);
 RecordText PolicyRequested(const std::string& what, const State& target);
 RecordText PolicyRefused(const std::string& what, const std::string& why);
 RecordText BatterySampleInvalid(int percent);
+RecordText BatteryJumped(int before, int percent);
+RecordText BatteryDoubled(const std::string& topic, int publishers, int lowest, int highest);
 RecordText BatterySilent(Duration limit, std::optional<int> last);
 RecordText BatteryResumed();
 // What a battery sample changes for the machine.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/plan/plan.hpp"
 
 namespace musher {
 
@@ -12,7 +13,7 @@ bool Joining::DriveLateOnes() {
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const ActuatorRecord& record = Of(i);
-    const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
+    const bool unchecked = IsToBeChecked(i);
     if (!IsFree(i) || record.held) continue;
     if (!record.due && !unchecked) {
       const bool had_a_fault = record.fault.has_value();
@@ -36,6 +37,21 @@ bool Joining::DriveLateOnes() {
     changed = true;
   }
   return changed;
+}
+
+// Whether it has had no self-check yet, or one has failed and is to be repeated: not while it works
+// in the state of the machine.
+bool Joining::IsToBeChecked(ActuatorIndex i) {
+  ActuatorRecord& record = Of(i);
+  std::optional<Time>& again = record.failed_checks.at;
+  if (again && now_ >= *again) {
+    again.reset();
+    // A ROS 2 node that could not be configured waits for a person.
+    if (!record.checked && !IsUnconfigured(config_, i, record)) record.join_tried = false;
+  }
+  const bool before = !config_.RankOf(record.state());
+  const bool failed = record.failed_checks.count > 0 && record.state() != machine_.state;
+  return !record.checked && !record.join_tried && (before || failed);
 }
 
 bool Joining::IsFree(ActuatorIndex i) const {

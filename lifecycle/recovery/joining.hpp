@@ -18,6 +18,7 @@ class Joining : StepPart {
 
  private:
   bool IsFree(ActuatorIndex i) const;
+  bool IsToBeChecked(ActuatorIndex i);
   bool LowerLateOnes();
   bool Lower(ActuatorIndex i);
   bool StoppedOnTheLevel(ActuatorIndex i) const;

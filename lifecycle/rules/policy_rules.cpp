@@ -9,6 +9,14 @@ namespace musher {
 namespace {
 
 constexpr int kFullBattery = 100;
+// In percent, between two samples of one publisher: no battery changes so fast.
+constexpr int kMostChange = 10;
+// More publishers than a robot has: of them the lowest count.
+constexpr std::size_t kMostSources = 8;
+
+bool ReportsEmpty(const BatteryPolicy& policy, const BatterySource& source) {
+  return source.percent <= policy.tear_down_at && !source.charging;
+}
 
 }  // namespace
 
@@ -30,23 +38,119 @@ void PolicyRules::On(const event::BatterySeen& seen) {
     return;
   }
   if (std::exchange(policy.battery_silent, false)) {
+    policy.batteries.clear();
     RecordPolicy(kCodeOk, texts::BatteryResumed());
   }
-  const bool cable = policy.battery && policy.charging != seen.charging;
-  policy.battery = seen.percent;
-  policy.charging = seen.charging;
-  EvaluateLevel(cable ? std::optional(seen.charging) : std::nullopt);
+  NoteSource(seen);
+  Combine();
+  CountSample();
+  Confirm();
+}
+
+void PolicyRules::On(const event::BatterySourceSilent& silent) {
+  std::vector<BatterySource>& batteries = machine_.policy.batteries;
+  if (batteries.size() < 2) return;  // the last value stays in effect
+  std::erase_if(batteries, [&](const BatterySource& b) { return b.source == silent.source; });
+  machine_.policy.doubled_recorded &= batteries.size() > 1;
+  Combine();
+}
+
+// Records what no battery reports: a jump, and a second publisher. One that has reported between
+// two samples of another is no successor of it.
+void PolicyRules::NoteSource(const event::BatterySeen& seen) {
+  PolicyState& policy = machine_.policy;
+  std::vector<BatterySource>& batteries = policy.batteries;
+  const auto known = std::ranges::find(batteries, seen.source, &BatterySource::source);
+  if (known != batteries.end()) {
+    const bool jumps = std::abs(known->percent - seen.percent) > kMostChange;
+    if (jumps && !std::exchange(policy.jump_recorded, true)) {
+      RecordPolicy(kCodeParametersInvalid, texts::BatteryJumped(known->percent, seen.percent));
+    }
+    const bool last = std::next(known) == batteries.end();
+    batteries.erase(known);
+    batteries.push_back({seen.source, seen.percent, seen.charging});
+    if (last || std::exchange(policy.doubled_recorded, true)) return;
+    const auto [low, high] = std::ranges::minmax(batteries, {}, &BatterySource::percent);
+    RecordPolicy(kCodeParametersInvalid, texts::BatteryDoubled(config_.policy->battery->topic,
+                                                               static_cast<int>(batteries.size()),
+                                                               low.percent, high.percent));
+    return;
+  }
+  if (batteries.size() == kMostSources) {
+    batteries.erase(std::ranges::max_element(batteries, {}, &BatterySource::percent));
+  }
+  batteries.push_back({seen.source, seen.percent, seen.charging});
+}
+
+// The lowest publisher counts, and it is charged where all report it.
+void PolicyRules::Combine() {
+  PolicyState& policy = machine_.policy;
+  const std::vector<BatterySource>& batteries = policy.batteries;
+  const bool charging = std::ranges::all_of(batteries, &BatterySource::charging);
+  const bool changed = policy.battery && policy.charging != charging;
+  policy.battery = std::ranges::min(batteries, {}, &BatterySource::percent).percent;
+  policy.charging = charging;
+  EvaluateLevel(changed ? std::optional(charging) : std::nullopt);
+  const BatteryPolicy& battery = *config_.policy->battery;
+  const bool empty = std::ranges::all_of(
+      batteries, [&](const BatterySource& one) { return ReportsEmpty(battery, one); });
+  if (!empty) {
+    policy.emptying.reset();
+    policy.empty = false;
+  } else if (!policy.emptying) {
+    policy.emptying = LevelRun{BatteryLevel::kEmpty, now_};
+  }
+}
+
+// A lower level is in effect at once; a higher one once it is confirmed.
+void PolicyRules::EvaluateLevel(std::optional<bool> charger) {
+  PolicyState& policy = machine_.policy;
+  const BatteryLevel level = LevelAt(*config_.policy->battery, *policy.battery, policy.level);
+  if (level >= policy.level) {
+    policy.lifting.reset();
+    return SetLevel(level, charger);
+  }
+  if (!policy.lifting) policy.lifting = LevelRun{level, now_};
+  policy.lifting->level = std::max(policy.lifting->level, level);
+  SetLevel(policy.level, charger);
+}
+
+void PolicyRules::CountSample() {
+  PolicyState& policy = machine_.policy;
+  if (policy.emptying) ++policy.emptying->samples;
+  if (!policy.lifting) return;
+  LevelRun& run = *policy.lifting;
+  const BatteryLevel level = LevelAt(*config_.policy->battery, *policy.battery, policy.level);
+  ++run.samples;
+  run.higher = level < run.level ? run.higher + 1 : 0;
+}
+
+// What samples in a row have confirmed by now.
+void PolicyRules::Confirm() {
+  if (!config_.policy->battery) return;
+  const BatteryPolicy& battery = *config_.policy->battery;
+  PolicyState& policy = machine_.policy;
+  const auto reached = [&](const std::optional<LevelRun>& run, Duration after) {
+    const auto at = ConfirmedAt(run, after);
+    return at && now_ >= *at;
+  };
+  policy.empty |= reached(policy.emptying, battery.tear_down_after);
+  if (!reached(policy.lifting, battery.raise_after)) return;
+  const LevelRun run = *std::exchange(policy.lifting, std::nullopt);
+  SetLevel(run.level, std::nullopt);
+  EvaluateLevel(std::nullopt);  // the last samples may lift it further
+  if (policy.lifting) policy.lifting->samples = run.higher;
 }
 
 // Records a change of the ceiling; the record is the cause of what follows.
-void PolicyRules::EvaluateLevel(std::optional<bool> charger) {
+void PolicyRules::SetLevel(BatteryLevel level, std::optional<bool> charger) {
   PolicyState& policy = machine_.policy;
   const BatteryLevel before = policy.level;
-  policy.level = LevelAt(*config_.policy->battery, *policy.battery, before);
+  memory_.SetLevel(level);
   if (policy.level > before) policy.retry_at.reset();
   if (policy.level == before && !charger) return;
   using Limit = texts::BatteryLimit;
-  const bool kept_up = TakingDownLevel(policy) != policy.level;
+  const bool kept_up = TakingDownLevel(config_, policy) != policy.level;
   const Limit limit = policy.level == before                 ? Limit::kAsBefore
                       : policy.level == BatteryLevel::kFree  ? Limit::kLifted
                       : kept_up                              ? Limit::kNoSwitchAbove
@@ -93,6 +197,7 @@ bool PolicyRules::Advance() {
   const bool settled = machine_.emergency.stop || (machine_.start_up.stage >= LastStage(config_) &&
                                                    StageIsSettled(machine_.start_up.stage));
   policy.loaded |= machine_.phase == Phase::kRunning && settled;
+  Confirm();
   if (policy.keep && policy_now() >= policy.keep->until) memory_.EndKeep("time expired");
   CountStillness();
   power_.Force();
@@ -112,8 +217,8 @@ bool PolicyRules::BatteryRulesWait() const {
 
 bool PolicyRules::ApplyBatteryRule() {
   if (!config_.policy->battery || BatteryRulesWait()) return false;
-  const BatteryLevel level = TakingDownLevel(machine_.policy);
-  if (level == BatteryLevel::kEmpty) {
+  const BatteryLevel level = TakingDownLevel(config_, machine_.policy);
+  if (machine_.policy.empty) {
     power_.Begin(false, now_ + config_.policy->empty_battery_delay, machine_.policy.level_cause);
     if (TearDownForPower()) return true;
     power_.Force();  // its time may be zero

@@ -23,6 +23,7 @@ class PolicyRules : StepPart {
 
   void Begin(const StoredPolicy& stored);
   void On(const event::BatterySeen& seen);
+  void On(const event::BatterySourceSilent& silent);
   void On(const event::MotionSeen& seen);
   void On(const event::InputSilent& silent);
   void On(const event::ClockReceived& received);
@@ -33,7 +34,12 @@ class PolicyRules : StepPart {
   State UpTo(const State& wanted) const;
 
  private:
+  void NoteSource(const event::BatterySeen& seen);
+  void Combine();
   void EvaluateLevel(std::optional<bool> charger);
+  void SetLevel(BatteryLevel level, std::optional<bool> charger);
+  void CountSample();
+  void Confirm();
   bool BatteryRulesWait() const;
   bool ApplyBatteryRule();
   bool TakeDown(BatteryLevel level);

@@ -135,11 +135,18 @@ struct SetUpAwaited {
   RequestId request = 0;
   friend bool operator==(const SetUpAwaited&, const SetUpAwaited&) = default;
 };
-// The battery has changed. A value out of range is recorded and otherwise ignored.
+// A sample of the battery: each that differs from the one before of its publisher, and the samples
+// after it that confirm it. A value out of range is recorded and otherwise ignored.
 struct BatterySeen {
   std::int32_t percent = 0;
   bool charging = false;
+  std::uint32_t source = 0;  // the publisher, numbered by the shell
   friend bool operator==(const BatterySeen&, const BatterySeen&) = default;
+};
+// One of several publishers of the battery has sent no sample for its time.
+struct BatterySourceSilent {
+  std::uint32_t source = 0;
+  friend bool operator==(const BatterySourceSilent&, const BatterySourceSilent&) = default;
 };
 // The body has begun another motion.
 struct MotionSeen {
@@ -152,7 +159,7 @@ struct InputSilent {
   friend bool operator==(const InputSilent&, const InputSilent&) = default;
 };
 // The time of /clock, where the policy follows it: sent when NextPolicyDeadline() is reached, and
-// just before any other event that concerns the policy.
+// just before any other event.
 struct ClockReceived {
   Time clock{};
   friend bool operator==(const ClockReceived&, const ClockReceived&) = default;
@@ -181,13 +188,12 @@ struct TimePassed {
 
 }  // namespace event
 
-using Event =
-    std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
-                 event::ProcessStarted, event::ProcessNotStarted, event::ProcessesFound,
-                 event::ProcessEnded, event::HealthChanged, event::BacktraceTaken,
-                 event::RestartRequested, event::RivalSeen, event::EmergencyStopSeen,
-                 event::ReleaseRequested, event::SetStateRequested, event::SetUpAwaited,
-                 event::BatterySeen, event::MotionSeen, event::InputSilent, event::ClockReceived,
-                 event::PolicyRequested, event::SaveEnded, event::TimePassed>;
+using Event = std::variant<
+    event::Begin, event::StatusSeen, event::Replied, event::Vanished, event::ProcessStarted,
+    event::ProcessNotStarted, event::ProcessesFound, event::ProcessEnded, event::HealthChanged,
+    event::BacktraceTaken, event::RestartRequested, event::RivalSeen, event::EmergencyStopSeen,
+    event::ReleaseRequested, event::SetStateRequested, event::SetUpAwaited, event::BatterySeen,
+    event::BatterySourceSilent, event::MotionSeen, event::InputSilent, event::ClockReceived,
+    event::PolicyRequested, event::SaveEnded, event::TimePassed>;
 
 }  // namespace musher

@@ -68,6 +68,7 @@ void Switching::Apply(const Switch& s, bool undone) {
     Degrade(leg.actuator, leg.code, {leg.event, leg.message}, reported ? record.cause : s.cause);
   }
   if (undone || check || s.only) return;
+  if (s.direction == Direction::kUp && s.purpose != Purpose::kStartUpActivate) CheckAgain();
   DriveTheRest(s);
   for (const ActuatorResult& other : s.others) {
     const ActuatorIndex i = *config_.IndexOf(other.name);
@@ -78,6 +79,13 @@ void Switching::Apply(const Switch& s, bool undone) {
     if (other.outcome == ActuatorOutcome::kUnsupported && s.purpose != Purpose::kStop) {
       Degrade(i, other.code, {EventName::kStateUnsupported, other.message}, s.cause);
     }
+  }
+}
+
+// After a switch up those that it has left out for their failed self-check have another one.
+void Switching::CheckAgain() {
+  for (ActuatorRecord& record : machine_.actuators) {
+    if (!record.checked && record.failed_checks.count > 0) record.failed_checks.at = now_;
   }
 }
 

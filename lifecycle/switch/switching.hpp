@@ -65,6 +65,7 @@ class Switching : StepPart {
   void BeginRollback(Switch& s);
   State WayBack(const Leg& leg) const;
   void Apply(const Switch& s, bool undone);
+  void CheckAgain();
   void DriveTheRest(const Switch& s);
   void SettleBack(const Switch& s);
   void SettleHeld(const Switch& s, const Leg& back);

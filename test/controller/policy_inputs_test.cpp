@@ -15,6 +15,7 @@ namespace musher::policy_inputs_test {
 using std::chrono::seconds;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
 
 class Inputs : public ::testing::Test {
  protected:
@@ -70,17 +71,19 @@ class Inputs : public ::testing::Test {
   std::vector<Event> received_;
 };
 
-TEST_F(Inputs, OfRepeatedSamplesOnlyChangesBecomeEvents) {
+TEST_F(Inputs, OfRepeatedSamplesChangesAndWhatConfirmsThemBecomeEvents) {
   Open();
   inputs_->Begin();
-  for (const int percent : {80, 80, 80, 79, 79}) Battery(percent);
+  for (const int percent : {80, 80, 80, 80, 80, 79, 79}) Battery(percent);
   Battery(79, true);
   for (const std::int32_t motion : {303, 304, 0, 101, 0, 303}) Motion(motion);
   EXPECT_THAT(
       TakeReceived(),
-      ElementsAre(Event(event::BatterySeen{80, false}), Event(event::BatterySeen{79, false}),
-                  Event(event::BatterySeen{79, true}), Event(event::MotionSeen{303}),
-                  Event(event::MotionSeen{0}), Event(event::MotionSeen{303})));
+      ElementsAre(Event(event::BatterySeen{80, false}), Event(event::BatterySeen{80, false}),
+                  Event(event::BatterySeen{80, false}), Event(event::BatterySeen{79, false}),
+                  Event(event::BatterySeen{79, false}), Event(event::BatterySeen{79, true}),
+                  Event(event::MotionSeen{303}), Event(event::MotionSeen{0}),
+                  Event(event::MotionSeen{303})));
 }
 
 TEST_F(Inputs, SamplesFromBeforeTheBeginBecomeEventsAtTheBegin) {
@@ -106,7 +109,37 @@ TEST_F(Inputs, SilenceIsReportedOnceAndTheSameValueAfterItAgain) {
   Motion(0);
   Battery(50);
   EXPECT_THAT(TakeReceived(),
-              ElementsAre(Event(event::MotionSeen{0}), Event(event::BatterySeen{50, false})));
+              ElementsAre(Event(event::MotionSeen{0}), Event(event::BatterySeen{50, false, 1})));
+}
+
+TEST_F(Inputs, EachPublisherOfTheBatteryHasANumberAndASilentOneIsReported) {
+  Open();
+  inputs_->Begin();
+  Motion(0);
+  for (int i = 0; i < 4; ++i) Battery(80);
+  TakeReceived();
+  const auto other = network_.MakeNode("other");
+  const auto second = transport::MakePublisher<msg::BmsStatus>(*other, "dog1/bms_status").value();
+  network_.RunFor(Milliseconds(100));
+  msg::BmsStatus low;
+  low.batt_soc = 15;
+  ASSERT_TRUE(second->Publish(low).ok());
+  Battery(80);
+  EXPECT_THAT(TakeReceived(), UnorderedElementsAre(Event(event::BatterySeen{15, false, 1}),
+                                                   Event(event::BatterySeen{80, false, 0})))
+      << "the known one is sent again, so that the doubling shows";
+  for (int i = 0; i < 12; ++i) {
+    network_.RunFor(seconds(1));
+    Battery(80);
+  }
+  std::vector<Event> received = TakeReceived();
+  std::erase(received, Event(event::InputSilent{PolicyInput::kMotion}));
+  EXPECT_THAT(
+      received,
+      ElementsAre(Event(event::BatterySeen{80, false, 0}), Event(event::BatterySeen{80, false, 0}),
+                  Event(event::BatterySourceSilent{1}), Event(event::BatterySeen{80, false, 0}),
+                  Event(event::BatterySeen{80, false, 0}),
+                  Event(event::BatterySeen{80, false, 0})));
 }
 
 TEST_F(Inputs, ABatteryThatKeepsPublishingIsNotSilent) {
@@ -116,8 +149,11 @@ TEST_F(Inputs, ABatteryThatKeepsPublishingIsNotSilent) {
     Battery(50);
     network_.RunFor(seconds(1));
   }
-  EXPECT_THAT(TakeReceived(), ElementsAre(Event(event::BatterySeen{50, false}),
-                                          Event(event::InputSilent{PolicyInput::kMotion})));
+  EXPECT_THAT(TakeReceived(),
+              UnorderedElementsAre(Event(event::BatterySeen{50, false}),
+                                   Event(event::BatterySeen{50, false}),
+                                   Event(event::BatterySeen{50, false}),
+                                   Event(event::InputSilent{PolicyInput::kMotion})));
 }
 
 TEST_F(Inputs, TheTimeOfAWorldIsEmittedOnlyBeforeAnotherEventAndWhenDue) {

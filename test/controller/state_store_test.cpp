@@ -48,10 +48,10 @@ TEST_F(Store, MakesItsFolderForItsOwnerOnly) {
 TEST_F(Store, KeepsAndDeletesTheValuesOfThePolicy) {
   StateStore store = MustOpen();
   EXPECT_EQ(store.LoadPolicy(), StoredPolicy{});
-  const StoredPolicy lowered{true, Lowering{"Active", "Protected", 7}};
+  const StoredPolicy lowered{true, Lowering{"Active", "Protected", 7}, BatteryLevel::kProtected};
   ASSERT_TRUE(store.SavePolicy(lowered).ok());
   EXPECT_EQ(store.LoadPolicy(), lowered);
-  const StoredPolicy off{false, std::nullopt};
+  const StoredPolicy off{false, std::nullopt, BatteryLevel::kLowPower};
   ASSERT_TRUE(store.SavePolicy(off).ok());
   EXPECT_EQ(store.LoadPolicy(), off);
 }
@@ -63,7 +63,7 @@ TEST_F(Store, OfADamagedPolicyOnlyWhatCanBeReadCounts) {
     return store.LoadPolicy();
   };
   for (const char* text : {"", "low_power", "low_power maybe", "lowered Active", "\xff\xfe 1 2",
-                           "lowered Active Protected -", "lowered"}) {
+                           "lowered Active Protected -", "lowered", "level", "level high"}) {
     EXPECT_EQ(load(text), StoredPolicy{}) << text;
   }
   EXPECT_EQ(load("low_power on\nlowered Active"), (StoredPolicy{true, std::nullopt}));

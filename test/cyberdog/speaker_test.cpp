@@ -96,7 +96,7 @@ TEST_F(ASpeakingRobot, AnnouncesTheLevelsOfItsBatteryAndItsTearDown) {
   SetBattery(0);
   EXPECT_THAT(Said(seconds(0)), ElementsAre("10000"));
   EXPECT_EQ(state(), kLowPower) << "the word is played before the voice is torn down";
-  EXPECT_TRUE(robot_.RunUntil([&] { return state() == kTearDown; }, seconds(3)));
+  EXPECT_TRUE(robot_.RunUntil([&] { return state() == kTearDown; }, seconds(6)));
 }
 
 TEST_F(ASpeakingRobot, AnnouncesWhyAWakeWordIsRefused) {

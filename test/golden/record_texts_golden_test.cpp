@@ -192,6 +192,8 @@ Examples OfThePolicy() {
       {"PolicyRequested", PolicyRequested("switch to Active", "Active")},
       {"PolicyRefused", PolicyRefused("wake-up", "the machine is not in LowPower")},
       {"BatterySampleInvalid", BatterySampleInvalid(250)},
+      {"BatteryJumped", BatteryJumped(80, 0)},
+      {"BatteryDoubled", BatteryDoubled("bms_status", 2, 15, 80)},
       {"BatterySilent", BatterySilent(Milliseconds(10000), 18)},
       {"BatterySilent", BatterySilent(Milliseconds(10000), std::nullopt)},
       {"BatteryResumed", BatteryResumed()},

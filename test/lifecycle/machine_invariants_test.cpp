@@ -172,13 +172,14 @@ TEST(APowerOffWithoutTime, IsCommandedAtOnceWhereTheMachineHasNoTearDown) {
   std::erase(config.states, State("TearDown"));
   std::erase(config.actuators[0].states, State("TearDown"));
   config.policy.emplace();
-  config.policy->battery.emplace();
+  config.policy->battery.emplace().tear_down_after = Duration::zero();
   config.policy->power.delay = Duration::zero();
   config.policy->power.force_after = Duration::zero();
   Harness t(config);
   t.Begin();
   t.Rest();
-  t.Feed(event::BatterySeen{0, false});
+  for (int i = 0; i < kConfirmingSamples; ++i) t.Feed(event::BatterySeen{0, false});
+  t.Rest();
   EXPECT_EQ(t.power.size(), 1U) << ::testing::PrintToString(t.records);
 }
 

@@ -85,12 +85,15 @@ class Mixer {
     std::visit([this](const auto& what) { One(what); }, m.what);
   }
   void One(const Lowering& l) { Add(l.from, l.to, l.epoch); }
+  void One(const BatterySource& b) { Add(b.source, b.percent, b.charging); }
+  void One(const LevelRun& r) { Add(r.level, r.since, r.samples, r.higher); }
   void One(const Keep& k) { Add(k.state, k.until, k.switch_number); }
   void One(const PowerDown& p) { Add(p.reboot, p.tear_down_at, p.force_at, p.commanded); }
   // The policy's clock is another one: its distance from now would make every state different.
   void One(const PolicyState& p) {
     Add(p.clock.time_since_epoch().count(), p.loaded, p.battery, p.charging, p.level,
-        p.stored.low_power, p.stored.lowering);
+        p.stored.low_power, p.stored.lowering, p.stored.level);
+    Add(p.batteries, p.jump_recorded, p.doubled_recorded, p.lifting, p.emptying, p.empty);
     Add(p.withheld, p.low_power, p.still, p.still_since, p.keep, p.power, p.failures, p.retry_at);
     Add(p.battery_silent, p.invalid_recorded, p.calls);
   }
@@ -125,11 +128,12 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process.pid, r.process.launch, r.process.dead, r.set_up_by,
-            r.control.incarnation, r.control.again, r.checked, r.join_tried, r.held, r.due,
-            r.set_again, r.fault ? r.fault->code : 0, r.fault ? r.fault->event : EventName::kNone,
-            r.tolerated.has_value(), r.command, r.health, r.restart.count, r.restart.at,
-            r.restart.reset_at, r.restart.given_up, r.restart.requested, r.process.termination,
-            r.suspended, r.control.outbid_at, r.free_by, r.elsewhere);
+            r.control.incarnation, r.control.again, r.checked, r.join_tried, r.failed_checks.count,
+            r.failed_checks.at, r.held, r.due, r.set_again, r.fault ? r.fault->code : 0,
+            r.fault ? r.fault->event : EventName::kNone, r.tolerated.has_value(), r.command,
+            r.health, r.restart.count, r.restart.at, r.restart.reset_at, r.restart.given_up,
+            r.restart.requested, r.process.termination, r.suspended, r.control.outbid_at, r.free_by,
+            r.elsewhere);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 

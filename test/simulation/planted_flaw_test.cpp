@@ -306,6 +306,54 @@ TEST_F(PlantedFlaw, FindsAnActuatorThatStaysActiveAfterAFailedStart) {
   ExpectFound(Invariant::kStatesAgree, "a stays in Active while the machine is in SelfCheck");
 }
 
+class FlawOfThePolicy : public PlantedFlaw {
+ protected:
+  void BringUpWithBattery(int percent) {
+    MachineConfig config = Started(2);
+    config.policy.emplace().battery.emplace();
+    Make(std::move(config));
+    robot_->on_record = [this](const action::Record& record) { checker_->OnRecord(record); };
+    robot_->SetBattery(percent, false);
+    BringUp();
+    RunFor(std::chrono::seconds(5));
+  }
+  PolicyState& policy() { return const_cast<Machine&>(robot_->machine()).policy; }
+};
+
+TEST_F(FlawOfThePolicy, FindsAPowerOffAfterOneEmptySample) {
+  BringUpWithBattery(80);
+  robot_->GlitchBattery(0, false);
+  ASSERT_TRUE(RunUntil([&] { return policy().emptying.has_value(); }, std::chrono::seconds(1)));
+  policy().emptying->samples = kConfirmingSamples;
+  policy().emptying->since = Time{};
+  RunFor(std::chrono::seconds(3));
+  ExpectFound(Invariant::kNotOffByOneSample, "powered off after 1 samples");
+}
+
+TEST_F(FlawOfThePolicy, FindsARaiseBeforeTheTimeOfQuiet) {
+  BringUpWithBattery(15);
+  ASSERT_EQ(robot_->machine().state, "Protected");
+  robot_->SetBattery(80, false);
+  ASSERT_TRUE(RunUntil([&] { return policy().lifting.has_value(); }, std::chrono::seconds(2)));
+  policy().lifting->since = Time{};
+  RunFor(std::chrono::seconds(4));
+  ExpectFound(Invariant::kRaisedAfterQuiet, "ms after a sample that permits Protected");
+}
+
+TEST_F(FlawOfThePolicy, FindsAControllerThatForgetsASecondPublisher) {
+  BringUpWithBattery(80);
+  robot_->SetOtherBattery(15);
+  ASSERT_TRUE(
+      RunUntil([&] { return robot_->machine().state == "Protected"; }, std::chrono::seconds(4)));
+  RunFor(std::chrono::seconds(1));
+  robot_->SetOtherBattery(std::nullopt);
+  std::erase_if(policy().batteries, [](const BatterySource& b) { return b.percent == 15; });
+  policy().level = BatteryLevel::kFree;
+  robot_->GlitchBattery(81, false);
+  RunFor(std::chrono::seconds(1));
+  ExpectFound(Invariant::kRaisedAfterQuiet, "ms after a sample that permits Protected");
+}
+
 TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
   Make(MachineOf(2));
   robot_->StartActuator("a");

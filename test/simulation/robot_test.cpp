@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/transport/clock.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::robot_test {
@@ -63,6 +66,32 @@ TEST(SimRobot, IsTheSameTwiceFromTheSameSeed) {
     return robot.journal();
   };
   EXPECT_EQ(run(7), run(7));
+}
+
+// The time that was known last was that of the switch down, 30 s ago.
+TEST(SimRobot, ThatLiesStillIsUpForTheWholeTimeOfTheClockTopicAfterASwitchUp) {
+  MachineConfig config = Robot(2);
+  config.clock = ClockSource::kTopic;
+  LowPowerPolicy& low_power = config.policy.emplace().low_power.emplace();
+  low_power.motion_ids = {0};
+  low_power.enabled = true;
+  SimRobot robot(1, config);
+  const auto world = robot.network().MakeNode("world");
+  const auto clock =
+      transport::MakePublisher<msg::Clock>(*world, transport::kClockTopic, transport::kClockQos)
+          .value();
+  const auto timer = world->loop().Every(
+      Milliseconds(100), [&] { ASSERT_TRUE(clock->Publish({msg::ToStamp(robot.age())}).ok()); });
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.SetMotion(0);
+  ASSERT_TRUE(robot.RunUntil([&] { return robot.machine().state == "LowPower"; }));
+  robot.RunFor(std::chrono::seconds(25));
+  EXPECT_TRUE(robot.Set("Active")->done());
+  robot.RunFor(std::chrono::seconds(29));
+  EXPECT_EQ(robot.machine().state, "Active");
+  robot.RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(robot.machine().state, "LowPower");
 }
 
 TEST(SimRobot, ASuccessorOfAControllerKilledInASwitchBringsAllActuatorsToOneState) {

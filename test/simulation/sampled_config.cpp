@@ -73,6 +73,9 @@ std::optional<PolicyConfig> SamplePolicy(std::uint64_t seed) {
     battery.low_power_at = 1 + static_cast<int>(random.Next() % 9);
     const int room = battery.protected_at - battery.low_power_at;
     battery.hysteresis = static_cast<int>(random.Next() % static_cast<std::uint64_t>(room) % 6);
+    Random times(seed * 2 + 0x7175696574);
+    battery.tear_down_after = times.Between({}, std::chrono::seconds(4));
+    battery.raise_after = times.Between({}, std::chrono::seconds(6));
   }
   if (random.Bernoulli(0.9)) {
     LowPowerPolicy& low_power = policy.low_power.emplace();

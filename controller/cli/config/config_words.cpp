@@ -168,6 +168,8 @@ void AddPolicy(const PolicyConfig& policy, WordList& words) {
     words.Key("tear_down_at", Percent(battery->tear_down_at));
     words.Key("hysteresis", Percent(battery->hysteresis));
     words.Key("silent_s", Seconds(battery->silent));
+    words.Key("tear_down_after_s", Seconds(battery->tear_down_after));
+    words.Key("raise_after_s", Seconds(battery->raise_after));
   }
   if (const auto& low_power = policy.low_power) {
     words.Table("policy.low_power");

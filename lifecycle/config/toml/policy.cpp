@@ -81,6 +81,9 @@ class PolicyReader {
     const bool tear_down_read = percent("tear_down_at", battery.tear_down_at);
     const bool hysteresis_read = percent("hysteresis", battery.hysteresis);
     battery.silent = ReadSeconds("silent_s", *reader, kShortestS).value_or(battery.silent);
+    battery.tear_down_after =
+        ReadSeconds("tear_down_after_s", *reader, 0).value_or(battery.tear_down_after);
+    battery.raise_after = ReadSeconds("raise_after_s", *reader, 0).value_or(battery.raise_after);
     reader->RefuseOthers();
     bool ordered = protected_read && low_power_read;
     if (ordered) {

@@ -204,7 +204,7 @@ TEST_F(Rules, AMachineWhoseStartHasFailedIsPoweredOffWhenTheBatteryIsEmpty) {
   t.Begin();
   t.Rest();
   ASSERT_EQ(t.machine().phase, Phase::kFailed);
-  t.Feed(event::BatterySeen{0, false});
+  for (int i = 0; i < kConfirmingSamples; ++i) t.Feed(event::BatterySeen{0, false});
   t.RunFor(std::chrono::seconds(20));
   EXPECT_EQ(t.power.size(), 1U);
 }

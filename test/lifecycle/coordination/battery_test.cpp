@@ -31,8 +31,150 @@ TEST_F(BatteryRule, FallingInOnePercentStepsVisitsEveryLevelInOrder) {
 
 TEST_F(BatteryRule, FallingInThirtyPercentStepsMeetsTheRightLevels) {
   Drain(30);  // 100, 70, 40, 10, 0
-  EXPECT_THAT(states(), ElementsAre("Active", "Protected", "TearDown"));
+  EXPECT_THAT(states(), ElementsAre("Active", "Protected", "LowPower", "TearDown"));
   EXPECT_EQ(robot().power.size(), 1U);
+}
+
+TEST_F(BatteryRule, OneEmptySampleLowersTheMachineAndNeitherTearsItDownNorPowersItOff) {
+  Battery(80);
+  robot().Feed(event::BatterySeen{0, false});
+  robot().RunFor(Milliseconds(200));
+  EXPECT_EQ(state(), "LowPower");
+  Battery(80);
+  robot().RunFor(std::chrono::seconds(60));
+  EXPECT_THAT(states(), ElementsAre("Active", "LowPower", "Active"));
+  EXPECT_TRUE(robot().power.empty());
+  EXPECT_THAT(robot().records, Contains(Is(EventName::kBatteryJumped)).Times(1));
+}
+
+TEST_F(BatteryRule, AnEmptySampleBeforeSilenceNeitherTearsTheMachineDownNorPowersItOff) {
+  Battery(80);
+  robot().Feed(event::BatterySeen{0, false});
+  robot().RunFor(std::chrono::seconds(10));
+  robot().Feed(event::InputSilent{PolicyInput::kBattery});
+  robot().RunFor(std::chrono::minutes(10));
+  EXPECT_EQ(state(), "LowPower");
+  EXPECT_TRUE(robot().power.empty());
+}
+
+TEST_F(BatteryRule, EmptySamplesOfLessThanTheTimePowerNothingOff) {
+  MachineConfig config = WithPolicy();
+  config.policy->battery->tear_down_after = std::chrono::seconds(3);
+  Robot("Active", config);
+  for (int i = 0; i < 10; ++i) {
+    Battery(0);
+    robot().Feed(event::BatterySeen{1, false});
+  }
+  EXPECT_EQ(state(), "LowPower");
+  Battery(0);
+  Battery(0);
+  EXPECT_EQ(state(), "TearDown");
+}
+
+TEST_F(BatteryRule, OfTwoPublishersTheLowestCountsAndTheDoublingIsRecorded) {
+  for (int i = 0; i < 12; ++i) {
+    robot().Feed(event::BatterySeen{80, false, 0});
+    robot().RunFor(Milliseconds(500));
+    robot().Feed(event::BatterySeen{15, false, 1});
+    robot().RunFor(Milliseconds(500));
+  }
+  EXPECT_THAT(states(), ElementsAre("Active", "Protected"));
+  EXPECT_EQ(policy().battery, 15);
+  EXPECT_TRUE(IsRecorded(texts::BatteryDoubled("bms_status", 2, 15, 80)));
+  EXPECT_THAT(robot().records, Contains(Is(EventName::kBatteryDoubled)).Times(1));
+  robot().Feed(event::BatterySourceSilent{1});
+  robot().Feed(event::BatterySeen{80, false, 0});
+  EXPECT_EQ(state(), "Protected");
+  Battery(80);
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(BatteryRule, APublisherThatReportsItEmptyDoesNotPowerTheRobotOffWhileAnotherDoesNot) {
+  for (int i = 0; i < 30; ++i) {
+    robot().Feed(event::BatterySeen{80, false, 0});
+    robot().RunFor(Milliseconds(500));
+    robot().Feed(event::BatterySeen{0, false, 1});
+    robot().RunFor(Milliseconds(500));
+  }
+  EXPECT_THAT(states(), ElementsAre("Active", "LowPower"));
+  EXPECT_TRUE(robot().power.empty());
+}
+
+TEST_F(BatteryRule, ARestartedDriverIsNoSecondPublisher) {
+  Battery(80, false, 0);
+  Battery(79, false, 1);
+  robot().Feed(event::BatterySourceSilent{0});
+  Battery(79, false, 1);
+  EXPECT_FALSE(IsRecorded(EventName::kBatteryDoubled));
+}
+
+TEST_F(BatteryRule, ACeilingIsLiftedOnlyAfterATimeWithoutALowerSample) {
+  MachineConfig config = WithPolicy();
+  config.policy->battery->raise_after = std::chrono::seconds(5);
+  Robot("Active", config);
+  Battery(15);
+  for (int i = 0; i < 10; ++i) {
+    Battery(80);
+    Battery(80);
+    robot().Feed(event::BatterySeen{15, false});
+  }
+  EXPECT_THAT(states(), ElementsAre("Active", "Protected"));
+  Battery(80);
+  Battery(80);
+  EXPECT_EQ(robot().Set("Active").reason,
+            "the battery is at 80 %: the machine is limited to Protected until no sample has been "
+            "below 22 % for 5.0 s");
+  Battery(80);
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(BatteryRule, OneHigherSampleBeforeSilenceRaisesNothing) {
+  Battery(15);
+  robot().Feed(event::BatterySeen{80, false});
+  robot().RunFor(std::chrono::minutes(10));
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(BatteryRule, ACeilingThatIsLiftedInPartIsLiftedFurtherByTheSamplesAtTheEnd) {
+  Battery(3);
+  robot().Feed(event::BatterySeen{10, false});
+  for (int i = 0; i < 3; ++i) robot().Feed(event::BatterySeen{80, false});
+  robot().RunFor(Milliseconds(1500));
+  EXPECT_EQ(state(), "Protected");
+  robot().RunFor(Milliseconds(1500));
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(BatteryRule, ACeilingThatIsLiftedInPartIsLiftedNoFurtherByOneSample) {
+  Battery(3);
+  for (int i = 0; i < 3; ++i) robot().Feed(event::BatterySeen{10, false});
+  robot().Feed(event::BatterySeen{80, false});
+  robot().RunFor(std::chrono::minutes(1));
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(BatteryRule, TheLevelOutlivesTheControllerAndIsTheCeilingWithoutASample) {
+  EXPECT_TRUE(robot().Set("DeActive").done());
+  Battery(15);
+  EXPECT_EQ(state(), "DeActive");
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(
+      robot().Set("Active").reason,
+      "the battery was low, and has sent no sample since: the machine is limited to Protected "
+      "until it is charged to 22 %");
+  EXPECT_TRUE(robot().Set("Protected").done());
+  Battery(80);
+  EXPECT_TRUE(robot().Set("Active").done());
+}
+
+TEST_F(BatteryRule, AStoredLowLevelDoesNotLowerAChargedRobot) {
+  robot().disk().policy.level = BatteryLevel::kLowPower;
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(5));
+  Battery(80);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_THAT(states(), ::testing::Not(Contains("LowPower")));
 }
 
 TEST_F(BatteryRule, AJumpOverALevelMissesNothing) {
@@ -110,9 +252,9 @@ TEST_F(BatteryRule, AnEmptyBatteryTearsTheMachineDownOnceAndPowersItOff) {
   robot().RunFor(std::chrono::seconds(30));
   EXPECT_EQ(robot().machine().phase, Phase::kStopped);
   EXPECT_EQ(robot().power.size(), 1U);
-  EXPECT_TRUE(IsRecorded(texts::SwitchStarted(3, "", "Active", "TearDown", 2)));
+  EXPECT_TRUE(IsRecorded(texts::SwitchStarted(4, "", "LowPower", "TearDown", 2)));
   for (const action::Record& record : robot().records) {
-    EXPECT_LE(record.switch_number, CommandNumber(3)) << "the replaced code commanded it twice";
+    EXPECT_LE(record.switch_number, CommandNumber(4)) << "the replaced code commanded it twice";
   }
 }
 
@@ -208,9 +350,8 @@ TEST_F(BatteryRule, ThatFallsDuringAFailingSwitchBackTakesTheMachineDownAtOnce) 
   Battery(10);
   robot().On("a", "Active").code = 3009;
   robot().On("b", "Active").takes = Milliseconds(90);
-  robot().Feed(event::BatterySeen{90, false});
-  robot().RunFor(Milliseconds(10));
-  ASSERT_TRUE(robot().machine().current);
+  for (int i = 0; i < kConfirmingSamples; ++i) robot().Feed(event::BatterySeen{90, false});
+  ASSERT_TRUE(robot().RunUntil([&] { return robot().machine().current.has_value(); }));
   robot().Feed(event::BatterySeen{3, false});
   robot().RunFor(Milliseconds(200));
   EXPECT_EQ(state(), "LowPower");
@@ -220,6 +361,7 @@ TEST_F(BatteryRule, ValuesOutOfRangeAreIgnoredAndRecordedOnce) {
   for (const int percent : {-1, 101, 255}) Battery(percent);
   EXPECT_EQ(state(), "Active");
   EXPECT_FALSE(policy().battery);
+  EXPECT_TRUE(policy().batteries.empty());
   EXPECT_THAT(robot().records, Contains(Is(EventName::kBatterySampleInvalid)).Times(1));
 }
 

@@ -14,7 +14,8 @@ namespace musher::testing {
 inline MachineConfig WithPolicy(int actuators = 2) {
   MachineConfig config = MachineOf(actuators);
   PolicyConfig& policy = config.policy.emplace();
-  policy.battery.emplace();
+  BatteryPolicy& battery = policy.battery.emplace();
+  battery.tear_down_after = battery.raise_after = std::chrono::seconds(1);
   policy.low_power.emplace().motion_ids = {0, 101};
   return config;
 }
@@ -36,9 +37,12 @@ class Rules : public Switching {
   // The states that the machine has been in since Robot().
   std::vector<State>& states() { return states_; }
 
-  void Battery(int percent, bool charging = false) {
-    robot().Feed(event::BatterySeen{percent, charging});
-    robot().RunFor(std::chrono::seconds(2));
+  // For two seconds, long enough to confirm it.
+  void Battery(int percent, bool charging = false, std::uint32_t source = 0) {
+    for (int i = 0; i < 4; ++i) {
+      robot().Feed(event::BatterySeen{percent, charging, source});
+      robot().RunFor(Milliseconds(500));
+    }
   }
   void Motion(std::int32_t id) { robot().Feed(event::MotionSeen{id}); }
 

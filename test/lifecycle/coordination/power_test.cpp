@@ -162,9 +162,11 @@ TEST_F(Power, APlainTearDownIsNotAPowerOff) {
 TEST_F(Power, OffByAnEmptyBatteryWaitsOnlyWhereTheManagerAnnouncesItFirst) {
   for (const bool announced : {false, true}) {
     MachineConfig config = WithPolicy();
+    config.policy->battery->tear_down_after = Duration::zero();
     if (announced) config.policy->empty_battery_delay = config.policy->power.delay;
     Robot("Active", config);
-    robot().Feed(event::BatterySeen{0, false});
+    EXPECT_TRUE(robot().Set("LowPower").done());
+    for (int i = 0; i < kConfirmingSamples; ++i) robot().Feed(event::BatterySeen{0, false});
     EXPECT_EQ(robot().machine().phase, announced ? Phase::kRunning : Phase::kStopping);
     robot().RunFor(config.policy->power.delay);
     EXPECT_NE(robot().machine().phase, Phase::kRunning);

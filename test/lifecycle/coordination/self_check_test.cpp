@@ -90,6 +90,60 @@ TEST_F(SelfChecked, ACheckThatFailsAfterItsDeadlineIsListedWithItsOwnReason) {
   EXPECT_EQ(TroubleOf(t.RecordOf("c"))->code, 1409);
 }
 
+TEST_F(SelfChecked, AFailedCheckIsRepeatedAndOneThatPassesBringsTheActuatorUp) {
+  t.On("c", "SelfCheck").code = 2109;
+  t.Begin();
+  t.RunFor(std::chrono::seconds(1));
+  ASSERT_TRUE(t.usable());
+  EXPECT_NE(t.StateOf("c"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("c"));
+  t.On("c", "SelfCheck") = {};
+  t.RunFor(std::chrono::seconds(11));
+  EXPECT_EQ(t.StateOf("c"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(SelfChecked, AFailedCheckIsRepeatedLessAndLessOften) {
+  t.On("c", "SelfCheck").code = 2109;
+  t.Begin();
+  t.RunFor(std::chrono::seconds(1));
+  t.ClearLog();
+  t.RunFor(std::chrono::minutes(10));
+  const auto checks = std::count(t.log().begin(), t.log().end(), "c:SelfCheck");
+  EXPECT_GE(checks, 4);
+  EXPECT_LE(checks, 7);
+}
+
+TEST_F(SelfChecked, ARepeatedCheckThatFailsAgainDoesNotTakeTheMachineDownAgain) {
+  MachineConfig config = OursWithCriticalB();
+  ActuatorNamed(config, "c").on_lost = "DeActive";
+  Harness other(config);
+  other.Begin();
+  other.Rest();
+  other.On("c", "SelfCheck").code = 2109;
+  other.Crash("c");
+  other.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(other.machine().state, "DeActive");
+  EXPECT_EQ(other.Set("Active").outcome, SwitchOutcome::kDoneDegraded);
+  other.RunFor(std::chrono::minutes(1));
+  EXPECT_EQ(other.machine().state, "Active");
+}
+
+TEST_F(SelfChecked, AFailedCheckIsRepeatedAtTheNextSwitchUp) {
+  Start();
+  t.On("c", "SelfCheck").code = 2109;
+  t.Set("SelfCheck");
+  t.On("c", "SelfCheck") = {};
+  t.RunFor(std::chrono::minutes(10));
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("c"))
+      << "an actuator at work is not checked by itself";
+  EXPECT_TRUE(t.Set("LowPower").done());
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded);
+  t.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(t.StateOf("c"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
 // For modules that return only a code, the config lists the critical codes.
 
 class CriticalCodes : public ::testing::Test {
