@@ -54,7 +54,6 @@ TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotRetriedSoonerAndRaisesNoEp
   const auto again = Of(0).control.again;
   now_ += Milliseconds(1);
   ActuatorReport report = Report(0);
-  report.epoch = machine_.epoch + 5;
   Do(event::Replied{0, 0, true, Verdict::kRefused, kCodeParametersInvalid, "", report});
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
   EXPECT_EQ(Of(0).control.again, again);
@@ -90,9 +89,7 @@ TEST_F(TakeControl, IsNotAnsweredByTheLateReplyToACommand) {
   const ActuatorReport late = Report(0, "LowPower");
   Do(event::Vanished{0, kFirst, false, "connection lost"});
   now_ += Milliseconds(1);
-  ActuatorReport report = Report(0, "Active");
-  report.epoch = machine_.epoch + 1;  // another controller has taken it meanwhile
-  Say(0, report);
+  Say(0, Report(0, "Active"));
   Do(event::Replied{0, number, false, Verdict::kDone, kCodeOk, "", late});
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
 }
@@ -300,14 +297,40 @@ TEST_F(OutbidController, EngagesTheStopThatAnArrivingActuatorHasMissed) {
   EXPECT_EQ(published[0].stop.id, StopId(7));
 }
 
-TEST_F(OutbidController, TakesARefusalOfItsCommandForTheEndOfTheCommand) {
+TEST_F(OutbidController, ReleasesControlWhenItsCommandIsRefusedForAHigherEpoch) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
   ActuatorReport report = Report(0, "Active");
   report.epoch = machine_.epoch + 1;
   Do(event::Replied{0, Of(0).command.value().number, false, Verdict::kRefused,
                     kCodePermissionDenied, "of another controller", report});
-  EXPECT_FALSE(Of(0).command);
+  EXPECT_EQ(machine_.phase, Phase::kFenced);
+  EXPECT_THAT(Did<action::SaveEpoch>(), IsEmpty());
+}
+
+TEST_F(OutbidController, RaisesItsEpochOnceAboveTheHighestThatItHasSeen) {
+  Begin();
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    ActuatorReport report = Report(i);
+    report.epoch = Epoch(3 + 4 * i.value());
+    Say(i, report);
+  }
+  Forget();
+  Pass(std::chrono::seconds(2));
+  EXPECT_THAT(Did<action::SaveEpoch>(), SizeIs(1));
+  EXPECT_EQ(machine_.epoch, Epoch(8));
+  EXPECT_TRUE(IsRecorded(texts::EpochRaised(8, "b")));
+}
+
+// An echo, or a process of another name space.
+TEST_F(OutbidController, IsNotReplacedByAReportOfAProcessThatItHasNotTakenControlOf) {
+  StartUp();
+  ActuatorReport report = Report(0, "Active");
+  report.incarnation += 100;
+  report.host = "elsewhere";
+  report.epoch = machine_.epoch + 1;
+  Say(0, report);
+  EXPECT_EQ(machine_.phase, Phase::kRunning);
 }
 
 TEST_F(Reports, OfAnUncommandedStateAreRecordedAsAnError) {
