@@ -39,7 +39,10 @@ Checker::Checker(SimRobot& robot)
     CheckSignal(controller, pid);
   };
   robot_.on_power = [this] { power_due_.reset(); };
-  robot_.on_person_starts = [this] { PersonStarts(); };
+  robot_.on_begin = [this](const ControllerProcess& controller, bool restarted) {
+    if (!restarted) accepted_tear_down_.reset();
+    NoteWord(controller, restarted);
+  };
 }
 
 void Checker::ReportViolation(Invariant invariant, const std::string& what) {
@@ -66,6 +69,7 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
   if (begun) OnBegun(name, before, report);
+  CheckFollows(name, host, report);
   CheckStopped(name, host, before, report);
   CheckWaiting(name, host, report);
   before = report;
@@ -163,8 +167,10 @@ void Checker::CheckController(const ControllerProcess& controller) {
   NoteReceived(controller, seen);
   const Epoch epoch = std::exchange(seen.epoch, machine.epoch);
   if (epoch != 0 && epoch != machine.epoch) {
+    CheckRaised(controller, seen, epoch);
     CarryCommandsOver(controller.serial(), epoch, machine.epoch);
   }
+  seen.starts = machine.phase == Phase::kStarting;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();
