@@ -37,12 +37,12 @@ void Checker::CheckFollows(const std::string& name, std::size_t host,
   Followed& followed = followed_[{name, host}];
   if (followed.incarnation != report.incarnation) followed = {report.incarnation, {}};
   const ControllerProcess* controller = nullptr;
-  bool newer_leads = false;
+  const ControllerProcess* newer = nullptr;
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* one = robot_.controller(which);
     if (one == nullptr) continue;
     if (Sender(one->participant().value()) == core->controller) controller = one;
-    newer_leads |= one->serial() == followed.word.controller && one->leads();
+    if (one->serial() == followed.word.controller && one->leads()) newer = one;
   }
   if (controller == nullptr || !word_of_.contains(controller->serial())) return;
   const Word& word = word_of_.at(controller->serial());
@@ -50,10 +50,11 @@ void Checker::CheckFollows(const std::string& name, std::size_t host,
     followed.word = word;
     return;
   }
+  if (newer == nullptr) return;
+  const Epoch epoch = controller->shell().machine().epoch;
   const auto known = followed.word.others.find(controller->serial());
-  const bool had_higher =
-      known != followed.word.others.end() && known->second == controller->shell().machine().epoch;
-  if (!newer_leads || had_higher) return;
+  const bool raised = known == followed.word.others.end() || known->second != epoch;
+  if (!raised && epoch >= newer->shell().machine().epoch) return;
   ReportViolation(Invariant::kTakeoverLasts, name + " returns to the controller on host " +
                                                  robot_.hosts().name(controller->host()) +
                                                  ", epoch " + ToString(report.epoch) +

@@ -4,7 +4,7 @@
 
 namespace musher {
 
-void Control::Take(ActuatorIndex i) {
+void Control::Take(ActuatorIndex i, bool denied) {
   ActuatorRecord& record = Of(i);
   const Epoch seen = record.report.epoch;
   const bool ours = record.control.incarnation == record.report.incarnation;
@@ -13,7 +13,10 @@ void Control::Take(ActuatorIndex i) {
     record.control.outbid_at.reset();
     return Degrade(i, kCodePermissionDenied, texts::EpochOutOfRange(seen));
   }
-  if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
+  // Our own epoch may be from a query of ours that a new process has received instead of the one
+  // before: it is another controller's if it denies ours.
+  const bool of_other = seen == machine_.epoch && !ours && (denied || record.control.outbid_at);
+  if (seen > machine_.epoch || of_other) {
     if (!MayRaise() && !machine_.start_up.restarted) return LeaveToOther(i);
     // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
     // control.

@@ -31,7 +31,8 @@ class Control : StepPart {
 
   // Takes control of an actuator that has published its status. The answer has its status and a
   // fresh stamp, from which the actuator later computes the age of a command.
-  void Take(ActuatorIndex i);
+  // `denied`: it has denied our epoch, which another controller has as well.
+  void Take(ActuatorIndex i, bool denied = false);
   // The actuator has answered: it is present.
   void Attach(ActuatorIndex i);
   // Whether another controller has replaced this one since a supervisor restarted it: an actuator

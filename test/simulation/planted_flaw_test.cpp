@@ -328,6 +328,7 @@ class TwoLinks : public PlantedFlaw {
     Make(MachineOf(2), layout);
     robot_->StartActuator("a");
     robot_->StartActuator("b");
+    robot_->disk(0).epoch = 4;
     ASSERT_NO_FATAL_FAILURE(BringUp());
     robot_->hosts().SetHostBlocked(0, 1, true);
     robot_->hosts().SetHostBlocked(1, 0, true);
@@ -359,7 +360,7 @@ TEST_F(TwoLinks, FindsARunningControllerThatRaisesItsEpoch) {
   MachineOfController(0).epoch = MachineOfController(0).epoch + 2;
   Request(State(kLowPower));
   RunFor(Milliseconds(100));
-  ExpectFound(Invariant::kEpochRaisedOnce, "goes from epoch 1 to 3");
+  ExpectFound(Invariant::kEpochRaisedOnce, "goes from epoch 5 to 7");
 }
 
 TEST_F(TwoLinks, FindsAnActuatorThatReturnsToAReplacedController) {

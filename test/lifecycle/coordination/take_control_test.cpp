@@ -26,11 +26,13 @@ TEST_F(TakeControl, IsRepeatedUntilItIsAnsweredAndRaisesNoEpoch) {
   EXPECT_THAT(Did<action::SaveEpoch>(), IsEmpty());
 }
 
-TEST_F(TakeControl, OfAnActuatorOfAnotherControllerWithOurEpochWaitsForItsHeartbeat) {
+TEST_F(TakeControl, OfAnActuatorThatDeniesOurEpochWaitsForTheHeartbeatOfItsController) {
   Begin();
   ActuatorReport report = Report(0);
   report.epoch = machine_.epoch;
   Say(0, report);
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1)) << "perhaps the epoch is from us";
+  Do(event::Replied{0, 0, true, Verdict::kRefused, kCodePermissionDenied, "", report});
   EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(1700)) << "it is not given up meanwhile";
   Forget();
   Pass(Milliseconds(1199));
@@ -38,6 +40,22 @@ TEST_F(TakeControl, OfAnActuatorOfAnotherControllerWithOurEpochWaitsForItsHeartb
   Pass(Milliseconds(1));
   EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
   EXPECT_EQ(machine_.epoch, report.epoch + 1);
+}
+
+// A query for the process before has reached it.
+TEST_F(TakeControl, OfANewProcessThatHasOurEpochAlreadyTakesNoTimeAndRaisesNone) {
+  StartUp();
+  const Epoch epoch = machine_.epoch;
+  for (int restart = 1; restart <= 3; ++restart) {
+    Do(event::Vanished{0, Of(0).report.incarnation, false, "connection lost"});
+    ActuatorReport report = Report(0);
+    report.incarnation += 100 * restart;
+    report.epoch = epoch;
+    Say(0, report);
+    Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
+    EXPECT_EQ(Of(0).presence, Presence::kPresent);
+  }
+  EXPECT_EQ(machine_.epoch, epoch);
 }
 
 TEST_F(TakeControl, ThatIsDeniedIsRetriedSoonAndIsNotAnAnswer) {

@@ -336,8 +336,8 @@ struct Fault {
   std::size_t at = 0;     // the number of the message, or of the period of time
   std::size_t which = 0;  // controller
 };
-constexpr std::size_t kMessages = 24;
-constexpr std::size_t kPeriods = 10;
+constexpr std::size_t kMessages = 16;
+constexpr std::size_t kPeriods = 8;
 constexpr Duration kPeriod = Milliseconds(250);
 
 std::vector<Fault> AllFaults() {
