@@ -40,7 +40,10 @@ Checker::Checker(SimRobot& robot)
   };
   robot_.on_power = [this] { power_due_.reset(); };
   robot_.on_battery = [this](int percent, bool charging) { OnBattery(percent, charging); };
-  robot_.on_person_starts = [this] { PersonStarts(); };
+  robot_.on_begin = [this](const ControllerProcess& controller, bool restarted) {
+    if (!restarted) accepted_tear_down_.reset();
+    NoteWord(controller, restarted);
+  };
 }
 
 void Checker::ReportViolation(Invariant invariant, const std::string& what) {
@@ -67,6 +70,7 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
   if (begun) OnBegun(name, before, report);
+  CheckFollows(name, host, report);
   CheckStopped(name, host, before, report);
   CheckWaiting(name, host, report);
   before = report;
@@ -164,8 +168,10 @@ void Checker::CheckController(const ControllerProcess& controller) {
   NoteReceived(controller, seen);
   const Epoch epoch = std::exchange(seen.epoch, machine.epoch);
   if (epoch != 0 && epoch != machine.epoch) {
+    CheckRaised(controller, seen, epoch);
     CarryCommandsOver(controller.serial(), epoch, machine.epoch);
   }
+  seen.starts = machine.phase == Phase::kStarting;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();

@@ -93,6 +93,8 @@ class Checker {
     std::optional<Time> low_power_at;
     std::optional<Time> protected_at;
     CommandNumber raise;  // the last one of the policy
+    bool starts = true;
+    int raised = 0;  // how often its epoch has risen
   };
   using CommandKey =
       std::tuple<Epoch, ActuatorIndex, CommandNumber>;  // of the actuator with this index
@@ -114,6 +116,10 @@ class Checker {
   void CheckRunsOnce(const std::string& name);
   void CheckProgramRunsOnce(const ControllerProcess& controller, const std::string& name);
   void CheckSignal(const ControllerProcess& controller, std::int32_t pid);
+  // authority_invariants.cpp
+  void NoteWord(const ControllerProcess& controller, bool restarted);
+  void CheckRaised(const ControllerProcess& controller, Seen& seen, Epoch before);
+  void CheckFollows(const std::string& name, std::size_t host, const ActuatorReport& report);
   // stop_invariants.cpp
   void OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop);
   bool ReleasedElsewhere() const;
@@ -122,7 +128,6 @@ class Checker {
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
   void CheckPower();
-  void PersonStarts() { accepted_tear_down_.reset(); }
   void CheckStaysDown(const ControllerProcess& controller);
   bool RunsForAnother(const ControllerProcess& asked, ActuatorIndex i, std::size_t host) const;
   void NoteReceived(const ControllerProcess& controller, Seen& seen);
@@ -215,6 +220,21 @@ class Checker {
   std::map<std::pair<std::string, std::size_t>, std::optional<Waiting>> waiting_;
   Time check_clients_at_{};
   std::map<std::uint64_t, Time> fenced_at_;  // by the serial of the controller
+  // A person's word is a start or a takeover. A controller that a supervisor restarts has the word
+  // by which the one before it on its host was started.
+  struct Word {
+    std::uint64_t number = 0;               // grows with each
+    std::uint64_t controller = 0;           // its serial
+    std::map<std::uint64_t, Epoch> others;  // of the controllers that led then, by serial
+  };
+  std::uint64_t words_ = 0;
+  std::map<std::uint64_t, Word> word_of_;              // by the serial of the controller
+  std::map<std::size_t, std::uint64_t> last_word_on_;  // of a host
+  struct Followed {
+    Incarnation incarnation = 0;
+    Word word;  // the newest
+  };
+  std::map<std::pair<std::string, std::size_t>, Followed> followed_;  // by actuator, host
 };
 
 }  // namespace musher::simulation

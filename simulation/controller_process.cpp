@@ -143,7 +143,7 @@ void ControllerProcess::Begin(bool takeover, bool restarted) {
   begin.policy = disk_.policy;
   begin.restarted = restarted;
   begun_ = true;
-  if (!restarted && hooks_.on_person_starts) hooks_.on_person_starts();
+  if (hooks_.on_begin) hooks_.on_begin(restarted);
   shell_->Begin(std::move(begin), children);
 }
 

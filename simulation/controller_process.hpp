@@ -51,7 +51,7 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
     std::function<void(const action::Record&)> on_record;
     std::function<void(const Machine&, const action::SendSwitch&)> on_send;
     std::function<void(const std::string& name)> on_start;  // of a process
-    std::function<void()> on_person_starts;                 // it begins, started by an operator
+    std::function<void(bool restarted)> on_begin;           // before it takes control
     std::function<void()> on_power;                         // the power command
     std::function<void(pid_t pid)> on_signal;               // before a process is signalled
     std::function<void()> on_over;  // it is stopped, fenced or refused: its process may exit

@@ -61,6 +61,7 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kHostOneWay, "host-one-way", 0},
     {InjectionKind::kStalledDisk, "stalled-disk", 0},
     {InjectionKind::kCrossingStops, "crossing-stops", 0},
+    {InjectionKind::kTakeBack, "take-back", 0},
     {InjectionKind::kClientSet, "client-set", 0},
     {InjectionKind::kClientStatus, "client-status", 0},
     {InjectionKind::kClientRelease, "client-release", 0},
@@ -89,6 +90,8 @@ constexpr double kSeveralHostsShare = 0.15;
 // The share of events with a client's request at the same time, and their kinds.
 constexpr double kClientShare = 0.2;
 constexpr double kOrphanShare = 0.6;
+// The share of scenarios on three hosts in which a person takes over beyond a cut link.
+constexpr double kPairShare = 0.4;
 constexpr InjectionKind kOfClients[] = {
     InjectionKind::kClientSet,    InjectionKind::kClientSet,     InjectionKind::kClientStatus,
     InjectionKind::kClientStatus, InjectionKind::kClientRelease, InjectionKind::kClientRestart};
@@ -164,6 +167,7 @@ class InjectionSampler {
         exit_random_(seed * 2 + 0x65786974),
         sensor_random_(seed * 2 + 0x73656e73),
         host_random_(seed * 2 + 0x72656274),
+        pair_random_(seed * 2 + 0x70616972),
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
   Injections Sample() {
@@ -180,10 +184,41 @@ class InjectionSampler {
         AddAny();
       }
     }
+    if (hosts_ > 2 && pair_random_.Bernoulli(kPairShare)) AddPair();
     return std::move(injections_);
   }
 
  private:
+  // The link between the hosts of the two controllers is cut, both reach a third host, and an
+  // operator takes over on the second one. What follows meets both controllers.
+  void AddPair() {
+    const auto add = [this](InjectionKind kind, Duration least, Duration most) -> Injection& {
+      at_ += SampleLogUniform(pair_random_, least, most);
+      Injection injection;
+      injection.kind = kind;
+      injection.at = at_;
+      injection.actuator = ActuatorIndex(pair_random_.Next() % config_.actuators.size());
+      injection.host = 0;
+      injection.other_host = 1;
+      injection.state = SampleState(config_, pair_random_);
+      injection.lasts =
+          SampleLogUniform(pair_random_, std::chrono::seconds(2), std::chrono::seconds(40));
+      injection.random = pair_random_.Next();
+      return injections_.emplace_back(std::move(injection));
+    };
+    add(InjectionKind::kHostPartition, Milliseconds(10), std::chrono::seconds(8));
+    add(InjectionKind::kTakeover, Milliseconds(1), std::chrono::seconds(3));
+    for (std::uint64_t left = pair_random_.Next() % 5; left > 0; --left) {
+      static constexpr InjectionKind kKindsThen[] = {
+          InjectionKind::kClientSet, InjectionKind::kClientSet, InjectionKind::kSet,
+          InjectionKind::kTakeBack,  InjectionKind::kCrash,     InjectionKind::kReboot,
+          InjectionKind::kTakeover};
+      const InjectionKind kind = kKindsThen[pair_random_.Next() % std::size(kKindsThen)];
+      Injection& injection = add(kind, Milliseconds(10), std::chrono::seconds(6));
+      injection.host = pair_random_.Next() % hosts_;
+    }
+  }
+
   Injection& Add(InjectionKind kind, const State& state, Duration after = {}) {
     at_ += after;
     Injection injection;
@@ -343,6 +378,7 @@ class InjectionSampler {
   Random exit_random_;
   Random sensor_random_;
   Random host_random_;
+  Random pair_random_;
   std::size_t hosts_;
   Duration at_{};
   Injections injections_;

@@ -59,13 +59,14 @@ enum class InjectionKind : std::uint8_t {
   kHostOneWay,     // the link from one host to another is cut; lasts
   kStalledDisk,    // no write of the controllers ends; lasts
   kCrossingStops,  // two panels engage an emergency stop, and a release crosses them
+  kTakeBack,       // the first controller starts again, with --takeover
   // Requests of a client on a host.
   kClientSet,      // a switch
   kClientStatus,   // the status
   kClientRelease,  // the release of the emergency stops
   kClientRestart,  // the restart of an actuator
 };
-inline constexpr std::size_t kInjectionKinds = 44;
+inline constexpr std::size_t kInjectionKinds = 45;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
 

@@ -55,6 +55,8 @@ std::string Describe(const MachineConfig& config, const Injection& injection) {
       return "a second controller is started";
     case InjectionKind::kTakeover:
       return "a second controller is started with --takeover";
+    case InjectionKind::kTakeBack:
+      return "the first controller is started again with --takeover";
     case InjectionKind::kFullDisk:
       return "the controller's disk is full" + lasts;
     case InjectionKind::kWallClock:

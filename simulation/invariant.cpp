@@ -49,6 +49,10 @@ std::string_view InvariantText(Invariant invariant) {
       return "a client receives an outcome, or that there is none, within a bound";
     case Invariant::kOnlyOwnProcessesSignalled:
       return "a signalled process is a child of the controller, or holds the actuator's name";
+    case Invariant::kEpochRaisedOnce:
+      return "a controller raises its epoch once at most, and only while it starts";
+    case Invariant::kTakeoverLasts:
+      return "no actuator returns to a controller that a person has replaced";
     case Invariant::kWithinBattery:
       return "no actuator is more active than the battery permits";
     case Invariant::kNoFlapping:

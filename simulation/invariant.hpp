@@ -33,6 +33,8 @@ enum class Invariant : std::uint8_t {
   kOnlyLeaderReplies,          // only the leading controller replies to clients
   kClientGetsOutcome,          // a client gets an outcome, or that there is none, within a bound
   kOnlyOwnProcessesSignalled,  // a signalled process is a child, or holds the actuator's name
+  kEpochRaisedOnce,  // a controller raises its epoch once at most, and only while it starts
+  kTakeoverLasts,    // no actuator returns to a controller that a person has replaced
   // Invariants of the policy.
   kWithinBattery,          // no actuator is more active than the battery permits
   kNoFlapping,             // the battery raises only what it lowered, beyond its hysteresis

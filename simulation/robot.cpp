@@ -89,8 +89,8 @@ void SimRobot::Open(std::size_t which) {
   hooks.on_signal = [this, which](std::int32_t pid) {
     if (on_signal) on_signal(*controllers_[which], pid);
   };
-  hooks.on_person_starts = [this] {
-    if (on_person_starts) on_person_starts();
+  hooks.on_begin = [this, which](bool restarted) {
+    if (on_begin) on_begin(*controllers_[which], restarted);
   };
   hooks.on_power = [this] {
     if (on_power) on_power();
@@ -140,6 +140,10 @@ void SimRobot::StartRival(bool takeover) {
   }
   if (!first) return LaunchController(1, takeover, ListenTime());
   if (takeover) TakeOverOnSameHost();
+}
+
+void SimRobot::TakeBack() {
+  if (!controllers_[0] && !OneHost()) LaunchController(0, true, kListenTime);
 }
 
 // The first controller is requested to release control, and killed if it does not within a second.

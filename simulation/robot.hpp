@@ -58,8 +58,8 @@ class SimRobot {
   std::function<void(const action::Record&)> on_record;
   // Before a controller starts a process.
   std::function<void(const ControllerProcess&, const std::string& name)> on_start;
-  // A controller that an operator has started begins to lead.
-  std::function<void()> on_person_starts;
+  // A controller begins to lead; an operator has started it, or a supervisor.
+  std::function<void(const ControllerProcess&, bool restarted)> on_begin;
   // A controller runs the power command.
   std::function<void()> on_power;
   // A controller writes a sample.
@@ -88,6 +88,8 @@ class SimRobot {
   // refuses if it has received heartbeats of the first. On the same host the folder of the first is
   // locked: the second ends the first, or refuses.
   void StartRival(bool takeover);
+  // An operator starts the first controller with --takeover, on a host of its own.
+  void TakeBack();
   void CrashController();  // kills all controllers
   // Ends all processes of the host and resets its clock.
   void RebootHost(std::size_t host);

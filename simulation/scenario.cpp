@@ -159,7 +159,7 @@ void Scenario::SwitchOn() {
 }
 
 void Scenario::StartController(bool restarted) {
-  robot_.LaunchController(0, true, robot_.ListenTime(), restarted);
+  robot_.LaunchController(0, !restarted, robot_.ListenTime(), restarted);
 }
 
 bool Scenario::IsByHand(ActuatorIndex actuator) const {

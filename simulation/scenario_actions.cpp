@@ -63,6 +63,8 @@ void Scenario::Apply(const Injection& injection) {
       return Engage(injection.random / 2 % 2, StopId(injection.random | 1));
     case InjectionKind::kRelease:
       return robot_.ReleaseEmergencyStop();
+    case InjectionKind::kTakeBack:
+      return robot_.TakeBack();
     case InjectionKind::kRestart:
       checker_.OnRestartRequest(name);
       return robot_.Restart(name);

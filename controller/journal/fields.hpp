@@ -244,6 +244,8 @@ template <>
 inline constexpr std::tuple kFields<StartUpState> = {
     Field{"by_hand", &StartUpState::by_hand},
     Field{"finishing", &StartUpState::finishing},
+    Field{"restarted", &StartUpState::restarted},
+    Field{"raised", &StartUpState::raised},
     Field{"set_up", &StartUpState::set_up},
     Field{"stage", &StartUpState::stage},
     Field{"set_up_requests", &StartUpState::requests},

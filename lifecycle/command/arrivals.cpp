@@ -37,7 +37,10 @@ void Arrivals::On(const event::StatusSeen& seen) {
   }
   // Restarts by another party are counted as well.
   if (!same && record.report.incarnation != 0 && record.process.pid == 0) ++record.restart.count;
-  if (!same) processes_.ForgetEnd(seen.actuator);
+  if (!same) {
+    processes_.ForgetEnd(seen.actuator);
+    record.control.outbid_at.reset();
+  }
   commands_.Accept(seen.actuator, report);
   record.presence = Presence::kStarting;
   if (record.restart.at) processes_.CancelRestart(seen.actuator);
@@ -131,7 +134,7 @@ void Arrivals::On(const event::Replied& replied) {
     // Another controller with the same epoch has taken it, unnoticed: on the other side of a
     // partition.
     record.control.incarnation = 0;
-    control_.Take(replied.actuator);
+    control_.Take(replied.actuator, true);
   }
   if (replied.query && denied && record.control.again) {
     record.control.again = now_ + kIntroductionPeriod;  // our heartbeat has not arrived yet

@@ -4,15 +4,20 @@
 
 namespace musher {
 
-void Control::Take(ActuatorIndex i) {
+void Control::Take(ActuatorIndex i, bool denied) {
   ActuatorRecord& record = Of(i);
   const Epoch seen = record.report.epoch;
   const bool ours = record.control.incarnation == record.report.incarnation;
   if (seen >= kLastEpoch) {
     record.control.again.reset();
+    record.control.outbid_at.reset();
     return Degrade(i, kCodePermissionDenied, texts::EpochOutOfRange(seen));
   }
-  if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
+  // Our own epoch may be from a query of ours that a new process has received instead of the one
+  // before: it is another controller's if it denies ours.
+  const bool of_other = seen == machine_.epoch && !ours && (denied || record.control.outbid_at);
+  if (seen > machine_.epoch || of_other) {
+    if (!MayRaise() && !machine_.start_up.restarted) return LeaveToOther(i);
     // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
     // control.
     if (!record.control.outbid_at)
@@ -24,7 +29,9 @@ void Control::Take(ActuatorIndex i) {
             std::max(*record.set_up_by, *record.control.outbid_at + kTakeControlPeriod);
       return;
     }
-    RaiseEpoch(seen + 1, i);
+    if (IsReplacedElsewhere(i)) return record.control.again.reset();  // this step releases control
+    if (!MayRaise()) return LeaveToOther(i);
+    RaiseEpoch();
   }
   record.control.outbid_at.reset();
   record.control.incarnation = record.report.incarnation;
@@ -32,16 +39,50 @@ void Control::Take(ActuatorIndex i) {
   Do(action::SendQuery{i, {machine_.epoch, record.report.number, false}});
 }
 
-// An earlier controller was here. The attached actuators get the new epoch at once.
-void Control::RaiseEpoch(Epoch epoch, ActuatorIndex because_of) {
-  machine_.epoch = epoch;
+// Epoch 1: the disk of this controller is new, or was lost.
+bool Control::MayRaise() const {
+  const bool starts = machine_.phase == Phase::kStarting || machine_.epoch == 1;
+  return starts && !machine_.start_up.raised;
+}
+
+bool Control::IsReplacedElsewhere(ActuatorIndex i) const {
+  const ActuatorRecord& record = Of(i);
+  const bool waits = !record.control.outbid_at || now_ < *record.control.outbid_at;
+  if (waits || !machine_.start_up.restarted) return false;
+  return std::none_of(machine_.actuators.begin(), machine_.actuators.end(),
+                      [&](const ActuatorRecord& other) {
+                        const bool taken = other.control.incarnation == other.report.incarnation;
+                        return !taken && other.report.host == machine_.host &&
+                               other.report.epoch >= record.report.epoch;
+                      });
+}
+
+// It is degraded until a person takes over, or it is restarted.
+void Control::LeaveToOther(ActuatorIndex i) {
+  ActuatorRecord& record = Of(i);
+  record.control.again.reset();
+  record.control.outbid_at.reset();
+  record.set_up_by.reset();
+  Degrade(i, kCodePermissionDenied, texts::ControlledByAnother(record.report.epoch), record.cause);
+  FallBack(i);
+}
+
+// Earlier controllers were here: above the highest of their epochs. The attached actuators get the
+// new epoch at once.
+void Control::RaiseEpoch() {
+  std::optional<ActuatorIndex> highest;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    const bool higher = !highest || Of(i).report.epoch > Of(*highest).report.epoch;
+    if (Of(i).control.outbid_at && higher) highest = i;
+  }
+  machine_.epoch = Of(*highest).report.epoch + 1;
+  machine_.start_up.raised = true;
   saving_.Save(Stored::kEpoch);
   memory_.Lower(std::nullopt);  // that controller may have changed the state of the machine
-  RecordMachine(kCodeOk, texts::EpochRaised(epoch, ConfigOf(because_of).name));
-  for (const ActuatorIndex other : machine_.actuators.Indices()) {
-    if (other == because_of || Of(other).presence != Presence::kPresent) continue;
-    Do(action::SendQuery{other,
-                         {machine_.epoch, 0, false}});  // a waiting command there keeps waiting
+  RecordMachine(kCodeOk, texts::EpochRaised(machine_.epoch, ConfigOf(*highest).name));
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (Of(i).presence != Presence::kPresent) continue;
+    Do(action::SendQuery{i, {machine_.epoch, 0, false}});  // a waiting command there keeps waiting
   }
 }
 

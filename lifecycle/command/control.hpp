@@ -1,6 +1,10 @@
 #pragma once
 // An actuator obeys one controller: this one takes control of an actuator that has published its
-// status, with a higher epoch if another one had it, and the actuator is present once it answers.
+// status, and the actuator is present once it answers.
+//
+// A starting controller raises its epoch, once, if an earlier one had the actuator with a higher
+// one: its disk is behind. A running one never does: such an actuator is another controller's, and
+// if it was attached to this one before, this one has been replaced (authority.hpp).
 
 #include <cstdint>
 
@@ -27,12 +31,19 @@ class Control : StepPart {
 
   // Takes control of an actuator that has published its status. The answer has its status and a
   // fresh stamp, from which the actuator later computes the age of a command.
-  void Take(ActuatorIndex i);
+  // `denied`: it has denied our epoch, which another controller has as well.
+  void Take(ActuatorIndex i, bool denied = false);
   // The actuator has answered: it is present.
   void Attach(ActuatorIndex i);
+  // Whether another controller has replaced this one since a supervisor restarted it: an actuator
+  // has an epoch that no actuator of this host has, so it is not from a predecessor of this
+  // controller. It is left alone for the grace.
+  bool IsReplacedElsewhere(ActuatorIndex i) const;
 
  private:
-  void RaiseEpoch(Epoch epoch, ActuatorIndex because_of);
+  bool MayRaise() const;
+  void LeaveToOther(ActuatorIndex i);
+  void RaiseEpoch();
 
   Saving& saving_;
   PolicyMemory& memory_;

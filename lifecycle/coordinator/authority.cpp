@@ -4,17 +4,40 @@
 
 namespace musher {
 
-// The controller with the higher epoch leads. The other releases control at once and changes
-// nothing more.
+bool Authority::AtWork() const {
+  return machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped &&
+         machine_.phase != Phase::kFenced;
+}
+
 void Authority::On(const event::RivalSeen& rival) {
   const bool leads =
       rival.epoch <= kLastEpoch &&
       (rival.epoch > machine_.epoch || (rival.epoch == machine_.epoch && rival.has_precedence));
-  const bool at_work = machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped &&
-                       machine_.phase != Phase::kFenced;
-  if (!leads || !at_work) return;
-  const std::string why = "another controller, " + rival.rival +
-                          ", leads this machine with epoch " + ToString(rival.epoch);
+  if (leads && AtWork()) Release(rival.rival, rival.epoch);
+}
+
+bool Authority::ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report) {
+  const ActuatorRecord& record = Of(i);
+  const bool own = report.incarnation != 0 && report.incarnation == record.control.incarnation &&
+                   report.host == record.report.host;
+  const bool higher = report.epoch > machine_.epoch && report.epoch < kLastEpoch;
+  if (!own || !higher || !AtWork()) return false;
+  Release("which " + ConfigOf(i).name + " follows", report.epoch);
+  return true;
+}
+
+void Authority::ReleaseIfReplacedElsewhere() {
+  if (!AtWork()) return;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (!control_.IsReplacedElsewhere(i)) continue;
+    return Release("which " + ConfigOf(i).name + " follows", Of(i).report.epoch);
+  }
+}
+
+// `rival`: which one it is.
+void Authority::Release(const std::string& rival, Epoch epoch) {
+  const std::string why =
+      "another controller, " + rival + ", leads this machine with epoch " + ToString(epoch);
   const Error fenced{kCodePermissionDenied, why};
   const RecordId recorded =
       RecordMachine(fenced.code, texts::ControllerFenced(machine_.epoch, why));
@@ -30,7 +53,7 @@ void Authority::On(const event::RivalSeen& rival) {
     machine_.current.reset();
   }
   if (machine_.stopping) {
-    const SwitchResult result = tear_down_.Conclude(fenced.code, rival.rival);
+    const SwitchResult result = tear_down_.Conclude(fenced.code, rival);
     switching_.Answer(machine_.stopping->requests, result);
   }
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {

@@ -1,19 +1,32 @@
 #pragma once
 // One controller leads: the one with the higher epoch. The other releases control at once and
-// changes nothing more.
+// changes nothing more, also where it receives no heartbeat of the first: then its actuators show
+// the higher epoch.
 
+#include <string>
+
+#include "musher/lifecycle/command/control.hpp"
 #include "musher/lifecycle/switch/tear_down.hpp"
 
 namespace musher {
 
 class Authority : StepPart {
  public:
-  Authority(StepContext& step, Switching& switching, TearDown& tear_down)
-      : StepPart(step), switching_(switching), tear_down_(tear_down) {}
+  Authority(StepContext& step, Control& control, Switching& switching, TearDown& tear_down)
+      : StepPart(step), control_(control), switching_(switching), tear_down_(tear_down) {}
 
   void On(const event::RivalSeen& rival);
+  // Releases control if the report is of an actuator that this controller has taken control of, and
+  // that follows a higher epoch now. Returns whether it does.
+  bool ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report);
+  // The same of a controller that a supervisor has restarted meanwhile.
+  void ReleaseIfReplacedElsewhere();
 
  private:
+  bool AtWork() const;
+  void Release(const std::string& rival, Epoch epoch);
+
+  Control& control_;
   Switching& switching_;
   TearDown& tear_down_;
 };

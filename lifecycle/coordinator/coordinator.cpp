@@ -62,7 +62,7 @@ class Coordinator : StepPart {
   PolicyRules rules_{step_, memory_, power_, switching_, tear_down_};
   PolicyRequests policy_requests_{step_,      saving_,    memory_,   power_,
                                   switching_, tear_down_, requests_, rules_};
-  Authority authority_{step_, switching_, tear_down_};
+  Authority authority_{step_, control_, switching_, tear_down_};
 };
 
 template <typename... Handlers>
@@ -75,8 +75,12 @@ Overloaded(Handlers...) -> Overloaded<Handlers...>;  // for clang 14
 void Coordinator::Handle(const Event& event) {
   std::visit(Overloaded{
                  [&](const event::Begin& e) { On(e); },
-                 [&](const event::StatusSeen& e) { arrivals_.On(e); },
-                 [&](const event::Replied& e) { arrivals_.On(e); },
+                 [&](const event::StatusSeen& e) {
+                   if (!authority_.ReleaseIfReplaced(e.actuator, e.report)) arrivals_.On(e);
+                 },
+                 [&](const event::Replied& e) {
+                   if (!authority_.ReleaseIfReplaced(e.actuator, e.report)) arrivals_.On(e);
+                 },
                  [&](const event::Vanished& e) { arrivals_.On(e); },
                  [&](const event::ProcessStarted& e) { recovery_.On(e); },
                  [&](const event::ProcessNotStarted& e) { recovery_.On(e); },
@@ -109,6 +113,8 @@ void Coordinator::On(const event::Begin& begin) {
 }
 
 void Coordinator::Settle() {
+  if (machine_.phase == Phase::kFenced) return;
+  authority_.ReleaseIfReplacedElsewhere();
   if (machine_.phase == Phase::kFenced) return;
   arrivals_.CheckDeadlines();
   arrivals_.TakeUpOthers();

@@ -37,6 +37,8 @@ std::string_view PhaseName(Phase phase);  // "idle", "starting", …
 struct StartUpState {
   bool by_hand = false;             // a program drives it (MachineController's calls)
   bool finishing = false;           // a supervisor's start, which finishes the TearDown before it
+  bool restarted = false;           // a supervisor's start, and the disk has an epoch
+  bool raised = false;              // this controller has raised its epoch, which it may do once
   bool set_up = false;              // the actuators of the first stage are present, or given up
   int stage = 0;                    // up to which actuators are started
   std::vector<RequestId> requests;  // answered when all actuators are set up

@@ -166,6 +166,13 @@ RecordText EpochOutOfRange(Epoch epoch) {
                   {{"epoch", epoch}});
 }
 
+RecordText ControlledByAnother(Epoch epoch) {
+  return MakeText(EventName::kControlledByAnother,
+                  "another controller has taken control of it with epoch {epoch}; `musher up "
+                  "--takeover` takes it back",
+                  {{"epoch", epoch}});
+}
+
 RecordText Unhealthy(Health health, const std::string& how) {
   return MakeText(EventOf(health), "{health}: {how}",
                   {{"health", std::string(HealthName(health))}, {"how", how}});

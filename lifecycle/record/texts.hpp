@@ -130,6 +130,7 @@ RecordText SelfCheckMissing(const State& state);
 RecordText NoState(const State& state);
 RecordText HeldIn(const State& state, const State& machine);
 RecordText EpochOutOfRange(Epoch epoch);
+RecordText ControlledByAnother(Epoch epoch);
 // Faults of an actuator that is lost, or hangs.
 RecordText Unhealthy(Health health, const std::string& how);  // not kWell
 RecordText HungIn(const State& target, Duration time);

@@ -23,6 +23,7 @@ void StartUp::Begin(const event::Begin& begin) {
   machine_.host = begin.host;
   machine_.epoch = begin.epoch + 1;
   machine_.start_up.finishing = begin.stop_intent && begin.restarted;
+  machine_.start_up.restarted = begin.restarted && begin.epoch > 0;
   saving_.Save(Stored::kEpoch);
   for (const ActuatorIndex i : begin.running.Indices()) {
     if (begin.running[i]) Of(i).process.launch = Launch::kFoundRunning;

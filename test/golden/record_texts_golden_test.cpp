@@ -148,6 +148,7 @@ Examples OfAnActuator() {
       {"NoState", NoState("Walk")},
       {"HeldIn", HeldIn("Walk", "Active")},
       {"EpochOutOfRange", EpochOutOfRange(kLastEpoch)},
+      {"ControlledByAnother", ControlledByAnother(6)},
       {"Unhealthy", Unhealthy(Health::kHung, "no heartbeat for 300 ms")},
       {"Unhealthy", Unhealthy(Health::kCrashed, "no heartbeat for 300 ms")},
       {"Unhealthy", Unhealthy(Health::kPartitioned, "no heartbeat for 300 ms")},

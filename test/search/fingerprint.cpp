@@ -192,7 +192,8 @@ Identity IdentityOf(const Model& model, const World& w) {
             w.stopped, w.stop_seen_due, w.released, w.repeat);
   mixer.Add(m.phase, m.start_up.by_hand, m.state, m.epoch, m.number, m.start_up.set_up,
             m.start_up.stage, m.fallback.target, m.emergency.stop.has_value(),
-            m.emergency.others.size(), m.emergency.released, m.start_up.requests, m.policy);
+            m.emergency.others.size(), m.emergency.released, m.start_up.requests,
+            m.start_up.restarted, m.start_up.raised, m.policy);
   mixer.Add(m.current.has_value());
   if (m.current) {
     const Switch& s = *m.current;

@@ -365,4 +365,63 @@ TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
   ExpectFound(Invariant::kOnlyOwnProcessesSignalled, "is not the process of that actuator");
 }
 
+// Two controllers that do not receive each other, and an actuator that both reach.
+class TwoLinks : public PlantedFlaw {
+ protected:
+  void TakeOverBeyondACutLink() {
+    Layout layout;
+    layout.hosts = {"robot", "dock", "arm"};
+    layout.host_of = {0, 2};
+    layout.controllers = {0, 1};
+    Make(MachineOf(2), layout);
+    robot_->StartActuator("a");
+    robot_->StartActuator("b");
+    robot_->disk(0).epoch = 4;
+    ASSERT_NO_FATAL_FAILURE(BringUp());
+    robot_->hosts().SetHostBlocked(0, 1, true);
+    robot_->hosts().SetHostBlocked(1, 0, true);
+    RunFor(std::chrono::seconds(5));
+  }
+  ActuatorCore& CoreOfB() { return const_cast<ActuatorCore&>(*robot_->processes().CoreOf("b", 2)); }
+  Machine& MachineOfController(std::size_t which) {
+    return const_cast<Machine&>(robot_->controller(which)->shell().machine());
+  }
+};
+
+TEST_F(TwoLinks, TheTakeoverLastsAlsoAfterHealing) {
+  ASSERT_NO_FATAL_FAILURE(TakeOverBeyondACutLink());
+  robot_->StartRival(true);
+  RunFor(std::chrono::seconds(20));
+  EXPECT_EQ(robot_->controller(0), nullptr) << "the first one is replaced, and has exited";
+  ASSERT_NE(robot_->controller(1), nullptr);
+  EXPECT_EQ(CoreOfB().report.epoch, MachineOfController(1).epoch);
+  robot_->hosts().SetHostBlocked(0, 1, false);
+  robot_->hosts().SetHostBlocked(1, 0, false);
+  RunFor(std::chrono::seconds(10));
+  EXPECT_EQ(CoreOf("a").report.epoch, MachineOfController(1).epoch);
+  EXPECT_EQ(robot_->leaders(), 1U);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(TwoLinks, FindsARunningControllerThatRaisesItsEpoch) {
+  ASSERT_NO_FATAL_FAILURE(TakeOverBeyondACutLink());
+  MachineOfController(0).epoch = MachineOfController(0).epoch + 2;
+  Request(State(kLowPower));
+  RunFor(Milliseconds(100));
+  ExpectFound(Invariant::kEpochRaisedOnce, "goes from epoch 5 to 7");
+}
+
+TEST_F(TwoLinks, FindsAnActuatorThatReturnsToAReplacedController) {
+  ASSERT_NO_FATAL_FAILURE(TakeOverBeyondACutLink());
+  robot_->network().Block("b", "controller");  // the first one does not notice
+  robot_->StartRival(true);
+  RunFor(std::chrono::seconds(10));
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ASSERT_EQ(robot_->leaders(), 2U);
+  CoreOfB().controller = Sender(robot_->controller(0)->participant().value());
+  robot_->EngageEmergencyStop(7);  // so that it publishes its status
+  RunFor(Milliseconds(200));
+  ExpectFound(Invariant::kTakeoverLasts, "b returns to the controller on host robot");
+}
+
 }  // namespace musher::testing::planted_flaw_test

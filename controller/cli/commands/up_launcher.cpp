@@ -120,7 +120,8 @@ void UpLauncher::OnEnd() {
     return Leave(good ? ExitCode::kDone : ExitCode::kNotDone);
   }
   if (failed_to_start_) return Leave(exit_);
-  if (fenced_) return Leave(ExitCode::kNotDone);
+  // A supervisor must not start again what a person has replaced.
+  if (fenced_) return Leave(restarted_ ? ExitCode::kUsage : ExitCode::kNotDone);
   const std::string how = status ? status->Text() : "exit code unknown";
   Leave(console_.Fail({ExitCode::kNotDone,
                        {kCodeFailed, "the controller of " + machine_ + " has crashed (" + how +

@@ -11,7 +11,7 @@
 //      └─ stopped before it was usable ─▶ 1
 //
 // With --restarted a machine that is stopped is 0 in each case: after a failure the supervisor
-// would start it again.
+// would start it again; so a takeover is 2, which the unit has in RestartPreventExitStatus.
 //
 // If its output is lost (`musher up … | head -2`, a full disk), this process reports that once on
 // stderr and continues; its exit code is about the machine. A service has no terminal: there SIGHUP

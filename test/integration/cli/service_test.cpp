@@ -63,11 +63,11 @@ TEST_F(UpAsAService, HidesTheNotifySocketFromActuators) {
 }
 
 TEST_F(UpAsAService, StopsWhenAnotherControllerTakesTheMachineOver) {
-  Process up(Unit());
+  Process up(Unit("--restarted "));
   ASSERT_TRUE(systemd_.WaitFor("STATUS=Active, 3 actuators"));
   ASSERT_EQ(Musher({"up", config_, "--takeover", "--detach"}).exit, 0);
   EXPECT_TRUE(systemd_.WaitFor("STOPPING=1"));
-  EXPECT_EQ(up.Wait().exit, 1);
+  EXPECT_EQ(up.Wait().exit, 2) << "it must not be started again";
 }
 
 // To systemd a service that ends before it is ready has failed, and would be started again.

@@ -26,11 +26,13 @@ TEST_F(TakeControl, IsRepeatedUntilItIsAnsweredAndRaisesNoEpoch) {
   EXPECT_THAT(Did<action::SaveEpoch>(), IsEmpty());
 }
 
-TEST_F(TakeControl, OfAnActuatorOfAnotherControllerWithOurEpochWaitsForItsHeartbeat) {
+TEST_F(TakeControl, OfAnActuatorThatDeniesOurEpochWaitsForTheHeartbeatOfItsController) {
   Begin();
   ActuatorReport report = Report(0);
   report.epoch = machine_.epoch;
   Say(0, report);
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1)) << "perhaps the epoch is from us";
+  Do(event::Replied{0, 0, true, Verdict::kRefused, kCodePermissionDenied, "", report});
   EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(1700)) << "it is not given up meanwhile";
   Forget();
   Pass(Milliseconds(1199));
@@ -38,6 +40,22 @@ TEST_F(TakeControl, OfAnActuatorOfAnotherControllerWithOurEpochWaitsForItsHeartb
   Pass(Milliseconds(1));
   EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
   EXPECT_EQ(machine_.epoch, report.epoch + 1);
+}
+
+// A query for the process before has reached it.
+TEST_F(TakeControl, OfANewProcessThatHasOurEpochAlreadyTakesNoTimeAndRaisesNone) {
+  StartUp();
+  const Epoch epoch = machine_.epoch;
+  for (int restart = 1; restart <= 3; ++restart) {
+    Do(event::Vanished{0, Of(0).report.incarnation, false, "connection lost"});
+    ActuatorReport report = Report(0);
+    report.incarnation += 100 * restart;
+    report.epoch = epoch;
+    Say(0, report);
+    Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
+    EXPECT_EQ(Of(0).presence, Presence::kPresent);
+  }
+  EXPECT_EQ(machine_.epoch, epoch);
 }
 
 TEST_F(TakeControl, ThatIsDeniedIsRetriedSoonAndIsNotAnAnswer) {
@@ -54,7 +72,6 @@ TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotRetriedSoonerAndRaisesNoEp
   const auto again = Of(0).control.again;
   now_ += Milliseconds(1);
   ActuatorReport report = Report(0);
-  report.epoch = machine_.epoch + 5;
   Do(event::Replied{0, 0, true, Verdict::kRefused, kCodeParametersInvalid, "", report});
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
   EXPECT_EQ(Of(0).control.again, again);
@@ -90,9 +107,7 @@ TEST_F(TakeControl, IsNotAnsweredByTheLateReplyToACommand) {
   const ActuatorReport late = Report(0, "LowPower");
   Do(event::Vanished{0, kFirst, false, "connection lost"});
   now_ += Milliseconds(1);
-  ActuatorReport report = Report(0, "Active");
-  report.epoch = machine_.epoch + 1;  // another controller has taken it meanwhile
-  Say(0, report);
+  Say(0, Report(0, "Active"));
   Do(event::Replied{0, number, false, Verdict::kDone, kCodeOk, "", late});
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
 }
@@ -300,14 +315,40 @@ TEST_F(OutbidController, EngagesTheStopThatAnArrivingActuatorHasMissed) {
   EXPECT_EQ(published[0].stop.id, StopId(7));
 }
 
-TEST_F(OutbidController, TakesARefusalOfItsCommandForTheEndOfTheCommand) {
+TEST_F(OutbidController, ReleasesControlWhenItsCommandIsRefusedForAHigherEpoch) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
   ActuatorReport report = Report(0, "Active");
   report.epoch = machine_.epoch + 1;
   Do(event::Replied{0, Of(0).command.value().number, false, Verdict::kRefused,
                     kCodePermissionDenied, "of another controller", report});
-  EXPECT_FALSE(Of(0).command);
+  EXPECT_EQ(machine_.phase, Phase::kFenced);
+  EXPECT_THAT(Did<action::SaveEpoch>(), IsEmpty());
+}
+
+TEST_F(OutbidController, RaisesItsEpochOnceAboveTheHighestThatItHasSeen) {
+  Begin();
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    ActuatorReport report = Report(i);
+    report.epoch = Epoch(3 + 4 * i.value());
+    Say(i, report);
+  }
+  Forget();
+  Pass(std::chrono::seconds(2));
+  EXPECT_THAT(Did<action::SaveEpoch>(), SizeIs(1));
+  EXPECT_EQ(machine_.epoch, Epoch(8));
+  EXPECT_TRUE(IsRecorded(texts::EpochRaised(8, "b")));
+}
+
+// An echo, or a process of another name space.
+TEST_F(OutbidController, IsNotReplacedByAReportOfAProcessThatItHasNotTakenControlOf) {
+  StartUp();
+  ActuatorReport report = Report(0, "Active");
+  report.incarnation += 100;
+  report.host = "elsewhere";
+  report.epoch = machine_.epoch + 1;
+  Say(0, report);
+  EXPECT_EQ(machine_.phase, Phase::kRunning);
 }
 
 TEST_F(Reports, OfAnUncommandedStateAreRecordedAsAnError) {
