@@ -39,6 +39,10 @@ Checker::Checker(SimRobot& robot)
     CheckSignal(controller, pid);
   };
   robot_.on_power = [this] { power_due_.reset(); };
+  robot_.on_release_answered = [this](const ControllerProcess& controller,
+                                      const Result<>& released) {
+    CheckReleased(controller, released);
+  };
   robot_.on_person_starts = [this] { PersonStarts(); };
 }
 

@@ -118,6 +118,7 @@ class Checker {
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
   void CheckPower();
+  void CheckReleased(const ControllerProcess& controller, const Result<>& released);
   void PersonStarts() { accepted_tear_down_.reset(); }
   void CheckStaysDown(const ControllerProcess& controller);
   bool RunsForAnother(const ControllerProcess& asked, ActuatorIndex i, std::size_t host) const;

@@ -32,6 +32,7 @@ std::string Checker::PendingActivity() const {
   if (machine.policy.keep) return "an application keeps it in " + machine.policy.keep->state;
   if (machine.policy.power) return "the robot is being powered off";
   if (machine.policy.still_since) return "it is about to go to LowPower";
+  if (machine.emergency.release) return "the release of an emergency stop is being confirmed";
   if (machine.fallback.target) return "it is about to fall back to " + *machine.fallback.target;
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) {
     return "the machine is " + std::string(PhaseName(machine.phase));
