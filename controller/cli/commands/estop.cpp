@@ -47,7 +47,7 @@ msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
 }
 
 // Publishes the stop for a minute. Without the signals and the terminal of the command.
-[[noreturn]] void KeepPublished(const GlobalOptions& global, const msg::EmergencyStop& stop) {
+[[noreturn]] void PublishForAMinute(const GlobalOptions& global, const msg::EmergencyStop& stop) {
   const auto link = Link::Open(global);
   if (!link) _exit(1);
   const auto latching =
@@ -59,10 +59,10 @@ msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
 
 // A process of its own that publishes the stop for a minute once this one asks for it, or has ended
 // in any way: on Ctrl-C, with its terminal, or killed.
-class StopKeeper {
+class DetachedPublisher {
  public:
   // To be called before the process has a second thread.
-  StopKeeper(const GlobalOptions& global, const msg::EmergencyStop& stop) {
+  DetachedPublisher(const GlobalOptions& global, const msg::EmergencyStop& stop) {
     int ends[2] = {-1, -1};
     if (pipe2(ends, O_CLOEXEC) != 0) return;
     UniqueFd read_end(ends[0]);
@@ -74,10 +74,10 @@ class StopKeeper {
     }
     if (pid_ > 0) pipe_ = std::move(write_end);
   }
-  StopKeeper(const StopKeeper&) = delete;
-  StopKeeper& operator=(const StopKeeper&) = delete;
+  DetachedPublisher(const DetachedPublisher&) = delete;
+  DetachedPublisher& operator=(const DetachedPublisher&) = delete;
   // Unless it was cancelled, the process goes on.
-  ~StopKeeper() = default;
+  ~DetachedPublisher() = default;
 
   void Begin() { Send('p'); }
   // Every actuator has confirmed the stop.
@@ -105,7 +105,7 @@ class StopKeeper {
       size = read(fd, &word, 1);
     } while (size < 0 && errno == EINTR);
     if (size == 1 && word == 'c') _exit(0);
-    KeepPublished(global, stop);
+    PublishForAMinute(global, stop);
   }
   void Send(char word) {
     if (!pipe_.valid() || begun_) return;
@@ -179,14 +179,14 @@ class Confirmation {
 
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
   const msg::EmergencyStop stop = NewStop(options.reason);
-  StopKeeper keeper(global, stop);
+  DetachedPublisher detached(global, stop);
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
   const auto latching =
       Latching::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
   if (!latching) return console.Fail(latching.error());
   const auto second_try =
-      link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] { keeper.Begin(); });
+      link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] { detached.Begin(); });
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());
   }
@@ -200,18 +200,18 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
                                       : EstopText(report, console.mode().colour));
   }
   if (!none && report.complete()) {
-    keeper.Cancel();
+    detached.Cancel();
     if (!report.not_on_disk.empty()) {
       console.PrintError("not on disk: " + report.not_on_disk +
                          "; the stop is lost if the controller and the actuators end");
     }
     return ExitCode::kDone;
   }
-  keeper.Begin();
+  detached.Begin();
   const std::string kept =
-      keeper.pid() == 0
+      detached.pid() == 0
           ? ""
-          : fmt::format("; the stop stays published for a minute (pid {})", keeper.pid());
+          : fmt::format("; the stop stays published for a minute (pid {})", detached.pid());
   if (none) {
     Failure failure = link.value()->NotFound("controller or actuator");
     failure.error.message += kept;
