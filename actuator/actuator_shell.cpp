@@ -95,13 +95,11 @@ Result<> ActuatorShell::Open() {
       transport::kLatchedFromManyQos);
   if (!controllers) return controllers.error();
   controllers_ = std::move(controllers).value();
-  auto stops = transport::MakeSubscription<msg::EmergencyStop>(
-      node_, transport::EmergencyStopTopic(name_space),
-      [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
+  auto stops = transport::SubscribeToStops(
+      node_, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
         Handle(actuator_event::EmergencyStopReceived{
             StopId(stop.id), stop.engaged, Sender(info.participant.value()), stop.by, stop.reason});
-      },
-      transport::kLatchedFromManyQos);
+      });
   if (!stops) return stops.error();
   emergency_stops_ = std::move(stops).value();
   return WatchBattery();

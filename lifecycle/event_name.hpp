@@ -38,6 +38,8 @@ enum class EventName {
   kFallbackRefused,
   kUnlistedActuator,
   kControllerRemark,
+  kReleaseUnconfirmed,
+  kStateNotWritable,
   // A switch.
   kSwitchRequested,
   kSwitchWaiting,
@@ -152,6 +154,8 @@ inline constexpr auto kEventNames = std::to_array<std::string_view>({
     "fallback_refused",
     "unlisted_actuator",
     "controller_remark",
+    "release_unconfirmed",
+    "state_not_writable",
     "switch_requested",
     "switch_waiting",
     "switch_started",

@@ -23,6 +23,7 @@ using RequestToken = StrongNumber<struct TokenKind>;
 using Sender = StrongNumber<struct SenderKind>;
 // Id of an emergency stop: random, from the participant that engaged it. 0: none.
 using StopId = StrongNumber<struct StopKind>;
+inline constexpr StopId kUnknownStop = 1;  // of a stop without an id, whose sender is not known
 // Number of a save on disk, grows from 1 in a controller.
 using SaveNumber = StrongNumber<struct SaveKind>;
 // Which actuator, in the order of the config; indexes a PerActuator.

@@ -44,6 +44,10 @@ Checker::Checker(SimRobot& robot)
     if (!restarted) accepted_tear_down_.reset();
     NoteWord(controller, restarted);
   };
+  robot_.on_release_answered = [this](const ControllerProcess& controller,
+                                      const Result<>& released) {
+    CheckReleased(controller, released);
+  };
 }
 
 void Checker::ReportViolation(Invariant invariant, const std::string& what) {

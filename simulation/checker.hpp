@@ -128,6 +128,7 @@ class Checker {
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
   void CheckPower();
+  void CheckReleased(const ControllerProcess& controller, const Result<>& released);
   void CheckStaysDown(const ControllerProcess& controller);
   bool RunsForAnother(const ControllerProcess& asked, ActuatorIndex i, std::size_t host) const;
   void NoteReceived(const ControllerProcess& controller, Seen& seen);

@@ -37,6 +37,8 @@ std::string_view InvariantText(Invariant invariant) {
       return "an emergency stop stays engaged until it is released, and is over afterwards";
     case Invariant::kEmergencyStopReported:
       return "an actuator that an emergency stop switched off reports it until it is on again";
+    case Invariant::kReleaseIsConfirmed:
+      return "after \"released\" no actuator reports a stop that was released";
     case Invariant::kNoStartAfterTearDown:
       return "after an accepted TearDown only an operator starts the machine again";
     case Invariant::kTearDownIsComplete:

@@ -27,6 +27,7 @@ enum class Invariant : std::uint8_t {
   kNoDuplicateActuator,        // no start while it runs on another host, where that can be known
   kEmergencyStopLatched,       // a stop stays engaged until a controller releases it, then is over
   kEmergencyStopReported,      // an actuator reports that a stop holds it, until it is on again
+  kReleaseIsConfirmed,         // after "released" no actuator reports a stop that was released
   kNoStartAfterTearDown,       // after an accepted TearDown only an operator starts the machine
   kTearDownIsComplete,         // TearDown is "done" when no running actuator is in a higher state
   kNoCommandDropped,           // only a newer command or its timeout cancels an accepted command
@@ -48,7 +49,7 @@ enum class Invariant : std::uint8_t {
   kRecoverable,                // an operator can recover the machine from every stable state
   kAllAvailableAfterRecovery,  // and then all actuators are available
 };
-inline constexpr std::size_t kInvariants = 31;
+inline constexpr std::size_t kInvariants = 32;
 
 std::string_view InvariantText(Invariant invariant);  // a sentence without its full stop
 // Whether the config, rather than the middleware, can be the reason for a violation.

@@ -34,6 +34,7 @@ std::string Checker::PendingActivity() const {
   if (machine.policy.lifting) return "the battery is about to lift its ceiling";
   if (machine.policy.emptying && !machine.policy.empty) return "it is about to be powered off";
   if (machine.policy.still_since) return "it is about to go to LowPower";
+  if (machine.emergency.release) return "the release of an emergency stop is being confirmed";
   if (machine.fallback.target) return "it is about to fall back to " + *machine.fallback.target;
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) {
     return "the machine is " + std::string(PhaseName(machine.phase));

@@ -315,7 +315,9 @@ void SimRobot::PublishBody() {
 void SimRobot::ReleaseEmergencyStop() {
   ControllerProcess* leading = leader();
   if (leading == nullptr || leading->frozen) return;
-  leading->shell().ReleaseEmergencyStop("a person", [](const Result<>&) {});
+  leading->shell().ReleaseEmergencyStop("a person", [this, leading](const Result<>& released) {
+    if (on_release_answered) on_release_answered(*leading, released);
+  });
 }
 
 void SimRobot::Restart(const std::string& name) {

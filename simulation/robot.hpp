@@ -62,6 +62,8 @@ class SimRobot {
   std::function<void(const ControllerProcess&, bool restarted)> on_begin;
   // A controller runs the power command.
   std::function<void()> on_power;
+  // A release of the emergency stops was answered.
+  std::function<void(const ControllerProcess&, const Result<>&)> on_release_answered;
   // A controller writes a sample.
   std::function<void(const ControllerProcess&, const std::string& topic, const msg::Bytes&)>
       on_write;

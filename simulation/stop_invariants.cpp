@@ -88,6 +88,21 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
   }
 }
 
+// A release was answered. Whatever was released before, no actuator that the controller leads may
+// report it any more.
+void Checker::CheckReleased(const ControllerProcess& controller, const Result<>& released) {
+  if (!released) return;
+  const Machine& machine = controller.shell().machine();
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
+    const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
+    if (report == nullptr || machine.actuators[i].presence != Presence::kPresent) continue;
+    if (!released_.contains(report->emergency_stop)) continue;
+    ReportViolation(Invariant::kReleaseIsConfirmed,
+                    "the emergency stops are reported as released, and " +
+                        config_.actuators[i].name + " has latched one of them");
+  }
+}
+
 // Runs after the whole step of an actuator.
 void Checker::CheckPower() {
   for (const auto& [name, host] : std::exchange(idle_and_stopped_, {})) {

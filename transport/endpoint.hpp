@@ -62,6 +62,9 @@ struct SampleInfo {
   // The partition of the sample, for readers of partition "*" only. With security on a participant
   // can only write in its own partition.
   std::optional<std::string_view> partition = std::nullopt;
+  // When it was written, by the writer's wall clock: the same for every reader, also of a sample
+  // that is delivered again. 0: not known; always in the simulation.
+  std::int64_t written_ns = 0;
 };
 
 class RawWriter {

@@ -1,11 +1,20 @@
 #include "musher/wire/lifecycle_wire.hpp"
 
 #include <algorithm>
-
-#include "musher/messages/musher_msgs/heartbeats.hpp"
-#include "musher/transport/node.hpp"
+#include <span>
+#include <utility>
 
 namespace musher::transport {
+namespace {
+
+// The id of a stop whose sender gave none: the time at which the sample was written, else the
+// participant. The highest bit keeps it apart from small ids that people choose.
+std::uint64_t StopIdOf(const SampleInfo& info) {
+  const auto written = static_cast<std::uint64_t>(info.written_ns);
+  return (written != 0 ? written : info.participant.value()) | (std::uint64_t{1} << 63U);
+}
+
+}  // namespace
 
 std::string CommandService(std::string_view name_space, std::string_view actuator) {
   return ResolveName(name_space, std::string(actuator) + "/musher_command");
@@ -30,6 +39,27 @@ std::string EmergencyStopTopic(std::string_view name_space) {
 }
 std::string MachineService(std::string_view name_space, std::string_view name) {
   return ResolveName(name_space, "musher/" + std::string(name));
+}
+
+Result<std::unique_ptr<Subscription>> SubscribeToStops(Node& node, std::string_view name_space,
+                                                       OnStop on_stop) {
+  auto malformed = std::make_shared<std::uint64_t>(0);
+  ReaderCallbacks callbacks;
+  callbacks.on_sample = [malformed, on_stop = std::move(on_stop)](std::span<const std::byte> bytes,
+                                                                  const SampleInfo& info) {
+    auto stop = msg::Decode<msg::EmergencyStop>(bytes);
+    if (!stop) {
+      ++*malformed;
+      stop = msg::EmergencyStop{0, true, "", "a malformed message on the topic of emergency stops"};
+    }
+    if (stop->id == 0) stop->id = StopIdOf(info);
+    on_stop(*stop, info);
+  };
+  auto reader = node.MakeRawReader("rt/" + EmergencyStopTopic(name_space),
+                                   std::string(msg::EmergencyStop::kTypeName), kLatchedFromManyQos,
+                                   std::move(callbacks));
+  if (!reader) return reader.error();
+  return std::make_unique<Subscription>(std::move(reader).value(), std::move(malformed));
 }
 
 std::string_view WriterPartition(const MachineConfig& config, ActuatorIndex actuator) {
@@ -71,6 +101,7 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
   status.degraded_reason = report.degraded_reason;
   status.emergency_stop_by = report.emergency_stop_by;
   status.emergency_stop_reason = report.emergency_stop_reason;
+  status.released_stop = report.released_stop.value();
   status.stamp_ns = ToNanoseconds(report.stamp);
   return status;
 }
@@ -96,6 +127,7 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.degraded_reason = status.degraded_reason;
   report.emergency_stop_by = status.emergency_stop_by;
   report.emergency_stop_reason = status.emergency_stop_reason;
+  report.released_stop = StopId(status.released_stop);
   report.stamp = FromNanoseconds(std::clamp(status.stamp_ns, -kFarthestNs, kFarthestNs));
   return report;
 }

@@ -2,6 +2,8 @@
 // Converts values of the decision code to messages and back, and names a machine's topics and
 // services.
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -11,7 +13,8 @@
 #include "musher/lifecycle/machine/report.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
-#include "musher/transport/endpoint.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/transport/node.hpp"
 
 namespace musher::transport {
 
@@ -35,6 +38,13 @@ std::string_view WriterPartition(const MachineConfig& config, ActuatorIndex actu
 std::string_view ReaderPartition(bool with_keys);
 // Whether a sample that names an actuator comes from that actuator, as far as known.
 bool IsFrom(std::string_view actuator, const SampleInfo& info);
+
+// Subscribes to the emergency stops. The callback gets each stop with an id other than 0: where the
+// sender gave none, as `ros2 topic pub` does by default, it is made of the sample, and it is the
+// same for every subscriber. A sample that cannot be decoded is a stop that is engaged.
+using OnStop = std::function<void(const msg::EmergencyStop&, const SampleInfo&)>;
+Result<std::unique_ptr<Subscription>> SubscribeToStops(Node& node, std::string_view name_space,
+                                                       OnStop on_stop);
 
 // A steady clock's time on the wire. Only the process that it came from can interpret it.
 std::int64_t ToNanoseconds(Time time);

@@ -87,13 +87,17 @@ void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::Samp
   if (on_change_) on_change_();
 }
 
-EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller) const {
+EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller,
+                             const std::vector<std::string>& expected) const {
   EstopReport report;
   report.by = stop_.by;
   report.reason = stop_.reason;
   if (controller) {
     report.controller = true;
     report.controller_latched = controller->emergency_stop;
+    for (const std::string& unsaved : controller->not_on_disk) {
+      if (unsaved.starts_with(StoredName(Stored::kEmergencyStops))) report.not_on_disk = unsaved;
+    }
     for (const msg::ActuatorInfo& actuator : controller->actuators) {
       const bool well = actuator.health == HealthName(Health::kWell);
       if (!MayMove(actuator) && !received_.contains(actuator.name)) continue;
@@ -109,6 +113,9 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
                        [&name](const auto& actuator) { return actuator.name == name; });
   };
   for (const auto& [name, received] : received_) {
+    if (!listed(name)) Take(report, name, "");
+  }
+  for (const std::string& name : expected) {
     if (!listed(name)) Take(report, name, "");
   }
   const bool other = controller && !controller->emergency_stop_by.empty() &&

@@ -44,12 +44,16 @@ struct EstopReport {
   std::optional<Earlier> earlier;
   std::vector<Actuator> actuators;
   std::string silent_controller;  // of this host: why it does not answer, and what to do
+  std::string not_on_disk;  // the controller has not saved it: "emergency stop (4 s): …"
+  std::string unknown;      // why the machine may have more actuators than these; empty: it has not
 
   std::vector<std::string> Missing() const;  // the actuators that are not stopped
   // Every actuator that can latch the stop has: no need to wait longer.
   bool settled() const;
-  // Every known actuator has latched it.
-  bool complete() const { return Missing().empty() && controller == controller_latched; }
+  // Every actuator of the machine has latched it.
+  bool complete() const {
+    return Missing().empty() && controller == controller_latched && unknown.empty();
+  }
 };
 
 // A stop to engage: with a random id, and the first kLongestStopReason bytes of the reason. `by`:
@@ -70,8 +74,10 @@ class Latching {
                                                  std::function<void()> on_change = {});
 
   // The actuators whose status was received, and those that the controller's status lists as
-  // present, in its order.
-  EstopReport Report(const std::optional<msg::MachineStatus>& controller) const;
+  // present, in its order. `expected`: names of actuators that run, whether or not their status was
+  // received.
+  EstopReport Report(const std::optional<msg::MachineStatus>& controller,
+                     const std::vector<std::string>& expected = {}) const;
 
  private:
   struct Received {

@@ -97,6 +97,7 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
     Field{"degraded_reason", &ActuatorReport::degraded_reason},
     Field{"emergency_stop_by", &ActuatorReport::emergency_stop_by},
     Field{"emergency_stop_reason", &ActuatorReport::emergency_stop_reason},
+    Field{"released_stop", &ActuatorReport::released_stop},
     Field{"stamp", &ActuatorReport::stamp},
 };
 

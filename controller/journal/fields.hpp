@@ -252,11 +252,19 @@ inline constexpr std::tuple kFields<StartUpState> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<PendingRelease> = {
+    Field{"requests", &PendingRelease::requests}, Field{"by", &PendingRelease::by},
+    Field{"last", &PendingRelease::last},         Field{"again", &PendingRelease::again},
+    Field{"until", &PendingRelease::until},
+};
+
+template <>
 inline constexpr std::tuple kFields<EmergencyStopState> = {
     Field{"emergency_stop", &EmergencyStopState::stop},
     Field{"stop_cause", &EmergencyStopState::cause},
     Field{"other_stops", &EmergencyStopState::others},
     Field{"released_stops", &EmergencyStopState::released},
+    Field{"release", &EmergencyStopState::release},
 };
 
 template <>

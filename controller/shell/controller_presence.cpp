@@ -10,9 +10,10 @@
 namespace musher {
 namespace {
 
-// The limit of engaged stops, and of released stops that are kept.
+// A release is published once for each stop that it ends: as many as a machine keeps, and more for
+// those that are published meanwhile.
 constexpr transport::Qos kStopsQos{transport::Qos::Reliability::kReliable,
-                                   transport::Qos::Durability::kTransientLocal, 66};
+                                   transport::Qos::Durability::kTransientLocal, 512};
 
 // Another host discovers a controller within 500 ms, with credentials within some seconds.
 constexpr Duration kListenTime = Milliseconds(1000);
@@ -57,12 +58,10 @@ Result<> ControllerPresence::Open() {
       transport::kLatchedFromManyQos);
   if (!rivals) return rivals.error();
   rivals_ = std::move(rivals).value();
-  auto received = transport::MakeSubscription<msg::EmergencyStop>(
-      node_, transport::EmergencyStopTopic(name_space),
-      [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
+  auto received = transport::SubscribeToStops(
+      node_, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
         emit_(event::EmergencyStopSeen{{StopId(stop.id), stop.by, stop.reason}, stop.engaged});
-      },
-      transport::kLatchedFromManyQos);
+      });
   if (!received) return received.error();
   received_stops_ = std::move(received).value();
   return Ok();

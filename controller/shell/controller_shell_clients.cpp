@@ -103,7 +103,9 @@ msg::MachineStatus ControllerShell::Status() const {
   status.host = dependencies_.host;
   const Time now = dependencies_.node->loop().Now();
   for (const Unsaved& unsaved : machine_.saves.unsaved) {
-    if (now - unsaved.since < kUnsavedPeriod && unsaved.why.empty()) continue;
+    // Whoever engages a stop waits until it is saved.
+    const bool at_once = unsaved.what == Stored::kEmergencyStops;
+    if (!at_once && now - unsaved.since < kUnsavedPeriod && unsaved.why.empty()) continue;
     const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - unsaved.since).count();
     status.not_on_disk.push_back(std::string(StoredName(unsaved.what)) + " (" +
                                  std::to_string(age) + " s)" +

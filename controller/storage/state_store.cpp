@@ -17,6 +17,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/own_folder.hpp"
 #include "musher/controller/storage/private_folder.hpp"
+#include "musher/controller/storage/slot_file.hpp"
 
 namespace musher {
 namespace {
@@ -26,8 +27,6 @@ namespace fs = std::filesystem;
 // Bytes of the small files here: the names and hosts of kMostActuators are 2 MiB at most.
 constexpr std::size_t kMaxFileSize = 4 << 20;
 constexpr std::size_t kLongestText = 256;  // bytes, of who engaged a stop and why, of a host
-// The stop that a damaged file counts as.
-constexpr StopId kUnknownStop = 1;
 
 std::string ReadSmall(int fd) {
   struct stat info {};
@@ -67,6 +66,47 @@ std::string BootOf(const std::string& host) {
   return host.substr(0, host.find('/'));
 }
 
+std::string StopsText(const StoredStops& stops) {
+  const auto line = [](const std::string& name, std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return name + " " + text.substr(0, kLongestText) + "\n";
+  };
+  std::string text;
+  for (const EmergencyStop& stop : stops.engaged) {
+    text += line("engaged", ToString(stop.id));
+    text += line("by", stop.by) + line("reason", stop.reason);
+  }
+  for (const StopId id : stops.released) text += line("released", ToString(id));
+  return text + "end\n";
+}
+
+// nullopt: it is damaged or cut short.
+std::optional<StoredStops> StopsFrom(const std::string& text) {
+  std::istringstream lines(text);
+  StoredStops stops;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t space = std::min(line.find(' '), line.size());
+    const std::string name = line.substr(0, space);
+    const std::string value = space < line.size() ? line.substr(space + 1) : "";
+    std::uint64_t id = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);
+    const bool is_id = error == std::errc() && end == value.data() + value.size() && id != 0;
+    if (line == "end") return stops;
+    if (name == "engaged" && is_id) {
+      stops.engaged.push_back({StopId(id), "", ""});
+    } else if (name == "released" && is_id) {
+      stops.released.emplace_back(id);
+    } else if (name == "by" && !stops.engaged.empty()) {
+      stops.engaged.back().by = value;
+    } else if (name == "reason" && !stops.engaged.empty()) {
+      stops.engaged.back().reason = value;
+    } else {
+      return std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
 std::string ProcessesFileIn(const std::string& dir) {
   return dir + "/processes";
 }
@@ -104,7 +144,9 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   // On a full disk it stays as it is, and the machine starts all the same.
   if (recorded != machine) static_cast<void>(SaveOrigin(dir, machine));
   NameOwner(lock.get(), machine);
-  return StateStore(dir, machine, std::move(lock));
+  StateStore store(dir, machine, std::move(lock));
+  store.ReserveEmergencyStops();
+  return store;
 }
 
 StateStore::StateStore(std::string dir, MachineOrigin machine, UniqueFd lock)
@@ -112,9 +154,13 @@ StateStore::StateStore(std::string dir, MachineOrigin machine, UniqueFd lock)
   for (const std::string& path :
        {OriginFile(dir_), EpochFile(), EmergencyStopFile(), PolicyFile(), ConfigHashFile(),
         StopIntentFile(), RemoteActuatorsFile(), ProcessesFileIn(dir_)}) {
-    const UniqueFd file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-    if (file.valid()) Remember(path, ReadSmall(file.get()));
+    RememberFile(path);
   }
+}
+
+void StateStore::RememberFile(const std::string& path) {
+  const UniqueFd file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (file.valid()) Remember(path, ReadSmall(file.get()));
 }
 
 void StateStore::Remember(const std::string& path, const std::string& content) {
@@ -178,47 +224,33 @@ Result<> StateStore::Replace(const std::string& path, const std::string& content
 
 // "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; a last line "end".
 Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
-  const auto line = [](const std::string& name, std::string text) {
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return name + " " + text.substr(0, kLongestText) + "\n";
-  };
-  std::string text;
-  for (const EmergencyStop& stop : stops.engaged) {
-    text += line("engaged", ToString(stop.id));
-    text += line("by", stop.by) + line("reason", stop.reason);
-  }
-  for (const StopId id : stops.released) text += line("released", ToString(id));
-  return Replace(EmergencyStopFile(), text + "end\n");
+  auto written = SlotFile(EmergencyStopFile()).Write(StopsText(stops));
+  if (written) RememberFile(EmergencyStopFile());
+  return written;
 }
 
-// A file that cannot be read counts as an engaged stop: that is the safe side.
+// A file that cannot be read counts as an engaged stop, and so does a slot of it: a power cut may
+// have torn the save of one. That is the safe side.
 StoredStops StateStore::LoadEmergencyStops() const {
-  StoredStops damaged{{{kUnknownStop, "", "its file was damaged"}}, {}};
-  const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-  if (!file.valid()) return errno == ENOENT ? StoredStops{} : damaged;
-  std::istringstream text(ReadSmall(file.get()));
-  StoredStops stops;
-  for (std::string line; std::getline(text, line);) {
-    const std::size_t space = std::min(line.find(' '), line.size());
-    const std::string name = line.substr(0, space);
-    const std::string value = space < line.size() ? line.substr(space + 1) : "";
-    std::uint64_t id = 0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);
-    const bool is_id = error == std::errc() && end == value.data() + value.size() && id != 0;
-    if (line == "end") return stops;
-    if (name == "engaged" && is_id) {
-      stops.engaged.push_back({StopId(id), "", ""});
-    } else if (name == "released" && is_id) {
-      stops.released.emplace_back(id);
-    } else if (name == "by" && !stops.engaged.empty()) {
-      stops.engaged.back().by = value;
-    } else if (name == "reason" && !stops.engaged.empty()) {
-      stops.engaged.back().reason = value;
-    } else {
-      return damaged;
-    }
+  const auto content = SlotFile(EmergencyStopFile()).Read();
+  if (!content) return {};
+  const bool none_saved = content->text.empty() && !content->plain;
+  const auto read = none_saved ? StoredStops{} : StopsFrom(content->text);
+  StoredStops stops = Merge(read.value_or(StoredStops{}), {});
+  if (!read || content->damaged) {
+    std::erase(stops.released, kUnknownStop);
+    AddStop(stops, {kUnknownStop, "", "its file was damaged"});
   }
-  return damaged;  // cut short
+  return stops;
+}
+
+// On a full disk without the file it fails, and again at each save.
+void StateStore::ReserveEmergencyStops() {
+  const SlotFile file(EmergencyStopFile());
+  const auto content = file.Read();
+  const bool converts = content && content->plain;
+  static_cast<void>(file.Reserve(converts ? StopsText(LoadEmergencyStops()) : ""));
+  RememberFile(EmergencyStopFile());
 }
 
 Result<> StateStore::SaveStopIntent(bool intended) {

@@ -5,7 +5,7 @@
 //   machine             the machine of the folder (machine_origin.hpp)
 //   config              the hash of the config that the machine was led with last
 //   epoch               the last epoch that was begun, as a decimal number
-//   emergency_stop      exists while one is engaged: its number, origin and reason
+//   emergency_stop      the engaged stops with origin and reason, the released ones (slot_file.hpp)
 //   processes           the processes started for actuators (child_processes.hpp)
 //   stop_intent         there from the start of a TearDown until a person starts the machine
 //   remote_actuators    the actuators that run on other hosts, with the host
@@ -63,7 +63,8 @@ class StateStore {
   Result<> SaveEpoch(Epoch epoch);
 
   // The emergency stops that are engaged, and the last ones that were released. A file that cannot
-  // be read counts as one that is engaged.
+  // be read counts as one that is engaged. Saves are possible on a full disk, too: Open() reserves
+  // the file, if the disk has room for it then.
   Result<> SaveEmergencyStops(const StoredStops& stops);
   StoredStops LoadEmergencyStops() const;
 
@@ -124,8 +125,10 @@ class StateStore {
   std::string ConfigHashFile() const { return dir_ + "/config"; }
   std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
   std::string RemoteActuatorsFile() const { return dir_ + "/remote_actuators"; }
+  void ReserveEmergencyStops();
   Result<> Replace(const std::string& path, const std::string& content);
   void Remember(const std::string& path, const std::string& content);
+  void RememberFile(const std::string& path);
   Result<bool> TakeLockAgain();
 
   std::string dir_;

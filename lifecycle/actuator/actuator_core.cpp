@@ -19,9 +19,10 @@ using Refusal = Error;
 // The number of announced controllers that are kept: those received last.
 constexpr std::size_t kAnnouncedKept = 8;
 // The number of released emergency stops that are kept; older ones have no samples left.
-constexpr std::size_t kReleasedKept = 64;
-// The most stops engaged at once. One more changes nothing until one of these is released.
-constexpr std::size_t kMostStops = 256;
+constexpr std::size_t kReleasedKept = 256;
+// The number of engaged stops that are kept, the newest; one more stops the actuator like the
+// others. The controller knows more: its release ends them all.
+constexpr std::size_t kMostStops = 64;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
 // One event's decision: the arguments of Step() and the actions so far.
@@ -128,13 +129,18 @@ class Deciding {
     const bool entitled = received.sender == core_.controller && core_.controller != 0;
     if (received.engaged) {
       if (entitled) std::erase(core_.released, received.id);  // the controller decides
-      return Engage({received.id, received.by, received.reason});
+      const StopId unnamed(received.sender.value());
+      const StopId id = received.id != 0 ? received.id : unnamed != 0 ? unnamed : kUnknownStop;
+      return Engage({id, received.by, received.reason});
     }
     if (!entitled) return;
+    std::erase(core_.released, received.id);
     core_.released.push_back(received.id);
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
     const auto same = [&](const EmergencyStop& stop) { return stop.id == received.id; };
-    if (std::erase_if(core_.stops, same) != 0) ReportStops();
+    const bool ended = std::erase_if(core_.stops, same) != 0;
+    const bool confirmed = std::exchange(report_.released_stop, received.id) == received.id;
+    if (ended || !confirmed) ReportStops();
   }
 
   // Goes to the safe state when the heartbeat of the controller is lost for too long.
@@ -221,7 +227,8 @@ class Deciding {
   void Engage(EmergencyStop stop) {
     const bool over = std::ranges::count(core_.released, stop.id) != 0;
     const bool known = std::ranges::count(core_.stops, stop.id, &EmergencyStop::id) != 0;
-    if (stop.id == 0 || over || known || core_.stops.size() >= kMostStops) return;
+    if (over || known) return;
+    if (core_.stops.size() >= kMostStops) core_.stops.erase(core_.stops.begin());
     if (stop.by.size() + stop.reason.size() > kLongestStopWords) stop = {stop.id, "", ""};
     core_.stops.push_back(std::move(stop));
     report_.held_by_stop = true;

@@ -120,6 +120,7 @@ void Coordinator::Settle() {
   arrivals_.TakeUpOthers();
   start_up_.CheckDeadlines();
   recovery_.CheckDeadlines();
+  stops_.CheckRelease();
   Advance();
   saving_.NoteHosts();
 }
@@ -244,6 +245,9 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
     consider(stopping.sent == Stopping::Signal::kKill ? stopping.give_up_at : stopping.kill_at);
   }
   if (machine.waiting) consider(machine.waiting->until);
+  if (const auto& release = machine.emergency.release) {
+    consider(std::min(release->again, release->until));
+  }
   consider(NextPowerDeadline(machine));
   consider(NextConfirmation(config, machine));
   if (config.clock == ClockSource::kSteady) consider(NextPolicyDeadline(config, machine));

@@ -46,11 +46,23 @@ struct StartUpState {
   friend bool operator==(const StartUpState&, const StartUpState&) = default;
 };
 
+// A release that a person has requested, until every actuator has confirmed it.
+struct PendingRelease {
+  std::vector<RequestId> requests;  // answered at its end
+  std::string by;
+  StopId last = 0;  // the stop that it publishes last: an actuator that reports it has received all
+  Time again{};     // it is published again at this time
+  Time until{};     // its end, whether confirmed or not
+
+  friend bool operator==(const PendingRelease&, const PendingRelease&) = default;
+};
+
 struct EmergencyStopState {
   std::optional<EmergencyStop> stop;
   RecordId cause = 0;                 // the record of it
-  std::vector<EmergencyStop> others;  // engaged beside it, released with it
-  std::vector<StopId> released;       // the stops released last
+  std::vector<EmergencyStop> others;  // engaged beside it by other sources, released with it
+  std::vector<StopId> released;       // the stops released last, and those that newer ones replace
+  std::optional<PendingRelease> release;
 
   friend bool operator==(const EmergencyStopState&, const EmergencyStopState&) = default;
 };

@@ -56,6 +56,8 @@ struct ActuatorReport {
   // Participant and reason of `emergency_stop`, as it was engaged; empty where unknown.
   std::string emergency_stop_by;
   std::string emergency_stop_reason;
+  // The stop of the last release that it has received from its controller; 0: none.
+  StopId released_stop = 0;
   Time stamp{};  // by the actuator's own clock
 
   bool busy() const { return !target.empty(); }

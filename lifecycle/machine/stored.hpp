@@ -14,10 +14,17 @@ namespace musher {
 // The emergency stops that are stored for the next controller.
 struct StoredStops {
   std::vector<EmergencyStop> engaged;  // oldest first
-  std::vector<StopId> released;        // ids, the last one at the end
+  std::vector<StopId> released;        // ids, also of replaced ones, the last one at the end
 
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
+
+// Adds a stop to the engaged ones. It takes the place of an older one of the same source, and the
+// oldest one makes room where there are too many: the stop that is replaced is over, and the next
+// release ends it at the actuators. Returns whether the stop has new information.
+bool AddStop(StoredStops& stops, const EmergencyStop& stop);
+// A stop that is over never engages again.
+void AddReleased(StoredStops& stops, StopId id);
 
 // Merges what is on disk with what was received from other controllers and panels since. A stop
 // that is released in either of them is over.

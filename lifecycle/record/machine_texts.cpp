@@ -149,6 +149,25 @@ RecordText EmergencyStopReleased(const std::string& by) {
                   {{"by", by}});
 }
 
+RecordText StateNotWritable(const std::string& why) {
+  return MakeText(
+      EventName::kStateNotWritable,
+      "the state folder cannot be written ({reason}): an emergency stop would be lost with "
+      "the power, so the machine does not become Active by itself; `musher set Active` "
+      "switches it",
+      {{"reason", why}});
+}
+
+RecordText ReleaseUnconfirmed(const std::vector<std::string>& actuators) {
+  std::string list;
+  for (const std::string& actuator : actuators) list += (list.empty() ? "" : ", ") + actuator;
+  return MakeText(
+      EventName::kReleaseUnconfirmed,
+      "the release of the emergency stop is not confirmed by {actuators}: they may still be "
+      "stopped; release it again once they can be reached",
+      {{"actuators", list}});
+}
+
 RecordText FallbackStarted(const State& target) {
   return MakeText(EventName::kFallbackStarted, "an actuator is lost; falling back to {target}",
                   {{"target", target}});

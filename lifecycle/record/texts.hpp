@@ -53,6 +53,8 @@ RecordText UnlistedActuatorFound(const std::string& actuator, std::int32_t pid, 
                                  const std::string& config);
 RecordText EmergencyStopEngaged(const std::string& by, const std::string& reason);
 RecordText EmergencyStopReleased(const std::string& by);
+RecordText StateNotWritable(const std::string& why);
+RecordText ReleaseUnconfirmed(const std::vector<std::string>& actuators);
 RecordText FallbackStarted(const State& target);
 RecordText FallbackRefused(const State& target, const std::string& why);
 // TearDown, and what it leaves behind.

@@ -177,11 +177,23 @@ void StartUp::OnSwitchEnded(const EndedSwitch& ended) {
   }
 }
 
+// A machine whose emergency stop would not outlive its controller goes no higher than DeActive by
+// itself. A person may switch it to Active.
 void StartUp::Activate(RecordId cause) {
   if (!config_.HasState(kActive)) {
     return BecomeRunning(texts::MachineUsableWithoutActive(), cause);
   }
-  const Plan plan = MakePlan(config_, machine_, State(kActive));
+  const auto& unsaved = machine_.saves.unsaved;
+  const auto failed = std::ranges::find_if(
+      unsaved, [](const Unsaved& one) { return one.what == Stored::kEpoch && !one.why.empty(); });
+  State target(kActive);
+  if (failed != unsaved.end()) {
+    const RecordText text = texts::StateNotWritable(failed->why);
+    if (!config_.HasState(kDeActive)) return Fail(text.message, cause);
+    cause = RecordMachine(kCodeFailed, text, cause);
+    target = kDeActive;
+  }
+  const Plan plan = MakePlan(config_, machine_, target);
   if (plan.refusal) return Fail(plan.refusal->message, cause);
   switching_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
 }

@@ -1,40 +1,60 @@
 #include "musher/lifecycle/step/emergency_stops.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace musher {
 namespace {
 
 // So many ids of emergency stops that are over are remembered, here and on disk.
-constexpr std::size_t kMostReleasedKept = 64;
-// So many are engaged beside the first one at most; more change nothing.
+constexpr std::size_t kMostReleasedKept = 256;
+// So many sources have a stop engaged beside the first one at most; one more replaces the oldest.
 constexpr std::size_t kMostStopsKnown = 64;
+// A release is published again after this time, and ends after the other one; a client waits
+// longer.
+constexpr Duration kReleaseRepeat = Milliseconds(500);
+constexpr Duration kReleaseTime = Milliseconds(3000);
 
 }  // namespace
+
+void AddReleased(StoredStops& stops, StopId id) {
+  auto& released = stops.released;
+  std::erase(released, id);
+  released.push_back(id);
+  if (released.size() > kMostReleasedKept) released.erase(released.begin());
+}
+
+bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
+  auto& engaged = stops.engaged;
+  if (std::ranges::count(stops.released, stop.id) != 0) return false;
+  if (const auto known = std::ranges::find(engaged, stop.id, &EmergencyStop::id);
+      known != engaged.end()) {
+    // An actuator that had latched it may have reported before the sample that engaged it arrived.
+    if (!known->by.empty() || stop.by.empty()) return false;
+    *known = stop;
+    return true;
+  }
+  if (const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
+      same != engaged.end()) {
+    AddReleased(stops, same->id);
+    *same = stop;
+    return true;
+  }
+  if (engaged.size() > kMostStopsKnown) {
+    AddReleased(stops, engaged.front().id);
+    engaged.erase(engaged.begin());
+  }
+  engaged.push_back(stop);
+  return true;
+}
 
 StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   StoredStops stops;
   for (const auto* from : {&stored, &received}) {
-    for (const StopId id : from->released) {
-      std::erase(stops.released, id);
-      stops.released.push_back(id);
-    }
+    for (const StopId id : from->released) AddReleased(stops, id);
   }
-  const auto known = [&stops](const EmergencyStop& stop) {
-    const auto& [engaged, released] = stops;
-    return std::find(released.begin(), released.end(), stop.id) != released.end() ||
-           std::any_of(engaged.begin(), engaged.end(),
-                       [&stop](const EmergencyStop& other) { return other.id == stop.id; });
-  };
   for (const auto* from : {&stored, &received}) {
-    for (const EmergencyStop& stop : from->engaged) {
-      if (!known(stop) && stops.engaged.size() <= kMostStopsKnown) stops.engaged.push_back(stop);
-    }
-  }
-  auto& released = stops.released;
-  if (released.size() > kMostReleasedKept) {
-    released.erase(released.begin(),
-                   released.end() - static_cast<std::ptrdiff_t>(kMostReleasedKept));
+    for (const EmergencyStop& stop : from->engaged) AddStop(stops, stop);
   }
   return stops;
 }
@@ -43,7 +63,7 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
 // stop.
 void EmergencyStops::Begin(const StoredStops& stops) {
   machine_.emergency.released = stops.released;
-  for (const StopId id : stops.released) Do(action::PublishEmergencyStop{{id, "", ""}, false});
+  PublishReleased();
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
   }
@@ -54,10 +74,14 @@ void EmergencyStops::Begin(const StoredStops& stops) {
 // before came with Begin.
 void EmergencyStops::On(const event::EmergencyStopSeen& seen) {
   if (machine_.phase == Phase::kIdle || !seen.engaged) return;
-  if (Add(seen.stop)) Engage(seen.stop);
+  EmergencyStop stop = seen.stop;
+  if (stop.id == 0) stop.id = kUnknownStop;
+  if (Add(stop)) Engage(stop);
 }
 
+// The stops are over at once; the request is answered when every actuator has confirmed that.
 void EmergencyStops::On(const event::ReleaseRequested& requested) {
+  auto& emergency = machine_.emergency;
   // It publishes no more, although its last replies may still be on their way.
   if (machine_.phase == Phase::kStopped) {
     return Do(action::AnswerCall{
@@ -65,25 +89,104 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
                                  "the machine is stopped; start it (`musher up`), then release "
                                  "the emergency stop"}});
   }
-  if (!machine_.emergency.stop) {
+  if (emergency.release && !emergency.stop) {
+    return emergency.release->requests.push_back(requested.request);
+  }
+  if (!emergency.stop && Unconfirmed(0).empty()) {
     return Do(action::AnswerCall{requested.request,
                                  Error{kCodeStateInvalid, "no emergency stop is engaged"}});
   }
-  const std::vector<EmergencyStop> engaged = StopsOf(machine_).engaged;
-  machine_.emergency.stop.reset();
-  machine_.emergency.others.clear();
-  for (const EmergencyStop& stop : engaged) Release(stop.id);
+  StoredStops stops = StopsOf(machine_);
+  for (const EmergencyStop& stop : stops.engaged) AddReleased(stops, stop.id);
+  emergency.stop.reset();
+  emergency.others.clear();
+  emergency.released = std::move(stops.released);
+  const StopId last = emergency.released.empty() ? StopId(0) : emergency.released.back();
+  emergency.release = PendingRelease{
+      {requested.request}, requested.by, last, now_ + kReleaseRepeat, now_ + kReleaseTime};
+  PublishReleased();
   saving_.Save(Stored::kEmergencyStops);
-  RecordMachine(kCodeOk, texts::EmergencyStopReleased(requested.by));
-  Do(action::AnswerCall{requested.request, Ok()});
+}
+
+// Also those that newer stops replaced: an actuator may have latched them.
+void EmergencyStops::PublishReleased() {
+  for (const StopId id : machine_.emergency.released) {
+    Do(action::PublishEmergencyStop{{id, "", ""}, false});
+  }
+}
+
+// Whether it has received all of a release, which ends with the stop `last`, and has latched no
+// stop. An actuator that cannot be there has nothing to confirm.
+bool EmergencyStops::HasConfirmed(ActuatorIndex i, StopId last) const {
+  const ActuatorRecord& record = machine_.actuators[i];
+  const ActuatorReport& report = record.report;
+  if (ConfigOf(i).protocol != Protocol::kMusher) return true;
+  const bool clear = report.emergency_stop == 0;
+  switch (record.presence) {
+    case Presence::kPresent:
+      return clear && (last == 0 || report.released_stop == last);
+    case Presence::kStarting:
+      return clear;
+    case Presence::kLost:  // it may run on where only its connection is lost
+      return clear || report.incarnation == record.process.dead ||
+             (record.health != Health::kHung && record.health != Health::kPartitioned);
+    case Presence::kAbsent:
+      break;
+  }
+  return true;
+}
+
+std::vector<std::string> EmergencyStops::Unconfirmed(StopId last) const {
+  std::vector<std::string> names;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (!HasConfirmed(i, last)) names.push_back(ConfigOf(i).name);
+  }
+  return names;
+}
+
+void EmergencyStops::CheckRelease() {
+  auto& release = machine_.emergency.release;
+  if (!release) return;
+  if (const auto& stop = machine_.emergency.stop) {
+    return EndRelease(
+        Error{kCodeProtectedError, "released, but an emergency stop was engaged again meanwhile" +
+                                       (stop->by.empty() ? "" : " by " + stop->by) +
+                                       (stop->reason.empty() ? "" : " (" + stop->reason + ")") +
+                                       "; release it again once its cause is removed"});
+  }
+  const std::vector<std::string> missing = Unconfirmed(release->last);
+  if (missing.empty()) {
+    RecordMachine(kCodeOk, texts::EmergencyStopReleased(release->by));
+    return EndRelease(Ok());
+  }
+  if (now_ >= release->until) {
+    const RecordText text = texts::ReleaseUnconfirmed(missing);
+    RecordMachine(kCodeTimeout, text);
+    return EndRelease(Error{kCodeTimeout, text.message});
+  }
+  if (now_ < release->again) return;
+  release->again = now_ + kReleaseRepeat;
+  PublishReleased();
+}
+
+void EmergencyStops::EndRelease(const Result<>& result) {
+  const PendingRelease ended = *std::exchange(machine_.emergency.release, std::nullopt);
+  for (const RequestId request : ended.requests) Do(action::AnswerCall{request, result});
 }
 
 // An actuator may have latched a stop that this controller missed: then it is engaged for the
-// machine. It may have missed a release: then the release is published again.
+// machine. It may have missed a release: then the release is published again, unless another stop
+// is engaged, which the actuator may have missed.
 void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
   const StopId id = report.emergency_stop;
   if (id == 0 || machine_.phase == Phase::kIdle) return;
-  if (IsReleased(id)) return Do(action::PublishEmergencyStop{{id, "", ""}, false});
+  if (IsReleased(id)) {
+    const bool repeats = machine_.emergency.release.has_value();
+    if (!machine_.emergency.stop && !repeats) {
+      Do(action::PublishEmergencyStop{{id, "", ""}, false});
+    }
+    return;
+  }
   const bool origin_known =
       !report.emergency_stop_by.empty() || !report.emergency_stop_reason.empty();
   const EmergencyStop stop{
@@ -92,32 +195,17 @@ void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
   if (Add(stop)) Engage(stop);
 }
 
-// Adds a stop to the engaged ones. Returns whether it has new information.
 bool EmergencyStops::Add(const EmergencyStop& stop) {
-  if (stop.id == 0 || IsReleased(stop.id)) return false;
-  auto& first = machine_.emergency.stop;
-  if (!first) {
-    first = stop;
-    return true;
-  }
-  auto& others = machine_.emergency.others;
-  const auto same = [&](const EmergencyStop& other) { return other.id == stop.id; };
-  const auto found = std::find_if(others.begin(), others.end(), same);
-  EmergencyStop* known = same(*first) ? &*first : found != others.end() ? &*found : nullptr;
-  if (known == nullptr) {
-    if (others.size() >= kMostStopsKnown) return false;
-    others.push_back(stop);
-    return true;
-  }
-  // An actuator that had latched it may have reported before the sample that engaged it arrived.
-  if (!known->by.empty() || stop.by.empty()) return false;
-  *known = stop;
+  StoredStops stops = StopsOf(machine_);
+  if (!AddStop(stops, stop)) return false;
+  machine_.emergency.stop = stops.engaged.front();
+  machine_.emergency.others.assign(stops.engaged.begin() + 1, stops.engaged.end());
+  machine_.emergency.released = std::move(stops.released);
   return true;
 }
 
 bool EmergencyStops::IsReleased(StopId id) const {
-  const auto& released = machine_.emergency.released;
-  return std::find(released.begin(), released.end(), id) != released.end();
+  return std::ranges::count(machine_.emergency.released, id) != 0;
 }
 
 // The actuators have latched the stop themselves by now, or do so when they receive it from this
@@ -131,13 +219,6 @@ void EmergencyStops::Engage(const EmergencyStop& stop) {
   if (machine_.emergency.others.empty()) machine_.emergency.cause = recorded;
   if (machine_.current) machine_.current->stopped = true;
   for (ActuatorRecord& record : machine_.actuators) record.set_again = false;
-}
-
-void EmergencyStops::Release(StopId id) {
-  auto& released = machine_.emergency.released;
-  released.push_back(id);
-  if (released.size() > kMostReleasedKept) released.erase(released.begin());
-  Do(action::PublishEmergencyStop{{id, "", ""}, false});
 }
 
 }  // namespace musher

@@ -1,6 +1,7 @@
 #pragma once
 // The emergency stops of the machine: several can be engaged at a time, each with an id. They are
-// published first and saved after; one release ends all of them.
+// published first and saved after; one release ends all of them, and is over once every actuator
+// has confirmed it.
 
 #include "musher/lifecycle/step/saving.hpp"
 
@@ -16,12 +17,17 @@ class EmergencyStops : StepPart {
   void On(const event::ReleaseRequested& requested);
   // An actuator may have latched a stop that this controller missed, or missed a release.
   void Compare(const ActuatorReport& report, ActuatorIndex i);
+  // Ends a release that is confirmed, or whose time is over.
+  void CheckRelease();
 
  private:
   bool IsReleased(StopId id) const;
   bool Add(const EmergencyStop& stop);
   void Engage(const EmergencyStop& stop);
-  void Release(StopId id);
+  void PublishReleased();
+  bool HasConfirmed(ActuatorIndex i, StopId last) const;
+  std::vector<std::string> Unconfirmed(StopId last) const;
+  void EndRelease(const Result<>& result);
 
   Saving& saving_;
 };

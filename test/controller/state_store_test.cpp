@@ -89,6 +89,60 @@ TEST_F(Store, ReadsADamagedOrShortenedFileOfEmergencyStopsAsAnEngagedStop) {
   }
 }
 
+TEST_F(Store, SavesEmergencyStopsInPlaceInReservedBlocks) {
+  StateStore store = MustOpen();
+  struct stat before {};
+  ASSERT_EQ(stat((dir_ + "/emergency_stop").c_str(), &before), 0);
+  EXPECT_GE(before.st_blocks * 512, before.st_size)
+      << "the blocks are taken before there is a stop";
+  EXPECT_EQ(store.LoadEmergencyStops(), StoredStops{});
+  StoredStops many;
+  for (StopId id = 1; id <= 65; ++id) {
+    many.engaged.push_back({id, ToString(id + 100) + std::string(253, 'b'), std::string(256, 'r')});
+  }
+  for (std::uint64_t id = 0; id < 256; ++id) many.released.emplace_back(UINT64_MAX - id);
+  for (int saves = 0; saves < 5; ++saves) {
+    ASSERT_TRUE(store.SaveEmergencyStops(many));
+    EXPECT_EQ(store.LoadEmergencyStops(), many);
+    many.released.pop_back();
+  }
+  struct stat after {};
+  ASSERT_EQ(stat((dir_ + "/emergency_stop").c_str(), &after), 0);
+  EXPECT_EQ(after.st_ino, before.st_ino);
+  EXPECT_EQ(after.st_size, before.st_size);
+  EXPECT_EQ(after.st_blocks, before.st_blocks);
+}
+
+// A power cut in the middle of a save.
+TEST_F(Store, OfATornSaveOfEmergencyStopsTheOlderOneIsKeptAndAStopIsEngaged) {
+  StateStore store = MustOpen();
+  const StoredStops first{{{7, "alice", "smoke"}}, {3}};
+  ASSERT_TRUE(store.SaveEmergencyStops(first));
+  ASSERT_TRUE(store.SaveEmergencyStops({{}, {3, 7}}));
+  std::fstream file(dir_ + "/emergency_stop", std::ios::in | std::ios::out | std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  const std::size_t torn = bytes.find("released 7");
+  ASSERT_NE(torn, std::string::npos);
+  file.clear();
+  file.seekp(static_cast<std::streamoff>(torn));
+  file << "relea\0\0\0" << std::flush;
+  const StoredStops loaded = store.LoadEmergencyStops();
+  ASSERT_EQ(loaded.engaged.size(), 2U);
+  EXPECT_EQ(loaded.engaged[0], first.engaged[0]);
+  EXPECT_EQ(loaded.engaged[1].id, kUnknownStop);
+  EXPECT_EQ(loaded.released, first.released);
+  ASSERT_TRUE(store.SaveEmergencyStops({{}, {7}}));
+  EXPECT_EQ(store.LoadEmergencyStops(), (StoredStops{{}, {7}})) << "the torn slot is overwritten";
+}
+
+TEST_F(Store, TakesOverTheEmergencyStopsOfAnEarlierVersion) {
+  { const StateStore store = MustOpen(); }
+  std::ofstream(dir_ + "/emergency_stop") << "engaged 7\nby alice\nreason smoke\nreleased 3\nend\n";
+  const StateStore store = MustOpen();
+  EXPECT_EQ(store.LoadEmergencyStops(), (StoredStops{{{7, "alice", "smoke"}}, {3}}));
+  EXPECT_EQ(fs::file_size(dir_ + "/emergency_stop"), 2U * 65536U);
+}
+
 TEST_F(Store, KeepsTheIntentToStopUntilItIsCleared) {
   StateStore store = MustOpen();
   EXPECT_FALSE(store.LoadStopIntent());

@@ -56,6 +56,8 @@ Examples OfTheMachine() {
       {"EmergencyStopEngaged", EmergencyStopEngaged("panel", "a person is near")},
       {"EmergencyStopEngaged", EmergencyStopEngaged("", "")},
       {"EmergencyStopReleased", EmergencyStopReleased("operator")},
+      {"StateNotWritable", StateNotWritable("No space left on device")},
+      {"ReleaseUnconfirmed", ReleaseUnconfirmed({"legs", "eyes"})},
       {"FallbackStarted", FallbackStarted("Protected")},
       {"FallbackRefused", FallbackRefused("Protected", "the machine is not set up yet")},
       {"ProcessFound", ProcessFound(12, "legs")},

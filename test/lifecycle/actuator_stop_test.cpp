@@ -84,8 +84,22 @@ TEST_F(Stopped, ReleasingTheSecondOfTwoStopsLeavesTheFirst) {
   EXPECT_THAT(Engage(kStop + 1), IsEmpty()) << "it is over";
 }
 
-TEST_F(Stopped, AStopWithoutANumberIsIgnored) {
-  EXPECT_THAT(Engage(0), IsEmpty());
+// `ros2 topic pub` sends 0 where a person gives no id.
+TEST_F(Stopped, AStopWithoutAnIdStopsAndHasTheIdOfItsSender) {
+  EXPECT_THAT(Engage(0), kRuns);
+  EXPECT_EQ(core_.report.emergency_stop, StopId(999));
+  Release(999);
+  EXPECT_EQ(core_.report.emergency_stop, StopId(0));
+}
+
+TEST_F(Stopped, AStopWithoutAnIdAndWithoutASenderStops) {
+  EXPECT_THAT(Do(EmergencyStopReceived{0, true, 0}), kRuns);
+  EXPECT_NE(core_.report.emergency_stop, StopId(0));
+}
+
+TEST_F(Stopped, EveryStopRunsTheStopActionHoweverManyAreEngaged) {
+  for (StopId id = 1; id <= 5000; ++id) ASSERT_THAT(Engage(id), kRuns) << id.value();
+  EXPECT_NE(core_.report.emergency_stop, StopId(0));
 }
 
 TEST_F(Stopped, AReleasedStopNeverStopsItAgainAndAnotherDoes) {
@@ -105,7 +119,8 @@ TEST_F(Stopped, OnlyItsControllerReleases) {
   Engage();
   EXPECT_THAT(Release(kStop, 999), IsEmpty());
   EXPECT_EQ(core_.report.emergency_stop, kStop);
-  EXPECT_THAT(Release(kStop + 1), IsEmpty()) << "and this one only";
+  Release(kStop + 1);  // and this one only
+  EXPECT_EQ(core_.report.released_stop, kStop + 1);
   EXPECT_EQ(core_.report.emergency_stop, kStop);
   Release();
   EXPECT_EQ(core_.report.emergency_stop, StopId(0));

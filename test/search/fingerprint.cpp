@@ -149,7 +149,7 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   const Machine& machine = world.machine;
   const ActuatorRecord& record = machine.actuators[i];
   AddRecord(mixer, record);
-  if (model.releases) mixer.Add(record.report.emergency_stop);
+  if (model.releases) mixer.Add(record.report.emergency_stop, record.report.released_stop);
   if (machine.current) {
     AddLegs(mixer, machine.current->legs, i);
     AddLegs(mixer, machine.current->rollback.legs, i);
@@ -161,9 +161,9 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.energised, a.status_due, a.end, a.epoch,
             a.begun, a.queried);
   const ActuatorCore& c = a.core;
-  mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_detached, c.waiting,
-            c.unsettled, c.half_way_down, c.controller, c.announced, c.released, c.stops,
-            c.stopped_meanwhile, c.under_stop);
+  mixer.Add(c.report, c.report.emergency_stop, c.report.released_stop, c.running_for,
+            c.was_detached, c.waiting, c.unsettled, c.half_way_down, c.controller, c.announced,
+            c.released, c.stops, c.stopped_meanwhile, c.under_stop);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
   AddLate(mixer, record, a.late);
@@ -194,6 +194,8 @@ Identity IdentityOf(const Model& model, const World& w) {
             m.start_up.stage, m.fallback.target, m.emergency.stop.has_value(),
             m.emergency.others.size(), m.emergency.released, m.start_up.requests,
             m.start_up.restarted, m.start_up.raised, m.policy);
+  if (const auto& release = m.emergency.release)
+    mixer.Add(release->last, release->again, release->until);
   mixer.Add(m.current.has_value());
   if (m.current) {
     const Switch& s = *m.current;

@@ -15,7 +15,8 @@ bool HasSameContent(const ActuatorReport& a, const ActuatorReport& b) {
   return a.incarnation == b.incarnation && a.state == b.state && a.target == b.target &&
          a.busy_number == b.busy_number && a.epoch == b.epoch && a.number == b.number &&
          a.outcome_number == b.outcome_number && a.outcome_code == b.outcome_code &&
-         a.detached == b.detached && a.held_by_stop == b.held_by_stop;
+         a.detached == b.detached && a.held_by_stop == b.held_by_stop &&
+         a.released_stop == b.released_stop;
 }
 
 // Once the controller has received the stop, an actuator's latch of it is no news, until a person

@@ -125,6 +125,21 @@ TEST_F(PlantedFlaw, FindsAnActuatorThatLosesALatchedStop) {
   ASSERT_TRUE(checker_->violation());
 }
 
+TEST_F(PlantedFlaw, FindsAReleaseThatIsReportedBeforeItsActuatorHasConfirmedIt) {
+  Make(Started(1));
+  BringUp();
+  checker_->OnStopEngaged(0, 7);
+  robot_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  robot_->ReleaseEmergencyStop();
+  auto& machine = const_cast<Machine&>(robot_->leader()->shell().machine());
+  ASSERT_TRUE(machine.emergency.release);
+  machine.emergency.release->last = 0;
+  machine.actuators[0].report.emergency_stop = 0;
+  robot_->ReleaseEmergencyStop();  // the next step of the controller
+  ExpectFound(Invariant::kReleaseIsConfirmed, "a has latched one of them");
+}
+
 TEST_F(PlantedFlaw, FindsAnActuatorThatDoesNotReportThatAStopHoldsIt) {
   Make(Started(1));
   BringUp();

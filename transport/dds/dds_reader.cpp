@@ -81,7 +81,9 @@ bool ReaderCore::Take() {
       dds_takecdr(reader_.get(), samples.data(), kSamplesPerVisit, infos.data(), DDS_ANY_STATE);
   for (int i = 0; i < count; ++i) {
     if (!closed_ && infos[i].valid_data && callbacks_.on_sample) {
-      callbacks_.on_sample(BytesOf(samples[i]), InfoOf(EndpointId(infos[i].publication_handle)));
+      SampleInfo info = InfoOf(EndpointId(infos[i].publication_handle));
+      info.written_ns = std::max<dds_time_t>(infos[i].source_timestamp, 0);
+      callbacks_.on_sample(BytesOf(samples[i]), info);
     }
     ddsi_serdata_unref(samples[i]);
   }

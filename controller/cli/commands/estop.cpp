@@ -1,8 +1,12 @@
 // musher estop [REASON...]: engages an emergency stop, with or without a controller, and prints
-// which actuators have stopped. musher estop --release: releases it; that alone moves nothing.
+// which actuators have stopped. A stop that not every actuator has confirmed stays published after
+// the command's end. musher estop --release: releases it; that alone moves nothing.
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <pwd.h>
+#include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
@@ -16,6 +20,7 @@
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/client/latching.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
 namespace {
@@ -26,6 +31,10 @@ struct EstopOptions {
 };
 
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
+constexpr Duration kLanStopTimeout = std::chrono::seconds(10);  // a bad link delays discovery
+constexpr Duration kFirstTry = std::chrono::seconds(1);  // then the other process publishes, too
+constexpr Duration kSaved = std::chrono::seconds(1);     // a save takes less on a disk that works
+constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
 // "alice@dog1"
 std::string Me() {
@@ -38,42 +47,181 @@ msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
   return NewEmergencyStop(Me(), fmt::format("{}", fmt::join(reason, " ")));
 }
 
-// Waits until all actuators have latched the stop. A controller reports which are present; without
-// one the actuators have the time of discovery to appear.
-EstopReport AwaitAll(Link& link, const Latching& latching, Duration timeout) {
-  const Time begin = link.loop().Now();
-  const auto report = [&] { return latching.Report(link.status()); };
-  const auto led = [&] { return report().controller && report().settled(); };
-  if (!link.RunUntil(led, std::min(link.discovery(), timeout))) {
-    const bool none = report().actuators.empty() && !report().controller;
-    const auto settled = [&] { return report().settled(); };
-    if (!none || link.HasMachine()) {
-      link.RunUntil(settled, begin + timeout - link.loop().Now());
-    }
-  }
-  return report();
+// Publishes the stop for a minute. Without the signals and the terminal of the command.
+[[noreturn]] void PublishForAMinute(const GlobalOptions& global, const msg::EmergencyStop& stop) {
+  const auto link = Link::Open(global);
+  if (!link) _exit(1);
+  const auto latching =
+      Latching::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
+  if (!latching) _exit(1);
+  link.value()->RunUntil([] { return false; }, kKeptPublished);
+  _exit(0);
 }
 
+// A process of its own that publishes the stop for a minute once this one asks for it, or has ended
+// in any way: on Ctrl-C, with its terminal, or killed.
+class DetachedPublisher {
+ public:
+  // To be called before the process has a second thread.
+  DetachedPublisher(const GlobalOptions& global, const msg::EmergencyStop& stop) {
+    int ends[2] = {-1, -1};
+    if (pipe2(ends, O_CLOEXEC) != 0) return;
+    UniqueFd read_end(ends[0]);
+    UniqueFd write_end(ends[1]);
+    pid_ = fork();
+    if (pid_ == 0) {
+      write_end = {};
+      Wait(read_end.get(), global, stop);
+    }
+    if (pid_ > 0) pipe_ = std::move(write_end);
+  }
+  DetachedPublisher(const DetachedPublisher&) = delete;
+  DetachedPublisher& operator=(const DetachedPublisher&) = delete;
+  // Unless it was cancelled, the process goes on.
+  ~DetachedPublisher() = default;
+
+  void Begin() { Send('p'); }
+  // Every actuator has confirmed the stop.
+  void Cancel() {
+    Send('c');
+    pipe_ = {};
+    if (pid_ <= 0) return;
+    if (begun_) {
+      kill(pid_, SIGTERM);
+    } else {
+      waitpid(pid_, nullptr, 0);
+    }
+  }
+  pid_t pid() const { return std::max(pid_, 0); }
+
+ private:
+  [[noreturn]] static void Wait(int fd, const GlobalOptions& global,
+                                const msg::EmergencyStop& stop) {
+    setsid();
+    const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
+    char word = 0;
+    ssize_t size = 0;
+    do {
+      size = read(fd, &word, 1);
+    } while (size < 0 && errno == EINTR);
+    if (size == 1 && word == 'c') _exit(0);
+    PublishForAMinute(global, stop);
+  }
+  void Send(char word) {
+    if (!pipe_.valid() || begun_) return;
+    begun_ = write(pipe_.get(), &word, 1) == 1 && word == 'p';
+  }
+
+  UniqueFd pipe_;
+  pid_t pid_ = -1;
+  bool begun_ = false;
+};
+
+// Waits until every actuator of the machine has latched the stop. A controller reports which belong
+// to it. Without one those count whose processes run on this host, and whose status is received; on
+// other hosts there may be more.
+class Confirmation {
+ public:
+  Confirmation(Link& link, const Latching& latching, const GlobalOptions& global)
+      : link_(link),
+        latching_(latching),
+        lan_(IsLan()),
+        leader_here_(link.LeaderHere()),
+        running_here_(NameLock::HeldBelow(
+            NameLock::NameOf(transport::DomainId({}).value(), global.name_space, ""))) {}
+
+  Duration DefaultTimeout() const { return lan_ ? kLanStopTimeout : kStopTimeout; }
+
+  EstopReport Report() const {
+    const auto& controller = link_.status();
+    EstopReport report =
+        latching_.Report(controller, controller ? std::vector<std::string>() : running_here_);
+    if (!controller && HasController()) {
+      report.unknown = "the controller does not answer";
+    } else if (!controller && lan_) {
+      report.unknown = "no controller answers, so the actuators of other hosts are not known";
+    }
+    return report;
+  }
+
+  // The controller saves the stop after it has published it.
+  void AwaitSaved() {
+    if (!Report().complete()) return;
+    link_.RunUntil([this] { return Report().not_on_disk.empty(); }, kSaved);
+  }
+
+  void Await(Duration timeout) {
+    const Time end = link_.loop().Now() + timeout;
+    const auto left = [&] { return end - link_.loop().Now(); };
+    const auto led = [this] { return Report().controller && Report().settled(); };
+    if (link_.RunUntil(led, lan_ ? timeout : std::min(link_.discovery(), timeout))) return;
+    if (link_.interrupted()) return;
+    if (Report().controller || HasController()) {
+      link_.RunUntil(led, left());
+    } else if (!Report().actuators.empty()) {
+      link_.RunUntil([this] { return Report().settled(); }, left());
+    }
+  }
+
+ private:
+  static bool IsLan() {
+    const auto profile = transport::Profile({});
+    return !profile || profile.value() == TransportProfile::kLan;
+  }
+  bool HasController() const { return link_.HasMachine() || leader_here_ != 0; }
+
+  Link& link_;
+  const Latching& latching_;
+  const bool lan_;
+  const pid_t leader_here_;
+  const std::vector<std::string> running_here_;
+};
+
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
+  const msg::EmergencyStop stop = NewStop(options.reason);
+  DetachedPublisher detached(global, stop);
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
-  const auto latching = Latching::Begin(link.value()->node(), global.name_space,
-                                        NewStop(options.reason), !global.keys.empty());
+  const auto latching =
+      Latching::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
   if (!latching) return console.Fail(latching.error());
+  const auto second_try =
+      link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] { detached.Begin(); });
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());
   }
-  EstopReport report =
-      AwaitAll(*link.value(), *latching.value(), global.timeout.value_or(kStopTimeout));
+  Confirmation confirmation(*link.value(), *latching.value(), global);
+  confirmation.Await(global.timeout.value_or(confirmation.DefaultTimeout()));
+  confirmation.AwaitSaved();
+  EstopReport report = confirmation.Report();
   if (const pid_t silent = report.controller ? 0 : link.value()->LeaderHere(); silent != 0) {
     report.silent_controller = WhySilent(ExamineSilent(silent, global), global);
   }
-  if (!report.controller && report.actuators.empty()) {
-    return console.Fail(link.value()->NotFound("controller or actuator"));
+  const bool none = !report.controller && report.actuators.empty();
+  if (!none) {
+    console.Print(console.mode().json ? EstopJson(report)
+                                      : EstopText(report, console.mode().colour));
   }
-  console.Print(console.mode().json ? EstopJson(report) : EstopText(report, console.mode().colour));
-  if (report.complete()) return ExitCode::kDone;
-  console.PrintError(EstopError(report));
+  if (!none && report.complete()) {
+    detached.Cancel();
+    if (!report.not_on_disk.empty()) {
+      console.PrintError("not on disk: " + report.not_on_disk +
+                         "; the stop is lost if the controller and the actuators end");
+    }
+    return ExitCode::kDone;
+  }
+  detached.Begin();
+  const std::string kept =
+      detached.pid() == 0
+          ? ""
+          : fmt::format("; the stop stays published for a minute (pid {})", detached.pid());
+  if (none) {
+    Failure failure = link.value()->NotFound("controller or actuator");
+    failure.error.message += kept;
+    return console.Fail(failure);
+  }
+  console.PrintError(EstopError(report) + kept);
   return link.value()->interrupted() ? ExitCode::kInterrupted : ExitCode::kNotDone;
 }
 

@@ -73,6 +73,7 @@ std::string EstopError(const EstopReport& report) {
     error += std::string(error.empty() ? "" : "; ") +
              "the controller has not latched the stop: actuators that start now do not receive it";
   }
+  if (!report.unknown.empty()) error += (error.empty() ? "" : "; ") + report.unknown;
   return error;
 }
 

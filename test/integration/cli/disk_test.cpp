@@ -71,6 +71,27 @@ TEST_F(Disk, ThatIsFullIsInTheStatusAndTheHistoryAndForTheNextController) {
   EXPECT_THAT(Musher({"history"}).out, HasSubstr("entries are missing before this one"));
 }
 
+TEST_F(Disk, ThatIsFullIsSaidByAnEmergencyStop) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t controller = Status()["pid"];
+  rlimit limit{};
+  prlimit(controller, RLIMIT_FSIZE, nullptr, &limit);
+  limit.rlim_cur = 1;
+  ASSERT_EQ(prlimit(controller, RLIMIT_FSIZE, &limit, nullptr), 0);
+  const Ended estop = Musher({"estop"});
+  EXPECT_EQ(estop.exit, 0) << "every actuator is stopped";
+  EXPECT_THAT(estop.err, HasSubstr("not on disk: emergency stop ("));
+}
+
+TEST_F(Disk, ThatCannotBeWrittenAtTheStartKeepsTheMachineFromActive) {
+  Replace("state_dir = \"state\"", "state_dir = \"/proc/robot\"");
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("the state folder cannot be written"));
+  EXPECT_EQ(Status()["state"], "SelfCheck");
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0) << "a person may";
+}
+
 TEST_F(Disk, WithoutItsStateFolderStillLetsAnActuatorBeStartedAgain) {
   ASSERT_NO_FATAL_FAILURE(Start());
   // What runs may make a file in a folder that is being removed: then once more.

@@ -54,6 +54,25 @@ class EmergencyStop : public MachineByCli {
     return loop.RunUntil([&] { return reported; }, loop.Now() + std::chrono::seconds(30));
   }
 
+  // Waits until a stop is published.
+  bool AwaitStop() const {
+    transport::LinuxEventLoop loop;
+    const auto node = transport::MakeDdsNode(loop, {}).value();
+    bool published = false;
+    const auto stops =
+        transport::SubscribeToStops(*node, name_space_, [&](const auto& stop, const auto&) {
+          published = published || stop.engaged;
+        }).value();
+    return loop.RunUntil([&] { return published; }, loop.Now() + std::chrono::seconds(30));
+  }
+  void ExpectLatchedByAll(bool latched) const {
+    for (const char* actuator : {"legs", "voice", "eyes"}) {
+      EXPECT_TRUE(AwaitReport([&](const auto& report) {
+        return report.name == actuator && (report.emergency_stop != 0) == latched;
+      })) << actuator;
+    }
+  }
+
   std::unique_ptr<Process> up_;
 };
 
@@ -92,21 +111,77 @@ TEST_F(EmergencyStop, AReleasedStopStaysReleasedForTheNextControllerThoughItsPan
         Process(Command({"history", "-f"})).LineWith("engaged by panel " + std::to_string(id)), "");
   }
   EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
-  const auto none_is_latched = [this] {
-    for (const char* actuator : {"legs", "voice", "eyes"}) {
-      EXPECT_TRUE(AwaitReport([&](const auto& report) {
-        return report.name == actuator && report.emergency_stop == 0;
-      })) << actuator;
-    }
-  };
-  none_is_latched();
+  ExpectLatchedByAll(false);
   LoseController();
   Process next(Command({"up", config_}));
   ASSERT_NE(next.LineWith("the machine is adopted in LowPower"), "");
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
   EXPECT_EQ(Status()["emergency_stop"]["engaged"], false);
-  none_is_latched();
+  ExpectLatchedByAll(false);
   panels->RunOnLoop([&] { buttons.clear(); });
+}
+
+// As `ros2 topic pub` sends it.
+TEST_F(EmergencyStop, AStopWithoutAnIdStopsAndIsReleasedAndStopsAgain) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto panel = transport::NodeThread::Start({}).value();
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
+  panel->RunOnLoop([&] {
+    button = transport::MakePublisher<msg::EmergencyStop>(
+                 panel->node(), transport::EmergencyStopTopic(name_space_), transport::kLatchedQos)
+                 .value();
+  });
+  for (int presses = 0; presses < 2; ++presses) {
+    panel->RunOnLoop([&] { static_cast<void>(button->Publish({0, true, "", ""})); });
+    ExpectLatchedByAll(true);
+    ExpectNothingGoesUp();
+    const Ended release = Musher({"estop", "--release"});
+    EXPECT_EQ(release.exit, 0) << release.err;
+    ExpectLatchedByAll(false);
+  }
+  panel->RunOnLoop([&] { button = nullptr; });
+}
+
+TEST_F(EmergencyStop, AMalformedMessageOnItsTopicStops) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto panel = transport::NodeThread::Start({}).value();
+  std::unique_ptr<transport::RawWriter> writer;
+  panel->RunOnLoop([&] {
+    writer =
+        panel->node()
+            .MakeRawWriter("rt/" + transport::EmergencyStopTopic(name_space_),
+                           std::string(msg::EmergencyStop::kTypeName), transport::kLatchedQos, {})
+            .value();
+    const std::byte zero{0};
+    static_cast<void>(writer->Write({zero, std::byte{1}, zero, zero, zero, zero, zero, zero}));
+  });
+  ExpectLatchedByAll(true);
+  EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
+  ExpectLatchedByAll(false);
+  panel->RunOnLoop([&] { writer = nullptr; });
+}
+
+TEST_F(EmergencyStop, OneReleaseEndsSeventyStopsOfAsManyPanels) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto panels = transport::NodeThread::Start({}).value();
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> buttons;
+  panels->RunOnLoop([&] {
+    transport::Qos qos = transport::kLatchedQos;
+    qos.depth = 100;
+    buttons = transport::MakePublisher<msg::EmergencyStop>(
+                  panels->node(), transport::EmergencyStopTopic(name_space_), qos)
+                  .value();
+    for (std::uint64_t id = 1; id <= 70; ++id) {
+      static_cast<void>(buttons->Publish({id, true, "panel " + std::to_string(id), ""}));
+    }
+  });
+  ASSERT_NE(Process(Command({"history", "-f"})).LineWith("engaged by panel 70"), "");
+  const Ended release = Musher({"estop", "--release"});
+  EXPECT_EQ(release.exit, 0) << release.err;
+  ExpectLatchedByAll(false);
+  EXPECT_EQ(Status()["emergency_stop"]["engaged"], false);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  panels->RunOnLoop([&] { buttons = nullptr; });
 }
 
 TEST_F(EmergencyStop, ReportsTheOriginOfTheEarlierStop) {
@@ -228,10 +303,37 @@ TEST_F(EmergencyStop, KeepsANextStartFromGoingUpUntilItIsReleased) {
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
 }
 
-TEST_F(EmergencyStop, ExitsWithThreeWithoutControllerAndActuators) {
-  const Ended estop = Musher({"estop", "--timeout", "0.2"});
+// Its actuators are discovered only after the command has ended, as on a bad link.
+TEST_F(EmergencyStop, IsPublishedForAMinuteAfterACommandThatReachedNoActuator) {
+  const Ended estop = Musher({"estop", "it", "smokes", "--timeout", "0.2"});
   EXPECT_EQ(estop.exit, 3);
-  EXPECT_THAT(estop.err, HasSubstr("no controller or actuator in namespace '" + name_space_ + "'"));
+  EXPECT_THAT(estop.err, AllOf(HasSubstr("no controller or actuator in namespace '" + name_space_),
+                               HasSubstr("the stop stays published for a minute")));
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("an emergency stop is engaged"));
+  EXPECT_EQ(Status()["emergency_stop"]["reason"], "it smokes");
+}
+
+TEST_F(EmergencyStop, IsPublishedAfterItsCommandWasKilled) {
+  Process estop(Command({"estop", "it", "smokes", "--timeout", "30"}));
+  ASSERT_TRUE(AwaitStop());
+  kill(estop.pid(), SIGKILL);
+  estop.Wait();
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("an emergency stop is engaged"));
+}
+
+TEST_F(EmergencyStop, IsNotReportedAsCompleteBesideAControllerThatDoesNotAnswer) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t controller = Status()["pid"];
+  kill(controller, SIGSTOP);
+  const Ended estop = Musher({"estop", "--timeout", "1"});
+  kill(controller, SIGCONT);
+  EXPECT_EQ(estop.exit, 1);
+  EXPECT_THAT(estop.err, HasSubstr("the controller does not answer"));
+  EXPECT_THAT(estop.out, HasSubstr("legs   stopped after "));
 }
 
 }  // namespace musher::testing::estop_test

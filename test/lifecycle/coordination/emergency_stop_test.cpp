@@ -1,7 +1,9 @@
 // An emergency stop in every phase: latched, blocks every switch up, released by request only.
 
 #include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
 
+#include "musher/test/lifecycle/coordination/records.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::emergency_stop_test {
@@ -212,7 +214,7 @@ TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndReportsWhatToDo) {
   EXPECT_THAT(t.log(), Not(Contains("a:Active")));
   EXPECT_TRUE(t.Set("SelfCheck").done());
   EXPECT_EQ(t.Set("Active").code, kCodeProtectedError);
-  EXPECT_TRUE(t.calls.at(t.Release()));
+  EXPECT_TRUE(t.Released());
   t.Rest();
   EXPECT_EQ(t.machine().state, "SelfCheck") << "a release changes no state";
   EXPECT_TRUE(t.Set("Active").done());
@@ -244,6 +246,28 @@ TEST(EmergencyStopAtTheStart, EndsAStartOnItsWayToActive) {
   EXPECT_TRUE(t.Set("Active").done());
 }
 
+TEST(StateFolderAtTheStart, ThatCannotBeWrittenKeepsTheMachineInDeActiveUntilAPersonSetsActive) {
+  Harness t(Ours(2));
+  t.disk_fails = "the disk is full";
+  t.Begin();
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "DeActive");
+  EXPECT_TRUE(t.usable());
+  EXPECT_TRUE(IsRecorded(t.records, EventName::kStateNotWritable));
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
+TEST(StateFolderAtTheStart, ThatCannotBeWrittenFailsTheStartOfAMachineWithoutDeActive) {
+  MachineConfig config = Ours(2);
+  std::erase(config.states, State(kDeActive));
+  Harness t(config);
+  t.disk_fails = "the disk is full";
+  t.Begin();
+  t.Rest();
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_EQ(t.machine().state, "SelfCheck");
+}
+
 // Several stops, and their release
 
 TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
@@ -253,11 +277,108 @@ TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   Stop(t, 6);
   EXPECT_EQ(t.CoreOf("a").report.emergency_stop, StopId(6));
   EXPECT_EQ(t.CoreOf("b").report.emergency_stop, StopId(5));
-  EXPECT_TRUE(t.calls.at(t.Release()));
+  EXPECT_TRUE(t.Released());
   t.Rest();
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
   EXPECT_FALSE(t.machine().emergency.stop);
   EXPECT_TRUE(t.disk().stops.engaged.empty());
+}
+
+TEST_F(EmergencyStopped, OneReleaseEndsAHundredStopsOfOneSource) {
+  Harness& t = In("Active");
+  for (StopId id = 1; id <= 100; ++id) Stop(t, id);
+  EXPECT_TRUE(t.Released());
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
+  t.Rest();
+  EXPECT_FALSE(t.machine().emergency.stop);
+}
+
+TEST_F(EmergencyStopped, OneReleaseEndsTheStopsOfAHundredSources) {
+  Harness& t = In("Active");
+  for (StopId id = 1; id <= 100; ++id) {
+    t.StopAll(id, "panel " + ToString(id));
+    t.RunFor(Milliseconds(1));
+  }
+  EXPECT_TRUE(t.Released());
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
+  t.Rest();
+  EXPECT_FALSE(t.machine().emergency.stop);
+}
+
+TEST_F(EmergencyStopped, AReleaseIsAnsweredOnceEveryActuatorHasConfirmedIt) {
+  Harness& t = In("Active");
+  Stop(t);
+  t.DelayReports("b", Milliseconds(500));
+  const RequestId request = t.Release();
+  t.RunFor(Milliseconds(400));
+  EXPECT_EQ(t.calls.count(request), 0U);
+  t.RunFor(Milliseconds(400));
+  ASSERT_EQ(t.calls.count(request), 1U);
+  EXPECT_TRUE(t.calls.at(request));
+}
+
+TEST_F(EmergencyStopped, AReleaseThatAnActuatorDoesNotConfirmNamesItAndIsNotReported) {
+  Harness& t = In("Active");
+  Stop(t);
+  t.Mute("b", true, true);
+  const Result<> released = t.Released();
+  ASSERT_FALSE(released);
+  EXPECT_EQ(released.error().code, kCodeTimeout);
+  EXPECT_THAT(released.error().message, HasSubstr("not confirmed by b"));
+}
+
+TEST_F(EmergencyStopped, ALostReleaseIsPublishedUntilItIsConfirmed) {
+  Harness& t = In("Active");
+  Stop(t);
+  t.lost_stops = true;
+  const RequestId request = t.Release();
+  t.RunFor(Milliseconds(10));
+  t.lost_stops = false;
+  t.RunUntil([&] { return t.calls.count(request) > 0; });
+  EXPECT_TRUE(t.calls.at(request));
+  EXPECT_EQ(t.CoreOf("a").report.emergency_stop, kNone);
+}
+
+TEST_F(EmergencyStopped, AReleaseThatAnotherStopCrossesIsNotReportedAsReleased) {
+  Harness& t = In("Active");
+  Stop(t);
+  t.DelayReports("b", Milliseconds(500));
+  const RequestId request = t.Release();
+  t.StopAll(kStop + 1, "a panel");
+  t.RunUntil([&] { return t.calls.count(request) > 0; });
+  ASSERT_FALSE(t.calls.at(request));
+  EXPECT_THAT(t.calls.at(request).error().message, HasSubstr("engaged again"));
+}
+
+// Each number below 4 delays an actuator, restarts one or the controller, or loses a release; each
+// other one is a stop.
+RC_GTEST_FIXTURE_PROP(EmergencyStopped, AfterReleasedNoActuatorReportsAStopWhateverCameBefore, ()) {
+  Harness& t = In("Active", Ours(3));
+  const auto steps = *rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 200));
+  for (const int step : steps) {
+    const std::string name(1, static_cast<char>('a' + step % 3));
+    if (step == 0) {
+      t.Crash(name);
+    } else if (step == 1) {
+      t.RestartController();
+    } else if (step == 2) {
+      t.DelayReports(name, Milliseconds(30));
+    } else if (step == 3) {
+      t.lost_stops = !t.lost_stops;
+    } else {
+      t.StopAll(static_cast<std::uint64_t>(step), "panel " + std::to_string(step % 7));
+    }
+    t.RunFor(Milliseconds(1 + step % 5));
+  }
+  t.RunFor(Milliseconds(1));
+  if (!t.machine().emergency.stop) return;
+  t.lost_stops = false;
+  const Result<> released = t.Released();
+  if (!released) RC_SUCCEED("not reported as released");
+  for (const char* name : {"a", "b", "c"}) {
+    if (t.RecordOf(name).presence != Presence::kPresent) continue;
+    RC_ASSERT(t.CoreOf(name).report.emergency_stop == kNone);
+  }
 }
 
 TEST_F(EmergencyStopped, AReleasedStopDoesNotComeBackByALateSample) {
@@ -274,7 +395,7 @@ TEST_F(EmergencyStopped, AReleasedStopDoesNotComeBackByALateSample) {
 
 TEST_F(EmergencyStopped, ReleasingWhereNoneIsEngagedIsRefused) {
   Harness& t = In("Active");
-  EXPECT_EQ(t.calls.at(t.Release()).error().code, kCodeStateInvalid);
+  EXPECT_EQ(t.Released().error().code, kCodeStateInvalid);
 }
 
 TEST_F(EmergencyStopped, TheReleaseIsPublishedAgainToAnActuatorThatMissedIt) {
@@ -334,11 +455,12 @@ TEST_F(EmergencyStopped, AReleasedStopStaysReleasedAfterARestartOfTheController)
 TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
-  Stop(t, kStop + 1);
+  t.StopAll(kStop + 1, "a panel");
+  t.RunFor(Milliseconds(1));
   t.RestartController();
   t.Rest();
   EXPECT_EQ(t.disk().stops.engaged.size(), 2U);
-  EXPECT_TRUE(t.calls.at(t.Release()));
+  EXPECT_TRUE(t.Released());
   t.Rest();
   for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
 }
@@ -371,7 +493,7 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
   EXPECT_EQ(t.machine().emergency.stop->id, kStop);
   EXPECT_EQ(t.machine().emergency.stop->by, "the test");
   EXPECT_EQ(t.machine().state, "Active") << "adopted as it was";
-  EXPECT_TRUE(t.calls.at(t.Release()));
+  EXPECT_TRUE(t.Released());
   t.Rest();
   EXPECT_EQ(t.CoreOf("a").report.emergency_stop, kNone);
 }

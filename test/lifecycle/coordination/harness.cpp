@@ -193,6 +193,12 @@ RequestId Harness::Release() {
   return request;
 }
 
+Result<> Harness::Released() {
+  const RequestId request = Release();
+  RunUntil([&] { return calls.count(request) > 0; });
+  return calls.at(request);
+}
+
 void Harness::ReceiveRivalHeartbeat(Epoch epoch) {
   Feed(event::RivalSeen{epoch, "process 1 elsewhere", false});
 }
@@ -316,7 +322,7 @@ void Harness::Do(const Action& action) {
       Feed(event::BacktraceTaken{take.actuator, take.pid, "in its main loop"});
     });
   } else if (const auto* stop = std::get_if<action::PublishEmergencyStop>(&action)) {
-    PublishStop(stop->stop.id, stop->engaged, controller_.sender());
+    if (!lost_stops) PublishStop(stop->stop.id, stop->engaged, controller_.sender());
   } else if (const auto* command = std::get_if<action::RunPowerCommand>(&action)) {
     power.emplace_back(now(), command->reboot);
   } else if (const auto* end = std::get_if<action::Fenced>(&action)) {

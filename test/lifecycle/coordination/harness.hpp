@@ -62,6 +62,8 @@ class Harness : public FakeRobot {
   // Engages an emergency stop; all actuators receive it.
   void StopAll(StopId id, const std::string& by = "the test");
   RequestId Release();
+  // Requests a release and advances time until the answer.
+  Result<> Released();
   // A heartbeat of another controller arrives.
   void ReceiveRivalHeartbeat(Epoch epoch);
   // Requests a restart of an actuator; the answer is stored in `calls`.
@@ -107,6 +109,7 @@ class Harness : public FakeRobot {
   std::vector<action::Record> whole_records;  // of the present controller: id n at n - 1
   std::vector<std::string> signals;           // "audio:TERM"
   std::set<std::string> shared;      // actuators whose process still runs after their TearDown
+  bool lost_stops = false;           // what the controller publishes of stops does not arrive
   std::function<void()> after_step;  // called after every step of the controller
   Time now() const { return controller_.now; }
   // An error of the actuator: it is in another state without a command.

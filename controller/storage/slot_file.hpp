@@ -1,0 +1,40 @@
+#pragma once
+// A small text file that is also written when the disk is full, and that has one of its last two
+// contents after a power cut. Its blocks are reserved beforehand, and it is overwritten in place:
+// two slots of fixed size, each a line with its number and checksum and then the text. A write goes
+// to the older slot, so a torn one leaves the newer one whole.
+//
+// Threads: any, one at a time; Write() and Reserve() wait for the disk.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "musher/base/result.hpp"
+
+namespace musher {
+
+class SlotFile {
+ public:
+  static constexpr std::size_t kSlotSize = 64 << 10;  // bytes, with the line
+
+  struct Content {
+    std::string text;      // of the newest whole slot; empty: none was written
+    bool damaged = false;  // a slot is neither whole nor empty: perhaps it was the newest
+    bool plain = false;    // the file has no slots: it was written by another program or version
+  };
+
+  explicit SlotFile(std::string path) : path_(std::move(path)) {}
+
+  // Makes the file with its blocks. A file without slots is replaced by one with `text`.
+  Result<> Reserve(std::string_view text) const;
+  // Overwrites the older slot. Makes the file first where it is missing.
+  Result<> Write(std::string_view text) const;
+  // nullopt: there is no file. One that cannot be read is damaged.
+  std::optional<Content> Read() const;
+
+ private:
+  std::string path_;
+};
+
+}  // namespace musher
