@@ -37,6 +37,7 @@ enum class EventName {
   kFallbackStarted,
   kFallbackRefused,
   kUnlistedActuator,
+  kOtherMachine,
   kControllerRemark,
   // A switch.
   kSwitchRequested,
@@ -148,6 +149,7 @@ inline constexpr auto kEventNames = std::to_array<std::string_view>({
     "fallback_started",
     "fallback_refused",
     "unlisted_actuator",
+    "other_machine",
     "controller_remark",
     "switch_requested",
     "switch_waiting",

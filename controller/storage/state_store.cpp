@@ -78,12 +78,14 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   }
   const auto recorded = LoadOrigin(dir);
   if (recorded && !recorded->IsOf(machine, false)) return Foreign(dir, *recorded, machine, 0);
+  MachineOrigin kept = machine;
+  if (recorded) kept.id = recorded->id;
   // On a full disk it stays as it is, and the machine starts all the same.
-  if (recorded != machine) static_cast<void>(SaveOrigin(dir, machine));
+  if (recorded != kept) static_cast<void>(SaveOrigin(dir, kept));
   // The lock counts, not what is in the file: on a full disk it may stay empty.
   const std::string owner = std::to_string(getpid()) + " " + machine.name + "\n";
   if (ftruncate(lock.get(), 0) == 0) WriteAll(lock.get(), owner);
-  return StateStore(dir, std::move(lock));
+  return StateStore(dir, std::move(kept), std::move(lock));
 }
 
 Result<Epoch> StateStore::LoadEpoch() const {

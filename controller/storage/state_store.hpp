@@ -50,6 +50,11 @@ class StateStore {
   // The kernel releases the lock when the process exits or crashes.
   static Result<StateStore> Open(const std::string& dir, const MachineOrigin& machine);
 
+  // The id of the folder's machine, also one that is not saved yet; empty: it has none yet.
+  const std::string& machine_id() const { return machine_.id; }
+  void SetMachineId(std::string id) { machine_.id = std::move(id); }
+  Result<> SaveMachineId() const { return SaveOrigin(dir_, machine_, true); }
+
   // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error: report it
   // and continue as with 0, because the epochs that the actuators report count as well.
   Result<Epoch> LoadEpoch() const;
@@ -102,7 +107,8 @@ class StateStore {
   std::string LogFile(std::string_view actuator) const;
 
  private:
-  StateStore(std::string dir, UniqueFd lock) : dir_(std::move(dir)), lock_(std::move(lock)) {}
+  StateStore(std::string dir, MachineOrigin machine, UniqueFd lock)
+      : dir_(std::move(dir)), machine_(std::move(machine)), lock_(std::move(lock)) {}
 
   std::string EpochFile() const { return dir_ + "/epoch"; }
   std::string EmergencyStopFile() const { return dir_ + "/emergency_stop"; }
@@ -113,6 +119,7 @@ class StateStore {
   static Result<> Replace(const std::string& path, const std::string& content);
 
   std::string dir_;
+  MachineOrigin machine_;
   UniqueFd lock_;
 };
 

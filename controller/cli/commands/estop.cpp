@@ -15,6 +15,7 @@
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/client/latching.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
 
 namespace musher::cli {
 namespace {
@@ -33,8 +34,19 @@ std::string Me() {
          HostName();
 }
 
-msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
-  return NewEmergencyStop(Me(), fmt::format("{}", fmt::join(reason, " ")));
+// Stops the machine of --machine, else the one whose controller runs here; what is not known stops
+// every machine that receives it. It waits for no discovery.
+MachineIdentity MachineToStop(const Link& link, const GlobalOptions& global) {
+  if (!global.machine.empty()) return {global.machine, ""};
+  const auto origin = OriginOfProcess(link.LeaderHere());
+  return origin ? MachineIdentity{origin->name, origin->id} : MachineIdentity{};
+}
+
+msg::EmergencyStop NewStop(const std::vector<std::string>& reason, const MachineIdentity& machine) {
+  msg::EmergencyStop stop = NewEmergencyStop(Me(), fmt::format("{}", fmt::join(reason, " ")));
+  stop.machine = machine.name;
+  stop.machine_id = machine.id;
+  return stop;
 }
 
 // Waits until all actuators have latched the stop. A controller reports which are present; without
@@ -56,9 +68,11 @@ EstopReport AwaitAll(Link& link, const Latching& latching, Duration timeout) {
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
+  const MachineIdentity machine = MachineToStop(*link.value(), global);
   const auto latching = Latching::Begin(link.value()->node(), global.name_space,
-                                        NewStop(options.reason), !global.keys.empty());
+                                        NewStop(options.reason, machine), !global.keys.empty());
   if (!latching) return console.Fail(latching.error());
+  link.value()->Choose(machine);
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());
   }
