@@ -21,6 +21,12 @@ namespace {
 constexpr Duration kOthersWithin = Milliseconds(300);  // after the first that is discovered
 constexpr std::size_t kShortestId = 4;                 // of the beginning of an id
 
+// A HostId() is "BOOT/PID NAMESPACE".
+bool IsOfThisBoot(const msg::MachineInfo& info) {
+  const std::string host = HostId();
+  return !host.empty() && info.host.starts_with(host.substr(0, host.find('/')));
+}
+
 }  // namespace
 
 Link::Link(const GlobalOptions& global) : global_(global), signals_(TakeEndSignals()) {
@@ -99,9 +105,8 @@ std::optional<Failure> Link::ChooseMachine() {
     searched_ = !RunUntil([this] { return !Candidates().empty(); }, std::min(discovery(), limit));
     return ChooseNamed();
   }
-  const pid_t leader = LeaderHere();
-  if (leader != 0) {
-    ChooseHere(leader, std::min(discovery_of_one_here(), limit));
+  if (NameLock::IsHeld(ControllerName())) {
+    ChooseHere(std::min(discovery_of_one_here(), limit));
     return std::nullopt;
   }
   const auto any = [this] { return !Candidates().empty(); };
@@ -117,22 +122,26 @@ std::optional<Failure> Link::ChooseMachine() {
   return ChooseOf(Candidates());
 }
 
-// A controller of this host leads, so no other machine is meant, even while it does not answer.
-void Link::ChooseHere(pid_t leader, Duration limit) {
-  searched_ = !RunUntil(
-      [&] {
-        for (const Found& found : Candidates()) {
-          if (found.info.pid != leader || found.info.host != HostId()) continue;
-          machine_ = found.machine();
-          return true;
-        }
-        return false;
-      },
-      limit);
-  if (!searched_) return;
-  const auto origin = OriginOfProcess(leader);
-  machine_ = {origin ? origin->name : "of process " + std::to_string(leader),
-              origin ? origin->id : ""};
+// A controller of this host leads, so no other machine is meant, even while it does not answer. The
+// processes of another user, or container, cannot be inspected: then its computer has to do.
+void Link::ChooseHere(Duration limit) {
+  const std::string name = ControllerName();
+  bool proven = true;
+  const auto found = [&] {
+    for (const Found& one : Candidates()) {
+      if (proven && one.info.host != HostId()) continue;
+      if (proven ? !NameLock::CheckHolder(name, one.info.pid) : !IsOfThisBoot(one.info)) continue;
+      machine_ = one.machine();
+      return true;
+    }
+    return false;
+  };
+  if (RunUntil(found, std::min(kOthersWithin, limit))) return;
+  proven = false;
+  if (RunUntil(found, limit)) return;
+  searched_ = true;
+  const auto origin = OriginOfProcess(LeaderHere());
+  machine_ = {origin ? origin->name : "of this host", origin ? origin->id : ""};
 }
 
 std::optional<Failure> Link::ChooseNamed() {
@@ -335,9 +344,11 @@ Failure Link::NotFound(const std::string& what) const {
 }
 
 pid_t Link::LeaderHere() const {
-  return NameLock::HolderOf(NameLock::NameOf(transport::DomainId({}).value(), global_.name_space,
-                                             "musher/controller"))
-      .pid;
+  return NameLock::HolderOf(ControllerName()).pid;
+}
+
+std::string Link::ControllerName() const {
+  return NameLock::NameOf(transport::DomainId({}).value(), global_.name_space, "musher/controller");
 }
 
 Failure Link::NoAnswer(Duration timeout) const {

@@ -129,7 +129,8 @@ class Link {
   std::vector<Found> Candidates() const;
   bool IsNamed(const MachineIdentity& machine) const;
   bool Speaks(const MachineIdentity& machine) const;
-  void ChooseHere(pid_t leader, Duration limit);
+  std::string ControllerName() const;  // that the controller of this host holds
+  void ChooseHere(Duration limit);
   std::optional<Failure> ChooseNamed();
   std::optional<Failure> ChooseOf(const std::vector<Found>& candidates);
   std::optional<MachineIdentity> MachineOfActuatorsHere();
