@@ -61,6 +61,8 @@ ActuatorShell::ActuatorShell(transport::Node& node, Worker& worker, const Machin
   core_.report.pid = identity.pid;
   core_.report.host = std::move(identity.host);
   core_.report.config_hash = config.hash;
+  machine_ = {identity.machine.empty() ? config.name : std::move(identity.machine),
+              std::move(identity.machine_id)};
 }
 
 Result<std::unique_ptr<ActuatorShell>> ActuatorShell::Make(transport::Node& node, Worker& worker,
@@ -89,16 +91,14 @@ Result<> ActuatorShell::Open() {
   auto controllers = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
       [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
-        Handle(actuator_event::ControllerHeartbeatReceived{Sender(info.participant.value()),
-                                                           Epoch(heartbeat.epoch)});
+        OnControllerHeartbeat(heartbeat, info);
       },
       transport::kLatchedFromManyQos);
   if (!controllers) return controllers.error();
   controllers_ = std::move(controllers).value();
   auto stops = transport::SubscribeToStops(
       node_, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
-        Handle(actuator_event::EmergencyStopReceived{
-            StopId(stop.id), stop.engaged, Sender(info.participant.value()), stop.by, stop.reason});
+        OnEmergencyStop(stop, info);
       });
   if (!stops) return stops.error();
   emergency_stops_ = std::move(stops).value();
@@ -118,6 +118,28 @@ Result<> ActuatorShell::WatchBattery() {
   return Ok();
 }
 
+void ActuatorShell::OnControllerHeartbeat(const msg::ControllerBeat& heartbeat,
+                                          const transport::SampleInfo& info) {
+  const MachineIdentity theirs{heartbeat.machine, heartbeat.machine_id};
+  if (!SameMachine(machine_, theirs)) {
+    // The controller of this actuator's host is that of its machine: it may have another config, or
+    // a new id because its state folder was lost.
+    const bool here = !heartbeat.host.empty() && heartbeat.host == core_.report.host;
+    if (!here || !hooks_.leads_here || !hooks_.leads_here(heartbeat.pid)) return;
+    machine_ = theirs;
+  }
+  Handle(actuator_event::ControllerHeartbeatReceived{Sender(info.participant.value()),
+                                                     Epoch(heartbeat.epoch)});
+}
+
+// A stop without an identity stops every machine that receives it.
+void ActuatorShell::OnEmergencyStop(const msg::EmergencyStop& stop,
+                                    const transport::SampleInfo& info) {
+  if (!SameMachine(machine_, {stop.machine, stop.machine_id})) return;
+  Handle(actuator_event::EmergencyStopReceived{
+      StopId(stop.id), stop.engaged, Sender(info.participant.value()), stop.by, stop.reason});
+}
+
 void ActuatorShell::Start() {
   Handle(actuator_event::Started{});
   CheckWork();
@@ -129,19 +151,27 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
   replies_[token] = [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
     reply({transport::ToMessage(answer.verdict), answer.code, answer.message, Status()});
   };
+  const MachineIdentity theirs{request.machine, request.machine_id};
+  if (!SameMachine(machine_, theirs)) {
+    return Do(actuator_action::Answer{token, Verdict::kRefused, kCodePermissionDenied,
+                                      "the command is of another machine, " +
+                                          MachineText(theirs).substr(0, kLongestName) +
+                                          "; this actuator belongs to " + MachineText(machine_)});
+  }
+  const Sender from(sender.value());
   switch (request.kind) {
     case msg::ActuatorCommand::kKindSwitch:
-      return Handle(
-          actuator_event::SwitchArrived{token, SwitchFrom(request), Sender(sender.value())});
+      Handle(actuator_event::SwitchArrived{token, SwitchFrom(request), from});
+      break;
     case msg::ActuatorCommand::kKindAsk:
-      return Handle(actuator_event::QueryArrived{
-          token,
-          {Epoch(request.epoch), CommandNumber(request.number), request.stop},
-          Sender(sender.value())});
+      Handle(actuator_event::QueryArrived{
+          token, {Epoch(request.epoch), CommandNumber(request.number), request.stop}, from});
+      break;
     default:
       return Do(actuator_action::Answer{token, Verdict::kRefused, kCodeParametersInvalid,
                                         "unknown kind of command " + std::to_string(request.kind)});
   }
+  if (machine_.id.empty() && from != 0 && core_.controller == from) machine_.id = theirs.id;
 }
 
 void ActuatorShell::OnManager(const State& target, OnManagerAnswered answered) {
@@ -349,7 +379,10 @@ msg::ActuatorStatus ActuatorShell::Status() {
   last_stamp_ = std::max(node_.loop().Now(), last_stamp_ + Duration(1));
   ActuatorReport report = core_.report;
   report.stamp = last_stamp_;
-  return transport::ToMessage(actuator_.name, report);
+  msg::ActuatorStatus status = transport::ToMessage(actuator_.name, report);
+  status.machine = machine_.name;
+  status.machine_id = machine_.id;
+  return status;
 }
 
 }  // namespace musher

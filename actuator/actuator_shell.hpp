@@ -14,6 +14,7 @@
 #include "musher/actuator/worker.hpp"
 #include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
@@ -28,12 +29,18 @@ struct ActuatorIdentity {
   Incarnation incarnation = 0;  // not 0; higher with every start on a host
   std::int32_t pid = 0;
   std::string host;
+  // Of its machine, where the controller that starts it says so; else by the config, without an id.
+  std::string machine{};
+  std::string machine_id{};
 };
 
 class ActuatorShell {
  public:
   struct Hooks {
     std::function<Result<>(const State&)> run_callback;  // on the worker
+    // Whether that process holds the name of the controller of this namespace and domain on this
+    // host. Only one can; may be empty.
+    std::function<bool(std::int32_t pid)> leads_here;
     std::function<void(bool)> set_stop_requested;  // false when a callback begins, true to stop it
     // The degraded report of the callback that has ended, code 0: none; may be empty.
     std::function<Error()> take_degraded;
@@ -75,6 +82,9 @@ class ActuatorShell {
 
   Result<> Open();
   Result<> WatchBattery();
+  void OnControllerHeartbeat(const msg::ControllerBeat& heartbeat,
+                             const transport::SampleInfo& info);
+  void OnEmergencyStop(const msg::EmergencyStop& stop, const transport::SampleInfo& info);
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
                  transport::ParticipantId sender);
   using OnManagerAnswered = std::function<void(const actuator_action::Answer&)>;
@@ -105,6 +115,7 @@ class ActuatorShell {
   const ActuatorConfig& actuator_;
   Hooks hooks_;
   ActuatorCore core_;
+  MachineIdentity machine_;  // its id is learned from the controller that takes control
   bool closed_ = false;
   RequestToken next_token_ = 1;
   Time last_stamp_{};

@@ -242,6 +242,12 @@ class MachineActuator::Impl {
       const Result<> result = RunEmergencyStop();
       if (!result) Log(LogLevel::kError, "OnEmergencyStop: " + result.error().message);
     };
+    hooks.leads_here = [this](std::int32_t pid) {
+      const auto domain = transport::DomainId(transport::OptionsFor(*config_, name_, name_));
+      const std::string name =
+          domain ? NameLock::NameOf(domain.value(), config_->name_space, "musher/controller") : "";
+      return domain && NameLock::CheckHolder(name, pid).ok();
+    };
     hooks.set_stop_requested = [this](bool requested) { set_stop_requested(requested); };
     hooks.on_report = [this](const ActuatorReport& report) { gate_.SetReport(report); };
     hooks.on_battery = [this](std::optional<int> percent) { gate_.SetBattery(percent); };
@@ -252,9 +258,15 @@ class MachineActuator::Impl {
     };
     hooks.on_remark = [this](const std::string& line) { Log(LogLevel::kWarning, line); };
     hooks.managed_node = config_->ros2.managed_nodes;
-    auto shell =
-        ActuatorShell::Make(OwnNode(*node_), *worker_, *config_, *index_,
-                            {Incarnation(NewIncarnation()), getpid(), HostId()}, std::move(hooks));
+    // The controller that starts this process sets both.
+    const auto variable = [](const char* name) {
+      const char* set = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+      return std::string(set == nullptr ? "" : set);
+    };
+    ActuatorIdentity identity{Incarnation(NewIncarnation()), getpid(), HostId(),
+                              variable("MUSHER_MACHINE"), variable("MUSHER_MACHINE_ID")};
+    auto shell = ActuatorShell::Make(OwnNode(*node_), *worker_, *config_, *index_,
+                                     std::move(identity), std::move(hooks));
     if (!shell) return SetSetUpResult(shell.error());
     shell_ = std::move(shell).value();
     {

@@ -266,6 +266,7 @@ Result<> Controller::OpenShell() {
   dependencies.host_name = HostName();
   dependencies.pid = getpid();
   dependencies.incarnation = incarnation_;
+  if (store_) dependencies.machine_id = store_->machine_id();
   ControllerShell::Hooks hooks = options_.hooks;
   hooks.open_services = [this] { return OpenServices(); };
   hooks.holds_answers = [this] {
@@ -337,12 +338,6 @@ void Controller::Begin() {
       return shell_->Refuse({kCodeTargetBusy, "another controller already leads this machine: " +
                                                   rival->process + "; --takeover replaces it"});
     }
-    if (rival->machine != config_.name) {
-      return shell_->Refuse(
-          {kCodePermissionDenied, rival->process + " leads another machine, " + rival->machine +
-                                      ", in the namespace and domain of this one, " + config_.name +
-                                      "; --takeover does not replace it"});
-    }
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
   if (const std::string others = shell_->RunningWithAnotherConfig(last_config_hash_);
@@ -352,6 +347,7 @@ void Controller::Begin() {
                               ": `musher down --without-controller` stops what runs, `musher "
                               "up --adopt` takes control of it"});
   }
+  TakeIdentity();
   if (store_) {
     disk_.Do("config",
              [store = store_, hash = config_.hash] { return store->SaveConfigHash(hash); });
@@ -392,6 +388,22 @@ void Controller::CheckFolder() {
                                           "there; saved again");
         }
       });
+}
+
+// A machine has one id on all its hosts: a state folder without one takes it from the controller
+// that is replaced, or from an actuator of this machine that runs already.
+void Controller::TakeIdentity() {
+  if (!store_ || !store_->machine_id().empty()) return;
+  std::string id;
+  if (const auto& rival = shell_->rival()) id = rival->machine.id;
+  for (const auto& [actuator, status] : shell_->statuses_before_begin()) {
+    // One that this host starts belongs here; elsewhere a process of its name is another machine's.
+    const bool belongs = status.host == HostId() || config_.actuators[actuator].command.empty();
+    if (id.empty() && belongs && status.machine == config_.name) id = status.machine_id;
+  }
+  store_->SetMachineId(id.empty() ? NewMachineId() : id);
+  disk_.Do("machine", [store = store_] { return store->SaveMachineId(); });
+  shell_->SetMachineId(store_->machine_id());
 }
 
 Epoch Controller::LoadEpoch() {

@@ -85,6 +85,7 @@ class Controller {
   pid_t HolderOf(ActuatorIndex i);
   void EndUnlisted(const ChildProcess& child);
   Epoch LoadEpoch();
+  void TakeIdentity();
   void OpenLogs();
   void Trouble(const std::string& message);
 

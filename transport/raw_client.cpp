@@ -1,5 +1,7 @@
 #include "musher/transport/raw_client.hpp"
 
+#include <algorithm>
+
 #include "musher/transport/service_names.hpp"
 
 namespace musher::transport {
@@ -12,8 +14,8 @@ Result<std::unique_ptr<RawClient>> RawClient::Make(Node& node, const std::string
 
   // The reader first: a server that discovers the writer has then discovered the reader, too.
   ReaderCallbacks reader_callbacks;
-  reader_callbacks.on_sample = [self](std::span<const std::byte> bytes, const SampleInfo&) {
-    self->TakeReply(bytes);
+  reader_callbacks.on_sample = [self](std::span<const std::byte> bytes, const SampleInfo& info) {
+    self->TakeReply(bytes, info.participant);
   };
   reader_callbacks.on_match_changed = [self] { self->OnMatchChanged(); };
   auto replies = node.MakeRawReader(ReplyTopic(service), ResponseType(type), kServiceReaderQos,
@@ -43,24 +45,28 @@ msg::RequestId RawClient::NextId() {
 }
 
 void RawClient::Call(const msg::RequestId& id, msg::Bytes request, Duration timeout,
-                     OnReply on_reply) {
+                     OnReply on_reply, ParticipantId server) {
   const std::int64_t sequence = id.sequence;
   Pending& call = calls_[sequence];
   call.unsent = std::move(request);
   call.on_reply = std::move(on_reply);
+  call.server = server;
   call.end = loop_.At(loop_.Now() + timeout, [this, sequence] {
     const bool sent = calls_.at(sequence).unsent.empty();
     End(sequence, Error{kCodeTimeout, service_ + (sent ? ": no reply in time"
                                                        : ": no server available in time")});
   });
-  if (Ready()) Send(sequence, call);
+  if (Reaches(server)) Send(sequence, call);
+}
+
+bool RawClient::Reaches(ParticipantId server) const {
+  const std::vector<ParticipantId> servers = Servers();
+  return server == 0 ? !servers.empty() : std::ranges::count(servers, server) != 0;
 }
 
 void RawClient::OnMatchChanged() {
-  if (Ready()) {
-    for (auto& [sequence, call] : calls_) {
-      if (!call.unsent.empty()) Send(sequence, call);
-    }
+  for (auto& [sequence, call] : calls_) {
+    if (!call.unsent.empty() && Reaches(call.server)) Send(sequence, call);
   }
   if (on_match_changed_) on_match_changed_();
 }
@@ -72,12 +78,15 @@ void RawClient::Send(std::int64_t sequence, Pending& call) {
       loop_.At(loop_.Now(), [this, sequence, error = written.error()] { End(sequence, error); });
 }
 
-void RawClient::TakeReply(std::span<const std::byte> bytes) {
+void RawClient::TakeReply(std::span<const std::byte> bytes, ParticipantId server) {
   msg::CdrReader reader(bytes);
   msg::RequestId id;
   reader.Get(id);
   if (!reader.ok() || !requests_ || id.client != requests_->UniqueId()) return;
-  End(id.sequence, bytes);
+  const auto call = calls_.find(id.sequence);
+  if (call == calls_.end()) return;
+  const bool of_another = call->second.server != 0 && server != 0 && call->second.server != server;
+  if (!of_another) End(id.sequence, bytes);
 }
 
 void RawClient::End(std::int64_t sequence, const Result<std::span<const std::byte>>& outcome) {

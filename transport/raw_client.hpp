@@ -39,8 +39,9 @@ class RawClient {
   // The id for encoding the next request.
   msg::RequestId NextId();
 
-  // Takes the encoded request with `id`; see Client::Call() for how it ends.
-  void Call(const msg::RequestId& id, msg::Bytes request, Duration timeout, OnReply on_reply);
+  // Takes the encoded request with `id`; see Client::Call() for how it ends, and for `server`.
+  void Call(const msg::RequestId& id, msg::Bytes request, Duration timeout, OnReply on_reply,
+            ParticipantId server = 0);
 
   // Forgets a call: its `on_reply` does not run.
   void Drop(std::int64_t sequence) { calls_.erase(sequence); }
@@ -49,6 +50,7 @@ class RawClient {
   struct Pending {
     msg::Bytes unsent;  // empty once it is sent
     OnReply on_reply;
+    ParticipantId server = 0;
     LoopHandlePtr end;  // ends the call at its deadline, or at once if it cannot be sent
   };
 
@@ -59,7 +61,8 @@ class RawClient {
 
   void OnMatchChanged();
   void Send(std::int64_t sequence, Pending& call);
-  void TakeReply(std::span<const std::byte> bytes);
+  bool Reaches(ParticipantId server) const;
+  void TakeReply(std::span<const std::byte> bytes, ParticipantId server);
   void End(std::int64_t sequence, const Result<std::span<const std::byte>>& outcome);
 
   EventLoop& loop_;

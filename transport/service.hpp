@@ -64,17 +64,21 @@ class Client {
   // exactly once on the loop: with the reply, with kCodeTimeout after `timeout`, or with the reason
   // why the request could not be sent. It never runs inside Call(). Dropping the client drops its
   // pending calls: their `on_reply` does not run.
-  void Call(const Request& request, Duration timeout, OnReply on_reply) {
+  // A service may have several servers, and each receives the request. With `server`, it is sent
+  // once that participant's is matched, and only a reply of that one counts. 0: any.
+  void Call(const Request& request, Duration timeout, OnReply on_reply, ParticipantId server = 0) {
     const msg::RequestId id = raw_->NextId();
-    raw_->Call(id, internal::EncodeEnvelope(id, request), timeout,
-               [on_reply = std::move(on_reply)](Result<std::span<const std::byte>> reply) {
-                 if (!reply) return on_reply(reply.error());
-                 Response response{};
-                 if (!internal::DecodeEnvelope(reply.value(), response)) {
-                   return on_reply(Error{kCodeNetError, "the reply is malformed"});
-                 }
-                 on_reply(std::move(response));
-               });
+    raw_->Call(
+        id, internal::EncodeEnvelope(id, request), timeout,
+        [on_reply = std::move(on_reply)](Result<std::span<const std::byte>> reply) {
+          if (!reply) return on_reply(reply.error());
+          Response response{};
+          if (!internal::DecodeEnvelope(reply.value(), response)) {
+            return on_reply(Error{kCodeNetError, "the reply is malformed"});
+          }
+          on_reply(std::move(response));
+        },
+        server);
   }
 
  private:

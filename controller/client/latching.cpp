@@ -7,6 +7,7 @@
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -39,7 +40,12 @@ bool EstopReport::settled() const {
 msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason) {
   std::random_device random;
   const std::uint64_t id = (std::uint64_t{random()} << 32U) | random() | 1U;  // not 0
-  return {id, true, std::move(by), std::string(reason.substr(0, kLongestStopReason))};
+  msg::EmergencyStop stop;
+  stop.id = id;
+  stop.engaged = true;
+  stop.by = std::move(by);
+  stop.reason = reason.substr(0, kLongestStopReason);
+  return stop;
 }
 
 Latching::Latching(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change)
@@ -79,6 +85,8 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
 }
 
 void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+  const MachineIdentity theirs{status.machine, status.machine_id};
+  if (!SameMachine({stop_.machine, stop_.machine_id}, theirs)) return;
   Received& last = received_[status.name];
   const StopId latched(status.emergency_stop);
   const bool changed = last.writer != info.writer || last.latched != latched;

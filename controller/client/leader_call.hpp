@@ -46,6 +46,7 @@ class LeaderCall {
                                  [self = call.get()] { self->Send(); });
     if (!client) return client.error();
     call->client_ = std::move(client).value();
+    leader.one_machine = true;
     auto watch = LeaderWatch::Make(
         node, std::move(leader),
         [self = call.get()](const msg::MachineStatus& status) { self->OnStatus(status); },
@@ -89,8 +90,12 @@ class LeaderCall {
     const auto servers = client_->Servers();
     if (std::find(servers.begin(), servers.end(), watch_->participant()) == servers.end()) return;
     called_ = watch_->leader();
-    client_->Call(request_, deadline_ - node_.loop().Now(),
-                  [this](Result<Response> reply) { End(std::move(reply)); });
+    Request meant = request_;
+    meant.machine = watch_->machine().name;
+    meant.machine_id = watch_->machine().id;
+    client_->Call(
+        meant, deadline_ - node_.loop().Now(),
+        [this](Result<Response> reply) { End(std::move(reply)); }, watch_->participant());
   }
   void OnLeaderEnd(const msg::MachineStatus& leader, const std::string& how) {
     if (!called_ || leader.pid != called_->pid || leader.host != called_->host) return;

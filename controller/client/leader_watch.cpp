@@ -47,7 +47,8 @@ LeaderWatch::LeaderWatch(transport::Node& node, Options options, OnStatus on_sta
     : node_(node),
       options_(std::move(options)),
       on_status_(std::move(on_status)),
-      on_end_(std::move(on_end)) {}
+      on_end_(std::move(on_end)),
+      machine_(options_.machine) {}
 
 Result<std::unique_ptr<LeaderWatch>> LeaderWatch::Make(transport::Node& node, Options options,
                                                        OnStatus on_status, OnEnd on_end) {
@@ -85,9 +86,19 @@ bool LeaderWatch::IsOurs(const msg::MachineStatus& leader) const {
   return options_.watch_process && !leader.host.empty() && leader.host == options_.host;
 }
 
+bool LeaderWatch::Follows(const msg::MachineStatus& status,
+                          const transport::SampleInfo& from) const {
+  const MachineIdentity theirs{status.machine, status.machine_id};
+  const MachineIdentity& ours = leader_ || options_.one_machine ? machine_ : options_.machine;
+  if (!SameMachine(ours, theirs)) return false;
+  if (leader_) return status.epoch >= leader_->epoch;
+  // What a process that has exited had latched is delivered until its lease expires.
+  return ended_ == 0 || from.writer != ended_;
+}
+
 void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from) {
-  const bool outdated = Epoch(status.epoch) <= ended_ || (leader_ && status.epoch < leader_->epoch);
-  if (outdated) return;
+  if (!Follows(status, from)) return;
+  machine_ = {status.machine, status.machine_id};
   const bool another = !leader_ || from.writer != from_.writer;
   if (leader_ && another) End("no longer leads");
   silent_.reset();
@@ -132,7 +143,7 @@ void LeaderWatch::OnHeartbeatLost() {
 
 void LeaderWatch::End(const std::string& how) {
   const msg::MachineStatus leader = *std::exchange(leader_, std::nullopt);
-  if (IsOurs(leader) && how == kExited) ended_ = Epoch(leader.epoch);
+  if (IsOurs(leader) && how == kExited) ended_ = from_.writer;
   from_ = {};
   process_ = nullptr;
   silence_ = nullptr;

@@ -6,7 +6,9 @@
 //    └─────────────────────┘
 //
 // A controller whose heartbeat was lost leads again once its heartbeat is received again. A
-// controller with a higher epoch replaces the leader, which is then over, too.
+// controller of the same machine with a higher epoch replaces the leader, which is then over, too.
+// Without a leader any controller of the machine is taken, whatever its epoch: a machine whose
+// state folder was lost begins with a low one. Epochs of different machines are never compared.
 //
 // Threads: loop thread only.
 
@@ -17,6 +19,7 @@
 #include <string>
 
 #include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/event_loop.hpp"
@@ -35,8 +38,10 @@ class LeaderWatch {
  public:
   struct Options {
     std::string name_space;
-    std::string host;            // this host, whose processes can be watched
-    WatchProcess watch_process;  // empty: watches no process
+    std::string host;              // this host, whose processes can be watched
+    WatchProcess watch_process;    // empty: watches no process
+    MachineIdentity machine = {};  // empty: the first machine whose controller is found …
+    bool one_machine = false;      // … and no other one after that
   };
   // The leader of that status is over. `how` follows its name: "has exited", "sends no heartbeat".
   using OnEnd = std::function<void(const msg::MachineStatus& leader, const std::string& how)>;
@@ -51,10 +56,13 @@ class LeaderWatch {
   // The leader's participant. Services of a crashed controller stay matched until its lease
   // expires.
   transport::ParticipantId participant() const { return from_.participant; }
+  // The machine of the leader, or of the last one; empty: none was found, and none was given.
+  const MachineIdentity& machine() const { return machine_; }
 
  private:
   LeaderWatch(transport::Node& node, Options options, OnStatus on_status, OnEnd on_end);
   Result<> Open();
+  bool Follows(const msg::MachineStatus& status, const transport::SampleInfo& from) const;
   void OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from);
   void OnHeartbeat(const msg::ControllerBeat& heartbeat);
   void ExpectHeartbeat();
@@ -67,9 +75,10 @@ class LeaderWatch {
   const OnStatus on_status_;
   const OnEnd on_end_;
   std::optional<msg::MachineStatus> leader_;
-  transport::SampleInfo from_;                // of its status
-  Duration heartbeat_period_{};               // as in its heartbeat
-  Epoch ended_ = 0;                           // epoch of the last leader whose process has exited
+  transport::SampleInfo from_;   // of its status
+  Duration heartbeat_period_{};  // as in its heartbeat
+  MachineIdentity machine_;
+  transport::EndpointId ended_ = 0;           // writer of the last leader whose process has exited
   std::optional<msg::MachineStatus> silent_;  // of the last leader whose heartbeat was lost
   transport::SampleInfo silent_from_;
   transport::LoopHandlePtr process_;

@@ -53,8 +53,10 @@ Result<> SwitchClient::Open() {
       node_, transport::MachineService(name_space, "get_switch"), [this] { Send(); });
   if (!get_switch) return get_switch.error();
   get_switch_ = std::move(get_switch).value();
+  LeaderWatch::Options leader = options_.leader;
+  leader.one_machine = true;
   auto watch = LeaderWatch::Make(
-      node_, options_.leader, [this](const msg::MachineStatus& status) { OnStatus(status); },
+      node_, leader, [this](const msg::MachineStatus& status) { OnStatus(status); },
       [this](const msg::MachineStatus& leader, const std::string& how) {
         OnLeaderEnd(leader, how);
       });
@@ -107,16 +109,23 @@ void SwitchClient::Send() {
   };
   if (step_ == Step::kCalled && reaches(*set_state_)) {
     sent_ = true;
-    set_state_->Call({target_, actuator_, options_.by}, options_.timeout,
-                     [this](const auto& reply) {
-                       if (reply) return End({SwitchEnd::Kind::kAnswered, reply.value()});
-                       if (step_ == Step::kCalled) EndUnknown(reply.error().message);
-                     });
+    const MachineIdentity& machine = watch_->machine();
+    set_state_->Call(
+        {target_, actuator_, options_.by, machine.name, machine.id}, options_.timeout,
+        [this](const auto& reply) {
+          if (reply) return End({SwitchEnd::Kind::kAnswered, reply.value()});
+          if (step_ == Step::kCalled) EndUnknown(reply.error().message);
+        },
+        watch_->participant());
   } else if (step_ == Step::kQuerying && reaches(*get_switch_)) {
     sent_ = true;
-    get_switch_->Call({epoch_.value(), number_.value()}, kReplyTimeout, [this](const auto& reply) {
-      if (reply && step_ == Step::kQuerying) OnReply(reply.value());
-    });
+    const MachineIdentity& machine = watch_->machine();
+    get_switch_->Call(
+        {epoch_.value(), number_.value(), machine.name, machine.id}, kReplyTimeout,
+        [this](const auto& reply) {
+          if (reply && step_ == Step::kQuerying) OnReply(reply.value());
+        },
+        watch_->participant());
   }
 }
 

@@ -14,6 +14,7 @@
 #include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher {
@@ -33,6 +34,8 @@ class ActuatorLink {
   virtual void Switch(const SwitchCommand& command) = 0;
   // Queries the outcome of a command, and fences it where the protocol can.
   virtual void Query(const QueryCommand& command) = 0;
+  // The machine that commands belong to.
+  virtual void OnMachine(const MachineIdentity& /*machine*/) {}
   // The participant that the actuator's status comes from now.
   virtual void OnPeer(transport::ParticipantId /*participant*/) {}
   // The controller has started this process for the actuator.

@@ -67,18 +67,22 @@ void MusherLink::SendHeld() {
   for (const auto& request : std::exchange(held_, {})) Call(request);
 }
 
-void MusherLink::Call(const msg::ActuatorCommand::Request& request) {
+void MusherLink::Call(msg::ActuatorCommand::Request request) {
+  request.machine = machine_.name;
+  request.machine_id = machine_.id;
   const CommandNumber number(request.number);
   const bool query = request.kind == msg::ActuatorCommand::kKindAsk;
-  client_->Call(request, kCallTimeout,
-                [this, number, query](const Result<msg::ActuatorCommand::Response>& reply) {
-                  // Without a reply the decision code applies its own deadline.
-                  if (!reply || reply.value().status.name != name_) return;
-                  const msg::ActuatorCommand::Response& response = reply.value();
-                  emit_(event::Replied{actuator_, number, query,
-                                       transport::VerdictFrom(response.verdict), response.code,
-                                       response.message, transport::FromMessage(response.status)});
-                });
+  client_->Call(
+      request, kCallTimeout,
+      [this, number, query](const Result<msg::ActuatorCommand::Response>& reply) {
+        // Without a reply the decision code applies its own deadline.
+        if (!reply || reply.value().status.name != name_) return;
+        const msg::ActuatorCommand::Response& response = reply.value();
+        emit_(event::Replied{actuator_, number, query, transport::VerdictFrom(response.verdict),
+                             response.code, response.message,
+                             transport::FromMessage(response.status)});
+      },
+      peer_);
 }
 
 }  // namespace musher

@@ -25,6 +25,7 @@ class MusherLink : public ActuatorLink {
 
   void Switch(const SwitchCommand& command) override;
   void Query(const QueryCommand& command) override;
+  void OnMachine(const MachineIdentity& machine) override { machine_ = machine; }
   void OnPeer(transport::ParticipantId participant) override;
 
  private:
@@ -34,11 +35,12 @@ class MusherLink : public ActuatorLink {
   void SendOrHold(const msg::ActuatorCommand::Request& request);
   bool PeerIsMatched() const;
   void SendHeld();
-  void Call(const msg::ActuatorCommand::Request& request);
+  void Call(msg::ActuatorCommand::Request request);
 
   const std::string name_;
   const ActuatorIndex actuator_;
   const Emit emit_;
+  MachineIdentity machine_;
   transport::ParticipantId peer_ = 0;  // 0: any
   std::vector<msg::ActuatorCommand::Request> held_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;  // last: it uses the others

@@ -20,6 +20,12 @@ constexpr Duration kListenTime = Milliseconds(1000);
 constexpr Duration kSecuredListenTime = Milliseconds(4000);
 // A controller that starts on another host takes over from one that is silent while it listens.
 constexpr Duration kLongestSilence = kListenTime / 2;
+// Another machine is reported again after this time, and is gone after a silence of some
+// heartbeats.
+constexpr Duration kReportAgain = std::chrono::minutes(10);
+constexpr Duration kOtherSilence = std::chrono::seconds(5);
+constexpr std::size_t kMostOthers = 64;
+constexpr std::size_t kLongestMachineText = 64;  // bytes, of a name from the network
 
 }  // namespace
 
@@ -28,14 +34,19 @@ Duration ListenTime(const MachineConfig& config) {
 }
 
 ControllerPresence::ControllerPresence(transport::Node& node, const MachineConfig& config,
-                                       Identity identity, Emit emit)
-    : node_(node), config_(config), identity_(std::move(identity)), emit_(std::move(emit)) {}
+                                       Identity identity, Emit emit, OnOtherMachine on_other)
+    : node_(node),
+      config_(config),
+      identity_(std::move(identity)),
+      emit_(std::move(emit)),
+      on_other_(std::move(on_other)) {}
 
 Result<std::unique_ptr<ControllerPresence>> ControllerPresence::Make(transport::Node& node,
                                                                      const MachineConfig& config,
-                                                                     Identity identity, Emit emit) {
-  std::unique_ptr<ControllerPresence> presence(
-      new ControllerPresence(node, config, std::move(identity), std::move(emit)));
+                                                                     Identity identity, Emit emit,
+                                                                     OnOtherMachine on_other) {
+  std::unique_ptr<ControllerPresence> presence(new ControllerPresence(
+      node, config, std::move(identity), std::move(emit), std::move(on_other)));
   if (auto opened = presence->Open(); !opened) return opened.error();
   return presence;
 }
@@ -60,6 +71,7 @@ Result<> ControllerPresence::Open() {
   rivals_ = std::move(rivals).value();
   auto received = transport::SubscribeToStops(
       node_, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
+        if (!SameMachine(machine(), {stop.machine, stop.machine_id})) return;
         emit_(event::EmergencyStopSeen{{StopId(stop.id), stop.by, stop.reason}, stop.engaged});
       });
   if (!received) return received.error();
@@ -77,10 +89,11 @@ void ControllerPresence::Announce(Epoch epoch) {
 void ControllerPresence::Repeat() {
   if (!heartbeats_) return;
   NoteSilence();
+  NoteOtherSilence();
   last_heartbeat_ = node_.loop().Now();
   static_cast<void>(heartbeats_->Publish(
       {config_.name, epoch_.value(), identity_.incarnation.value(), identity_.host, identity_.pid,
-       ControllerBeatPeriod(config_).count(), identity_.host_name}));
+       ControllerBeatPeriod(config_).count(), identity_.host_name, identity_.machine_id}));
 }
 
 void ControllerPresence::NoteSilence() {
@@ -120,10 +133,44 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   if (theirs == ours) return;
   const Epoch epoch(heartbeat.epoch);
   if (epoch > kLastEpoch) return;  // out of range
-  rival_ = {"process " + std::to_string(heartbeat.pid) + " of " + HostOf(heartbeat), epoch,
-            heartbeat.machine};
+  Rival other{"process " + std::to_string(heartbeat.pid) + " of " + HostOf(heartbeat),
+              epoch,
+              {heartbeat.machine, heartbeat.machine_id}};
+  if (!SameMachine(machine(), other.machine)) return NoteOtherMachine(std::move(other));
+  rival_ = std::move(other);
   // Only a heartbeat that may change something is an event: others would fill the journal.
   if (epoch >= epoch_) emit_(event::RivalSeen{epoch, rival_->process, theirs < ours});
+}
+
+void ControllerPresence::NoteOtherMachine(Rival other) {
+  other.machine.name = other.machine.name.substr(0, kLongestMachineText);
+  other.machine.id = other.machine.id.substr(0, kLongestMachineText);
+  const std::pair key(other.machine.name, other.machine.id);
+  if (!others_.contains(key) && others_.size() >= kMostOthers) return;
+  const Time now = node_.loop().Now();
+  OtherMachine& known = others_[key];
+  known.controller = std::move(other);
+  known.received = now;
+  known.present = true;
+  if (known.reported && now - *known.reported < kReportAgain) return;
+  known.reported = now;
+  if (on_other_) on_other_(&known.controller);
+}
+
+void ControllerPresence::NoteOtherSilence() {
+  for (auto& [key, other] : others_) {
+    if (!other.present || node_.loop().Now() - other.received <= kOtherSilence) continue;
+    other.present = false;
+    if (on_other_) on_other_(nullptr);
+  }
+}
+
+std::vector<ControllerPresence::Rival> ControllerPresence::OtherMachines() const {
+  std::vector<Rival> others;
+  for (const auto& [key, other] : others_) {
+    if (other.present) others.push_back(other.controller);
+  }
+  return others;
 }
 
 void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {
@@ -133,7 +180,9 @@ void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {
         node_, transport::EmergencyStopTopic(config_.name_space), kStopsQos);
     if (made) stops = std::move(made).value();
   }
-  if (stops) static_cast<void>(stops->Publish({stop.id.value(), engaged, stop.by, stop.reason}));
+  if (!stops) return;
+  static_cast<void>(stops->Publish(
+      {stop.id.value(), engaged, stop.by, stop.reason, config_.name, identity_.machine_id}));
 }
 
 }  // namespace musher

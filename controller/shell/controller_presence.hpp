@@ -1,15 +1,20 @@
 #pragma once
 // Publishes this controller's heartbeat with its epoch, receives the heartbeats of other
-// controllers of the same machine, and publishes emergency stops.
+// controllers, and publishes emergency stops. Only a controller of the same machine is a rival; one
+// of another machine in the namespace and domain is reported, and never fences this one.
 //
 // Threads: loop thread only.
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/node.hpp"
 
@@ -25,14 +30,28 @@ class ControllerPresence {
     Incarnation incarnation = 0;
     std::int32_t pid = 0;
     std::string host;
-    std::string host_name{};  // for people; may be empty
+    std::string host_name{};   // for people; may be empty
+    std::string machine_id{};  // of this controller's machine; empty: not known yet
   };
+  // Another controller whose heartbeat was received.
+  struct Rival {
+    std::string process;  // "process 4711 of this host"
+    Epoch epoch = 0;
+    MachineIdentity machine;
+  };
+  // Called when another machine appears in the namespace and domain and now and then while it
+  // stays, with its controller; with null when one is no longer received.
+  using OnOtherMachine = std::function<void(const Rival*)>;
 
   // `node` and `config` must outlive it.
   static Result<std::unique_ptr<ControllerPresence>> Make(transport::Node& node,
                                                           const MachineConfig& config,
-                                                          Identity identity, Emit emit);
+                                                          Identity identity, Emit emit,
+                                                          OnOtherMachine on_other = {});
 
+  // Before Announce(): the id of this controller's machine.
+  void SetMachineId(std::string id) { identity_.machine_id = std::move(id); }
+  MachineIdentity machine() const { return {config_.name, identity_.machine_id}; }
   // Publishes the heartbeat at once and periodically from now on.
   void Announce(Epoch epoch);
   // Publishes the heartbeat once more, for an actuator that may not have received it.
@@ -41,13 +60,10 @@ class ControllerPresence {
   // its process was stopped, must listen first: a controller of another host may have taken over
   // and started them.
   Time MayStartProcessesAt();
-  // Another controller whose heartbeat was received, if any.
-  struct Rival {
-    std::string process;  // "process 4711 of this host"
-    Epoch epoch = 0;
-    std::string machine;  // its name
-  };
+  // Another controller of this machine, if any.
   const std::optional<Rival>& rival() const { return rival_; }
+  // The controllers of other machines whose heartbeats still arrive.
+  std::vector<Rival> OtherMachines() const;
   // Stops publishing: another controller leads, or the machine is stopped.
   void FallSilent();
 
@@ -57,18 +73,28 @@ class ControllerPresence {
 
  private:
   ControllerPresence(transport::Node& node, const MachineConfig& config, Identity identity,
-                     Emit emit);
+                     Emit emit, OnOtherMachine on_other);
   Result<> Open();
   void OnHeartbeat(const msg::ControllerBeat& heartbeat);
+  void NoteOtherMachine(Rival other);
+  void NoteOtherSilence();
   void NoteSilence();
   std::string HostOf(const msg::ControllerBeat& heartbeat) const;
 
   transport::Node& node_;
   const MachineConfig& config_;
-  const Identity identity_;
+  Identity identity_;
   const Emit emit_;
+  const OnOtherMachine on_other_;
   Epoch epoch_ = 0;
   std::optional<Rival> rival_;
+  struct OtherMachine {
+    Rival controller;
+    Time received{};
+    std::optional<Time> reported{};
+    bool present = true;
+  };
+  std::map<std::pair<std::string, std::string>, OtherMachine> others_;  // by name and id
   Time last_heartbeat_{};
   Time listens_until_{};
   std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;

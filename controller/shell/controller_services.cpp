@@ -32,6 +32,18 @@ std::optional<Error> CheckLengths(const std::string& target, const std::string& 
                "a name of more than " + std::to_string(kLongestName) + " bytes is invalid"};
 }
 
+// A client that names another machine has reached this controller because both serve one namespace.
+template <class Request>
+std::optional<Error> MeantForAnother(const ControllerShell& shell, const Request& request) {
+  const MachineIdentity meant{request.machine.substr(0, kLongestName),
+                              request.machine_id.substr(0, kLongestName)};
+  const MachineIdentity ours = shell.machine_identity();
+  if (SameMachine(ours, meant)) return std::nullopt;
+  return Error{kCodePermissionDenied, "the request is meant for another machine, " +
+                                          MachineText(meant) + "; this one is " +
+                                          MachineText(ours)};
+}
+
 msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
   msg::GetHistory::Response response;
   if (!reading) {
@@ -62,8 +74,16 @@ Result<> ControllerServices::Open() {
   const std::string& name_space = shell_.config().name_space;
   const auto open = [&]<class S>(std::unique_ptr<transport::Server<S>>& server, const char* name,
                                  typename transport::Server<S>::Handler handler) -> Result<> {
+    typename transport::Server<S>::Handler for_us = [this, handler = std::move(handler)](
+                                                        const auto& request, auto reply) {
+      if constexpr (requires { request.machine_id; }) {
+        // Its controller receives the request, too, and answers.
+        if (shell_.IsOtherMachine({request.machine, request.machine_id})) return;
+      }
+      handler(request, std::move(reply));
+    };
     auto made = transport::MakeServer<S>(node_, transport::MachineService(name_space, name),
-                                         std::move(handler));
+                                         std::move(for_us));
     if (!made) return made.error();
     server = std::move(made).value();
     return Ok();
@@ -75,6 +95,9 @@ Result<> ControllerServices::Open() {
   }
   if (auto r = open(restart_actuator_, "restart_actuator",
                     [this](const auto& request, auto reply) {
+                      if (const auto error = MeantForAnother(shell_, request)) {
+                        return reply(AnswerTo<msg::RestartActuator>(*error));
+                      }
                       RecordRequest(request.by, "requests a restart of " + request.actuator);
                       shell_.Restart(request.actuator, [this, reply](const Result<>& result) {
                         shell_.PublishStatus();
@@ -86,6 +109,9 @@ Result<> ControllerServices::Open() {
   }
   if (auto r = open(release_emergency_stop_, "release_emergency_stop",
                     [this](const auto& request, auto reply) {
+                      if (const auto error = MeantForAnother(shell_, request)) {
+                        return reply(AnswerTo<msg::ReleaseEmergencyStop>(*error));
+                      }
                       shell_.ReleaseEmergencyStop(
                           request.by.substr(0, kLongestName),
                           [this, reply](const Result<>& result) {
@@ -132,7 +158,9 @@ void ControllerServices::RecordRequest(const std::string& by, const std::string&
 
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
                                     const transport::Server<msg::SetState>::Reply& reply) {
-  if (const auto error = CheckLengths(request.target, request.actuator)) {
+  auto error = CheckLengths(request.target, request.actuator);
+  if (!error) error = MeantForAnother(shell_, request);
+  if (error) {
     SwitchResult refusal;
     refusal.outcome = SwitchOutcome::kRefused;
     refusal.target = State(request.target).Shortened();
@@ -158,6 +186,7 @@ void ControllerServices::OnRequestPolicy(
     shell_.PublishStatus();
     reply({end.code, end.message, shell_.machine().state});
   };
+  if (const auto error = MeantForAnother(shell_, request)) return answer(*error);
   const auto what = RequestOf(request.request);
   // A direct switch has a service of its own, whose reply has more detail.
   if (!what || *what == PolicyRequest::kSwitch || request.state.size() > kLongestName) {
@@ -172,6 +201,7 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
   const MachineConfig& config = shell_.config();
   const auto only = config.IndexOf(request.actuator);
   auto error = CheckLengths(request.target, request.actuator);
+  if (!error) error = MeantForAnother(shell_, request);
   if (!error && !request.actuator.empty() && !only) {
     error = Error{kCodeParametersInvalid, NoSuchActuator(request.actuator, config)};
   }
@@ -193,6 +223,11 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
   const Epoch epoch(request.epoch);
   const CommandNumber number(request.switch_number);
   msg::GetSwitch::Response known = FindSwitch(shell_.switches(), epoch, number);
+  if (const auto error = MeantForAnother(shell_, request)) {
+    msg::GetSwitch::Response refusal;
+    refusal.reason = error->message;
+    return reply(refusal);
+  }
   if (known.found) {
     if (known.outcome.empty()) known.outcome = msg::GetSwitch::kUnderWay;
     return reply(known);
@@ -235,6 +270,7 @@ void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
 
 void ControllerServices::OnGetHistory(const msg::GetHistory::Request& request,
                                       const HistoryReply& reply) {
+  if (const auto error = MeantForAnother(shell_, request)) return reply({error->message, {}});
   if (!read_history_) {
     return reply({"this controller has no journal: its folder is not usable", {}});
   }

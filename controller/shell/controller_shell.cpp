@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/controller/journal/record_data.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -45,11 +46,14 @@ Result<> ControllerShell::Open() {
         node, config_, i, [this](const Event& event) { OnLinkEvent(event); }, dependencies_.links);
     if (!link) return link.error();
     peers_[i].link = std::move(link).value();
+    peers_[i].link->OnMachine({config_.name, dependencies_.machine_id});
   }
   auto presence = ControllerPresence::Make(
       node, config_,
-      {dependencies_.incarnation, dependencies_.pid, dependencies_.host, dependencies_.host_name},
-      [this](const Event& event) { Handle(event); });
+      {dependencies_.incarnation, dependencies_.pid, dependencies_.host, dependencies_.host_name,
+       dependencies_.machine_id},
+      [this](const Event& event) { Handle(event); },
+      [this](const ControllerPresence::Rival* other) { OnOtherMachine(other); });
   if (!presence) return presence.error();
   presence_ = std::move(presence).value();
   auto health = HealthWatch::Make(
@@ -253,6 +257,28 @@ ActuatorLink& ControllerShell::LinkTo(ActuatorIndex actuator) {
     }
   }
   return *peer.link;
+}
+
+void ControllerShell::SetMachineId(const std::string& id) {
+  presence_->SetMachineId(id);
+  for (Peer& peer : peers_) peer.link->OnMachine(machine_identity());
+}
+
+bool ControllerShell::IsOtherMachine(const MachineIdentity& machine) const {
+  if (SameMachine(machine_identity(), machine)) return false;
+  const std::vector<ControllerPresence::Rival> others = presence_->OtherMachines();
+  return std::any_of(others.begin(), others.end(), [&](const ControllerPresence::Rival& other) {
+    return SameMachine(other.machine, machine);
+  });
+}
+
+void ControllerShell::OnOtherMachine(const ControllerPresence::Rival* other) {
+  if (other != nullptr) {
+    RecordHere(
+        "machine", std::nullopt, kCodeParametersInvalid,
+        texts::OtherMachineSeen(MachineText(other->machine), other->process, config_.name_space));
+  }
+  PublishSoon();
 }
 
 void ControllerShell::Do(const action::SendSwitch& a) {

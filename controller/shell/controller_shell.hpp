@@ -10,8 +10,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "musher/base/unique_fd.hpp"
@@ -64,6 +66,7 @@ class ControllerShell {
     std::string host_name;                  // HostName(); may be empty
     std::int32_t pid = 0;
     Incarnation incarnation = 0;  // of this controller
+    std::string machine_id;       // of its machine; empty: not known yet
   };
   // Callbacks; each may be empty.
   struct Hooks {
@@ -91,6 +94,16 @@ class ControllerShell {
   // clients and latches the machine's status, until another controller takes over or the machine is
   // stopped. `children`: the processes in `begin` that an earlier controller has started.
   void Begin(event::Begin begin, const std::vector<ChildProcess>& children = {});
+  // Before Begin(): the id of this machine.
+  void SetMachineId(const std::string& id);
+  // What this machine is known by on the network.
+  MachineIdentity machine_identity() const { return presence_->machine(); }
+  // Whether that is another machine, whose controller is present in this namespace and domain.
+  bool IsOtherMachine(const MachineIdentity& machine) const;
+  // The last status of each actuator that was received before Begin().
+  const std::map<ActuatorIndex, msg::ActuatorStatus>& statuses_before_begin() const {
+    return statuses_before_begin_;
+  }
   // Another controller of this machine whose heartbeat was received, if any.
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
   // When the first actuator status was received, before Begin().
@@ -188,6 +201,9 @@ class ControllerShell {
   void SaveChildren();
   void CompareHash(ActuatorIndex actuator, const std::string& hash);
   void RecordUnlisted(const msg::ActuatorStatus& status);
+  bool HoldsItsNameHere(const msg::ActuatorStatus& status) const;
+  void RecordOtherMachines(const msg::ActuatorStatus& status, const MachineIdentity& theirs);
+  void OnOtherMachine(const ControllerPresence::Rival* other);
 
   bool KeepForBegin(const Event& event);
   void CheckThread() const;
@@ -237,11 +253,12 @@ class ControllerShell {
   bool children_unsaved_ = false;                   // the last save failed, which was reported
   bool power_command_runs_ = false;                 // the command of power-off or reboot
   StoredStops stops_before_begin_;
-  std::map<ActuatorIndex, event::StatusSeen> before_begin_;   // the last one of each actuator
-  std::map<ActuatorIndex, std::string> hashes_before_begin_;  // of their configs
+  std::map<ActuatorIndex, event::StatusSeen> before_begin_;  // the last one of each actuator
+  std::map<ActuatorIndex, msg::ActuatorStatus> statuses_before_begin_;
   std::map<std::string, Incarnation> unlisted_;  // incarnations of actuators not in the config
-  std::optional<Time> first_status_at_;          // of before_begin_
-  std::deque<Event> queue_;                      // events that arrived while one was handled
+  std::set<std::pair<ActuatorIndex, std::string>> of_others_;  // recorded, with their machine
+  std::optional<Time> first_status_at_;                        // of before_begin_
+  std::deque<Event> queue_;  // events that arrived while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;
   std::map<RequestId, OnResult> waiting_for_result_;

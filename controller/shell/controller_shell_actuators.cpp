@@ -27,13 +27,17 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
                                const transport::SampleInfo& info) {
   const auto found = index_.find(status.name);
   if (!transport::IsFrom(status.name, info)) return;
+  const MachineIdentity theirs{status.machine, status.machine_id};
+  if (!SameMachine(machine_identity(), theirs) && !HoldsItsNameHere(status)) {
+    return RecordOtherMachines(status, theirs);
+  }
   if (found == index_.end()) return RecordUnlisted(status);
   const ActuatorIndex i = found->second;
   const ActuatorReport report = WithProvenPid(i, transport::FromMessage(status));
   status_writers_[info.writer] = {i, report.incarnation};
   if (info.participant != 0) ProcessOf(i, report).participant = info.participant;
   CompareHash(i, status.config_hash);
-  if (machine_.phase == Phase::kIdle) hashes_before_begin_[i] = status.config_hash;
+  if (machine_.phase == Phase::kIdle) statuses_before_begin_[i] = status;
   Handle(event::StatusSeen{i, report});
   const ActuatorReport& taken = machine_.actuators[i].report;
   if (taken.incarnation == report.incarnation) health_->OnReport(i, report);
@@ -113,13 +117,38 @@ void ControllerShell::RecordUnlisted(const msg::ActuatorStatus& status) {
       texts::UnlistedActuatorFound(unlisted->first, status.pid, State(status.state), config_.file));
 }
 
+// Then it is of this machine, whatever it says: one machine of a host has the namespace and domain.
+bool ControllerShell::HoldsItsNameHere(const msg::ActuatorStatus& status) const {
+  const auto found = index_.find(status.name);
+  if (status.host.empty() || status.host != dependencies_.host || found == index_.end()) {
+    return false;
+  }
+  const std::int32_t child = machine_.actuators[found->second].process.pid;
+  return dependencies_.process_probe->Prove(status.name, status.pid, child).ok();
+}
+
+// An actuator that is started by hand may have a config of another name by mistake.
+void ControllerShell::RecordOtherMachines(const msg::ActuatorStatus& status,
+                                          const MachineIdentity& theirs) {
+  const auto found = index_.find(status.name);
+  if (found == index_.end() || !config_.actuators[found->second].command.empty()) return;
+  MachineIdentity machine = theirs;
+  machine.name = machine.name.substr(0, 64);
+  const bool added = of_others_.emplace(found->second, machine.name).second;
+  if (!added || of_others_.size() > kMostUnlisted) return;
+  RecordHere("machine", std::nullopt, kCodeParametersInvalid,
+             texts::OtherMachineSeen(MachineText(machine), "its actuator " + status.name,
+                                     config_.name_space));
+}
+
 std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) const {
   std::string names;
   std::size_t count = 0;
   for (const auto& [actuator, seen] : before_begin_) {
-    const auto theirs = hashes_before_begin_.find(actuator);
-    const bool ours = theirs == hashes_before_begin_.end() || theirs->second.empty() ||
-                      theirs->second == config_.hash || theirs->second == hash;
+    const auto status = statuses_before_begin_.find(actuator);
+    const std::string theirs =
+        status == statuses_before_begin_.end() ? "" : status->second.config_hash;
+    const bool ours = theirs.empty() || theirs == config_.hash || theirs == hash;
     if (ours || seen.report.host != dependencies_.host || !Runs(config_, seen.report)) continue;
     names += (names.empty() ? "" : ", ") + config_.actuators[actuator].name + " (pid " +
              std::to_string(seen.report.pid) + ")";

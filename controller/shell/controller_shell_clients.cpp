@@ -33,7 +33,8 @@ Result<> ControllerShell::OpenToClients() {
       node, std::string(transport::kMachinesTopic), transport::kLatchedQos);
   if (!info) return info.error();
   info_ = std::move(info).value();
-  return info_->Publish({config_.name, config_.name_space, dependencies_.host, dependencies_.pid});
+  return info_->Publish({config_.name, config_.name_space, dependencies_.host, dependencies_.pid,
+                         machine_identity().id});
 }
 
 // Requests that still wait for an answer get `why` first.
@@ -101,6 +102,10 @@ msg::MachineStatus ControllerShell::Status() const {
   msg::MachineStatus status = ToMessage(config_, machine_);
   status.pid = dependencies_.pid;
   status.host = dependencies_.host;
+  status.machine_id = presence_->machine().id;
+  for (const ControllerPresence::Rival& other : presence_->OtherMachines()) {
+    status.other_machines.push_back(MachineText(other.machine) + ", " + other.process);
+  }
   const Time now = dependencies_.node->loop().Now();
   for (const Unsaved& unsaved : machine_.saves.unsaved) {
     // Whoever engages a stop waits until it is saved.

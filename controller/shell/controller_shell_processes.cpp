@@ -37,6 +37,9 @@ void ControllerShell::Do(const action::StartProcess& a) {
     spec.env.emplace("MUSHER_CONFIG", std::filesystem::absolute(config_.file).string());
   }
   spec.env.emplace("MUSHER_ACTUATOR", actuator.name);
+  const MachineIdentity machine = machine_identity();
+  spec.env.emplace("MUSHER_MACHINE", machine.name);
+  if (!machine.id.empty()) spec.env.emplace("MUSHER_MACHINE_ID", machine.id);
   if (actuator.protocol == Protocol::kRos2Lifecycle) {
     transport::Environment inherited = transport::OwnEnvironment();
     for (const auto& [name, value] : actuator.env) inherited[name] = value;

@@ -55,16 +55,25 @@ std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir) {
       std::from_chars(value.data(), value.data() + value.size(), origin.domain);
     }
     if (key == "file") origin.file = value;
+    if (key == "id") origin.id = value;
   }
   if (origin.name.empty() || origin.file.empty()) return std::nullopt;
   return origin;
 }
 
-Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin) {
+Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin, bool synced) {
   return ReplaceFile(OriginFile(state_dir),
                      Line("name", origin.name) + Line("namespace", origin.name_space) +
-                         Line("domain", std::to_string(origin.domain)) + Line("file", origin.file),
-                     {.synced = false});
+                         Line("domain", std::to_string(origin.domain)) + Line("file", origin.file) +
+                         Line("id", origin.id),
+                     {.synced = synced});
+}
+
+std::string NewMachineId() {
+  std::ifstream file("/proc/sys/kernel/random/uuid");
+  std::string id;
+  std::getline(file, id);
+  return id;
 }
 
 std::string StateDirOfProcess(pid_t pid) {

@@ -1,7 +1,8 @@
 #pragma once
 // The identity of a machine: name, namespace, domain and the file that it was started from. It
 // identifies the machine of a state folder and of a controller. A machine that differs in one of
-// them is another machine, with its own history, epochs and emergency stops.
+// them is another machine, with its own history, epochs and emergency stops. `id` is what it is
+// known by on the network (lifecycle/machine/machine_identity.hpp).
 //
 // Stored in the state folder's file `machine`.
 //
@@ -21,6 +22,7 @@ struct MachineOrigin {
   std::string name_space;
   int domain = 0;
   std::string file;  // absolute: its config, or its upgrade root
+  std::string id{};  // a UUID, made at the first start of the machine; empty: none yet
 
   // "robot of /etc/musher/robot.toml (namespace 'fleet', domain 7)"
   std::string Text() const;
@@ -35,7 +37,10 @@ struct MachineOrigin {
 std::string OriginFile(const std::string& state_dir);
 // The identity saved in a folder; nullopt if there is none or it cannot be read.
 std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir);
-Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin);
+Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin, bool synced = false);
+
+// A new random id of a machine.
+std::string NewMachineId();
 
 // The folder whose lock the controller process `pid` holds; empty if it holds none, or its open
 // files are not visible to us.

@@ -141,10 +141,12 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   }
   const auto recorded = LoadOrigin(dir);
   if (recorded && !recorded->IsOf(machine, false)) return Foreign(dir, *recorded, machine, 0);
+  MachineOrigin kept = machine;
+  if (recorded) kept.id = recorded->id;
   // On a full disk it stays as it is, and the machine starts all the same.
-  if (recorded != machine) static_cast<void>(SaveOrigin(dir, machine));
+  if (recorded != kept) static_cast<void>(SaveOrigin(dir, kept));
   NameOwner(lock.get(), machine);
-  StateStore store(dir, machine, std::move(lock));
+  StateStore store(dir, std::move(kept), std::move(lock));
   store.ReserveEmergencyStops();
   return store;
 }

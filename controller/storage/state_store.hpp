@@ -53,6 +53,11 @@ class StateStore {
   // The kernel releases the lock when the process exits or crashes.
   static Result<StateStore> Open(const std::string& dir, const MachineOrigin& machine);
 
+  // The id of the folder's machine, also one that is not saved yet; empty: it has none yet.
+  const std::string& machine_id() const { return machine_.id; }
+  void SetMachineId(std::string id) { machine_.id = std::move(id); }
+  Result<> SaveMachineId() const { return SaveOrigin(dir_, machine_, true); }
+
   // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error: report it
   // and continue as with 0, because the epochs that the actuators report count as well.
   Result<Epoch> LoadEpoch() const;

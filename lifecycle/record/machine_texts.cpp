@@ -136,6 +136,17 @@ RecordText UnlistedActuatorFound(const std::string& actuator, std::int32_t pid, 
       {{"actuator", actuator}, {"pid", Known(pid)}, {"state", state}, {"config", config}});
 }
 
+RecordText OtherMachineSeen(const std::string& machine, const std::string& process,
+                            const std::string& name_space) {
+  return MakeText(
+      EventName::kOtherMachine,
+      "another machine, {machine}, runs in the same domain and in " +
+          (name_space.empty() ? std::string("no namespace") : "the same namespace, {namespace}") +
+          ": {process}. It is left alone, but data topics of both are mixed: give "
+          "this one a `namespace` in [controller], or [security]",
+      {{"machine", machine}, {"process", process}, {"namespace", name_space}});
+}
+
 RecordText EmergencyStopEngaged(const std::string& by, const std::string& reason) {
   return MakeText(
       EventName::kEmergencyStopEngaged,

@@ -51,6 +51,9 @@ RecordText SaveFailed(std::string_view what, const std::string& why);
 RecordText SaveRecovered(std::string_view what);
 RecordText UnlistedActuatorFound(const std::string& actuator, std::int32_t pid, const State& state,
                                  const std::string& config);
+// Another machine has a controller in this namespace and domain, or an actuator of a listed name.
+RecordText OtherMachineSeen(const std::string& machine, const std::string& process,
+                            const std::string& name_space);
 RecordText EmergencyStopEngaged(const std::string& by, const std::string& reason);
 RecordText EmergencyStopReleased(const std::string& by);
 RecordText StateNotWritable(const std::string& why);

@@ -94,4 +94,89 @@ TEST_F(Rivals, OfAnOlderVersionAreKnownByAShortIdThatIsExplained) {
             "process 7 of another host (boot id 5982c7ee…)");
 }
 
+// Two machines in one namespace and domain: this one, and another with a controller of its own.
+class OtherMachines : public ::testing::Test {
+ protected:
+  using Rival = ControllerPresence::Rival;
+
+  // What this machine's controller makes of the heartbeats of another controller with a higher
+  // epoch.
+  void Meet(const std::string& name, const std::string& id) {
+    theirs_config_.name = name;
+    theirs_ = ControllerPresence::Make(*there_, theirs_config_, {1, 7, "boot-b/1", "cat", id},
+                                       [](const Event&) {})
+                  .value();
+    theirs_->Announce(9);
+    network_.RunFor(seconds(2));
+  }
+  std::vector<std::string> Present() const {
+    std::vector<std::string> names;
+    for (const Rival& other : ours_->OtherMachines()) names.push_back(MachineText(other.machine));
+    return names;
+  }
+
+  transport::sim::Network network_{1};
+  MachineConfig config_ = MachineOf(2);
+  MachineConfig theirs_config_ = MachineOf(2);
+  std::unique_ptr<transport::Node> here_ = network_.MakeNode("here");
+  std::unique_ptr<transport::Node> there_ = network_.MakeNode("there");
+  std::vector<std::string> reported_;
+  std::vector<Event> events_;
+  std::unique_ptr<ControllerPresence> theirs_;
+  std::unique_ptr<ControllerPresence> ours_ = [this] {
+    config_.name = "dog";
+    auto ours = ControllerPresence::Make(
+                    *here_, config_, {1, 1, "boot-a/1", "dog", "uuid-a"},
+                    [this](const Event& event) { events_.push_back(event); },
+                    [this](const Rival* other) {
+                      reported_.push_back(other == nullptr ? "gone" : MachineText(other->machine));
+                    })
+                    .value();
+    ours->Announce(1);
+    return ours;
+  }();
+};
+
+TEST_F(OtherMachines, NeverFenceThisOneAndAreReportedOnce) {
+  Meet("cat", "uuid-b");
+  EXPECT_TRUE(events_.empty());
+  EXPECT_FALSE(ours_->rival());
+  network_.RunFor(std::chrono::minutes(9));
+  EXPECT_EQ(reported_, std::vector<std::string>{"cat (id uuid-b)"});
+  EXPECT_EQ(Present(), std::vector<std::string>{"cat (id uuid-b)"});
+}
+
+TEST_F(OtherMachines, AreReportedAgainWhileTheyStay) {
+  Meet("cat", "uuid-b");
+  network_.RunFor(std::chrono::minutes(11));
+  EXPECT_EQ(reported_.size(), 2U);
+}
+
+TEST_F(OtherMachines, AreNotPresentAnyMoreWithoutHeartbeats) {
+  Meet("cat", "uuid-b");
+  theirs_ = nullptr;
+  network_.RunFor(seconds(6));
+  EXPECT_TRUE(Present().empty());
+  EXPECT_EQ(reported_, (std::vector<std::string>{"cat (id uuid-b)", "gone"}));
+}
+
+TEST_F(OtherMachines, OfTheSameNameAreKnownByTheirId) {
+  Meet("dog", "uuid-b");
+  EXPECT_TRUE(events_.empty());
+}
+
+TEST_F(OtherMachines, OfAnOlderVersionAreKnownByTheirName) {
+  Meet("cat", "");
+  EXPECT_TRUE(events_.empty());
+  Meet("dog", "");
+  EXPECT_FALSE(events_.empty()) << "it may be another controller of this machine";
+}
+
+TEST_F(OtherMachines, AreNoneOfTheControllersOfOneMachine) {
+  Meet("dog", "uuid-a");
+  ASSERT_FALSE(events_.empty());
+  EXPECT_EQ(std::get<event::RivalSeen>(events_.front()).epoch, Epoch(9));
+  EXPECT_TRUE(reported_.empty());
+}
+
 }  // namespace musher::testing::controller_presence_test

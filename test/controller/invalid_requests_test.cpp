@@ -169,6 +169,30 @@ TEST_F(InvalidRequests, AnEpochThatNoOtherCouldExceedIsRefused) {
               FieldsAre(ActuatorCommand::kVerdictRefused, kCodeParametersInvalid, 1));
 }
 
+TEST_F(InvalidRequests, ARequestForAnotherMachineIsRefused) {
+  SetState::Request request{"LowPower", ""};
+  request.machine = "cat";
+  const auto response =
+      Call<SetState>(transport::MachineService(NameSpace(), "set_state"), request);
+  EXPECT_EQ(response.outcome, "refused");
+  EXPECT_EQ(response.code, kCodePermissionDenied);
+  EXPECT_THAT(response.reason, HasSubstr("meant for another machine, cat"));
+  GetPlan::Request plan{"LowPower", ""};
+  plan.machine = "cat";
+  EXPECT_EQ(Call<GetPlan>(transport::MachineService(NameSpace(), "get_plan"), plan).code,
+            kCodePermissionDenied);
+  const auto restart = Call<msg::RestartActuator>(
+      transport::MachineService(NameSpace(), "restart_actuator"), {"arm", "", "cat"});
+  EXPECT_EQ(restart.code, kCodePermissionDenied);
+}
+
+TEST_F(InvalidRequests, ACommandOfAnotherMachineIsRefusedByTheActuator) {
+  const auto response = Command([](auto& request) { request.machine = "cat"; });
+  EXPECT_EQ(response.verdict, ActuatorCommand::kVerdictRefused);
+  EXPECT_EQ(response.code, kCodePermissionDenied);
+  EXPECT_THAT(response.message, HasSubstr("another machine, cat"));
+}
+
 TEST_F(InvalidRequests, ACommandForAnotherProcessIsRefusedByTheActuator) {
   const auto response = Command([](auto& request) { request.incarnation = 4711; });
   EXPECT_EQ(response.code, kCodePermissionDenied);

@@ -52,6 +52,8 @@ Examples OfTheMachine() {
       {"EpochRaised", EpochRaised(9, "legs")},
       {"SaveFailed", SaveFailed("epoch", "no space left on device")},
       {"SaveRecovered", SaveRecovered("epoch")},
+      {"OtherMachineSeen", OtherMachineSeen("cat (id 5982c7ee)", "process 7 of host cat", "")},
+      {"OtherMachineSeen", OtherMachineSeen("cat", "process 7 of host cat", "fleet")},
       {"UnlistedActuatorFound", UnlistedActuatorFound("wheels", 12, "Active", "robot.toml")},
       {"EmergencyStopEngaged", EmergencyStopEngaged("panel", "a person is near")},
       {"EmergencyStopEngaged", EmergencyStopEngaged("", "")},

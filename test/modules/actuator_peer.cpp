@@ -52,7 +52,7 @@ ActuatorPeer::ActuatorPeer(std::string actuator, const std::vector<std::string>&
   heartbeats_ = transport::MakePublisher<msg::ControllerBeat>(
                     *node_, transport::ControllerBeatTopic(""), transport::kLatchedQos)
                     .value();
-  static_cast<void>(heartbeats_->Publish({"robot", 1, 1, "", getpid(), 0}));
+  static_cast<void>(heartbeats_->Publish({"", 1, 1, "", getpid(), 0}));
   client_ =
       transport::MakeClient<msg::ActuatorCommand>(*node_, transport::CommandService("", actuator_))
           .value();

@@ -54,7 +54,9 @@ void RobotRequests::Answer(const http::Respond& respond, const typename S::Respo
 }
 
 LeaderWatch::Options RobotRequests::Leader() {
-  return {options_.name_space, options_.host, WatchByPidfd(node_.loop())};
+  LeaderWatch::Options leader{options_.name_space, options_.host, WatchByPidfd(node_.loop())};
+  if (status_()) leader.machine = {status_()->machine, status_()->machine_id};
+  return leader;
 }
 
 bool RobotRequests::HasController(const http::Respond& respond) {
@@ -78,6 +80,9 @@ template <msg::Service S>
 void RobotRequests::Call(const std::string& service, const typename S::Request& request,
                          Duration timeout, const http::Respond& respond) {
   if (!HasController(respond)) return;
+  typename S::Request meant = request;
+  meant.machine = status_()->machine;
+  meant.machine_id = status_()->machine_id;
   std::shared_ptr<void>& kept = clients_[service];
   if (!kept) {
     auto made =
@@ -86,7 +91,7 @@ void RobotRequests::Call(const std::string& service, const typename S::Request& 
     kept = std::shared_ptr<transport::Client<S>>(std::move(made).value());
   }
   static_cast<transport::Client<S>*>(kept.get())
-      ->Call(request, timeout, [this, respond](const Result<typename S::Response>& answer) {
+      ->Call(meant, timeout, [this, respond](const Result<typename S::Response>& answer) {
         if (answer) return Answer<S>(respond, answer.value());
         respond(http::ErrorResponse(504, answer.error().code,
                                     "the controller has not answered: " + answer.error().message));

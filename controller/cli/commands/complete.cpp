@@ -126,6 +126,7 @@ Words OfMachine(const GlobalOptions& global, Names names) {
   const auto opened = Link::Open(global);
   if (!opened) return {};
   Link& link = *opened.value();
+  link.Choose();
   if (!link.FollowStatus({})) return {};
   link.RunUntil([&] { return link.status().has_value(); },
                 link.LeaderHere() != 0 ? kFind : kFindElsewhere);

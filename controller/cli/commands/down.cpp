@@ -25,6 +25,29 @@ struct DownOptions {
 
 constexpr Duration kTearDownTime = std::chrono::seconds(10);
 
+// Only the actuators of one machine are stopped: of the named one, else of this host's. Without
+// either, of the only one.
+std::optional<Failure> ChooseActuatorsOf(Link& link, Running& running,
+                                         const GlobalOptions& global) {
+  MachineIdentity chosen{global.machine, ""};
+  if (chosen.name.empty()) {
+    const std::vector<MachineIdentity> here = running.Machines(true);
+    const std::vector<MachineIdentity> elsewhere = running.Machines(false);
+    if (here.empty() && elsewhere.size() > 1) {
+      return Failure{ExitCode::kUsage,
+                     {kCodeTargetBusy,
+                      "actuators of several machines run in " + NamespaceText(global.name_space) +
+                          ": " + MachineText(elsewhere[0]) + ", " + MachineText(elsewhere[1]) +
+                          ". Nothing was done; --machine NAME chooses one"}};
+    }
+    if (!here.empty()) chosen = here.front();
+    if (here.empty() && !elsewhere.empty()) chosen = elsewhere.front();
+  }
+  running.OnlyOf(chosen);
+  link.Choose(chosen);
+  return std::nullopt;
+}
+
 ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
@@ -32,6 +55,9 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
   link.value()->RunUntil([&] { return link.value()->HasMachine(); }, link.value()->discovery());
+  if (const auto open = ChooseActuatorsOf(*link.value(), *running.value(), global)) {
+    return console.Fail(*open);
+  }
   const pid_t leader = link.value()->LeaderHere();
   if (link.value()->HasMachine() || leader != 0) {
     std::string message = "a controller leads the actuators of " + NamespaceText(global.name_space);

@@ -21,6 +21,7 @@
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/client/latching.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
 
 namespace musher::cli {
 namespace {
@@ -43,8 +44,21 @@ std::string Me() {
          HostName();
 }
 
-msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
-  return NewEmergencyStop(Me(), fmt::format("{}", fmt::join(reason, " ")));
+// Stops the machine of --machine, else the one whose controller runs here; what is not known stops
+// every machine that receives it. It waits for no discovery.
+MachineIdentity MachineToStop(const GlobalOptions& global) {
+  if (!global.machine.empty()) return {global.machine, ""};
+  const std::string controller =
+      NameLock::NameOf(transport::DomainId({}).value(), global.name_space, "musher/controller");
+  const auto origin = OriginOfProcess(NameLock::HolderOf(controller).pid);
+  return origin ? MachineIdentity{origin->name, origin->id} : MachineIdentity{};
+}
+
+msg::EmergencyStop NewStop(const std::vector<std::string>& reason, const MachineIdentity& machine) {
+  msg::EmergencyStop stop = NewEmergencyStop(Me(), fmt::format("{}", fmt::join(reason, " ")));
+  stop.machine = machine.name;
+  stop.machine_id = machine.id;
+  return stop;
 }
 
 // Publishes the stop for a minute. Without the signals and the terminal of the command.
@@ -179,7 +193,8 @@ class Confirmation {
 };
 
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
-  const msg::EmergencyStop stop = NewStop(options.reason);
+  const MachineIdentity machine = MachineToStop(global);
+  const msg::EmergencyStop stop = NewStop(options.reason, machine);
   DetachedPublisher detached(global, stop);
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
@@ -188,6 +203,7 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
   if (!latching) return console.Fail(latching.error());
   const auto second_try =
       link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] { detached.Begin(); });
+  link.value()->Choose(machine);
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());
   }

@@ -125,6 +125,7 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
                              console);
   }
   msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
+  running.value()->OnlyOf({status.machine, status.machine_id});
   AddCredentialHints(status, global);
   const Uncontrolled unlisted = AwaitUnlisted(*link.value(), *running.value(), status);
   console.Print(console.mode().json ? StatusJson(status, unlisted)

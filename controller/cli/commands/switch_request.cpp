@@ -58,7 +58,8 @@ class SwitchLimits {
         link_.node(), transport::MachineService(global_.name_space, "get_plan"));
     if (!client) return;
     plans_ = std::move(client).value();
-    plans_->Call({target, actuator}, kSwitchTimeout, [this](auto reply) {
+    const MachineIdentity& machine = link_.machine();
+    plans_->Call({target, actuator, machine.name, machine.id}, kSwitchTimeout, [this](auto reply) {
       if (!reply) return;
       for (const msg::PlanStep& step : reply.value().steps) steps_[step.name] = step;
     });
@@ -95,9 +96,11 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
+  running.value()->OnlyOf(link.value()->machine());
   const Duration timeout = global.timeout.value_or(kSwitchTimeout);
   SwitchClient::Options options;
   options.leader = {global.name_space, HostId(), WatchByPidfd(link.value()->loop())};
+  options.leader.machine = link.value()->machine();
   options.timeout = timeout + std::chrono::minutes(1);  // Await() has the better error message
   options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
   std::optional<SwitchEnd> end;

@@ -14,6 +14,7 @@ struct GlobalOptions {
   bool json = false;
   std::string name_space;                // without outer '/'
   bool name_space_given = false;         // by --namespace, not by the environment
+  std::string machine;                   // its name or the beginning of its id; empty: this host's
   std::optional<int> domain;             // none: ROS_DOMAIN_ID, else 0
   std::optional<std::string> transport;  // "local" or "lan"; none: MUSHER_TRANSPORT, else local
   std::optional<Duration> timeout;       // for the controller's answer; none: the command's own

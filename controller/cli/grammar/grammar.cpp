@@ -49,7 +49,7 @@ Exit codes: 0 done; 1 refused, undone or done-degraded (reason on stderr); 2 wro
 config; 3 no controller found; 4 the controller did not answer in time; 5 the controller exited
 during the switch and no successor reports its outcome, or a skill's actuator is lost; 130
 interrupted.
-Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS,
+Environment: MUSHER_NAMESPACE, MUSHER_MACHINE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS,
 MUSHER_IDENTITY, MUSHER_OTA_ROOT, CYCLONEDDS_URI, NO_COLOR.)";
 
 // Of a command's help.
@@ -154,6 +154,10 @@ void Grammar::AddGlobalOptions() {
                                 "Namespace of the machine, as in its config;\n"
                                 "default $MUSHER_NAMESPACE, else none")
                    ->type_name("NAME");
+  app_->add_option("--machine", global_.machine,
+                   "Name (or id) of the machine, if several answer;\n"
+                   "default $MUSHER_MACHINE, else the one of this host")
+      ->type_name("NAME");
   app_->add_option("--domain", global_.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(0, 232).description(""))
       ->type_name("N");
@@ -234,6 +238,7 @@ void Grammar::TakeEnvironment() {
   };
   if (!global_.name_space_given) take(global_.name_space, "MUSHER_NAMESPACE", "");
   if (global_.name_space.starts_with('/')) global_.name_space.erase(0, 1);
+  take(global_.machine, "MUSHER_MACHINE", "");
   take(global_.keys, "MUSHER_KEYS", "");
   take(global_.identity, "MUSHER_IDENTITY", "operator");
 }

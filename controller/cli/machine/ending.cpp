@@ -68,6 +68,7 @@ Result<> Ending::Open() {
       target.outcome.trouble = "its process publishes no status";
       continue;
     }
+    machine_ = {actuator.status.machine, actuator.status.machine_id};
     auto commands = transport::MakeClient<msg::ActuatorCommand>(
         node_, transport::CommandService(name_space_, name));
     if (!commands) return commands.error();
@@ -77,8 +78,8 @@ Result<> Ending::Open() {
       node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
-  heartbeat_ = {"musher down", epoch_.value(),           NewIncarnation(), HostId(),
-                getpid(),      kHeartbeatPeriod.count(), HostName()};
+  heartbeat_ = {machine_.name, epoch_.value(),           NewIncarnation(), HostId(),
+                getpid(),      kHeartbeatPeriod.count(), HostName(),       machine_.id};
   if (auto published = heartbeats_->Publish(heartbeat_); !published) return published;
   timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
   return Ok();
@@ -126,6 +127,8 @@ void Ending::CommandTearDown(Target& target, const Actuators& running) {
   request.status_stamp_ns = status.stamp_ns;
   request.since_status_ns = Duration(now - found->second.at).count();
   request.incarnation = status.incarnation;
+  request.machine = machine_.name;
+  request.machine_id = machine_.id;
   target.commands->Call(request, deadline_ - now, [this, &target](const auto& reply) {
     target.commanded = false;  // commanded again if it was refused
     if (!reply) return;

@@ -18,6 +18,7 @@
 #include "musher/base/unique_fd.hpp"
 #include "musher/controller/cli/machine/running.hpp"
 #include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/service.hpp"
@@ -71,6 +72,7 @@ class Ending {
   const Running& running_;
   const Time deadline_;
   Epoch epoch_ = 1;
+  MachineIdentity machine_;  // of the actuators
   msg::ControllerBeat heartbeat_;
   std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
   std::map<std::string, Target> targets_;

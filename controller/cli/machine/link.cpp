@@ -11,9 +11,23 @@
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/console/output_reader.hpp"
 #include "musher/controller/cli/machine/silent_controller.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
+namespace {
+
+constexpr Duration kOthersWithin = Milliseconds(300);  // after the first that is discovered
+constexpr std::size_t kShortestId = 4;                 // of the beginning of an id
+
+// A HostId() is "BOOT/PID NAMESPACE".
+bool IsOfThisBoot(const msg::MachineInfo& info) {
+  const std::string host = HostId();
+  return !host.empty() && info.host.starts_with(host.substr(0, host.find('/')));
+}
+
+}  // namespace
 
 Link::Link(const GlobalOptions& global) : global_(global), signals_(TakeEndSignals()) {
   signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
@@ -43,7 +57,7 @@ Result<> Link::Join() {
   auto infos = transport::MakeSubscription<msg::MachineInfo>(
       *node_, std::string(transport::kMachinesTopic),
       [this](const msg::MachineInfo& machine, const transport::SampleInfo& info) {
-        machines_[info.writer] = machine;
+        machines_[info.writer] = {machine, info.participant};
       },
       transport::kLatchedFromManyQos, std::move(events));
   if (!infos) return infos.error();
@@ -52,6 +66,7 @@ Result<> Link::Join() {
 }
 
 Result<> Link::FollowStatus(OnStatus on_change) {
+  if (const auto failure = ChooseMachine()) return failure->error;
   on_status_ = std::move(on_change);
   const auto take = [this](std::optional<msg::MachineStatus> status, transport::EndpointId writer) {
     status_ = std::move(status);
@@ -67,13 +82,171 @@ Result<> Link::FollowStatus(OnStatus on_change) {
   auto subscription = transport::MakeSubscription<msg::MachineStatus>(
       *node_, transport::MachineStatusTopic(global_.name_space),
       [this, take](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+        const MachineIdentity theirs{status.machine, status.machine_id};
         const bool older = status_ && status.epoch < status_->epoch;
-        if (!older) take(status, info.writer);
+        if (Speaks(theirs) && !older) take(status, info.writer);
       },
       transport::kLatchedFromManyQos, std::move(events));
   if (!subscription) return subscription.error();
   machine_status_ = std::move(subscription).value();
   return Ok();
+}
+
+void Link::Choose(MachineIdentity machine) {
+  machine_ = std::move(machine);
+  chosen_ = true;
+}
+
+std::optional<Failure> Link::ChooseMachine() {
+  if (chosen_) return std::nullopt;
+  chosen_ = true;
+  const Duration limit = global_.timeout.value_or(std::chrono::hours(1));
+  if (!global_.machine.empty()) {
+    searched_ = !RunUntil([this] { return !Candidates().empty(); }, std::min(discovery(), limit));
+    return ChooseNamed();
+  }
+  if (NameLock::IsHeld(ControllerName())) {
+    ChooseHere(std::min(discovery_of_one_here(), limit));
+    return std::nullopt;
+  }
+  const auto any = [this] { return !Candidates().empty(); };
+  searched_ = !RunUntil(any, std::min(discovery(), limit));
+  if (searched_) return std::nullopt;
+  const auto here = [this] {
+    const std::vector<Found> found = Candidates();
+    return std::any_of(found.begin(), found.end(),
+                       [](const Found& one) { return one.info.host == HostId(); });
+  };
+  // Machines of other hosts are discovered one after the other.
+  if (!here()) RunUntil(here, std::min(kOthersWithin, limit));
+  return ChooseOf(Candidates());
+}
+
+// A controller of this host leads, so no other machine is meant, even while it does not answer. The
+// processes of another user, or container, cannot be inspected: then its computer has to do.
+void Link::ChooseHere(Duration limit) {
+  const std::string name = ControllerName();
+  bool proven = true;
+  const auto found = [&] {
+    for (const Found& one : Candidates()) {
+      if (proven && one.info.host != HostId()) continue;
+      if (proven ? !NameLock::CheckHolder(name, one.info.pid) : !IsOfThisBoot(one.info)) continue;
+      machine_ = one.machine();
+      return true;
+    }
+    return false;
+  };
+  if (RunUntil(found, std::min(kOthersWithin, limit))) return;
+  proven = false;
+  if (RunUntil(found, limit)) return;
+  searched_ = true;
+  const auto origin = OriginOfProcess(LeaderHere());
+  machine_ = {origin ? origin->name : "of this host", origin ? origin->id : ""};
+}
+
+std::optional<Failure> Link::ChooseNamed() {
+  std::vector<Found> named = Candidates();
+  if (named.empty()) {
+    machine_.name = global_.machine;  // which may appear later
+    return std::nullopt;
+  }
+  for (const Found& one : named) {
+    if (!SameMachine(one.machine(), named.front().machine())) {
+      return OpenChoice(named, "several machines are named " + global_.machine);
+    }
+  }
+  machine_ = named.front().machine();
+  return std::nullopt;
+}
+
+// Of several machines the one of this host; without a controller here, that of the actuators here.
+std::optional<Failure> Link::ChooseOf(const std::vector<Found>& candidates) {
+  if (candidates.empty()) return std::nullopt;
+  for (const Found& one : candidates) {
+    if (one.info.host != HostId()) continue;
+    machine_ = one.machine();
+    return std::nullopt;
+  }
+  if (const auto here = MachineOfActuatorsHere()) {
+    for (const Found& one : candidates) {
+      if (!SameMachine(one.machine(), *here)) continue;
+      machine_ = one.machine();
+      return std::nullopt;
+    }
+    Failure failure = OpenChoice(
+        candidates, "actuators of " + (here->name.empty() ? "a machine" : MachineText(*here)) +
+                        " run on this host, but no controller of it answers");
+    failure.exit = ExitCode::kNoController;
+    return failure;
+  }
+  for (const Found& one : candidates) {
+    if (!SameMachine(one.machine(), candidates.front().machine())) {
+      return OpenChoice(candidates, "several machines answer in " +
+                                        NamespaceText(global_.name_space) +
+                                        ", none of them on this host");
+    }
+  }
+  machine_ = candidates.front().machine();
+  return std::nullopt;
+}
+
+// Of the actuators whose processes run on this host; an empty one if they send no status; nullopt
+// if there are none.
+std::optional<MachineIdentity> Link::MachineOfActuatorsHere() {
+  const std::string prefix =
+      NameLock::NameOf(transport::DomainId({}).value(), global_.name_space, "");
+  if (NameLock::HeldBelow(prefix).empty()) return std::nullopt;
+  std::optional<MachineIdentity> machine;
+  transport::Qos qos = transport::kLatchedFromManyQos;
+  qos.partition = transport::ReaderPartition(!global_.keys.empty());
+  const auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
+      *node_, transport::ActuatorStatusTopic(global_.name_space),
+      [&machine](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
+        if (status.host == HostId()) machine = {status.machine, status.machine_id};
+      },
+      qos);
+  if (statuses) RunUntil([&machine] { return machine.has_value(); }, kOthersWithin);
+  return machine ? machine : MachineIdentity{};
+}
+
+Failure Link::OpenChoice(const std::vector<Found>& candidates, const std::string& what) const {
+  std::string found;
+  for (const Found& one : candidates) {
+    const std::string text =
+        fmt::format("{}, pid {} of {}", MachineText(one.machine()), one.info.pid,
+                    one.info.host == HostId() ? "this host" : "another host");
+    if (found.find(text) == std::string::npos) found += (found.empty() ? "" : "; ") + text;
+  }
+  return {ExitCode::kUsage,
+          {kCodeTargetBusy,
+           what + ": " + found + ". Nothing was done; --machine NAME speaks to one of them"}};
+}
+
+std::vector<Link::Found> Link::Candidates() const {
+  std::vector<Found> candidates;
+  for (const auto& [writer, found] : machines_) {
+    if (found.info.name_space != global_.name_space || !IsNamed(found.machine())) continue;
+    candidates.push_back(found);
+  }
+  return candidates;
+}
+
+bool Link::IsNamed(const MachineIdentity& machine) const {
+  const std::string& meant = global_.machine;
+  const bool by_id = meant.size() >= kShortestId && machine.id.starts_with(meant);
+  return meant.empty() || machine.name == meant || by_id;
+}
+
+bool Link::Speaks(const MachineIdentity& machine) const {
+  return SameMachine(machine_, machine);
+}
+
+transport::ParticipantId Link::Leader() const {
+  if (machine_.name.empty()) return 0;
+  for (const Found& found : Candidates()) {
+    if (Speaks(found.machine())) return found.participant;
+  }
+  return 0;
 }
 
 const std::optional<msg::MachineStatus>& Link::StatusTowards(const std::string& target) {
@@ -124,8 +297,9 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
   const Time begin = loop_.Now();
   const auto ended = [&] { return answered() || interrupted_; };
   const auto met = [&] { return ended() || found() || HasMachine(); };
-  loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(discovery(), timeout));
-  if (!met() && LeaderHere() != 0) {
+  const Duration search = searched_ ? Duration{} : discovery();
+  loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(search, timeout));
+  if (!met() && !searched_ && LeaderHere() != 0) {
     loop_.RunUntil(met, begin + std::min(discovery_of_one_here(), timeout));
   }
   if (!met()) return NotFound("controller");
@@ -136,14 +310,18 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
 }
 
 bool Link::HasMachine() const {
-  return std::any_of(machines_.begin(), machines_.end(), [this](const auto& machine) {
-    return machine.second.name_space == global_.name_space;
-  });
+  const std::vector<Found> candidates = Candidates();
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [this](const Found& found) { return Speaks(found.machine()); });
 }
 
 Failure Link::NotFound(const std::string& what) const {
   std::string message = "no " + what + " in " + NamespaceText(global_.name_space);
-  if (const pid_t holder = LeaderHere(); holder != 0 && !HasMachine()) {
+  if (!global_.machine.empty())
+    message = "no " + what + " of machine " + global_.machine + " in " +
+              NamespaceText(global_.name_space);
+  const pid_t holder = global_.machine.empty() ? LeaderHere() : 0;
+  if (holder != 0 && !HasMachine()) {
     message += fmt::format(" of DDS domain {} answers: ", transport::DomainId({}).value()) +
                WhySilent(ExamineSilent(holder, global_), global_);
   } else if (machines_.empty()) {
@@ -152,27 +330,32 @@ Failure Link::NotFound(const std::string& what) const {
         transport::DomainId({}).value());
   } else {
     std::string found;
-    for (const auto& [writer, machine] : machines_) {
-      found += fmt::format("{}'{}' ({})", found.empty() ? "" : ", ", machine.name_space,
-                           machine.machine);
+    for (const auto& [writer, one] : machines_) {
+      found += fmt::format("{}'{}' ({})", found.empty() ? "" : ", ", one.info.name_space,
+                           one.info.machine);
     }
-    const std::string& first = machines_.begin()->second.name_space;
-    message += fmt::format("; found {} - use --namespace {}", found, first.empty() ? "''" : first);
+    const std::string& first = machines_.begin()->second.info.name_space;
+    const std::string use = first == global_.name_space
+                                ? "--machine " + machines_.begin()->second.info.machine
+                                : "--namespace " + (first.empty() ? "''" : first);
+    message += fmt::format("; found {} - use {}", found, use);
   }
   return {ExitCode::kNoController, {kCodeNetError, message}};
 }
 
 pid_t Link::LeaderHere() const {
-  return NameLock::HolderOf(NameLock::NameOf(transport::DomainId({}).value(), global_.name_space,
-                                             "musher/controller"))
-      .pid;
+  return NameLock::HolderOf(ControllerName()).pid;
+}
+
+std::string Link::ControllerName() const {
+  return NameLock::NameOf(transport::DomainId({}).value(), global_.name_space, "musher/controller");
 }
 
 Failure Link::NoAnswer(Duration timeout) const {
   std::string controller = "the controller";
-  for (const auto& [writer, machine] : machines_) {
-    if (machine.name_space != global_.name_space) continue;
-    controller = fmt::format("the controller of {} (pid {})", machine.machine, machine.pid);
+  for (const Found& one : Candidates()) {
+    if (!Speaks(one.machine())) continue;
+    controller = fmt::format("the controller of {} (pid {})", one.info.machine, one.info.pid);
   }
   std::string message =
       fmt::format("{} did not answer within {:g} s", controller, ToSeconds(timeout));

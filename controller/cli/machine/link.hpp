@@ -16,6 +16,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "musher/base/host.hpp"
 #include "musher/controller/cli/console/console.hpp"
@@ -23,6 +24,7 @@
 #include "musher/controller/cli/console/options.hpp"
 #include "musher/controller/cli/console/signals.hpp"
 #include "musher/controller/client/leader_call.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/node.hpp"
@@ -49,6 +51,15 @@ class Link {
 
   static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global);
 
+  // Chooses the machine that the command speaks to: the one of --machine, else that of this host,
+  // else the only one that answers. Runs the loop until it is found, at most for discovery; a
+  // Failure if the choice is open. Call() and FollowStatus() choose it, too.
+  std::optional<Failure> ChooseMachine();
+  // Speaks to every machine of the namespace, or to `machine`, without waiting.
+  void Choose(MachineIdentity machine = {});
+  // What is known of it; empty: nothing was found.
+  const MachineIdentity& machine() const { return machine_; }
+
   template <msg::Service S>
   using Answer = std::variant<typename S::Response, Failure>;
 
@@ -62,8 +73,8 @@ class Link {
   Answer<S> CallLeader(const std::string& service, const typename S::Request& request,
                        Duration timeout);
 
-  // Subscribes to the machine's latched status. on_change gets each one, and none when the
-  // controller is lost. To be called once.
+  // Chooses the machine and subscribes to its latched status. on_change gets each one, and none
+  // when the controller is lost. To be called once.
   using OnStatus = std::function<void(const std::optional<msg::MachineStatus>&)>;
   Result<> FollowStatus(OnStatus on_change);
   const std::optional<msg::MachineStatus>& status() const { return status_; }
@@ -88,7 +99,7 @@ class Link {
   // Whether Ctrl-C came; the next RunUntil() waits for the next one.
   bool TakeInterrupt() { return std::exchange(interrupted_, false); }
   pid_t LeaderHere() const;  // 0: no controller of this host leads in the command's namespace
-  bool HasMachine() const;   // a controller in the command's namespace was discovered
+  bool HasMachine() const;   // a controller of the chosen machine was discovered
   // The failure "no <what> in namespace …".
   Failure NotFound(const std::string& what) const;
 
@@ -108,6 +119,23 @@ class Link {
   Result<> Join();
 
   Failure NoAnswer(Duration timeout) const;
+  // A controller that was discovered.
+  struct Found {
+    msg::MachineInfo info;
+    transport::ParticipantId participant = 0;
+
+    MachineIdentity machine() const { return {info.machine, info.machine_id}; }
+  };
+  std::vector<Found> Candidates() const;
+  bool IsNamed(const MachineIdentity& machine) const;
+  bool Speaks(const MachineIdentity& machine) const;
+  std::string ControllerName() const;  // that the controller of this host holds
+  void ChooseHere(Duration limit);
+  std::optional<Failure> ChooseNamed();
+  std::optional<Failure> ChooseOf(const std::vector<Found>& candidates);
+  std::optional<MachineIdentity> MachineOfActuatorsHere();
+  Failure OpenChoice(const std::vector<Found>& candidates, const std::string& what) const;
+  transport::ParticipantId Leader() const;
 
   const GlobalOptions& global_;
   UniqueFd signals_;  // before the node: its threads inherit the mask
@@ -116,7 +144,10 @@ class Link {
   transport::LoopHandlePtr signal_watch_;
   UniqueFd reader_;
   transport::LoopHandlePtr reader_watch_;
-  std::map<transport::EndpointId, msg::MachineInfo> machines_;  // by their writer
+  std::map<transport::EndpointId, Found> machines_;  // by their writer
+  MachineIdentity machine_;                          // that was chosen
+  bool chosen_ = false;                              // or searched for, in vain
+  bool searched_ = false;                            // … and no controller of it was discovered
   std::optional<msg::MachineStatus> status_;
   std::optional<msg::MachineStatus> last_leader_;
   transport::EndpointId status_writer_ = 0;  // the leader that published it
@@ -132,12 +163,21 @@ Link::Answer<S> Link::Call(const std::string& service, const typename S::Request
   auto client =
       transport::MakeClient<S>(*node_, transport::MachineService(global_.name_space, service));
   if (!client) return Failure{ExitCode::kUsage, client.error()};
+  if (auto failure = ChooseMachine()) return *std::move(failure);
+  const transport::ParticipantId leader = Leader();
+  if (leader == 0 && !machine_.name.empty()) return NotFound("controller");
+  typename S::Request meant = request;
+  if constexpr (requires { meant.machine_id; }) {
+    meant.machine = machine_.name;
+    meant.machine_id = machine_.id;
+  }
   const Duration wait = global_.timeout.value_or(timeout);
   std::optional<Result<typename S::Response>> reply;
   // The call's own deadline must not expire first, even if the loop is late: Await() reports more
   // about processes that do not answer.
-  client.value()->Call(request, wait + std::chrono::minutes(1),
-                       [&reply](auto result) { reply = std::move(result); });
+  client.value()->Call(
+      meant, wait + std::chrono::minutes(1), [&reply](auto result) { reply = std::move(result); },
+      leader);
   const auto failure =
       Await([&] { return reply.has_value(); }, [&] { return client.value()->Ready(); }, wait);
   if (failure) return *failure;
@@ -148,11 +188,14 @@ Link::Answer<S> Link::Call(const std::string& service, const typename S::Request
 template <msg::Service S>
 Link::Answer<S> Link::CallLeader(const std::string& service, const typename S::Request& request,
                                  Duration timeout) {
+  if (auto failure = ChooseMachine()) return *std::move(failure);
+  LeaderWatch::Options leader{global_.name_space, HostId(), WatchByPidfd(loop_)};
+  leader.machine = machine_;
   const Duration wait = global_.timeout.value_or(timeout);
   std::optional<Result<typename S::Response>> reply;
-  const auto call = LeaderCall<S>::Make(*node_, {global_.name_space, HostId(), WatchByPidfd(loop_)},
-                                        service, request, wait + std::chrono::minutes(1),
-                                        [&reply](auto result) { reply = std::move(result); });
+  const auto call =
+      LeaderCall<S>::Make(*node_, leader, service, request, wait + std::chrono::minutes(1),
+                          [&reply](auto result) { reply = std::move(result); });
   if (!call) return Failure{ExitCode::kUsage, call.error()};
   const auto failure =
       Await([&] { return reply.has_value(); }, [&] { return call.value()->found(); }, wait);

@@ -1,5 +1,6 @@
 #include "musher/controller/cli/machine/running.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/base/host.hpp"
@@ -14,8 +15,7 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
   std::unique_ptr<Running> running(new Running(node.loop(), name_space));
   transport::SubscriptionEvents events;
   events.on_writer_lost = [self = running.get()](transport::EndpointId writer) {
-    std::erase_if(self->received_,
-                  [writer](const auto& one) { return one.second.writer == writer; });
+    self->received_.erase(writer);
   };
   transport::Qos qos = transport::kLatchedFromManyQos;
   qos.partition = transport::ReaderPartition(with_keys);
@@ -23,7 +23,7 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
       node, transport::ActuatorStatusTopic(name_space),
       [self = running.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
         if (!transport::IsFrom(status.name, info)) return;
-        self->received_[status.name] = {status, true, self->loop_.Now(), info.writer, std::nullopt};
+        self->received_[info.writer] = {status, true, self->loop_.Now(), info.writer, std::nullopt};
       },
       qos, std::move(events));
   // The permissions of an observer from an earlier version do not allow it: the list stays empty.
@@ -44,14 +44,42 @@ void Running::FindChildrenHere() {
   }
 }
 
+void Running::OnlyOf(const MachineIdentity& machine) {
+  machine_ = machine;
+}
+
+std::vector<MachineIdentity> Running::Machines(bool here) const {
+  std::vector<MachineIdentity> machines;
+  for (const auto& [writer, actuator] : received_) {
+    const msg::ActuatorStatus& status = actuator.status;
+    if ((status.host == HostId()) != here) continue;
+    const MachineIdentity machine{status.machine, status.machine_id};
+    const bool known = std::any_of(machines.begin(), machines.end(),
+                                   [&](const auto& other) { return SameMachine(machine, other); });
+    if (!known) machines.push_back(machine);
+  }
+  return machines;
+}
+
+std::map<std::string, Running::Actuator> Running::Received() const {
+  std::map<std::string, Actuator> received;
+  for (const auto& [writer, actuator] : received_) {
+    const msg::ActuatorStatus& status = actuator.status;
+    if (!SameMachine(machine_, {status.machine, status.machine_id})) continue;
+    received[status.name] = actuator;
+  }
+  return received;
+}
+
 std::map<std::string, Running::Actuator> Running::Now() const {
   std::map<std::string, Actuator> running;
-  for (const auto& [name, actuator] : received_) {
+  const std::map<std::string, Actuator> received = Received();
+  for (const auto& [name, actuator] : received) {
     if (actuator.status.state != kTearDown) running[name] = actuator;
   }
   const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
   for (const std::string& name : NameLock::HeldBelow(prefix)) {
-    if (received_.contains(name)) continue;
+    if (received.contains(name)) continue;
     Actuator& silent = running[name];
     silent.has_status = false;
     silent.status.name = name;
@@ -59,7 +87,7 @@ std::map<std::string, Running::Actuator> Running::Now() const {
     silent.status.host = HostId();
   }
   for (const ChildProcess& child : children_) {
-    const bool known = received_.contains(child.actuator) || running.contains(child.actuator);
+    const bool known = received.contains(child.actuator) || running.contains(child.actuator);
     if (known || !IsRunning(child)) continue;
     Actuator& program = running[child.actuator];
     program.has_status = false;

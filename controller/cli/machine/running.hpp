@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "musher/controller/process/child_processes.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/transport/node.hpp"
 
@@ -31,21 +32,27 @@ class Running {
   static Result<std::unique_ptr<Running>> Begin(transport::Node& node,
                                                 const std::string& name_space, bool with_keys);
 
+  // From now on only actuators of this machine count.
+  void OnlyOf(const MachineIdentity& machine);
+  // The machines of the actuators whose statuses were received: those on this host, or elsewhere.
+  std::vector<MachineIdentity> Machines(bool here) const;
   // The actuators that are not torn down, by name.
   std::map<std::string, Actuator> Now() const;
-  bool HasStatusOf(const std::string& actuator) const { return received_.contains(actuator); }
+  bool HasStatusOf(const std::string& actuator) const { return Received().contains(actuator); }
 
  private:
   Running(transport::EventLoop& loop, std::string name_space)
       : loop_(loop), name_space_(std::move(name_space)) {}
 
   void FindChildrenHere();
+  std::map<std::string, Actuator> Received() const;  // of the machine, by name
 
   transport::EventLoop& loop_;
   const std::string name_space_;
-  std::map<std::string, Actuator> received_;
-  std::vector<ChildProcess> children_;                 // marked processes, found by Begin()
-  std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
+  MachineIdentity machine_;                             // empty: any
+  std::map<transport::EndpointId, Actuator> received_;  // by the writer
+  std::vector<ChildProcess> children_;                  // marked processes, found by Begin()
+  std::unique_ptr<transport::Subscription> statuses_;   // last: its callbacks use all of the above
 };
 
 }  // namespace musher::cli

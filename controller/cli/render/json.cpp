@@ -133,7 +133,9 @@ std::string StatusJson(const msg::MachineStatus& status,
                      {"reason", status.emergency_stop_reason}}},
                    {"held_by_stop", status.held_by_stop},
                    {"not_on_disk", status.not_on_disk},
-                   {"policy", status.policy.active ? Of(status.policy) : Json()}});
+                   {"policy", status.policy.active ? Of(status.policy) : Json()},
+                   {"machine_id", status.machine_id},
+                   {"other_machines", status.other_machines}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {

@@ -144,6 +144,12 @@ std::string StatusText(const msg::MachineStatus& shown, bool colour) {
   if (!status.not_on_disk.empty()) {
     text += Paint("not on disk yet: " + Joined(status.not_on_disk), Style::kBad, colour) + '\n';
   }
+  if (!status.other_machines.empty()) {
+    text += Paint("another machine in this namespace and domain: " +
+                      fmt::format("{}", fmt::join(status.other_machines, "; ")),
+                  Style::kBusy, colour) +
+            '\n';
+  }
   if (!status.degraded.empty()) {
     text += Paint("degraded: " + Joined(status.degraded), Style::kBad, colour) + '\n';
   }

@@ -168,6 +168,7 @@ void ReadTransport(TableReader& root, Draft& draft) {
   const auto profile = transport.Choice<TransportProfile>(
       "profile", {{"local", TransportProfile::kLocal}, {"lan", TransportProfile::kLan}});
   draft.config.transport = profile.value_or(draft.config.transport);
+  draft.transport_at = transport.At("profile");
   draft.config.ros_distro =
       transport.Choice<RosDistro>("ros_distro", {{"galactic", RosDistro::kGalactic},
                                                  {"humble", RosDistro::kHumble},
@@ -184,6 +185,17 @@ void ReadSecurity(TableReader& root, Draft& draft) {
   security.Require("keys", "a string (the folder of keys)");
   draft.config.keys = ReadPath("keys", security, draft).value_or("");
   security.RefuseOthers();
+}
+
+// Two robots of one network, neither with a namespace: their topics have the same names.
+void WarnOfSharedNetwork(Draft& draft) {
+  const MachineConfig& config = draft.config;
+  const bool open = config.name_space.empty() && config.keys.empty();
+  if (config.transport != TransportProfile::kLan || !open) return;
+  draft.findings.Warning(draft.transport_at,
+                         "transport.profile: with \"lan\", and without a namespace or keys, the "
+                         "topics of this machine are mixed with those of every other one in the "
+                         "network; set `namespace` in [controller], or `keys` in [security]");
 }
 
 void ReadView(TableReader& root, Draft& draft) {

@@ -33,6 +33,7 @@ struct Draft {
 
   std::optional<std::vector<Word>> actuator_names;  // of controller.actuators, nothing if faulty
   Position actuators_at;
+  Position transport_at;  // of transport.profile
   // What each actuator lists, typing errors corrected; none where its states are missing or faulty
   // as a whole.
   std::map<std::string, std::set<State>> actuator_states;
@@ -51,6 +52,7 @@ void ReadController(TableReader& root, Draft& draft);
 void ReadTransitions(TableReader& root, Draft& draft);
 void ReadTransport(TableReader& root, Draft& draft);
 void ReadSecurity(TableReader& root, Draft& draft);
+void WarnOfSharedNetwork(Draft& draft);  // after [controller], [transport] and [security]
 void ReadView(TableReader& root, Draft& draft);
 void ReadPolicy(TableReader& root, Draft& draft);  // after the states
 void ReadRos2(TableReader& root, Draft& draft);    // after the states

@@ -1,0 +1,109 @@
+// A client follows one machine: by its identity, not by the epochs of whatever controllers answer.
+
+#include "musher/controller/client/leader_watch.hpp"
+
+#include <gmock/gmock.h>
+
+#include <map>
+
+#include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::testing::leader_watch_test {
+
+using std::chrono::seconds;
+using ::testing::ElementsAre;
+
+class LeaderWatches : public ::testing::Test {
+ protected:
+  // The controller of a machine: a process that latches the machine's status.
+  struct Controller {
+    std::unique_ptr<transport::Node> node;
+    std::unique_ptr<transport::Publisher<msg::MachineStatus>> status;
+  };
+  Controller Leads(const std::string& machine, const std::string& id, std::uint64_t epoch,
+                   std::int32_t pid) {
+    Controller controller{network_.MakeNode(machine + std::to_string(pid)), nullptr};
+    controller.status =
+        transport::MakePublisher<msg::MachineStatus>(
+            *controller.node, transport::MachineStatusTopic(""), transport::kLatchedQos)
+            .value();
+    msg::MachineStatus status;
+    status.machine = machine;
+    status.machine_id = id;
+    status.epoch = epoch;
+    status.pid = pid;
+    status.host = "here";
+    EXPECT_TRUE(controller.status->Publish(status));
+    network_.RunFor(Milliseconds(100));
+    return controller;
+  }
+  // The kernel reports the exit at once; the network still delivers what the process had latched.
+  void ReportExit(std::int32_t pid) {
+    const auto watcher = watchers_.extract(pid);
+    if (!watcher.empty()) watcher.mapped()();
+  }
+  void Watch(const MachineIdentity& machine = {}) {
+    LeaderWatch::Options options{"", "here",
+                                 [this](std::int32_t pid, std::function<void()> on_end) {
+                                   watchers_[pid] = std::move(on_end);
+                                   return std::make_unique<transport::LoopHandle>();
+                                 }};
+    options.machine = machine;
+    watch_ = LeaderWatch::Make(
+                 *desk_, options,
+                 [this](const msg::MachineStatus& status) { taken_.push_back(status.pid); },
+                 [](const msg::MachineStatus&, const std::string&) {})
+                 .value();
+  }
+
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  std::map<std::int32_t, std::function<void()>> watchers_;
+  std::vector<std::int32_t> taken_;  // pids of the controllers
+  std::unique_ptr<LeaderWatch> watch_;
+};
+
+TEST_F(LeaderWatches, TakeALaterControllerOfTheMachineWithALowerEpoch) {
+  Watch();
+  const auto killed = Leads("dog", "uuid-a", 7, 1);
+  ReportExit(1);
+  const auto successor = Leads("dog", "uuid-a", 1, 2);
+  EXPECT_THAT(taken_, ElementsAre(1, 2));
+  ASSERT_TRUE(watch_->leader());
+  EXPECT_EQ(watch_->leader()->pid, 2);
+}
+
+TEST_F(LeaderWatches, TakeAnotherMachineWithALowerEpochOnceTheirsHasEnded) {
+  Watch();
+  const auto killed = Leads("dog", "uuid-a", 7, 1);
+  ReportExit(1);
+  const auto other = Leads("cat", "uuid-b", 1, 2);
+  EXPECT_THAT(taken_, ElementsAre(1, 2));
+}
+
+TEST_F(LeaderWatches, StayWithTheirMachineWhileAnotherHasAHigherEpoch) {
+  Watch();
+  const auto dog = Leads("dog", "uuid-a", 7, 1);
+  const auto cat = Leads("cat", "uuid-b", 9, 2);
+  EXPECT_THAT(taken_, ElementsAre(1));
+}
+
+TEST_F(LeaderWatches, TakeTheMachineThatIsMeantOnly) {
+  Watch({"cat", ""});
+  const auto dog = Leads("dog", "uuid-a", 7, 1);
+  const auto cat = Leads("cat", "uuid-b", 2, 2);
+  EXPECT_THAT(taken_, ElementsAre(2));
+  ReportExit(2);
+  const auto later = Leads("dog", "uuid-a", 8, 3);
+  EXPECT_THAT(taken_, ElementsAre(2));
+}
+
+TEST_F(LeaderWatches, IgnoreAnOlderControllerOfTheirMachine) {
+  Watch();
+  const auto present = Leads("dog", "uuid-a", 7, 1);
+  const auto older = Leads("dog", "uuid-a", 6, 2);
+  EXPECT_THAT(taken_, ElementsAre(1));
+}
+
+}  // namespace musher::testing::leader_watch_test

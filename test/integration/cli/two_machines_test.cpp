@@ -1,0 +1,162 @@
+// Two machines in one domain and namespace, each on a host of its own: two network and pid
+// namespaces of this computer, with a link between them. Neither fences, drives or ends the other.
+
+#include <fcntl.h>
+#include <sched.h>
+
+#include <functional>
+#include <future>
+#include <memory>
+
+#include "musher/base/unique_fd.hpp"
+#include "musher/test/fault_injection/host/isolation.hpp"
+#include "musher/test/fault_injection/host/link.hpp"
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing::two_machines_test {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kDds =
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"link\"/></Interfaces>"
+    "</General></Domain></CycloneDDS>";
+
+// A host: a process that holds its namespaces.
+class Host {
+ public:
+  Host()
+      : holder_({"unshare", "--net", "--pid", "--fork", "--kill-child", "--mount-proc", "sh", "-c",
+                 "echo $(awk '/^NSpid/ {print}' /proc/self/status); exec tail -f /dev/null"}) {
+    up_ = holder_.LineWith("NSpid") != "";
+    const std::string pid = std::to_string(holder_.pid());
+    std::ifstream("/proc/" + pid + "/task/" + pid + "/children") >> init_;
+  }
+  bool up() const { return up_ && init_ != 0; }
+  pid_t init() const { return init_; }
+
+  // On a thread of its own, which enters the network namespace.
+  void InNetwork(const std::function<void()>& work) const {
+    std::async(std::launch::async, [&] {
+      const std::string path = "/proc/" + std::to_string(init_) + "/ns/net";
+      const UniqueFd network(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+      ASSERT_EQ(setns(network.get(), CLONE_NEWNET), 0);
+      work();
+    }).get();
+  }
+
+  std::vector<std::string> Here(std::vector<std::string> words) const {
+    words.insert(words.begin(),
+                 {"nsenter", "--target", std::to_string(init_), "--net", "--pid", "--mount", "--"});
+    return words;
+  }
+  Ended Do(std::vector<std::string> words) const { return RunToEnd(Here(std::move(words))); }
+  Ended Run(std::vector<std::string> words) const { return Do(Command(std::move(words))); }
+  nlohmann::json Status() const {
+    const Ended status = Run({"status", "--json"});
+    return status.exit == 0 ? Json(status.out) : nlohmann::json();
+  }
+
+ private:
+  Process holder_;
+  pid_t init_ = 0;
+  bool up_ = false;
+};
+
+class TwoMachines : public MachineByCli {
+ protected:
+  void SetUp() override {
+    if (geteuid() != 0 || access("/dev/net/tun", R_OK | W_OK) != 0) {
+      GTEST_SKIP() << "two hosts need root and /dev/net/tun";
+    }
+    dog_ = std::make_unique<Host>();
+    cat_ = std::make_unique<Host>();
+    ASSERT_TRUE(dog_->up() && cat_->up());
+    cat_->InNetwork([] { fault_injection::BringUp("lo"); });
+    dog_->InNetwork([this] {
+      fault_injection::BringUp("lo");
+      link_ = std::make_unique<fault_injection::Link>(cat_->init());
+    });
+    setenv("CYCLONEDDS_URI", kDds, 1);
+    Replace("name = \"robot\"", "name = \"dog\"");
+    cat_config_ = OtherRobot("cat", name_space_, folder_ / "cat_state");
+    const Ended dog = dog_->Run({"up", config_, "--detach"});
+    ASSERT_EQ(dog.exit, 0) << dog.err;
+    const Ended cat = cat_->Run({"up", cat_config_, "--detach"});
+    ASSERT_EQ(cat.exit, 0) << cat.err;
+  }
+  void TearDown() override { unsetenv("CYCLONEDDS_URI"); }
+
+  std::string DogLog() const { return ReadFile(folder_ / "state/controller.log"); }
+  std::string CatLog() const { return ReadFile(folder_ / "cat_state/controller.log"); }
+  // Each controller has received heartbeats of the other.
+  bool Met() const {
+    return Until([this] {
+      return DogLog().find("another machine, cat") != std::string::npos &&
+             CatLog().find("another machine, dog") != std::string::npos;
+    });
+  }
+
+  std::unique_ptr<Host> dog_;
+  std::unique_ptr<Host> cat_;
+  std::unique_ptr<fault_injection::Link> link_;
+  std::string cat_config_;
+};
+
+TEST_F(TwoMachines, KeepTheirControllersWhenTheyMeet) {
+  EXPECT_TRUE(Met()) << DogLog() << CatLog();
+  EXPECT_THAT(DogLog(), Not(HasSubstr("leads this machine")));
+  EXPECT_THAT(CatLog(), Not(HasSubstr("leads this machine")));
+}
+
+TEST_F(TwoMachines, ACommandReachesTheMachineOfItsHost) {
+  ASSERT_TRUE(Met());
+  EXPECT_EQ(dog_->Status()["machine"], "dog");
+  EXPECT_EQ(cat_->Status()["machine"], "cat");
+  EXPECT_THAT(dog_->Status()["other_machines"].dump(), HasSubstr("cat"));
+  const Ended set = dog_->Run({"set", "LowPower"});
+  EXPECT_EQ(set.exit, 0) << set.err;
+  EXPECT_EQ(dog_->Status()["state"], "LowPower");
+  EXPECT_EQ(cat_->Status()["state"], "Active");
+  const Ended named = dog_->Run({"set", "LowPower", "--machine", "cat"});
+  EXPECT_EQ(named.exit, 0) << named.err;
+  EXPECT_EQ(cat_->Status()["state"], "LowPower");
+}
+
+TEST_F(TwoMachines, DownLeavesTheOtherMachineAsItIs) {
+  ASSERT_TRUE(Met());
+  const nlohmann::json before = cat_->Status();
+  const Ended down = dog_->Run({"down"});
+  EXPECT_EQ(down.exit, 0) << down.err;
+  EXPECT_EQ(down.err, "") << "nothing of the other machine counts as left behind";
+  const nlohmann::json after = cat_->Status();
+  for (const char* what : {"machine", "state", "epoch", "switch", "actuators", "phase"}) {
+    EXPECT_EQ(before[what], after[what]);
+  }
+}
+
+TEST_F(TwoMachines, TheRestOfAKilledMachineIsStoppedAndNothingOfTheOther) {
+  ASSERT_TRUE(Met());
+  const auto pid = dog_->Status()["pid"].get<int>();
+  ASSERT_EQ(dog_->Do({"kill", "-9", std::to_string(pid)}).exit, 0);
+  // Not the controller that still answers: it leads another machine.
+  const Ended set = dog_->Run({"set", "LowPower"});
+  EXPECT_EQ(set.exit, 3) << set.err;
+  EXPECT_THAT(set.err, HasSubstr("actuators of dog"));
+  const nlohmann::json before = cat_->Status();
+  const Ended down = dog_->Run({"down", "--without-controller"});
+  EXPECT_EQ(down.exit, 0) << down.out << down.err;
+  EXPECT_EQ(before["actuators"], cat_->Status()["actuators"]);
+  EXPECT_EQ(before["epoch"], cat_->Status()["epoch"]);
+}
+
+TEST_F(TwoMachines, AnEmergencyStopStopsTheMachineOfItsHost) {
+  ASSERT_TRUE(Met());
+  const Ended stop = dog_->Run({"estop", "a person is near"});
+  EXPECT_EQ(stop.exit, 0) << stop.out << stop.err;
+  EXPECT_EQ(dog_->Status()["emergency_stop"]["engaged"], true);
+  EXPECT_EQ(cat_->Status()["emergency_stop"]["engaged"], false);
+  EXPECT_EQ(cat_->Status()["held_by_stop"], nlohmann::json::array());
+}
+
+}  // namespace musher::testing::two_machines_test
