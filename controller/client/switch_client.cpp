@@ -53,10 +53,10 @@ Result<> SwitchClient::Open() {
       node_, transport::MachineService(name_space, "get_switch"), [this] { Send(); });
   if (!get_switch) return get_switch.error();
   get_switch_ = std::move(get_switch).value();
-  LeaderWatch::Options leader = options_.leader;
-  leader.one_machine = true;
+  LeaderWatch::Options options = options_.leader;
+  options.one_machine = true;
   auto watch = LeaderWatch::Make(
-      node_, leader, [this](const msg::MachineStatus& status) { OnStatus(status); },
+      node_, options, [this](const msg::MachineStatus& status) { OnStatus(status); },
       [this](const msg::MachineStatus& leader, const std::string& how) {
         OnLeaderEnd(leader, how);
       });
