@@ -175,6 +175,15 @@ std::vector<std::string> NameLock::HeldBelow(std::string_view prefix) {
   return {names.begin(), names.end()};
 }
 
+bool NameLock::IsHeldInDomain(int domain_id, std::string_view end) {
+  const std::string begin = " @musher/" + std::to_string(domain_id) + "/";
+  std::ifstream table("/proc/net/unix");
+  for (std::string line; std::getline(table, line);) {
+    if (line.find(begin) != std::string::npos && line.ends_with(end)) return true;
+  }
+  return false;
+}
+
 NameLock::Holder NameLock::HolderOf(std::string_view name) {
   const std::string inode = InodeOf("@musher/" + std::string(name));
   if (inode.empty()) return {};

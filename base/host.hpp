@@ -66,6 +66,9 @@ class NameLock {
   // NameOf(domain, name_space, "") the actuators of a namespace whose processes run on this host.
   static std::vector<std::string> HeldBelow(std::string_view prefix);
 
+  // Whether a process of this host holds a name in a domain, in any namespace, that ends like this.
+  static bool IsHeldInDomain(int domain_id, std::string_view end);
+
   // Any user of the host can take a name. So a holder is trusted only if the process and the lock
   // belong to root or to our own user.
   struct Holder {

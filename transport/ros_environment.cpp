@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include "musher/transport/network.hpp"
+
 namespace musher::transport {
 
 namespace {
@@ -42,15 +44,28 @@ Environment OwnEnvironment() {
   return environment;
 }
 
-bool ReplacesProfile(TransportProfile profile, std::string_view uri) {
-  return !uri.empty() && !(profile == TransportProfile::kLocal && uri == kRosOnLoopback);
+std::string RosOnInterfaces(const std::vector<std::string>& outer) {
+  std::string settings = kRosOnLoopback;
+  const std::string loopback = InterfacesXml({});
+  return settings.replace(settings.find(loopback), loopback.size(), InterfacesXml(outer));
 }
 
-Environment RosEnvironment(TransportProfile profile, const Environment& environment) {
+bool ReplacesProfile(TransportProfile profile, std::string_view uri) {
+  if (uri.empty()) return false;
+  if (profile == TransportProfile::kLocal) return uri != kRosOnLoopback;
+  // With whatever interfaces there were when it was made.
+  const std::string_view loopback = kRosOnLoopback;
+  const std::size_t names = loopback.find("</Interfaces>");
+  return uri == loopback || !uri.starts_with(loopback.substr(0, names)) ||
+         !uri.ends_with(loopback.substr(names));
+}
+
+Environment RosEnvironment(TransportProfile profile, const Environment& environment,
+                           const std::vector<std::string>& outer) {
   Environment added;
   if (ValueOf(environment, kRmw).empty()) added[kRmw] = kCyclone;
-  if (profile == TransportProfile::kLocal && ValueOf(environment, kUri).empty()) {
-    added[kUri] = kRosOnLoopback;
+  if (ValueOf(environment, kUri).empty()) {
+    added[kUri] = profile == TransportProfile::kLocal ? kRosOnLoopback : RosOnInterfaces(outer);
   }
   return added;
 }

@@ -22,13 +22,19 @@ Environment OwnEnvironment();
 // is. Without a limit to the number of processes.
 extern const char* const kRosOnLoopback;
 
+// The same with interfaces to other hosts, for a machine of the profile "lan".
+std::string RosOnInterfaces(const std::vector<std::string>& outer);
+
 // Whether a CYCLONEDDS_URI replaces the settings of the profile. kRosOnLoopback, which a person
-// exports for ROS 2's tools, does not replace those of "local", which is on the loopback, too.
+// exports for ROS 2's tools, does not replace those of "local", which is on the loopback, too; nor
+// does RosOnInterfaces(), which a program inherits from the ROS 2 process that has started it,
+// replace those of "lan".
 bool ReplacesProfile(TransportProfile profile, std::string_view uri);
 
-// What a ROS 2 process needs beside `environment` to meet a machine of this profile. What the
-// environment sets already is left as it is.
-Environment RosEnvironment(TransportProfile profile, const Environment& environment);
+// What a ROS 2 process needs beside `environment` to meet a machine of this profile, with these
+// outer interfaces (see OuterInterfaces()). What the environment sets already is left as it is.
+Environment RosEnvironment(TransportProfile profile, const Environment& environment,
+                           const std::vector<std::string>& outer = {});
 
 // Ends the message that `program` was not found: how a person gets `ros2`; empty for any other.
 std::string MissingProgramHint(std::string_view program);

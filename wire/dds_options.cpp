@@ -24,6 +24,8 @@ DdsOptions OptionsFor(const MachineConfig& config, const std::string& identity,
                       const std::string& node_name) {
   DdsOptions options;
   options.profile = config.transport;
+  options.interfaces = config.interfaces;
+  options.controller = identity == kControllerIdentity;
   options.credentials = CredentialsFor(config, identity);
   options.discovery = IsCrowd(config) ? DiscoveryTiming::kCombinedLong : DiscoveryTiming::kCombined;
   options.node_name = node_name;

@@ -9,6 +9,7 @@
 
 #include "musher/controller/shell/controller_shell.hpp"
 #include "musher/lifecycle/record/texts.hpp"
+#include "musher/transport/network.hpp"
 #include "musher/transport/ros_environment.hpp"
 
 namespace musher {
@@ -43,7 +44,9 @@ void ControllerShell::Do(const action::StartProcess& a) {
   if (actuator.protocol == Protocol::kRos2Lifecycle) {
     transport::Environment inherited = transport::OwnEnvironment();
     for (const auto& [name, value] : actuator.env) inherited[name] = value;
-    spec.env.merge(transport::RosEnvironment(config_.transport, inherited));
+    spec.env.merge(transport::RosEnvironment(
+        config_.transport, inherited,
+        transport::OuterInterfaces(config_.transport, config_.interfaces)));
   }
   const bool alone =
       machine_.actuators[a.actuator].process.dead != 0;  // the other actuators already run

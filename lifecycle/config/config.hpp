@@ -135,6 +135,7 @@ struct MachineConfig {
   std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
+  std::vector<std::string> interfaces;  // of "lan", beside the loopback; none: chosen by the host
   std::optional<RosDistro>
       ros_distro;  // its message layouts are used; none: that of ROS_DISTRO, or Jazzy
   ClockSource clock = ClockSource::kSteady;

@@ -14,6 +14,7 @@
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/modules/exec/exec_process.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/network.hpp"
 #include "musher/transport/ros_environment.hpp"
 
 namespace {
@@ -83,6 +84,7 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
 struct Role {
   musher::ActuatorConfig actuator;
   musher::TransportProfile profile = musher::TransportProfile::kLocal;
+  std::vector<std::string> interfaces;
 };
 
 // Nothing: the errors were printed on stderr.
@@ -99,7 +101,8 @@ std::optional<Role> ReadRole(const std::string& state_config, const std::string&
   musher::transport::DdsOptions options;
   options.profile = machine.config->transport;
   const auto profile = musher::transport::Profile(options);  // an error is reported at the start
-  return Role{machine.config->actuators[*index], profile ? profile.value() : options.profile};
+  return Role{machine.config->actuators[*index], profile ? profile.value() : options.profile,
+              machine.config->interfaces};
 }
 
 int Run(const Options& options) {
@@ -117,8 +120,9 @@ int Run(const Options& options) {
   if (!config) return kUsageError;
   if (options.check) return 0;
   // Its commands may be ROS 2 programs.
-  config->env =
-      musher::transport::RosEnvironment(role->profile, musher::transport::OwnEnvironment());
+  config->env = musher::transport::RosEnvironment(
+      role->profile, musher::transport::OwnEnvironment(),
+      musher::transport::OuterInterfaces(role->profile, role->interfaces));
   const auto reaper = musher::exec::Reaper::Start();
   if (!reaper) {
     std::cerr << actuator.name << ": " << reaper.error().message << std::endl;

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <poll.h>
-#include <sched.h>
 #include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,7 +14,6 @@
 #include <utility>
 
 #include "musher/base/scheduling.hpp"
-#include "musher/transport/network.hpp"
 
 namespace musher::transport::host_test {
 
@@ -218,18 +216,6 @@ TEST(NameLock, DoesNotProveAProcessThatHoldsTheNameOfAnotherUser) {
   });
   ASSERT_TRUE(holder.ready());
   EXPECT_FALSE(NameLock::CheckHolder(name, holder.pid()));
-}
-
-TEST(Network, IsAvailableOnlyWithAnInterfaceBesideTheLoopback) {
-  const pid_t child = fork();
-  if (child == 0) {
-    if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) _exit(2);
-    _exit(HasNetwork() ? 1 : 0);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (WEXITSTATUS(status) == 2) GTEST_SKIP() << "no network namespace here";
-  EXPECT_EQ(status, 0);
 }
 
 TEST(FileLock, IsProvenOfTheProcessThatHoldsIt) {

@@ -219,13 +219,17 @@ TEST(Settings, TakeTheProfileOfTheEnvironmentBeforeTheConfigs) {
   EXPECT_EQ(dds::ChosenProfile(TransportProfile::kLocal).value(), TransportProfile::kLan);
 }
 
-TEST(Settings, KeepOneHostOnLoopbackAndLetItsProcessesBeMany) {
+TEST(Settings, KeepOneHostOnLoopbackInEveryProfileAndLetItsProcessesBeMany) {
   const std::string local = dds::SettingsXml(TransportProfile::kLocal, {});
-  const std::string lan = dds::SettingsXml(TransportProfile::kLan, {});
-  EXPECT_THAT(local, HasSubstr("name=\"lo\""));
-  EXPECT_THAT(lan, Not(HasSubstr("name=\"lo\"")));
+  const std::string lan = dds::SettingsXml(TransportProfile::kLan, {}, DiscoveryTiming::kCombined,
+                                           false, {"eth0", "wlan0"});
   for (const auto& xml : {local, lan}) {
+    EXPECT_THAT(xml, HasSubstr("<NetworkInterface name=\"lo\" multicast=\"true\"/>"));
     EXPECT_THAT(xml, HasSubstr("<ParticipantIndex>none</ParticipantIndex>"));
+  }
+  for (const std::string outer : {"eth0", "wlan0"}) {
+    EXPECT_THAT(
+        lan, HasSubstr("<NetworkInterface name=\"" + outer + "\" presence_required=\"false\"/>"));
   }
 }
 

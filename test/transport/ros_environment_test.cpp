@@ -27,12 +27,19 @@ Environment NodeOf(TransportProfile profile, Environment more = {}) {
   return more;
 }
 
-TEST(RosProcesses, GetTheLoopbackInTheProfileLocalAndCycloneInBoth) {
+TEST(RosProcesses, GetTheLoopbackAndCyclone) {
   EXPECT_THAT(RosEnvironment(kLocal, {}),
               UnorderedElementsAre(Pair("CYCLONEDDS_URI", kRosOnLoopback),
                                    Pair("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")));
-  EXPECT_THAT(RosEnvironment(kLan, {}),
-              ElementsAre(Pair("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")));
+}
+
+TEST(RosProcesses, GetTheLoopbackBeforeTheOuterInterfacesInTheProfileLan) {
+  const Environment added = RosEnvironment(kLan, {}, {"eth0"});
+  EXPECT_THAT(added, UnorderedElementsAre(Pair("CYCLONEDDS_URI", RosOnInterfaces({"eth0"})),
+                                          Pair("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")));
+  EXPECT_THAT(added.at("CYCLONEDDS_URI"),
+              HasSubstr("<NetworkInterface name=\"lo\" multicast=\"true\"/>"
+                        "<NetworkInterface name=\"eth0\" presence_required=\"false\"/>"));
 }
 
 TEST(RosProcesses, KeepWhatThePersonHasSet) {
@@ -109,6 +116,9 @@ TEST(RosProcesses, ShareAShellWithAMachineOfTheProfileLocal) {
   EXPECT_FALSE(ReplacesProfile(kLocal, kRosOnLoopback));
   EXPECT_TRUE(ReplacesProfile(kLan, kRosOnLoopback));
   EXPECT_TRUE(ReplacesProfile(kLocal, "file:///mine.xml"));
+  const std::string lan = RosOnInterfaces({"wlan0", "eth0"});
+  EXPECT_FALSE(ReplacesProfile(kLan, lan));
+  EXPECT_TRUE(ReplacesProfile(kLocal, lan));
   const Environment shell = NodeOf(kLocal);
   EXPECT_THAT(RosObstacles(kLocal, shell, shell), IsEmpty());
 }

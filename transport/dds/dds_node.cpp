@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/base/host.hpp"
 #include "musher/transport/dds/dds_reader.hpp"
 #include "musher/transport/dds/dds_writer.hpp"
 #include "musher/transport/dds/first_replies.hpp"
@@ -21,6 +23,7 @@
 #include "musher/transport/network.hpp"
 #include "musher/transport/ros_environment.hpp"
 #include "musher/transport/security/check.hpp"
+#include "musher/transport/udp_sockets.hpp"
 
 namespace musher::transport {
 
@@ -107,20 +110,67 @@ dds::Participant* dds::ParticipantOf(Node& node) {
 
 namespace {
 
-// DDS chooses its network interface when a process joins the domain, and keeps it: a process that
-// starts before the network is up reaches only its own host for good, and nothing else reports it.
-void WarnWithoutNetwork() {
+// DDS chooses its network interfaces when a process joins the domain, and keeps them: a process
+// that starts before the network is up reaches only its own host for good, and nothing else reports
+// it.
+void WarnOfLoopbackOnly(const std::string& why) {
   static std::once_flag logged;
-  const char* uri = std::getenv("CYCLONEDDS_URI");
-  const bool own_settings = uri != nullptr && *uri != '\0';
-  if (own_settings || HasNetwork()) return;
-  std::call_once(logged, [] {
-    std::fputs(
-        "no network interface is up but the loopback: in the lan profile this process is reachable "
-        "on this host only, until it is restarted. Start it after the network (systemd: Wants= and "
-        "After=network-online.target)\n",
-        stderr);
+  std::call_once(logged, [&] {
+    std::fprintf(stderr,
+                 "%s: in the lan profile this process is reachable on this host only, until it is "
+                 "restarted\n",
+                 why.c_str());
   });
+}
+
+void WarnWithoutNetwork(const std::vector<InterfaceUse>& uses) {
+  std::string why;
+  for (const InterfaceUse& use : uses) {
+    why += (why.empty() ? " (" : "; ") + use.name + ": " + use.reason;
+  }
+  if (!why.empty()) why += ")";
+  WarnOfLoopbackOnly("no network interface to other hosts is up" + why +
+                     "; start it after the network (systemd: Wants= and "
+                     "After=network-online.target)");
+}
+
+// A process of this host that Cyclone would take for one of another host: it sends from addresses
+// that this one does not have. With the loopback alone they reach each other. That matters where a
+// controller runs; elsewhere the connection to other hosts does.
+std::optional<OtherAddress> FindUnreachable(int domain_id, bool controller,
+                                            const std::vector<std::string>& own) {
+  const auto other = FindOtherAddress(ReadProcessesBoundElsewhere(own), domain_id, own);
+  if (!other || controller || NameLock::IsHeldInDomain(domain_id, "musher/controller")) {
+    return other;
+  }
+  return std::nullopt;
+}
+
+// The outer interfaces of this process.
+std::vector<std::string> OuterInterfacesFor(const DdsOptions& options, int domain_id) {
+  const std::vector<NetworkInterface> present = ReadInterfaces();
+  const auto uses = ChooseInterfaces(present, options.interfaces);
+  std::vector<std::string> names;
+  std::vector<std::string> own;  // their addresses
+  for (const InterfaceUse& use : uses) {
+    if (!use.used) continue;
+    names.push_back(use.name);
+    const auto found = std::ranges::find(present, use.name, &NetworkInterface::name);
+    own.push_back(found->addresses.front());  // Cyclone uses the first one
+  }
+  if (names.empty()) {
+    WarnWithoutNetwork(uses);
+    return names;
+  }
+  const auto other = FindUnreachable(domain_id, options.controller, own);
+  if (!other) return names;
+  if (!options.hidden) {
+    WarnOfLoopbackOnly("a process of this host" +
+                       (other->pid == 0 ? "" : " (pid " + std::to_string(other->pid) + ")") +
+                       " uses the address " + other->address + ", and not " + own.front() +
+                       " (the address has changed, or their configs name different interfaces)");
+  }
+  return {};
 }
 
 // Unique on a host, for nodes without a name; ROS 2 hides names that begin with '_'.
@@ -184,12 +234,16 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
   const char* uri = std::getenv("CYCLONEDDS_URI");
   const bool own_settings = uri != nullptr && ReplacesProfile(profile.value(), uri);
+  std::vector<std::string> outer;
+  if (profile.value() == TransportProfile::kLan && !own_settings) {
+    outer = OuterInterfacesFor(options, domain_id.value());
+  }
   auto participant = dds::OpenParticipant(
       domain_id.value(),
-      own_settings ? "" : dds::SettingsXml(profile.value(), options.lease, discovery, unicast),
+      own_settings ? ""
+                   : dds::SettingsXml(profile.value(), options.lease, discovery, unicast, outer),
       options.credentials, ChosenDistro(options.ros_distro));
   if (!participant) return participant.error();
-  if (profile.value() == TransportProfile::kLan) WarnWithoutNetwork();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value(),
                                                          options.name_space, NodeName(options)));
 }

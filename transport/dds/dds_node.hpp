@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/base/network_profile.hpp"
 #include "musher/transport/node.hpp"
@@ -37,6 +38,11 @@ struct DdsOptions {
   std::optional<int> domain_id = std::nullopt;
   // MUSHER_TRANSPORT=local|lan overrides it, and the user's own CYCLONEDDS_URI overrides both.
   TransportProfile profile = TransportProfile::kLocal;
+  // Of the profile lan: the interfaces to other hosts, at most kMostOuterInterfaces; none: see
+  // ChooseInterfaces(). Processes of this host use the loopback in any case.
+  std::vector<std::string> interfaces = {};
+  // A controller, which has to reach the actuators of its host whatever their addresses are.
+  bool controller = false;
   // The lease: a process that is silent for longer counts as lost; none: the profile's.
   std::optional<Duration> lease = std::nullopt;
   // MUSHER_FAST_DISCOVERY in the environment replaces kCombined and kCombinedLong by kAtOnce. The

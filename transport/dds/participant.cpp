@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string_view>
 
+#include "musher/transport/dds/log_sink.hpp"
 #include "musher/transport/dds/qos.hpp"
 #include "musher/transport/dds/security.hpp"
 
@@ -19,12 +20,11 @@ namespace {
 // is one sink in a process; needs the lock of OpenParticipant().
 class LogCapture {
  public:
-  // `after`: the sink from then on; null: Cyclone's own.
-  explicit LogCapture(dds_log_write_fn_t after) : after_(after) { dds_set_log_sink(Append, this); }
+  LogCapture() { dds_set_log_sink(Append, this); }
   LogCapture(const LogCapture&) = delete;
   LogCapture& operator=(const LogCapture&) = delete;
   ~LogCapture() {
-    dds_set_log_sink(after_, nullptr);
+    dds_set_log_sink(LogOnceAMinute, nullptr);
     if (!text_.empty()) std::fprintf(stderr, "%s\n", text_.c_str());
   }
 
@@ -39,7 +39,6 @@ class LogCapture {
     text += line;
   }
 
-  dds_log_write_fn_t after_;
   std::string text_;
 };
 
@@ -91,7 +90,7 @@ Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture
 
 Result<Participant*> Join(int domain_id, const std::string& settings,
                           const std::optional<Credentials>& credentials, RosDistro distro) {
-  LogCapture log(credentials ? LogOnceAMinute : nullptr);
+  LogCapture log;
   auto domain = OpenDomain(domain_id, settings, log);
   if (!domain) return domain.error();
   const QosPtr qos(dds_create_qos());

@@ -1,37 +1,10 @@
 #include "musher/transport/dds/security.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cstdio>
-#include <functional>
-#include <map>
-#include <mutex>
 #include <string>
-#include <string_view>
 
 #include "musher/transport/security/key_folder.hpp"
 
 namespace musher::transport::dds {
-
-void LogOnceAMinute(void*, const dds_log_data_t* data) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::minutes kPause(1);
-  constexpr std::size_t kMostLines = 256;  // remembered
-  static std::mutex mutex;
-  static std::map<std::string, Clock::time_point, std::less<>> logged;
-  const std::lock_guard lock(mutex);
-  const std::string_view line(data->message, data->size);
-  const std::string_view text = line.substr(std::min(line.size(), data->hdrsize));
-  const Clock::time_point now = Clock::now();
-  if (const auto last = logged.find(text); last != logged.end()) {
-    if (now - last->second < kPause) return;
-    last->second = now;
-  } else {
-    if (logged.size() >= kMostLines) logged.clear();
-    logged.emplace(text, now);
-  }
-  std::fwrite(line.data(), 1, line.size(), stderr);
-}
 
 void SetCredentials(dds_qos_t* qos, const Credentials& credentials) {
   const keys::KeyFolder folder(credentials.keys);

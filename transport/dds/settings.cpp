@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include "musher/transport/network.hpp"
+
 namespace musher::transport::dds {
 
 namespace {
@@ -84,15 +86,15 @@ std::string Multicast(bool unicast) {
 
 std::string LocalXml(Duration lease, DiscoveryTiming discovery, bool unicast) {
   return Element("General",
-                 Multicast(unicast) +
-                     Element("Interfaces", "<NetworkInterface name=\"lo\" multicast=\"true\"/>") +
-                     Element("MaxMessageSize", "65500B")) +
+                 Multicast(unicast) + InterfacesXml({}) + Element("MaxMessageSize", "65500B")) +
          Discovery(lease) + Element("Internal", TimingXml(discovery) + Buffers("20ms"));
 }
 
-// Links that lose packets: losses are detected and repaired within tens of milliseconds.
-std::string LanXml(Duration lease, bool unicast) {
-  return (unicast ? Element("General", Multicast(true)) : "") + Discovery(lease) +
+// Links that lose packets: losses are detected and repaired within tens of milliseconds. Cyclone
+// prefers the loopback where both processes have it, so a link that is lost concerns other hosts
+// only.
+std::string LanXml(Duration lease, bool unicast, const std::vector<std::string>& outer) {
+  return Element("General", Multicast(unicast) + InterfacesXml(outer)) + Discovery(lease) +
          Element("Internal",
                  "<HeartbeatInterval min=\"2ms\" minsched=\"5ms\" max=\"8s\">10ms"
                  "</HeartbeatInterval>" +
@@ -113,11 +115,12 @@ Result<TransportProfile> ChosenProfile(TransportProfile configured) {
 }
 
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
-                        DiscoveryTiming discovery, bool unicast) {
+                        DiscoveryTiming discovery, bool unicast,
+                        const std::vector<std::string>& outer) {
   const std::string domain =
       profile == TransportProfile::kLocal
           ? LocalXml(lease.value_or(std::chrono::seconds(10)), discovery, unicast)
-          : LanXml(lease.value_or(std::chrono::seconds(2)), unicast);
+          : LanXml(lease.value_or(std::chrono::seconds(2)), unicast, outer);
   return Element("CycloneDDS", Element("Domain", domain));
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/base/network_profile.hpp"
 #include "musher/base/result.hpp"
@@ -18,9 +19,9 @@ inline constexpr std::int64_t kReceiveBufferBytes = 4 << 20;
 Result<TransportProfile> ChosenProfile(TransportProfile configured);
 
 // The XML for a profile. `lease`: a process that is silent for longer is lost; none: 10 s local, 2
-// s lan. For `unicast` see DdsOptions.
+// s lan. For `unicast` see DdsOptions. `outer`: interfaces to other hosts, beside the loopback.
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
                         DiscoveryTiming discovery = DiscoveryTiming::kCombined,
-                        bool unicast = false);
+                        bool unicast = false, const std::vector<std::string>& outer = {});
 
 }  // namespace musher::transport::dds

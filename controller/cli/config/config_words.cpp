@@ -231,6 +231,7 @@ std::vector<ConfigWord> WordsOf(const MachineConfig& config) {
   AddStatesAndFlow(config, words);
   words.Table("transport", kNewStart);
   words.Key("profile", config.transport == TransportProfile::kLan ? "lan" : "local", kNewStart);
+  words.Set("interfaces", Strings(config.interfaces.begin(), config.interfaces.end()), kNewStart);
   words.Key("ros_distro", DistroName(config.ros_distro), kNewStart);
   if (!config.keys.empty()) {
     words.Table("security", kNewStart);

@@ -21,7 +21,7 @@ std::vector<Diagnostic> CheckRos(const MachineConfig& config,
     const bool ours = !actuator.command.empty();
     if (ours) {
       for (const auto& [name, value] : actuator.env) node[name] = value;
-      node.merge(transport::RosEnvironment(profile.value(), node));
+      node.merge(transport::RosEnvironment(profile.value(), node, config.interfaces));
     }
     const int line = places.LineOf("actuator." + actuator.name, ours ? "env" : "protocol");
     const std::string where =

@@ -11,18 +11,11 @@
 #include "musher/base/network_profile.hpp"
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/transport/network.hpp"
 #include "musher/transport/ros_environment.hpp"
 #include "musher/transport/security/wall_time.hpp"
 
 namespace musher::cli {
-
-struct NetworkInterface {
-  std::string name;
-  bool up = false;
-  bool loopback = false;
-  bool multicast = false;
-  std::vector<std::string> addresses;  // IPv4
-};
 
 // Two processes that exchange samples over the network that the machine uses.
 struct DdsTrial {
@@ -113,6 +106,13 @@ struct ControllerFacts {
   bool reachable = true;         // it answers in this environment
 };
 
+// A process of the running machine on this host.
+struct MemberFacts {
+  std::string name;  // of an actuator; empty: the controller
+  int pid = 0;
+  std::vector<std::string> bound;  // see transport::BoundAddresses()
+};
+
 struct DoctorFacts {
   std::optional<MachineConfig> config;
   transport::Environment environment;
@@ -122,7 +122,7 @@ struct DoctorFacts {
   std::string domain_error;
   std::string name_space;
 
-  std::vector<NetworkInterface> interfaces;
+  std::vector<transport::NetworkInterface> interfaces;
   std::optional<std::int64_t> rmem_max;  // bytes
   std::optional<std::int64_t> wmem_max;
   DdsTrial dds;
@@ -140,6 +140,7 @@ struct DoctorFacts {
   std::vector<Diagnostic> ros;       // CheckRos()
   std::vector<ControllerFacts> controllers;
   std::string controllers_error;
+  std::vector<MemberFacts> members;
   std::string uri_text;  // of CYCLONEDDS_URI, also of the file that it names
   std::string uri_error;
   std::string version;  // of this program

@@ -120,32 +120,6 @@ std::string DescribeFolder(const std::string& path) {
 
 }  // namespace
 
-std::vector<NetworkInterface> ReadInterfaces() {
-  ifaddrs* all = nullptr;
-  if (getifaddrs(&all) != 0) return {};
-  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(all, freeifaddrs);
-  std::vector<NetworkInterface> interfaces;
-  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
-    auto known = std::find_if(interfaces.begin(), interfaces.end(),
-                              [one](const auto& each) { return each.name == one->ifa_name; });
-    if (known == interfaces.end()) {
-      const unsigned int flags = one->ifa_flags;
-      interfaces.push_back({one->ifa_name,
-                            (flags & IFF_UP) != 0,
-                            (flags & IFF_LOOPBACK) != 0,
-                            (flags & IFF_MULTICAST) != 0,
-                            {}});
-      known = interfaces.end() - 1;
-    }
-    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    std::array<char, INET_ADDRSTRLEN> text{};
-    const auto* address = reinterpret_cast<const sockaddr_in*>(one->ifa_addr);
-    inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size());
-    known->addresses.emplace_back(text.data());
-  }
-  return interfaces;
-}
-
 std::optional<std::int64_t> ReadNumber(const std::string& file) {
   std::istringstream in(ReadFile(file));
   std::int64_t number = 0;

@@ -5,7 +5,6 @@
 
 namespace musher::cli {
 
-std::vector<NetworkInterface> ReadInterfaces();
 // A number in a file such as /proc/sys/net/core/rmem_max.
 std::optional<std::int64_t> ReadNumber(const std::string& file);
 ClockFacts ReadClock();

@@ -4,6 +4,7 @@
 #include <regex>
 
 #include "musher/base/joined.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
 #include "musher/transport/dds/settings.hpp"
 
@@ -11,6 +12,8 @@ namespace musher::cli {
 namespace {
 
 using enum CheckStatus;
+using transport::InterfaceUse;
+using transport::NetworkInterface;
 
 // Cyclone's own send buffer, which the profiles do not change.
 constexpr std::int64_t kSendBufferBytes = 64 << 10;
@@ -108,35 +111,108 @@ DoctorCheck CheckCycloneUri(const DoctorFacts& facts) {
   return check;
 }
 
+std::vector<std::string> ConfiguredInterfaces(const DoctorFacts& facts) {
+  return facts.config ? facts.config->interfaces : std::vector<std::string>();
+}
+
+// "eth0 with 192.168.1.7 (an ethernet or wifi device that is up)", of those that are used, or not.
+std::vector<std::string> DescribeUses(const DoctorFacts& facts,
+                                      const std::vector<InterfaceUse>& uses, bool used) {
+  std::vector<std::string> texts;
+  for (const InterfaceUse& use : uses) {
+    if (use.used != used) continue;
+    const NetworkInterface* found = FindInterface(facts, use.name);
+    const bool has_address = found != nullptr && !found->addresses.empty();
+    texts.push_back(use.name + (used && has_address ? " with " + Joined(found->addresses) : "") +
+                    " (" + use.reason + ")");
+  }
+  return texts;
+}
+
+// The interfaces to other hosts, of the profile lan.
+void CheckOuterInterfaces(const DoctorFacts& facts, DoctorCheck& check) {
+  const auto uses = transport::ChooseInterfaces(facts.interfaces, ConfiguredInterfaces(facts));
+  const std::string unused = Joined(DescribeUses(facts, uses, false));
+  if (std::ranges::none_of(uses, &InterfaceUse::used)) {
+    const auto& all = facts.interfaces;
+    const auto down = std::ranges::find_if(all, [](const auto& one) { return !one.up; });
+    check.health = kError;
+    check.reason +=
+        ", but no interface to other hosts: " + (uses.empty() ? "there is none" : unused);
+    check.fix = down != all.end() ? "sudo ip link set " + down->name + " up"
+                                  : "connect a network, or use profile = \"local\"";
+    return;
+  }
+  check.reason += "; to other hosts " + Joined(DescribeUses(facts, uses, true));
+  if (!unused.empty()) check.reason += "; not used: " + unused;
+  for (const InterfaceUse& use : uses) {
+    const NetworkInterface* found = FindInterface(facts, use.name);
+    if (!use.used || found == nullptr || found->multicast) continue;
+    check.health = kError;
+    check.reason +=
+        "; " + use.name + " is without multicast: processes of other hosts are not discovered";
+    check.fix = "sudo ip link set " + use.name + " multicast on";
+  }
+}
+
 DoctorCheck CheckInterfaces(const DoctorFacts& facts) {
   DoctorCheck check{"network interface"};
   if (HasOwnSettings(facts)) return NotApplicable(check, "CYCLONEDDS_URI chooses it");
-  const bool lan = facts.profile == TransportProfile::kLan;
-  const auto fits = [lan](const NetworkInterface& one) {
-    return one.loopback != lan && !one.addresses.empty();
-  };
   const auto& all = facts.interfaces;
-  const auto up =
-      std::find_if(all.begin(), all.end(), [&](const auto& one) { return fits(one) && one.up; });
-  if (up == all.end()) {
-    const auto down = std::find_if(
-        all.begin(), all.end(), [lan](const auto& one) { return one.loopback != lan && !one.up; });
+  const auto loopback = std::ranges::find_if(
+      all, [](const auto& one) { return one.loopback && one.up && !one.addresses.empty(); });
+  if (loopback == all.end()) {
     check.health = kError;
     check.reason =
-        fmt::format("no {} with an IPv4 address is up; interfaces are {}",
-                    lan ? "interface but the loopback" : "loopback interface", NamesOf(all));
-    check.fix = down != all.end() ? "sudo ip link set " + down->name + " up"
-                : lan             ? "connect a network, or use profile = \"local\""
-                                  : "sudo ip link set lo up";
+        "no loopback interface with an IPv4 address is up; interfaces are " + NamesOf(all);
+    check.fix = "sudo ip link set lo up";
     return check;
   }
-  check.reason = up->name + " with " + Joined(up->addresses);
-  // On the loopback Cyclone uses multicast whatever the flag says.
-  if (lan && !up->multicast) {
-    check.health = kError;
-    check.reason += ", without multicast: processes of other hosts are not discovered";
-    check.fix = "sudo ip link set " + up->name + " multicast on";
+  check.reason = loopback->name + " with " + Joined(loopback->addresses);
+  if (facts.profile == TransportProfile::kLan) {
+    check.reason += " between processes of this host";
+    CheckOuterInterfaces(facts, check);
   }
+  return check;
+}
+
+// Cyclone keeps the interfaces, and their addresses, that it has found when a process started.
+DoctorCheck CheckInterfacesInUse(const DoctorFacts& facts) {
+  DoctorCheck check{"interfaces in use"};
+  if (facts.profile != TransportProfile::kLan || HasOwnSettings(facts)) {
+    return NotApplicable(check, "only of the profile lan");
+  }
+  if (facts.members.empty()) return NotApplicable(check, "no machine runs on this host");
+  std::vector<std::string> stale;
+  std::vector<std::string> fixes;
+  for (const InterfaceUse& use :
+       transport::ChooseInterfaces(facts.interfaces, ConfiguredInterfaces(facts))) {
+    if (!use.used) continue;
+    const std::string address = FindInterface(facts, use.name)->addresses.front();
+    for (const MemberFacts& member : facts.members) {
+      const auto has = [&](const std::string& one) {
+        return std::ranges::count(member.bound, one) != 0;
+      };
+      // A process of another DDS, or of other settings, does not have the loopback like this.
+      if (!has("127.0.0.1") || has(address)) continue;
+      const bool controller = member.name.empty();
+      stale.push_back(fmt::format("{} (pid {}) not {} with {}",
+                                  controller ? "the controller" : member.name, member.pid, use.name,
+                                  address));
+      fixes.push_back(controller ? "musher up --detach --takeover " +
+                                       (facts.config ? ShellWord(facts.config->file) : "FILE")
+                                 : "musher restart " + member.name);
+    }
+  }
+  check.reason =
+      fmt::format("{} of this machine use them", Counted(facts.members.size(), "process", "processes"));
+  if (stale.empty()) return check;
+  check.health = kWarning;
+  check.reason =
+      "not all processes use an interface that is up; it has come, or got another "
+      "address, after their start: " +
+      Joined(stale) + "; they reach each other, and other hosts do not reach them until a restart";
+  check.fix = fmt::format("{}", fmt::join(fixes, "; "));
   return check;
 }
 
@@ -222,6 +298,7 @@ std::vector<DoctorCheck> CheckNetwork(const DoctorFacts& facts) {
       CheckEnvironment(facts),
       CheckCycloneUri(facts),
       CheckInterfaces(facts),
+      CheckInterfacesInUse(facts),
       CheckExchange(facts),
       CheckBuffer("rmem_max", facts.rmem_max, transport::dds::kReceiveBufferBytes,
                   ": bursts such as pictures overflow the buffer and are repeated"),

@@ -19,6 +19,7 @@
 #include "musher/controller/cli/machine/link.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/security/check.hpp"
+#include "musher/transport/udp_sockets.hpp"
 #include "musher/wire/dds_options.hpp"
 
 namespace musher::cli {
@@ -45,7 +46,7 @@ void ReadNetwork(DoctorFacts& facts, const GlobalOptions& global) {
   }
   const bool from_config = facts.config && !global.name_space_given;
   facts.name_space = from_config ? facts.config->name_space : global.name_space;
-  facts.interfaces = ReadInterfaces();
+  facts.interfaces = transport::ReadInterfaces();
   facts.rmem_max = ReadNumber("/proc/sys/net/core/rmem_max");
   facts.wmem_max = ReadNumber("/proc/sys/net/core/wmem_max");
 }
@@ -107,6 +108,17 @@ std::string VersionOfProcess(pid_t pid) {
   return version;
 }
 
+void ReadMembers(DoctorFacts& facts, const msg::MachineStatus& status) {
+  const auto add = [&facts](const std::string& name, const std::string& host, pid_t pid) {
+    if (pid == 0 || host != HostId()) return;
+    if (auto bound = transport::BoundAddresses(pid)) {
+      facts.members.push_back({name, pid, std::move(*bound)});
+    }
+  };
+  add("", status.host, status.pid);
+  for (const auto& actuator : status.actuators) add(actuator.name, actuator.host, actuator.pid);
+}
+
 void ReadControllers(DoctorFacts& facts, const GlobalOptions& given) {
   const bool no_dds = !facts.domain_error.empty() || !facts.profile_error.empty();
   if (no_dds || !facts.dds.error.empty()) {
@@ -133,6 +145,7 @@ void ReadControllers(DoctorFacts& facts, const GlobalOptions& given) {
     if (leader != 0) facts.controllers.push_back({"", "", leader, {}, {}, false});
     return;
   }
+  ReadMembers(facts, *status);
   ControllerFacts controller{status->machine, status->host == HostId() ? "" : status->host,
                              status->pid};
   if (controller.host.empty()) {

@@ -161,6 +161,39 @@ void ReadController(TableReader& root, Draft& draft) {
   controller.RefuseOthers();
 }
 
+// Of a network interface, as the kernel limits it (IFNAMSIZ).
+bool IsInterfaceName(const std::string& name) {
+  constexpr std::size_t kLongest = 15;
+  return name.size() <= kLongest &&
+         name.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
+             std::string::npos;
+}
+
+void ReadInterfaces(TableReader& transport, Draft& draft) {
+  constexpr std::string_view kKey = "interfaces";
+  constexpr std::size_t kMost = 3;  // of Cyclone, beside the loopback
+  const auto names = transport.Strings(kKey);
+  if (!names) return;
+  for (const Word& name : *names) {
+    if (name.text == "lo") {
+      transport.Fault(name.at, kKey, "\"lo\" is used always; name interfaces to other hosts");
+    } else if (!IsInterfaceName(name.text)) {
+      transport.Fault(name.at, kKey,
+                      "expected the name of a network interface, such as \"wlan0\", found \"" +
+                          name.text + "\"");
+    } else {
+      draft.config.interfaces.push_back(name.text);
+    }
+  }
+  if (names->size() > kMost) {
+    transport.Fault((*names)[kMost].at, kKey, "expected at most 3 names");
+  }
+  if (draft.config.transport == TransportProfile::kLocal) {
+    transport.Warn(transport.At(kKey), kKey, "has no effect without profile = \"lan\"");
+  }
+}
+
 void ReadTransport(TableReader& root, Draft& draft) {
   const Table* table = root.SubTable("transport");
   if (table == nullptr) return;
@@ -169,6 +202,7 @@ void ReadTransport(TableReader& root, Draft& draft) {
       "profile", {{"local", TransportProfile::kLocal}, {"lan", TransportProfile::kLan}});
   draft.config.transport = profile.value_or(draft.config.transport);
   draft.transport_at = transport.At("profile");
+  ReadInterfaces(transport, draft);
   draft.config.ros_distro =
       transport.Choice<RosDistro>("ros_distro", {{"galactic", RosDistro::kGalactic},
                                                  {"humble", RosDistro::kHumble},

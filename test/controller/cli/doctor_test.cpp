@@ -93,17 +93,27 @@ const Planted kPlanted[] = {
      [](DoctorFacts& f) { Uri(f, "<CycloneDDS><Domain>"); }},
     {"NoLoopback", "network interface", CheckStatus::kError, "no loopback interface",
      "ip link set lo up", [](DoctorFacts& f) { f.interfaces.erase(f.interfaces.begin()); }},
-    {"NoNetworkForLan", "network interface", CheckStatus::kError, "interfaces are lo, eth0 (down)",
-     "ip link set eth0 up",
+    {"NoNetworkForLan", "network interface", CheckStatus::kError,
+     "but no interface to other hosts: eth0 (it is down)", "ip link set eth0 up",
      [](DoctorFacts& f) {
        f.profile = TransportProfile::kLan;
        f.interfaces[1].up = false;
      }},
-    {"NoMulticastForLan", "network interface", CheckStatus::kError,
-     "eth0 with 192.168.1.7, without multi", "ip link set eth0 multicast on",
+    {"NoMulticastForLan", "network interface", CheckStatus::kError, "; eth0 is without multicast",
+     "ip link set eth0 multicast on",
      [](DoctorFacts& f) {
        f.profile = TransportProfile::kLan;
        f.interfaces[1].multicast = false;
+     }},
+    {"AnInterfaceThatCameAfterTheStart", "interfaces in use", CheckStatus::kWarning,
+     "the controller (pid 7) not eth0 with 192.168.1.7, legs (pid 8) not eth0",
+     "musher up --detach --takeover ",
+     [](DoctorFacts& f) {
+       f.profile = TransportProfile::kLan;
+       f.members = {{"", 7, {"127.0.0.1"}},
+                    {"legs", 8, {"127.0.0.1", "192.168.1.2"}},
+                    {"eyes", 9, {"127.0.0.1", "192.168.1.7"}},
+                    {"lidar", 10, {}}};
      }},
     {"NoDds", "DDS exchange", CheckStatus::kError, "was not discovered", "firewall",
      [](DoctorFacts& f) { f.dds.error = "the other process was not discovered"; }},

@@ -1,0 +1,49 @@
+#pragma once
+// The UDP sockets of this host, by which a process finds out which addresses the other processes of
+// its DDS domain send from.
+//
+// Threads: any.
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace musher::transport {
+
+struct UdpSocket {
+  std::string address;  // IPv4 that it is bound to; "0.0.0.0": any
+  std::uint16_t port = 0;
+  bool connected = false;
+};
+
+// Those of a process, or of all processes of a user that are not visible (pid 0).
+struct UdpProcess {
+  pid_t pid = 0;
+  uid_t user = 0;
+  std::vector<UdpSocket> sockets;
+};
+
+// The processes of this network namespace with a UDP socket that is bound to an address outside of
+// `own`, the loopback and "any": an empty result takes one file to read. Their sockets are
+// complete.
+std::vector<UdpProcess> ReadProcessesBoundElsewhere(const std::vector<std::string>& own);
+
+// The IPv4 addresses that UDP sockets of a process are bound to: those that its DDS sends from.
+// nullopt: not known (a process of another user).
+std::optional<std::vector<std::string>> BoundAddresses(pid_t pid);
+
+// A process of the DDS domain that sends from addresses of this host, of which none is in `own`;
+// the first one. Cyclone takes such a process for one of another host, and does not use the
+// loopback towards it: its address has changed, or its config names other interfaces. A pure
+// function.
+struct OtherAddress {
+  pid_t pid = 0;  // 0: not visible
+  std::string address;
+};
+std::optional<OtherAddress> FindOtherAddress(const std::vector<UdpProcess>& processes,
+                                             int domain_id, const std::vector<std::string>& own);
+
+}  // namespace musher::transport
