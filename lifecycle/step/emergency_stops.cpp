@@ -37,7 +37,8 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
   if (const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
       same != engaged.end()) {
     AddReleased(stops, same->id);
-    *same = stop;
+    same->id = stop.id;
+    if (same->reason.empty()) same->reason = stop.reason;  // the first cause is shown
     return true;
   }
   if (engaged.size() > kMostStopsKnown) {

@@ -366,7 +366,7 @@ RC_GTEST_FIXTURE_PROP(EmergencyStopped, AfterReleasedNoActuatorReportsAStopWhate
     } else if (step == 3) {
       t.lost_stops = !t.lost_stops;
     } else {
-      t.StopAll(static_cast<std::uint64_t>(step), "panel " + std::to_string(step % 7));
+      t.StopAll(StopId(static_cast<std::uint64_t>(step)), "panel " + std::to_string(step % 7));
     }
     t.RunFor(Milliseconds(1 + step % 5));
   }
