@@ -21,7 +21,7 @@ void Scenario::Repair() {
   if (config_.policy) {
     Note("the operator charges the battery");
     robot_.SetBattery(100, true);
-    RunFor(std::chrono::seconds(2));
+    RunFor(std::chrono::seconds(3));  // three samples
     if (!ReachStableState("after the battery was charged")) return;
   }
   // The TearDown of a client that found no controller may reach the first one that starts.

@@ -1,6 +1,7 @@
 // What is under way, and the invariants of a stable state.
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/policy/policy.hpp"
 #include "musher/simulation/checker.hpp"
 
 namespace musher::simulation {
@@ -31,8 +32,9 @@ std::string Checker::PendingActivity() const {
   if (machine.current) return "a switch to " + machine.current->target + " is under way";
   if (machine.policy.keep) return "an application keeps it in " + machine.policy.keep->state;
   if (machine.policy.power) return "the robot is being powered off";
-  if (machine.policy.lifting) return "the battery is about to lift its ceiling";
-  if (machine.policy.emptying && !machine.policy.empty) return "it is about to be powered off";
+  const PolicyState& policy = machine.policy;
+  if (ConfirmedAt(policy.lifting, {})) return "the battery is about to lift its ceiling";
+  if (ConfirmedAt(policy.emptying, {}) && !policy.empty) return "it is about to be powered off";
   if (machine.policy.still_since) return "it is about to go to LowPower";
   if (machine.emergency.release) return "the release of an emergency stop is being confirmed";
   if (machine.fallback.target) return "it is about to fall back to " + *machine.fallback.target;
