@@ -378,10 +378,11 @@ void Controller::CheckFolder() {
       },
       [this, saved](const Result<>& checked) {
         const std::string in = " in " + config_.state_dir;
-        if (!checked) {
+        const bool known = std::exchange(folder_fails_, !checked);
+        if (!checked && !known) {
           Trouble("files that were removed" + in +
                   " cannot be saved again: " + checked.error().message);
-        } else if (!saved->empty()) {
+        } else if (checked && !saved->empty()) {
           Trouble(Joined(*saved) + in + " had been removed; saved again");
           shell_->Remark(kCodeFailed, Joined(*saved) + in +
                                           " had been removed, or another volume was mounted "

@@ -158,11 +158,11 @@ TEST_F(JournalTrouble, OfADamagedHeaderMovesTheFileAsideAndLosesNoNewEntry) {
   EXPECT_THAT(Times(Read()), ElementsAre(2));
 }
 
-TEST_F(JournalTrouble, OfDamagedPagesIsNoticedWhenTheyAreWrittenTo) {
+TEST_F(JournalTrouble, OfDamagedPagesThatAreWrittenToMovesTheFileAside) {
   { Journal(path_, Options()).Append(Entry(1)); }
   Damage(4096);
   { Journal(path_, Options()).Append(Entry(2)); }
-  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("malformed")));
+  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("damaged-1")));
   EXPECT_THAT(Times(Read()), ElementsAre(2));
 }
 
@@ -258,7 +258,7 @@ TEST_F(JournalTrouble, OfOneWrongByteOfTheHeaderOrTheSchemaIsOver) {
   { Journal(path_, Options()).Append(Entry(1)); }
   const std::string whole = ReadFile(path_);
   ASSERT_GT(whole.size(), 4096U);
-  for (std::size_t at = 0; at < 4096; ++at) {
+  for (std::size_t at = 0; at < 4096; at += at < 120 ? 1 : 13) {
     if (at > 120 && whole[at] == '\0') continue;  // not used
     for (const char* companion : {"-wal", "-shm"}) fs::remove(path_ + companion);
     std::string wrong = whole;
