@@ -32,9 +32,51 @@ std::vector<std::string> TreeNames(const Document& document) {
   return names;
 }
 
+// "" for one time.
+std::string Times(std::size_t times) {
+  return times == 1 ? "" : " (" + std::to_string(times) + " times)";
+}
+
+// The class of a node: of <Move/> or <Action ID="Move"/>.
+const std::string& ClassOf(const Element& element) {
+  const Attribute* id = IsForm(element.name) ? element.Find("ID") : nullptr;
+  return id == nullptr ? element.name : id->value;
+}
+
+void NoteSubtrees(const Element& element, std::set<std::string>& used) {
+  for (const Element& child : element.children) {
+    const bool subtree = child.name == "SubTree" || child.name == "SubTreePlus";
+    const Attribute* id = subtree ? child.Find("ID") : nullptr;
+    if (id != nullptr) used.insert(id->value);
+    NoteSubtrees(child, used);
+  }
+}
+
+// The trees, first those that no other one uses.
+std::vector<const Document::Tree*> RootsFirst(const Document& document) {
+  std::set<std::string> used;
+  for (const Document::Tree& tree : document.trees) NoteSubtrees(tree.content, used);
+  std::vector<const Document::Tree*> trees;
+  for (const Document::Tree& tree : document.trees) trees.push_back(&tree);
+  std::ranges::stable_partition(trees, [&](const auto* tree) { return !used.contains(tree->id); });
+  return trees;
+}
+
 }  // namespace
 
+Building::Building(const Document& document, const Factory& factory)
+    : document_(document), factory_(factory) {
+  for (const Document::File& file : document.files) {
+    std::vector<std::uint32_t>& begins = lines_.emplace_back(1, 0U);
+    for (std::size_t at = file.text.find('\n'); at != std::string::npos;
+         at = file.text.find('\n', at + 1)) {
+      begins.push_back(static_cast<std::uint32_t>(at + 1));
+    }
+  }
+}
+
 bool Building::failed() const {
+  if (!unknown_.empty()) return true;
   return std::ranges::any_of(
       found_, [](const auto& one) { return std::get<Severity>(one) == Severity::kError; });
 }
@@ -45,7 +87,33 @@ void Building::ReportScript(const Attribute& attribute, const Script::Finding& f
          "script in " + attribute.name + ": " + finding.what);
 }
 
+void Building::NoteUnset(const Element& element, const std::string& port) {
+  Unset& unset = unset_[ClassOf(element)];
+  unset.places.insert(element.at);
+  unset.ports.insert(port);
+}
+
 std::vector<Diagnostic> Building::Take() && {
+  std::vector<std::string> names = factory_.Names();
+  names.emplace_back("SubTree");
+  for (const auto& [id, places] : unknown_) {
+    const bool modelled = std::ranges::any_of(document_.models, [&id](const Element& model) {
+      const Attribute* attribute = model.Find("ID");
+      return attribute != nullptr && attribute->value == id;
+    });
+    Report(*places.begin(), Severity::kError,
+           "there is no node " + Quoted(id) + DidYouMean(id, names) +
+               (modelled ? "; <TreeNodesModel> describes it, but the program does not register it"
+                         : "") +
+               Times(places.size()));
+  }
+  for (const auto& [id, unset] : unset_) {
+    std::string ports;
+    for (const std::string& port : unset.ports) ports += (ports.empty() ? "" : ", ") + Quoted(port);
+    Report(*unset.places.begin(), Severity::kWarning,
+           "node " + Quoted(id) + " leaves out inputs that have no default in its model: " + ports +
+               Times(unset.places.size()));
+  }
   std::sort(found_.begin(), found_.end());
   found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
   std::vector<Diagnostic> diagnostics;
@@ -59,6 +127,7 @@ std::vector<Diagnostic> Building::Take() && {
 std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t history) {
   tree_ = std::unique_ptr<Tree>(new Tree(main.id, history));
   tree_->enums_ = factory_.shared_enums();
+  for (const Document::File& file : document_.files) tree_->files_.push_back(file.path);
   tree_->boards_.push_back(std::make_unique<Board>());
   elements_.clear();
   types_.clear();
@@ -66,6 +135,8 @@ std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t his
   constants_.clear();
   reads_.clear();
   writes_.clear();
+  made_.clear();
+  needed_.clear();
   MakeContent(main, {});
   if (failed()) return nullptr;
   tree_->trace_.Resize(tree_->nodes_.size());
@@ -122,7 +193,11 @@ Node* Building::MakeNode(const Element& element, const Around& around) {
     for (const Element& child : element.children) MakeNode(child, around);
     return nullptr;
   }
-  if (IsForm(element.name) && element.name != Name(registered->kind)) {
+  const auto is_leaf = [](std::string_view name) {
+    return name == "Action" || name == "Condition";
+  };
+  const std::string_view kind = Name(registered->kind);
+  if (IsForm(element.name) && element.name != kind && !(is_leaf(element.name) && is_leaf(kind))) {
     Report(element.at, Severity::kError,
            "node " + Quoted(id) + " is registered as " + std::string(Name(registered->kind)) +
                ", not as " + element.name);
@@ -136,21 +211,24 @@ void Building::UnknownNode(Place place, std::string_view id) {
            Quoted(id) + " is a tree; write <SubTree ID=\"" + std::string(id) + "\"/>");
     return;
   }
-  const bool modelled = std::ranges::any_of(document_.models, [id](const Element& model) {
-    const Attribute* attribute = model.Find("ID");
-    return attribute != nullptr && attribute->value == id;
-  });
-  std::vector<std::string> names = factory_.Names();
-  names.emplace_back("SubTree");
-  Report(place, Severity::kError,
-         "there is no node " + Quoted(id) + DidYouMean(id, names) +
-             (modelled ? "; <TreeNodesModel> describes it, but the program does not register it"
-                       : ""));
+  const auto found = unknown_.find(id);
+  (found != unknown_.end() ? found->second : unknown_[std::string(id)]).insert(place);
+}
+
+// The names from the root, as patterns of test nodes have them.
+std::string Building::PlainPath(NodeId id) const {
+  std::string path;
+  for (NodeId at = id; at != kNoNode; at = tree_->infos_[at].parent) {
+    path = "/" + tree_->infos_[at].name + path;
+  }
+  return tree_->name() + path;
 }
 
 NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind kind,
                          const Around& around) {
   const Attribute* name = element.Find("name");
+  const std::vector<std::uint32_t>& begins = lines_[element.at.file];
+  const auto line = std::ranges::upper_bound(begins, element.at.at);
   tree_->nodes_.push_back(nullptr);
   elements_.push_back(&element);
   tree_->infos_.push_back({.name = name != nullptr ? name->value : std::string(id),
@@ -159,7 +237,9 @@ NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind k
                            .parent = around.parent,
                            .board = around.board,
                            .takes_time = false,
-                           .place = element.at});
+                           .place = element.at,
+                           .line = static_cast<int>(line - begins.begin()),
+                           .column = static_cast<int>(element.at.at - *std::prev(line) + 1)});
   return static_cast<NodeId>(tree_->nodes_.size() - 1);
 }
 
@@ -184,11 +264,15 @@ Node* Building::MakeRegistered(const Element& element, std::string_view id,
     Report(element.at, Severity::kError,
            "node " + Quoted(id) + " can not be made: " + error.what());
     return nullptr;
+  } catch (...) {
+    Report(element.at, Severity::kError,
+           "node " + Quoted(id) + " can not be made: an unknown exception");
+    return nullptr;
   }
   CheckAttributes(element, setup);
   const TestNodeConfig* substitute =
       factory_.has_substitutes() && element.children.empty()
-          ? factory_.Substituted(tree_->infos_[node_id].name, tree_->Path(node_id))
+          ? factory_.Substituted(tree_->infos_[node_id].name, PlainPath(node_id))
           : nullptr;
   if (substitute != nullptr) {
     made = MakeTestNode(setup, *substitute);
@@ -273,6 +357,8 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
   if (document.trees.empty()) return fail({}, "there is no <BehaviorTree>");
   std::string name = options.tree;
   if (name.empty() && document.main) name = document.main->value;
+  const std::vector<const Document::Tree*> trees = RootsFirst(document);
+  if (name.empty() && options.any_root) name = trees.front()->id;
   if (name.empty() && document.trees.size() > 1) {
     return fail({}, "there are " + std::to_string(document.trees.size()) +
                         " trees; name the first one: <root main_tree_to_execute=\"" +
@@ -285,9 +371,9 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
   }
   std::unique_ptr<Tree> tree = building.Make(*main, options.history);
   // Trees that nothing uses are checked, too.
-  for (const Document::Tree& other : document.trees) {
+  for (const Document::Tree* other : trees) {
     const auto& used = building.used();
-    if (std::ranges::find(used, other.id) == used.end()) building.Make(other, 0);
+    if (std::ranges::find(used, other->id) == used.end()) building.Make(*other, 0);
   }
   if (building.failed()) tree = nullptr;
   return {std::move(tree), std::move(building).Take()};

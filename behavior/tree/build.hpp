@@ -23,6 +23,7 @@ namespace musher::tree {
 struct BuildOptions {
   std::string tree{};         // empty: main_tree_to_execute, or the only tree of the document
   std::size_t history = 256;  // changes that are kept
+  bool any_root = false;      // where none is named, the first tree that no other one uses
 };
 
 struct Built {

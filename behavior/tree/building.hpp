@@ -16,8 +16,7 @@ namespace musher::tree {
 
 class Building {
  public:
-  Building(const Document& document, const Factory& factory)
-      : document_(document), factory_(factory) {}
+  Building(const Document& document, const Factory& factory);
 
   // Null: the tree has errors.
   std::unique_ptr<Tree> Make(const Document::Tree& main, std::size_t history);
@@ -29,6 +28,9 @@ class Building {
   std::vector<Diagnostic> Take() &&;
   const std::vector<std::string>& used() const { return used_; }  // ids of trees
 
+  // An input that neither the element nor its model sets: one warning for each class of nodes.
+  void NoteUnset(const Element& element, const std::string& port);
+
   void ReportScript(const Attribute& attribute, const Script::Finding& finding);
 
   // Connection of a port of the present node, for Setup.
@@ -37,7 +39,10 @@ class Building {
 
   // What a node does with an entry, for the warnings.
   void NoteRead(const Entry& entry, Place place) { reads_.emplace_back(&entry, place); }
-  void NoteWrite(const Entry& entry, Place place) { writes_.emplace(&entry, place); }
+  void NoteWrite(const Entry& entry, Place place) {
+    writes_.emplace(&entry, place);
+    made_.insert(&entry);
+  }
   void NoteScript(const Script& script, Place place);
 
  private:
@@ -59,6 +64,7 @@ class Building {
   void SetConditions(const Element& element, Node& node, Board& board);
   void CheckAttributes(const Element& element, const Setup& setup);
   void UnknownNode(Place place, std::string_view id);
+  std::string PlainPath(NodeId id) const;
   void Unify(Entry& entry, const Attribute& attribute, const PortModel& model);
   NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
   Node* Keep(NodeId id, std::unique_ptr<Node> node);
@@ -68,12 +74,21 @@ class Building {
   void WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool unsure);
   void WarnOfParallel(NodeId id, std::size_t children);
   void WarnOfUnset();
+  void WarnOfUnmade();
 
   const Document& document_;
   const Factory& factory_;
   std::unique_ptr<Tree> tree_;
   std::vector<const Element*> elements_;  // by node
   std::vector<std::tuple<Place, Severity, std::string>> found_;
+  std::vector<std::vector<std::uint32_t>> lines_;  // where the lines of each file begin
+  // Findings that are the same at each place of a class of nodes: reported at the first one.
+  std::map<std::string, std::set<Place>, std::less<>> unknown_;
+  struct Unset {
+    std::set<Place> places;
+    std::set<std::string> ports;
+  };
+  std::map<std::string, Unset, std::less<>> unset_;
   std::vector<std::string> inside_;  // the trees around the present node
   std::vector<std::string> used_;
   std::vector<const Attribute*> used_attributes_;
@@ -93,6 +108,8 @@ class Building {
   // Entries with a place that reads or sets them.
   std::vector<std::pair<const Entry*, Place>> reads_;
   std::map<const Entry*, Place> writes_;
+  std::set<const Entry*> made_;                         // also where they do not exist yet
+  std::vector<std::pair<const Entry*, Place>> needed_;  // by '=' in a script
   bool too_large_ = false;
 };
 

@@ -17,7 +17,7 @@ bool IsCondition(std::string_view name) {
 // Attributes of every element that are no ports.
 bool IsReserved(std::string_view name) {
   return name == "name" || name == "ID" || name == "_description" || name == "_autoremap" ||
-         name == "_uid" || name == "_fullpath" || name == "_fullPath" ||
+         name == "_collapsed" || name == "_uid" || name == "_fullpath" || name == "_fullPath" ||
          name == "__shared_blackboard";
 }
 
@@ -49,7 +49,10 @@ Setup::Connection Building::Connect(const Element& element, Board& board, const 
     if (model.direction != Direction::kIn) NoteWrite(entry, attribute->value_at);
     return {&entry, nullptr};
   }
-  if (model.direction != Direction::kIn) {
+  if (model.direction == Direction::kInOut) {
+    Report(attribute->value_at, Severity::kWarning,
+           PortText(model) + " is a fixed text: what is written to it is lost");
+  } else if (model.direction == Direction::kOut) {
     Report(attribute->value_at, Severity::kError,
            PortText(model) + " is written; expected an entry, such as \"{" + model.name + "}\"");
     return {};
@@ -85,10 +88,20 @@ void Building::Unify(Entry& entry, const Attribute& attribute, const PortModel& 
 
 void Building::NoteScript(const Script& script, Place place) {
   for (const Entry* entry : script.reads()) NoteRead(*entry, place);
-  for (const Entry* entry : script.writes()) NoteWrite(*entry, place);
+  for (const Entry* entry : script.writes()) {
+    writes_.emplace(entry, place);
+    if (std::ranges::find(script.needs(), entry) == script.needs().end()) made_.insert(entry);
+  }
+  for (const Entry* entry : script.needs()) needed_.emplace_back(entry, place);
 }
 
 void Building::CheckAttributes(const Element& element, const Setup& setup) {
+  for (const PortModel& port : setup.ports()) {
+    if (port.name != "name" && port.name != "ID" && !port.name.starts_with('_')) continue;
+    Report(element.at, Severity::kError,
+           "node '" + element.name + "' has a port '" + port.name +
+               "', which is reserved; give the port another name");
+  }
   for (const Attribute& attribute : element.attributes) {
     if (IsReserved(attribute.name) || IsCondition(attribute.name)) continue;
     if (std::ranges::find(used_attributes_, &attribute) != used_attributes_.end()) continue;

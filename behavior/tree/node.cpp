@@ -11,8 +11,12 @@ namespace musher::tree {
 Node::Node() = default;
 Node::~Node() = default;
 
-void Node::FailIdle() const {
-  throw std::runtime_error("its tick returned IDLE; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
+void Node::FailStatus(Status status) {
+  const std::string returned = status == Status::kIdle
+                                   ? "IDLE"
+                                   : "no status (" + std::to_string(static_cast<int>(status)) + ")";
+  throw std::runtime_error("its tick returned " + returned +
+                           "; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
 }
 
 void Node::Fail(const char* what, Tick& tick) {

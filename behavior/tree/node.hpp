@@ -89,7 +89,7 @@ class Node {
   Status Run(Tick& tick) {
     try {
       const Status status = OnTick(tick);
-      if (status == Status::kIdle) FailIdle();
+      if (status == Status::kIdle || status > Status::kSkipped) FailStatus(status);
       return status;
     } catch (const NodeFault&) {
       Become(Status::kRunning, tick);  // so that a halt reaches the nodes below
@@ -105,7 +105,7 @@ class Node {
     if (tick.trace != nullptr) tick.trace->Add({tick.now, id_, status_, status});
     status_ = status;
   }
-  [[noreturn]] void FailIdle() const;
+  [[noreturn]] static void FailStatus(Status status);
   [[noreturn]] void Fail(const char* what, Tick& tick);
   Status ExecuteSpecially(Tick& tick);
   std::optional<Status> CallHook(Tick& tick);

@@ -77,8 +77,7 @@ void MakePorts(Setup& setup, const std::vector<ModelPort>& ports) {
     if (connection.text != nullptr) CheckText(setup, port, connection.text->value);
     const bool is_missing = connection.text == nullptr && connection.entry == nullptr;
     if (is_missing && port.direction == Direction::kIn && !each.has_default) {
-      setup.Report(port.name, Severity::kWarning,
-                   "port '" + port.name + "' is not set, and its model declares no default");
+      setup.NoteUnset(port.name);
     }
   }
 }
@@ -150,7 +149,7 @@ class Models {
     Direction direction = Direction::kIn;
     if (element.name == "output_port") {
       direction = Direction::kOut;
-    } else if (element.name == "inout_port") {
+    } else if (element.name == "inout_port" || element.name == "bidirectional_port") {
       direction = Direction::kInOut;
     } else if (element.name != "input_port") {
       return Report(element.at,

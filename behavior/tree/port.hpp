@@ -84,13 +84,14 @@ class OutPort {
   Entry* entry_ = nullptr;
 };
 
-// A port that reads an entry, then writes it.
+// A port that reads an entry, then writes it. A fixed text of the XML is read; what is written to
+// it is lost.
 template <class T>
 class InOutPort : public InPort<T> {
  public:
   InOutPort() = default;
-  InOutPort(std::string name, Entry* entry)
-      : InPort<T>(name, entry, std::nullopt), out_(std::move(name), entry) {}
+  InOutPort(std::string name, Entry* entry, std::optional<T> fixed)
+      : InPort<T>(name, entry, std::move(fixed)), out_(std::move(name), entry) {}
   void Set(const T& value) { out_.Set(value); }
 
  private:

@@ -157,13 +157,12 @@ Operand Script::Join(const Operation& operation, const Operand& left, const Oper
   return Operand(std::string_view(operation.text));
 }
 
-// The number to which a text is converted to be compared with one.
-double Script::NumberIn(std::string_view text, const Operand& left, const Operand& right) const {
+std::optional<double> Script::NumberIn(std::string_view text, const Enums& enums) {
   if (text == "true") return 1;
   if (text == "false") return 0;
-  if (const auto known = enums_->find(text); known != enums_->end()) return known->second;
-  if (const auto number = Convert<double>::FromText(text)) return number.value();
-  throw ScriptError("can not compare " + Shown(left) + " with " + Shown(right));
+  if (const auto known = enums.find(text); known != enums.end()) return known->second;
+  const auto number = Convert<double>::FromText(text);
+  return number ? std::optional(number.value()) : std::nullopt;
 }
 
 Operand Script::Compare(const Operation& first) const {
@@ -191,16 +190,16 @@ Operand Script::Compare(const Operation& first) const {
     const Operand right = Evaluate(operation->b);
     const auto comparison = static_cast<Comparison>(operation->kind);
     bool is = false;
-    if (left.is_number() && right.is_number()) {
-      is = holds(left.number(), right.number(), comparison);
-    } else if (left.is_text() && right.is_text()) {
+    if (left.is_text() && right.is_text()) {
       is = holds(left.text(), right.text(), comparison);
-    } else if (left.is_text() && right.is_number()) {
-      is = holds(NumberIn(left.text(), left, right), right.number(), comparison);
-    } else if (left.is_number() && right.is_text()) {
-      is = holds(left.number(), NumberIn(right.text(), left, right), comparison);
     } else {
-      throw ScriptError("can not compare " + Shown(left) + " with " + Shown(right));
+      const auto number = [&](const Operand& operand) {
+        if (operand.is_number()) return operand.number();
+        const auto in = operand.is_text() ? NumberIn(operand.text(), *enums_) : std::nullopt;
+        if (!in) throw ScriptError("can not compare " + Shown(left) + " with " + Shown(right));
+        return *in;
+      };
+      is = holds(number(left), number(right), comparison);
     }
     if (!is) return Operand(0.0);
     if (operation->c == 0) return Operand(1.0);

@@ -19,6 +19,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -85,6 +86,8 @@ class Script {
   // The entries that it reads and assigns.
   const std::vector<Entry*>& reads() const { return reads_; }
   const std::vector<Entry*>& writes() const { return writes_; }
+  // The entries that it assigns by '=' or '+=' and has not made before by ':='.
+  const std::vector<Entry*>& needs() const { return needs_; }
 
  private:
   friend class ScriptParser;
@@ -131,7 +134,8 @@ class Script {
   Operand Binary(const Operation& operation) const;
   Operand Compare(const Operation& operation) const;
   Operand Join(const Operation& operation, const Operand& left, const Operand& right) const;
-  double NumberIn(std::string_view text, const Operand& left, const Operand& right) const;
+  // The number to which a text is converted to be compared with one.
+  static std::optional<double> NumberIn(std::string_view text, const Enums& enums);
   Operand Assign(const Operation& operation) const;
 
   std::vector<Operation> operations_;
@@ -140,6 +144,7 @@ class Script {
   bool assigns_inside_ = false;  // within an expression: its operands are kept
   std::vector<Entry*> reads_;
   std::vector<Entry*> writes_;
+  std::vector<Entry*> needs_;
 };
 
 }  // namespace musher::tree

@@ -56,6 +56,10 @@ class ScriptParser {
       Take(sign);
       Entry* entry = At(left).entry;
       if (kind == Assignment::kMake || kind == Assignment::kSet) Unread(entry);
+      if (kind != Assignment::kMake &&
+          std::ranges::find(script_.writes_, entry) == script_.writes_.end()) {
+        script_.needs_.push_back(entry);
+      }
       script_.writes_.push_back(entry);
       if (depth_ > 1) script_.assigns_inside_ = true;
       const Index right = AssignmentLevel();
@@ -111,7 +115,9 @@ class ScriptParser {
       const auto* found =
           std::ranges::find_if(kOperators, [this](const auto& one) { return Take(one.first); });
       if (found == std::end(kOperators)) break;
+      const std::size_t at = at_;
       const Index right = BitOrLevel();
+      CheckComparison(left, right, at);
       const Index made = Add(Code::kCompare, left, right);
       At(made).kind = static_cast<std::uint8_t>(found->second);
       if (head) {
@@ -124,6 +130,19 @@ class ScriptParser {
       left = right;
     }
     return head.value_or(first);
+  }
+
+  // A text that is no number can not be compared with one, whatever the tree does.
+  void CheckComparison(Index left, Index right, std::size_t at) {
+    if (failed_) return;
+    const bool text_first = At(left).code == Code::kText;
+    const Script::Operation& text = At(text_first ? left : right);
+    const Script::Operation& number = At(text_first ? right : left);
+    if (text.code != Code::kText || number.code != Code::kNumber) return;
+    if (Script::NumberIn(text.text, enums_)) return;
+    found_.push_back({at, true,
+                      "'" + text.text + "' can not be compared with " + NumberText(number.number) +
+                          ": it is neither a number nor the name of an enum"});
   }
 
   Index BitOrLevel() {

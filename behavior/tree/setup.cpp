@@ -1,5 +1,7 @@
 #include "musher/behavior/tree/setup.hpp"
 
+#include <cctype>
+
 #include "musher/behavior/tree/building.hpp"
 
 namespace musher::tree {
@@ -59,6 +61,25 @@ std::optional<Script> Setup::ScriptOf(std::string_view name, bool is_condition) 
   if (failed) return std::nullopt;
   building_->NoteScript(script, connection.text->value_at);
   return script;
+}
+
+bool Setup::IsName(std::string_view text) {
+  return !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0;
+}
+
+std::string Setup::EnumNames() const {
+  constexpr std::size_t kMostNames = 20;
+  std::string names;
+  std::size_t count = 0;
+  for (const auto& [name, value] : enums_) {
+    if (count++ == kMostNames) return names + ", ...";
+    names += (names.empty() ? "" : ", ") + name + " (" + NumberText(value) + ")";
+  }
+  return names;
+}
+
+void Setup::NoteUnset(const std::string& port) {
+  if (building_ != nullptr) building_->NoteUnset(element_, port);
 }
 
 void Setup::Report(std::string_view attribute, Severity severity, std::string what) {

@@ -71,9 +71,11 @@ class Setup {
   }
   template <class T>
   InOutPort<T> InOut(std::string_view name, std::string_view doc = "") {
-    return {
-        std::string(name),
-        Connect({std::string(name), Direction::kInOut, TypeOf<T>(), true, std::string(doc)}).entry};
+    const Connection connection =
+        Connect({std::string(name), Direction::kInOut, TypeOf<T>(), true, std::string(doc)});
+    std::optional<T> fixed;
+    if (connection.text != nullptr) fixed = FixedAs<T>(*connection.text);
+    return {std::string(name), connection.entry, std::move(fixed)};
   }
 
   // An entry of any type: "key" or "{key}". Null: the port is missing, which is an error.
@@ -93,6 +95,8 @@ class Setup {
   const Enums& enums() const { return enums_; }
   // An error or a warning at an attribute, or at the node where that is missing.
   void Report(std::string_view attribute, Severity severity, std::string what);
+  // An input of a model that the element leaves out and that has no default.
+  void NoteUnset(const std::string& port);
 
   const std::vector<PortModel>& ports() const { return ports_; }
 
@@ -120,8 +124,14 @@ class Setup {
     if constexpr (HasText<T>) {
       Result<T> value = Convert<T>::FromText(attribute.value);
       if (value) return std::move(value).value();
+      constexpr bool kMayBeEnum = Numeric<T> && !std::same_as<T, Status> && !std::same_as<T, bool>;
+      const std::string names = kMayBeEnum && IsName(attribute.value) ? EnumNames() : "";
       Report(attribute.name, Severity::kError,
-             "port '" + attribute.name + "': " + value.error().message);
+             "port '" + attribute.name + "': " + value.error().message +
+                 (names.empty() ? "" : ", or " + names));
+    } else if (std::is_enum_v<T> && !enums_.empty()) {
+      Report(attribute.name, Severity::kError,
+             "port '" + attribute.name + "': " + NoValue(attribute.value, EnumNames()).message);
     } else {
       Report(attribute.name, Severity::kError,
              "port '" + attribute.name + "' has a type that no text can be converted to (" +
@@ -130,6 +140,9 @@ class Setup {
     }
     return std::nullopt;
   }
+
+  static bool IsName(std::string_view text);  // begins with a letter
+  std::string EnumNames() const;              // "BLUE (2), RED (1)"
 
   Building* building_;
   const Element& element_;

@@ -11,7 +11,30 @@ Tree::Tree(std::string name, std::size_t history) : name_(std::move(name)), trac
 
 Tree::~Tree() = default;
 
+namespace {
+
+// Marks the tree as busy within a tick or a halt.
+class Busy {
+ public:
+  explicit Busy(bool& busy) : busy_(busy) { busy_ = true; }
+  ~Busy() { busy_ = false; }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  bool& busy_;
+};
+
+Error OfOwnTree(const std::string& tree, const std::string& does) {
+  return {kCodeFailed,
+          "a node of tree " + tree + " " + does + " its own tree: do that after the tick"};
+}
+
+}  // namespace
+
 Result<Status> Tree::TickExactlyOnce(Time now) {
+  if (busy_) return OfOwnTree(name_, "ticks");
+  const Busy busy(busy_);
   tick_.now = std::max(tick_.now, now);
   tick_.woken = false;
   tick_.fault.clear();
@@ -24,11 +47,10 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
     if (IsCompleted(status)) root.Reset(tick_);
     if (tick_.fault.empty()) return status;
     root.Reset(tick_);  // a node threw while it was halted
-    return HaltFault();
+    return Fault(tick_.faulty, tick_.fault);
   } catch (const NodeFault& fault) {
-    const std::string what = Path(fault.node->id()) + ": " + fault.what;
     root.Reset(tick_);
-    return Error{kCodeFailed, what};
+    return Fault(fault.node->id(), fault.what);
   }
 }
 
@@ -49,28 +71,46 @@ void Tree::Attach(const std::shared_ptr<Hooks>& hooks) {
 }
 
 Result<> Tree::Halt(Time now) {
+  if (busy_) return OfOwnTree(name_, "halts");
+  const Busy busy(busy_);
   tick_.now = std::max(tick_.now, now);
   tick_.fault.clear();
   nodes_.front()->Reset(tick_);
   if (tick_.fault.empty()) return Ok();
-  return HaltFault();
+  return Fault(tick_.faulty, tick_.fault);
 }
 
-Error Tree::HaltFault() const {
-  return {kCodeFailed, Path(tick_.faulty) + ": " + tick_.fault};
+Error Tree::Fault(NodeId id, const std::string& what) const {
+  return {kCodeFailed, PlaceOf(id) + ": " + Path(id) + ": " + what};
 }
 
 std::string Tree::Path(NodeId id) const {
-  std::string path = infos_.at(id).name;
+  std::string path = NameAmongSiblings(id);
   for (NodeId at = infos_[id].parent; at != kNoNode; at = infos_[at].parent) {
-    path = infos_[at].name + "/" + path;
+    path = NameAmongSiblings(at) + "/" + path;
   }
   return name_ + "/" + path;
 }
 
+std::string Tree::NameAmongSiblings(NodeId id) const {
+  const NodeInfo& info = infos_.at(id);
+  if (info.parent == kNoNode) return info.name;
+  std::size_t number = 1;
+  for (NodeId other = info.parent + 1; other < id; ++other) {
+    if (infos_[other].parent == info.parent && infos_[other].name == info.name) ++number;
+  }
+  return number == 1 ? info.name : info.name + "#" + std::to_string(number);
+}
+
+std::string Tree::PlaceOf(NodeId id) const {
+  const NodeInfo& info = infos_.at(id);
+  return files_.at(info.place.file) + ":" + std::to_string(info.line) + ":" +
+         std::to_string(info.column);
+}
+
 std::optional<NodeId> Tree::Find(std::string_view path) const {
   for (NodeId id = 0; id < infos_.size(); ++id) {
-    if (path.ends_with(infos_[id].name) && Path(id) == path) return id;
+    if (path.find(infos_[id].name) != std::string_view::npos && Path(id) == path) return id;
   }
   return std::nullopt;
 }

@@ -5,14 +5,15 @@
 //   tree::Built built = tree::Build(read.document, factory);        // build.hpp
 //   built.tree->TickOnce(now);                                      // as often as wanted
 //
-// A tick ends with SUCCESS, FAILURE, RUNNING or SKIPPED, or fails with the path of the node that
-// threw: then every running node has been halted, and the next tick begins again at the root.
-// After SUCCESS and FAILURE the next tick begins again, too.
+// A tick ends with SUCCESS, FAILURE, RUNNING or SKIPPED, or fails with the place and the path of
+// the node that threw ("course.xml:9:13: Main/approach/Move: ..."): then every running node has
+// been halted, and the next tick begins again at the root. After SUCCESS and FAILURE the next tick
+// begins again, too.
 //
 // Time is an argument; one that is before the last is taken for the last. A tick allocates nothing
 // of its own.
 //
-// Threads: one at a time. A node must not tick its own tree.
+// Threads: one at a time. A node can neither tick nor halt its own tree: that is refused.
 
 #include <memory>
 #include <optional>
@@ -41,6 +42,8 @@ struct NodeInfo {
   std::uint32_t board = 0;
   bool takes_time = false;
   Place place;
+  int line = 0;  // of the place
+  int column = 0;
 };
 
 class Tree {
@@ -67,8 +70,11 @@ class Tree {
   const NodeInfo& info(NodeId id) const { return infos_.at(id); }
   Status status(NodeId id) const { return nodes_.at(id)->status(); }
   Status status() const { return nodes_.front()->status(); }
-  // "Main/approach/Move": the names from the root.
+  // "Main/approach/Move": the names from the root. The second of two siblings with one name is
+  // "Move#2".
   std::string Path(NodeId id) const;
+  // "course.xml:9:13"
+  std::string PlaceOf(NodeId id) const;
   std::optional<NodeId> Find(std::string_view path) const;
   std::vector<NodeId> Children(NodeId id) const;
   const Recent<Change>& history() const { return trace_.history(); }
@@ -93,9 +99,12 @@ class Tree {
  private:
   friend class Building;
   Tree(std::string name, std::size_t history);
-  Error HaltFault() const;
+  Error Fault(NodeId id, const std::string& what) const;
+  std::string NameAmongSiblings(NodeId id) const;
 
   std::string name_;
+  std::vector<std::string> files_;      // that its nodes come from
+  bool busy_ = false;                   // within a tick or a halt
   std::shared_ptr<const Enums> enums_;  // of the scripts
   std::vector<std::unique_ptr<Board>> boards_;
   std::vector<std::unique_ptr<Node>> nodes_;  // by id

@@ -39,6 +39,7 @@ void Building::Warn() {
     WarnOfParallel(id, children[id].size());
   }
   WarnOfUnset();
+  WarnOfUnmade();
 }
 
 void Building::WarnOfReactive(NodeId id, const std::vector<NodeId>& children) {
@@ -106,6 +107,16 @@ void Building::WarnOfUnset() {
     const std::string hint = DidYouMean(entry->key, written);
     if (hint.empty()) continue;
     Report(place, Severity::kWarning, "nothing in the tree sets '" + entry->key + "'" + hint);
+  }
+}
+
+// An assignment with '=' ends the tick where the entry does not exist.
+void Building::WarnOfUnmade() {
+  for (const auto& [entry, place] : needed_) {
+    if (entry->declared || !entry->value.empty() || made_.contains(entry)) continue;
+    Report(place, Severity::kWarning,
+           "nothing in the tree makes '" + entry->key +
+               "', which '=' needs: use ':=', unless the program sets it");
   }
 }
 

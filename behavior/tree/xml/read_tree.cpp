@@ -112,7 +112,13 @@ class Reader {
       } else if (child.name == "BehaviorTree") {
         AddTree(std::move(child));
       } else if (child.name == "TreeNodesModel") {
-        for (Element& model : child.children) document_.models.push_back(std::move(model));
+        for (Element& model : child.children) {
+          if (model.name == "SubTree" && model.Find("ID") == nullptr) {
+            Report(model.at, Severity::kWarning,
+                   "<SubTree> needs the attribute 'ID', the name of a tree; it has no effect");
+          }
+          document_.models.push_back(std::move(model));
+        }
       } else {
         static const std::vector<std::string> known = {"BehaviorTree", "include", "TreeNodesModel"};
         const std::string hint = DidYouMean(child.name, known, "<>");

@@ -107,7 +107,8 @@ class Rows {
 
 }  // namespace
 
-TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::string>& models) {
+TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::string>& models,
+                            const std::string& name) {
   TreeFile result;
   tree::Factory factory;
   const std::vector<std::string> own = factory.Names();
@@ -132,7 +133,7 @@ TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::stri
     });
   }
   result.placeholders.assign(placeholders.begin(), placeholders.end());
-  tree::Built built = tree::Build(result.document, factory);
+  tree::Built built = tree::Build(result.document, factory, {.tree = name, .any_root = true});
   Append(result.diagnostics, built.diagnostics);
   if (!HasError(result.diagnostics)) result.tree = std::move(built.tree);
   return result;

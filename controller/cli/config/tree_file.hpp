@@ -21,7 +21,10 @@ struct TreeFile {
   bool has_unknown = false;               // a node that neither Musher nor a model has
 };
 
-TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::string>& models);
+// The tree is `name`, or else the main one, or else the first that no other one uses; the others
+// are checked, too.
+TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::string>& models,
+                            const std::string& name = "");
 
 // A node of a file, as a row of a table.
 struct FileNode {

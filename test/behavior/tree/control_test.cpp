@@ -166,7 +166,7 @@ TEST_F(Control, ANodeThatThrowsHaltsTheOthersAndIsNamedWithItsPath) {
   EXPECT_EQ(Ticks(*tree, 1), "R");
   const Result<Status> failed = tree->TickExactlyOnce(At(10));
   ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().message, "Main/both/b: it broke");
+  EXPECT_EQ(failed.error().message, "t.xml:3:48: Main/both/b: it broke");
   EXPECT_EQ(Take(), "a^ b^ a b a! ");
   EXPECT_EQ(Letter(tree->TickExactlyOnce(At(20))), 'R');  // begins again
   EXPECT_EQ(Take(), "a^ b^ ");
@@ -185,18 +185,20 @@ TEST_F(Control, ANodeThatThrowsInItsHaltAlsoHaltsTheOthersAndIsNamedWithItsPath)
   EXPECT_EQ(Ticks(*tree, 1), "R");
   const Result<Status> failed = tree->TickExactlyOnce(At(10));
   ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().message, "Main/watch/DoesNotStop: it does not stop");
+  EXPECT_EQ(failed.error().message, "t.xml:3:58: Main/watch/DoesNotStop: it does not stop");
   EXPECT_EQ(Take(), "a^ a^ a! ");
   EXPECT_EQ(tree->status(), Status::kIdle);
   EXPECT_EQ(Letter(tree->TickExactlyOnce(At(20))), 'R');  // begins again
-  EXPECT_EQ(tree->Halt(At(30)).error().message, "Main/watch/DoesNotStop: it does not stop");
+  EXPECT_EQ(tree->Halt(At(30)).error().message,
+            "t.xml:3:58: Main/watch/DoesNotStop: it does not stop");
 }
 
 TEST_F(Control, AnActionMustNotRun) {
   ASSERT_TRUE(factory.AddAction("Bad", [](const Tick&) { return Status::kIdle; }));
   tree = MakeTree(Main("<Bad/>"), factory);
-  EXPECT_EQ(tree->TickExactlyOnce(At(0)).error().message,
-            "Main/Bad: its tick returned IDLE; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
+  EXPECT_EQ(
+      tree->TickExactlyOnce(At(0)).error().message,
+      "t.xml:3:1: Main/Bad: its tick returned IDLE; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
   ASSERT_TRUE(factory.AddAction("Slow", [](const Tick&) { return Status::kRunning; }));
   tree = MakeTree(Main("<Slow/>"), factory);
   EXPECT_THAT(tree->TickExactlyOnce(At(0)).error().message,

@@ -130,8 +130,8 @@ TEST(Placeholders, HaveThePortsOfTheirModel) {
       Checked(Document(model, "<Walk goal_n=\"1\"/>")),
       testing::AllOf(
           HasSubstr("t.xml:6:7: error: <Walk> has no port 'goal_n'; did you mean 'goal_m'?"),
-          HasSubstr("t.xml:6:1: warning: port 'goal_m' is not set, and its model declares "
-                    "no default")));
+          HasSubstr("t.xml:6:1: warning: node 'Walk' leaves out inputs that have no default in "
+                    "its model: 'goal_m'")));
 }
 
 TEST(Placeholders, HaveTheChildrenOfTheirKind) {
@@ -141,8 +141,8 @@ TEST(Placeholders, HaveTheChildrenOfTheirKind) {
   EXPECT_THAT(Checked(Document(models, "<Both><Guard/><Ok><Ok/></Ok></Both>")),
               testing::AllOf(HasSubstr("node 'Guard' has 0 children; expected 1"),
                              HasSubstr("node 'Ok' has 1 child; expected 0")));
-  EXPECT_THAT(Checked(Document(models, "<Action ID=\"Ok\"/>")),
-              HasSubstr("node 'Ok' is registered as Condition, not as Action"));
+  EXPECT_THAT(Checked(Document(models, "<Action ID=\"Both\"><Ok/></Action>")),
+              HasSubstr("node 'Both' is registered as Control, not as Action"));
 }
 
 TEST(Placeholders, GiveNoWarningThatDependsOnWhetherTheyTakeTime) {
@@ -159,7 +159,7 @@ TEST(Placeholders, FailInATick) {
   const Built built = Build(reading.document, factory);
   ASSERT_NE(built.tree, nullptr) << Texts(built.diagnostics);
   EXPECT_EQ(built.tree->TickOnce(At(0)).error().message,
-            "Main/Walk: the node is a placeholder of a model; its program has the node");
+            "t.xml:6:1: Main/Walk: the node is a placeholder of a model; its program has the node");
 }
 
 TEST(Placeholders, AreRefusedWithTheirPlaceWhereTheModelIsWrong) {

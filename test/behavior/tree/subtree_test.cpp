@@ -246,7 +246,7 @@ TEST_F(ConditionTest, OfAReactiveSequenceAreEvaluatedInEachTick) {
 TEST_F(ConditionTest, ThatFailNameTheNode) {
   tree = MakeTree(Main("<AlwaysSuccess name=\"go\" _skipIf=\"none > 1\"/>"));
   EXPECT_EQ(tree->TickExactlyOnce(At(0)).error().message,
-            "Main/go: the blackboard has no value of 'none'");
+            "t.xml:3:1: Main/go: the blackboard has no value of 'none'");
 }
 
 }  // namespace musher::tree::subtree_test

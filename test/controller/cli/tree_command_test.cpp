@@ -83,6 +83,25 @@ TEST_F(TreeFileCommand, ReportsEveryErrorWithItsPlace) {
   EXPECT_EQ(Json(json.out)["diagnostics"][0]["line"], 3) << json.out;
 }
 
+TEST_F(TreeFileCommand, ChecksEachTreeThatNoOtherOneUsesWhereNoneIsTheMainOne) {
+  const auto file = [this](const std::string& b) {
+    return Write("several.xml",
+                 "<root BTCPP_format=\"4\">\n<BehaviorTree ID=\"Part\"><AlwaysSuccess/>"
+                 "</BehaviorTree>\n<BehaviorTree ID=\"A\"><SubTree ID=\"Part\"/></BehaviorTree>\n"
+                 "<BehaviorTree ID=\"B\">" +
+                     b + "</BehaviorTree></root>");
+  };
+  const Ran ran = RunProgram({"tree", "check", file("<AlwaysSuccess/>")});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_EQ(ran.out, "ok: tree A, 2 nodes in 3 trees\n");
+  EXPECT_EQ(RunProgram({"tree", "check", file("<AlwaysSuccess/>"), "--tree", "B"}).out,
+            "ok: tree B, 1 node in 3 trees\n");
+  EXPECT_THAT(RunProgram({"tree", "check", file("<Sleep/>")}).out,
+              HasSubstr(":4:23: error: <Sleep> needs port 'msec'"));
+  EXPECT_THAT(RunProgram({"tree", "check", file("<AlwaysSuccess/>"), "--tree", "C"}).out,
+              HasSubstr("error: there is no tree 'C'"));
+}
+
 TEST_F(TreeFileCommand, LetsWarningsPassAndRefusesAFileThatIsNotThere) {
   const std::string warned =
       Write("w.xml", "<root><BehaviorTree ID=\"A\"><AlwaysSuccess/></BehaviorTree></root>");

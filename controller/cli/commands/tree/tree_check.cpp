@@ -17,6 +17,7 @@ namespace {
 struct TreeCheckOptions {
   std::vector<std::string> files;
   std::vector<std::string> models;
+  std::string tree;  // empty: the main one, or each that no other one uses
 };
 
 // "tree Patrol, 12 nodes in 2 trees; from models: BatteryOk, Move"
@@ -32,7 +33,7 @@ ExitCode CheckTrees(const TreeCheckOptions& options, const GlobalOptions& /*glob
   std::vector<Diagnostic> all;
   bool has_unknown = false;
   for (const std::string& name : options.files) {
-    const TreeFile file = ReadTreeWithModels(name, options.models);
+    const TreeFile file = ReadTreeWithModels(name, options.models, options.tree);
     has_unknown |= file.has_unknown;
     all.insert(all.end(), file.diagnostics.begin(), file.diagnostics.end());
     if (console.mode().json) continue;
@@ -69,6 +70,9 @@ void AddTreeCheck(Grammar& grammar, CLI::App& family) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("FILE");
+  app.add_option("--tree", options.tree,
+                 "The tree that runs; default: the main tree, or each that no other one uses")
+      ->type_name("ID");
 }
 
 }  // namespace musher::cli

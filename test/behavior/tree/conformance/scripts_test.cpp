@@ -61,14 +61,15 @@ TEST_F(ScriptsAsDocumented, AnEqualsSignAssignsAnEntryThatAPortDeclares) {
 }
 TEST_F(ScriptsAsDocumented, AnEqualsSignNeedsAnEntry) {
   const std::string error =
-      "Main/Script: the blackboard has no value of 'x'; to make an entry, use ':='";
+      "t.xml:3:1: Main/Script: the blackboard has no value of 'x'; to make an entry, use ':='";
   EXPECT_EQ(Tick(Main("<Script code=\"x = 1\"/>")), error);
   EXPECT_EQ(Tick(Main("<Script code=\"x += 1\"/>")), error);
 }
 TEST_F(ScriptsAsDocumented, AnEqualsSignNeedsAnEntryAgainAfterItWasUnset) {
   EXPECT_EQ(Tick(Main("<Sequence><SetBlackboard value=\"{x}\" output_key=\"y\" _skipIf=\"true\"/>"
                       "<UnsetBlackboard key=\"x\"/><Script code=\"x = 1\"/></Sequence>")),
-            "Main/Sequence/Script: the blackboard has no value of 'x'; to make an entry, use ':='");
+            "t.xml:3:95: Main/Sequence/Script: the blackboard has no value of 'x'; to make an "
+            "entry, use ':='");
 }
 
 TEST_F(ScriptsAsDocumented, AComparisonConvertsATextToANumberABoolOrAnEnum) {
@@ -80,7 +81,27 @@ TEST_F(ScriptsAsDocumented, AComparisonConvertsATextToANumberABoolOrAnEnum) {
   EXPECT_EQ(Run("color := 'RED'; color == RED && color != BLUE"), "1");
   EXPECT_EQ(Run("n := 2; n == 'BLUE'"), "1");
   EXPECT_EQ(Run("0 < '1' < 2"), "1");
-  EXPECT_EQ(Run("'a' == 1"), "can not compare 'a' with 1");
+  EXPECT_EQ(Run("x := 'a'; x == 1"), "can not compare 'a' with 1");
+}
+TEST_F(ScriptsAsDocumented, AComparisonThatCanOnlyFailIsFoundWhenLoading) {
+  EXPECT_EQ(Run("1 < 2 && 'a' == 1"),
+            "'a' can not be compared with 1: it is neither a number nor the name of an enum");
+  EXPECT_EQ(Run("0 < RED != 'GREEN'"),
+            "'GREEN' can not be compared with 1: it is neither a number nor the name of an enum");
+}
+TEST_F(ScriptsAsDocumented, AnEqualsSignThatCanOnlyFailIsFoundWhenLoading) {
+  const std::string warning =
+      "warning: nothing in the tree makes 'x', which '=' needs: use ':=', unless the program sets "
+      "it\n";
+  EXPECT_EQ(Findings(Main("<Script code=\"x = 1\"/>")), "t.xml:3:15: " + warning);
+  EXPECT_EQ(Findings(Main("<AlwaysSuccess _onSuccess=\"x += 1\"/>")), "t.xml:3:28: " + warning);
+  EXPECT_EQ(Findings(Main("<Script code=\"x := 1; x = 2\"/>")), "");
+  EXPECT_EQ(Findings(Main("<Sequence><AlwaysSuccess _skipIf=\"false\" _post=\"x := 1\"/>"
+                          "<Script code=\"x = 2\"/></Sequence>")),
+            "");
+  EXPECT_EQ(Findings(Main("<Sequence><SetBlackboard value=\"1\" output_key=\"x\"/>"
+                          "<Script code=\"x = 2\"/></Sequence>")),
+            "");
 }
 TEST_F(ScriptsAsDocumented, TwoTextsAreComparedAsTexts) {
   EXPECT_EQ(Run("'2' == '2.0'"), "0");
