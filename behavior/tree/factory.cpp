@@ -27,12 +27,16 @@ class FunctionCondition : public Condition {
   LeafFunction function_;
 };
 
+// Bytes beyond ASCII are letters of other languages.
 bool CanBeElement(std::string_view name) {
-  const auto allowed = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
+  const auto is_letter = [](char c) {
+    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+           static_cast<unsigned char>(c) >= 0x80;
   };
-  return !name.empty() && std::ranges::all_of(name, allowed) &&
-         (std::isalpha(static_cast<unsigned char>(name[0])) != 0 || name[0] == '_');
+  const auto allowed = [&](char c) {
+    return is_letter(c) || std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.';
+  };
+  return !name.empty() && std::ranges::all_of(name, allowed) && is_letter(name[0]);
 }
 
 bool Matches(std::string_view pattern, std::string_view text) {

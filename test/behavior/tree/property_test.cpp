@@ -183,7 +183,7 @@ constexpr const char* kSeed = R"(<?xml version="1.0"?>
   <!-- a comment --> <TreeNodesModel><SubTree ID="Sub"><input_port name="n" default="3"/></SubTree>
   </TreeNodesModel>
   <BehaviorTree ID="Main"><Sequence name="all &lt;x&gt;">
-    <Script code="x := 1; y = x &lt; 3 ? 'a' : 'b' + 'c'"/>
+    <Script code="x := 1; y := x &lt; 3 ? 'a' : 'b' + 'c'"/>
     <SubTree ID="Sub" m="{x}" _autoremap="true" _skipIf="x == 2"/>
     <Switch2 variable="{x}" case_1="1" case_2="2"><Sleep msec="1"/><AlwaysFailure/>
       <AlwaysSuccess/></Switch2>

@@ -126,6 +126,14 @@ TEST_F(Nodes, APortWithAReservedNameIsAnError) {
                              HasSubstr("node 'C' has a port '_x', which is reserved")));
 }
 
+TEST_F(Nodes, NodesPortsAndTreesMayHaveNamesInAnyLanguage) {
+  ASSERT_TRUE(factory.Add<Say>("检查门状态", log));
+  EXPECT_EQ(Tick("<检查门状态 name=\"a\" does=\"S\"/>"), "SUCCESS");
+  for (const std::string bad : {"", "a b", "a/b", "1a", "a<", "root"}) {
+    EXPECT_FALSE(factory.Add<Say>(bad, log)) << bad;
+  }
+}
+
 TEST_F(Nodes, ANodeNeitherTicksNorHaltsItsOwnTree) {
   std::string said;
   int ticks = 0;
