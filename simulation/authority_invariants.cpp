@@ -7,24 +7,24 @@ namespace musher::simulation {
 void Checker::NoteWord(const ControllerProcess& controller, bool restarted) {
   std::uint64_t& last = last_word_on_[controller.host()];
   if (!restarted || last == 0) last = ++words_;
-  Word word{last, controller.serial(), {}};
+  Word word{last, controller.serial(), {}, {}};
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* other = robot_.controller(which);
     if (other == nullptr || other == &controller || !other->leads()) continue;
-    word.others[other->serial()] = other->shell().machine().epoch;
+    const Machine& machine = other->shell().machine();
+    if (machine.phase == Phase::kStarting) word.together.insert(other->serial());
+    word.others[other->serial()] = machine.epoch;
   }
   word_of_[controller.serial()] = std::move(word);
 }
 
-// A controller whose first epoch is 1 has an empty disk: it may raise later, too.
 void Checker::CheckRaised(const ControllerProcess& controller, Seen& seen, Epoch before) {
   const Epoch epoch = controller.shell().machine().epoch;
-  const bool may = seen.starts || before == 1;
-  if (++seen.raised == 1 && may && epoch > before) return;
+  if (++seen.raised == 1 && seen.starts && epoch > before) return;
   ReportViolation(Invariant::kEpochRaisedOnce,
                   "the controller on host " + robot_.hosts().name(controller.host()) +
                       " goes from epoch " + ToString(before) + " to " + ToString(epoch) +
-                      (may ? " in its start" : " while it runs") + ", raise " +
+                      (seen.starts ? " in its start" : " while it runs") + ", raise " +
                       std::to_string(seen.raised));
 }
 
@@ -50,7 +50,7 @@ void Checker::CheckFollows(const std::string& name, std::size_t host,
     followed.word = word;
     return;
   }
-  if (newer == nullptr) return;
+  if (newer == nullptr || followed.word.together.contains(controller->serial())) return;
   const Epoch epoch = controller->shell().machine().epoch;
   const auto known = followed.word.others.find(controller->serial());
   const bool raised = known == followed.word.others.end() || known->second != epoch;

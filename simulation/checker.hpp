@@ -227,6 +227,7 @@ class Checker {
     std::uint64_t number = 0;               // grows with each
     std::uint64_t controller = 0;           // its serial
     std::map<std::uint64_t, Epoch> others;  // of the controllers that led then, by serial
+    std::set<std::uint64_t> together;       // those that were starting as well
   };
   std::uint64_t words_ = 0;
   std::map<std::uint64_t, Word> word_of_;              // by the serial of the controller

@@ -39,10 +39,8 @@ void Control::Take(ActuatorIndex i, bool denied) {
   Do(action::SendQuery{i, {machine_.epoch, record.report.number, false}});
 }
 
-// Epoch 1: the disk of this controller is new, or was lost.
 bool Control::MayRaise() const {
-  const bool starts = machine_.phase == Phase::kStarting || machine_.epoch == 1;
-  return starts && !machine_.start_up.raised;
+  return machine_.phase == Phase::kStarting && !machine_.start_up.raised;
 }
 
 bool Control::IsReplacedElsewhere(ActuatorIndex i) const {

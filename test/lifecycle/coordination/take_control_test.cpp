@@ -262,6 +262,9 @@ TEST_F(SentCommands, ThatACyberdogModuleExecutesInItsTimeAreNotAHang) {
 using OutbidController = OneController;
 
 TEST_F(OutbidController, WaitsAgainForAHeartbeatWhenTheActuatorWasLostMeanwhile) {
+  for (ActuatorConfig& actuator : config_.actuators) {
+    std::fill(actuator.times.begin(), actuator.times.end(), Duration(std::chrono::seconds(30)));
+  }
   Begin();
   ActuatorReport report = Report(0);
   report.epoch = machine_.epoch + 4;
