@@ -51,17 +51,26 @@ function(musher_precompile target)
   endif()
 endfunction()
 
+# What most sources of the product read first, and what is dear where it is read.
+set(MUSHER_PRODUCT_HEADERS
+  CLI/CLI.hpp nlohmann/json.hpp
+  algorithm array atomic charconv chrono cmath condition_variable deque filesystem fstream functional map memory
+  mutex optional random set sstream string thread tuple unordered_map variant vector)
+
 # musher_precompile_product() makes the headers of libraries and of programs.
 macro(musher_precompile_product)
   if(MUSHER_PRECOMPILED)
+    list(TRANSFORM MUSHER_PRODUCT_HEADERS REPLACE "(.+)" "#include <\\1>\n" OUTPUT_VARIABLE includes)
+    list(JOIN includes "" includes)
+    set(header ${PROJECT_BINARY_DIR}/precompiled.hpp)
     set(source ${PROJECT_BINARY_DIR}/precompiled.cpp)
-    file(CONFIGURE OUTPUT ${source} CONTENT "int main() {}\n")
+    file(CONFIGURE OUTPUT ${header} CONTENT "#pragma once\n${includes}" @ONLY)
+    file(CONFIGURE OUTPUT ${source} CONTENT "int main() {}\n" @ONLY)
     add_library(musher_library_headers STATIC ${source})
     add_executable(musher_program_headers ${source})
     set_target_properties(musher_program_headers PROPERTIES EXCLUDE_FROM_ALL TRUE)
-    foreach(target musher_library_headers musher_program_headers)
-      musher_precompiled_headers(${target} ${PROJECT_SOURCE_DIR}/cmake/precompiled.hpp)
-    endforeach()
+    musher_precompiled_headers(musher_library_headers ${header})
+    musher_precompiled_headers(musher_program_headers ${header})
     set(MUSHER_LIBRARY_HEADERS musher_library_headers)
     set(MUSHER_PROGRAM_HEADERS musher_program_headers)
   endif()
