@@ -49,7 +49,8 @@ enum class Invariant : std::uint8_t {
   kRecoverable,                // an operator can recover the machine from every stable state
   kAllAvailableAfterRecovery,  // and then all actuators are available
 };
-inline constexpr std::size_t kInvariants = 32;
+inline constexpr std::size_t kInvariants =
+    static_cast<std::size_t>(Invariant::kAllAvailableAfterRecovery) + 1;
 
 std::string_view InvariantText(Invariant invariant);  // a sentence without its full stop
 // Whether the config, rather than the middleware, can be the reason for a violation.
