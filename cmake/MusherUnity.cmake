@@ -46,6 +46,8 @@ function(musher_stays_alone result source)
   foreach(property SKIP_UNITY_BUILD_INCLUSION COMPILE_OPTIONS COMPILE_DEFINITIONS COMPILE_FLAGS INCLUDE_DIRECTORIES)
     get_source_file_property(value ${source} ${property})
     if(value)
+      # Precompiled headers are of sources with the options of their target.
+      set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
       return()
     endif()
   endforeach()
