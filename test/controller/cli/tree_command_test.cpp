@@ -97,7 +97,7 @@ TEST_F(TreeFileCommand, ChecksEachTreeThatNoOtherOneUsesWhereNoneIsTheMainOne) {
   EXPECT_EQ(RunProgram({"tree", "check", file("<AlwaysSuccess/>"), "--tree", "B"}).out,
             "ok: tree B, 1 node in 3 trees\n");
   EXPECT_THAT(RunProgram({"tree", "check", file("<Sleep/>")}).out,
-              HasSubstr(":4:23: error: <Sleep> needs port 'msec'"));
+              HasSubstr(":4:22: error: <Sleep> needs port 'msec'"));
   EXPECT_THAT(RunProgram({"tree", "check", file("<AlwaysSuccess/>"), "--tree", "C"}).out,
               HasSubstr("error: there is no tree 'C'"));
 }
