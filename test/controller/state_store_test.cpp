@@ -125,7 +125,7 @@ TEST_F(Store, OfATornSaveOfEmergencyStopsTheOlderOneIsKeptAndAStopIsEngaged) {
   ASSERT_NE(torn, std::string::npos);
   file.clear();
   file.seekp(static_cast<std::streamoff>(torn));
-  file << "relea\0\0\0" << std::flush;
+  file.write("relea\0\0\0", 8).flush();
   const StoredStops loaded = store.LoadEmergencyStops();
   ASSERT_EQ(loaded.engaged.size(), 2U);
   EXPECT_EQ(loaded.engaged[0], first.engaged[0]);
