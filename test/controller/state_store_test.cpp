@@ -244,6 +244,17 @@ TEST_F(Store, ReportsAFolderThatCannotBeCreated) {
   EXPECT_THAT(store.error().message, EndsWith("Not a directory"));
 }
 
+// Its new file was taken for a removed one, and saved again as it was without the id.
+TEST_F(Store, KeepsTheIdOfTheMachineForTheNextController) {
+  {
+    StateStore store = MustOpen();
+    store.SetMachineId("5982c7ee-4f4e");
+    ASSERT_TRUE(store.SaveMachineId());
+    EXPECT_THAT(store.SaveRemoved().value(), ::testing::IsEmpty());
+  }
+  EXPECT_EQ(MustOpen().machine_id(), "5982c7ee-4f4e");
+}
+
 TEST_F(Store, HasEpochZeroAtFirst) {
   EXPECT_EQ(MustOpen().LoadEpoch().value(), Epoch(0));
 }
