@@ -108,7 +108,7 @@ msg::MachineStatus ControllerShell::Status() const {
   }
   const Time now = dependencies_.node->loop().Now();
   for (const Unsaved& unsaved : machine_.saves.unsaved) {
-    // The command that engages a stop waits until it is saved.
+    // The caller that engages a stop waits until it is saved.
     const bool at_once = unsaved.what == Stored::kEmergencyStops;
     if (!at_once && now - unsaved.since < kUnsavedPeriod && unsaved.why.empty()) continue;
     const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - unsaved.since).count();

@@ -160,6 +160,12 @@ StateStore::StateStore(std::string dir, MachineOrigin machine, UniqueFd lock)
   }
 }
 
+Result<> StateStore::SaveMachineId() {
+  auto written = SaveOrigin(dir_, machine_, true);
+  if (written) RememberFile(OriginFile(dir_));
+  return written;
+}
+
 void StateStore::RememberFile(const std::string& path) {
   const UniqueFd file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   if (file.valid()) Remember(path, ReadSmall(file.get()));

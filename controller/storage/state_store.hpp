@@ -56,7 +56,7 @@ class StateStore {
   // The id of the folder's machine, also one that is not saved yet; empty: it has none yet.
   const std::string& machine_id() const { return machine_.id; }
   void SetMachineId(std::string id) { machine_.id = std::move(id); }
-  Result<> SaveMachineId() const { return SaveOrigin(dir_, machine_, true); }
+  Result<> SaveMachineId();
 
   // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error: report it
   // and continue as with 0, because the epochs that the actuators report count as well.

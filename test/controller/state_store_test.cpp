@@ -125,7 +125,7 @@ TEST_F(Store, OfATornSaveOfEmergencyStopsTheOlderOneIsKeptAndAStopIsEngaged) {
   ASSERT_NE(torn, std::string::npos);
   file.clear();
   file.seekp(static_cast<std::streamoff>(torn));
-  file << "relea\0\0\0" << std::flush;
+  file.write("relea\0\0\0", 8).flush();
   const StoredStops loaded = store.LoadEmergencyStops();
   ASSERT_EQ(loaded.engaged.size(), 2U);
   EXPECT_EQ(loaded.engaged[0], first.engaged[0]);
@@ -242,6 +242,17 @@ TEST_F(Store, ReportsAFolderThatCannotBeCreated) {
   ASSERT_FALSE(store);
   EXPECT_EQ(store.error().code, kCodeFailed);
   EXPECT_THAT(store.error().message, EndsWith("Not a directory"));
+}
+
+// Its new file was taken for a removed one, and saved again as it was without the id.
+TEST_F(Store, KeepsTheIdOfTheMachineForTheNextController) {
+  {
+    StateStore store = MustOpen();
+    store.SetMachineId("5982c7ee-4f4e");
+    ASSERT_TRUE(store.SaveMachineId());
+    EXPECT_THAT(store.SaveRemoved().value(), ::testing::IsEmpty());
+  }
+  EXPECT_EQ(MustOpen().machine_id(), "5982c7ee-4f4e");
 }
 
 TEST_F(Store, HasEpochZeroAtFirst) {
