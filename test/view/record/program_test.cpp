@@ -232,14 +232,17 @@ TEST_F(RecordProgram, ARingKeepsWhatWentWrong) {
   EXPECT_EQ(TextsOf(kept[0], "/musher/machine_status").size(), 2U);
 }
 
-TEST_F(RecordProgram, ARingThatCannotKeepWhatWentWrongSaysSoAndExitsWithOne) {
+TEST_F(RecordProgram, ARingThatCannotKeepAllOfWhatWentWrongSaysSoAndExitsWithOne) {
   const auto machine = transport::MakePublisher<msg::MachineStatus>(*node_, "musher/machine_status",
                                                                     transport::kLatchedQos)
                            .value();
   msg::MachineStatus status;
   ASSERT_TRUE(machine->Publish(status));
-  testing::Process recorder(
-      {"prlimit", "--fsize=1", kRecord, "record", "--ring", "5m", "-o", folder_ / "kept"});
+  testing::Process recorder({"prlimit", "--fsize=300000", kRecord, "record", "--ring", "5m", "-o",
+                             folder_ / "kept", "--compression", "none"});
+  const auto chat = Publish("chat", transport::kDefaultQos);
+  Say(*chat, std::string(1'000'000, 'x'));
+  ASSERT_TRUE(recorder.AwaitError("File too large"));
   ASSERT_TRUE(loop_.RunUntil([&] { return machine->MatchedReaders() == 2; }, loop_.Now() + kLong));
   ASSERT_TRUE(machine->Flush(kLong));
   status.emergency_stop = true;
@@ -248,7 +251,7 @@ TEST_F(RecordProgram, ARingThatCannotKeepWhatWentWrongSaysSoAndExitsWithOne) {
   recorder.Signal(SIGINT);
   const auto ended = recorder.Wait();
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_THAT(ended.err, HasSubstr("emergency-stop.mcap is not kept: "));
+  EXPECT_THAT(ended.err, HasSubstr("emergency-stop.mcap lacks a part: "));
 }
 
 TEST_F(RecordProgram, SaysWhatIsWrongWithItsInput) {
