@@ -245,9 +245,9 @@ bool Journal::Writer::Write(std::deque<JournalItem>& batch, std::uint64_t lost) 
   bool worked = true;
   try {
     const auto written = file_.Write(batch, lost);
-    const bool begun = written == JournalFile::Written::kNoSnapshotLeft || removed_;
+    const bool begun = written != JournalFile::Written::kAll || removed_;
     if (lost > 0 || begun) wants_snapshot_ = true;
-    removed_ = false;
+    removed_ = written == JournalFile::Written::kBegunAgain;
     OnWritten();
   } catch (const std::exception& trouble) {
     OnFailed(trouble.what());

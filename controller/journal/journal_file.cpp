@@ -25,6 +25,11 @@ struct Damaged : JournalFile::Trouble {
   using Trouble::Trouble;
 };
 
+// The file was, while it was written.
+struct Removed : JournalFile::Trouble {
+  using Trouble::Trouble;
+};
+
 constexpr int kBusyTimeoutMs =
     1000;  // a reader that recovers the file after a crash locks it shortly
 constexpr Duration kQuickCheckWithin = Milliseconds(1000);
@@ -141,6 +146,9 @@ JournalFile::Written JournalFile::Write(const std::deque<JournalItem>& items, st
     MoveAside(damaged.what());
     TryWrite(items, lost);
     return Written::kNoSnapshotLeft;
+  } catch (const Removed&) {
+    TryWrite(items, lost);
+    return Written::kBegunAgain;
   }
 }
 
@@ -154,6 +162,7 @@ JournalFile::Written JournalFile::TryWrite(const std::deque<JournalItem>& items,
     });
     return written;
   } catch (...) {
+    if (CloseIfRemoved()) throw Removed("");
     database_.reset();
     throw;
   }

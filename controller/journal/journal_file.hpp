@@ -40,6 +40,7 @@ class JournalFile {
   enum class Written {
     kAll,
     kNoSnapshotLeft,  // the file was trimmed, and no replay can start in the rest
+    kBegunAgain,      // as after CloseIfRemoved(): the file was removed while it was written
   };
 
   // Writes the items in one transaction: all or none. `lost` items are missing before the first.
