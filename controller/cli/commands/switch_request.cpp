@@ -85,6 +85,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
                        const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
+  if (const auto open = link.value()->ChooseMachine()) return console.Fail(*open);
   SwitchLimits limits(*link.value(), global);
   SwitchProgress progress(link.value()->loop(), console,
                           [&limits](const std::string& name, const std::string& state) {
