@@ -88,7 +88,8 @@ TEST_F(ASpeakingRobot, AnnouncesTheLevelsOfItsBatteryAndItsTearDown) {
   PlugAudioIn();
   BringUp();
   Said();
-  for (const int percent : {30, 20, 5}) {
+  // In steps that a battery can make: a larger one is announced as a fault of its sensor.
+  for (const int percent : {72, 64, 56, 48, 40, 30, 20, 12, 5}) {
     SetBattery(percent);
     robot_.RunFor(seconds(5));
   }
