@@ -108,9 +108,9 @@ TEST(Cdr, IgnoresBytesAfterTheLastField) {
 }
 
 TEST(Cdr, RefusesEveryTruncatedSample) {
-  const Bytes bytes = Encode(Filled<MachineInfo>());
+  const Bytes bytes = Encode(Filled<PlanStep>());
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    EXPECT_FALSE(Decode<MachineInfo>(std::span(bytes).first(size))) << size;
+    EXPECT_FALSE(Decode<PlanStep>(std::span(bytes).first(size))) << size;
   }
 }
 

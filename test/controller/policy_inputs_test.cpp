@@ -124,6 +124,7 @@ TEST_F(Inputs, EachPublisherOfTheBatteryHasANumberAndASilentOneIsReported) {
   msg::BmsStatus low;
   low.batt_soc = 15;
   ASSERT_TRUE(second->Publish(low).ok());
+  network_.RunFor(Milliseconds(100));
   Battery(80);
   EXPECT_THAT(TakeReceived(), UnorderedElementsAre(Event(event::BatterySeen{15, false, 1}),
                                                    Event(event::BatterySeen{80, false, 0})))

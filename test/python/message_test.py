@@ -59,7 +59,8 @@ class Messages(unittest.TestCase):
             data = bytes.fromhex(text)
             message = types[name].from_bytes(data)
             if types[name]._appended == 0 and types[name].__slots__:
-                self.assertEqual(message.to_bytes(), data, name)
+                # A message at its end may have fields appended since.
+                self.assertEqual(message.to_bytes()[:len(data)], data, name)
 
     def test_sequences_of_numbers_are_taken_from_lists_and_buffers(self):
         for ranges in ([1.0, 2.5], (1, 2.5), array.array("f", [1, 2.5]), array.array("d", [1, 2.5])):

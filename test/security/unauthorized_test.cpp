@@ -55,7 +55,8 @@ TEST_F(UnauthorizedParticipants, WithoutKeysGetTheMissingKeyFromTheCommandLine) 
       status.err,
       HasSubstr("is unreachable without keys: the machine has [security]; use --keys FOLDER"));
   EXPECT_EQ(Musher({"set", "Active", "--timeout", "1"}).exit, 3);
-  EXPECT_EQ(Musher({"estop", "--timeout", "1"}).exit, 3);
+  // The names that the actuators hold on this host are known without keys.
+  EXPECT_EQ(Musher({"estop", "--timeout", "1"}).exit, 1);
   setenv("MUSHER_KEYS", keys_.c_str(), 1);
   EXPECT_EQ(Status()["state"], "LowPower");
 }

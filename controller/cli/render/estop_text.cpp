@@ -73,7 +73,10 @@ std::string EstopError(const EstopReport& report) {
     error += std::string(error.empty() ? "" : "; ") +
              "the controller has not latched the stop: actuators that start now do not receive it";
   }
-  if (!report.unknown.empty()) error += (error.empty() ? "" : "; ") + report.unknown;
+  const std::string why = report.silent_controller.empty()
+                              ? report.unknown
+                              : "the controller has not confirmed it: " + report.silent_controller;
+  if (!why.empty()) error += (error.empty() ? "" : "; ") + why;
   return error;
 }
 

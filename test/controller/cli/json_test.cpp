@@ -58,7 +58,7 @@ TEST(Json, HasThePolicyAndAnUnknownBattery) {
   EXPECT_NE(StatusJson(status).find(
                 R"("policy":{"battery":15,"charging":false,"battery_silent":false,)"
                 R"("ceiling":"Protected","ceiling_reason":"","kept":"Active","keep_s":60,)"
-                R"("low_power_switch":false,"power":"reboot"}})"),
+                R"("low_power_switch":false,"power":"reboot"})"),
             std::string::npos);
 }
 

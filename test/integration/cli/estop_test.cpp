@@ -285,9 +285,10 @@ TEST_F(EmergencyStop, BesideAStoppedControllerNamesItAndHowItContinues) {
   kill(controller, SIGSTOP);
   const Ended estop = Musher({"estop"});
   kill(controller, SIGCONT);
-  EXPECT_THAT(estop.out, HasSubstr("the controller has not confirmed it: process " +
+  EXPECT_EQ(estop.exit, 1);
+  EXPECT_THAT(estop.err, HasSubstr("the controller has not confirmed it: process " +
                                    std::to_string(controller)));
-  EXPECT_THAT(estop.out, HasSubstr("kill -CONT " + std::to_string(controller)));
+  EXPECT_THAT(estop.err, HasSubstr("kill -CONT " + std::to_string(controller)));
 }
 
 TEST_F(EmergencyStop, KeepsANextStartFromGoingUpUntilItIsReleased) {

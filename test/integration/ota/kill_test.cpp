@@ -51,7 +51,7 @@ TEST_F(Killed, InstallerAndControllerInTheMiddleAreReportedByTheNextStartOnce) {
   EXPECT_EQ(installer.Wait().exit, -1);
   ASSERT_EQ(kill(Status()["pid"], SIGKILL), 0);
   ASSERT_EQ(UpDetached().exit, 0);
-  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_EQ(Where(), "OTA from a") << "it adopts the actuators as they are";
   EXPECT_THAT(History(), HasSubstr("the upgrade to version 1.1.0 did not finish"));
   ASSERT_EQ(Musher({"down"}).exit, 0);
   const Ended again = Musher({"up", root_, "--detach"});
