@@ -44,9 +44,7 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
     // A failed check stays recorded until one passes, a hang until it ends; a TearDown clears every
     // fault.
     const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
-    // A switch that goes on without it lists it; it follows, and is well, once that has ended.
-    const bool left_out = command.target == kSelfCheck && machine_.current && !LegUnderWay(i);
-    if ((well && !left_out) || command.target == kTearDown) Of(i).fault.reset();
+    if (well || command.target == kTearDown) Of(i).fault.reset();
   }
   if (command.target == kSelfCheck) NoteCheck(i, end.outcome);
   // Driven on once it is free, unless a check is still running.

@@ -235,7 +235,8 @@ class Planning {
     } else if (checking && StartsByItself() && FailedSetUp(i)) {
       leave_out("could not be configured", record.fault->code, false);
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
-               (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i)) {
+               (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i) &&
+               !InCheckBeforeError(record)) {
       leave_out(kUnchecked, kCodeSelfCheckFailed, true, kRunSelfCheck);
     } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
@@ -255,6 +256,11 @@ class Planning {
   bool Joining(const ActuatorRecord& record) const {
     return record.command && record.command->target == kSelfCheck && !machine_.current &&
            plan_.target != kTearDown && plan_.target != kError;
+  }
+
+  // It goes to Error with the others once its self-check has ended.
+  bool InCheckBeforeError(const ActuatorRecord& record) const {
+    return plan_.target == kError && record.command && record.command->target == kSelfCheck;
   }
 
   // A ROS 2 node whose configuration was just requested and has failed.
