@@ -44,8 +44,8 @@ struct EstopReport {
   std::optional<Earlier> earlier;
   std::vector<Actuator> actuators;
   std::string silent_controller;  // of this host: why it does not answer, and what to do
-  std::string not_on_disk;  // the controller has not saved it: "emergency stop (4 s): …"
-  std::string unknown;      // why the machine may have more actuators than these; empty: it has not
+  std::string not_on_disk;        // the controller has not saved it: "emergency stop (4 s): …"
+  std::string unknown;  // why the machine may have more actuators than these; empty: it has not
 
   std::vector<std::string> Missing() const;  // the actuators that are not stopped
   // Every actuator that can latch the stop has: no need to wait longer.

@@ -118,7 +118,8 @@ ActuatorPeer::Reply ActuatorPeer::Query() {
   answer_.reset();
   auto request = Request(msg::ActuatorCommand::kKindAsk);
   request.stop = true;
-  client_->Call(request, std::chrono::seconds(120), [this](const Reply& reply) { answer_ = reply; });
+  client_->Call(request, std::chrono::seconds(120),
+                [this](const Reply& reply) { answer_ = reply; });
   Until([this] { return answer_.has_value(); });
   return answer_.value();
 }

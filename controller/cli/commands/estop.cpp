@@ -20,8 +20,8 @@
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/client/latching.hpp"
-#include "musher/transport/dds/dds_node.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
 namespace {

@@ -204,8 +204,8 @@ DoctorCheck CheckInterfacesInUse(const DoctorFacts& facts) {
                                  : "musher restart " + member.name);
     }
   }
-  check.reason =
-      fmt::format("{} of this machine use them", Counted(facts.members.size(), "process", "processes"));
+  check.reason = fmt::format("{} of this machine use them",
+                             Counted(facts.members.size(), "process", "processes"));
   if (stale.empty()) return check;
   check.health = kWarning;
   check.reason =

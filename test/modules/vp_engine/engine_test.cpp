@@ -107,7 +107,8 @@ TEST_F(AnEngine, AddsRunsAndStopsPrograms) {
   AwaitState("greet", "failed: its tree ended with FAILURE");
   ASSERT_TRUE(Do(Op::kRun, "greet").success);
   harness_.Tick(engine_, 2);
-  EXPECT_THAT(StateOf("greet"), HasSubstr("failed: greet.xml:4:1: P/Sequence/Say: port 'text': the blackboard"));
+  EXPECT_THAT(StateOf("greet"),
+              HasSubstr("failed: greet.xml:4:1: P/Sequence/Say: port 'text': the blackboard"));
   ASSERT_TRUE(Do(Op::kRun, "wait").success);
   EXPECT_EQ(StateOf("wait"), "running");
   EXPECT_FALSE(Do(Op::kStop, "greet").success);
