@@ -191,7 +191,9 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   const Phase phase = controller_->shell().machine().phase;
   if (phase == Phase::kStopping || phase == Phase::kStopped) return;
   const bool decided = trial_boot_ && !trial_boot_->under_way();
-  if (run_ && run_->on_trial_boot && !decided) {
+  // A start that an emergency stop refuses says nothing of the version, whose trial goes on.
+  const bool held = !ended.usable && controller_->shell().machine().emergency.stop.has_value();
+  if (run_ && run_->on_trial_boot && !decided && !held) {
     start_up_ = ended;
     if (trial_boot_ && !ended.usable) trial_boot_->Fail({kCodeFailed, ended.message});
     return;

@@ -132,6 +132,22 @@ TEST_F(Upgrade, ThatTheDiskHasNoRoomForTakesTheMachineBackToWhereItWas) {
   EXPECT_EQ(Install("1.1.0").exit, 0);
 }
 
+// A good version was rolled back: the start-up is refused as long as the stop is engaged.
+TEST_F(Upgrade, UnderAnEmergencyStopIsKeptOnceTheStopIsReleasedAndTheMachineIsUp) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"estop", "smoke"}).exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  EXPECT_EQ(UpDetached().exit, 1) << "it waits in SetUp";
+  EXPECT_EQ(Where(), "SetUp from b");
+  ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+  ASSERT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
+  ASSERT_EQ(Musher({"set", "Active"}).exit, 0);
+  EXPECT_TRUE(Until([] { return Versions()["last"]["kept"] == true; }));
+  EXPECT_EQ(Where(), "Active from b");
+}
+
 TEST_F(Upgrade, WithoutARunningMachineIsTriedAtTheNextStart) {
   Make("1.1.0", {});
   const Ended installed = Install("1.1.0");
