@@ -125,6 +125,7 @@ void ControllerProcess::BeginRun() {
   trial_boot_.emplace(
       loop_, disk_, *run_, config_, [this] { return &controller_->shell().machine(); },
       [this](const Result<>& outcome) { OnTrialBootEnd(outcome); });
+  if (start_held_) trial_boot_->Hold();
   if (start_up_ && !start_up_->usable) trial_boot_->Fail({kCodeFailed, start_up_->message});
 }
 
@@ -193,6 +194,8 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   const bool decided = trial_boot_ && !trial_boot_->under_way();
   // A start that an emergency stop refuses says nothing of the version, whose trial goes on.
   const bool held = !ended.usable && controller_->shell().machine().emergency.stop.has_value();
+  start_held_ |= held;
+  if (held && trial_boot_) trial_boot_->Hold();
   if (run_ && run_->on_trial_boot && !decided && !held) {
     start_up_ = ended;
     if (trial_boot_ && !ended.usable) trial_boot_->Fail({kCodeFailed, ended.message});

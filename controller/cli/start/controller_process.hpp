@@ -91,6 +91,7 @@ class ControllerProcess {
   transport::LoopHandlePtr children_watch_;
   RootLock root_lock_;
   std::optional<action::StartUpEnded> start_up_;  // of a trial boot; not reported yet
+  bool start_held_ = false;                       // an emergency stop has refused the start-up
   std::optional<TrialBoot> trial_boot_;
   std::optional<ViewProcess> view_;
 };

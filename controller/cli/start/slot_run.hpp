@@ -77,6 +77,8 @@ class TrialBoot {
   bool under_way() const { return under_way_; }
   // Ends the trial boot for a reason that the machine does not show. No effect if it has ended.
   void Fail(const Error& why);
+  // An emergency stop has refused the start-up, perhaps one that is released by now.
+  void Hold() { held_ = true; }
 
  private:
   void Evaluate();
