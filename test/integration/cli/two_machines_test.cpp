@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <functional>
 #include <future>
 #include <memory>
@@ -89,12 +90,23 @@ class TwoMachines : public MachineByCli {
 
   std::string DogLog() const { return ReadFile(folder_ / "state/controller.log"); }
   std::string CatLog() const { return ReadFile(folder_ / "cat_state/controller.log"); }
-  // Each controller has received heartbeats of the other.
-  bool Met() const {
-    return Until([this] {
-      return DogLog().find("another machine, cat") != std::string::npos &&
-             CatLog().find("another machine, dog") != std::string::npos;
+  // Each actuator of `host` is Active: `up` returns before those of a later stage that are not
+  // critical are.
+  static bool AllActive(Host& host) {
+    return Until([&host] {
+      const nlohmann::json actuators = host.Status()["actuators"];
+      return !actuators.empty() && std::ranges::all_of(actuators, [](const nlohmann::json& one) {
+        return one["state"] == "Active";
+      });
     });
+  }
+  // Each controller has received heartbeats of the other, and nothing of either changes by itself
+  // any more.
+  bool Met() const {
+    return AllActive(*dog_) && AllActive(*cat_) && Until([this] {
+             return DogLog().find("another machine, cat") != std::string::npos &&
+                    CatLog().find("another machine, dog") != std::string::npos;
+           });
   }
 
   std::unique_ptr<Host> dog_;
