@@ -168,6 +168,12 @@ Duration LongestWait(const ProcessSample& before, const ProcessSample& after) {
   return longest;
 }
 
+Duration LongestWaitOfBoth(const ProcessSamples& sender, const ProcessSamples& receiver) {
+  const Duration both =
+      LongestWait(sender.before, sender.after) + LongestWait(receiver.before, receiver.after);
+  return std::min(both, sender.after.at - sender.before.at);
+}
+
 std::optional<ProcessRunState> RunStateOf(pid_t pid) {
   const Folder tasks = TasksOf(pid);
   if (!tasks) {

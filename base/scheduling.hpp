@@ -60,6 +60,17 @@ std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSam
 // process may compute all the time and wait for each other.
 Duration LongestWait(const ProcessSample& before, const ProcessSample& after);
 
+// Two samples of one process.
+struct ProcessSamples {
+  ProcessSample before;
+  ProcessSample after;
+};
+
+// How long a message from the one process to the other may have waited for a CPU: the sum of both
+// waits, since the receiver's begins when the sender's has ended; never more than the time between
+// the samples.
+Duration LongestWaitOfBoth(const ProcessSamples& sender, const ProcessSamples& receiver);
+
 enum class ProcessRunState {
   kRunning,  // at least one thread runs or could: it sleeps, or waits for the disk
   kStopped,  // every thread is stopped, by SIGSTOP or the like; SIGCONT continues it

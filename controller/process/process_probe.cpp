@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -86,12 +85,10 @@ Examination KernelProbe::Examine(ActuatorIndex actuator, pid_t pid, Time now) {
   }
   const auto mark = marks_.find(actuator);
   if (mark == marks_.end() || mark->second.pid != pid) return found;
-  // Time in which this process waited for a CPU does not count as their silence either.
   const auto theirs = SampleProcess(pid, now);
   const auto ours = SampleProcess(getpid(), now);
-  if (theirs) found.waited = LongestWait(mark->second.theirs, *theirs);
-  if (ours) {
-    found.waited = std::max(found.waited, LongestWait(mark->second.ours, *ours));
+  if (theirs && ours) {
+    found.waited = LongestWaitOfBoth({mark->second.theirs, *theirs}, {mark->second.ours, *ours});
   }
   return found;
 }

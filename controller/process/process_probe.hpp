@@ -44,7 +44,7 @@ class ProcessProbe {
   // Saves the current CPU waiting times, so that Examine() can measure from here. Several actuators
   // may share a process; each has a mark of its own.
   virtual void Mark(ActuatorIndex actuator, pid_t pid, Time now) = 0;
-  // The process's run state, and how long it, or this process, waited for a CPU since the mark.
+  // The process's run state, and how long it and this process waited for a CPU since the mark.
   virtual Examination Examine(ActuatorIndex actuator, pid_t pid, Time now) = 0;
 
   // The backtraces of its threads, as text for people; `done` runs once, with the reason if there

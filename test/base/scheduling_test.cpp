@@ -268,4 +268,17 @@ TEST(Waiting, IsThatOfTheWorstOffThread) {
   EXPECT_EQ(LongestWait(before, {At(1000), {}}), Duration::zero());
 }
 
+// On a host without a CPU to spare an actuator was killed as hung: its heartbeat had waited in its
+// own process, and then in the controller, and only the longer of the two waits was subtracted.
+TEST(Waiting, OfAMessageIsThatOfItsSenderAndThenThatOfItsReceiver) {
+  const ProcessSamples sender{{At(0), {{7, Thread(0, 0, false)}}},
+                              {At(1000), {{7, Thread(1, 400, false)}}}};
+  const ProcessSamples receiver{{At(0), {{9, Thread(0, 0, false)}}},
+                                {At(1000), {{9, Thread(1, 500, false)}}}};
+  EXPECT_EQ(LongestWaitOfBoth(sender, receiver), Milliseconds(900));
+  const ProcessSamples late{{At(0), {{9, Thread(0, 0, false)}}},
+                            {At(1000), {{9, Thread(1, 900, false)}}}};
+  EXPECT_EQ(LongestWaitOfBoth(sender, late), Milliseconds(1000)) << "no more than there was time";
+}
+
 }  // namespace musher::transport::scheduling_test
