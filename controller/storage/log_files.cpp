@@ -1,6 +1,7 @@
 #include "musher/controller/storage/log_files.hpp"
 
 #include <fcntl.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -21,6 +22,7 @@
 #include "musher/base/own_folder.hpp"
 #include "musher/controller/storage/log_parts.hpp"
 #include "musher/controller/storage/log_rotation.hpp"
+#include "musher/controller/storage/log_times.hpp"
 #include "musher/controller/storage/private_folder.hpp"
 
 namespace musher {
@@ -30,6 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr Duration kLogPeriod = Milliseconds(1000);
 constexpr Duration kBusyPeriod = Milliseconds(100);
+constexpr Duration kMarkPeriod = Milliseconds(100);
 constexpr Duration kReportPeriod = Milliseconds(60'000);  // while a flood continues
 constexpr int kLogNiceness = 10;
 
@@ -46,6 +49,11 @@ std::string NoteOfDrop(std::int64_t bytes, const std::string& why) {
 constexpr const char* kNoteOfCut =
     "[musher: earlier output is in the compressed parts; on this filesystem, lines printed during "
     "the rotation are missing]\n";
+
+std::int64_t WallNow() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
+}
 
 // Writes a compressed file; removes it on failure.
 class PartWriter {
@@ -102,10 +110,12 @@ class PartWriter {
 
 }  // namespace
 
-// Only the disk thread uses the members, except `outputs`, `troubles` and `busy`.
+// Only the disk thread uses the members, except the paths, which are constant, `outputs`,
+// `troubles` and `busy`.
 struct LogFiles::State {
   struct Log {
     LogFile file;
+    LogMarker times;
     std::int64_t max_bytes = 0;  // its effective limit
     bool may_collapse = true;    // its filesystem supports it, as far as known
     bool no_room = false;        // a part could not be saved
@@ -125,7 +135,7 @@ struct LogFiles::State {
   explicit State(const LogFilesOptions& options) : max_total_bytes(options.max_total_bytes) {
     for (const LogFile& file : options.logs) {
       const auto bound = LogBound(file.max_bytes, max_total_bytes, options.logs.size());
-      logs.push_back({file, bound, options.may_collapse, false, 0, {}});
+      logs.push_back({file, LogMarker(file.path), bound, options.may_collapse, false, 0, {}});
     }
   }
 
@@ -137,7 +147,7 @@ struct LogFiles::State {
   // Opens the files that should be open and are not; reopens removed files.
   void Open() {
     std::string failure;
-    for (const Log& log : logs) {
+    for (Log& log : logs) {
       if (!log.file.open) continue;
       std::shared_ptr<const UniqueFd> output;
       {
@@ -145,6 +155,7 @@ struct LogFiles::State {
         output = outputs[log.file.name];
       }
       if (output && IsAt(log.file.path, output->get())) continue;
+      if (output) static_cast<void>(log.times.Begin());
       output = nullptr;
       auto opened = OpenOne(log.file.path);
       if (opened) {
@@ -174,8 +185,18 @@ struct LogFiles::State {
     return file;
   }
 
+  // Marks that cannot be written leave lines without a time, which is no trouble of the robot.
+  void Mark(std::int64_t wall_ns) {
+    for (Log& log : logs) {
+      struct stat info {};
+      const bool there = stat(log.file.path.c_str(), &info) == 0 && S_ISREG(info.st_mode);
+      if (there) static_cast<void>(log.times.Mark(info.st_size, wall_ns));
+    }
+  }
+
   void Look() {
     Open();
+    Mark(WallNow());
     bool took = false;
     std::vector<LogSizes> sizes;
     for (Log& log : logs) took |= Rotate(log);
@@ -242,6 +263,7 @@ struct LogFiles::State {
       if (error == EOPNOTSUPP || error == EINVAL || error == ENOSYS) return false;
       return SystemError("can't shorten " + log.file.path, error);
     }
+    CutTimes(log, actions.save, actions.drop, number);
     NoteDrop(log, file, actions);
     return true;
   }
@@ -253,9 +275,16 @@ struct LogFiles::State {
     struct stat info {};
     if (fstat(file, &info) == 0 && !to_the_end) actions.drop = info.st_size - actions.save;
     if (ftruncate(file, 0) != 0) return SystemError("can't shorten " + log.file.path);
+    CutTimes(log, to_the_end ? info.st_size : actions.save, info.st_size, number);
     WriteAll(file, kNoteOfCut);
     NoteDrop(log, file, actions);
     return Ok();
+  }
+
+  static void CutTimes(Log& log, std::int64_t save, std::int64_t drop, std::uint64_t number) {
+    std::vector<std::uint64_t> parts;
+    for (const LogPart& part : LogPartsOf(log.file.path)) parts.push_back(part.number);
+    static_cast<void>(log.times.Cut(save, drop, number, parts));
   }
 
   // Writes the part; `to_the_end`: with everything that was appended by then.
@@ -297,7 +326,11 @@ LogFiles::LogFiles(transport::EventLoop& loop, LogFilesOptions options)
       on_trouble_(std::move(options.on_trouble)),
       disk_(loop, {.name = "logs", .niceness = kLogNiceness}) {
   state_->Open();
+  state_->Mark(WallNow());  // before a process prints
+  changes_ = UniqueFd(inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
+  Watch();
   timer_ = loop_.At(loop_.Now(), [this] { LookLater(); });
+  MarkLater();
 }
 
 LogFiles::~LogFiles() = default;
@@ -313,7 +346,31 @@ void LogFiles::LookNow() {
   Report();
 }
 
+// Changes nothing for a file that is watched already; one that was made again is not.
+void LogFiles::Watch() {
+  if (!changes_.valid()) return;
+  for (const State::Log& log : state_->logs) {
+    inotify_add_watch(changes_.get(), log.file.path.c_str(), IN_MODIFY);
+  }
+}
+
+// Marks the next change at once, and the changes of a while after it together.
+void LogFiles::MarkLater() {
+  if (!changes_.valid()) return;
+  growth_ = loop_.WhenReadable(changes_.get(), [this] {
+    alignas(inotify_event) std::array<char, 4 << 10> buffer{};
+    while (read(changes_.get(), buffer.data(), buffer.size()) > 0) {
+    }
+    disk_.Do("times", [state = state_, now = WallNow()] {
+      state->Mark(now);
+      return Ok();
+    });
+    growth_ = loop_.At(loop_.Now() + kMarkPeriod, [this] { MarkLater(); });
+  });
+}
+
 void LogFiles::LookLater() {
+  Watch();
   disk_.Do(
       "logs",
       [state = state_] {

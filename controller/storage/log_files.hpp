@@ -12,8 +12,8 @@
 // disk cannot take, is dropped with a line that reports how much. A controller that crashes between
 // writing a part and removing it leaves it twice.
 //
-// Checks once a second, ten times a second while a log grows fast. Without a controller nothing is
-// rotated.
+// Checks once a second, ten times a second while a log grows fast, and marks when each log has
+// grown (log_times.hpp). Without a controller nothing is rotated or marked.
 //
 // Threads: calls from the loop's thread; only the constructor waits for the disk. A disk thread of
 // low priority does the work.
@@ -62,13 +62,18 @@ class LogFiles {
   struct State;
 
   void LookLater();
+  void Watch();
+  void MarkLater();
   void Report();
 
   transport::EventLoop& loop_;
   const std::shared_ptr<State> state_;  // shared with the disk thread
   std::function<void(const std::string&)> on_trouble_;
   transport::DiskWriter disk_;
-  transport::LoopHandlePtr timer_;  // last: its callback uses all of the above
+  UniqueFd changes_;  // inotify
+  // Last: their callbacks use all of the above.
+  transport::LoopHandlePtr timer_;
+  transport::LoopHandlePtr growth_;  // the next change of a log, or a pause after one
 };
 
 }  // namespace musher

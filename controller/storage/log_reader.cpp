@@ -82,27 +82,28 @@ Result<LogReader> LogReader::Open(const std::string& path) {
 }
 
 LogReader::LogReader(std::string path, UniqueFd file, std::int64_t end)
-    : path_(std::move(path)), file_(std::move(file)), end_(end), at_(end) {
+    : path_(std::move(path)), file_(std::move(file)), end_(end), at_(end), times_(path_, end) {
   for (const LogPart& part : LogPartsOf(path_)) parts_.push_back(part.number);
   left_ = parts_.size();
 }
 
-std::optional<std::string> LogReader::Piece() {
+std::optional<LogReader::Piece> LogReader::PieceBefore() {
   if (at_ > 0) {
     const std::int64_t size = std::min(at_, kPiece);
     at_ -= size;
-    return ReadAt(file_.get(), at_, static_cast<std::size_t>(size));
+    return Piece{kLiveLog, at_, ReadAt(file_.get(), at_, static_cast<std::size_t>(size))};
   }
   while (left_ > 0) {
-    const std::string part = LogPartPath(path_, parts_[--left_]);
-    if (auto text = Uncompressed(part)) return text;
+    const std::uint64_t number = parts_[--left_];
+    const std::string part = LogPartPath(path_, number);
+    if (auto text = Uncompressed(part)) return Piece{number, 0, std::move(*text)};
     if (access(part.c_str(), F_OK) == 0) damage_ = "can't read " + part + ": it is damaged";
   }
   return std::nullopt;
 }
 
-std::vector<std::string> LogReader::Before() {
-  while (auto piece = Piece()) {
+std::vector<WrittenLine> LogReader::Before() {
+  while (auto piece = PieceBefore()) {
     auto lines = LinesOf(std::move(*piece));
     if (!lines.empty()) return lines;
   }
@@ -111,15 +112,25 @@ std::vector<std::string> LogReader::Before() {
   return {std::exchange(begun_, {})};
 }
 
-// All lines but the first, which the piece before may complete.
-std::vector<std::string> LogReader::LinesOf(std::string text) {
+// All lines but the first, which the piece before may complete. The last one goes on in the piece
+// that was read before this one.
+std::vector<WrittenLine> LogReader::LinesOf(Piece piece) {
   const bool last = !any_;
-  if (last && text.empty()) return {};
+  if (last && piece.text.empty()) return {};
   any_ = true;
-  if (last && text.ends_with('\n')) text.pop_back();
-  if (!last) text += begun_;
-  text += '\n';
-  std::vector<std::string> lines = TakeLines(text);
+  std::int64_t end = piece.begin;
+  std::vector<WrittenLine> lines;
+  for (std::string& text : TakeLines(piece.text)) {
+    end += static_cast<std::int64_t>(text.size()) + 1;
+    lines.push_back({std::move(text), times_.At(piece.part, end)});
+  }
+  const std::string& open = piece.text;  // what is left: the begin of a line
+  if (!last) {
+    lines.push_back({open + begun_.text, begun_.written_ns});
+  } else if (!open.empty()) {
+    end += static_cast<std::int64_t>(open.size());
+    lines.push_back({open, times_.At(piece.part, end)});
+  }
   begun_ = std::move(lines.front());
   lines.erase(lines.begin());
   return lines;

@@ -12,8 +12,16 @@
 
 #include "musher/base/result.hpp"
 #include "musher/base/unique_fd.hpp"
+#include "musher/controller/storage/log_times.hpp"
 
 namespace musher {
+
+struct WrittenLine {
+  std::string text;             // without newline
+  std::int64_t written_ns = 0;  // by then (log_times.hpp), since 1970; 0: not known
+
+  friend bool operator==(const WrittenLine&, const WrittenLine&) = default;
+};
 
 // Reads a log from its end towards its begin: first the live file, then its compressed parts.
 class LogReader {
@@ -21,9 +29,8 @@ class LogReader {
   // Fails if the live file cannot be read.
   static Result<LogReader> Open(const std::string& path);
 
-  // The lines before those that were read already, oldest first, without newlines; empty: there are
-  // no more.
-  std::vector<std::string> Before();
+  // The lines before those that were read already, oldest first; empty: there are no more.
+  std::vector<WrittenLine> Before();
 
   std::int64_t end() const { return end_; }  // of the live file: the bytes that were read
   std::size_t parts() const { return parts_.size(); }
@@ -32,8 +39,14 @@ class LogReader {
  private:
   LogReader(std::string path, UniqueFd file, std::int64_t end);
 
-  std::optional<std::string> Piece();  // the text before what was read; nullopt: there is none
-  std::vector<std::string> LinesOf(std::string text);
+  struct Piece {
+    std::uint64_t part = kLiveLog;
+    std::int64_t begin = 0;  // where it begins in its part
+    std::string text;
+  };
+
+  std::optional<Piece> PieceBefore();  // what was read; nullopt: there is none
+  std::vector<WrittenLine> LinesOf(Piece piece);
 
   std::string path_;
   UniqueFd file_;
@@ -41,8 +54,9 @@ class LogReader {
   std::int64_t at_ = 0;  // the live file is read from here on
   std::vector<std::uint64_t> parts_;
   std::size_t left_ = 0;  // parts that were not read
-  std::string begun_;     // the first line that was read; the piece before it may complete it
+  WrittenLine begun_;     // the first line that was read; the piece before it may complete it
   bool any_ = false;      // a piece was read
+  LogTimes times_;
   std::string damage_;
 };
 

@@ -25,14 +25,19 @@ class Reading : public ::testing::Test {
     gzclose(file);
   }
   // All lines, as the reader gives them from the end to the begin.
-  std::vector<std::string> All() const {
+  std::vector<WrittenLine> AllLines() const {
     auto reader = LogReader::Open(log_);
     EXPECT_TRUE(reader);
-    std::vector<std::string> lines;
+    std::vector<WrittenLine> lines;
     for (auto piece = reader.value().Before(); !piece.empty(); piece = reader.value().Before()) {
       lines.insert(lines.begin(), piece.begin(), piece.end());
     }
     return lines;
+  }
+  std::vector<std::string> All() const {
+    std::vector<std::string> texts;
+    for (const WrittenLine& line : AllLines()) texts.push_back(line.text);
+    return texts;
   }
   static std::vector<std::string> Numbered(int count) {
     std::vector<std::string> lines;
@@ -64,7 +69,7 @@ TEST_F(Reading, OfALongFileComesInPieces) {
   auto reader = LogReader::Open(log_);
   const auto newest = reader.value().Before();
   EXPECT_LT(newest.size(), lines.size());
-  EXPECT_EQ(newest.back(), lines.back());
+  EXPECT_EQ(newest.back().text, lines.back());
   EXPECT_EQ(All(), lines);
 }
 
@@ -72,7 +77,7 @@ TEST_F(Reading, SkipsADamagedPartAndSaysSo) {
   std::ofstream(log_ + ".1.gz") << "\x1f\x8b broken";
   Append("a\n");
   auto reader = LogReader::Open(log_);
-  EXPECT_THAT(reader.value().Before(), ElementsAre("a"));
+  EXPECT_THAT(reader.value().Before(), ElementsAre(WrittenLine{"a", 0}));
   EXPECT_THAT(reader.value().damage(), ::testing::HasSubstr(".1.gz"));
 }
 
@@ -80,6 +85,22 @@ TEST_F(Reading, FailsWithoutAFile) {
   const auto reader = LogReader::Open(log_);
   ASSERT_FALSE(reader);
   EXPECT_THAT(reader.error().message, ::testing::HasSubstr(log_));
+}
+
+TEST_F(Reading, GivesEachLineTheTimeOfTheMarkBehindItsEnd) {
+  Part(1, "first\nsec");
+  Append("ond\nthird\nfourth\nfifth\n");
+  std::ofstream(log_ + ".times") << "1 6 100\n1 9 200\n0 10 300\n0 17 400\n";
+  EXPECT_THAT(AllLines(), ElementsAre(WrittenLine{"first", 100}, WrittenLine{"second", 300},
+                                      WrittenLine{"third", 300}, WrittenLine{"fourth", 400},
+                                      WrittenLine{"fifth", 0}))
+      << "what is not marked yet has no time";
+}
+
+TEST_F(Reading, DoesNotBelieveMarksOfALongerFile) {
+  Append("a\n");
+  std::ofstream(log_ + ".times") << "0 1 100\nnonsense\n0 50 200\n";
+  EXPECT_THAT(AllLines(), ElementsAre(WrittenLine{"a", 0}));
 }
 
 class Following : public Reading {

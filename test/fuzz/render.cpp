@@ -106,7 +106,7 @@ void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
       std::istringstream text(
           std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
       for (std::string line; std::getline(text, line);) {
-        const LogEntry entry = log.Take(line);
+        const LogEntry entry = log.Take({line});
         RequireJson(LogJson(entry));
         RequirePrintable(LogText(entry, 6, false));
       }

@@ -4,7 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/link.hpp"
+#include "musher/controller/cli/machine/machine_files.hpp"
 #include "musher/controller/cli/machine/why.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -26,11 +29,13 @@ namespace musher::cli {
 namespace {
 
 struct HistoryOptions {
-  std::string since;      // empty: all
-  std::string until;      // empty: all
-  std::string actuator;   // empty: of all, and of the machine
-  std::string event;      // empty: all
-  std::string journal;    // empty: query the controller
+  std::string since;     // empty: all
+  std::string until;     // empty: all
+  std::string actuator;  // empty: of all, and of the machine
+  std::string event;     // empty: all
+  std::string journal;   // empty: query the controller; without one, that of its machine
+  std::string level = "info";
+  bool boot = false;      // only since the host has booted
   unsigned limit = 1000;  // 0: no limit
   bool csv = false;
   bool follow = false;             // then print new entries
@@ -40,6 +45,7 @@ struct HistoryOptions {
 using Entries = msg::GetHistory::Response;
 
 constexpr unsigned kAll = UINT32_MAX;
+constexpr const char* kErrorLevel = "error";
 constexpr Duration kFollowPeriod = Milliseconds(300);
 
 std::variant<Entries, Failure> FromFile(const std::string& path, std::int64_t since,
@@ -81,13 +87,7 @@ void KeepOnly(Entries& history, const Keep& keep) {
 std::variant<Entries, Failure> FromController(Link& link, std::int64_t since, unsigned limit) {
   const auto answer =
       link.Call<msg::GetHistory>("get_history", {since, limit}, std::chrono::seconds(5));
-  if (const auto* failure = std::get_if<Failure>(&answer)) {
-    Failure with_hint = *failure;
-    if (failure->exit == ExitCode::kNoController) {
-      with_hint.error.message += "; to read its journal: --journal <its state_dir>/journal.sqlite";
-    }
-    return with_hint;
-  }
+  if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
   const auto& response = std::get<msg::GetHistory::Response>(answer);
   if (!response.error.empty() && response.entries.empty()) {
     return Failure{ExitCode::kNotDone, {kCodeFailed, response.error}};
@@ -101,17 +101,18 @@ struct Selection {
   std::int64_t until = INT64_MAX;
   std::string actuator;
   std::string event;
+  bool failures_only = false;
   unsigned limit = 0;  // 0: all
 
   // The limit counts matching entries only.
   unsigned ReadLimit() const {
-    const bool filters = until != INT64_MAX || !actuator.empty() || !event.empty();
+    const bool filters = until != INT64_MAX || !actuator.empty() || !event.empty() || failures_only;
     return limit == 0 || filters ? kAll : limit;
   }
   void Apply(Entries& history) const {
     KeepOnly(history, [this](const msg::HistoryEntry& entry, const std::string& of_entry) {
       return entry.wall_ns <= until && (actuator.empty() || entry.actuator == actuator) &&
-             (event.empty() || of_entry == event);
+             (event.empty() || of_entry == event) && (!failures_only || entry.code != kCodeOk);
     });
     const std::size_t count = history.entries.size();
     std::size_t left_out = limit == 0 || count <= limit ? 0 : count - limit;
@@ -123,6 +124,7 @@ Result<Selection> Select(const HistoryOptions& options) {
   Selection selection;
   selection.actuator = options.actuator;
   selection.event = options.event;
+  selection.failures_only = options.level == kErrorLevel;
   selection.limit = options.limit;
   if (!options.since.empty()) {
     const auto since = ParseSince(options.since, WallNow());
@@ -134,6 +136,7 @@ Result<Selection> Select(const HistoryOptions& options) {
     if (!until) return until.error();
     selection.until = until.value();
   }
+  if (options.boot) selection.since = std::max(selection.since, BootWallNs());
   return selection;
 }
 
@@ -178,6 +181,32 @@ ExitCode Explain(const Entries& history, const State& state, Console& console) {
   return ExitCode::kDone;
 }
 
+// The journal on disk of a machine of this host that no controller leads; else `failure`.
+std::variant<Entries, Failure> FromDisk(const Failure& failure, const Selection& wanted,
+                                        const GlobalOptions& global, Console& console) {
+  const auto found = FindMachineFiles("", global);
+  const auto* files = std::get_if<MachineFiles>(&found);
+  if (files == nullptr || files->led) return failure;
+  const std::string journal = files->state_dir + "/journal.sqlite";
+  if (!std::filesystem::exists(journal)) return failure;
+  console.Note("no controller leads " + files->name + " now; reading " + journal);
+  return FromFile(journal, wanted.since, wanted.ReadLimit());
+}
+
+// Why there is no actuator of that name: neither an entry nor the config knows it; empty: there is.
+std::string UnknownActuator(const std::string& name, const Entries& history,
+                            const GlobalOptions& global) {
+  std::set<std::string> known;
+  for (const msg::HistoryEntry& entry : history.entries) known.insert(entry.actuator);
+  const auto found = FindMachineFiles("", global);
+  const auto* files = std::get_if<MachineFiles>(&found);
+  if (files != nullptr && files->config) {
+    for (const ActuatorConfig& actuator : files->config->actuators) known.insert(actuator.name);
+  }
+  known.erase("");
+  return known.contains(name) ? "" : NoSuch("actuator", name, {known.begin(), known.end()});
+}
+
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console) {
   const auto selection = Select(options);
   if (!selection) return console.Fail(selection.error());
@@ -190,6 +219,10 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   }
   auto read = link ? FromController(*link, wanted.since, wanted.ReadLimit())
                    : FromFile(options.journal, wanted.since, wanted.ReadLimit());
+  const auto* missing = std::get_if<Failure>(&read);
+  if (missing != nullptr && missing->exit == ExitCode::kNoController && !options.follow) {
+    read = FromDisk(*missing, wanted, global, console);
+  }
   if (const auto* failure = std::get_if<Failure>(&read)) return console.Fail(*failure);
   auto& history = std::get<Entries>(read);
   if (!history.error.empty()) console.PrintError(history.error);
@@ -197,6 +230,12 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   const std::int64_t since =
       history.entries.empty() ? wanted.since : history.entries.back().wall_ns;
   if (options.why) return Explain(history, State(*options.why), console);
+  if (!options.actuator.empty()) {
+    const std::string unknown = UnknownActuator(options.actuator, history, global);
+    if (!unknown.empty()) {
+      return console.Fail({ExitCode::kUsage, {kCodeParametersInvalid, unknown}});
+    }
+  }
   wanted.Apply(history);
   Show(history, options.csv, true, console);
   if (!options.follow) return ExitCode::kDone;
@@ -233,6 +272,9 @@ void AddHistory(Grammar& grammar) {
   grammar.Suggest(app.add_option("--event", options.event, "Only events of this name"), Events())
       ->check(EventError)
       ->type_name("EVENT");
+  grammar.OneOf(app.add_option("--level", options.level, "`error`: only failures"),
+                {"info", kErrorLevel});
+  app.add_flag("--boot", options.boot, "Only since this host has booted");
   app.add_option("--limit", options.limit,
                  "Number of newest matching entries; default 1000, 0: all")
       ->check(CLI::Range(0U, 1'000'000U).description(""))
@@ -247,8 +289,8 @@ void AddHistory(Grammar& grammar) {
   follow->excludes(journal);
   grammar
       .Offer(app.add_option("--why", options.why,
-                            "Why the machine is in its current state, or\n"
-                            "last went to STATE: the chain of causes"),
+                            "Why the machine is in its current state, and what\n"
+                            "failed last; or why it last went to STATE"),
              Names::kStates)
       ->expected(0, 1)
       ->excludes(follow)

@@ -57,14 +57,14 @@ Result<ReadLogs> ReadLog(const std::string& source, const std::string& path,
   if (!reader) return reader.error();
   ReadLogs read;
   read.end = reader.value().end();
-  std::vector<std::vector<std::string>> pieces;  // newest first
+  std::vector<std::vector<WrittenLine>> pieces;  // newest first
   std::size_t matching = 0;
   std::size_t bytes = 0;
   for (auto piece = reader.value().Before(); !piece.empty(); piece = reader.value().Before()) {
     const auto entries = LogEntriesOf(source, piece);
     matching += std::count_if(entries.begin(), entries.end(),
                               [&](const LogEntry& entry) { return filter.Shows(entry); });
-    for (const std::string& line : piece) bytes += line.size() + 1;
+    for (const WrittenLine& line : piece) bytes += line.text.size() + 1;
     pieces.push_back(std::move(piece));
     const auto timed = std::find_if(entries.begin(), entries.end(),
                                     [](const LogEntry& entry) { return entry.wall_ns != 0; });
@@ -77,7 +77,7 @@ Result<ReadLogs> ReadLog(const std::string& source, const std::string& path,
     }
   }
   std::reverse(pieces.begin(), pieces.end());
-  std::vector<std::string> all;
+  std::vector<WrittenLine> all;
   for (auto& piece : pieces) {
     all.insert(all.end(), std::make_move_iterator(piece.begin()),
                std::make_move_iterator(piece.end()));

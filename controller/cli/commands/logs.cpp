@@ -130,10 +130,13 @@ class LogFollower {
       }
     }
     if (made) WatchFiles();
+    const std::int64_t now = WallNow();
     std::vector<std::vector<LogEntry>> logs;
     for (Tail& tail : tails_) {
       logs.emplace_back();
-      for (const std::string& line : tail.file.Read()) logs.back().push_back(tail.lines.Take(line));
+      for (std::string& line : tail.file.Read()) {
+        logs.back().push_back(tail.lines.Take({std::move(line), now}));
+      }
     }
     printer_.Print(Merge(std::move(logs)));
     if (!console_.HasReader()) loop_.Stop();

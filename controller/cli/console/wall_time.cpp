@@ -83,6 +83,12 @@ std::int64_t WallNow() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
+std::int64_t BootWallNs() {
+  timespec since_boot{};
+  clock_gettime(CLOCK_BOOTTIME, &since_boot);
+  return WallNow() - since_boot.tv_sec * 1'000'000'000 - since_boot.tv_nsec;
+}
+
 std::string UtcText(std::int64_t wall_ns) {
   return Format(wall_ns, false, "%Y-%m-%dT%H:%M:%S") + "Z";
 }

@@ -11,6 +11,8 @@ namespace musher::cli {
 
 // Nanoseconds since 1970.
 std::int64_t WallNow();
+// When this host was booted, by today's wall clock.
+std::int64_t BootWallNs();
 
 std::string UtcText(std::int64_t wall_ns);    // "2026-03-01T12:00:05.250Z"
 std::string LocalText(std::int64_t wall_ns);  // "2026-03-01 13:00:05.250", in the local zone

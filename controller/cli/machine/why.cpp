@@ -3,34 +3,55 @@
 #include <algorithm>
 #include <iterator>
 
+#include "musher/base/code.hpp"
+
 namespace musher::cli {
+namespace {
+
+using NewestFirst = std::vector<msg::HistoryEntry>::const_reverse_iterator;
+
+std::string EventOf(const msg::GetHistory::Response& history, NewestFirst entry) {
+  const auto i = static_cast<std::size_t>(history.entries.rend() - entry) - 1;
+  return i < history.events.size() ? history.events[i] : "";
+}
+
+// A cause precedes its effect in the run of one controller: going back, ids only fall.
+CauseChain ChainFrom(const msg::GetHistory::Response& history, NewestFirst last) {
+  CauseChain chain{{*last}, {EventOf(history, last)}};
+  std::uint64_t before = last->id;
+  for (auto entry = std::next(last); entry != history.entries.rend(); ++entry) {
+    if (entry->id == 0) continue;
+    if (entry->id >= before) break;
+    before = entry->id;
+    if (entry->id != chain.entries.back().cause) continue;
+    chain.entries.push_back(*entry);
+    chain.events.push_back(EventOf(history, entry));
+  }
+  chain.complete = chain.entries.back().cause == 0;
+  return chain;
+}
+
+bool Contains(const CauseChain& chain, const msg::HistoryEntry& entry) {
+  return std::find(chain.entries.begin(), chain.entries.end(), entry) != chain.entries.end();
+}
+
+}  // namespace
 
 Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state) {
   const std::vector<msg::HistoryEntry>& entries = history.entries;
-  const auto event_of = [&](const auto& entry) {
-    const auto i = static_cast<std::size_t>(entries.rend() - entry) - 1;
-    return i < history.events.size() ? history.events[i] : "";
-  };
   const auto newest = std::find_if(entries.rbegin(), entries.rend(), [&](const auto& entry) {
     return state.empty() ? !entry.state.empty() : entry.state == state;
   });
+  const auto failed = std::find_if(entries.rbegin(), entries.rend(),
+                                   [](const auto& entry) { return entry.code != kCodeOk; });
   if (newest == entries.rend()) {
     return Error{kCodeFailed, state.empty() ? "these entries contain no state change of the machine"
                                             : "these entries contain no change to " + state};
   }
-  Why why{State(newest->state), {*newest}, {event_of(newest)}, true};
-  // A cause precedes its effect in the run of one controller: going back, ids only fall.
-  std::uint64_t before = newest->id;
-  for (auto entry = std::next(newest); entry != entries.rend(); ++entry) {
-    if (entry->id == 0) continue;
-    if (entry->id >= before) break;
-    before = entry->id;
-    if (entry->id != why.chain.back().cause) continue;
-    why.chain.push_back(*entry);
-    why.events.push_back(event_of(entry));
+  Why why{State(newest->state), ChainFrom(history, newest), {}, history.error};
+  if (state.empty() && failed != entries.rend() && !Contains(why.change, *failed)) {
+    why.failure = ChainFrom(history, failed);
   }
-  why.complete = why.chain.back().cause == 0;
-  why.damage = history.error;
   return why;
 }
 

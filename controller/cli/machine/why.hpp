@@ -1,7 +1,7 @@
 #pragma once
-// Why the machine is in its state: the chain of causes among the journal's entries.
+// Why the machine is in its state, and what went wrong last: chains of causes among the journal's
+// entries.
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,17 +11,22 @@
 
 namespace musher::cli {
 
-struct Why {
-  State state;
-  // The entry of the change to `state`, then its cause, then the cause of that, ...
-  std::vector<msg::HistoryEntry> chain;
-  std::vector<std::string> events;  // of the chain
-  bool complete = true;             // false: the cause of the last one is not among the entries
-  std::string damage{};             // what is missing among the entries; empty: nothing
+// An entry, then its cause, then the cause of that, ...
+struct CauseChain {
+  std::vector<msg::HistoryEntry> entries;
+  std::vector<std::string> events{};  // of the entries
+  bool complete = true;               // false: the cause of the last one was not read
 };
 
-// Why `state` was last entered; empty: why the machine is in its current state. Fails if the
-// entries of `history` do not contain the change.
+struct Why {
+  State state;
+  CauseChain change;   // to `state`
+  CauseChain failure;  // the newest failure, if `change` does not contain it; else empty
+  std::string damage;  // what is missing among the entries; empty: nothing
+};
+
+// Why `state` was last entered; empty: why the machine is in its current state, and the newest
+// failure. Fails if the entries of `history` do not contain the change.
 Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state);
 
 }  // namespace musher::cli

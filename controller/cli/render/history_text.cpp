@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "musher/base/code.hpp"
@@ -32,6 +33,25 @@ std::string Below(const std::string& data) {
   return text;
 }
 
+// A backtrace beside its message, by its length.
+std::string Folded(const std::string& data) {
+  if (data.empty() || data.starts_with('{')) return "";
+  const auto lines = static_cast<std::size_t>(std::count(data.begin(), data.end(), '\n'));
+  return "  [" + Counted(std::max<std::size_t>(lines, 1), "line") + " in `musher history`]";
+}
+
+// The entries behind the first, each with its cause below.
+std::string Causes(const CauseChain& chain, bool colour) {
+  std::string text;
+  for (std::size_t i = 1; i < chain.entries.size(); ++i) {
+    const msg::HistoryEntry& e = chain.entries[i];
+    text += Paint(LocalText(e.wall_ns), Style::kDim, colour) + "    because " +
+            Sentence(e.message, e.code, colour) + Folded(e.data) + '\n';
+  }
+  if (chain.complete) return text;
+  return text + std::string(23, ' ') + "    because of an event before these entries\n";
+}
+
 }  // namespace
 
 std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour) {
@@ -54,19 +74,19 @@ std::string HistoryCsv(const std::vector<msg::HistoryEntry>& entries, bool head)
 }
 
 std::string WhyText(const Why& why, bool colour) {
-  const msg::HistoryEntry& went = why.chain.front();
+  const msg::HistoryEntry& went = why.change.entries.front();
   const std::string number =
       went.switch_number == 0 ? "" : fmt::format(" (switch {})", went.switch_number);
-  std::string text = Paint(LocalText(went.wall_ns), Style::kDim, colour) +
-                     "  the machine went to " +
-                     Paint(Printable(why.state), StyleOfState(why.state), colour) + number + '\n';
-  for (std::size_t i = 1; i < why.chain.size(); ++i) {
-    const msg::HistoryEntry& e = why.chain[i];
-    text += Paint(LocalText(e.wall_ns), Style::kDim, colour) + "    because " +
-            Sentence(e.message, e.code, colour) + '\n';
-  }
-  if (why.complete) return text;
-  return text + std::string(23, ' ') + "    because of an event before these entries\n";
+  const std::string change = Paint(LocalText(went.wall_ns), Style::kDim, colour) +
+                             "  the machine went to " +
+                             Paint(Printable(why.state), StyleOfState(why.state), colour) + number +
+                             '\n' + Causes(why.change, colour);
+  if (why.failure.entries.empty()) return change;
+  const msg::HistoryEntry& failed = why.failure.entries.front();
+  const std::string failure = Paint(LocalText(failed.wall_ns), Style::kDim, colour) +
+                              "  last failure: " + Sentence(failed.message, failed.code, colour) +
+                              Folded(failed.data) + '\n' + Causes(why.failure, colour);
+  return failed.wall_ns > went.wall_ns ? failure + change : change + failure;
 }
 
 std::string ProgressText(const Progress& progress, bool colour) {

@@ -234,12 +234,18 @@ std::string HistoryJson(const msg::GetHistory::Response& history) {
 }
 
 std::string WhyJson(const Why& why) {
-  Json chain = Json::array();
-  for (std::size_t i = 0; i < why.chain.size(); ++i) {
-    chain.push_back(OfEntry(why.chain[i], EventOf(why.events, i)));
-  }
-  return JsonLine(
-      {{"state", why.state}, {"chain", chain}, {"complete", why.complete}, {"damage", why.damage}});
+  const auto entries_of = [](const CauseChain& chain) {
+    Json entries = Json::array();
+    for (std::size_t i = 0; i < chain.entries.size(); ++i) {
+      entries.push_back(OfEntry(chain.entries[i], EventOf(chain.events, i)));
+    }
+    return entries;
+  };
+  return JsonLine({{"state", why.state},
+                   {"chain", entries_of(why.change)},
+                   {"complete", why.change.complete},
+                   {"failure", entries_of(why.failure)},
+                   {"damage", why.damage}});
 }
 
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage) {

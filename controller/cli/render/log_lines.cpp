@@ -184,24 +184,23 @@ constexpr std::array<const char*, 4> kLevelNames = {"debug", "info", "warning", 
 
 }  // namespace
 
-LogEntry LogLines::Take(std::string_view written) {
-  const std::string plain = WithoutEscapes(written);
+LogEntry LogLines::Take(const WrittenLine& written) {
+  const std::string plain = WithoutEscapes(written.text);
   std::string_view line = plain;
   if (line.ends_with('\r')) line.remove_suffix(1);
   const ParsedLine parsed = ParseLogLine(line, source_);
-  if (parsed.wall_ns) wall_ns_ = *parsed.wall_ns;
   // A line that is indented continues the message before it.
   const bool continues = !parsed.level && (line.starts_with(' ') || line.starts_with('\t'));
   if (!continues) level_ = parsed.level.value_or(LogLevel::kInfo);
-  return {source_, wall_ns_, level_, std::string(parsed.text)};
+  return {source_, parsed.wall_ns.value_or(written.written_ns), level_, std::string(parsed.text)};
 }
 
 std::vector<LogEntry> LogEntriesOf(const std::string& source,
-                                   const std::vector<std::string>& lines) {
+                                   const std::vector<WrittenLine>& lines) {
   LogLines log(source);
   std::vector<LogEntry> entries;
   entries.reserve(lines.size());
-  for (const std::string& line : lines) entries.push_back(log.Take(line));
+  for (const WrittenLine& line : lines) entries.push_back(log.Take(line));
   return entries;
 }
 

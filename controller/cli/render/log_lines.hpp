@@ -9,7 +9,8 @@
 //   [WARN] [1772366405.250000000] [talker]: slow
 //   [2026-03-01 13:00:05.250] [legs] [warning] hot
 //
-// Other lines belong to the line before them.
+// Other lines have the time at which they were written, as far as it is known (log_times.hpp), and
+// the level of the line before them if they are indented.
 
 #include <cstdint>
 #include <optional>
@@ -18,13 +19,13 @@
 #include <vector>
 
 #include "musher/base/log.hpp"
+#include "musher/controller/storage/log_reader.hpp"
 
 namespace musher::cli {
 
 struct LogEntry {
-  std::string source;  // the actuator, or "controller"
-  std::int64_t wall_ns =
-      0;  // since 1970; of a line without a time, that of the line before; 0: none
+  std::string source;        // the actuator, or "controller"
+  std::int64_t wall_ns = 0;  // since 1970: its own time, else when it was written; 0: not known
   LogLevel level = LogLevel::kInfo;
   std::string text;  // without time, and without the name of the source where it begins with it
 
@@ -36,16 +37,15 @@ class LogLines {
  public:
   explicit LogLines(std::string source) : source_(std::move(source)) {}
 
-  LogEntry Take(std::string_view line);
+  LogEntry Take(const WrittenLine& line);
 
  private:
   std::string source_;
-  std::int64_t wall_ns_ = 0;
   LogLevel level_ = LogLevel::kInfo;
 };
 
 std::vector<LogEntry> LogEntriesOf(const std::string& source,
-                                   const std::vector<std::string>& lines);
+                                   const std::vector<WrittenLine>& lines);
 
 // All entries by time; each log keeps its order. An entry without a time comes with the next one of
 // its log that has one.

@@ -169,6 +169,22 @@ TEST_F(Replaying, HistoryExplainsARequestedState) {
   EXPECT_EQ(json["complete"], true);
 }
 
+// An actuator that nobody knows gave an empty answer and exit code 0.
+TEST_F(Replaying, HistoryOfAnUnknownActuatorIsAnError) {
+  const Ran ran = RunProgram({"history", "--journal", file_, "--actuator", "lags"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("there is no actuator 'lags'; did you mean 'legs'?"));
+  EXPECT_EQ(RunProgram({"history", "--journal", file_, "--actuator", "legs"}).exit, 0);
+}
+
+TEST_F(Replaying, HistoryOfLevelErrorContainsFailuresOnly) {
+  const Ran ran = RunProgram({"history", "--journal", file_, "--level", "error", "--json"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  const auto entries = nlohmann::json::parse(ran.out)["entries"];
+  EXPECT_FALSE(entries.empty());
+  for (const auto& entry : entries) EXPECT_NE(entry["code"], 0);
+}
+
 TEST_F(Replaying, HistoryMarksACauseThatIsOlderThanItsFirstRecord) {
   const Ran ran = RunProgram({"history", "--journal", file_, "--why", "--limit", "5"});
   EXPECT_THAT(ran.out, EndsWith("    because of an event before these entries\n"));

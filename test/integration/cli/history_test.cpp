@@ -39,6 +39,16 @@ TEST_F(History, LimitIsOfWhatMatchesAndZeroIsAll) {
   EXPECT_GT(Lines(all.out), 10);
 }
 
+TEST_F(History, IsReadFromTheDiskWhenNoControllerLeads) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const Ended history =
+      RunToEnd({"sh", "-c", "cd '" + (folder_ / "") + "' && exec " + Typed({"history", "--why"})});
+  EXPECT_EQ(history.exit, 0) << history.err;
+  EXPECT_THAT(history.err, HasSubstr("no controller leads robot now; reading "));
+  EXPECT_THAT(history.out, HasSubstr("the machine went to TearDown"));
+}
+
 TEST_F(History, IsATableForSpreadsheets) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended csv = Musher({"history", "--csv", "--limit", "0"});

@@ -33,6 +33,9 @@ TEST_F(Inspect, LogsAreFollowedAcrossARestartAndReadWithTheMachineDown) {
   EXPECT_EQ(down.exit, 0) << down.err;
   EXPECT_THAT(down.out, HasSubstr("tuned"));
   EXPECT_THAT(down.err, HasSubstr("reading " + (folder_ / "state/logs/voice.log")));
+  const Ended voice = Musher({"logs", "voice", "--config", config_, "--json", "--lines", "1"});
+  EXPECT_TRUE(Json(voice.out)["time"].is_string())
+      << "a line without a time of its own was stamped when it was written: " << voice.out;
   const Ended json = Musher({"logs", "controller", "--config", config_, "--json", "--lines", "1"});
   EXPECT_EQ(Json(json.out)["actuator"], "controller");
   EXPECT_TRUE(Json(json.out)["time"].is_string());
