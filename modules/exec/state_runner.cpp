@@ -11,6 +11,15 @@ namespace {
 // Exit codes up to this one are keys of CyberDog's codes; higher ones are those of shells.
 constexpr int kHighestKey = 99;
 
+// As a person wrote it, at most one line of a table.
+std::string CommandText(const std::vector<std::string>& argv) {
+  constexpr std::size_t kLongest = 60;
+  const bool shell = argv.size() == 3 && argv[0] == "/bin/sh" && argv[1] == "-c";
+  std::string text = shell ? argv[2] : argv.front();
+  for (std::size_t i = 1; i < argv.size() && !shell; ++i) text += ' ' + argv[i];
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "…";
+}
+
 }  // namespace
 
 StateRunner::StateRunner(std::string actuator, ExecConfig config, const Reaper& reaper)
@@ -67,23 +76,21 @@ Result<> StateRunner::RunOne(const State& state, const StateActions& actions,
     return wanted == Wanted::kYes && stop_requested() ? Wanted::kNo : wanted;
   });
   if (!end) return Failure(KeyCode::kFailed, end.error().message);
-  return ResultOf(end.value());
+  return ResultOf(end.value(), actions.run);
 }
 
 // A command that was stopped and yet succeeded had just finished.
-Result<> StateRunner::ResultOf(const CommandEnd& end) const {
+Result<> StateRunner::ResultOf(const CommandEnd& end, const std::vector<std::string>& argv) const {
   const ExitStatus& status = end.status;
   if (status.ok()) return Ok();
-  const std::string last_line = end.last_line.empty() ? "" : ": " + end.last_line;
-  if (end.stopped) {
-    return Failure(KeyCode::kTimeout,
-                   "stopped, because its result is no longer needed" + last_line);
-  }
-  if (status.killed || status.number > kHighestKey) {
-    return Failure(KeyCode::kFailed, status.Text() + last_line);
-  }
-  return Failure(static_cast<KeyCode>(status.number),
-                 end.last_line.empty() ? status.Text() : end.last_line);
+  const std::string reason =
+      (end.stopped
+           ? '`' + CommandText(argv) + "` was stopped, because its result is no longer needed"
+           : status.Text() + " of `" + CommandText(argv) + '`') +
+      (end.last_line.empty() ? "" : "; last output: " + end.last_line);
+  if (end.stopped) return Failure(KeyCode::kTimeout, reason);
+  const bool is_key = !status.killed && status.number <= kHighestKey;
+  return Failure(is_key ? static_cast<KeyCode>(status.number) : KeyCode::kFailed, reason);
 }
 
 ChildSpec StateRunner::Spec(const State& state, const std::vector<std::string>& argv) const {

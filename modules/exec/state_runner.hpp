@@ -57,7 +57,7 @@ class StateRunner {
   Result<> TearDown(const StateActions& actions, const StopRequested& stop_requested);
   Result<> RunOne(const State& state, const StateActions& actions,
                   const StopRequested& stop_requested);
-  Result<> ResultOf(const CommandEnd& end) const;
+  Result<> ResultOf(const CommandEnd& end, const std::vector<std::string>& argv) const;
   ChildSpec Spec(const State& state, const std::vector<std::string>& argv) const;
   Error Failure(KeyCode key, const std::string& message) const;
 

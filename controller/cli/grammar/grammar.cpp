@@ -184,6 +184,21 @@ void Grammar::AddGlobalOptions() {
         {"auto", "always", "never"});
 }
 
+// "; …" for a word of other tools, by what its user wants; empty: it is none. Who types `stop` may
+// want the robot to stop at once: a command that is only spelled alike would not help.
+std::string Grammar::OtherWord(std::string_view word) {
+  for (const char* stop : {"stop", "halt", "kill", "abort", "quit"}) {
+    if (word == stop) {
+      return "; `musher estop` stops the robot at once, `musher down` ends the machine;";
+    }
+  }
+  if (word == "start" || word == "launch" || word == "run") {
+    return "; `musher up robot.toml` starts a machine;";
+  }
+  if (word == "ps" || word == "list") return "; `musher status` shows the actuators;";
+  return "";
+}
+
 // "--domain: …": the help of a command does not list these options.
 bool Grammar::IsOfGlobalOption(std::string_view error) const {
   if (error.starts_with(kInvalidNamespace)) return true;  // perhaps of the environment
@@ -210,7 +225,8 @@ std::string Grammar::ErrorText(const CLI::ParseError& e) const {
     const bool missing = dynamic_cast<const CLI::RequiredError*>(&e) != nullptr;
     return (missing ? "missing command" : std::string(e.what())) + "; " + help;
   }
-  const std::string hint = DidYouMean(unknown.front(), commands);
+  std::string hint = command == app_.get() ? OtherWord(unknown.front()) : "";
+  if (hint.empty()) hint = DidYouMean(unknown.front(), commands);
   return "unknown command '" + unknown.front() + "'" + (hint.empty() ? ";" : hint) + " " + help;
 }
 

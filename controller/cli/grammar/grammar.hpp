@@ -138,6 +138,7 @@ class Grammar {
                   RunCommand run);
   void AddGlobalOptions();
   bool IsOfGlobalOption(std::string_view error) const;
+  static std::string OtherWord(std::string_view word);
   std::string ErrorText(const CLI::ParseError& e) const;
   void TakeEnvironment();
   void TakeGlobalOptions();

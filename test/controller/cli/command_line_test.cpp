@@ -119,6 +119,11 @@ TEST(CommandLine, TakesTheNamespaceFromTheEnvironmentUnlessItIsGiven) {
 }
 
 TEST(CommandLine, RefusesWhatItDoesNotUnderstand) {
+  EXPECT_EQ(
+      Wrong({"stop"}),
+      "unknown command 'stop'; `musher estop` stops the robot at once, `musher down` ends the "
+      "machine; see musher --help")
+      << "it suggested `top`";
   EXPECT_THAT(Wrong({"statsu"}), HasSubstr("unknown command 'statsu'; did you mean 'status'?"));
   EXPECT_THAT(Wrong({"set"}), HasSubstr("STATE is required"));
   EXPECT_THAT(Wrong({"set", "a", "b", "c"}), HasSubstr("not expected: c"));

@@ -42,8 +42,9 @@ TEST_F(History, LimitIsOfWhatMatchesAndZeroIsAll) {
 TEST_F(History, IsReadFromTheDiskWhenNoControllerLeads) {
   ASSERT_EQ(UpDetached().exit, 0);
   ASSERT_EQ(Musher({"down"}).exit, 0);
-  const Ended history =
-      RunToEnd({"sh", "-c", "cd '" + (folder_ / "") + "' && exec " + Typed({"history", "--why"})});
+  std::vector<std::string> words = Command({"history", "--why"});
+  words.insert(words.begin(), {"env", "-C", folder_ / ""});
+  const Ended history = RunToEnd(words);
   EXPECT_EQ(history.exit, 0) << history.err;
   EXPECT_THAT(history.err, HasSubstr("no controller leads robot now; reading "));
   EXPECT_THAT(history.out, HasSubstr("the machine went to TearDown"));

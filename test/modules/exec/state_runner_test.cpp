@@ -59,12 +59,15 @@ TEST_F(StateRunnerTest, MakesAnExitCodeCyberdogsCodeAndTheLastLineTheReason) {
   On("SelfCheck", "echo the motor board does not answer; exit 9");
   const auto result = Run("SelfCheck");
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error(), (Error{3009, "the motor board does not answer"}));
+  EXPECT_EQ(result.error(),
+            (Error{3009,
+                   "exit code 9 of `echo the motor board does not answer; exit 9`; last output: "
+                   "the motor board does not answer"}));
 }
 
 TEST_F(StateRunnerTest, ReportsTheExitCodeOfASilentCommand) {
   On("SelfCheck", "exit 9");
-  EXPECT_EQ(Run("SelfCheck").error(), (Error{3009, "exit code 9"}));
+  EXPECT_EQ(Run("SelfCheck").error(), (Error{3009, "exit code 9 of `exit 9`"}));
 }
 
 TEST_F(StateRunnerTest, CallsAnExitCodeThatIsNoKeyFailed) {
@@ -72,12 +75,14 @@ TEST_F(StateRunnerTest, CallsAnExitCodeThatIsNoKeyFailed) {
   const auto result = Run("Active");
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, 3001);
-  EXPECT_THAT(result.error().message, HasSubstr("exit code 127: "));
+  EXPECT_THAT(result.error().message,
+              HasSubstr("exit code 127 of `no-such-program`; last output: "));
 }
 
 TEST_F(StateRunnerTest, CallsACrashFailed) {
   On("Active", "echo hot; kill -SEGV $$");
-  EXPECT_EQ(Run("Active").error(), (Error{3001, "killed by SIGSEGV: hot"}));
+  EXPECT_EQ(Run("Active").error(),
+            (Error{3001, "killed by SIGSEGV of `echo hot; kill -SEGV $$`; last output: hot"}));
 }
 
 TEST_F(StateRunnerTest, PassesStateActuatorAndProgramToACommand) {
@@ -95,7 +100,8 @@ TEST_F(StateRunnerTest, StopsACommandWhoseResultIsNoLongerNeeded) {
   StateRunner runner("motion", config_, reaper_.value());
   const auto result = runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; });
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error(), (Error{3007, "stopped, because its result is no longer needed"}));
+  EXPECT_EQ(result.error(),
+            (Error{3007, "`sleep 100` was stopped, because its result is no longer needed"}));
 }
 
 TEST_F(StateRunnerTest, TreatsASuccessfulExitAsDoneEvenWhenStopped) {
