@@ -292,7 +292,8 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& of_caller
   if (files_of_it) {
     TakeFiles(*files, d);
   } else if (status) {
-    d.why_no_log = "the logs are on the host of the controller";
+    d.why_no_log = status->host == HostId() ? FilesOfAnotherUser()
+                                            : "the logs are on the host of the controller";
   }
   if (status && !link.value()->interrupted()) {
     Queries(*link.value(), global, d).Run(StatesToQuery(d));

@@ -99,9 +99,11 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
                                                      const GlobalOptions& global) {
   const auto domain = transport::DomainId({});
   if (!domain) return Failure{ExitCode::kUsage, domain.error()};
-  const auto led_in = [&domain](const std::string& name_space) {
-    const std::string lock = NameLock::NameOf(domain.value(), name_space, "musher/controller");
-    const pid_t leader = NameLock::HolderOf(lock).pid;
+  const auto lock_of = [&domain](const std::string& name_space) {
+    return NameLock::NameOf(domain.value(), name_space, "musher/controller");
+  };
+  const auto led_in = [&lock_of](const std::string& name_space) {
+    const pid_t leader = NameLock::HolderOf(lock_of(name_space)).pid;
     return leader == 0 ? "" : StateDirOfProcess(leader);
   };
   if (!config.empty()) {
@@ -118,6 +120,9 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
       files.led = true;
       return files;
     }
+  }
+  if (led_dir.empty() && NameLock::IsHeld(lock_of(global.name_space))) {
+    return Failure{ExitCode::kNotDone, {kCodeFailed, FilesOfAnotherUser()}};
   }
   if (auto here = InWorkingDirectory(global.name_space, domain.value())) return std::move(*here);
   auto stopped = Stopped(global.name_space, domain.value());
@@ -155,6 +160,11 @@ std::string HiddenFilesNote() {
       "; {}, with the files of robots that systemd starts, cannot be read by this "
       "user: run it with sudo",
       kServicePlace);
+}
+
+std::string FilesOfAnotherUser() {
+  return "a controller of another user leads the machine on this host, and only that user and root "
+         "may read its files: run it with sudo";
 }
 
 std::string LogPathOf(const MachineFiles& files, const std::string& actuator) {

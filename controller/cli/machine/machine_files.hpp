@@ -43,6 +43,9 @@ void TakeStateDir(MachineConfig& config, int domain);
 // "; …" where this user cannot look for the files of systemd's robots; empty: they were looked for.
 std::string HiddenFilesNote();
 
+// Why the files of a machine that is led on this host are not found.
+std::string FilesOfAnotherUser();
+
 // The word for the controller's own log where no actuator has that name.
 inline constexpr const char* kControllerWord = "controller";
 std::string LogPathOf(const MachineFiles& files, const std::string& actuator);
