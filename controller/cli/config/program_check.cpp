@@ -26,7 +26,8 @@ std::string SearchPathOf(const ActuatorConfig& actuator) {
 }
 
 // The path of the program that a command would run; empty: `why` has the error.
-std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
+std::string ProgramOf(const ActuatorConfig& actuator, const fs::path& config_folder,
+                      std::string& why) {
   const std::string& program = actuator.command.front();
   const auto is_program = [&](const fs::path& path) {
     std::error_code error;
@@ -43,8 +44,15 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
     return is_program(path) ? path.string() : "";
   }
   why = "program '" + program + "' not found in PATH" + transport::MissingProgramHint(program);
+  const std::string in_path = why;
   for (const std::string& path : CandidatesInPath(program, SearchPathOf(actuator))) {
     if (is_program(path)) return path;
+  }
+  std::error_code error;
+  const fs::path folder = actuator.cwd.empty() ? config_folder : fs::path(actuator.cwd);
+  if (why == in_path && fs::exists(folder / program, error)) {
+    why += "; did you mean './" + program + "', the file in " + folder.string() + "?" +
+           (actuator.cwd.empty() ? " With cwd = \".\" it is found from everywhere" : "");
   }
   return "";
 }
@@ -121,7 +129,7 @@ std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration time
       continue;
     }
     std::string why;
-    const std::string program = ProgramOf(actuator, why);
+    const std::string program = ProgramOf(actuator, fs::path(file).parent_path(), why);
     if (program.empty()) {
       add(actuator, "command", Severity::kWarning, why);
       continue;

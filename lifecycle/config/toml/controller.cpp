@@ -134,7 +134,6 @@ void ReadController(TableReader& root, Draft& draft) {
   controller.Require("actuators", "an array of strings");
   controller.Require("states", "an array of strings");
   controller.Require("default_time", "an integer (milliseconds)");
-  controller.Require("default_state", "a string");
   MachineConfig& config = draft.config;
   ReadActuatorNames(controller, draft);
   ReadStates(controller, draft);

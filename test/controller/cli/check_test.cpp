@@ -142,6 +142,14 @@ TEST_F(CheckedPrograms, NamesAProgramThatIsNotExecutable) {
               HasSubstr("/legs.sh is not executable"));
 }
 
+TEST_F(CheckedPrograms, NamesAFileBesideTheConfigThatLacksItsPath) {
+  Write("legs.sh", "#!/bin/sh\n");
+  EXPECT_THAT(
+      Check("command = [\"legs.sh\"]").out,
+      HasSubstr("program 'legs.sh' not found in PATH; did you mean './legs.sh', the file in " +
+                folder_.path() + "? With cwd = \".\" it is found from everywhere"));
+}
+
 TEST_F(CheckedPrograms, NamesAFolderThatIsNotThere) {
   const Ran ran = Check("command = [\"true\"]\ncwd = \"gone\"");
   EXPECT_THAT(ran.out, HasSubstr("/dog.toml:13:1: warning: in 'actuator.legs': 'cwd': folder not "
