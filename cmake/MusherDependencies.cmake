@@ -63,19 +63,22 @@ if(MUSHER_MODULES)
   pkg_check_modules(TESSERACT QUIET IMPORTED_TARGET tesseract)
   pkg_check_modules(ZXING QUIET IMPORTED_TARGET zxing)
   pkg_check_modules(OCTOMAP QUIET IMPORTED_TARGET octomap)
-  pkg_check_modules(DLIB QUIET IMPORTED_TARGET dlib-1)
   musher_require_found(ALSA_FOUND libasound2-dev)
   musher_require_found(ESPEAK_NG_FOUND libespeak-ng-dev)
   musher_require_found(SNDFILE_FOUND libsndfile1-dev)
   musher_require_found(TESSERACT_FOUND libtesseract-dev)
   musher_require_found(ZXING_FOUND libzxing-dev)
-  # Not by its pkg-config file, which sets an older C++ and links libraries that are not used here.
+  # Not by their pkg-config files, which link libraries that are not used here: dlib's names some that its package does
+  # not install. OMPL's sets an older C++, too.
   find_path(OMPL_INCLUDE_DIR ompl/geometric/PathSimplifier.h PATH_SUFFIXES ompl-1.5 ompl-1.6)
   find_library(OMPL_LIBRARY ompl)
+  find_library(DLIB_LIBRARY dlib)
+  find_library(BLAS_LIBRARY blas)  # for dlib's matrices
   musher_require_found(OMPL_INCLUDE_DIR libompl-dev)
   musher_require_found(OMPL_LIBRARY libompl-dev)
   musher_require_found(OCTOMAP_FOUND liboctomap-dev)
-  musher_require_found(DLIB_FOUND libdlib-dev)
+  musher_require_found(DLIB_LIBRARY libdlib-dev)
+  musher_require_found(BLAS_LIBRARY libblas-dev)
 endif()
 
 if(MUSHER_TESTS)
