@@ -6,8 +6,8 @@ import {duration} from './format.js';
 import {confirmDialog} from './confirm.js';
 import {language, languageTag, otherLanguage, setLanguage, t} from './i18n.js';
 import {stopButton} from './estop.js';
-import {commands, levelShape, stateChip} from './parts.js';
-import {apply, freshness, initialState, mayAct, statusOf} from './store.js';
+import {batteryBar, commands, levelShape, stateChip, stoppedChip} from './parts.js';
+import {apply, freshness, initialState, mayAct, recentFaults, statusOf} from './store.js';
 import * as actuators from './actuators.js';
 import * as application from './application.js';
 import * as cameras from './cameras.js';
@@ -15,13 +15,23 @@ import * as log from './log.js';
 import * as machine from './machine.js';
 import * as timeline from './timeline.js';
 
+const ACKNOWLEDGED = 'musher.acknowledged_ms';
+
+function storedNumber(key) {
+  try {
+    return Number(localStorage.getItem(key)) || 0;
+  } catch {
+    return 0;
+  }
+}
+
 const VIEWS = {robot: machine, actuators, timeline, application, cameras, log};
 
 const ctx = {
   state: initialState(),
   now: Date.now(),
   route: {name: 'robot', rest: []},
-  ui: {said: [], alarm: ''},  // what is chosen and open; each view has its own keys
+  ui: {said: [], alarm: '', acknowledged_ms: storedNumber(ACKNOWLEDGED)},  // what is chosen and open; each view has its own keys
   redraw,
   say(text) {
     ctx.ui.said = [...ctx.ui.said.slice(-4), {text, key: ctx.now + Math.random()}];
@@ -29,6 +39,16 @@ const ctx = {
   },
   alarm(text) {
     ctx.ui.alarm = text;
+    redraw();
+  },
+  // Faults up to this time of the robot have been seen.
+  acknowledge(ms) {
+    ctx.ui.acknowledged_ms = ms;
+    try {
+      localStorage.setItem(ACKNOWLEDGED, ms);
+    } catch {
+      // They come back with the next visit.
+    }
     redraw();
   },
   confirm: request => confirmDialog(document.getElementById('dialogs'), request),
@@ -78,14 +98,19 @@ function toggleLanguage() {
   redraw();
 }
 
+const faultCount = () => recentFaults(ctx.state, ctx.now, ctx.ui.acknowledged_ms).length;
+
 function headerPart(fresh) {
   const status = statusOf(ctx.state);
   return [
     h('div', {class: 'bar'},
       h('div', {class: 'who'},
         h('span', {class: 'name'}, status?.machine || 'Musher'),
-        status ? h('span', {class: fresh === 'live' ? 'now' : 'now stale'}, stateChip(status.state)) : null,
-        status?.emergency_stop ? h('span', {class: 'pill tone-bad'}, t('stopped')) : null,
+        status ? h('span', {class: 'now'}, status.emergency_stop ? stoppedChip() : null,
+          stateChip(status.state)) : null,
+        (status?.policy?.active && status.policy.battery >= 0) ? batteryBar(status.policy) : null,
+        faultCount() > 0 ? h('a', {class: 'count faults', href: '#robot',
+          'aria-label': t('faults.past', {count: faultCount()})}, `! ${faultCount()}`) : null,
         h('span', {class: `link ${fresh}`}, h('i', {'aria-hidden': 'true'}), t(`link.${fresh}`))),
       h('button', {type: 'button', class: 'language', onclick: toggleLanguage,
         'aria-label': t('language.label'),
@@ -148,7 +173,10 @@ function drawAll() {
   ctx.now = Date.now();
   const fresh = freshness(ctx.state, ctx.now);
   const status = statusOf(ctx.state);
-  document.title = status ? `${t('title', {name: status.machine, state: status.state})} – Musher` : 'Musher';
+  const faults = faultCount() > 0 ? `(${faultCount()}) ` : '';
+  const state = status?.emergency_stop ? t('stopped.big') : status?.state;
+  document.title = status ? `${faults}${t('title', {name: status.machine, state})} – Musher` : 'Musher';
+  document.body.classList.toggle('dead', fresh !== 'live' && fresh !== 'connecting');
   if (fresh !== ctx.ui.fresh && ctx.ui.fresh && fresh !== 'connecting') ctx.say(t(`link.${fresh}`));
   ctx.ui.fresh = fresh;
   document.getElementById('skip').textContent = t('skip');

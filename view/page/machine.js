@@ -2,10 +2,10 @@
 import {h} from './dom.js';
 import {duration, when} from './format.js';
 import {t} from './i18n.js';
-import {card, commands, facts, levelShape, quoted, stateChip, stateMeaning} from './parts.js';
-import {capabilitiesOf, freshness, problems, robotNow, stateSince, statusOf} from './store.js';
+import {batteryBar, card, commands, facts, levelShape, quoted, stateChip, stateMeaning, stoppedChip} from './parts.js';
+import {capabilitiesOf, freshness, levelOf, problems, recentFaults, robotNow, stateSince, statusOf} from './store.js';
 import {switchCard} from './switch.js';
-import {eventRow, levelOf} from './why.js';
+import {eventRow} from './why.js';
 
 // Events that come once for each actuator, and would hide the others.
 const ROUTINE = new Set(['command_done', 'actuator_present', 'process_started', 'process_found']);
@@ -14,7 +14,8 @@ function stateCard(ctx, status) {
   const since = stateSince(ctx.state);
   const phase = t(`phase.${status.phase}`);
   return card(t('state'), {id: 'state-title', class: 'state-card', aside: h('span', {class: 'quiet'}, phase)},
-    h('p', {class: 'big-state'}, stateChip(status.state, {large: true}),
+    h('p', {class: 'big-state'}, status.emergency_stop ? stoppedChip({large: true}) : null,
+      stateChip(status.state, {large: !status.emergency_stop}),
       status.target && status.target !== status.state
         ? h('span', {class: 'towards'}, '→ ', stateChip(status.target)) : null),
     h('p', {class: 'meaning'}, status.emergency_stop ? t('state.stopped') : stateMeaning(status.state),
@@ -51,8 +52,20 @@ function problemItem(ctx, problem) {
               : null)));
 }
 
+// What went wrong in the last minutes stays until a person has seen it, also when all is well again.
+function faultList(ctx, below) {
+  const faults = recentFaults(ctx.state, ctx.now, ctx.ui.acknowledged_ms);
+  if (faults.length === 0) return null;
+  return h('div', {class: below ? 'past below' : 'past', key: 'past'},
+    h('p', {class: 'quiet'}, t('faults.past', {count: faults.length})),
+    h('ol', {class: 'events'}, faults.slice(0, 5).map(entry => eventRow(entry, {time: when(entry.ms, ctx.now)}))),
+    h('p', {class: 'buttons'}, h('button', {type: 'button', class: 'button small',
+      onclick: () => ctx.acknowledge(faults[0].ms)}, t('faults.acknowledge'))));
+}
+
 function attentionCard(ctx, status) {
   const list = problems(ctx.state);
+  const past = faultList(ctx, list.length > 0);
   const all = status.actuators?.length ?? 0;
   if (list.length === 0) {
     const fresh = freshness(ctx.state, ctx.now) === 'live';
@@ -60,21 +73,11 @@ function attentionCard(ctx, status) {
     return card(t('wrong'), {id: 'wrong-title', class: 'wrong-card'},
       h('p', {class: 'all-well'}, fresh ? levelShape('ok') : null,
         h('b', null, t(fresh ? 'wrong.none' : 'wrong.stale')),
-        fresh ? [' ', h('span', {class: 'quiet'}, t('wrong.none.detail', {well, all}))] : null));
+        fresh ? [' ', h('span', {class: 'quiet'}, t('wrong.none.detail', {well, all}))] : null), past);
   }
   return card(t('wrong'), {id: 'wrong-title', class: 'wrong-card',
     aside: h('span', {class: `count ${list[0].level}`}, list.length)},
-  h('ul', {class: 'problems'}, list.map(problem => problemItem(ctx, problem))));
-}
-
-function batteryBar(policy) {
-  const level = policy.battery;
-  const tone = policy.charging ? 'ok' : level <= 10 ? 'bad' : level <= 25 ? 'warn' : 'ok';
-  return h('span', {class: 'battery'},
-    h('span', {class: 'battery-case', 'aria-hidden': 'true'},
-      h('span', {class: `battery-level fill-${tone}`, style: {width: `${Math.max(3, level)}%`}})),
-    h('b', null, `${level} %`), policy.charging ? h('span', {class: 'quiet'}, ` ${t('power.charging')}`)
-      : null);
+  h('ul', {class: 'problems'}, list.map(problem => problemItem(ctx, problem))), past);
 }
 
 function powerCard(status) {

@@ -20,6 +20,7 @@ const SHAPES = {
   starting: ['busy', 'M2 2h12v3H2zM2 6.500h8v3H2zM2 11h5v3H2z'],
   Uninitialized: ['off', 'M2 7h12v2H2z'],
 };
+const STOP = 'M5 0.5h6L15.500 5v6L11 15.500H5L0.500 11V5z';
 const OTHER = ['own', 'M8 0.500L15.500 8L8 15.500L0.500 8z'];
 
 export const toneOf = state => (SHAPES[state] ?? OTHER)[0];
@@ -45,6 +46,20 @@ export function stateChip(state, {large = false} = {}) {
   return h('span', {class: `chip tone-${tone}${large ? ' large' : ''}`}, shape(path),
     known ? t(known) : state);
 }
+
+export function batteryBar(policy) {
+  const level = policy.battery;
+  const tone = policy.charging ? 'ok' : level <= 10 ? 'bad' : level <= 25 ? 'warn' : 'ok';
+  return h('span', {class: 'battery'},
+    h('span', {class: 'battery-case', 'aria-hidden': 'true'},
+      h('span', {class: `battery-level fill-${tone}`, style: {width: `${Math.max(3, level)}%`}})),
+    h('b', null, `${level} %`), policy.charging ? h('span', {class: 'quiet'}, ` ${t('power.charging')}`)
+      : null);
+}
+
+// In the place of the state while an emergency stop is engaged, whatever the state is.
+export const stoppedChip = ({large = false} = {}) =>
+  h('span', {class: `chip stopped${large ? ' large' : ''}`}, shape(STOP), t('stopped.big'));
 
 export function stateMeaning(state) {
   return has(`state.${state}`) ? t(`state.${state}`) : t('state.other');

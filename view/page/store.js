@@ -184,6 +184,27 @@ export function problems(state) {
   return list.sort((a, b) => order[a.level] - order[b.level]);
 }
 
+const GOOD = new Set(['switch_done', 'machine_usable', 'machine_adopted', 'actuator_recovered',
+  'emergency_stop_released']);
+
+// "bad", "warn", "ok" or "": how an event is marked.
+export function levelOf(entry) {
+  if (entry.event === 'emergency_stop_engaged') return 'bad';
+  if (entry.code !== 0) return /degraded|refused|suspended|superseded|skipped/.test(entry.event) ? 'warn'
+    : 'bad';
+  if (/^(actuator_starved|battery_silent|battery_switch_down|restart_|save_failed|fallback_)/.test(entry.event)) return 'warn';
+  return GOOD.has(entry.event) ? 'ok' : '';
+}
+
+export const FAULTS_STAY_MS = 10 * 60_000;
+
+// The faults of the last minutes that nobody has acknowledged, the newest first: a robot that is well again hides
+// nothing. `acknowledged_ms`: the robot's time up to which they are.
+export function recentFaults(state, now, acknowledged_ms) {
+  const since = Math.max(robotNow(state, now) - FAULTS_STAY_MS, acknowledged_ms);
+  return state.history.filter(entry => entry.ms > since && levelOf(entry) === 'bad').reverse();
+}
+
 const OFFERED = ['Active', 'Protected', 'DeActive', 'LowPower', 'SelfCheck', 'OTA', 'TearDown'];
 
 // States that a person may choose: the built-in ones, and those of the config that were seen.

@@ -6,7 +6,7 @@ import {t} from './i18n.js';
 import {card, levelShape, toneOf} from './parts.js';
 import {robotNow, statusOf} from './store.js';
 import {lanesOf, panned, spansOf, ticks, zoomed} from './timeline_model.js';
-import {eventRow, eventToExplain, levelOf, whyPanel} from './why.js';
+import {eventRow, eventToExplain, whyPanel} from './why.js';
 
 const MOST_ROWS = 100;
 const OLDER = 4000;

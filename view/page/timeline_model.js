@@ -1,5 +1,5 @@
 // What the timeline draws, from the history and from what was observed since the page was opened. Pure.
-import {levelOf} from './why.js';
+import {levelOf} from './store.js';
 
 // What an event says about the state of its actuator; null: nothing. The sentences are those of the
 // history: a state that only stands in a sentence is read from it.

@@ -3,20 +3,9 @@ import {h} from './dom.js';
 import {clockFine, day, duration} from './format.js';
 import {t} from './i18n.js';
 import {levelShape, quoted, shape} from './parts.js';
+import {levelOf} from './store.js';
 
 const DOT = 'M8 5a3 3 0 1 0 0 6a3 3 0 0 0 0-6z';
-const GOOD = new Set(['switch_done', 'machine_usable', 'machine_adopted', 'actuator_recovered',
-  'emergency_stop_released']);
-
-// "bad", "warn", "ok" or "": how an event is marked.
-export function levelOf(entry) {
-  if (entry.event === 'emergency_stop_engaged') return 'bad';
-  if (entry.code !== 0) return /degraded|refused|suspended|superseded|skipped/.test(entry.event) ? 'warn'
-    : 'bad';
-  if (/^(actuator_starved|battery_silent|battery_switch_down|restart_|save_failed|fallback_)/.test(entry.event)) return 'warn';
-  return GOOD.has(entry.event) ? 'ok' : '';
-}
-
 const keyOf = entry => `${entry.epoch}/${entry.id}/${entry.ms}/${entry.message}`;
 
 export function eventRow(entry, {time, open = false} = {}) {

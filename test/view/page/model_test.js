@@ -10,7 +10,7 @@ import {layOut} from '../../../view/page/graph_layout.js';
 import {allTexts, chooseLanguage} from '../../../view/page/i18n.js';
 import * as store from '../../../view/page/store.js';
 import {lanesOf, panned, spansOf, ticks, zoomed} from '../../../view/page/timeline_model.js';
-import {chainOf, eventToExplain, levelOf} from '../../../view/page/why.js';
+import {chainOf, eventToExplain} from '../../../view/page/why.js';
 import {MockRobot} from './mock_robot.js';
 import {PAGE} from './mock_server.js';
 
@@ -169,12 +169,22 @@ test('an axis has at most as many times as asked for, all inside', () => {
   }
 });
 
+test('a fault is recent for ten minutes, or until it is acknowledged', () => {
+  const f = fixture();
+  f.robot.fault('audio');
+  const fault = f.state.history.findLast(entry => store.levelOf(entry) === 'bad');
+  const at = fault.ms - f.state.offset;
+  assert.deepEqual(store.recentFaults(f.state, at, 0)[0], fault);
+  assert.deepEqual(store.recentFaults(f.state, at, fault.ms), []);
+  assert.deepEqual(store.recentFaults(f.state, at + store.FAULTS_STAY_MS, 0), []);
+});
+
 test('a chain of causes ends at the first cause, or says that it is incomplete', () => {
   const f = fixture();
   f.robot.fault('audio');
   const entry = eventToExplain(f.state.history, 'audio');
   assert.equal(entry.event, 'actuator_crashed');
-  assert.equal(levelOf(entry), 'bad');
+  assert.equal(store.levelOf(entry), 'bad');
   const {chain, complete} = chainOf(f.state.history, entry);
   assert.deepEqual(chain.map(e => e.event), ['actuator_crashed', 'process_exited']);
   assert.equal(complete, true);

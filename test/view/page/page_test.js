@@ -31,7 +31,7 @@ test('the first view shows the state, what is wrong and why, and what the robot 
   assert.match(problem, /What to do: See its log for the cause, then restart it/);
   await page.waitForSelector('.cannot >> text=audio is degraded');
   await screenshot(page, 'robot');
-  assert.match(await page.title(), /^robot: Active/);
+  assert.match(await page.title(), /^\(\d\) robot: Active/);
 }));
 
 test('a switch shows its plan first, then its legs, then its outcome',
@@ -80,6 +80,8 @@ test('one press engages the emergency stop; its release needs a confirmation',
   await page.waitForSelector('.banner.bad >> text=Emergency stop is engaged');
   assert.equal(robot.stop.by, 'alice at 127.0.0.1');
   await page.waitForSelector('text=Stopped by an emergency stop');
+  assert.match(await page.textContent('.big-state'), /^STOPPED.*Active/s);
+  assert.match(await page.textContent('#top .now'), /^STOPPED/);
   await page.click('.choice:has-text("Active") >> nth=0');
   await page.click('.stop.engaged');
   await page.waitForSelector('dialog >> text=Make sure that its cause is removed');
@@ -127,12 +129,28 @@ test('without the login every acting control is disabled and says how to get it'
   assert.ok(await page.isDisabled('.details button:has-text("Restart")'));
 }));
 
+test('a fault stays after it is over, with its count in every view, until a person acknowledges it',
+  () => inPage({}, async (page, {robot}) => {
+  robot.fault('audio');
+  await page.waitForSelector('.problem >> text=audio has crashed');
+  robot.recover('audio');
+  await page.waitForSelector('.wrong-card >> text=Nothing is wrong');
+  await page.waitForSelector('.past .event.bad >> text=audio is degraded');
+  await page.goto(page.url().replace(/#.*|$/, '#log'));
+  await page.click('#top .faults');
+  await page.click('button:has-text("Acknowledge")');
+  await page.waitForSelector('.past', {state: 'detached'});
+  await page.waitForSelector('#top .faults', {state: 'detached'});
+  assert.match(await page.title(), /^robot: Active/);
+}));
+
 test('a controller that ends leaves its last report, marked; its return clears the mark',
   () => inPage({}, async (page, {robot}) => {
   robot.controllerEnds();
   await page.waitForSelector('.banner.bad >> text=The controller has ended');
   assert.match(await page.textContent('.big-state'), /Active/);
   assert.match(await page.textContent('.wrong-card'), /Not known/);
+  assert.match(await page.evaluate(() => getComputedStyle(document.querySelector('main')).filter), /grayscale/);
   robot.controllerReturns();
   await page.waitForSelector('.banner.bad', {state: 'detached'});
   assert.match(await page.textContent('.wrong-card'), /Nothing is wrong/);
