@@ -35,6 +35,7 @@ struct ViewOptions {
   std::string name;  // of the person for whom the link is; empty: the user of this process
   bool link = false;
   bool no_link = false;
+  bool stop_needs_login = false;
 };
 
 std::string FromEnvironment(const char* name) {
@@ -112,6 +113,7 @@ int Serve(const ViewOptions& options, const std::string& token) {
   live.http.bind = options.bind;
   live.http.port = options.port;
   live.http.hosts = options.hosts;
+  live.stop_needs_login = options.stop_needs_login;
   live.name_space = options.name_space;
   live.token = token;
   live.logs = options.logs;
@@ -176,6 +178,8 @@ int Main(int argc, char** argv) {
   app.add_flag("--link", options.link,
                "Print a link for acting, of the musher-view that runs, and exit");
   app.add_flag("--no-link", options.no_link, "Print no link at the start, for logs");
+  app.add_flag("--stop-needs-login", options.stop_needs_login,
+               "The emergency stop of the page needs a login, too");
   app.add_option("--name", options.name,
                  "Person for whom the link is, as the history names them; default: this user");
   try {

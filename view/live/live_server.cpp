@@ -153,6 +153,7 @@ void LiveServer::Greet(Page& page) {
                             {"version", Version()},
                             {"namespace", options_.name_space},
                             {"may_act", !person.empty()},
+                            {"may_stop", !person.empty() || !options_.stop_needs_login},
                             {"who", person},
                             {"time_ms", WallMilliseconds()}}),
                     false);

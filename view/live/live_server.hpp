@@ -41,7 +41,8 @@ class LiveServer {
     std::string name_space;
     bool with_keys = false;  // the machine has [security]
     std::string token;       // of ReadOrMakeToken()
-    std::string logs;        // folder of the actuators' logs; empty: as the machine's config says
+    bool stop_needs_login = false;
+    std::string logs;  // folder of the actuators' logs; empty: as the machine's config says
     std::function<std::string()> docs;  // see Docs; empty: none
   };
 

@@ -7,7 +7,7 @@ import {confirmDialog} from './confirm.js';
 import {language, languageTag, otherLanguage, setLanguage, t} from './i18n.js';
 import {stopButton} from './estop.js';
 import {batteryBar, commands, levelShape, stateChip, stoppedChip} from './parts.js';
-import {apply, freshness, initialState, mayAct, recentFaults, statusOf} from './store.js';
+import {apply, freshness, initialState, mayAct, mayStop, recentFaults, statusOf} from './store.js';
 import * as actuators from './actuators.js';
 import * as application from './application.js';
 import * as cameras from './cameras.js';
@@ -160,7 +160,7 @@ function banners(fresh) {
     fresh === 'waiting' ? banner('warn', 'waiting', commands(t('banner.waiting'))) : null,
     ctx.state.hello && !mayAct(ctx.state)
       ? h('div', {class: 'banner plain', key: 'look'}, h('p', {id: 'look-how'}, h('b', null, t('look.only')),
-        ' ', commands(t('look.how')), ' ', commands(t('stop.also')))) : null,
+        ' ', commands(t('look.how')), ' ', mayStop(ctx.state) ? t('stop.free') : commands(t('stop.also')))) : null,
     ctx.state.hello && mayAct(ctx.state)
       ? h('div', {class: 'banner plain', key: 'act'}, h('p', null,
         t('look.as', {who: ctx.state.hello.who || '?'})),

@@ -4,7 +4,7 @@ import {post} from './connection.js';
 import {h} from './dom.js';
 import {t} from './i18n.js';
 import {plainText, shape} from './parts.js';
-import {mayAct, statusOf} from './store.js';
+import {mayAct, mayStop, statusOf} from './store.js';
 
 const ANSWER_MS = 3000;
 const OCTAGON = 'M5 0.500h6L15.500 5v6L11 15.500H5L0.500 11V5z';
@@ -42,8 +42,9 @@ export function stopButton(ctx) {
       'aria-label': t('stop.release.label'), 'aria-describedby': allowed ? null : 'look-how',
         onclick: () => release(ctx)}, t('stop.release'));
   }
-  return h('button', {key: 'stop', type: 'button', class: 'stop', disabled: !allowed,
-    'aria-describedby': allowed ? null : 'look-how', title: allowed ? null
+  const may = mayStop(ctx.state);
+  return h('button', {key: 'stop', type: 'button', class: 'stop', disabled: !may,
+    'aria-describedby': may ? null : 'look-how', title: may ? null
       : plainText(t('stop.login', {how: t('look.how')})),
     'aria-label': t('stop'), onclick: () => engage(ctx)},
   shape(OCTAGON), ctx.ui.stopping ? t('stop.sending') : t('stop.short'));

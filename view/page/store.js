@@ -112,6 +112,8 @@ function find(state, ending) {
 }
 
 export const mayAct = state => state.hello?.may_act === true;
+// Also of a page that may not look, whose server does not say so.
+export const mayStop = state => state.hello?.may_stop ?? true;
 export const robotNow = (state, now) => now + state.offset;
 export const statusOf = state => find(state, '/musher/machine_status')?.message ?? null;
 export const capabilitiesOf = state => find(state, '/musher/capabilities')?.message.capabilities ?? [];

@@ -51,6 +51,7 @@ export const TEXTS = {
   'stop.login': ['The emergency stop of this page needs a login. {how}', '本页的急停需要登录。{how}'],
   'stop.also': ['The emergency stop here needs that too; without it use the robot’s own button, or `musher estop`.',
     '这里的急停同样需要登录；否则请用机器人自己的按钮或运行 `musher estop`。'],
+  'stop.free': ['The emergency stop works without it.', '急停无需登录。'],
   'stop.engaged': ['Emergency stop is engaged.', '急停已触发。'],
   'stop.by': ['By {by}: {reason}', '由 {by} 触发：{reason}'],
   'stop.reason': ['button of the page', '网页按钮'],

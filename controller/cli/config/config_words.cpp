@@ -243,6 +243,7 @@ std::vector<ConfigWord> WordsOf(const MachineConfig& config) {
     words.Key("bind", view->bind);
     words.Key("token_file", Or(view->token_file, "view_token"));
     words.Set("hosts", view->hosts);
+    words.Key("stop_needs_login", view->stop_needs_login ? "true" : "false");
   }
   if (config.policy) AddPolicy(*config.policy, words);
   for (const CapabilityConfig& capability : config.capabilities) AddCapability(capability, words);

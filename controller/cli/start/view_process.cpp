@@ -33,6 +33,7 @@ std::vector<std::string> ViewCommand(const MachineConfig& config) {
   }
   if (!view.token_file.empty()) command.insert(command.end(), {"--token-file", view.token_file});
   for (const std::string& host : view.hosts) command.insert(command.end(), {"--host", host});
+  if (view.stop_needs_login) command.emplace_back("--stop-needs-login");
   return command;
 }
 

@@ -252,6 +252,7 @@ void ReadView(TableReader& root, Draft& draft) {
   for (const Word& host : reader.Strings("hosts").value_or(std::vector<Word>())) {
     view.hosts.push_back(host.text);
   }
+  view.stop_needs_login = reader.Bool("stop_needs_login").value_or(view.stop_needs_login);
   reader.RefuseOthers();
 }
 

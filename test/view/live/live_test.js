@@ -48,6 +48,21 @@ test('a person without a login sees the robot, and cannot act', async () => {
   const answer = await post('api/set', {target: 'DeActive'});
   assert.equal(answer.status, 403);
   assert.match((await answer.json()).error.message, /acting needs a login/);
+  assert.equal((await post('api/release', {})).status, 403);
+});
+
+test('a person without a login can stop the robot, and not release it', async () => {
+  const {page, close} = await open(browser, {url: view.url});
+  await page.waitForSelector('.big-state >> text=Active');
+  await page.click('.stop');
+  await page.waitForSelector('.banner.bad >> text=Emergency stop is engaged');
+  assert.ok(await page.isDisabled('.stop.engaged'));
+  await close();
+  const {emergency_stop: stop} = await robot.status();
+  assert.equal(stop.engaged, true);
+  assert.match(stop.by, /^a person without a login \(127\.0\.0\.1\)/);
+  await robot.musher('estop', '--release');
+  await robot.musher('set', 'Active');
 });
 
 test('a switch shows its plan first, then its outcome', async () => {

@@ -18,9 +18,9 @@ export function startBrowser() {
 }
 
 // A server with a robot, and a page that shows it. `close` ends both.
-export async function open(browser, {hash = 'robot', mayAct = true, denied = false, width = 1280,
-  height = 900, dark = false, locale = 'en', url} = {}) {
-  const server = url ? null : await new MockServer({mayAct, denied}).listen();
+export async function open(browser, {hash = 'robot', mayAct = true, mayStop = true, denied = false,
+  width = 1280, height = 900, dark = false, locale = 'en', url} = {}) {
+  const server = url ? null : await new MockServer({mayAct, mayStop, denied}).listen();
   const context = await browser.newContext({viewport: {width, height}, colorScheme: dark ? 'dark' : 'light',
     locale, reducedMotion: 'reduce',
     hasTouch: width < 600});

@@ -18,8 +18,9 @@ const TYPES = {'.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.
 const POLICY = "default-src 'self'; img-src 'self' data: blob:; connect-src 'self' ws: wss:";
 
 export class MockServer {
-  constructor({mayAct = true, denied = false} = {}) {
+  constructor({mayAct = true, mayStop = true, denied = false} = {}) {
     this.mayAct = mayAct;
+    this.mayStop = mayStop;
     this.silent = false;      // no message goes out: a server that hangs
     this.denied = denied;     // looking needs a login: 'refused' opens no WebSocket, 'closed' closes it with 1008
     this.older = [];          // entries of the history that are sent only on request
@@ -59,6 +60,7 @@ export class MockServer {
     page.watched = [];
     const send = message => page.send(JSON.stringify(message));
     send({op: 'hello', version: '0.1.0', namespace: '', may_act: this.mayAct,
+      may_stop: this.mayStop,
       who: this.mayAct ? 'alice at 127.0.0.1' : '', time_ms: Date.now()});
     for (const message of this.robot.greeting()) send(message);
     page.on('message', text => {

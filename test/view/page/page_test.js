@@ -118,8 +118,7 @@ test('an emergency stop without an answer is reported, and can be pressed again'
 test('without the login every acting control is disabled and says how to get it',
   () => inPage({mayAct: false}, async page => {
   assert.match(await page.textContent('#look-how'), /musher view --link/);
-  assert.ok(await page.isDisabled('.stop'));
-  assert.equal(await page.getAttribute('.stop', 'aria-describedby'), 'look-how');
+  assert.ok(await page.isEnabled('.stop'), 'whoever sees a robot do harm has no time to log in');
   await page.click('.choice:has-text("LowPower")');
   await page.waitForSelector('#plan >> text=Wave 1');
   assert.ok(await page.isDisabled('#plan .primary'));
@@ -127,6 +126,12 @@ test('without the login every acting control is disabled and says how to get it'
   await page.goto(page.url().replace(/#.*/, '#actuators/audio'));
   await page.waitForSelector('.details');
   assert.ok(await page.isDisabled('.details button:has-text("Restart")'));
+}));
+
+test('where the emergency stop needs a login, its button says so',
+  () => inPage({mayAct: false, mayStop: false}, async page => {
+  assert.ok(await page.isDisabled('.stop'));
+  assert.equal(await page.getAttribute('.stop', 'aria-describedby'), 'look-how');
 }));
 
 test('a fault stays after it is over, with its count in every view, until a person acknowledges it',
