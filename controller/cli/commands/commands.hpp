@@ -41,6 +41,7 @@ class Grammar;
   command(AddHistory)                       \
   command(AddLogs)                          \
   command(AddReplay)                        \
+  command(AddTimes)                         \
   group("Look and record")                  \
   command(AddExternal)                      \
   group("Install and upgrade")              \

@@ -37,6 +37,7 @@ constexpr auto kExamples = std::to_array<Example>({
     {"history", "musher history --since 10m --actuator audio"},
     {"logs", "musher logs -f audio motion_manager --level warning"},
     {"replay", "musher replay journal.sqlite --config robot.toml"},
+    {"times", "musher times robot.toml --since 7d"},
     {"view", "musher view"},
     {"record", "musher record -o run.mcap"},
     {"play", "musher play run.mcap"},

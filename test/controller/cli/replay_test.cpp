@@ -169,6 +169,17 @@ TEST_F(Replaying, HistoryExplainsARequestedState) {
   EXPECT_EQ(json["complete"], true);
 }
 
+TEST_F(Replaying, TimesAreLearnedFromTheJournal) {
+  const std::string config = Config(RobotToml());
+  const Ran ran = RunProgram({"times", config, "--journal", file_, "--json"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  const auto times = nlohmann::json::parse(ran.out)["times"];
+  ASSERT_FALSE(times.empty());
+  EXPECT_EQ(times[0]["actuator"], "eyes");
+  EXPECT_GT(times[0]["missing_commands"], 0);
+  EXPECT_TRUE(times[0]["proposed_ms"].is_null());
+}
+
 // An actuator that nobody knows gave an empty answer and exit code 0.
 TEST_F(Replaying, HistoryOfAnUnknownActuatorIsAnError) {
   const Ran ran = RunProgram({"history", "--journal", file_, "--actuator", "lags"});
