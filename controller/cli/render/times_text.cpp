@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/config/config_places.hpp"
 #include "musher/controller/cli/console/json_line.hpp"
@@ -35,7 +37,8 @@ Table::Cell NoteOf(const LearnedTime& row) {
 std::string TimesText(const std::vector<LearnedTime>& rows, const MachineConfig& config,
                       bool colour) {
   if (rows.empty()) return "no command has ended in these journals\n";
-  Table table({"ACTUATOR", "STATE", "COMMANDS", "MEDIAN", "P99.9", "LONGEST", "LIMIT ms", "NOTE"});
+  Table table(
+      {"ACTUATOR", "STATE", "COMMANDS", "MEDIAN ms", "P99.9 ms", "LONGEST ms", "LIMIT ms", "NOTE"});
   for (const LearnedTime& row : rows) {
     table.Add({{Printable(row.actuator), Style::kBold},
                {Printable(row.state)},
