@@ -29,6 +29,7 @@ class Grammar;
   command(AddTop)                           \
   command(AddCapabilities)                  \
   command(AddSet)                           \
+  command(AddWait)                          \
   command(AddRestart)                       \
   command(AddEstop)                         \
   command(AddPlan)                          \

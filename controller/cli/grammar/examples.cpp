@@ -26,6 +26,7 @@ constexpr auto kExamples = std::to_array<Example>({
     {"top", "musher top --interval 2"},
     {"capabilities", "musher capabilities back_flip"},
     {"set", "musher set LowPower audio"},
+    {"wait", "musher wait Active --timeout 30"},
     {"restart", "musher restart audio"},
     {"estop", "musher estop \"smoke\""},
     {"plan", "musher plan LowPower"},

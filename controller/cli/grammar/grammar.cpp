@@ -167,7 +167,7 @@ void Grammar::AddGlobalOptions() {
         {"local", "lan"});
   timeout_ = app_->add_option("--timeout", timeout_s_,
                               "Time to wait for the controller's answer;\n"
-                              "default 60 for set, down and restart, else 5;\n"
+                              "default 60 for set, wait, down and restart, else 5;\n"
                               "skill run: for the end of the skill, no default")
                  ->check(Between(0.001, 1e6, "seconds"))
                  ->type_name("SECONDS");

@@ -219,4 +219,18 @@ TEST_F(Set, IsExplainedByItsCauseAndDecidedAgainFromTheJournal) {
   EXPECT_THAT(replay.out, ::testing::EndsWith(": all as recorded\n"));
 }
 
+TEST_F(Set, OfAStateIsWaitedFor) {
+  Process wait(Command({"wait", "LowPower", "--timeout", "60"}));  // no controller leads yet
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_EQ(wait.Wait().exit, 0);
+  EXPECT_EQ(Musher({"wait", "LowPower", "voice"}).exit, 0);
+  const Ended other = Musher({"wait", "Active", "--timeout", "0.2"});
+  EXPECT_EQ(other.exit, 1);
+  EXPECT_THAT(other.err, HasSubstr("the machine is in LowPower, and not in Active in time"));
+  const Ended wrong = Musher({"wait", "Activ"});
+  EXPECT_EQ(wrong.exit, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("unknown state 'Activ'"));
+}
+
 }  // namespace musher::testing::switch_test
