@@ -90,7 +90,7 @@ walk() {
   expect "sensor_manager has a new process" true \
     "$(status ".actuators.sensor_manager.pid | . > 0 and . != $process")"
   expect "sensor_manager after the restart" Active "$(status .actuators.sensor_manager.state)"
-  kill -TERM "$films"
+  kill -TERM "$films" 2> /dev/null
   wait "$films"
   expect "the strip of pictures: exit code" 0 $?
   [[ -s $strip ]] && say "its pictures are in $strip"
