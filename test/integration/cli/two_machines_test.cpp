@@ -171,4 +171,16 @@ TEST_F(TwoMachines, AnEmergencyStopStopsTheMachineOfItsHost) {
   EXPECT_EQ(cat_->Status()["held_by_stop"], nlohmann::json::array());
 }
 
+// It gave up after 1.2 s and took the stop back, where the answer needed longer.
+TEST_F(TwoMachines, AnEmergencyStopOverALinkOf300MillisecondsEachWayIsConfirmed) {
+  ASSERT_TRUE(Met());
+  const fault_injection::LinkImpairment slow{.delay = Milliseconds(300)};
+  link_->Set(slow, slow, 1);
+  const Ended stop = cat_->Run({"estop", "seen from afar", "--machine", "dog", "--timeout", "30"});
+  EXPECT_EQ(stop.exit, 0) << stop.out << stop.err;
+  link_->Heal();
+  EXPECT_EQ(dog_->Status()["emergency_stop"]["engaged"], true);
+  EXPECT_EQ(cat_->Status()["emergency_stop"]["engaged"], false);
+}
+
 }  // namespace musher::testing::two_machines_test
