@@ -52,9 +52,10 @@ def missing_files(part: Typed, folders: Dict[str, Set[str]]) -> List[str]:
     imported = {f"{name}.py" for name in re.findall(r"^\s*(?:from|import) (\w+)", text, re.MULTILINE)}
     included = set(re.findall(r'^#include "([^"/]+)"', text, re.MULTILINE))
     sources = {os.path.dirname(step.source) for step in part.steps if isinstance(step, File)}
+    copied = {name for folder in re.findall(r"cp -r \S+/share/musher/(\S+)", text) for name in folders.get(folder, ())}
     needed = {name for folder in sources for name in folders.get(folder, ()) if name in words | imported} | included
     return [f"{part.page}: {name} is needed in {part.folder} and does not stand on the page"
-            for name in sorted(needed - set(files))]
+            for name in sorted(needed - set(files) - copied)]
 
 
 def secret_headers(part: Typed, public: Set[str]) -> List[str]:
