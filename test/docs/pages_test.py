@@ -155,7 +155,8 @@ class Pages(unittest.TestCase):
     musher = include = cmake = ""
 
     def assert_none(self, wrong: List[str]) -> None:
-        self.assertFalse(wrong, "\n" + "\n".join(wrong))
+        if wrong:
+            self.fail("\n" + "\n".join(wrong))
 
     def test_have_each_file_whole_that_a_reader_types(self) -> None:
         self.assertGreaterEqual(len(typed_parts()), 10)

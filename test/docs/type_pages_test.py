@@ -147,7 +147,8 @@ class Pages(unittest.TestCase):
                         reader.type(part)
                         wrong = reader.failures(part)
                         reader.leave()
-                        self.assertFalse(wrong, "\n" + "\n".join(wrong))
+                        if wrong:
+                            self.fail("\n" + "\n".join(wrong))
 
 
 def main() -> None:
