@@ -12,7 +12,8 @@ Between them each block is typed, in the order of the page:
     <!-- examples/first_module/robot.toml -->             the block below is the file robot.toml
     <!-- examples/first_module/gripper.hpp +[states] -->  the block below is the next part of the file gripper.hpp
     ```console                                            lines that begin with "$ " are commands; what follows one
-                                                          is printed by it. "..." or "…" stands for any lines
+                                                          is printed by it. "..." or "…" stands for any lines,
+                                                          a line with a bar ("[##..]") is not compared
     ```sh                                                 commands without a prompt; a ```text block that follows
                                                           at once is printed by them
 
@@ -177,7 +178,8 @@ VARIES = re.compile(
     r"|\d+(?:[.,]\d+)* ?(?:ms|s|sec|m|MB|kB|%)(?![\w°])"
     r"|(?<=pid )\d+|(?<=process )\d+|(?<=controller )\d+|(?<=switch )\d+|(?<=epoch )\d+"
     r"|(?<=  )\d+(?=  |$)|\d+(?= ticks)"
-    r"|\w+@\w+|/(?:home/alice|usr/local|usr/share)[^\s:`)]*|\.{4,}|\[#+\.*\]|…| +")
+    r"|\w+@\w+|/(?:home/alice|usr/local|usr/share)[^\s:`)]*|\.{4,}|…| +")
+BAR = re.compile(r"\[#+\.*\]")  # of progress, which only a terminal shows
 
 
 def pattern(line: str) -> "re.Pattern[str]":
@@ -200,5 +202,5 @@ def not_printed(command: Command, printed: str) -> List[str]:
     """The lines that the page shows below a command and that a run has not printed."""
     lines = [line.rstrip() for line in printed.split("\n")]
     shown = [line.strip() for line in command.printed]
-    return [line for line in shown if line not in ("...", "…")
+    return [line for line in shown if line not in ("...", "…") and not BAR.search(line)
             and not any(pattern(line).fullmatch(each.strip()) for each in lines)]

@@ -78,7 +78,7 @@ std::vector<Snippet> Snippets(const SourceFile& document) {
       snippets.back().text += line.text + "\n";
     } else if (std::regex_match(line.text, code)) {
       inside = true;
-      snippets.push_back({.line = line.number});
+      snippets.emplace_back().line = line.number;
       if (std::regex_match(last, from, origin)) {
         snippets.back().source = from[1];
         snippets.back().typed = from[2] == "+";
