@@ -1,9 +1,9 @@
 """Types what pages have their readers type, into an empty folder, and compares what is printed.
 
-    type_pages_test.py [--build FOLDER | --prefix FOLDER] [--shell SHELL]... PAGE...
+    type_pages_test.py [--prefix FOLDER] [--shell SHELL]... PAGE...
 
---build installs a build of Musher first; --prefix names an installation; without both, the programs are those on
-PATH. PAGE: docs/first-skill.md. See page.py for the comments in a page.
+--prefix names an installation, as by `cmake --install build/dev --prefix FOLDER`; without it, the programs are those
+on PATH. PAGE: docs/first-skill.md. See page.py for the comments in a page.
 """
 
 import argparse
@@ -104,7 +104,8 @@ class Reader:
             return ""
 
     def failures(self, part: Typed) -> List[str]:
-        """A command whose output the page shows may fail, as the page then says; the others succeed."""
+        """A command whose output the page shows may fail, as the page then says; the others succeed. A build has no
+        warnings."""
         wrong = []
         for number, step in enumerate(part.steps):
             if not isinstance(step, Command):
@@ -115,7 +116,8 @@ class Reader:
             where = f"{part.page}:{step.line}: $ {step.text}"
             if not status:
                 return [*wrong, f"{where}\ndoes not end within {LIMIT_S} s; it has printed\n{printed}{self.read('shell.out')}"]
-            if missing or (status != "0" and not step.printed):
+            warned = "cmake --build" in step.text and "warning:" in printed
+            if missing or warned or (status != "0" and not step.printed):
                 shown = "".join(f"not printed: {line}\n" for line in missing)
                 wrong.append(f"{where}\n{shown}exit code {status}; printed:\n{printed}")
         if self.read("shell.out"):
@@ -135,7 +137,8 @@ class Pages(unittest.TestCase):
     prefix: Optional[str] = None
 
     def test_print_what_they_say_when_they_are_typed(self) -> None:
-        self.assertTrue(self.pages, "no page was given")
+        if not self.shells:
+            self.skipTest("the shell is not installed")
         for path in self.pages:
             parts = page.typed(path)
             self.assertTrue(parts, f"nothing of {path} is typed")
@@ -153,7 +156,6 @@ class Pages(unittest.TestCase):
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build")
     parser.add_argument("--prefix")
     parser.add_argument("--shell", action="append")
     parser.add_argument("page", nargs="+")
@@ -164,12 +166,8 @@ def main() -> None:
         os.environ.pop(name, None)
     Pages.pages = options.page
     Pages.shells = [shell for shell in options.shell or ["bash"] if shutil.which(shell)]
-    with tempfile.TemporaryDirectory(prefix="musher-installed-") as installed:
-        Pages.prefix = options.prefix
-        if options.build:
-            subprocess.run(["cmake", "--install", options.build, "--prefix", installed], check=True, stdout=subprocess.DEVNULL)
-            Pages.prefix = installed
-        unittest.main(argv=sys.argv[:1])
+    Pages.prefix = os.path.abspath(options.prefix) if options.prefix else None
+    unittest.main(argv=sys.argv[:1])
 
 
 if __name__ == "__main__":
