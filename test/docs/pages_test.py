@@ -151,6 +151,19 @@ def unpastable(text: str) -> List[str]:
     return wrong
 
 
+def undefined(text: str) -> List[str]:
+    """Words of Musher whose first place is not the one that defines them, where they are *emphasised*."""
+    prose = re.sub(r"^```.*?^```$|<!--.*?-->", "", text, flags=re.MULTILINE | re.DOTALL)
+    wrong = []
+    for word in ("machine", "actuator", "controller", "switch", "stage", "wave"):
+        first = re.search(rf"(\*?)\b{word}\b(\*?)", prose)
+        if not first or not (first[1] and first[2]):
+            wrong.append(f"{word} is not defined where it first stands")
+    if 0 <= text.find("_manager*") < text.find("`*`"):
+        wrong.append("`*` is explained below the table that has it")
+    return wrong
+
+
 class Pages(unittest.TestCase):
     musher = include = cmake = ""
 
@@ -212,6 +225,11 @@ class Pages(unittest.TestCase):
                     self.assertEqual((ran.returncode, ran.stderr), (0, ""), f"{path} in {shell}")
 
 
+    def test_of_introduction_define_their_words_where_they_first_stand(self) -> None:
+        for path in README:
+            self.assert_none([f"{path}: {wrong}" for wrong in undefined(page.read(path))])
+
+
 class Rules(unittest.TestCase):
     def parts(self, text: str) -> List[Typed]:
         return page.typed("a.md", text)
@@ -258,6 +276,12 @@ class Rules(unittest.TestCase):
         for line in ("musher top   # live", "rm a/*", "$ musher up", "A=b c", "export PATH=a:$PATH", "echo hi!"):
             self.assertEqual(len(unpastable(f"```sh\n{line}\n```\n")), 1, line)
         self.assertEqual(len(unpastable("```console\n$ a\n```\n")), 1)
+
+    def test_find_words_that_are_used_before_they_are_defined(self) -> None:
+        good = "The **machine**, *actuator*, *controller*, *switch*, *stage*, *wave*; `*`\n```text\na_manager*\n```\n"
+        self.assertEqual(undefined(good), [])
+        self.assertEqual(undefined("a switch\n" + good), ["switch is not defined where it first stands"])
+        self.assertEqual(undefined("```text\na_manager*\n```\n" + good), ["`*` is explained below the table that has it"])
 
     def test_compare_what_is_printed_but_for_times_and_numbers_of_processes(self) -> None:
         shown = ["05:14:35.355  gripper started (pid 30417)", "...", "the motor has 91 °C (6109)", "a   done  0.3 ms"]
