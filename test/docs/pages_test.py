@@ -22,6 +22,7 @@ sys.path.insert(0, os.path.join(page.SOURCE, "test/house"))
 import reference_test  # noqa: E402
 
 README = ("README.md", "README.zh.md")
+CONTRIBUTORS = ("CHANGELOG.md", "CONTRIBUTING.md")  # what they say about typing is said to contributors
 
 
 def typed_parts() -> List[Typed]:
@@ -170,6 +171,16 @@ class Pages(unittest.TestCase):
     def assert_none(self, wrong: List[str]) -> None:
         if wrong:
             self.fail("\n" + "\n".join(wrong))
+
+    def test_that_have_a_reader_type_are_typed_by_a_test(self) -> None:
+        tests = page.read("test/docs/CMakeLists.txt")
+        for path in page.pages():
+            name = path.removeprefix("docs/").removesuffix(".md")
+            parts = page.typed(path)
+            if re.search(r"\b[Tt]ype or copy\b|\btype the\b|\bpaste\b|敲", page.read(path)) and path not in CONTRIBUTORS:
+                self.assertTrue(parts, f"{path} has its readers type; mark what, as test/docs/page.py says")
+            if parts and path != "README.zh.md":  # its blocks are those of README.md
+                self.assertRegex(tests, rf"[ /]{re.escape(name)}(\.md)?[ )]", f"no test types {path}")
 
     def test_have_each_file_whole_that_a_reader_types(self) -> None:
         self.assertGreaterEqual(len(typed_parts()), 10)
