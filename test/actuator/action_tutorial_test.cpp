@@ -82,7 +82,7 @@ TEST(TheActuatorOfTheTutorial, ServesTheActionFromItsSetUp) {
   std::atomic<bool> succeeded = false;
   FibonacciClient client([](const std::string&) {});
   node->RunOnLoop([&] {
-    topics = std::make_unique<transport::Endpoints>(node->node(), "");
+    topics = std::make_unique<transport::Endpoints>(node->node(), file.name_space());
     client.Open(*topics);
     client.Send(2, [&succeeded](bool success) { succeeded = success; });
   });
