@@ -25,7 +25,8 @@ class FibonacciClient {
     events.on_feedback = [this](const Fibonacci::Feedback& feedback) {
       report_("up to " + std::to_string(feedback.sequence.back()));
     };
-    events.on_end = [this, ended](const transport::GoalOutcome<Fibonacci>& outcome) {
+    events.on_end = [this,
+                     ended = std::move(ended)](const transport::GoalOutcome<Fibonacci>& outcome) {
       const std::string why = outcome.reason.empty() ? "" : ": " + outcome.reason;
       report_(std::string(GoalEndName(outcome.end)) + why);
       ended(outcome.end == transport::GoalEnd::kSucceeded);
