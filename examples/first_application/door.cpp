@@ -2,9 +2,7 @@
 
 #include "door.hpp"
 
-// [main]
 int main() {
   Door door;
   return door.Run();
 }
-// [main end]

@@ -9,7 +9,6 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/transport/endpoints.hpp"
 
-// [actuator]
 class Door : public musher::FsmActuator {
  public:
   Door() : FsmActuator("door", {.rate_hz = 50}) {}
@@ -34,4 +33,3 @@ class Door : public musher::FsmActuator {
   DoorData door_;
   std::function<void(const musher::msg::Float32&)> publish_opening_;
 };
-// [actuator end]

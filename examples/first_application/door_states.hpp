@@ -1,9 +1,9 @@
+// [data]
 #pragma once
 // The behaviour of an automatic door, independent of topics, threads and clocks.
 
 #include "musher/behavior/fsm/machine.hpp"
 
-// [data]
 // The input of the states, and their output.
 struct DoorData {
   bool obstacle = false;  // something is in the way

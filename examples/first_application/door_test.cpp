@@ -1,3 +1,4 @@
+// [machine]
 // Tests the door without a robot, in virtual time.
 
 #include "door.hpp"
@@ -6,7 +7,6 @@
 
 #include "musher/simulation/actuator_fault_test.hpp"
 
-// [machine]
 TEST(Door, OpensInTwoSecondsAndShutsItselfAfterFive) {
   DoorData door;
   fsm::Machine machine({.name = "door"});
@@ -24,9 +24,7 @@ TEST(Door, OpensInTwoSecondsAndShutsItselfAfterFive) {
   wait(8s);
   EXPECT_EQ(machine.Path(), "CLOSED");
 }
-// [machine end]
 
-// [obstacle]
 TEST(Door, StopsWhereItIsAtAnObstacleAndOpensOnceTheWayIsFree) {
   DoorData door;
   fsm::Machine machine({.name = "door"});
@@ -46,7 +44,7 @@ TEST(Door, StopsWhereItIsAtAnObstacleAndOpensOnceTheWayIsFree) {
   for (int i = 0; i < 60; ++i) machine.RunOnce(now += 20ms);
   EXPECT_EQ(machine.Path(), "OPEN");
 }
-// [obstacle end]
+// [machine end]
 
 // [fault_test]
 TEST(Door, IsPausedOutsideOfActiveUnderInjectedFaults) {

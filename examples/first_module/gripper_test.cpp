@@ -4,7 +4,6 @@
 
 #include "musher/simulation/actuator_fault_test.hpp"
 
-// [test]
 TEST(Gripper, HasPowerOnlyWhereItShould) {
   musher::simulation::ActuatorFaultTest<Gripper> test;
   test.config_file = "robot.toml";
@@ -17,4 +16,3 @@ TEST(Gripper, HasPowerOnlyWhereItShould) {
   };
   test.Run();
 }
-// [test end]

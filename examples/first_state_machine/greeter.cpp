@@ -1,3 +1,4 @@
+// [listener]
 // Runs the greeter for ten simulated seconds, as fast as possible. `greeter --dot | dot -Tsvg >
 // greeter.svg` draws its state machine.
 
@@ -8,7 +9,6 @@
 
 #include "musher/behavior/fsm/graph.hpp"
 
-// [listener]
 class Printer : public fsm::Listener {
  public:
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {

@@ -1,3 +1,4 @@
+// [robot]
 #pragma once
 // A robot that greets a person who comes, and keeps still when a person is too close.
 
@@ -9,7 +10,6 @@
 
 namespace fsm = musher::fsm;
 
-// [robot]
 // The input and the output of the states. On a real robot subscriptions set the input, and the
 // output is published.
 struct Robot {

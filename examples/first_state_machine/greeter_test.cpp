@@ -1,3 +1,4 @@
+// [test]
 #include "greeter.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,6 @@ class GreeterTest : public testing::Test {
   musher::Time now_{};
 };
 
-// [test]
 TEST_F(GreeterTest, GreetsOnceAndReturnsToIdleWhenAloneAgain) {
   robot_.sees_person = true;
   RunFor(std::chrono::hours(1));
@@ -32,13 +32,13 @@ TEST_F(GreeterTest, GreetsOnceAndReturnsToIdleWhenAloneAgain) {
   EXPECT_EQ(machine_->Path(), "IDLE");
   EXPECT_EQ(robot_.pose, "neutral");
 }
-// [test end]
 
 TEST_F(GreeterTest, GreetsOnCommand) {
   ASSERT_TRUE(machine_->Send("greet"));
   RunFor(kStep);
   EXPECT_EQ(robot_.pose, "wave");
 }
+// [test end]
 
 // [safety]
 TEST_F(GreeterTest, KeepsStillWhileAPersonIsTooClose) {

@@ -15,7 +15,6 @@ using musher::msg::MachineStatus;
 using musher::msg::SetState;
 namespace transport = musher::transport;
 
-// [follow]
 // Prints each change, the present state first; the controller latches it.
 int Follow(transport::LinuxEventLoop& loop, transport::Node& node) {
   std::string last;
@@ -33,9 +32,7 @@ int Follow(transport::LinuxEventLoop& loop, transport::Node& node) {
   loop.Run();
   return 0;
 }
-// [follow end]
 
-// [set]
 int Set(transport::LinuxEventLoop& loop, transport::Node& node, const std::string& state) {
   auto client = transport::MakeClient<SetState>(node, transport::MachineService("", "set_state"));
   if (!client) {
@@ -58,9 +55,7 @@ int Set(transport::LinuxEventLoop& loop, transport::Node& node, const std::strin
   std::cout << result.outcome << ", the machine is in " << result.state << std::endl;
   return result.outcome == "done" ? 0 : 1;
 }
-// [set end]
 
-// [main]
 int main(int argc, char** argv) {
   transport::LinuxEventLoop loop;
   const auto node = transport::MakeDdsNode(loop, {});  // of the domain in ROS_DOMAIN_ID
@@ -70,4 +65,3 @@ int main(int argc, char** argv) {
   }
   return argc == 2 ? Set(loop, *node.value(), argv[1]) : Follow(loop, *node.value());
 }
-// [main end]

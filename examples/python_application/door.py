@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """The door as an actuator of the robot."""
 
-# [actuator]
 import musher
 from musher.std_msgs.msg import Bool, Float32, String
 
@@ -39,4 +38,3 @@ class Door(musher.FsmActuator):
 
 if __name__ == "__main__":
     musher.run(Door)
-# [actuator end]

@@ -1,8 +1,8 @@
+# [states]
 """The behaviour of an automatic door, independent of topics, threads and clocks."""
 
 from typing import Optional
 
-# [states]
 from musher import fsm
 
 

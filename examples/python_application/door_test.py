@@ -10,7 +10,6 @@ from door import Door
 from door_states import DoorData, build_door
 
 
-# [machine]
 class DoorTest(unittest.TestCase):
     def setUp(self) -> None:
         self.door = DoorData()
@@ -32,7 +31,6 @@ class DoorTest(unittest.TestCase):
         self.assertEqual(self.machine.path, "OPEN")
         self.wait(8)
         self.assertEqual(self.machine.path, "CLOSED")
-    # [machine end]
 
     def test_stops_where_it_is_at_an_obstacle_and_opens_once_the_path_is_free(self) -> None:
         self.machine.send("open")
@@ -47,7 +45,6 @@ class DoorTest(unittest.TestCase):
         self.wait(1.2)
         self.assertEqual(self.machine.path, "OPEN")
 
-    # [fault_test]
     def test_is_paused_outside_of_active_under_injected_faults(self) -> None:
         test = ActuatorFaultTest(Door, "robot.toml")
 
@@ -60,7 +57,6 @@ class DoorTest(unittest.TestCase):
             assert not door.ticking
 
         test.run()
-    # [fault_test end]
 
 
 if __name__ == "__main__":

@@ -6,17 +6,14 @@ import sys
 import musher
 
 
-# [follow]
 def follow(machine: musher.Machine) -> None:
     last = ""
     for status in machine.watch():
         if status.state != last:
             print(status.state, flush=True)
         last = status.state
-# [follow end]
 
 
-# [set]
 def set_state(machine: musher.Machine, state: str) -> int:
     try:
         outcome = machine.set(state)
@@ -25,7 +22,6 @@ def set_state(machine: musher.Machine, state: str) -> int:
         return 1
     print(f"{outcome.outcome}, the machine is in {outcome.state}")
     return 0
-# [set end]
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """A robot's module in one file: a gripper; its thermometer is a file."""
 
-# [class]
 import musher
 
 HOTTEST = 70  # °C
@@ -24,9 +23,7 @@ class Gripper(musher.Actuator):
 
     def on_tear_down(self) -> None:
         self.set_power(False)
-    # [class end]
 
-    # [stop]
     # A long callback reports its progress, and checks whether it should stop.
     def on_set_up(self) -> None:
         while self.width_mm > 0:
@@ -34,28 +31,21 @@ class Gripper(musher.Actuator):
                 raise self.failure(musher.Key.TIMEOUT, "still not closed")
             self.width_mm -= 0.5
             self.checkpoint()
-    # [stop end]
 
-    # [failure]
     # A failure carries a sentence that `musher` shows.
     def on_self_check(self) -> None:
         temperature = read_temperature()
         if temperature > HOTTEST:
             raise self.failure(musher.Key.SELF_CHECK_FAILED, f"the motor has {temperature} °C")
-    # [failure end]
 
-    # [estop]
     # Runs beside any callback, and again when a callback ends that was running: so it is idempotent.
     def on_emergency_stop(self) -> None:
         self.powered = False
-    # [estop end]
 
-    # [gate]
     # Called for a command from outside, on any thread.
     def grip(self, width_mm: float) -> None:
         with self.allowed("grip"):
             self.width_mm = width_mm
-    # [gate end]
 
     def set_power(self, on: bool) -> None:
         self.powered = on
@@ -73,7 +63,5 @@ def read_temperature() -> int:
         return 20
 
 
-# [main]
 if __name__ == "__main__":
     musher.run(Gripper)
-# [main end]

@@ -7,7 +7,6 @@ from gripper import Gripper
 from musher.testing import ActuatorFaultTest, Report
 
 
-# [test]
 class GripperTest(unittest.TestCase):
     def test_has_power_only_where_it_should(self) -> None:
         test = ActuatorFaultTest(Gripper, "robot.toml")
@@ -22,7 +21,6 @@ class GripperTest(unittest.TestCase):
             assert not gripper.powered
 
         test.run()
-# [test end]
 
 
 if __name__ == "__main__":

@@ -1,14 +1,15 @@
 // grip close | grip open: commands the gripper from the command line.
 
+#include <chrono>
 #include <future>
 #include <iostream>
+#include <memory>
 #include <string>
 
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
-// [grip]
 int main(int argc, char** argv) {
   const std::string command = argc == 2 ? argv[1] : "";
   if (command != "close" && command != "open") {
@@ -37,4 +38,3 @@ int main(int argc, char** argv) {
             << std::endl;
   return done ? 0 : 1;
 }
-// [grip end]

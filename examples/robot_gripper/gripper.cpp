@@ -4,7 +4,6 @@
 
 #include <iostream>
 
-// [main]
 int main(int argc, char** argv) {
   const auto config = ReadGripper(argc > 1 ? argv[1] : "gripper.toml");
   if (!config) {
@@ -14,4 +13,3 @@ int main(int argc, char** argv) {
   Gripper gripper(config.value());
   return gripper.Run();
 }
-// [main end]

@@ -1,12 +1,13 @@
+// [head]
 #pragma once
 // A gripper as a module of the robot.
 //
 // Threads: state callbacks run on the actuator's worker, everything else on the loop. Data that
 // both use is accessed on the loop.
 
-// [head]
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -44,8 +45,8 @@ class Gripper : public musher::MachineActuator {
   double width_mm() const { return jaw_.WidthAt(Now()); }
   // [seen end]
 
- protected:
   // [estop]
+ protected:
   // Runs on the loop, concurrently with any callback.
   void OnEmergencyStop() override {
     jaw_.Halt(Now());
@@ -53,8 +54,8 @@ class Gripper : public musher::MachineActuator {
   }
   // [estop end]
 
- private:
   // [setup]
+ private:
   using SetBool = musher::msg::SetBool;
   using Reply = musher::transport::Server<SetBool>::Reply;
 
@@ -162,6 +163,7 @@ class Gripper : public musher::MachineActuator {
     return clock_ != nullptr ? clock_->Now() : std::chrono::steady_clock::now();
   }
   // [time end]
+
   // [members]
   bool Moves() {
     bool moves = false;

@@ -4,7 +4,6 @@
 
 #include "musher/simulation/actuator_fault_test.hpp"
 
-// [fault_test]
 TEST(Gripper, IsOpenInProtectedAndHasNoPowerInLowPower) {
   musher::simulation::ActuatorFaultTest<Gripper> test;
   test.config_file = "robot.toml";
@@ -20,9 +19,7 @@ TEST(Gripper, IsOpenInProtectedAndHasNoPowerInLowPower) {
   };
   test.Run();
 }
-// [fault_test end]
 
-// [jaw]
 TEST(Jaw, IsHalfwayAfterHalfTheTimeAndStaysWhereItIsHalted) {
   const musher::Time start{};
   Jaw jaw(80, 40);
@@ -32,4 +29,3 @@ TEST(Jaw, IsHalfwayAfterHalfTheTimeAndStaysWhereItIsHalted) {
   EXPECT_DOUBLE_EQ(jaw.WidthAt(start + musher::Milliseconds(9000)), 20);
   EXPECT_FALSE(jaw.MovesAt(start + musher::Milliseconds(9000)));
 }
-// [jaw end]

@@ -1,10 +1,14 @@
+// [robot]
 // Tests the gripper in the whole robot: the world, motion and all other modules, over DDS.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <future>
+#include <memory>
+#include <string>
 
 #include "musher/controller/machine_controller.hpp"
 #include "musher/cyberdog/extension.hpp"
@@ -13,7 +17,6 @@
 
 using musher::msg::SetBool;
 
-// [robot]
 class Robot : public testing::Test {
  protected:
   // A DDS domain of its own: another robot may run on this computer.

@@ -1,4 +1,4 @@
-// The behaviour tree of docs/application.md.
+// A tree whose node is a lambda, with a topic: the least that an application needs.
 
 #include <fstream>
 
@@ -7,7 +7,6 @@
 
 namespace musher::tree_tutorial_test {
 
-// [actuator]
 class Patrol : public TreeActuator {
  public:
   explicit Patrol(const std::string& file) : TreeActuator("show", {.rate_hz = 50, .file = file}) {}
@@ -27,7 +26,6 @@ class Patrol : public TreeActuator {
   int steps_ = 0;
   std::function<void(const msg::String&)> publish_;
 };
-// [actuator end]
 
 class Peeked : public Patrol {
  public:

@@ -14,19 +14,23 @@ bool IsMarker(const std::string& line) {
   return std::regex_match(line, marker);
 }
 
-// `lines` as far to the left as they go.
-std::string Unindented(const std::vector<std::string>& lines) {
+std::size_t Indent(const std::vector<std::string>& lines) {
   std::size_t indent = std::string::npos;
   for (const std::string& line : lines) {
     if (!line.empty()) indent = std::min(indent, line.find_first_not_of(' '));
   }
+  return indent;
+}
+
+// Without the first `indent` columns.
+std::string Text(const std::vector<std::string>& lines, std::size_t indent) {
   std::string text;
   for (const std::string& line : lines) text += (line.empty() ? "" : line.substr(indent)) + "\n";
   return text;
 }
 
 // The lines of a region ("" for all), without markers; nothing where there is no such region.
-std::optional<std::string> Region(const SourceFile& file, const std::string& name) {
+std::optional<std::string> Region(const SourceFile& file, const std::string& name, bool indented) {
   std::vector<std::string> lines;
   bool inside = name.empty();
   bool found = inside;
@@ -39,7 +43,7 @@ std::optional<std::string> Region(const SourceFile& file, const std::string& nam
     }
   }
   if (!found) return std::nullopt;
-  return Unindented(lines);
+  return Text(lines, indented ? 0 : Indent(lines));
 }
 
 const SourceFile* Find(const std::vector<SourceFile>& tree, const std::string& path) {
@@ -52,12 +56,17 @@ struct Snippet {
   int line = 0;
   std::string source;  // empty: none was named
   std::string region;
+  bool typed = false;  // "+[region]"
   std::string text;
+
+  std::string Name() const {
+    return source + (region.empty() ? "" : (typed ? " +[" : " [") + region + "]");
+  }
 };
 
 std::vector<Snippet> Snippets(const SourceFile& document) {
-  static const std::regex origin(R"(^<!-- (\S+?)(?: \[(\w+)\])? -->$)");
-  static const std::regex code("^```(cpp|python|cmake|toml)$");
+  static const std::regex origin(R"(^<!-- (\S+?)(?: (\+?)\[(\w+)\])? -->$)");
+  static const std::regex code("^```(cpp|python|cmake|toml|xml)$");
   std::vector<Snippet> snippets;
   std::smatch from;
   std::string last;
@@ -69,8 +78,12 @@ std::vector<Snippet> Snippets(const SourceFile& document) {
       snippets.back().text += line.text + "\n";
     } else if (std::regex_match(line.text, code)) {
       inside = true;
-      const bool named = std::regex_match(last, from, origin);
-      snippets.push_back({line.number, named ? from[1].str() : "", named ? from[2].str() : "", ""});
+      snippets.emplace_back().line = line.number;
+      if (std::regex_match(last, from, origin)) {
+        snippets.back().source = from[1];
+        snippets.back().typed = from[2] == "+";
+        snippets.back().region = from[3];
+      }
     }
     last = line.text;
   }
@@ -86,17 +99,15 @@ std::vector<std::string> StaleSnippets(const SourceFile& document,
     const auto report = [&](const std::string& violation) {
       violations.push_back(At(document, snippet.line, violation));
     };
-    const std::string name =
-        snippet.source + (snippet.region.empty() ? "" : " [" + snippet.region + "]");
     const SourceFile* source = Find(tree, snippet.source);
     if (snippet.source.empty()) {
       report("code without a source in a comment above");
     } else if (source == nullptr) {
       report("there is no " + snippet.source);
-    } else if (const auto region = Region(*source, snippet.region); !region) {
-      report("there is no " + name);
+    } else if (const auto region = Region(*source, snippet.region, snippet.typed); !region) {
+      report("there is no " + snippet.Name());
     } else if (*region != snippet.text) {
-      report("differs from " + name + ", which is now:\n" + *region);
+      report("differs from " + snippet.Name() + ", which is now:\n" + *region);
     }
   }
   return violations;

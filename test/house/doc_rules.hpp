@@ -7,12 +7,16 @@
 //   <!-- examples/first_module/robot.toml -->            the whole file
 //   <!-- examples/first_module/gripper.hpp [class] -->   the lines between "// [class]" and
 //                                                        "// [class end]", moved to the left
+//   <!-- examples/first_module/gripper.hpp +[class] -->  the same, indented as in the file: the
+//                                                        next part of it that a reader types
+//                                                        (test/docs/page.py)
 
 #include "musher/test/house/source_tree.hpp"
 
 namespace musher::house {
 
-// C++, Python, CMake and TOML in `document` that differ from their file in `tree`, or name none.
+// Code in `document` (C++, Python, CMake, TOML, XML) that differs from its file in `tree`, or names
+// none.
 std::vector<std::string> StaleSnippets(const SourceFile& document,
                                        const std::vector<SourceFile>& tree);
 

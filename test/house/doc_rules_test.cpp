@@ -28,6 +28,13 @@ TEST(DocRules, AcceptCodeThatEqualsItsPartMovedToTheLeft) {
   EXPECT_THAT(StaleSnippets(document, kTree), IsEmpty());
 }
 
+TEST(DocRules, AcceptAPartThatIsTypedWithTheIndentationOfItsFile) {
+  const std::string typed = "<!-- a/main.cpp +[part] -->\n```cpp\n";
+  EXPECT_THAT(StaleSnippets(Document(typed + "  int b;\n    int c;\n```\n"), kTree), IsEmpty());
+  EXPECT_THAT(StaleSnippets(Document(typed + "int b;\n  int c;\n```\n"), kTree),
+              ElementsAre(HasSubstr("differs from a/main.cpp +[part]")));
+}
+
 TEST(DocRules, LeaveMarkersOutOfAWholeFile) {
   const auto document =
       Document("<!-- a/main.cpp -->\n```cpp\nint a;\n  int b;\n    int c;\nint d;\n```\n");

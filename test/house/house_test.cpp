@@ -225,8 +225,9 @@ TEST(House, EveryPageIsInTheContentsOfTheSite) {
   EXPECT_THAT(PagesOutsideTheContents(Tree()), IsEmpty());
 }
 
-TEST(House, TheChinesePagesHaveTheCodeOfTheEnglishOnes) {
+TEST(House, TheChinesePagesHaveTheCodeAndTheHeadingsOfTheEnglishOnes) {
   EXPECT_THAT(DifferingBlocks(File("README.md"), "", File("README.zh.md")), IsEmpty());
+  EXPECT_THAT(DifferingHeadings(File("README.md"), File("README.zh.md")), IsEmpty());
   EXPECT_THAT(DifferingBlocks(File("docs/guide.md"), "Your first module in ten minutes",
                               File("docs/zh/first-module.md")),
               IsEmpty());

@@ -31,6 +31,22 @@ std::vector<std::string> BlocksOf(const std::string& text) {
   return blocks;
 }
 
+// The lines of headings, outside of code.
+std::vector<Line> HeadingsOf(const std::string& text) {
+  static const std::regex heading("#+ .*");
+  std::vector<Line> headings;
+  bool code = false;
+  for (const Line& line : Lines(text)) {
+    if (line.text.starts_with("```")) code = !code;
+    if (!code && std::regex_match(line.text, heading)) headings.push_back(line);
+  }
+  return headings;
+}
+
+std::size_t DepthOf(const Line& heading) {
+  return heading.text.find(' ');
+}
+
 // The comment below "#pragma once", which the site shows.
 std::string TopComment(const std::string& header) {
   std::string comment;
@@ -96,6 +112,27 @@ std::vector<std::string> DifferingBlocks(const SourceFile& original, const std::
       wrong.push_back(number + "not in " + original.path + ": " + FirstLines(found[i]));
     } else if (found[i] != expected[i]) {
       wrong.push_back(number + "differs from " + original.path + ", which has:\n" + expected[i]);
+    }
+  }
+  return wrong;
+}
+
+std::vector<std::string> DifferingHeadings(const SourceFile& original,
+                                           const SourceFile& translated) {
+  const std::vector<Line> expected = HeadingsOf(original.text);
+  const std::vector<Line> found = HeadingsOf(translated.text);
+  std::vector<std::string> wrong;
+  for (std::size_t i = 0; i < std::max(expected.size(), found.size()); ++i) {
+    if (i >= found.size()) {
+      wrong.push_back(translated.path + ": nothing translates \"" + expected[i].text + "\"");
+    } else if (i >= expected.size()) {
+      wrong.push_back(
+          At(translated, found[i].number, "\"" + found[i].text + "\" is not in " + original.path));
+    } else if (DepthOf(found[i]) != DepthOf(expected[i])) {
+      wrong.push_back(At(translated, found[i].number,
+                         "\"" + found[i].text + "\" stands where " + original.path + " has \"" +
+                             expected[i].text + "\""));
+      break;  // those behind are moved
     }
   }
   return wrong;

@@ -14,6 +14,10 @@ std::vector<std::string> PagesOutsideTheContents(const std::vector<SourceFile>& 
 std::vector<std::string> DifferingBlocks(const SourceFile& original, const std::string& section,
                                          const SourceFile& translated);
 
+// Headings of `translated` that are not one for one those of `original`, of the same depths.
+std::vector<std::string> DifferingHeadings(const SourceFile& original,
+                                           const SourceFile& translated);
+
 // Headers that a page of docs/api shows ("```{header} base/log.hpp") and that do not exist, or
 // whose comment at the top has no "Threads:".
 std::vector<std::string> HeadersWithoutThreads(const std::vector<SourceFile>& tree);

@@ -46,6 +46,20 @@ TEST(SiteRules, ReportCodeThatDiffersOrIsMissingInATranslation) {
                           HasSubstr("block 2: not in a.md")));
 }
 
+TEST(SiteRules, AcceptATranslationWithTheSameHeadings) {
+  EXPECT_THAT(DifferingHeadings(kEnglish, {"a.zh.md", "# 甲\n## 一\n```sh\n# all\n```\n## 二\n"}),
+              IsEmpty());
+}
+
+TEST(SiteRules, ReportHeadingsThatAreMissingNewOrOfAnotherDepth) {
+  EXPECT_THAT(DifferingHeadings(kEnglish, {"a.zh.md", "# 甲\n## 一\n"}),
+              ElementsAre("a.zh.md: nothing translates \"## Two\""));
+  EXPECT_THAT(DifferingHeadings(kEnglish, {"a.zh.md", "# 甲\n## 一\n## 二\n### 三\n"}),
+              ElementsAre("a.zh.md:4: \"### 三\" is not in a.md"));
+  EXPECT_THAT(DifferingHeadings(kEnglish, {"a.zh.md", "# 甲\n### 一\n## 二\n"}),
+              ElementsAre("a.zh.md:2: \"### 一\" stands where a.md has \"## One\""));
+}
+
 TEST(SiteRules, ReportAHeaderWithoutThreads) {
   const std::vector<SourceFile> tree = {
       {"a.hpp", "#pragma once\n// A.\n//\n// Threads: any.\n\nint a;\n"},

@@ -3,7 +3,6 @@
 import os
 import re
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
@@ -11,26 +10,11 @@ import threading
 from typing import Dict, Optional
 
 SOURCE = os.environ["MUSHER_SOURCE"]
+sys.path.insert(0, os.path.join(SOURCE, "test/support"))
+from domain import lock_domain  # noqa: E402
+
 BIN = os.environ["MUSHER_BIN"]
 DEADLINE_S = 60.0
-
-
-def lock_domain() -> "tuple[int, socket.socket]":
-    """A domain of this process, locked as test/support/domain.hpp does."""
-    for offset in range(10_000):
-        domain = 1 + (os.getpid() + offset) % 101
-        name = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        try:
-            name.bind(f"\0musher/musher-test-domain/{domain}")
-        except OSError:
-            name.close()
-            continue
-        with open("/proc/net/unix", encoding="utf-8") as table:
-            if f" @musher/{domain}/" not in table.read():
-                return domain, name
-        name.close()
-    raise RuntimeError("no DDS domain is free")
-
 
 DOMAIN, _LOCK = lock_domain()
 os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)

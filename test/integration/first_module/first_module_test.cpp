@@ -22,7 +22,6 @@ using ::testing::HasSubstr;
 
 class FirstModule : public ::testing::Test {
  protected:
-  // [robot]
   FirstModule() {
     setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
     setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
@@ -32,16 +31,13 @@ class FirstModule : public ::testing::Test {
     fs::create_directory(robot_ + "/build");
     fs::create_symlink(BinDir() + "/gripper", robot_ + "/build/gripper");
   }
-  // [robot end]
   ~FirstModule() override { controller_.Switch("TearDown"); }
 
-  // [start]
   void Start() {
     ASSERT_TRUE(controller_.Init(robot_ + "/robot.toml"));
     const Result<> set_up = controller_.AwaitSetUp();
     ASSERT_TRUE(set_up) << set_up.error().message;
   }
-  // [start end]
 
   std::string Read(const std::string& file) const {
     std::ifstream stream(file);
@@ -81,7 +77,6 @@ TEST_F(FirstModule, GoesToActiveToLowPowerAndToTearDown) {
   EXPECT_FALSE(fs::exists(robot_ + "/lamp"));
 }
 
-// [test]
 TEST_F(FirstModule, ReportsAFailedSelfCheckWithItsCode) {
   ASSERT_NO_FATAL_FAILURE(Start());
   std::ofstream(robot_ + "/temperature") << "91\n";
@@ -91,7 +86,6 @@ TEST_F(FirstModule, ReportsAFailedSelfCheckWithItsCode) {
   EXPECT_THAT(result.reason, HasSubstr("gripper"));
   EXPECT_THAT(result.reason, HasSubstr("the motor has 91 °C"));
 }
-// [test end]
 
 // examples/own_client, as a process of its own.
 TEST_F(FirstModule, IsSetByAClientOfOnesOwn) {
