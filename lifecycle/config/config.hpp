@@ -112,7 +112,7 @@ struct ViewConfig {
   std::string bind = "127.0.0.1";  // an address of this host; "0.0.0.0": all
   std::string token_file;          // absolute; empty: view_token in the state's folder of the user
   std::vector<std::string> hosts;  // further names and origins from which browsers may connect
-  bool stop_needs_login = false;   // else whoever reaches the page may engage the emergency stop
+  bool stop_needs_login = false;   // else each person who reaches the page may engage the stop
 
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
 };

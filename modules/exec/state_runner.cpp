@@ -14,7 +14,7 @@ constexpr int kHighestKey = 99;
 // As a person wrote it, at most one line of a table.
 std::string CommandText(const std::vector<std::string>& argv) {
   constexpr std::size_t kLongest = 60;
-  const bool shell = argv.size() == 3 && argv[0] == "/bin/sh" && argv[1] == "-c";
+  const bool shell = argv.size() == 3 && argv[0].ends_with("sh") && argv[1] == "-c";
   std::string text = shell ? argv[2] : argv.front();
   for (std::size_t i = 1; i < argv.size() && !shell; ++i) text += ' ' + argv[i];
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "…";

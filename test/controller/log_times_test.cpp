@@ -36,7 +36,7 @@ TEST_F(Marks, TellWhenALineWasWritten) {
   EXPECT_EQ(At(31, 40), 0) << "not marked yet";
 }
 
-TEST_F(Marks, DoNotTellWhenALineWasWrittenWhileNobodyMarked) {
+TEST_F(Marks, DoNotTellWhenALineWasWrittenWhileNothingWasMarked) {
   ASSERT_TRUE(LogMarker(log_).Mark(0, 100));
   LogMarker later(log_);
   ASSERT_TRUE(later.Mark(20, 900));

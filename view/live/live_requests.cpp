@@ -74,7 +74,7 @@ void LiveServer::OnRequest(const http::Request& request, const http::Respond& re
     if (auto file = http::AssetResponse(PageFiles(), request)) return respond(*std::move(file));
     if (auto file = docs_.Respond(request)) return respond(*std::move(file));
   }
-  // Whoever sees a robot do harm has no time to log in.
+  // A person who sees a robot do harm has no time to log in.
   const bool stop = request.method == "POST" && request.path == "/api/estop";
   if (stop && !options_.stop_needs_login) return OnPost(request, respond);
   if (!MayLook(request)) {

@@ -200,7 +200,7 @@ export function levelOf(entry) {
 
 export const FAULTS_STAY_MS = 10 * 60_000;
 
-// The faults of the last minutes that nobody has acknowledged, the newest first: a robot that is well again hides
+// The faults of the last minutes that no person has acknowledged, the newest first: a robot that is well again hides
 // nothing. `acknowledged_ms`: the robot's time up to which they are.
 export function recentFaults(state, now, acknowledged_ms) {
   const since = Math.max(robotNow(state, now) - FAULTS_STAY_MS, acknowledged_ms);

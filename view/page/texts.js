@@ -82,7 +82,7 @@ export const TEXTS = {
   'state.stopped': ['Stopped by an emergency stop. No actuator becomes more active until it is released.',
     '急停中：解除前任何执行单元都不会变得更活跃。'],
   'stopped.big': ['STOPPED', '已急停'],
-  'faults.past': ['Faults of the last ten minutes that nobody has acknowledged: {count}', '最近十分钟内尚未确认的故障：{count}'],
+  'faults.past': ['Faults of the last ten minutes that no person has acknowledged: {count}', '最近十分钟内尚未确认的故障：{count}'],
   'faults.acknowledge': ['Acknowledge', '确认'],
   'phase.starting': ['starting', '正在启动'],
   'phase.running': ['running', '运行中'],

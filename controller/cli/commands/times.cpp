@@ -32,11 +32,12 @@ std::optional<CommandTime> CommandOf(const JournalEntry& entry) {
   const bool overdue = entry.event == NameOf(EventName::kCommandOverdue);
   if (!overdue && entry.event != NameOf(EventName::kCommandDone)) return std::nullopt;
   const auto data = nlohmann::json::parse(entry.data, nullptr, false);
-  if (!data.is_object()) return std::nullopt;
-  const auto target = data.find("target");
-  const auto took = data.find("took_ms");
-  if (target == data.end() || !target->is_string()) return std::nullopt;
-  if (took == data.end() || !took->is_number()) return std::nullopt;
+  const auto arguments = data.is_object() ? data.find("arguments") : data.end();
+  if (arguments == data.end() || !arguments->is_object()) return std::nullopt;
+  const auto target = arguments->find("target");
+  const auto took = arguments->find("took_ms");
+  if (target == arguments->end() || !target->is_string()) return std::nullopt;
+  if (took == arguments->end() || !took->is_number()) return std::nullopt;
   return CommandTime{entry.actuator, State(target->get<std::string>()), entry.wall_ns,
                      took->get<double>(), overdue};
 }

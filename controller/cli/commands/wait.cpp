@@ -21,7 +21,7 @@ struct WaitOptions {
 };
 
 constexpr Duration kWait = std::chrono::seconds(60);
-constexpr Duration kAttempt = std::chrono::seconds(2);  // then the machine is searched anew
+constexpr Duration kAttempt = std::chrono::seconds(2);  // then the machine is searched again
 
 const msg::ActuatorInfo* Find(const msg::MachineStatus& status, const std::string& name) {
   const auto found =

@@ -43,10 +43,10 @@ struct LearnedTime {
   double median_ms = 0;
   double p999_ms = 0;
   double longest_ms = 0;
-  std::optional<double> limit_ms;     // in the config; none: it has no such actuator or state
-  std::optional<double> proposed_ms;  // none: too few commands, or the limit is right
-  std::size_t missing = 0;            // commands until a limit is proposed
-  std::optional<Drift> drift;
+  std::optional<double> limit_ms{};     // in the config; none: it has no such actuator or state
+  std::optional<double> proposed_ms{};  // none: too few commands, or the limit is right
+  std::size_t missing = 0;              // commands until a limit is proposed
+  std::optional<Drift> drift{};
 };
 
 // A row for each actuator and state with a command, by name and then as the config lists the

@@ -118,9 +118,9 @@ TEST_F(Lines, AreShownWithTheirSourceWhereThereAreSeveral) {
 }
 
 TEST_F(Lines, CannotControlTheTerminal) {
-  const LogEntry entry = legs_.Take(
-      "\x1b[31mred\x1b[0m \x1b]0;title\x07 \xc2\x9b"
-      "2J");
+  const LogEntry entry =
+      legs_.Take({"\x1b[31mred\x1b[0m \x1b]0;title\x07 \xc2\x9b"
+                  "2J"});
   const std::string text = LogText(entry, 6, false);
   EXPECT_THAT(text, Not(HasSubstr("\x1b")));
   EXPECT_THAT(text, Not(HasSubstr("\x07")));

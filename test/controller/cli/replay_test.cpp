@@ -180,7 +180,7 @@ TEST_F(Replaying, TimesAreLearnedFromTheJournal) {
   EXPECT_TRUE(times[0]["proposed_ms"].is_null());
 }
 
-// An actuator that nobody knows gave an empty answer and exit code 0.
+// An unknown actuator gave an empty answer and exit code 0.
 TEST_F(Replaying, HistoryOfAnUnknownActuatorIsAnError) {
   const Ran ran = RunProgram({"history", "--journal", file_, "--actuator", "lags"});
   EXPECT_EQ(ran.exit, 2);

@@ -44,20 +44,20 @@ TEST_F(Inspect, LogsAreFollowedAcrossARestartAndReadWithTheMachineDown) {
 
 // `logs` said that no controller leads here, `describe` that the logs are on another host.
 TEST_F(Inspect, TheFilesOfAnotherUsersMachineAreSaidToBeTheirs) {
-  const auto as_nobody = [](std::vector<std::string> words) {
+  const auto as_another = [](std::vector<std::string> words) {
     words.insert(words.begin(),
                  {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--"});
     return RunToEnd(words);
   };
-  if (geteuid() != 0 || as_nobody({"test", "-x", BinDir() + "/musher"}).exit != 0) {
+  if (geteuid() != 0 || as_another({"test", "-x", BinDir() + "/musher"}).exit != 0) {
     GTEST_SKIP() << "needs root, and programs that another user may run";
   }
   ASSERT_EQ(UpDetached().exit, 0);
   const std::string reason = "a controller of another user leads the machine on this host, and";
-  const Ended logs = as_nobody(Command({"logs"}));
+  const Ended logs = as_another(Command({"logs"}));
   EXPECT_EQ(logs.exit, 1) << logs.out;
   EXPECT_THAT(logs.err, HasSubstr(reason));
-  EXPECT_THAT(as_nobody(Command({"describe", "legs"})).out, HasSubstr(reason));
+  EXPECT_THAT(as_another(Command({"describe", "legs"})).out, HasSubstr(reason));
 }
 
 TEST_F(Inspect, LogsExplainWhyThereAreNone) {

@@ -118,7 +118,7 @@ test('an emergency stop without an answer is reported, and can be pressed again'
 test('without the login every acting control is disabled and says how to get it',
   () => inPage({mayAct: false}, async page => {
   assert.match(await page.textContent('#look-how'), /musher view --link/);
-  assert.ok(await page.isEnabled('.stop'), 'whoever sees a robot do harm has no time to log in');
+  assert.ok(await page.isEnabled('.stop'), 'a person who sees a robot do harm has no time to log in');
   await page.click('.choice:has-text("LowPower")');
   await page.waitForSelector('#plan >> text=Wave 1');
   assert.ok(await page.isDisabled('#plan .primary'));
