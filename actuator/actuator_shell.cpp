@@ -111,8 +111,7 @@ Result<> ActuatorShell::WatchBattery() {
     return c.min_battery && c.Takes(actuator_.name);
   });
   if (!needed || !hooks_.on_battery) return Ok();
-  auto watch =
-      transport::BatteryWatch::Make(node_, transport::BatteryTopic(config_), hooks_.on_battery);
+  auto watch = transport::BatteryWatch::Make(node_, config_, hooks_.on_battery);
   if (!watch) return watch.error();
   battery_ = std::move(watch).value();
   return Ok();
@@ -120,6 +119,7 @@ Result<> ActuatorShell::WatchBattery() {
 
 void ActuatorShell::OnControllerHeartbeat(const msg::ControllerBeat& heartbeat,
                                           const transport::SampleInfo& info) {
+  if (!transport::IsOwn(heartbeat.participant, info)) return;
   const MachineIdentity theirs{heartbeat.machine, heartbeat.machine_id};
   if (!SameMachine(machine_, theirs)) {
     // The controller of this actuator's host is that of its machine: it may have another config, or
@@ -382,6 +382,7 @@ msg::ActuatorStatus ActuatorShell::Status() {
   msg::ActuatorStatus status = transport::ToMessage(actuator_.name, report);
   status.machine = machine_.name;
   status.machine_id = machine_.id;
+  status.participant = node_.participant().value();
   return status;
 }
 

@@ -156,7 +156,10 @@ std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
                          texts::RefusedByEmergencyStop(), false};
   }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
-  if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;
+  // Its check that is under way ends first; the plan has included it.
+  const bool in_check =
+      leg.target == kError && record.command && record.command->target == kSelfCheck;
+  if (a_step || in_check || record.checked || config_.RankOf(record.state())) return std::nullopt;
   // The leg configures such a node first.
   if (IsUnconfigured(config_, leg.actuator, record)) return std::nullopt;
   return CommandResult{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed, texts::RestartedUnchecked(),

@@ -298,4 +298,13 @@ TEST_F(Plans, LeaveOutALateActuatorInItsFirstCheckUnlessTheMachineEnds) {
   EXPECT_EQ(To(kTearDown).steps[0].part, Part::kDriven);
 }
 
+TEST_F(Plans, DriveAnUncheckedActuatorToErrorWhileItsSelfCheckRuns) {
+  machine_.actuators[1].checked = false;
+  machine_.actuators[1].report.state = State(kSelfCheck);
+  EXPECT_EQ(To(kError).steps[1].part, Part::kLeftOut);
+  machine_.actuators[1].command = PendingCommand{1, State(kSelfCheck), {}, {}, 0};
+  EXPECT_EQ(To(kError).steps[1].part, Part::kDriven);
+  EXPECT_EQ(To(kLowPower).steps[1].part, Part::kLeftOut);
+}
+
 }  // namespace musher::testing::plan_test

@@ -129,6 +129,19 @@ TEST_F(SelfChecked, ARepeatedCheckThatFailsAgainDoesNotTakeTheMachineDownAgain) 
   EXPECT_EQ(other.machine().state, "Active");
 }
 
+TEST_F(SelfChecked, ARepeatedCheckThatIsUnderWayDoesNotKeepItsActuatorOutOfError) {
+  t.On("c", "SelfCheck").code = 2109;
+  t.Begin();
+  t.RunFor(std::chrono::seconds(1));
+  t.On("c", "SelfCheck").takes = Milliseconds(50);
+  ASSERT_TRUE(t.RunUntil([this] {
+    const auto& command = t.RecordOf("c").command;
+    return command && command->target == kSelfCheck;
+  }));
+  EXPECT_TRUE(t.Set("Error").done());
+  EXPECT_EQ(t.StateOf("c"), "Error");
+}
+
 TEST_F(SelfChecked, AFailedCheckIsRepeatedAtTheNextSwitchUp) {
   Start();
   t.On("c", "SelfCheck").code = 2109;
