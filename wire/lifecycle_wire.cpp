@@ -5,16 +5,12 @@
 #include <utility>
 
 namespace musher::transport {
-namespace {
 
-// The id of a stop whose sender gave none: the time at which the sample was written, else the
-// participant. The highest bit keeps it apart from small ids that people choose.
+// The highest bit keeps it apart from small ids that people choose.
 std::uint64_t StopIdOf(const SampleInfo& info) {
   const auto written = static_cast<std::uint64_t>(info.written_ns);
   return (written != 0 ? written : info.participant.value()) | (std::uint64_t{1} << 63U);
 }
-
-}  // namespace
 
 std::string CommandService(std::string_view name_space, std::string_view actuator) {
   return ResolveName(name_space, std::string(actuator) + "/musher_command");

@@ -141,6 +141,19 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
   return report;
 }
 
+// A controller reports which actuators belong to the machine. Without one those count whose
+// processes run on this host, and whose status is received; on other hosts there may be more.
+EstopReport Latching::Report(const StopView& view) const {
+  EstopReport report =
+      Report(view.controller, view.controller ? std::vector<std::string>() : view.running_here);
+  if (!view.controller && view.has_controller) {
+    report.unknown = "the controller does not answer";
+  } else if (!view.controller && view.lan) {
+    report.unknown = "no controller answers, so the actuators of other hosts are not known";
+  }
+  return report;
+}
+
 EstopReport::Actuator& Latching::Take(EstopReport& report, const std::string& name,
                                       const std::string& trouble) const {
   EstopReport::Actuator& actuator = report.actuators.emplace_back();

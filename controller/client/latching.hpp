@@ -61,6 +61,14 @@ struct EstopReport {
 inline constexpr std::size_t kLongestStopReason = 256;
 msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason);
 
+// What the program that engages a stop knows of its machine.
+struct StopView {
+  std::optional<msg::MachineStatus> controller = {};  // the controller's last status, if it answers
+  bool has_controller = false;  // it was discovered, or a controller runs on this host
+  bool lan = false;             // there may be actuators on other hosts
+  std::vector<std::string> running_here = {};  // names of the actuators on this host
+};
+
 class Latching {
  public:
   // Publishes the stop at once and, while this object exists, to actuators that join later. `node`
@@ -78,6 +86,8 @@ class Latching {
   // received.
   EstopReport Report(const std::optional<msg::MachineStatus>& controller,
                      const std::vector<std::string>& expected = {}) const;
+  // The same, with why the machine may have more actuators.
+  EstopReport Report(const StopView& view) const;
 
  private:
   struct Received {
