@@ -76,7 +76,8 @@ void Checker::NoteReasons(const ControllerProcess& controller, const action::Rec
       return;
   }
   const State target(ArgumentOf(record.arguments, "target"));
-  if (!target.empty()) reasons_[controller.serial()].insert(target);
+  // A wake-up, for one, leads to Active or as far as the battery permits.
+  reasons_[controller.serial()].insert(target.empty() ? State(kActive) : target);
 }
 
 // Whether a machine in `from` may bring itself, or an actuator, to `to`. Where a start has not led to

@@ -7,8 +7,9 @@ namespace musher::simulation {
 // The engaged stops of panels have no identity, and are latched: they reach a machine that comes
 // later, too.
 void Checker::TakeStopsOf(const Checker& other) {
+  constexpr std::size_t kPanels = 2;
   for (const auto& [panel, id] : other.last_of_panel_) {
-    if (!other.withdrawn_.contains(id)) OnStopEngaged(panel, id);
+    if (panel < kPanels) OnStopEngaged(panel, id);
   }
 }
 

@@ -98,6 +98,9 @@ Ending Scenario::Run() {
   if (!Over()) Repair();
   if (!Over()) SwitchOff();
   ending_.violation = violation();
+  if (ending_.violation && !checker_.violation()) {
+    ending_.violation->what = "the other machine: " + ending_.violation->what;
+  }
   ending_.checks = checker_.checks();
   ending_.steps = robot_.network().steps();
   ending_.simulated = robot_.age();

@@ -118,6 +118,7 @@ class Scenario {
   void ApplyAround(const Injection& injection);
   void MeetOtherMachine(const Injection& injection);
   void EngageByProgram(const Injection& injection);
+  void NoteForOther(std::size_t number);
   void EngageMany(transport::sim::Random random);
   void EngageNext(std::size_t panel, StopId id, bool one_source, int left);
   void ReleaseLater(const Injection& injection);
@@ -158,7 +159,11 @@ class Scenario {
   std::vector<TimedAction> later_;
   SimRobot robot_;
   Checker checker_;
-  std::size_t stop_programs_ = 0;  // so far
+  struct ProgramStop {
+    StopId id = 0;
+    MachineIdentity meant;  // as far as the program knows it
+  };
+  std::vector<ProgramStop> program_stops_;  // so far
   std::unique_ptr<OtherMachine> other_;  // null until it comes into range
   std::unique_ptr<Bridge> bridge_;
 };

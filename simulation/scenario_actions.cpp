@@ -13,6 +13,7 @@ namespace {
 constexpr std::int32_t kLying = 0;
 constexpr std::int32_t kWalking = 303;
 constexpr int kMostBattery = 100;
+constexpr std::size_t kFirstProgram = 100;  // that engages stops, beside the panels
 constexpr Duration kWalkPeriod = Milliseconds(300);  // of the samples of a battery that jitters
 
 }  // namespace
@@ -229,6 +230,7 @@ void Scenario::MeetOtherMachine(const Injection& injection) {
   transport::sim::Random random(injection.random);
   const std::size_t host = robot_.hosts().size() - 1;
   other_ = std::make_unique<OtherMachine>(robot_, checker_, host, random);
+  for (std::size_t number = 0; number < program_stops_.size(); ++number) NoteForOther(number);
   other_->on_record = [this](action::Record record) {
     record.message = "other machine: " + record.message;
     Mix(record.message);
@@ -251,7 +253,6 @@ void Scenario::MeetOtherMachine(const Injection& injection) {
 void Scenario::EngageByProgram(const Injection& injection) {
   // As late as the stop may arrive, over links that lose most of it.
   constexpr Duration kLatest = std::chrono::seconds(30);
-  constexpr std::size_t kFirst = 100;  // beside the panels
   transport::sim::Random random(injection.random);
   const std::array<Duration, 3> delays = {Milliseconds(1), Milliseconds(100), Milliseconds(400)};
   const std::array<Duration, 3> discoveries = {Milliseconds(5), Milliseconds(1500),
@@ -261,8 +262,7 @@ void Scenario::EngageByProgram(const Injection& injection) {
   links.discovery_most = discoveries[random.Next() % discoveries.size()];
   links.loss = random.Bernoulli(0.5) ? 0.3 : 0;
   const StopId id((random.Next() | 1) >> 1);
-  const std::size_t panel = kFirst + stop_programs_++;
-  checker_.OnStopEngaged(panel, id);
+  checker_.OnStopEngaged(kFirstProgram + program_stops_.size(), id);
   robot_.on_stop_program = [this](StopId stop, bool confirmed) {
     ++ending_.stop_programs[confirmed ? 1 : 0];
     if (confirmed) checker_.OnStopConfirmed(stop);
@@ -271,12 +271,17 @@ void Scenario::EngageByProgram(const Injection& injection) {
   const MachineIdentity meant =
       robot_.EngageByProgram(id, injection.host, links, random.Bernoulli(0.2));
   Later(kLatest, [] {});
-  if (!other_) return;
-  if (!SameMachine(meant, other_->robot().identity())) {
-    return other_->checker().OnStopOfOther(id);
-  }
-  other_->checker().OnStopEngaged(panel, id);
-  other_->checker().OnStopWithdrawn(id);  // it may be out of range
+  program_stops_.push_back({id, meant});
+  if (other_) NoteForOther(program_stops_.size() - 1);
+}
+
+// Whether the stop is meant for the other machine as well, which may be out of range.
+void Scenario::NoteForOther(std::size_t number) {
+  const ProgramStop& stop = program_stops_[number];
+  Checker& checker = other_->checker();
+  if (!SameMachine(stop.meant, other_->robot().identity())) return checker.OnStopOfOther(stop.id);
+  checker.OnStopEngaged(kFirstProgram + number, stop.id);
+  checker.OnStopWithdrawn(stop.id);
 }
 
 // By one source or by as many, with or without ids.

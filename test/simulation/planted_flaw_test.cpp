@@ -463,7 +463,9 @@ TEST_F(TwoLinks, FindsAnActuatorThatRisesWithoutARecord) {
 }
 
 TEST_F(PlantedFlaw, FindsAHealthyProcessThatIsKilledForAFaultOfTheNetwork) {
-  Make(Started(1));
+  MachineConfig config = Started(1);
+  config.actuators[0].restart.policy = RestartPolicy::kAlways;
+  Make(std::move(config));
   ASSERT_NO_FATAL_FAILURE(BringUp());
   RunFor(std::chrono::seconds(1));
   // As if processes of one host reached each other by the outer interface, which is gone.
