@@ -5,6 +5,11 @@
 #include <utility>
 
 namespace musher::transport {
+namespace {
+
+constexpr std::size_t kMostStopsReported = 64;  // beside the oldest, as many as an actuator keeps
+
+}  // namespace
 
 // The highest bit keeps it apart from small ids that people choose.
 std::uint64_t StopIdOf(const SampleInfo& info) {
@@ -98,6 +103,7 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
   status.emergency_stop_by = report.emergency_stop_by;
   status.emergency_stop_reason = report.emergency_stop_reason;
   status.released_stop = report.released_stop.value();
+  for (const StopId stop : report.other_stops) status.other_stops.push_back(stop.value());
   status.stamp_ns = ToNanoseconds(report.stamp);
   return status;
 }
@@ -124,6 +130,10 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.emergency_stop_by = status.emergency_stop_by;
   report.emergency_stop_reason = status.emergency_stop_reason;
   report.released_stop = StopId(status.released_stop);
+  for (const std::uint64_t stop : status.other_stops) {
+    if (report.other_stops.size() == kMostStopsReported) break;
+    report.other_stops.emplace_back(stop);
+  }
   report.stamp = FromNanoseconds(std::clamp(status.stamp_ns, -kFarthestNs, kFarthestNs));
   return report;
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -98,6 +99,7 @@ class Latching {
 
   Latching(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
+  void NoteMachine(const MachineIdentity& machine);
   EstopReport::Actuator& Take(EstopReport& report, const std::string& name,
                               const std::string& trouble) const;
 
@@ -106,6 +108,7 @@ class Latching {
   const std::function<void()> on_change_;
   const Time begun_;
   std::map<std::string, Received> received_;
+  std::vector<MachineIdentity> machines_;  // of the received statuses; no two are the same
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };

@@ -561,6 +561,41 @@ TEST_F(StopProgram, AHundredStopsOfAsManySourcesAreReleasedTogether) {
   EXPECT_EQ(robot_->ReportOf("a")->emergency_stop, StopId(0));
 }
 
+TEST_F(StopProgram, IsNotConfirmedWhileANewControllerHasNotTakenControlOfAnActuator) {
+  MachineConfig config = Started(2);
+  config.transport = TransportProfile::kLan;
+  Make(std::move(config));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  robot_->CrashController();
+  RunFor(std::chrono::seconds(1));
+  robot_->network().Block("controller", "a");
+  robot_->network().Block("estop-7", "a");
+  robot_->network().Block("a", "estop-7");
+  robot_->LaunchController(0, true, std::chrono::seconds(1));
+  RunFor(Milliseconds(1050));
+  Engage(7, {});
+  ASSERT_TRUE(RunUntil([&] { return confirmed_.has_value(); }, std::chrono::seconds(11)));
+  EXPECT_FALSE(*confirmed_);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(StopProgram, OneReleaseEndsAHundredStopsThatCameWhileNoControllerRan) {
+  Make(Started(2));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  robot_->CrashController();
+  for (std::uint64_t id = 1; id <= 100; ++id) {
+    checker_->OnStopEngaged(0, StopId(id));
+    robot_->EngageEmergencyStop(StopId(id), 0, "person " + std::to_string(id));
+    RunFor(Milliseconds(3));
+  }
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  RunFor(std::chrono::seconds(1));
+  robot_->ReleaseEmergencyStop();
+  RunFor(std::chrono::seconds(4));
+  EXPECT_FALSE(robot_->machine().emergency.stop);
+  EXPECT_EQ(robot_->ReportOf("a")->emergency_stop, StopId(0));
+}
+
 TEST_F(StopProgram, AStopWithoutAnIdStopsAgainAfterItsRelease) {
   Make(Started(2));
   ASSERT_NO_FATAL_FAILURE(BringUp());
