@@ -40,6 +40,7 @@ Checker::Checker(SimRobot& robot)
     CheckKill(controller, pid);
   };
   robot_.on_record_of = [this](const ControllerProcess& controller, const action::Record& record) {
+    recording_host_ = controller.host();
     NoteReasons(controller, record);
     CheckMeant(record);
     CheckFence(controller, record);

@@ -213,6 +213,8 @@ class Checker {
   std::optional<State> checked_raise_;  // before its state was seen: a lowering began in that step
   bool lowering_begins_ = false;        // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to
+  std::size_t recording_host_ = 0;           // of the controller that makes a record
+  std::map<std::size_t, State> lowered_on_;  // by a controller of that host, which stores it: from
   bool raise_requested_ = false;                    // possibly above what the battery permits
   bool state_lost_ = false;        // a disk was full: a controller may have stored outdated state
   bool urgent_requested_ = false;  // Error or TearDown, which supersede others

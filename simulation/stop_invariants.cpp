@@ -84,8 +84,9 @@ bool Checker::IsStopped(const std::string& name, std::size_t host,
   return report.emergency_stop != 0 || off;
 }
 
-// Every actuator of the machine is stopped, unless the stop was released meanwhile. An actuator
-// that no controller has ever received, and that runs beyond a cut link, cannot be known.
+// Every actuator of the machine is stopped, unless the stop was released meanwhile. The program goes
+// by the controller that it reaches, which cannot know of a process beyond a cut link that no
+// controller of its host has ever received.
 void Checker::OnStopConfirmed(StopId id) {
   ++checks_;
   if (released_at_ && *released_at_ >= engaged_at_[id]) return;
@@ -94,8 +95,12 @@ void Checker::OnStopConfirmed(StopId id) {
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(name, host);
       if (report == nullptr || IsStopped(name, host, *report)) continue;
-      const ControllerProcess* leader = robot_.leader();
-      if (leader == nullptr || !IsKnown(*leader, i, host, *report)) continue;
+      const auto knows = [&](const ControllerProcess* controller) {
+        return controller == nullptr || !controller->leads() ||
+               IsKnown(*controller, i, host, *report);
+      };
+      if (duplicated_.contains(name) || !knows(robot_.controller(0))) continue;
+      if (robot_.leader() == nullptr || !knows(robot_.controller(1))) continue;
       ReportViolation(Invariant::kStopIsConfirmed,
                       "the machine is reported as stopped, and " + name + " is on in " +
                           report->state + " on host " + robot_.hosts().name(host));

@@ -17,10 +17,10 @@ namespace {
 constexpr std::size_t kMostMachines = 8;
 constexpr std::size_t kLongestMachineText = 80;
 
-// Whether it may move: a crashed actuator does not, one whose connection is lost may. So may one that
-// a new controller has found, and has not taken control of yet.
+// Whether it may move: a crashed actuator does not, one whose connection is lost may. So may one
+// whose process a new controller has found, and has not taken control of yet.
 bool MayMove(const msg::ActuatorInfo& actuator) {
-  return actuator.presence == PresenceName(Presence::kPresent) ||
+  return actuator.pid != 0 || actuator.presence == PresenceName(Presence::kPresent) ||
          actuator.presence == PresenceName(Presence::kStarting) ||
          actuator.health == HealthName(Health::kHung) ||
          actuator.health == HealthName(Health::kPartitioned);
@@ -103,9 +103,8 @@ void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::Samp
 }
 
 void Latching::NoteMachine(const MachineIdentity& machine) {
-  const auto same = std::find_if(machines_.begin(), machines_.end(), [&](const auto& known) {
-    return SameMachine(known, machine);
-  });
+  const auto same = std::find_if(machines_.begin(), machines_.end(),
+                                 [&](const auto& known) { return SameMachine(known, machine); });
   if (same == machines_.end()) {
     if (machines_.size() < kMostMachines) machines_.push_back(machine);
     return;

@@ -573,6 +573,8 @@ TEST_F(StopProgram, IsNotConfirmedWhileANewControllerHasNotTakenControlOfAnActua
   robot_->network().Block("a", "estop-7");
   robot_->LaunchController(0, true, std::chrono::seconds(1));
   RunFor(Milliseconds(1050));
+  ASSERT_TRUE(robot_->has_controller());
+  EXPECT_EQ(robot_->machine().actuators[0].presence, Presence::kAbsent) << "found by its name";
   Engage(7, {});
   ASSERT_TRUE(RunUntil([&] { return confirmed_.has_value(); }, std::chrono::seconds(11)));
   EXPECT_FALSE(*confirmed_);
