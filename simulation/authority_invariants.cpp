@@ -80,8 +80,8 @@ void Checker::NoteReasons(const ControllerProcess& controller, const action::Rec
   reasons_[controller.serial()].insert(target.empty() ? State(kActive) : target);
 }
 
-// Whether a machine in `from` may bring itself, or an actuator, to `to`. Where a start has not led to
-// a state yet, the start is the reason. An actuator joins in the machine's state.
+// Whether a machine in `from` may bring itself, or an actuator, to `to`. Where a start has not led
+// to a state yet, the start is the reason. An actuator joins in the machine's state.
 bool Checker::HasReason(std::uint64_t controller, const State& from, const State& to) const {
   const auto place = config_.RankOf(from);
   const auto rank = config_.RankOf(to);

@@ -11,7 +11,9 @@ constexpr Duration kPeriod = Milliseconds(200);
 }  // namespace
 
 Bridge::Bridge(transport::sim::Network& network, const MachineConfig& config, std::uint64_t seed)
-    : random_(seed), node_(network.MakeNode("bridge")), participant_(network.ParticipantOf(*node_)) {
+    : random_(seed),
+      node_(network.MakeNode("bridge")),
+      participant_(network.ParticipantOf(*node_)) {
   Open(statuses_, transport::ActuatorStatusTopic(config.name_space), transport::kLatchedQos,
        transport::kLatchedFromManyQos);
   Open(heartbeats_, transport::ActuatorBeatTopic(config.name_space), transport::kHeartbeatQos,
@@ -40,8 +42,7 @@ void Bridge::Open(Topic<M>& topic, const std::string& name, const transport::Qos
 template <class M>
 void Bridge::Repeat(Topic<M>& topic) {
   if (topic.samples.empty()) return;
-  static_cast<void>(
-      topic.publisher->Publish(topic.samples[random_.Next() % topic.samples.size()]));
+  static_cast<void>(topic.publisher->Publish(topic.samples[random_.Next() % topic.samples.size()]));
 }
 
 }  // namespace musher::simulation

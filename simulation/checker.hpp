@@ -213,9 +213,9 @@ class Checker {
   std::optional<State> checked_raise_;  // before its state was seen: a lowering began in that step
   bool lowering_begins_ = false;        // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to
-  std::size_t recording_host_ = 0;           // of the controller that makes a record
+  std::size_t recording_host_ = 0;                  // of the controller that makes a record
   std::map<std::size_t, State> lowered_on_;  // by a controller of that host, which stores it: from
-  bool raise_requested_ = false;                    // possibly above what the battery permits
+  bool raise_requested_ = false;             // possibly above what the battery permits
   bool state_lost_ = false;        // a disk was full: a controller may have stored outdated state
   bool urgent_requested_ = false;  // Error or TearDown, which supersede others
   std::optional<Time> power_due_;
@@ -268,8 +268,8 @@ class Checker {
   std::map<std::uint64_t, std::set<State>> reasons_;
   const SimRobot* other_ = nullptr;  // another machine in the network
   std::set<StopId> stops_of_other_;
-  std::set<StopId> withdrawn_;          // by the programs that engaged them
-  std::optional<Time> released_at_;     // when a controller last published a release
+  std::set<StopId> withdrawn_;       // by the programs that engaged them
+  std::optional<Time> released_at_;  // when a controller last published a release
   std::map<StopId, Time> engaged_at_;
   std::optional<Time> link_faults_until_;  // of all links; max: they are under way
 };

@@ -38,7 +38,7 @@ struct Disk {
     std::uint64_t controller = 0;  // its serial
     std::function<void()> end;
   };
-  std::vector<Write> writes;    // that wait for the end of the stall
+  std::vector<Write> writes;  // that wait for the end of the stall
   // The last save of each value. A controller whose files are lost saves them anew.
   std::map<const void*, Write> last_saves;
   std::size_t durable = 0;      // rows of the recording when the stall began
@@ -89,7 +89,7 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   transport::ParticipantId participant() const { return network_.ParticipantOf(*node_); }
   bool frozen = false;
   std::optional<Time> thawed;  // when it was last frozen until
-  Duration wall_offset{};  // how far its wall clock is ahead
+  Duration wall_offset{};      // how far its wall clock is ahead
 
  private:
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;

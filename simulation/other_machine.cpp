@@ -107,10 +107,9 @@ void OtherMachine::Act() {
       ControllerProcess* leader = robot_.leader();
       if (leader == nullptr) return;
       const std::uint64_t request = checker_.OnRequest(*leader, target);
-      return leader->shell().SetState(target, std::nullopt,
-                                      [this, request](const SwitchResult& result) {
-                                        checker_.OnReply(request, result);
-                                      });
+      return leader->shell().SetState(
+          target, std::nullopt,
+          [this, request](const SwitchResult& result) { checker_.OnReply(request, result); });
     }
     default: {
       const State target = SampleState();

@@ -18,9 +18,9 @@ void Checker::CheckMeant(const action::Record& record) {
   if (other_ == nullptr) return;
   const std::string theirs = Client::Name(other_->identity().id);
   if (record.message.find(theirs) == std::string::npos) return;
-  ReportViolation(Invariant::kReachesMeantMachine,
-                  "machine " + robot_.identity().id + " acts on a request of another: " +
-                      record.message);
+  ReportViolation(
+      Invariant::kReachesMeantMachine,
+      "machine " + robot_.identity().id + " acts on a request of another: " + record.message);
 }
 
 // An actuator obeys the controllers of its own machine.
@@ -38,9 +38,9 @@ void Checker::CheckFence(const ControllerProcess& controller, const action::Reco
   const bool requested = record.message.find("of this host") != std::string::npos;
   const bool has_rival = word_of_.size() > word_of_.count(controller.serial());
   if (requested || has_rival) return;
-  ReportViolation(Invariant::kOtherMachineNeverFences,
-                  "the only controller of machine " + robot_.identity().id +
-                      " is fenced: " + record.message);
+  ReportViolation(
+      Invariant::kOtherMachineNeverFences,
+      "the only controller of machine " + robot_.identity().id + " is fenced: " + record.message);
 }
 
 }  // namespace musher::simulation

@@ -102,8 +102,7 @@ std::int32_t Processes::Launch(const std::string& name, std::size_t host,
   return process.pid;
 }
 
-void Processes::AddPart(Process& process, const std::string& name,
-                        const MachineIdentity& machine) {
+void Processes::AddPart(Process& process, const std::string& name, const MachineIdentity& machine) {
   Part& part = *process.parts.emplace_back(std::make_unique<Part>());
   part.name = name;
   running_[name].push_back(&process);
@@ -329,7 +328,10 @@ void Processes::Lie(const std::string& name, const State& state) {
   ActuatorReport lie = part.shell->report();
   lie.state = state;
   lie.stamp = process.node->loop().Now();
-  static_cast<void>(part.lies->Publish(transport::ToMessage(name, lie)));
+  msg::ActuatorStatus status = transport::ToMessage(name, lie);
+  status.machine = config_.name;
+  status.machine_id = layout_.machine_id;
+  static_cast<void>(part.lies->Publish(status));
 }
 
 }  // namespace musher::simulation

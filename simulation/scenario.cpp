@@ -254,8 +254,8 @@ void Scenario::SettleOtherMachine() {
   const bool rests = RunUntil([&] { return checker.AtRest(); }, options_.bound);
   if (Over()) return;
   if (rests) return checker.CheckRest(false);
-  checker.ReportViolation(Invariant::kReachesStableState, "the other machine is not stable: " +
-                                                              checker.PendingActivity());
+  checker.ReportViolation(Invariant::kReachesStableState,
+                          "the other machine is not stable: " + checker.PendingActivity());
 }
 
 void Scenario::Note(const std::string& action) {

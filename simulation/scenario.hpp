@@ -42,7 +42,7 @@ struct Ending {
   std::array<std::uint64_t, 5> switches{};  // by SwitchOutcome
   std::array<std::uint64_t, 3>
       client_ends{};  // of switches that clients requested, by SwitchEnd::Kind
-  std::array<std::uint64_t, 2> client_calls{};  // of clients: without a reply, with one
+  std::array<std::uint64_t, 2> client_calls{};   // of clients: without a reply, with one
   std::array<std::uint64_t, 2> stop_programs{};  // with another exit code, with exit code 0
   std::uint64_t checks = 0;
   std::uint64_t steps = 0;         // events of the network
@@ -164,7 +164,7 @@ class Scenario {
     MachineIdentity meant;  // as far as the program knows it
   };
   std::vector<ProgramStop> program_stops_;  // so far
-  std::unique_ptr<OtherMachine> other_;  // null until it comes into range
+  std::unique_ptr<OtherMachine> other_;     // null until it comes into range
   std::unique_ptr<Bridge> bridge_;
 };
 

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int32_t kLying = 0;
 constexpr std::int32_t kWalking = 303;
 constexpr int kMostBattery = 100;
-constexpr std::size_t kFirstProgram = 100;  // that engages stops, beside the panels
+constexpr std::size_t kFirstProgram = 100;           // that engages stops, beside the panels
 constexpr Duration kWalkPeriod = Milliseconds(300);  // of the samples of a battery that jitters
 
 }  // namespace
@@ -237,8 +237,8 @@ void Scenario::MeetOtherMachine(const Injection& injection) {
     if (listener.on_record) listener.on_record(robot_.network().now(), record);
   };
   ApplyNetworkFaults();
-  const Duration alone = random.Bernoulli(0.3) ? Duration::zero()
-                                               : random.Between({}, std::chrono::seconds(5));
+  const Duration alone =
+      random.Bernoulli(0.3) ? Duration::zero() : random.Between({}, std::chrono::seconds(5));
   Later(alone, [this] { other_->SetInRange(true); });
   for (std::uint64_t acts = random.Next() % 5; acts > 0; --acts) {
     Later(random.Between({}, alone + injection.lasts), [this] { other_->Act(); });

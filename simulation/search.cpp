@@ -75,8 +75,8 @@ Summary RunMany(const MachineConfig& config, const ScenarioOptions& options, std
       if (begin >= count || stop) return;
       for (std::uint64_t i = begin; i < std::min(begin + kBatch, count); ++i) {
         const std::uint64_t seed = first + i;
-        const Ending ending = RunScenario(
-            config, seed, SampleInjections(config, seed, options.bridges), options);
+        const Ending ending =
+            RunScenario(config, seed, SampleInjections(config, seed, options.bridges), options);
         const std::lock_guard lock(mutex);
         summary.Add(seed, ending);
       }

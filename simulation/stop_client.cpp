@@ -67,28 +67,27 @@ void StopClient::OpenLinks(Hosts& hosts) {
 
 // As the command line follows the machine's status.
 void StopClient::Follow() {
-  machines_ = transport::MakeSubscription<msg::MachineInfo>(
-                  *node_, std::string(transport::kMachinesTopic),
-                  [this](const msg::MachineInfo& info, const transport::SampleInfo&) {
-                    view_.has_controller |=
-                        SameMachine(options_.machine, {info.machine, info.machine_id});
-                  },
-                  transport::kLatchedFromManyQos)
-                  .value();
+  machines_ =
+      transport::MakeSubscription<msg::MachineInfo>(
+          *node_, std::string(transport::kMachinesTopic),
+          [this](const msg::MachineInfo& info, const transport::SampleInfo&) {
+            view_.has_controller |= SameMachine(options_.machine, {info.machine, info.machine_id});
+          },
+          transport::kLatchedFromManyQos)
+          .value();
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::EndpointId writer) {
     if (writer == status_writer_) Take(std::nullopt, 0);
   };
-  statuses_ =
-      transport::MakeSubscription<msg::MachineStatus>(
-          *node_, transport::MachineStatusTopic(options_.name_space),
-          [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
-            const bool older = view_.controller && status.epoch < view_.controller->epoch;
-            const MachineIdentity theirs{status.machine, status.machine_id};
-            if (SameMachine(options_.machine, theirs) && !older) Take(status, info.writer);
-          },
-          transport::kLatchedFromManyQos, std::move(events))
-          .value();
+  statuses_ = transport::MakeSubscription<msg::MachineStatus>(
+                  *node_, transport::MachineStatusTopic(options_.name_space),
+                  [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+                    const bool older = view_.controller && status.epoch < view_.controller->epoch;
+                    const MachineIdentity theirs{status.machine, status.machine_id};
+                    if (SameMachine(options_.machine, theirs) && !older) Take(status, info.writer);
+                  },
+                  transport::kLatchedFromManyQos, std::move(events))
+                  .value();
 }
 
 void StopClient::Take(std::optional<msg::MachineStatus> status, transport::EndpointId writer) {

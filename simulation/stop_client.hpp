@@ -1,7 +1,8 @@
 #pragma once
-// The program that engages an emergency stop, as `musher estop` does: it publishes the stop, collects
-// who has latched it, and ends with exit code 0 only if every actuator of the machine has. Else the
-// stop stays published for a minute. Its links may be slow and lossy, and its discovery takes long.
+// The program that engages an emergency stop, as `musher estop` does: it publishes the stop,
+// collects who has latched it, and ends with exit code 0 only if every actuator of the machine has.
+// Else the stop stays published for a minute. Its links may be slow and lossy, and its discovery
+// takes long.
 //
 // Threads: one, that of the network.
 
@@ -22,11 +23,11 @@ class StopClient {
   struct Options {
     std::string endpoint;
     std::size_t host = 0;
-    MachineIdentity machine;        // as far as the program knows it
-    StopView view;                  // what it sees on its host
-    Duration delay_most{};          // of its links
-    double loss = 0;                // the same
-    Duration discovery_most{};      // until it and another process know of each other
+    MachineIdentity machine;    // as far as the program knows it
+    StopView view;              // what it sees on its host
+    Duration delay_most{};      // of its links
+    double loss = 0;            // the same
+    Duration discovery_most{};  // until it and another process know of each other
     std::string name_space = {};
   };
   // The program ends; `confirmed`: with exit code 0.

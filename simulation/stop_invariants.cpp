@@ -84,8 +84,8 @@ bool Checker::IsStopped(const std::string& name, std::size_t host,
   return report.emergency_stop != 0 || off;
 }
 
-// Every actuator of the machine is stopped, unless the stop was released meanwhile. The program goes
-// by the controller that it reaches, which cannot know of a process beyond a cut link that no
+// Every actuator of the machine is stopped, unless the stop was released meanwhile. The program
+// goes by the controller that it reaches, which cannot know of a process beyond a cut link that no
 // controller of its host has ever received.
 void Checker::OnStopConfirmed(StopId id) {
   ++checks_;
@@ -101,9 +101,9 @@ void Checker::OnStopConfirmed(StopId id) {
       };
       if (duplicated_.contains(name) || !knows(robot_.controller(0))) continue;
       if (robot_.leader() == nullptr || !knows(robot_.controller(1))) continue;
-      ReportViolation(Invariant::kStopIsConfirmed,
-                      "the machine is reported as stopped, and " + name + " is on in " +
-                          report->state + " on host " + robot_.hosts().name(host));
+      ReportViolation(Invariant::kStopIsConfirmed, "the machine is reported as stopped, and " +
+                                                       name + " is on in " + report->state +
+                                                       " on host " + robot_.hosts().name(host));
     }
   }
 }

@@ -176,8 +176,9 @@ void EmergencyStops::EndRelease(const Result<>& result) {
 }
 
 // An actuator may have latched a stop that this controller missed: then it is engaged for the
-// machine, and so are all others that it has latched, since one release covers them. It may have missed a release: then the release is published again, unless another stop
-// is engaged, which the actuator may have missed.
+// machine, and so are all others that it has latched, since one release covers them. It may have
+// missed a release: then the release is published again, unless another stop is engaged, which the
+// actuator may have missed.
 void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
   const StopId id = report.emergency_stop;
   if (id == 0 || machine_.phase == Phase::kIdle) return;

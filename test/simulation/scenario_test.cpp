@@ -55,8 +55,8 @@ std::string Command(const ScenarioId& id) {
   for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
     only += (only.empty() ? " MUSHER_ONLY=" : ",") + std::to_string(number);
   }
-  return (id.bridges ? "MUSHER_BRIDGES=1 " : "") + ("MUSHER_SEED=" + std::to_string(id.seed)) + only +
-         " simulation_test --gtest_filter='*HoldEvery*/0'";
+  return (id.bridges ? "MUSHER_BRIDGES=1 " : "") + ("MUSHER_SEED=" + std::to_string(id.seed)) +
+         only + " simulation_test --gtest_filter='*HoldEvery*/0'";
 }
 
 // Every thirtieth scenario is also replayed from its journal, except with profile lan: the journal
@@ -189,7 +189,8 @@ TEST(Scenarios, CoverEveryInjectionAndEveryMachinePhase) {
   EXPECT_THAT(client_calls, ::testing::Each(::testing::Gt(0U)));
   EXPECT_THAT(stop_programs, ::testing::Each(::testing::Gt(0U)));
   for (std::size_t kind = 0; kind < simulation::kInjectionKinds; ++kind) {
-    if (static_cast<simulation::InjectionKind>(kind) == simulation::InjectionKind::kBridge) continue;
+    if (static_cast<simulation::InjectionKind>(kind) == simulation::InjectionKind::kBridge)
+      continue;
     EXPECT_GT(coverage.Of(static_cast<simulation::InjectionKind>(kind)), 0U)
         << KindName(static_cast<simulation::InjectionKind>(kind));
   }

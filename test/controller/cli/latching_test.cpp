@@ -137,8 +137,8 @@ TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatANewControllerHasNotTakenControlO
   EXPECT_FALSE(report.complete());
 }
 
-// A regression: of two robots with actuators of the same names the last status of a name counted, so
-// the stop was confirmed while one of them moved.
+// A regression: of two robots with actuators of the same names the last status of a name counted,
+// so the stop was confirmed while one of them moved.
 TEST_F(Stop, ThatDoesNotNameItsMachineIsNotConfirmedBesideASecondMachine) {
   Engage();
   legs_->BelongTo("dog");
