@@ -330,6 +330,12 @@ MachineIdentity SimRobot::EngageByProgram(StopId id, std::size_t host, const Sto
   return machine;
 }
 
+void SimRobot::EndStopPrograms() {
+  for (const auto& [id, program] : std::exchange(stop_programs_, {})) {
+    if (on_stop_withdrawn) on_stop_withdrawn(id);
+  }
+}
+
 void SimRobot::SetBattery(int percent, bool charging) {
   battery_ = BatteryAt(percent, charging);
   PublishBody();

@@ -140,6 +140,8 @@ class SimRobot {
     Duration discovery_most{};
   };
   MachineIdentity EngageByProgram(StopId id, std::size_t host, const StopLinks& links, bool named);
+  // They are all closed.
+  void EndStopPrograms();
   // Such a program ends, with exit code 0 if `confirmed`. May be empty.
   std::function<void(StopId id, bool confirmed)> on_stop_program;
   // It publishes the stop no more. May be empty.

@@ -219,6 +219,7 @@ MachinePhase Scenario::Now() const {
 void Scenario::EndFaults() {
   if (config_.policy)
     robot_.SetMotion(303);  // walking: a body that lies still goes to LowPower by itself
+  robot_.EndStopPrograms();
   std::fill(fault_windows_.begin(), fault_windows_.end(), FaultWindow{});
   for (const ActuatorConfig& actuator : config_.actuators) {
     robot_.processes().Misconfigure(actuator.name, false);

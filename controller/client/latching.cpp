@@ -17,13 +17,18 @@ namespace {
 constexpr std::size_t kMostMachines = 8;
 constexpr std::size_t kLongestMachineText = 80;
 
-// Whether it may move: a crashed actuator does not, one whose connection is lost may. So may one
-// whose process a new controller has found, and has not taken control of yet.
+// Whether it may move. A crashed actuator does not. One whose connection is lost may, unless its
+// process has ended; so may one whose process a new controller has found, or has stored as running
+// on another host, and has not taken control of yet.
 bool MayMove(const msg::ActuatorInfo& actuator) {
-  return actuator.pid != 0 || actuator.presence == PresenceName(Presence::kPresent) ||
-         actuator.presence == PresenceName(Presence::kStarting) ||
-         actuator.health == HealthName(Health::kHung) ||
-         actuator.health == HealthName(Health::kPartitioned);
+  const auto is = [&](Presence presence) { return actuator.presence == PresenceName(presence); };
+  if (is(Presence::kPresent) || is(Presence::kStarting)) return true;
+  if (actuator.health == HealthName(Health::kHung) ||
+      actuator.health == HealthName(Health::kPartitioned)) {
+    return true;
+  }
+  const bool elsewhere = is(Presence::kAbsent) && !actuator.host.empty();
+  return actuator.health != HealthName(Health::kCrashed) && (actuator.pid != 0 || elsewhere);
 }
 
 }  // namespace

@@ -137,6 +137,31 @@ TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatANewControllerHasNotTakenControlO
   EXPECT_FALSE(report.complete());
 }
 
+TEST_F(Stop, IsNotCompleteWithoutALostActuatorThatIsNotKnownToHaveEnded) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "lost";
+  legs.pid = 4711;
+  EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
+  legs.pid = 0;
+  EXPECT_THAT(AfterASecond(controller).Missing(), IsEmpty()) << "its process has ended";
+}
+
+TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatIsStoredAsRunningOnAnotherHost) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "absent";
+  legs.pid = 0;
+  legs.host = "";
+  EXPECT_THAT(AfterASecond(controller).Missing(), IsEmpty()) << "it was never there";
+  legs.host = "boot/4026531836";
+  EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
+}
+
 // A regression: of two robots with actuators of the same names the last status of a name counted,
 // so the stop was confirmed while one of them moved.
 TEST_F(Stop, ThatDoesNotNameItsMachineIsNotConfirmedBesideASecondMachine) {
