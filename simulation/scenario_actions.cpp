@@ -265,7 +265,11 @@ void Scenario::EngageByProgram(const Injection& injection) {
   checker_.OnStopEngaged(kFirstProgram + program_stops_.size(), id);
   robot_.on_stop_program = [this](StopId stop, bool confirmed) {
     ++ending_.stop_programs[confirmed ? 1 : 0];
-    if (confirmed) checker_.OnStopConfirmed(stop);
+    const auto program = std::find_if(program_stops_.begin(), program_stops_.end(),
+                                      [&](const ProgramStop& one) { return one.id == stop; });
+    // It has not named this machine: it may reach and confirm the other one alone.
+    const bool any = other_ && program->meant.name.empty();
+    if (confirmed && !any) checker_.OnStopConfirmed(stop);
   };
   robot_.on_stop_withdrawn = [this](StopId stop) { checker_.OnStopWithdrawn(stop); };
   const MachineIdentity meant =
