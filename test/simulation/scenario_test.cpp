@@ -3,7 +3,7 @@
 //   MUSHER_SEED=42 [MUSHER_ONLY=3,7] simulation_test --gtest_filter='*HoldEvery*/0'
 //     runs one scenario, optionally with some of its injected events only, and prints its timeline
 //   MUSHER_SEEDS=1000000 [MUSHER_FIRST=200000] …
-//     runs that many, optionally from the given one on; the gate runs 2,000, scripts/test --nightly
+//     runs that many, optionally from the given one on; the gate runs 1,400, scripts/test --nightly
 //     10,000
 //   MUSHER_BRIDGES=1 …
 //     adds bridges that repeat old samples of actuators
@@ -101,7 +101,7 @@ TEST_P(Scenarios, HoldEveryInvariant) {
     if (!id.only) ExpectInvariantsHold(id.seed, coverage);
     return;
   }
-  const std::uint64_t seeds = std::stoull(Environment("MUSHER_SEEDS", "2000"));
+  const std::uint64_t seeds = std::stoull(Environment("MUSHER_SEEDS", "1400"));
   const std::uint64_t first = std::stoull(Environment("MUSHER_FIRST", "1"));
   for (std::uint64_t seed = 1 + GetParam(); seed <= seeds && !HasFatalFailure(); seed += kParts) {
     if (seed >= first) ExpectInvariantsHold(seed, coverage);
