@@ -1,4 +1,6 @@
-// The invariants of authority: the newest word of a person counts.
+// The invariants of authority: the newest word of a person counts, and nothing rises without one.
+
+#include <algorithm>
 
 #include "musher/simulation/checker.hpp"
 
@@ -59,6 +61,47 @@ void Checker::CheckFollows(const std::string& name, std::size_t host,
                                                  robot_.hosts().name(controller->host()) +
                                                  ", epoch " + ToString(report.epoch) +
                                                  ", which a person has replaced");
+}
+
+// A controller records what a person has requested of it, and what its policy has decided.
+void Checker::NoteReasons(const ControllerProcess& controller, const action::Record& record) {
+  switch (record.event) {
+    case EventName::kSwitchRequested:
+    case EventName::kPolicyRequested:
+    case EventName::kBatterySwitchUp:
+    case EventName::kBatterySwitchDown:
+    case EventName::kLyingStillSwitch:
+      break;
+    default:
+      return;
+  }
+  const State target(ArgumentOf(record.arguments, "target"));
+  // A wake-up, for one, leads to Active or as far as the battery permits.
+  reasons_[controller.serial()].insert(target.empty() ? State(kActive) : target);
+}
+
+// Whether a machine in `from` may bring itself, or an actuator, to `to`. Where a start has not led
+// to a state yet, the start is the reason. An actuator joins in the machine's state.
+bool Checker::HasReason(std::uint64_t controller, const State& from, const State& to) const {
+  const auto place = config_.RankOf(from);
+  const auto rank = config_.RankOf(to);
+  if (!place || !rank || *rank <= *place) return true;
+  const auto reasons = reasons_.find(controller);
+  return reasons != reasons_.end() &&
+         std::any_of(reasons->second.begin(), reasons->second.end(), [&](const State& reason) {
+           return reason == to || config_.RankOf(reason).value_or(0) >= *rank;
+         });
+}
+
+// The state of a machine may have changed since `before`.
+void Checker::CheckReason(const ControllerProcess& controller, const State& before) {
+  const Machine& machine = controller.shell().machine();
+  if (!HasReason(controller.serial(), before, machine.state)) {
+    ReportViolation(Invariant::kRisesAreRecorded,
+                    "the machine went from " + before + " to " + machine.state +
+                        ", for which the controller has recorded no reason");
+  }
+  if (!machine.current && !machine.waiting) reasons_[controller.serial()].clear();
 }
 
 }  // namespace musher::simulation

@@ -37,6 +37,13 @@ Checker::Checker(SimRobot& robot)
                            const msg::Bytes& bytes) { OnWrite(controller, topic, bytes); };
   robot_.on_signal = [this](const ControllerProcess& controller, std::int32_t pid) {
     CheckSignal(controller, pid);
+    CheckKill(controller, pid);
+  };
+  robot_.on_record_of = [this](const ControllerProcess& controller, const action::Record& record) {
+    recording_host_ = controller.host();
+    NoteReasons(controller, record);
+    CheckMeant(record);
+    CheckFence(controller, record);
   };
   robot_.on_power = [this] { power_due_.reset(); };
   robot_.on_battery = [this](int percent, bool charging) { OnBattery(percent, charging); };
@@ -75,6 +82,9 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
                                        before.busy_number != report.busy_number);
   if (begun) OnBegun(name, before, report);
   CheckFollows(name, host, report);
+  if (const ActuatorCore* core = robot_.processes().CoreOf(name, host)) {
+    CheckControllerOf(name, core->controller);
+  }
   CheckStopped(name, host, before, report);
   CheckWaiting(name, host, report);
   before = report;
@@ -110,6 +120,10 @@ void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
   }
   if (rises && !sent->second.may_rise) {
     ReportViolation(Invariant::kNoUnrequestedActivation, what + ", which was not requested");
+  }
+  if (rises && !sent->second.has_reason) {
+    ReportViolation(Invariant::kRisesAreRecorded,
+                    what + ", for which its controller has recorded no reason");
   }
 }
 
@@ -181,6 +195,7 @@ void Checker::CheckController(const ControllerProcess& controller) {
     if (present) lost_at_[i] = robot_.age();
     if (!present && !machine.actuators[i].command) NoteGivenUp(machine.epoch, i);
   }
+  CheckReason(controller, seen.state);
   CheckChange(machine, seen);
   CheckCeiling(machine, false);
   CheckQuiet(machine, seen);
@@ -189,8 +204,12 @@ void Checker::CheckController(const ControllerProcess& controller) {
 
 void Checker::OnSend(const Machine& machine, const action::SendSwitch& send) {
   const SwitchCommand& command = send.command;
+  const std::uint64_t controller = SerialOf(machine);
+  // The rollback of a single actuator leads back up.
+  const bool back = machine.current && machine.current->rollback.under_way && machine.current->only;
   sent_commands_[{command.epoch, send.actuator, command.number}] = {
-      robot_.network().now(), command.budget, MayRise(machine, command.target), SerialOf(machine)};
+      robot_.network().now(), command.budget, MayRise(machine, command.target), controller,
+      back || HasReason(controller, machine.state, command.target)};
 }
 
 std::uint64_t Checker::SerialOf(const Machine& machine) const {

@@ -56,6 +56,18 @@ class Checker {
   void OnRestartRequest(const std::string& name) { config_errors_.erase(name); }
   // An emergency stop is engaged at a panel.
   void OnStopEngaged(std::size_t panel, StopId id);
+  // Another machine in the same network.
+  void SetOther(const SimRobot& other) { other_ = &other; }
+  // What the panels have engaged for every machine in reach, also before this checker was made.
+  void TakeStopsOf(const Checker& other);
+  // A stop is meant for the other machine alone.
+  void OnStopOfOther(StopId id) { stops_of_other_.insert(id); }
+  // A program, numbered beside the panels, has engaged a stop, has ended with exit code 0, and
+  // publishes the stop no more.
+  void OnStopConfirmed(StopId id);
+  void OnStopWithdrawn(StopId id) { withdrawn_.insert(id); }
+  // Faults of all links begin, or end.
+  void OnLinkFaults(bool active);
   // A client requests a switch.
   void OnClientRequest(const State& target) {
     urgent_requested_ |= target == kError || target == kTearDown;
@@ -78,6 +90,7 @@ class Checker {
     Duration budget{};
     bool may_rise = false;         // it may lead to a more active state
     std::uint64_t controller = 0;  // the serial of the controller that sent it
+    bool has_reason = true;        // to lead to a more active state, among its records
   };
   struct Seen {  // of a controller
     State state;
@@ -115,15 +128,26 @@ class Checker {
   void CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name);
   void CheckRunsOnce(const std::string& name);
   void CheckProgramRunsOnce(const ControllerProcess& controller, const std::string& name);
+  void CheckKill(const ControllerProcess& controller, std::int32_t pid);
+  bool IsWell(const ControllerProcess& controller, const std::string& name) const;
   void CheckSignal(const ControllerProcess& controller, std::int32_t pid);
   // authority_invariants.cpp
   void NoteWord(const ControllerProcess& controller, bool restarted);
   void CheckRaised(const ControllerProcess& controller, Seen& seen, Epoch before);
   void CheckFollows(const std::string& name, std::size_t host, const ActuatorReport& report);
+  void NoteReasons(const ControllerProcess& controller, const action::Record& record);
+  void CheckReason(const ControllerProcess& controller, const State& before);
+  bool HasReason(std::uint64_t controller, const State& from, const State& to) const;
+  // other_machine_invariants.cpp
+  void CheckMeant(const action::Record& record);
+  void CheckFence(const ControllerProcess& controller, const action::Record& record);
+  void CheckControllerOf(const std::string& name, Sender controller);
   // stop_invariants.cpp
   void OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop);
   bool ReleasedElsewhere() const;
-  bool StopIsOpen() const;
+  enum class Open { kNo, kMaybe, kYes };
+  Open StopIsOpen() const;
+  bool IsStopped(const std::string& name, std::size_t host, const ActuatorReport& report) const;
   void CheckStopsAtRest(const Machine& machine);
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
@@ -189,7 +213,9 @@ class Checker {
   std::optional<State> checked_raise_;  // before its state was seen: a lowering began in that step
   bool lowering_begins_ = false;        // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to
-  bool raise_requested_ = false;                    // possibly above what the battery permits
+  std::size_t recording_host_ = 0;                  // of the controller that makes a record
+  std::map<std::size_t, State> lowered_on_;  // by a controller of that host, which stores it: from
+  bool raise_requested_ = false;             // possibly above what the battery permits
   bool state_lost_ = false;        // a disk was full: a controller may have stored outdated state
   bool urgent_requested_ = false;  // Error or TearDown, which supersede others
   std::optional<Time> power_due_;
@@ -237,6 +263,15 @@ class Checker {
     Word word;  // the newest
   };
   std::map<std::pair<std::string, std::size_t>, Followed> followed_;  // by actuator, host
+  // By the serial of the controller: the targets of requests and of the policy that it has
+  // recorded, since nothing was under way.
+  std::map<std::uint64_t, std::set<State>> reasons_;
+  const SimRobot* other_ = nullptr;  // another machine in the network
+  std::set<StopId> stops_of_other_;
+  std::set<StopId> withdrawn_;       // by the programs that engaged them
+  std::optional<Time> released_at_;  // when a controller last published a release
+  std::map<StopId, Time> engaged_at_;
+  std::optional<Time> link_faults_until_;  // of all links; max: they are under way
 };
 
 }  // namespace musher::simulation

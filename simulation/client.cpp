@@ -16,8 +16,11 @@ constexpr Duration kFindTimeout = std::chrono::seconds(4);
 }  // namespace
 
 Client::Client(transport::sim::Network& network, Hosts& hosts, const MachineConfig& config,
-               std::size_t host)
-    : network_(network), config_(config), host_(host) {
+               const Layout& layout, std::size_t host)
+    : network_(network),
+      config_(config),
+      machine_{layout.machine_id.empty() ? "" : config.name, layout.machine_id},
+      host_(host) {
   const std::string endpoint = "client@" + hosts.name(host);
   hosts.Attach(endpoint, host);
   node_ = network.MakeNode(endpoint);
@@ -37,6 +40,8 @@ void Client::SetState(const State& target, const std::string& actuator) {
   };
   SwitchClient::Options options;
   options.leader.name_space = config_.name_space;
+  options.leader.machine = machine_;
+  if (!machine_.id.empty()) options.by = Name(machine_.id);
   options.find = kFindTimeout;
   auto client = SwitchClient::Make(
       *node_, std::move(options), target, actuator,
@@ -54,7 +59,11 @@ void Client::SetState(const State& target, const std::string& actuator) {
 }
 
 template <class S>
-void Client::Call(const char* service, const typename S::Request& request) {
+void Client::Call(const char* service, typename S::Request request) {
+  if constexpr (requires { request.machine_id; }) {
+    request.machine = machine_.name;
+    request.machine_id = machine_.id;
+  }
   auto client = std::shared_ptr<transport::Client<S>>(
       transport::MakeClient<S>(*node_, transport::MachineService(config_.name_space, service))
           .value());
@@ -72,11 +81,16 @@ void Client::GetStatus() {
 }
 
 void Client::ReleaseEmergencyStop() {
-  Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {"a client"});
+  msg::ReleaseEmergencyStop::Request request;
+  request.by = Name(machine_.id);
+  Call<msg::ReleaseEmergencyStop>("release_emergency_stop", std::move(request));
 }
 
 void Client::Restart(const std::string& actuator) {
-  Call<msg::RestartActuator>("restart_actuator", {actuator});
+  msg::RestartActuator::Request request;
+  request.actuator = actuator;
+  if (!machine_.id.empty()) request.by = Name(machine_.id);
+  Call<msg::RestartActuator>("restart_actuator", std::move(request));
 }
 
 void Client::OnControllerKilled() {

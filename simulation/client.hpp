@@ -12,15 +12,16 @@
 #include <string>
 
 #include "musher/controller/client/switch_client.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/simulation/hosts.hpp"
 
 namespace musher::simulation {
 
 class Client {
  public:
-  // The hosts must outlive it.
+  // All but the layout must outlive it. It speaks to the machine of that layout.
   Client(transport::sim::Network& network, Hosts& hosts, const MachineConfig& config,
-         std::size_t host);
+         const Layout& layout, std::size_t host);
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
@@ -39,6 +40,10 @@ class Client {
     bool notified = false;         // the client has noticed that
   };
   const std::list<Request>& open() const { return open_requests_; }
+  // The person or program of its requests: it names the machine that is meant.
+  static std::string Name(const std::string& machine_id) {
+    return machine_id.empty() ? "a client" : "a client of machine " + machine_id;
+  }
   // The leading controller is killed: its open requests have no reply.
   void OnControllerKilled();
   std::size_t host() const { return host_; }
@@ -50,10 +55,11 @@ class Client {
 
  private:
   template <class S>
-  void Call(const char* service, const typename S::Request& request);
+  void Call(const char* service, typename S::Request request);
 
   transport::sim::Network& network_;
   const MachineConfig& config_;
+  const MachineIdentity machine_;  // without an id: any
   const std::size_t host_;
   std::uint64_t next_id_ = 1;
   std::unique_ptr<transport::Node> node_;

@@ -7,7 +7,8 @@ namespace musher::simulation {
 
 ControllerProcess::ControllerProcess(transport::sim::Network& network, const std::string& endpoint,
                                      std::size_t host, Hosts& hosts, const MachineConfig& config,
-                                     Processes& processes, Disk& disk, Hooks hooks)
+                                     const std::string& machine_id, Processes& processes,
+                                     Disk& disk, Hooks hooks)
     : network_(network),
       config_(config),
       processes_(processes),
@@ -51,6 +52,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   };
   dependencies.host = hosts.Id(host);
   dependencies.pid = pid_;
+  dependencies.machine_id = machine_id;
   dependencies.incarnation = hosts.NewIncarnation(host);
   ControllerShell::Hooks shell_hooks;
   shell_hooks.on_record = [this](const action::Record& record) {
@@ -107,6 +109,7 @@ void ControllerProcess::Save(T& stored, const T& value,
     stored = value;
     done(Ok());
   };
+  disk_.last_saves[&stored] = {serial_, [&stored, value] { stored = value; }};
   if (!disk_.stalled) return write();
   disk_.writes.push_back({serial_, [this, write] { node_->loop().Post(write); }});
 }
@@ -114,6 +117,8 @@ void ControllerProcess::Save(T& stored, const T& value,
 // Rows that are not durable are lost with the process.
 ControllerProcess::~ControllerProcess() {
   std::erase_if(disk_.writes, [this](const auto& write) { return write.controller == serial_; });
+  std::erase_if(disk_.last_saves,
+                [this](const auto& save) { return save.second.controller == serial_; });
   if (disk_.stalled && disk_.recording.size() > disk_.durable) {
     disk_.recording.resize(disk_.durable);
     disk_.gap = disk_.wants_snapshot = true;
@@ -178,7 +183,12 @@ Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) 
   if (!config_.IndexOf(spec.name)) return Error{kCodeUnSupport, "there is no power to switch"};
   if (hooks_.on_start) hooks_.on_start(spec.name);
   if (processes_.IsAlive(spec.name, host_)) return Error{kCodeTargetBusy, "it runs already"};
-  const std::int32_t pid = processes_.Launch(spec.name, host_);
+  const auto variable = [&spec](const char* name) {
+    const auto found = spec.env.find(name);
+    return found == spec.env.end() ? std::string() : found->second;
+  };
+  const std::int32_t pid = processes_.Launch(
+      spec.name, host_, {variable("MUSHER_MACHINE"), variable("MUSHER_MACHINE_ID")});
   watchers_[pid].push_back(std::move(on_exit));
   return pid;
 }

@@ -38,7 +38,9 @@ struct Disk {
     std::uint64_t controller = 0;  // its serial
     std::function<void()> end;
   };
-  std::vector<Write> writes;    // that wait for the end of the stall
+  std::vector<Write> writes;  // that wait for the end of the stall
+  // The last save of each value. A controller whose files are lost saves them anew.
+  std::map<const void*, Write> last_saves;
   std::size_t durable = 0;      // rows of the recording when the stall began
   bool gap = false;             // a row was lost
   bool wants_snapshot = false;  // a row was lost since the last snapshot
@@ -59,8 +61,8 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
 
   // All must outlive it.
   ControllerProcess(transport::sim::Network& network, const std::string& endpoint, std::size_t host,
-                    Hosts& hosts, const MachineConfig& config, Processes& processes, Disk& disk,
-                    Hooks hooks);
+                    Hosts& hosts, const MachineConfig& config, const std::string& machine_id,
+                    Processes& processes, Disk& disk, Hooks hooks);
   ~ControllerProcess() override;
 
   // Takes control of the machine. Refuses when it has received heartbeats of another controller,
@@ -86,7 +88,8 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   const std::string& endpoint() const { return endpoint_; }
   transport::ParticipantId participant() const { return network_.ParticipantOf(*node_); }
   bool frozen = false;
-  Duration wall_offset{};  // how far its wall clock is ahead
+  std::optional<Time> thawed;  // when it was last frozen until
+  Duration wall_offset{};      // how far its wall clock is ahead
 
  private:
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;

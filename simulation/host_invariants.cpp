@@ -7,6 +7,8 @@ namespace {
 
 // After this long with a working link a controller has received a process's status.
 constexpr Duration kReceivedAfter = std::chrono::seconds(2);
+// A controller may react so long to a fault of a process, or of its link, that is over.
+constexpr Duration kReactsFor = std::chrono::seconds(30);
 
 }  // namespace
 
@@ -57,6 +59,50 @@ void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid)
   ReportViolation(Invariant::kOnlyOwnProcessesSignalled,
                   "the controller signals process " + std::to_string(pid) +
                       ", which is not the process of that actuator");
+}
+
+void Checker::OnLinkFaults(bool active) {
+  if (active) {
+    link_faults_until_ = Time::max();
+  } else if (link_faults_until_ == Time::max()) {
+    link_faults_until_ = robot_.network().now();
+  }
+}
+
+// Whether nothing is, or was a short while ago, wrong with the process and its link to a controller
+// of its host.
+bool Checker::IsWell(const ControllerProcess& controller, const std::string& name) const {
+  const Time now = robot_.network().now();
+  const auto recent = [&](const std::optional<Time>& until) {
+    return until && (*until == Time::max() || now - *until < kReactsFor);
+  };
+  const Processes& processes = robot_.processes();
+  const std::size_t host = controller.host();
+  const std::string& endpoint = processes.EndpointOf(name, host);
+  const ActuatorReport* report = processes.ReportOf(name, host);
+  if (report == nullptr || report->busy() || report->state == kTearDown) return false;
+  return !recent(processes.FrozenUntil(name, host)) && !recent(controller.thawed) &&
+         !recent(link_faults_until_) &&
+         !recent(robot_.hosts().BlockedUntil(endpoint, controller.endpoint())) &&
+         !recent(robot_.hosts().BlockedUntil(controller.endpoint(), endpoint));
+}
+
+// A controller signals a process of its host. Unless it tears the machine down, or was requested to
+// restart an actuator of that process, the process must have a fault of its own.
+void Checker::CheckKill(const ControllerProcess& controller, std::int32_t pid) {
+  const Machine& machine = controller.shell().machine();
+  if (machine.phase == Phase::kStopping || machine.phase == Phase::kStopped) return;
+  std::string killed;
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
+    const std::string& name = config_.actuators[i].name;
+    if (robot_.processes().PidOf(name, controller.host()) != pid) continue;
+    const ActuatorRecord& record = machine.actuators[i];
+    if (record.restart.requested || !IsWell(controller, name)) return;
+    killed = name;
+  }
+  if (killed.empty()) return;
+  ReportViolation(Invariant::kNoKillForTheNetwork,
+                  "the controller ends the process of " + killed + ", which is well");
 }
 
 // A controller starts a program of another protocol. The program holds no name that would prevent a

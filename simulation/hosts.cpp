@@ -106,6 +106,14 @@ void Hosts::SetHostBlocked(std::size_t from, std::size_t to, bool blocked) {
   }
 }
 
+void Hosts::SetCutOff(std::size_t host, bool cut_off) {
+  for (std::size_t other = 0; other < hosts_.size(); ++other) {
+    if (other == host) continue;
+    SetHostBlocked(host, other, cut_off);
+    SetHostBlocked(other, host, cut_off);
+  }
+}
+
 std::optional<Time> Hosts::BlockedUntil(const std::string& from, const std::string& to) const {
   const auto link = links_.find({from, to});
   if (link == links_.end()) return std::nullopt;

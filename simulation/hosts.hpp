@@ -34,6 +34,10 @@ struct Layout {
   PerActuator<ActuatorIndex> process_of;
   // The hosts of the first controller and of the one that takes over.
   std::array<std::size_t, 2> controllers{};
+  // The machine's id, which its state folders keep; empty: none.
+  std::string machine_id{};
+  // Begins the names of its endpoints: those of two machines in one network differ.
+  std::string prefix{};
 
   std::size_t HostOf(ActuatorIndex actuator) const {
     return host_of.empty() ? 0 : host_of[actuator];
@@ -75,6 +79,9 @@ class Hosts {
   // one that unblocks.
   void SetBlocked(const std::string& from, const std::string& to, bool blocked);
   void SetHostBlocked(std::size_t from, std::size_t to, bool blocked);
+  // The outer interface of a host is gone, or back: it reaches no other host, while its own
+  // processes reach each other by the loopback.
+  void SetCutOff(std::size_t host, bool cut_off);
   // When the link was unblocked; Time::max(): it is blocked; nullopt: it never was.
   std::optional<Time> BlockedUntil(const std::string& from, const std::string& to) const;
 

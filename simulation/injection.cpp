@@ -66,6 +66,13 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kClientStatus, "client-status", 0},
     {InjectionKind::kClientRelease, "client-release", 0},
     {InjectionKind::kClientRestart, "client-restart", 0},
+    {InjectionKind::kOtherMachine, "other-machine", 0},
+    {InjectionKind::kOuterNetwork, "outer-network", 0},
+    {InjectionKind::kLostFiles, "lost-files", 0},
+    {InjectionKind::kBridge, "bridge", 0},
+    {InjectionKind::kStopProgram, "stop-program", 0},
+    {InjectionKind::kManyStops, "many-stops", 0},
+    {InjectionKind::kUnnamedStop, "unnamed-stop", 0},
 }};
 
 // The share of process ends that are configuration errors.
@@ -92,6 +99,15 @@ constexpr double kClientShare = 0.2;
 constexpr double kOrphanShare = 0.6;
 // The share of scenarios on three hosts in which a person takes over beyond a cut link.
 constexpr double kPairShare = 0.4;
+// The shares of scenarios with what is around the robot; the first two with several hosts.
+constexpr double kOtherShare = 0.2;
+constexpr double kOuterShare = 0.25;
+constexpr double kLostFilesShare = 0.05;
+constexpr double kBridgeShare = 0.3;
+constexpr double kStopProgramShare = 0.15;
+constexpr double kManyStopsShare = 0.03;
+constexpr double kUnnamedStopShare = 0.05;
+constexpr double kThenReleased = 0.7;
 constexpr InjectionKind kOfClients[] = {
     InjectionKind::kClientSet,    InjectionKind::kClientSet,     InjectionKind::kClientStatus,
     InjectionKind::kClientStatus, InjectionKind::kClientRelease, InjectionKind::kClientRestart};
@@ -168,9 +184,10 @@ class InjectionSampler {
         sensor_random_(seed * 2 + 0x73656e73),
         host_random_(seed * 2 + 0x72656274),
         pair_random_(seed * 2 + 0x70616972),
+        around_random_(seed * 2 + 0x61726f75),
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
-  Injections Sample() {
+  Injections Sample(bool bridges) {
     const std::uint64_t count = 1 + random_.Next() % (1 + random_.Next() % 16);
     for (std::uint64_t i = 0; i < count; ++i) {
       const bool crash =
@@ -185,6 +202,10 @@ class InjectionSampler {
       }
     }
     if (hosts_ > 2 && pair_random_.Bernoulli(kPairShare)) AddPair();
+    AddAround();
+    if (bridges && Random(around_random_).Bernoulli(kBridgeShare)) {
+      Insert(InjectionKind::kBridge, std::chrono::seconds(1), std::chrono::seconds(20));
+    }
     return std::move(injections_);
   }
 
@@ -217,6 +238,39 @@ class InjectionSampler {
       Injection& injection = add(kind, Milliseconds(10), std::chrono::seconds(6));
       injection.host = pair_random_.Next() % hosts_;
     }
+  }
+
+  void AddAround() {
+    using std::chrono::seconds;
+    const auto maybe = [this](InjectionKind kind, double share, Duration least, Duration most) {
+      if (around_random_.Bernoulli(share)) Insert(kind, least, most);
+    };
+    const bool lan = config_.transport == TransportProfile::kLan;
+    maybe(InjectionKind::kOtherMachine, lan ? kOtherShare : 0, seconds(3), seconds(40));
+    maybe(InjectionKind::kOuterNetwork, hosts_ > 1 ? kOuterShare : 0, Milliseconds(200),
+          seconds(20));
+    maybe(InjectionKind::kLostFiles, kLostFilesShare, {}, {});
+    const Duration released = Milliseconds(1);
+    maybe(InjectionKind::kStopProgram, kStopProgramShare, released, seconds(12));
+    maybe(InjectionKind::kManyStops, kManyStopsShare, released, seconds(12));
+    maybe(InjectionKind::kUnnamedStop, kUnnamedStopShare, released, seconds(12));
+  }
+
+  // Somewhere among the others. A stop lasts until it is released; zero: it is not.
+  void Insert(InjectionKind kind, Duration least, Duration most) {
+    Injection injection;
+    injection.kind = kind;
+    injection.at = around_random_.Between({}, at_ + std::chrono::seconds(2));
+    injection.actuator = ActuatorIndex(around_random_.Next() % config_.actuators.size());
+    injection.host = around_random_.Next() % hosts_;
+    injection.lasts = most <= least ? least : SampleLogUniform(around_random_, least, most);
+    if (kind >= InjectionKind::kStopProgram && !around_random_.Bernoulli(kThenReleased)) {
+      injection.lasts = {};
+    }
+    injection.random = around_random_.Next();
+    const auto later = std::find_if(injections_.begin(), injections_.end(),
+                                    [&](const auto& one) { return one.at > injection.at; });
+    injections_.insert(later, injection);
   }
 
   Injection& Add(InjectionKind kind, const State& state, Duration after = {}) {
@@ -379,6 +433,7 @@ class InjectionSampler {
   Random sensor_random_;
   Random host_random_;
   Random pair_random_;
+  Random around_random_;
   std::size_t hosts_;
   Duration at_{};
   Injections injections_;
@@ -394,11 +449,16 @@ bool IsFault(InjectionKind kind) {
   const bool of_hosts = kind >= InjectionKind::kReboot && kind <= InjectionKind::kStalledDisk;
   const bool of_sensor =
       kind >= InjectionKind::kBatteryGlitch && kind <= InjectionKind::kBatteryWalk;
-  return kind < InjectionKind::kSet || of_hosts || of_sensor;
+  const bool around = kind >= InjectionKind::kOtherMachine && kind <= InjectionKind::kBridge;
+  return kind < InjectionKind::kSet || of_hosts || of_sensor || around;
 }
 
-Injections SampleInjections(const MachineConfig& config, std::uint64_t seed) {
-  return InjectionSampler(config, seed).Sample();
+bool IsAround(InjectionKind kind) {
+  return kind >= InjectionKind::kOtherMachine;
+}
+
+Injections SampleInjections(const MachineConfig& config, std::uint64_t seed, bool bridges) {
+  return InjectionSampler(config, seed).Sample(bridges);
 }
 
 int BatteryOf(const Injection& injection) {

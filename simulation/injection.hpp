@@ -65,8 +65,16 @@ enum class InjectionKind : std::uint8_t {
   kClientStatus,   // the status
   kClientRelease,  // the release of the emergency stops
   kClientRestart,  // the restart of an actuator
+  // What is around the robot.
+  kOtherMachine,  // another machine comes into range, in the same namespace; lasts
+  kOuterNetwork,  // a host's outer interface is gone, its loopback remains; lasts
+  kLostFiles,     // the files of the controllers are removed while they run
+  kBridge,        // a bridge repeats old statuses and heartbeats of actuators, and leaves; lasts
+  kStopProgram,   // a program on a host engages a stop, over links that may be bad
+  kManyStops,     // a panel engages stops by the hundred
+  kUnnamedStop,   // a panel engages a stop without an id
 };
-inline constexpr std::size_t kInjectionKinds = 45;
+inline constexpr std::size_t kInjectionKinds = 52;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
 
@@ -88,9 +96,14 @@ using Injections = std::vector<Injection>;
 // Whether it is a fault rather than a request.
 bool IsFault(InjectionKind kind);
 
+// Whether it comes from outside of the robot. These have a random generator of their own: the other
+// events of a seed do not depend on them.
+bool IsAround(InjectionKind kind);
+
 // Samples the events of a scenario, the same from the same seed, in the order of their time. Some
 // are milliseconds apart, or wait for a phase, so that they meet in one switch.
-Injections SampleInjections(const MachineConfig& config, std::uint64_t seed);
+// `bridges`: also kBridge.
+Injections SampleInjections(const MachineConfig& config, std::uint64_t seed, bool bridges = false);
 
 // "the process of audio is killed"
 std::string Describe(const MachineConfig& config, const Injection& injection);

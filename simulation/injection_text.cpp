@@ -17,6 +17,9 @@ std::string Describe(const MachineConfig& config, const Injection& injection) {
   const std::string host(HostName(injection.host));
   const std::string other(HostName(injection.other_host));
   const std::string lasts = " for " + InMilliseconds(injection.lasts);
+  const std::string released = injection.lasts == Duration::zero()
+                                   ? ""
+                                   : ", released after " + InMilliseconds(injection.lasts);
   switch (injection.kind) {
     case InjectionKind::kCrash:
       return "the process of " + name + " is killed";
@@ -115,6 +118,20 @@ std::string Describe(const MachineConfig& config, const Injection& injection) {
       return "a client on host " + host + " releases the emergency stops";
     case InjectionKind::kClientRestart:
       return "a client on host " + host + " restarts " + name;
+    case InjectionKind::kOtherMachine:
+      return "another machine of the same namespace is in range" + lasts;
+    case InjectionKind::kOuterNetwork:
+      return "host " + host + " has no outer network" + lasts;
+    case InjectionKind::kLostFiles:
+      return "the files of the controller are removed";
+    case InjectionKind::kBridge:
+      return "a bridge repeats old statuses and heartbeats of actuators" + lasts;
+    case InjectionKind::kStopProgram:
+      return "a program on host " + host + " engages an emergency stop" + released;
+    case InjectionKind::kManyStops:
+      return "a panel engages emergency stops by the hundred" + released;
+    case InjectionKind::kUnnamedStop:
+      return "a panel engages an emergency stop without an id" + released;
   }
   return {};
 }

@@ -55,6 +55,16 @@ std::string_view InvariantText(Invariant invariant) {
       return "a controller raises its epoch once at most, and only while it starts";
     case Invariant::kTakeoverLasts:
       return "no actuator returns to a controller that a person has replaced";
+    case Invariant::kRisesAreRecorded:
+      return "what rises has a record of a person or of the policy, in the controller that leads";
+    case Invariant::kReachesMeantMachine:
+      return "a command, a stop or a request reaches the machine that is meant, or none";
+    case Invariant::kOtherMachineNeverFences:
+      return "no controller releases control to a controller of another machine";
+    case Invariant::kStopIsConfirmed:
+      return "after exit code 0 of `musher estop` every actuator of the machine is stopped";
+    case Invariant::kNoKillForTheNetwork:
+      return "no controller kills a healthy process of its host for a fault of the network";
     case Invariant::kWithinBattery:
       return "no actuator is more active than the battery permits";
     case Invariant::kNoFlapping:

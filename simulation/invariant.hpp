@@ -34,8 +34,13 @@ enum class Invariant : std::uint8_t {
   kOnlyLeaderReplies,          // only the leading controller replies to clients
   kClientGetsOutcome,          // a client gets an outcome, or that there is none, within a bound
   kOnlyOwnProcessesSignalled,  // a signalled process is a child, or holds the actuator's name
-  kEpochRaisedOnce,  // a controller raises its epoch once at most, and only while it starts
-  kTakeoverLasts,    // no actuator returns to a controller that a person has replaced
+  kEpochRaisedOnce,      // a controller raises its epoch once at most, and only while it starts
+  kTakeoverLasts,        // no actuator returns to a controller that a person has replaced
+  kRisesAreRecorded,     // what rises has a record of a person or of the policy as its reason
+  kReachesMeantMachine,  // a command, stop or request reaches the machine that is meant, or none
+  kOtherMachineNeverFences,  // no controller releases control to one of another machine
+  kStopIsConfirmed,      // a program that reports the machine as stopped has stopped all actuators
+  kNoKillForTheNetwork,  // no controller kills a healthy process of its host
   // Invariants of the policy.
   kWithinBattery,          // no actuator is more active than the battery permits
   kNoFlapping,             // the battery raises only what it lowered, beyond its hysteresis

@@ -101,6 +101,7 @@ void Checker::NoteLowering(const State& from) {
     CheckRaise(from, raised_at_.value_or(0));
     checked_raise_ = from;
   }
+  lowered_on_[recording_host_] = from;
   if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
   lowered_->second = policy_down_to_.back();
 }
@@ -187,7 +188,11 @@ void Checker::ForgetEndedPolicySwitches(const Machine& machine) {
 void Checker::CheckRaise(const State& raised_to, int percent) {
   const Rank rank = *config_.RankOf(raised_to);
   const std::string what = "the policy has raised the machine to " + raised_to;
-  const bool back = lowered_ && rank <= config_.RankOf(lowered_->first).value_or(0);
+  // A controller of another host may have led in between, of which this one does not know.
+  const auto own = lowered_on_.find(recording_host_);
+  const bool by_own = !robot_.OneHost() && own != lowered_on_.end() &&
+                      rank <= config_.RankOf(own->second).value_or(0);
+  const bool back = by_own || (lowered_ && rank <= config_.RankOf(lowered_->first).value_or(0));
   if (!back && !state_lost_) {
     ReportViolation(Invariant::kNoFlapping, what + ", which it had not lowered from there");
   }

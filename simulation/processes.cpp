@@ -83,7 +83,8 @@ std::size_t Processes::CountOf(const std::string& name) const {
   return running == running_.end() ? 0 : running->second.size();
 }
 
-std::int32_t Processes::Launch(const std::string& name, std::size_t host) {
+std::int32_t Processes::Launch(const std::string& name, std::size_t host,
+                               const MachineIdentity& machine) {
   const ActuatorIndex first = layout_.ProcessOf(*config_.IndexOf(name));
   const std::uint64_t serial = hosts_.NewSerial();
   Process& process = alive_[serial];
@@ -91,17 +92,17 @@ std::int32_t Processes::Launch(const std::string& name, std::size_t host) {
   process.host = host;
   process.pid = hosts_.NewPid(host);
   process.started = network_.now();
-  process.endpoint = config_.actuators[first].name;
+  process.endpoint = layout_.prefix + config_.actuators[first].name;
   if (host != layout_.HostOf(first)) process.endpoint += "@" + hosts_.name(host);
   process.node = network_.MakeNode(process.endpoint);
   hosts_.Attach(process.endpoint, host);
   for (const ActuatorIndex i : config_.actuators.Indices()) {
-    if (layout_.ProcessOf(i) == first) AddPart(process, config_.actuators[i].name);
+    if (layout_.ProcessOf(i) == first) AddPart(process, config_.actuators[i].name, machine);
   }
   return process.pid;
 }
 
-void Processes::AddPart(Process& process, const std::string& name) {
+void Processes::AddPart(Process& process, const std::string& name, const MachineIdentity& machine) {
   Part& part = *process.parts.emplace_back(std::make_unique<Part>());
   part.name = name;
   running_[name].push_back(&process);
@@ -120,7 +121,7 @@ void Processes::AddPart(Process& process, const std::string& name) {
         [this, &part](const State& target) { SwitchPower(part, target); });
   }
   const ActuatorIdentity identity{hosts_.NewIncarnation(process.host), process.pid,
-                                  hosts_.Id(process.host)};
+                                  hosts_.Id(process.host), machine.name, machine.id};
   auto shell = ActuatorShell::Make(*process.node, *part.worker, config_, *config_.IndexOf(name),
                                    identity, HooksOf(process, part, running));
   part.shell = std::move(shell).value();
@@ -218,6 +219,7 @@ void Processes::Freeze(const std::string& name) {
 void Processes::Thaw(const std::string& name) {
   Process& process = *Find(name);
   process.frozen = false;
+  process.thawed = network_.now();
   network_.Resume(*process.node);
 }
 
@@ -227,6 +229,11 @@ bool Processes::IsFrozen(const std::string& name) const {
 
 bool Processes::IsFrozen(const std::string& name, std::size_t host) const {
   return Find(name, host)->frozen;
+}
+
+std::optional<Time> Processes::FrozenUntil(const std::string& name, std::size_t host) const {
+  const Process& process = *Find(name, host);
+  return process.frozen ? Time::max() : process.thawed;
 }
 
 std::int32_t Processes::PidOf(const std::string& name) const {
@@ -323,6 +330,8 @@ void Processes::Lie(const std::string& name, const State& state) {
   lie.stamp = process.node->loop().Now();
   msg::ActuatorStatus status = transport::ToMessage(name, lie);
   status.participant = process.node->participant().value();
+  status.machine = config_.name;
+  status.machine_id = layout_.machine_id;
   static_cast<void>(part.lies->Publish(status));
 }
 

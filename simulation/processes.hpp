@@ -18,6 +18,7 @@
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/controller/process/process_runner.hpp"
 #include "musher/lifecycle/health/health_monitor.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/simulation/hosts.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -74,7 +75,9 @@ class Processes {
 
   // Starts the process of an actuator that does not run on that host; returns its pid.
   std::int32_t Launch(const std::string& name) { return Launch(name, HomeOf(name)); }
-  std::int32_t Launch(const std::string& name, std::size_t host);
+  // `machine`: as the controller that starts it says; empty: it is started by hand.
+  std::int32_t Launch(const std::string& name, std::size_t host,
+                      const MachineIdentity& machine = {});
   bool IsAlive(const std::string& name) const { return Find(name) != nullptr; }
   bool IsAlive(const std::string& name, std::size_t host) const {
     return Find(name, host) != nullptr;
@@ -91,6 +94,8 @@ class Processes {
   void Thaw(const std::string& name);    // SIGCONT
   bool IsFrozen(const std::string& name) const;
   bool IsFrozen(const std::string& name, std::size_t host) const;
+  // Until when it was frozen; nullopt: never.
+  std::optional<Time> FrozenUntil(const std::string& name, std::size_t host) const;
   // It publishes that state once, although it is not in it.
   void Lie(const std::string& name, const State& state);
   // A frozen process handles SIGKILL only.
@@ -144,6 +149,7 @@ class Processes {
     std::string endpoint;
     Time started{};
     bool frozen = false;
+    std::optional<Time> thawed;
     std::unique_ptr<transport::Node> node;
     std::vector<std::unique_ptr<Part>> parts;
   };
@@ -155,7 +161,7 @@ class Processes {
     return const_cast<Process*>(std::as_const(*this).Find(name));
   }
   static const Part& PartOf(const Process& process, const std::string& name);
-  void AddPart(Process& process, const std::string& name);
+  void AddPart(Process& process, const std::string& name, const MachineIdentity& machine);
   void OnFinished(const std::string& name, std::uint64_t serial, const Error& error);
   // Ends it after the current callback of the event loop.
   void EndLater(std::uint64_t serial, const ProcessExit& exit);

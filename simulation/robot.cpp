@@ -39,18 +39,29 @@ msg::BmsStatus BatteryAt(int percent, bool charging) {
 }  // namespace
 
 SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script, Layout layout)
+    : SimRobot(std::make_unique<World>(seed, layout.hosts), nullptr, std::move(config),
+               std::move(script), layout) {}
+
+SimRobot::SimRobot(SimRobot& beside, MachineConfig config, Script script, Layout layout)
+    : SimRobot(nullptr, &beside, std::move(config), std::move(script), std::move(layout)) {}
+
+SimRobot::SimRobot(std::unique_ptr<World> world, SimRobot* beside, MachineConfig config,
+                   Script script, Layout layout)
     : config_(std::move(config)),
       layout_(std::move(layout)),
-      network_(seed),
-      hosts_(network_, layout_.hosts),
+      world_(std::move(world)),
+      network_(world_ ? world_->network : beside->network_),
+      hosts_(world_ ? world_->hosts : beside->hosts_),
       switched_on_(network_.now()),
       environment_(network_.MakeNode("environment")),
       processes_(network_, config_, hosts_, layout_) {
   processes_.make_module = [script = std::move(script)](const std::string& name) {
     return std::make_unique<ScriptedModule>(script, name);
   };
-  network_.on_write = [this](transport::ParticipantId participant, const std::string& topic,
-                             const msg::Bytes& bytes) {
+  network_.on_write = [this, others = std::move(network_.on_write)](
+                          transport::ParticipantId participant, const std::string& topic,
+                          const msg::Bytes& bytes) {
+    if (others) others(participant, topic, bytes);
     if (!on_write) return;
     for (const auto& controller : controllers_) {
       if (controller && controller->participant() == participant) {
@@ -77,7 +88,8 @@ void SimRobot::Open(std::size_t which) {
   hooks.on_input = [this] {
     if (on_input) on_input();
   };
-  hooks.on_record = [this](const action::Record& record) {
+  hooks.on_record = [this, which](const action::Record& record) {
+    if (on_record_of) on_record_of(*controllers_[which], record);
     if (on_record) on_record(record);
   };
   hooks.on_send = [this](const Machine& machine, const action::SendSwitch& command) {
@@ -106,8 +118,9 @@ void SimRobot::Open(std::size_t which) {
     });
   };
   controllers_[which] = std::make_unique<ControllerProcess>(
-      network_, kControllerEndpoints[which], layout_.controllers[which], hosts_, config_,
-      processes_, DiskOf(which), std::move(hooks));
+      network_, layout_.prefix + kControllerEndpoints[which], layout_.controllers[which], hosts_,
+      config_, layout_.machine_id, processes_, DiskOf(which), std::move(hooks));
+  controllers_ever_.insert(controllers_[which]->participant());
 }
 
 void SimRobot::StartController(Duration listens) {
@@ -202,6 +215,7 @@ void SimRobot::FreezeController() {
 void SimRobot::ThawController() {
   for (const auto& controller : controllers_) {
     if (!controller || !std::exchange(controller->frozen, false)) continue;
+    controller->thawed = network_.now();
     network_.Resume(controller->node());
   }
 }
@@ -223,9 +237,30 @@ void SimRobot::StallDisk(bool stalled) {
   }
 }
 
+void SimRobot::LoseFiles() {
+  for (Disk& disk : disks_) {
+    disk.epoch = 0;
+    disk.stops = {};
+    disk.stop_intent = false;
+    disk.remote.clear();
+    disk.policy = {};
+    disk.files.clear();
+    disk.recording.clear();
+    disk.durable = 0;
+    disk.gap = disk.wants_snapshot = true;
+  }
+}
+
+void SimRobot::SaveAnew() {
+  for (Disk& disk : disks_) {
+    if (disk.full || disk.stalled) continue;
+    for (const auto& [stored, save] : disk.last_saves) save.end();
+  }
+}
+
 Client& SimRobot::ClientOn(std::size_t host) {
   auto& client = clients_[host];
-  if (!client) client = std::make_unique<Client>(network_, hosts_, config_, host);
+  if (!client) client = std::make_unique<Client>(network_, hosts_, config_, layout_, host);
   return *client;
 }
 
@@ -243,16 +278,62 @@ void SimRobot::JumpWallClock(Duration by) {
   }
 }
 
-void SimRobot::EngageEmergencyStop(StopId id, std::size_t panel) {
+StopId SimRobot::EngageEmergencyStop(StopId id, std::size_t panel, const std::string& by) {
   Panel& p = panels_[panel];
   if (!p.node) {
-    p.node = network_.MakeNode("panel-" + std::to_string(panel));
+    p.node = network_.MakeNode(layout_.prefix + "panel-" + std::to_string(panel));
     p.button =
         transport::MakePublisher<msg::EmergencyStop>(
             *p.node, transport::EmergencyStopTopic(config_.name_space), transport::kLatchedQos)
             .value();
   }
-  static_cast<void>(p.button->Publish({id.value(), true, "a person", ""}));
+  static_cast<void>(p.button->Publish({id.value(), true, by, ""}));
+  if (id != 0) return id;
+  transport::SampleInfo info;  // as every receiver gets it
+  info.written_ns = Duration(network_.now().time_since_epoch()).count();
+  return StopId(transport::StopIdOf(info));
+}
+
+MachineIdentity SimRobot::EngageByProgram(StopId id, std::size_t host, const StopLinks& links,
+                                          bool named) {
+  StopClient::Options options;
+  options.endpoint = layout_.prefix + "estop-" + ToString(id);
+  options.host = host;
+  options.name_space = config_.name_space;
+  options.delay_most = links.delay_most;
+  options.loss = links.loss;
+  options.discovery_most = links.discovery_most;
+  options.view.lan = config_.transport == TransportProfile::kLan;
+  for (const auto& controller : controllers_) {
+    if (!controller || controller->host() != host) continue;
+    options.view.has_controller = true;
+    options.machine = identity();
+  }
+  if (named) options.machine = {config_.name, ""};
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    if (IsAlive(actuator.name) && processes_.IsAlive(actuator.name, host)) {
+      options.view.running_here.push_back(actuator.name);
+    }
+  }
+  const MachineIdentity machine = options.machine;
+  stop_programs_[id] = std::make_unique<StopClient>(
+      network_, hosts_, std::move(options), id,
+      [this, id](bool confirmed) {
+        if (on_stop_program) on_stop_program(id, confirmed);
+      },
+      [this, id] {
+        environment_->loop().Post([this, id] {
+          stop_programs_.erase(id);
+          if (on_stop_withdrawn) on_stop_withdrawn(id);
+        });
+      });
+  return machine;
+}
+
+void SimRobot::EndStopPrograms() {
+  for (const auto& [id, program] : std::exchange(stop_programs_, {})) {
+    if (on_stop_withdrawn) on_stop_withdrawn(id);
+  }
 }
 
 void SimRobot::SetBattery(int percent, bool charging) {

@@ -11,14 +11,17 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/simulation/client.hpp"
 #include "musher/simulation/controller_process.hpp"
 #include "musher/simulation/processes.hpp"
+#include "musher/simulation/stop_client.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::simulation {
@@ -32,6 +35,9 @@ class SimRobot {
   static constexpr const char* kControllerEndpoints[] = {"controller", "rival"};
 
   SimRobot(std::uint64_t seed, MachineConfig config, Script script = {}, Layout layout = {});
+  // Another machine in the network of `beside`, which must outlive it. Its layout counts the hosts
+  // of both; its prefix and the names of its hosts must be others.
+  SimRobot(SimRobot& beside, MachineConfig config, Script script, Layout layout);
   ~SimRobot();
   SimRobot(const SimRobot&) = delete;
   SimRobot& operator=(const SimRobot&) = delete;
@@ -44,6 +50,11 @@ class SimRobot {
   const Processes& processes() const { return processes_; }
   const MachineConfig& config() const { return config_; }
   Duration age() const { return network_.now() - switched_on_; }
+  MachineIdentity identity() const { return {config_.name, layout_.machine_id}; }
+  // Whether the participant is, or was, a controller of this machine.
+  bool IsController(transport::ParticipantId participant) const {
+    return controllers_ever_.contains(participant);
+  }
 
   void UseProgram(const std::string& name, Processes::Program program) {
     processes_.UseProgram(name, std::move(program));
@@ -56,6 +67,8 @@ class SimRobot {
   std::function<void(const Machine&, const action::SendSwitch&)> on_send;
   // A controller has made a record.
   std::function<void(const action::Record&)> on_record;
+  // The same, for the checker; before on_record.
+  std::function<void(const ControllerProcess&, const action::Record&)> on_record_of;
   // Before a controller starts a process.
   std::function<void(const ControllerProcess&, const std::string& name)> on_start;
   // A controller begins to lead; an operator has started it, or a supervisor.
@@ -108,11 +121,31 @@ class SimRobot {
   void FillDisk(bool full);
   // Writes to the disks of the controllers do not end, or all end now.
   void StallDisk(bool stalled);
+  // The files of the controllers are removed, also those that a controller has open.
+  void LoseFiles();
+  // The controllers that run have noticed that, and save what they have again.
+  void SaveAnew();
   // Changes the wall clocks of the controllers.
   void JumpWallClock(Duration by);
 
-  // A panel engages an emergency stop. The panel stays available, and its last sample latched.
-  void EngageEmergencyStop(StopId id, std::size_t panel = 0);
+  // A panel engages an emergency stop; returns its id, which is one of the network where `id` is 0.
+  // The panel stays available, and its last sample latched. `by`: the person there.
+  StopId EngageEmergencyStop(StopId id, std::size_t panel = 0, const std::string& by = "a person");
+  // A program on that host engages a stop, as `musher estop` does, over links with that delay and
+  // loss, with that time for discovery at most. `named`: it names the machine, also where no
+  // controller of this host does. Returns the machine that is meant, as far as it is known.
+  struct StopLinks {
+    Duration delay_most{};
+    double loss = 0;
+    Duration discovery_most{};
+  };
+  MachineIdentity EngageByProgram(StopId id, std::size_t host, const StopLinks& links, bool named);
+  // They are all closed.
+  void EndStopPrograms();
+  // Such a program ends, with exit code 0 if `confirmed`. May be empty.
+  std::function<void(StopId id, bool confirmed)> on_stop_program;
+  // It publishes the stop no more. May be empty.
+  std::function<void(StopId id)> on_stop_withdrawn;
   // The client on that host.
   Client& ClientOn(std::size_t host);
   std::vector<const Client::Request*> OpenRequests() const;
@@ -154,6 +187,15 @@ class SimRobot {
   Disk& disk(std::size_t controller) { return disks_[controller]; }
 
  private:
+  struct World {  // the network and the hosts of a machine that has its own
+    World(std::uint64_t seed, const std::vector<std::string>& hosts)
+        : network(seed), hosts(network, hosts) {}
+    transport::sim::Network network;
+    Hosts hosts;
+  };
+  // In `world`, or else in that of `beside`.
+  SimRobot(std::unique_ptr<World> world, SimRobot* beside, MachineConfig config, Script script,
+           Layout layout);
   void Open(std::size_t which);
   void EndController(std::size_t which);
   void KillController(std::size_t which);
@@ -166,8 +208,9 @@ class SimRobot {
 
   MachineConfig config_;
   const Layout layout_;
-  transport::sim::Network network_;
-  Hosts hosts_;
+  const std::unique_ptr<World> world_;  // null: it is in that of another machine
+  transport::sim::Network& network_;
+  Hosts& hosts_;
   Time switched_on_;
   std::unique_ptr<transport::Node> environment_;  // its loop runs what belongs to no process
   struct Panel {
@@ -178,7 +221,9 @@ class SimRobot {
   Processes processes_;
   std::array<Disk, 2> disks_;
   std::array<std::unique_ptr<ControllerProcess>, 2> controllers_;
+  std::set<transport::ParticipantId> controllers_ever_;
   std::map<std::size_t, std::unique_ptr<Client>> clients_;  // by host
+  std::map<StopId, std::unique_ptr<StopClient>> stop_programs_;
   std::array<transport::LoopHandlePtr, 2> begins_;
   transport::LoopHandlePtr takes_over_;
   std::optional<msg::BmsStatus> battery_;

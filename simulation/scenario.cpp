@@ -20,6 +20,20 @@ std::uint64_t Scramble(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   return random.Next();
 }
 
+constexpr const char* kMachineId = "11111111-0000-4000-8000-000000000000";
+
+// With a host for the other machine, which is not one of the robot, if there is one.
+Layout LayoutOf(const MachineConfig& config, std::uint64_t seed, bool shared_processes,
+                const Injections& injections) {
+  Layout layout = SampleLayout(config, seed, shared_processes);
+  layout.machine_id = kMachineId;
+  const bool other = std::any_of(injections.begin(), injections.end(), [](const Injection& one) {
+    return one.kind == InjectionKind::kOtherMachine;
+  });
+  if (other) layout.hosts.emplace_back("other");
+  return layout;
+}
+
 // Nothing publishes /clock in a scenario: its time is the network's.
 MachineConfig WithSteadyClock(MachineConfig config) {
   config.clock = ClockSource::kSteady;
@@ -40,7 +54,7 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
       robot_(
           seed, WithSteadyClock(config),
           [this](const std::string& name, const State& state) { return SampleAct(name, state); },
-          SampleLayout(config, seed, options.shared_processes)),
+          LayoutOf(config, seed, options.shared_processes, injections_)),
       checker_(robot_) {
   for (const ActuatorIndex i : config.actuators.Indices()) {
     for (const State& state : config.actuators[i].states) {
@@ -83,11 +97,19 @@ Ending Scenario::Run() {
   if (!Over()) Settle();
   if (!Over()) Repair();
   if (!Over()) SwitchOff();
-  ending_.violation = checker_.violation();
+  ending_.violation = violation();
+  if (ending_.violation && !checker_.violation()) {
+    ending_.violation->what = "the other machine: " + ending_.violation->what;
+  }
   ending_.checks = checker_.checks();
   ending_.steps = robot_.network().steps();
   ending_.simulated = robot_.age();
   return ending_;
+}
+
+const std::optional<Violation>& Scenario::violation() const {
+  const bool of_other = other_ && !checker_.violation() && other_->checker().violation();
+  return of_other ? other_->checker().violation() : checker_.violation();
 }
 
 void Scenario::Mix(const std::string& text) {
@@ -128,6 +150,7 @@ bool Scenario::RunUntil(const std::function<bool()>& done, Duration limit) {
     bool reached = false;
     const auto stop = [&] {
       checker_.AfterEvent();
+      if (other_) other_->checker().AfterEvent();
       if (listener.on_change) listener.on_change(robot_.network().now(), robot_);
       reached = done();
       return reached || Over();
@@ -196,6 +219,7 @@ MachinePhase Scenario::Now() const {
 void Scenario::EndFaults() {
   if (config_.policy)
     robot_.SetMotion(303);  // walking: a body that lies still goes to LowPower by itself
+  robot_.EndStopPrograms();
   std::fill(fault_windows_.begin(), fault_windows_.end(), FaultWindow{});
   for (const ActuatorConfig& actuator : config_.actuators) {
     robot_.processes().Misconfigure(actuator.name, false);
@@ -217,6 +241,22 @@ void Scenario::Settle() {
   // A fault may be detected only now.
   RunFor(std::chrono::seconds(15));
   if (ReachStableState("although it was before")) checker_.CheckRest(options_.provided);
+  if (!Over()) SettleOtherMachine();
+}
+
+// Beside the robot, too, whatever happened to either, the other machine is as it should be.
+void Scenario::SettleOtherMachine() {
+  if (!other_) return;
+  Checker& checker = other_->checker();
+  if (other_->robot().leader() == nullptr) {
+    other_->StartController(false);
+    if (other_->robot().leader() == nullptr) RunFor(std::chrono::seconds(2));
+  }
+  const bool rests = RunUntil([&] { return checker.AtRest(); }, options_.bound);
+  if (Over()) return;
+  if (rests) return checker.CheckRest(false);
+  checker.ReportViolation(Invariant::kReachesStableState,
+                          "the other machine is not stable: " + checker.PendingActivity());
 }
 
 void Scenario::Note(const std::string& action) {

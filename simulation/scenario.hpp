@@ -11,10 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "musher/simulation/bridge.hpp"
 #include "musher/simulation/checker.hpp"
 #include "musher/simulation/coverage.hpp"
 #include "musher/simulation/injection.hpp"
 #include "musher/simulation/invariant.hpp"
+#include "musher/simulation/other_machine.hpp"
 #include "musher/simulation/robot.hpp"
 #include "musher/transport/sim/random.hpp"
 
@@ -25,6 +27,7 @@ struct ScenarioOptions {
   State home;                     // the state to which the operator recovers the machine
   bool provided = true;           // the config's on_lost must cover every lost actuator
   bool shared_processes = false;  // some actuators run in the process of another
+  bool bridges = false;           // some networks have a bridge that repeats old samples
 };
 
 // The default options for a config. The bound is a minute plus the longest chain of `after`, with
@@ -39,7 +42,8 @@ struct Ending {
   std::array<std::uint64_t, 5> switches{};  // by SwitchOutcome
   std::array<std::uint64_t, 3>
       client_ends{};  // of switches that clients requested, by SwitchEnd::Kind
-  std::array<std::uint64_t, 2> client_calls{};  // of clients: without a reply, with one
+  std::array<std::uint64_t, 2> client_calls{};   // of clients: without a reply, with one
+  std::array<std::uint64_t, 2> stop_programs{};  // with another exit code, with exit code 0
   std::uint64_t checks = 0;
   std::uint64_t steps = 0;         // events of the network
   Duration simulated{};            // how long the run was, in virtual time
@@ -111,8 +115,16 @@ class Scenario {
   void Reboot(std::size_t host, Duration lasts);
   void StartController(bool restarted = false);
   void ApplyToStops(const Injection& injection);
+  void ApplyAround(const Injection& injection);
+  void MeetOtherMachine(const Injection& injection);
+  void EngageByProgram(const Injection& injection);
+  void NoteForOther(std::size_t number);
+  void EngageMany(transport::sim::Random random);
+  void EngageNext(std::size_t panel, StopId id, bool one_source, int left);
+  void ReleaseLater(const Injection& injection);
+  void SettleOtherMachine();
   void ApplyByClient(const Injection& injection);
-  void Engage(std::size_t panel, StopId id);
+  void Engage(std::size_t panel, StopId id, const std::string& by = "a person");
   void StartByHand(ActuatorIndex actuator);
   // Whether it is started by hand, in a process of its own.
   bool IsByHand(ActuatorIndex actuator) const;
@@ -121,7 +133,8 @@ class Scenario {
   // Runs in virtual time; stops early at a violation.
   bool RunUntil(const std::function<bool()>& done, Duration limit);
   void RunFor(Duration duration);
-  bool Over() const { return end_now_ || checker_.violation().has_value(); }
+  bool Over() const { return end_now_ || violation().has_value(); }
+  const std::optional<Violation>& violation() const;
 
   bool ReachStableState(const std::string& when);
   void RepairActuators();
@@ -146,6 +159,13 @@ class Scenario {
   std::vector<TimedAction> later_;
   SimRobot robot_;
   Checker checker_;
+  struct ProgramStop {
+    StopId id = 0;
+    MachineIdentity meant;  // as far as the program knows it
+  };
+  std::vector<ProgramStop> program_stops_;  // so far
+  std::unique_ptr<OtherMachine> other_;     // null until it comes into range
+  std::unique_ptr<Bridge> bridge_;
 };
 
 // Runs a scenario with everything sampled from the seed.

@@ -13,6 +13,7 @@ namespace {
 constexpr std::int32_t kLying = 0;
 constexpr std::int32_t kWalking = 303;
 constexpr int kMostBattery = 100;
+constexpr std::size_t kFirstProgram = 100;           // that engages stops, beside the panels
 constexpr Duration kWalkPeriod = Milliseconds(300);  // of the samples of a battery that jitters
 
 }  // namespace
@@ -69,6 +70,7 @@ void Scenario::Apply(const Injection& injection) {
       checker_.OnRestartRequest(name);
       return robot_.Restart(name);
     default:
+      if (IsAround(injection.kind)) return ApplyAround(injection);
       if (injection.kind >= InjectionKind::kClientSet) return ApplyByClient(injection);
       if (injection.kind == InjectionKind::kCrossingStops) return ApplyToStops(injection);
       if (injection.kind == InjectionKind::kStalledDisk) return ApplyToController(injection);
@@ -165,9 +167,14 @@ void Scenario::ApplyToNetwork(const Injection& injection) {
   Later(injection.lasts, [set] { set(false); });
 }
 
-void Scenario::Engage(std::size_t panel, StopId id) {
-  checker_.OnStopEngaged(panel, id);
-  robot_.EngageEmergencyStop(id, panel);
+// A panel has no identity: it stops every machine in reach.
+void Scenario::Engage(std::size_t panel, StopId id, const std::string& by) {
+  if (id != 0) checker_.OnStopEngaged(panel, id);
+  if (id != 0 && other_) other_->checker().OnStopEngaged(panel, id);
+  const StopId given = robot_.EngageEmergencyStop(id, panel, by);
+  if (id != 0) return;
+  checker_.OnStopEngaged(panel, given);
+  if (other_) other_->checker().OnStopEngaged(panel, given);
 }
 
 // Two panels engage a stop; the release comes between them or at about the same time.
@@ -179,6 +186,121 @@ void Scenario::ApplyToStops(const Injection& injection) {
         [this, panel, id = StopId((random >> 9) | 1)] { Engage(1 - panel, id); });
   Later(Milliseconds(static_cast<std::int64_t>(random / 1024 % 60)),
         [this] { robot_.ReleaseEmergencyStop(); });
+}
+
+// What is around the robot.
+void Scenario::ApplyAround(const Injection& injection) {
+  switch (injection.kind) {
+    case InjectionKind::kOtherMachine:
+      return MeetOtherMachine(injection);
+    case InjectionKind::kOuterNetwork:
+      robot_.hosts().SetCutOff(injection.host, true);
+      return Later(injection.lasts,
+                   [this, host = injection.host] { robot_.hosts().SetCutOff(host, false); });
+    case InjectionKind::kLostFiles:
+      checker_.OnControllersBlocked(true);
+      robot_.LoseFiles();
+      return Later(std::chrono::seconds(1), [this] { robot_.SaveAnew(); });
+    case InjectionKind::kBridge:
+      bridge_ = std::make_unique<Bridge>(robot_.network(), config_, injection.random);
+      return Later(injection.lasts, [this] { bridge_.reset(); });
+    case InjectionKind::kStopProgram:
+      EngageByProgram(injection);
+      return ReleaseLater(injection);
+    case InjectionKind::kManyStops:
+      EngageMany(transport::sim::Random(injection.random));
+      return ReleaseLater(injection);
+    default:
+      Engage(injection.random / 2 % 2, 0);
+      return ReleaseLater(injection);
+  }
+}
+
+void Scenario::ReleaseLater(const Injection& injection) {
+  if (injection.lasts == Duration::zero()) return;
+  Later(injection.lasts, [this, host = injection.host, by_client = injection.random % 3 == 0] {
+    if (!by_client) return robot_.ReleaseEmergencyStop();
+    robot_.ClientOn(host).ReleaseEmergencyStop();
+  });
+}
+
+// It starts before it comes into range, or just then; meanwhile people use it. Half of them stay.
+void Scenario::MeetOtherMachine(const Injection& injection) {
+  if (other_) return;
+  transport::sim::Random random(injection.random);
+  const std::size_t host = robot_.hosts().size() - 1;
+  other_ = std::make_unique<OtherMachine>(robot_, checker_, host, random);
+  for (std::size_t number = 0; number < program_stops_.size(); ++number) NoteForOther(number);
+  other_->on_record = [this](action::Record record) {
+    record.message = "other machine: " + record.message;
+    Mix(record.message);
+    if (listener.on_record) listener.on_record(robot_.network().now(), record);
+  };
+  ApplyNetworkFaults();
+  const Duration alone =
+      random.Bernoulli(0.3) ? Duration::zero() : random.Between({}, std::chrono::seconds(5));
+  Later(alone, [this] { other_->SetInRange(true); });
+  for (std::uint64_t acts = random.Next() % 5; acts > 0; --acts) {
+    Later(random.Between({}, alone + injection.lasts), [this] { other_->Act(); });
+  }
+  const bool stays = random.Bernoulli(0.5);
+  Later(alone + injection.lasts, [this, stays] {
+    if (!stays) other_->SetInRange(false);
+    other_->StartController(true);  // where none runs
+  });
+}
+
+void Scenario::EngageByProgram(const Injection& injection) {
+  // As late as the stop may arrive, over links that lose most of it.
+  constexpr Duration kLatest = std::chrono::seconds(30);
+  transport::sim::Random random(injection.random);
+  const std::array<Duration, 3> delays = {Milliseconds(1), Milliseconds(100), Milliseconds(400)};
+  const std::array<Duration, 3> discoveries = {Milliseconds(5), Milliseconds(1500),
+                                               std::chrono::seconds(10)};
+  SimRobot::StopLinks links;
+  links.delay_most = delays[random.Next() % delays.size()];
+  links.discovery_most = discoveries[random.Next() % discoveries.size()];
+  links.loss = random.Bernoulli(0.5) ? 0.3 : 0;
+  const StopId id((random.Next() | 1) >> 1);
+  checker_.OnStopEngaged(kFirstProgram + program_stops_.size(), id);
+  robot_.on_stop_program = [this](StopId stop, bool confirmed) {
+    ++ending_.stop_programs[confirmed ? 1 : 0];
+    const auto program = std::find_if(program_stops_.begin(), program_stops_.end(),
+                                      [&](const ProgramStop& one) { return one.id == stop; });
+    // It has not named this machine: it may reach and confirm the other one alone.
+    const bool any = other_ && program->meant.name.empty();
+    if (confirmed && !any) checker_.OnStopConfirmed(stop);
+  };
+  robot_.on_stop_withdrawn = [this](StopId stop) { checker_.OnStopWithdrawn(stop); };
+  const MachineIdentity meant =
+      robot_.EngageByProgram(id, injection.host, links, random.Bernoulli(0.2));
+  Later(kLatest, [] {});
+  program_stops_.push_back({id, meant});
+  if (other_) NoteForOther(program_stops_.size() - 1);
+}
+
+// Whether the stop is meant for the other machine as well, which may be out of range.
+void Scenario::NoteForOther(std::size_t number) {
+  const ProgramStop& stop = program_stops_[number];
+  Checker& checker = other_->checker();
+  if (!SameMachine(stop.meant, other_->robot().identity())) return checker.OnStopOfOther(stop.id);
+  checker.OnStopEngaged(kFirstProgram + number, stop.id);
+  checker.OnStopWithdrawn(stop.id);
+}
+
+// By one source or by as many, with or without ids.
+void Scenario::EngageMany(transport::sim::Random random) {
+  const int count = 20 + static_cast<int>(random.Next() % 80);
+  const StopId first(random.Bernoulli(0.3) ? 0 : (random.Next() >> 8) + 1);
+  EngageNext(random.Next() % 2, first, random.Bernoulli(0.5), count);
+}
+
+void Scenario::EngageNext(std::size_t panel, StopId id, bool one_source, int left) {
+  if (left == 0) return;
+  Engage(panel, id, one_source ? "a person" : "person " + std::to_string(left));
+  const StopId next(id == 0 ? 0 : id.value() + 1);
+  Later(Milliseconds(1 + left % 20),
+        [this, panel, next, one_source, left] { EngageNext(panel, next, one_source, left - 1); });
 }
 
 void Scenario::ApplyByClient(const Injection& injection) {
@@ -241,6 +363,10 @@ void Scenario::ApplyNetworkFaults() {
   if (network_faults_[2] > 0) faults.duplication = 0.3;
   if (network_faults_[3] > 0) faults.reordering = 0.3;
   robot_.network().SetFaults(faults);
+  const bool any = std::any_of(network_faults_.begin(), network_faults_.end(),
+                               [](int active) { return active > 0; });
+  checker_.OnLinkFaults(any);
+  if (other_) other_->checker().OnLinkFaults(any);
 }
 
 void Scenario::ApplyToController(const Injection& injection) {

@@ -26,7 +26,7 @@ std::optional<Invariant> ViolatedBy(const MachineConfig& config, const ScenarioO
 }  // namespace
 
 Result<Injections> InjectionsOf(const MachineConfig& config, const ScenarioId& id) {
-  const Injections all = SampleInjections(config, id.seed);
+  const Injections all = SampleInjections(config, id.seed, id.bridges);
   if (!id.only) return all;
   Injections some;
   for (const std::size_t number : *id.only) {
@@ -75,7 +75,8 @@ Summary RunMany(const MachineConfig& config, const ScenarioOptions& options, std
       if (begin >= count || stop) return;
       for (std::uint64_t i = begin; i < std::min(begin + kBatch, count); ++i) {
         const std::uint64_t seed = first + i;
-        const Ending ending = RunScenario(config, seed, SampleInjections(config, seed), options);
+        const Ending ending =
+            RunScenario(config, seed, SampleInjections(config, seed, options.bridges), options);
         const std::lock_guard lock(mutex);
         summary.Add(seed, ending);
       }
@@ -118,9 +119,10 @@ std::vector<std::size_t> ShrinkWhile(
 ScenarioId Shrink(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t seed,
                   Invariant invariant) {
   const auto bad = [&](const std::vector<std::size_t>& only) {
-    return ViolatedBy(config, options, {seed, only}) == invariant;
+    return ViolatedBy(config, options, {seed, only, options.bridges}) == invariant;
   };
-  return {seed, ShrinkWhile(SampleInjections(config, seed).size(), bad)};
+  const std::size_t count = SampleInjections(config, seed, options.bridges).size();
+  return {seed, ShrinkWhile(count, bad), options.bridges};
 }
 
 std::optional<ScenarioId> ShortestFailingScenario(const MachineConfig& config,

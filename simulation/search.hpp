@@ -18,6 +18,7 @@ namespace musher::simulation {
 struct ScenarioId {
   std::uint64_t seed = 0;
   std::optional<std::vector<std::size_t>> only;
+  bool bridges = false;  // as in ScenarioOptions
 };
 
 // The injected events of a scenario. Fails for a number that the seed has no event for.

@@ -10,6 +10,7 @@ namespace musher::simulation {
 void Checker::OnStopEngaged(std::size_t panel, StopId id) {
   engaged_[id] = panel;
   last_of_panel_[panel] = id;
+  engaged_at_[id] = robot_.network().now();
 }
 
 // A controller publishes a stop. Only a controller releases one.
@@ -18,6 +19,7 @@ void Checker::OnStopPublished(const ControllerProcess& controller, const msg::Em
     accepted_stops_[StopId(stop.id)].insert(controller.host());
   } else {
     released_[StopId(stop.id)].insert(controller.host());
+    released_at_ = robot_.network().now();
   }
 }
 
@@ -33,25 +35,31 @@ bool Checker::ReleasedElsewhere() const {
 
 // Whether a stop is still engaged. A panel keeps its last stop only: an earlier one is lost if no
 // controller had received it, if it was stored on a disk that is lost, or if it was stored on
-// another host than that of the controller that leads.
-bool Checker::StopIsOpen() const {
+// another host than that of the controller that leads. Whether one is engaged that a program has
+// published, which publishes it no more, depends on who has received it.
+Checker::Open Checker::StopIsOpen() const {
   const ControllerProcess* leader = robot_.leader();
-  return std::any_of(engaged_.begin(), engaged_.end(), [&](const auto& stop) {
-    const auto accepted = accepted_stops_.find(stop.first);
+  Open open = Open::kNo;
+  for (const auto& [id, panel] : engaged_) {
+    if (released_.contains(id)) continue;
+    const auto accepted = accepted_stops_.find(id);
     const bool kept = accepted != accepted_stops_.end() && leader != nullptr &&
                       accepted->second.contains(leader->host()) && !state_lost_;
-    const bool known = kept || last_of_panel_.at(stop.second) == stop.first;
-    return known && !released_.contains(stop.first);
-  });
+    const bool published = last_of_panel_.at(panel) == id && !withdrawn_.contains(id);
+    if (kept || published) return Open::kYes;
+    if (withdrawn_.contains(id)) open = Open::kMaybe;
+  }
+  return open;
 }
 
 void Checker::CheckStopsAtRest(const Machine& machine) {
-  const bool open = StopIsOpen();
+  const bool known = machine.emergency.stop.has_value();
+  const Open is_open = StopIsOpen();
+  const bool open = is_open == Open::kMaybe ? known : is_open == Open::kYes;
   const auto excused = [&](bool latched) {
     return latched && !open && (state_lost_ || ReleasedElsewhere());
   };
   const std::string what = open ? " although one is engaged" : " although all stops are released";
-  const bool known = machine.emergency.stop.has_value();
   if (known != open && !excused(known)) {
     return ReportViolation(
         Invariant::kEmergencyStopLatched,
@@ -68,6 +76,38 @@ void Checker::CheckStopsAtRest(const Machine& machine) {
   }
 }
 
+// Nothing of it is on: by its hardware, or by its report where that is not known.
+bool Checker::IsStopped(const std::string& name, std::size_t host,
+                        const ActuatorReport& report) const {
+  if (robot_.processes().HasPower(name, host)) return !robot_.processes().IsPowered(name, host);
+  const bool off = !Rises(config_, kDeActive, report.state) && !report.busy();
+  return report.emergency_stop != 0 || off;
+}
+
+// Every actuator of the machine is stopped, unless the stop was released meanwhile. The program
+// goes by the controller that it reaches, which cannot know of a process beyond a cut link that no
+// controller of its host has ever received.
+void Checker::OnStopConfirmed(StopId id) {
+  ++checks_;
+  if (released_at_ && *released_at_ >= engaged_at_[id]) return;
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    const std::string& name = config_.actuators[i].name;
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const ActuatorReport* report = robot_.processes().ReportOf(name, host);
+      if (report == nullptr || IsStopped(name, host, *report)) continue;
+      const auto knows = [&](const ControllerProcess* controller) {
+        return controller == nullptr || !controller->leads() ||
+               IsKnown(*controller, i, host, *report);
+      };
+      if (duplicated_.contains(name) || !knows(robot_.controller(0))) continue;
+      if (robot_.leader() == nullptr || !knows(robot_.controller(1))) continue;
+      ReportViolation(Invariant::kStopIsConfirmed, "the machine is reported as stopped, and " +
+                                                       name + " is on in " + report->state +
+                                                       " on host " + robot_.hosts().name(host));
+    }
+  }
+}
+
 // Runs after each step of an actuator.
 void Checker::CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                            const ActuatorReport& report) {
@@ -78,6 +118,10 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
     ReportViolation(
         Invariant::kEmergencyStopReported,
         name + " reports " + report.state + " with its power off, and not that a stop holds it");
+  }
+  if (stops_of_other_.contains(report.emergency_stop)) {
+    ReportViolation(Invariant::kReachesMeantMachine,
+                    name + " has latched an emergency stop that is meant for another machine");
   }
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
   if (!report.busy()) idle_and_stopped_.emplace_back(name, host);

@@ -63,7 +63,7 @@ struct SampleInfo {
   // can only write in its own partition.
   std::optional<std::string_view> partition = std::nullopt;
   // When it was written, by the writer's wall clock: the same for every reader, also of a sample
-  // that is delivered again. 0: not known; always in the simulation.
+  // that is delivered again. 0: not known. The simulation has one wall clock.
   std::int64_t written_ns = 0;
 };
 

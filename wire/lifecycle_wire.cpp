@@ -7,12 +7,7 @@
 namespace musher::transport {
 namespace {
 
-// The id of a stop whose sender gave none: the time at which the sample was written, else the
-// participant. The highest bit keeps it apart from small ids that people choose.
-std::uint64_t StopIdOf(const SampleInfo& info) {
-  const auto written = static_cast<std::uint64_t>(info.written_ns);
-  return (written != 0 ? written : info.participant.value()) | (std::uint64_t{1} << 63U);
-}
+constexpr std::size_t kMostStopsReported = 64;  // beside the oldest, as many as an actuator keeps
 
 msg::EmergencyStop MalformedStop() {
   msg::EmergencyStop stop;
@@ -22,6 +17,12 @@ msg::EmergencyStop MalformedStop() {
 }
 
 }  // namespace
+
+// The highest bit keeps it apart from small ids that people choose.
+std::uint64_t StopIdOf(const SampleInfo& info) {
+  const auto written = static_cast<std::uint64_t>(info.written_ns);
+  return (written != 0 ? written : info.participant.value()) | (std::uint64_t{1} << 63U);
+}
 
 std::string CommandService(std::string_view name_space, std::string_view actuator) {
   return ResolveName(name_space, std::string(actuator) + "/musher_command");
@@ -121,6 +122,7 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
   status.emergency_stop_by = report.emergency_stop_by;
   status.emergency_stop_reason = report.emergency_stop_reason;
   status.released_stop = report.released_stop.value();
+  for (const StopId stop : report.other_stops) status.other_stops.push_back(stop.value());
   status.stamp_ns = ToNanoseconds(report.stamp);
   return status;
 }
@@ -147,6 +149,10 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.emergency_stop_by = status.emergency_stop_by;
   report.emergency_stop_reason = status.emergency_stop_reason;
   report.released_stop = StopId(status.released_stop);
+  for (const std::uint64_t stop : status.other_stops) {
+    if (report.other_stops.size() == kMostStopsReported) break;
+    report.other_stops.emplace_back(stop);
+  }
   report.stamp = FromNanoseconds(std::clamp(status.stamp_ns, -kFarthestNs, kFarthestNs));
   return report;
 }

@@ -45,6 +45,10 @@ bool IsFrom(std::string_view actuator, const SampleInfo& info);
 bool IsOwn(std::uint64_t participant, const SampleInfo& info);
 bool IsFrom(const msg::ActuatorStatus& status, const SampleInfo& info);
 
+// The id of a stop whose sender gave none: the time at which the sample was written, else the
+// participant.
+std::uint64_t StopIdOf(const SampleInfo& info);
+
 // Subscribes to the emergency stops. The callback gets each stop with an id other than 0: where the
 // sender gave none, as `ros2 topic pub` does by default, it is made of the sample, and it is the
 // same for every subscriber. A sample that cannot be decoded is a stop that is engaged.

@@ -13,11 +13,22 @@
 namespace musher {
 namespace {
 
-// Whether it may move: a crashed actuator does not, one whose connection is lost may.
+// Of what is known of other machines for a message.
+constexpr std::size_t kMostMachines = 8;
+constexpr std::size_t kLongestMachineText = 80;
+
+// Whether it may move. A crashed actuator does not. One whose connection is lost may, unless its
+// process has ended; so may one whose process a new controller has found, or has stored as running
+// on another host, and has not taken control of yet.
 bool MayMove(const msg::ActuatorInfo& actuator) {
-  return actuator.presence == PresenceName(Presence::kPresent) ||
-         actuator.health == HealthName(Health::kHung) ||
-         actuator.health == HealthName(Health::kPartitioned);
+  const auto is = [&](Presence presence) { return actuator.presence == PresenceName(presence); };
+  if (is(Presence::kPresent) || is(Presence::kStarting)) return true;
+  if (actuator.health == HealthName(Health::kHung) ||
+      actuator.health == HealthName(Health::kPartitioned)) {
+    return true;
+  }
+  const bool elsewhere = is(Presence::kAbsent) && !actuator.host.empty();
+  return actuator.health != HealthName(Health::kCrashed) && (actuator.pid != 0 || elsewhere);
 }
 
 }  // namespace
@@ -87,12 +98,24 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
 void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
   const MachineIdentity theirs{status.machine, status.machine_id};
   if (!SameMachine({stop_.machine, stop_.machine_id}, theirs)) return;
+  NoteMachine(theirs);
   Received& last = received_[status.name];
   const StopId latched(status.emergency_stop);
   const bool changed = last.writer != info.writer || last.latched != latched;
   if (!changed) return;
   last = {info.writer, latched, loop_.Now() - begun_};
   if (on_change_) on_change_();
+}
+
+void Latching::NoteMachine(const MachineIdentity& machine) {
+  const auto same = std::find_if(machines_.begin(), machines_.end(),
+                                 [&](const auto& known) { return SameMachine(known, machine); });
+  if (same == machines_.end()) {
+    if (machines_.size() < kMostMachines) machines_.push_back(machine);
+    return;
+  }
+  if (same->id.empty()) same->id = machine.id;
+  if (same->name.empty()) same->name = machine.name;
 }
 
 EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller,
@@ -137,6 +160,27 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
   if (before || other) report.earlier.emplace();
   if (report.earlier && controller) {
     *report.earlier = {controller->emergency_stop_by, controller->emergency_stop_reason};
+  }
+  return report;
+}
+
+// A controller reports which actuators belong to the machine. Without one those count whose
+// processes run on this host, and whose status is received; on other hosts there may be more.
+EstopReport Latching::Report(const StopView& view) const {
+  EstopReport report =
+      Report(view.controller, view.controller ? std::vector<std::string>() : view.running_here);
+  if (machines_.size() > 1) {
+    // They may have actuators of the same names, and only one controller is followed.
+    report.unknown = "several machines have received the stop (";
+    for (const MachineIdentity& machine : machines_) {
+      if (!report.unknown.ends_with('(')) report.unknown += ", ";
+      report.unknown += MachineText(machine).substr(0, kLongestMachineText);
+    }
+    report.unknown += "); `musher estop --machine NAME` stops one of them and confirms that";
+  } else if (!view.controller && view.has_controller) {
+    report.unknown = "the controller does not answer";
+  } else if (!view.controller && view.lan) {
+    report.unknown = "no controller answers, so the actuators of other hosts are not known";
   }
   return report;
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -61,6 +62,14 @@ struct EstopReport {
 inline constexpr std::size_t kLongestStopReason = 256;
 msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason);
 
+// What the program that engages a stop knows of its machine.
+struct StopView {
+  std::optional<msg::MachineStatus> controller = {};  // the controller's last status, if it answers
+  bool has_controller = false;  // it was discovered, or a controller runs on this host
+  bool lan = false;             // there may be actuators on other hosts
+  std::vector<std::string> running_here = {};  // names of the actuators on this host
+};
+
 class Latching {
  public:
   // Publishes the stop at once and, while this object exists, to actuators that join later. `node`
@@ -78,6 +87,8 @@ class Latching {
   // received.
   EstopReport Report(const std::optional<msg::MachineStatus>& controller,
                      const std::vector<std::string>& expected = {}) const;
+  // The same, with why the machine may have more actuators.
+  EstopReport Report(const StopView& view) const;
 
  private:
   struct Received {
@@ -88,6 +99,7 @@ class Latching {
 
   Latching(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
+  void NoteMachine(const MachineIdentity& machine);
   EstopReport::Actuator& Take(EstopReport& report, const std::string& name,
                               const std::string& trouble) const;
 
@@ -96,6 +108,7 @@ class Latching {
   const std::function<void()> on_change_;
   const Time begun_;
   std::map<std::string, Received> received_;
+  std::vector<MachineIdentity> machines_;  // of the received statuses; no two are the same
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };

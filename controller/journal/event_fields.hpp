@@ -98,6 +98,7 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
     Field{"emergency_stop_by", &ActuatorReport::emergency_stop_by},
     Field{"emergency_stop_reason", &ActuatorReport::emergency_stop_reason},
     Field{"released_stop", &ActuatorReport::released_stop},
+    Field{"other_stops", &ActuatorReport::other_stops},
     Field{"stamp", &ActuatorReport::stamp},
 };
 

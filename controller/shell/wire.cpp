@@ -90,11 +90,12 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     info.state = record.state();
     info.target = record.command ? record.command->target : record.report.target;
     info.presence = PresenceName(record.presence);
-    info.pid = record.process.pid != 0 ? record.process.pid
-               : record.presence == Presence::kPresent || record.presence == Presence::kStarting
-                   ? record.report.pid
-                   : 0;
-    info.host = record.report.host;
+    // Also of a lost one, unless its process is known to have ended.
+    const bool may_run =
+        record.presence != Presence::kAbsent && record.process.dead != record.report.incarnation;
+    info.pid = record.process.pid != 0 ? record.process.pid : may_run ? record.report.pid : 0;
+    // Of one that is out of reach since before this controller began, what its disk says.
+    info.host = record.report.host.empty() ? record.elsewhere.value_or("") : record.report.host;
     info.stage = config.actuators[i].stage;
     info.critical = config.actuators[i].critical;
     info.held = record.held;

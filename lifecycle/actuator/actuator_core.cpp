@@ -245,6 +245,10 @@ class Deciding {
     report_.emergency_stop = first.id;
     report_.emergency_stop_by = first.by;
     report_.emergency_stop_reason = first.reason;
+    report_.other_stops.clear();
+    for (const EmergencyStop& stop : core_.stops) {
+      if (stop.id != first.id) report_.other_stops.push_back(stop.id);
+    }
     Do(PublishStatus{});
   }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/ids.hpp"
@@ -56,6 +57,8 @@ struct ActuatorReport {
   // Participant and reason of `emergency_stop`, as it was engaged; empty where unknown.
   std::string emergency_stop_by;
   std::string emergency_stop_reason;
+  // Those that it has latched beside `emergency_stop`, oldest first.
+  std::vector<StopId> other_stops;
   // The stop of the last release that it has received from its controller; 0: none.
   StopId released_stop = 0;
   Time stamp{};  // by the actuator's own clock

@@ -176,11 +176,18 @@ void EmergencyStops::EndRelease(const Result<>& result) {
 }
 
 // An actuator may have latched a stop that this controller missed: then it is engaged for the
-// machine. It may have missed a release: then the release is published again, unless another stop
-// is engaged, which the actuator may have missed.
+// machine, and so are all others that it has latched, since one release covers them. It may have
+// missed a release: then the release is published again, unless another stop is engaged, which the
+// actuator may have missed.
 void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
   const StopId id = report.emergency_stop;
   if (id == 0 || machine_.phase == Phase::kIdle) return;
+  CompareOldest(report, i);
+  EngageOthersOf(report, i);
+}
+
+void EmergencyStops::CompareOldest(const ActuatorReport& report, ActuatorIndex i) {
+  const StopId id = report.emergency_stop;
   if (IsReleased(id)) {
     const bool repeats = machine_.emergency.release.has_value();
     if (!machine_.emergency.stop && !repeats) {
@@ -194,6 +201,16 @@ void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
       id, report.emergency_stop_by,
       origin_known ? report.emergency_stop_reason : ConfigOf(i).name + " had latched it"};
   if (Add(stop)) Engage(stop);
+}
+
+// One record for all of them: who engaged them is not known.
+void EmergencyStops::EngageOthersOf(const ActuatorReport& report, ActuatorIndex i) {
+  EmergencyStop last;
+  for (const StopId id : report.other_stops) {
+    const EmergencyStop stop{id, "", ConfigOf(i).name + " had latched it"};
+    if (!IsReleased(id) && Add(stop)) last = stop;
+  }
+  if (last.id != 0) Engage(last);
 }
 
 bool EmergencyStops::Add(const EmergencyStop& stop) {

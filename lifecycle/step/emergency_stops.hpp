@@ -21,6 +21,8 @@ class EmergencyStops : StepPart {
   void CheckRelease();
 
  private:
+  void CompareOldest(const ActuatorReport& report, ActuatorIndex i);
+  void EngageOthersOf(const ActuatorReport& report, ActuatorIndex i);
   bool IsReleased(StopId id) const;
   bool Add(const EmergencyStop& stop);
   void Engage(const EmergencyStop& stop);

@@ -76,6 +76,17 @@ TEST_F(Stopped, ReleasingTheFirstOfTwoStopsDoesNotOpenTheActuator) {
   Switch(3, "Active");
 }
 
+TEST_F(Stopped, ReportsEveryStopThatItHasLatched) {
+  Engage();
+  Engage(kStop + 1);
+  Engage(kStop + 2);
+  EXPECT_EQ(core_.report.emergency_stop, kStop);
+  EXPECT_EQ(core_.report.other_stops, (std::vector<StopId>{kStop + 1, kStop + 2}));
+  Release();
+  EXPECT_EQ(core_.report.emergency_stop, kStop + 1);
+  EXPECT_EQ(core_.report.other_stops, std::vector<StopId>{kStop + 2});
+}
+
 TEST_F(Stopped, ReleasingTheSecondOfTwoStopsLeavesTheFirst) {
   Engage();
   Engage(kStop + 1);

@@ -149,7 +149,10 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   const Machine& machine = world.machine;
   const ActuatorRecord& record = machine.actuators[i];
   AddRecord(mixer, record);
-  if (model.releases) mixer.Add(record.report.emergency_stop, record.report.released_stop);
+  if (model.releases) {
+    mixer.Add(record.report.emergency_stop, record.report.released_stop,
+              record.report.other_stops.size());
+  }
   if (machine.current) {
     AddLegs(mixer, machine.current->legs, i);
     AddLegs(mixer, machine.current->rollback.legs, i);

@@ -439,4 +439,275 @@ TEST_F(TwoLinks, FindsAnActuatorThatReturnsToAReplacedController) {
   ExpectFound(Invariant::kTakeoverLasts, "b returns to the controller on host robot");
 }
 
+TEST_F(TwoLinks, FindsAStateThatRisesWithoutARecord) {
+  Make(Started(2));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  ASSERT_TRUE(robot_->Set(State(kLowPower))->done());
+  RunFor(std::chrono::seconds(1));
+  MachineOfController(0).state = MachineOfController(0).recorded_state = State(kActive);
+  robot_->ReleaseEmergencyStop();  // the next step of the controller
+  RunFor(Milliseconds(10));
+  ExpectFound(Invariant::kRisesAreRecorded, "went from LowPower to Active");
+}
+
+// A command upward for which nothing was recorded.
+TEST_F(TwoLinks, FindsAnActuatorThatRisesWithoutARecord) {
+  Make(Started(1));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  ASSERT_TRUE(robot_->Set(State(kLowPower))->done());
+  RunFor(std::chrono::seconds(1));
+  robot_->on_record_of = {};  // the journal loses the request
+  Request(State(kActive));
+  RunFor(std::chrono::seconds(1));
+  ExpectFound(Invariant::kRisesAreRecorded, "for which its controller has recorded no reason");
+}
+
+TEST_F(PlantedFlaw, FindsAHealthyProcessThatIsKilledForAFaultOfTheNetwork) {
+  MachineConfig config = Started(1);
+  config.actuators[0].restart.policy = RestartPolicy::kAlways;
+  Make(std::move(config));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  RunFor(std::chrono::seconds(1));
+  // As if processes of one host reached each other by the outer interface, which is gone.
+  robot_->network().Partition("a", "controller");
+  RunFor(std::chrono::seconds(30));
+  ExpectFound(Invariant::kNoKillForTheNetwork, "ends the process of a, which is well");
+}
+
+TEST_F(PlantedFlaw, AHostWithoutItsOuterNetworkKeepsItsProcesses) {
+  MachineConfig config = Started(2);
+  config.actuators[1].command.clear();
+  Layout layout = TwoHosts(2);
+  layout.host_of = {0, 1};
+  Make(std::move(config), layout);
+  robot_->StartActuator("b");
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  const std::int32_t pid = robot_->processes().PidOf("a");
+  robot_->hosts().SetCutOff(0, true);
+  RunFor(std::chrono::seconds(30));
+  EXPECT_TRUE(robot_->Set(State(kLowPower)));
+  robot_->hosts().SetCutOff(0, false);
+  RunFor(std::chrono::seconds(30));
+  EXPECT_EQ(robot_->processes().PidOf("a"), pid);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(PlantedFlaw, FindsAStopThatIsReportedBeforeEveryActuatorIsStopped) {
+  Make(Started(2));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  RunFor(std::chrono::seconds(1));
+  checker_->OnStopEngaged(100, 7);
+  checker_->OnStopConfirmed(7);
+  ExpectFound(Invariant::kStopIsConfirmed, "a is on in Active");
+}
+
+// A program engages a stop over links that delay, lose and discover late.
+class StopProgram : public PlantedFlaw {
+ protected:
+  void Engage(StopId id, const SimRobot::StopLinks& links) {
+    robot_->on_stop_program = [this](StopId stop, bool confirmed) {
+      confirmed_ = confirmed;
+      if (confirmed) checker_->OnStopConfirmed(stop);
+    };
+    robot_->on_stop_withdrawn = [this](StopId stop) { checker_->OnStopWithdrawn(stop); };
+    checker_->OnStopEngaged(100, id);
+    robot_->EngageByProgram(id, 0, links, false);
+  }
+  std::optional<bool> confirmed_;
+};
+
+TEST_F(StopProgram, EndsWithExitCodeZeroOnceEveryActuatorIsStopped) {
+  MachineConfig config = Started(3);
+  config.transport = TransportProfile::kLan;
+  Make(std::move(config));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  Engage(7, {Milliseconds(300), 0.2, std::chrono::seconds(4)});
+  ASSERT_TRUE(RunUntil([&] { return confirmed_.has_value(); }, std::chrono::seconds(11)));
+  EXPECT_TRUE(*confirmed_);
+  RunFor(std::chrono::seconds(5));
+  checker_->CheckRest(false);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(StopProgram, KeepsAStopPublishedThatIsNotConfirmedInTime) {
+  MachineConfig config = Started(3);
+  config.transport = TransportProfile::kLan;
+  Make(std::move(config));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  robot_->network().Block("estop-7", "b");
+  Engage(7, {Milliseconds(1), 0, Milliseconds(5)});
+  robot_->network().Block("controller", "b");
+  ASSERT_TRUE(RunUntil([&] { return confirmed_.has_value(); }, std::chrono::seconds(11)));
+  EXPECT_FALSE(*confirmed_);
+  robot_->network().Free("estop-7", "b");
+  RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(robot_->ReportOf("b")->emergency_stop, StopId(7));
+}
+
+TEST_F(StopProgram, AHundredStopsOfAsManySourcesAreReleasedTogether) {
+  Make(Started(2));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  for (std::uint64_t id = 1; id <= 100; ++id) {
+    checker_->OnStopEngaged(0, StopId(id));
+    robot_->EngageEmergencyStop(StopId(id), 0, "person " + std::to_string(id));
+    RunFor(Milliseconds(3));
+  }
+  RunFor(std::chrono::seconds(1));
+  checker_->CheckRest(false);
+  robot_->ReleaseEmergencyStop();
+  RunFor(std::chrono::seconds(4));
+  checker_->CheckRest(false);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  EXPECT_EQ(robot_->ReportOf("a")->emergency_stop, StopId(0));
+}
+
+TEST_F(StopProgram, IsNotConfirmedWhileANewControllerHasNotTakenControlOfAnActuator) {
+  MachineConfig config = Started(2);
+  config.transport = TransportProfile::kLan;
+  Make(std::move(config));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  robot_->CrashController();
+  RunFor(std::chrono::seconds(1));
+  robot_->network().Block("controller", "a");
+  robot_->network().Block("estop-7", "a");
+  robot_->network().Block("a", "estop-7");
+  robot_->LaunchController(0, true, std::chrono::seconds(1));
+  RunFor(Milliseconds(1050));
+  ASSERT_TRUE(robot_->has_controller());
+  EXPECT_EQ(robot_->machine().actuators[0].presence, Presence::kAbsent) << "found by its name";
+  Engage(7, {});
+  ASSERT_TRUE(RunUntil([&] { return confirmed_.has_value(); }, std::chrono::seconds(11)));
+  EXPECT_FALSE(*confirmed_);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(StopProgram, OneReleaseEndsAHundredStopsThatCameWhileNoControllerRan) {
+  Make(Started(2));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  robot_->CrashController();
+  for (std::uint64_t id = 1; id <= 100; ++id) {
+    checker_->OnStopEngaged(0, StopId(id));
+    robot_->EngageEmergencyStop(StopId(id), 0, "person " + std::to_string(id));
+    RunFor(Milliseconds(3));
+  }
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  RunFor(std::chrono::seconds(1));
+  robot_->ReleaseEmergencyStop();
+  RunFor(std::chrono::seconds(4));
+  EXPECT_FALSE(robot_->machine().emergency.stop);
+  EXPECT_EQ(robot_->ReportOf("a")->emergency_stop, StopId(0));
+}
+
+TEST_F(StopProgram, AStopWithoutAnIdStopsAgainAfterItsRelease) {
+  Make(Started(2));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  for (int i = 0; i < 2; ++i) {
+    const StopId id = robot_->EngageEmergencyStop(0);
+    checker_->OnStopEngaged(0, id);
+    RunFor(std::chrono::seconds(1));
+    EXPECT_EQ(robot_->ReportOf("a")->emergency_stop, id);
+    checker_->CheckRest(false);
+    robot_->ReleaseEmergencyStop();
+    RunFor(std::chrono::seconds(4));
+    checker_->CheckRest(false);
+  }
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+// Two machines with the same actuators in one network, each with a checker.
+class TwoMachines : public PlantedFlaw {
+ protected:
+  static constexpr const char* kOurs = "11111111";
+
+  // `theirs`: the id of the other machine; the same one: as if machines had none.
+  void MakeBoth(const std::string& theirs) {
+    Layout layout;
+    layout.hosts = {"robot", "other"};
+    layout.host_of = PerActuator<std::size_t>(2, 0);
+    layout.machine_id = kOurs;
+    Make(Started(2), layout);
+    layout.host_of = PerActuator<std::size_t>(2, 1);
+    layout.controllers = {1, 1};
+    layout.machine_id = theirs;
+    layout.prefix = "other/";
+    other_.emplace(*robot_, robot_->config(), simulation::Script(), layout);
+    other_checker_.emplace(*other_);
+    checker_->SetOther(*other_);
+    other_checker_->SetOther(*robot_);
+    SetInRange(false);
+    other_->disk(0).epoch = 100;
+    other_->LaunchController(0, true, {});
+    ASSERT_NO_FATAL_FAILURE(BringUp());
+    RunFor(std::chrono::seconds(2));
+    ASSERT_EQ(other_->machine().phase, Phase::kRunning);
+  }
+  void SetInRange(bool in_range) {
+    robot_->hosts().SetHostBlocked(0, 1, !in_range);
+    robot_->hosts().SetHostBlocked(1, 0, !in_range);
+  }
+  void TearDown() override {
+    other_.reset();  // its network is the robot's
+  }
+
+  std::optional<SimRobot> other_;
+  std::optional<simulation::Checker> other_checker_;
+};
+
+TEST_F(TwoMachines, ThatMeetChangeNothingOfEachOther) {
+  ASSERT_NO_FATAL_FAILURE(MakeBoth("22222222"));
+  SetInRange(true);
+  RunFor(std::chrono::seconds(10));
+  robot_->ClientOn(0).SetState(State(kLowPower), "");
+  RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(robot_->machine().state, kLowPower);
+  EXPECT_EQ(other_->machine().state, kActive);
+  other_->ClientOn(1).SetState(State(kTearDown), "");
+  RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(other_->machine().phase, Phase::kStopped);
+  EXPECT_EQ(robot_->ReportOf("a")->state, kLowPower);
+  EXPECT_EQ(robot_->leaders(), 1U);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  EXPECT_FALSE(other_checker_->violation()) << other_checker_->violation()->what;
+}
+
+TEST_F(TwoMachines, FindsAControllerThatAHeartbeatOfAnotherMachineFences) {
+  ASSERT_NO_FATAL_FAILURE(MakeBoth(kOurs));
+  SetInRange(true);
+  RunFor(std::chrono::seconds(3));
+  ExpectFound(Invariant::kOtherMachineNeverFences, "the only controller of machine 11111111");
+}
+
+TEST_F(TwoMachines, FindsAnActuatorThatObeysAnotherMachine) {
+  ASSERT_NO_FATAL_FAILURE(MakeBoth("22222222"));
+  CoreOf("a").controller = Sender(other_->controller(0)->participant().value());
+  robot_->EngageEmergencyStop(7);  // so that it publishes its status
+  RunFor(Milliseconds(200));
+  ExpectFound(Invariant::kReachesMeantMachine, "a obeys a controller of machine 22222222");
+}
+
+TEST_F(TwoMachines, FindsARequestThatDoesNotSayWhichMachineIsMeant) {
+  ASSERT_NO_FATAL_FAILURE(MakeBoth("22222222"));
+  SetInRange(true);
+  RunFor(std::chrono::seconds(5));
+  const auto node = robot_->network().MakeNode("caller");
+  const auto caller =
+      transport::MakeClient<msg::SetState>(*node, transport::MachineService("", "set_state"))
+          .value();
+  RunFor(std::chrono::seconds(1));
+  msg::SetState::Request request;
+  request.target = kLowPower;
+  request.by = simulation::Client::Name("22222222");
+  caller->Call(request, std::chrono::seconds(5), [](const auto&) {});
+  RunFor(std::chrono::seconds(2));
+  ExpectFound(Invariant::kReachesMeantMachine, "acts on a request of another");
+}
+
+TEST_F(TwoMachines, FindsAStopThatDoesNotSayWhichMachineIsMeant) {
+  ASSERT_NO_FATAL_FAILURE(MakeBoth("22222222"));
+  checker_->OnStopOfOther(7);
+  other_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  ExpectFound(Invariant::kReachesMeantMachine, "is meant for another machine");
+}
+
 }  // namespace musher::testing::planted_flaw_test

@@ -16,7 +16,11 @@
 
 namespace musher::transport::sim {
 
-using Payload = std::shared_ptr<const msg::Bytes>;
+struct Written {
+  msg::Bytes bytes;
+  Time at{};
+};
+using Payload = std::shared_ptr<const Written>;
 struct Channel;
 
 struct End {

@@ -88,8 +88,9 @@ void Delivery::Arrive(Channel& channel, const Payload& payload) {
   }
   if (reader->callbacks.on_sample) {
     SampleInfo info{channel.writer->id, channel.writer->participant};
+    info.written_ns = Duration(payload->at.time_since_epoch()).count();
     if (reader->qos.partition == kEveryPartition) info.partition = channel.writer->qos.partition;
-    reader->callbacks.on_sample(*payload, info);
+    reader->callbacks.on_sample(payload->bytes, info);
   }
 }
 

@@ -55,13 +55,21 @@ void Discovery::Match(const std::shared_ptr<WriterEnd>& writer,
   Discover(channel, Side::kReader);
 }
 
+std::pair<Duration, Duration> Discovery::DelayBetween(HostId a, HostId b) const {
+  for (const HostId host : {a, b}) {
+    if (const auto delay = delays_of_.find(host); delay != delays_of_.end()) return delay->second;
+  }
+  return {delay_min_, delay_max_};
+}
+
 void Discovery::Discover(const std::shared_ptr<Channel>& channel, Side side) {
   const End& learner = channel->At(side);
   const End& other = channel->At(Other(side));
   Time when = scheduler_.now();
   if (!SameProcess(*channel)) {
     Time& last = last_announcement_[{other.process, learner.process, side}];
-    when = std::max(when + random_.Between(delay_min_, delay_max_), last);
+    const auto [least, most] = DelayBetween(other.host, learner.host);
+    when = std::max(when + random_.Between(least, most), last);
     last = when;
   }
   scheduler_.Add(learner.process, when, [this, channel, side] { Learn(channel, side); });

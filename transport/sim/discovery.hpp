@@ -28,6 +28,8 @@ class Discovery {
 
   // The discovery delay of a side, and the time after which a silent participant is lost.
   void SetDelay(Duration least, Duration most);
+  // The same between processes of that host and all others, and among them.
+  void SetDelayOf(HostId host, Duration least, Duration most) { delays_of_[host] = {least, most}; }
   void SetLease(Duration lease) { lease_ = lease; }
 
   void Add(const std::string& topic, const std::string& type,
@@ -48,6 +50,7 @@ class Discovery {
     std::vector<std::shared_ptr<ReaderEnd>> readers;
   };
 
+  std::pair<Duration, Duration> DelayBetween(HostId a, HostId b) const;
   void Match(const std::shared_ptr<WriterEnd>& writer, const std::shared_ptr<ReaderEnd>& reader);
   void Discover(const std::shared_ptr<Channel>& channel, Side side);
   void Learn(const std::shared_ptr<Channel>& channel, Side side);
@@ -66,6 +69,7 @@ class Discovery {
   Delivery& delivery_;
   Duration delay_min_ = Milliseconds(1);
   Duration delay_max_ = Milliseconds(5);
+  std::map<HostId, std::pair<Duration, Duration>> delays_of_;
   Duration lease_ = std::chrono::seconds(10);
 
   std::map<std::pair<std::string, std::string>, Topic> topics_;

@@ -2,6 +2,7 @@
 // The hosts of a simulation and the link faults between them.
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,18 @@ class Links {
 
   void SetFaults(const LinkFaults& faults);  // on all links, also of later hosts
   void SetFaults(HostId from, HostId to, const LinkFaults& faults) { At(from, to).faults = faults; }
-  const LinkFaults& Faults(HostId from, HostId to) const { return At(from, to).faults; }
+  // Of all links from and to that host, also with later hosts, instead of those of the links.
+  void SetFaultsOf(HostId host, const LinkFaults& faults) { of_hosts_[host] = faults; }
+  const LinkFaults& Faults(HostId from, HostId to) const {
+    if (!of_hosts_.empty()) {
+      for (const HostId host : {from, to}) {
+        if (const auto of_host = of_hosts_.find(host); of_host != of_hosts_.end()) {
+          return of_host->second;
+        }
+      }
+    }
+    return At(from, to).faults;
+  }
 
   void SetBlocked(HostId from, HostId to, bool blocked);
   bool Blocked(HostId from, HostId to) const { return At(from, to).blocked; }
@@ -57,6 +69,7 @@ class Links {
   std::vector<Duration> offsets_;
   std::vector<std::vector<Link>> links_;  // from, to
   LinkFaults default_faults_;
+  std::map<HostId, LinkFaults> of_hosts_;
 };
 
 }  // namespace musher::transport::sim

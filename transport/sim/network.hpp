@@ -43,6 +43,10 @@ class Network {
   // Sets faults, at any time; they affect samples sent from now on.
   void SetFaults(const LinkFaults& faults) { links_.SetFaults(faults); }
   void SetFaults(const std::string& from, const std::string& to, const LinkFaults& faults);
+  // Of all links of that host, also with later hosts, instead of the others.
+  void SetFaultsOf(const std::string& host, const LinkFaults& faults) {
+    links_.SetFaultsOf(links_.Host(host), faults);
+  }
   // Blocks all samples from one host to the other, or both ways, until Free() or Heal().
   void Block(const std::string& from, const std::string& to) { SetBlocked(from, to, true); }
   void Free(const std::string& from, const std::string& to) { SetBlocked(from, to, false); }
@@ -50,6 +54,9 @@ class Network {
   void Heal(const std::string& a, const std::string& b);
   // The time until a process discovers a new writer or reader.
   void SetDiscoveryDelay(Duration least, Duration most) { discovery_.SetDelay(least, most); }
+  void SetDiscoveryDelayOf(const std::string& host, Duration least, Duration most) {
+    discovery_.SetDelayOf(links_.Host(host), least, most);
+  }
   // A silent process is lost after half the lease to the whole lease.
   void SetLease(Duration lease) { discovery_.SetLease(lease); }
   // How far the steady clocks of a host's processes are ahead of the network's.

@@ -22,7 +22,8 @@ class SimWriter : public RawWriter {
   Result<> Write(msg::Bytes bytes) override {
     if (!end_->open) return Error{kCodeNetError, "the process has crashed"};
     if (network_.on_write) network_.on_write(end_->participant, topic_, bytes);
-    delivery_.Write(*end_, std::make_shared<const msg::Bytes>(std::move(bytes)));
+    delivery_.Write(*end_,
+                    std::make_shared<const Written>(Written{std::move(bytes), network_.now()}));
     return Ok();
   }
   // Virtual time cannot pass in here, and written samples arrive without a flush.

@@ -145,9 +145,7 @@ class DetachedPublisher {
   bool begun_ = false;
 };
 
-// Waits until every actuator of the machine has latched the stop. A controller reports which belong
-// to it. Without one those count whose processes run on this host, and whose status is received; on
-// other hosts there may be more.
+// Waits until every actuator of the machine has latched the stop.
 class Confirmation {
  public:
   Confirmation(Link& link, const Latching& latching, const GlobalOptions& global)
@@ -161,15 +159,7 @@ class Confirmation {
   Duration DefaultTimeout() const { return lan_ ? kLanStopTimeout : kStopTimeout; }
 
   EstopReport Report() const {
-    const auto& controller = link_.status();
-    EstopReport report =
-        latching_.Report(controller, controller ? std::vector<std::string>() : running_here_);
-    if (!controller && HasController()) {
-      report.unknown = "the controller does not answer";
-    } else if (!controller && lan_) {
-      report.unknown = "no controller answers, so the actuators of other hosts are not known";
-    }
-    return report;
+    return latching_.Report({link_.status(), HasController(), lan_, running_here_});
   }
 
   // The controller saves the stop after it has published it.

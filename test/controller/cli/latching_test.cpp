@@ -34,6 +34,10 @@ class Listener {
                  .value();
   }
 
+  void BelongTo(std::string machine) {
+    status_.machine = std::move(machine);
+    static_cast<void>(publisher_->Publish(status_));
+  }
   void Latch(std::uint64_t id) {
     status_.emergency_stop = id;
     static_cast<void>(publisher_->Publish(status_));
@@ -119,6 +123,59 @@ TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatOnlyTheControllerLists) {
   const EstopReport report = AfterASecond(controller);
   EXPECT_THAT(report.Missing(), ElementsAre("legs"));
   EXPECT_THAT(EstopText(report, false), HasSubstr("legs  hung\n"));
+}
+
+// A regression: beside a controller that had just started, a stop that had reached no actuator yet
+// counted as confirmed by all.
+TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatANewControllerHasNotTakenControlOfYet) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].presence = "starting";
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_THAT(report.Missing(), ElementsAre("legs"));
+  EXPECT_FALSE(report.complete());
+}
+
+TEST_F(Stop, IsNotCompleteWithoutALostActuatorThatIsNotKnownToHaveEnded) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "lost";
+  legs.pid = 4711;
+  EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
+  legs.pid = 0;
+  EXPECT_THAT(AfterASecond(controller).Missing(), IsEmpty()) << "its process has ended";
+}
+
+TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatIsStoredAsRunningOnAnotherHost) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "absent";
+  legs.pid = 0;
+  legs.host = "";
+  EXPECT_THAT(AfterASecond(controller).Missing(), IsEmpty()) << "it was never there";
+  legs.host = "boot/4026531836";
+  EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
+}
+
+// A regression: of two robots with actuators of the same names the last status of a name counted,
+// so the stop was confirmed while one of them moved.
+TEST_F(Stop, ThatDoesNotNameItsMachineIsNotConfirmedBesideASecondMachine) {
+  Engage();
+  legs_->BelongTo("dog");
+  eyes_->BelongTo("dog");
+  AfterASecond();
+  EXPECT_TRUE(latching_->Report(StopView{}).complete());
+  Listener others(*dog_, "legs");
+  others.BelongTo("cat");
+  network_.RunFor(std::chrono::seconds(1));
+  const EstopReport report = latching_->Report(StopView{});
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(report.unknown, HasSubstr("several machines have received the stop (dog, cat)"));
 }
 
 // A command line that ended before left the robot with "voice had latched it" for a reason.

@@ -53,4 +53,22 @@ TEST_F(ReceivedStops, AreSavedOnceTheLastSaveHasEndedAndNotAnEarlierOne) {
   EXPECT_EQ(unsaved(), 0);
 }
 
+// A regression: a controller that had been away during a hundred stops took notice of one more with
+// each release, and each of them was reported as engaged again.
+TEST_F(ReceivedStops, AReleaseCoversEveryStopThatAnActuatorHadLatched) {
+  StartUp();
+  ActuatorReport report = machine_.actuators[0].report;
+  report.emergency_stop = 7;
+  report.emergency_stop_by = "a panel";
+  report.other_stops = {8, 9};
+  report.stamp += Milliseconds(1);
+  Do(event::StatusSeen{0, report});
+  ASSERT_TRUE(machine_.emergency.stop);
+  EXPECT_EQ(machine_.emergency.stop->by, "a panel");
+  Do(event::ReleaseRequested{1, "alice"});
+  EXPECT_FALSE(machine_.emergency.stop);
+  EXPECT_THAT(machine_.emergency.released,
+              ::testing::UnorderedElementsAre(StopId(7), StopId(8), StopId(9)));
+}
+
 }  // namespace musher::testing::received_stops_test

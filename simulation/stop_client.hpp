@@ -1,0 +1,67 @@
+#pragma once
+// The program that engages an emergency stop, as `musher estop` does: it publishes the stop,
+// collects who has latched it, and ends with exit code 0 only if every actuator of the machine has.
+// Else the stop stays published for a minute. Its links may be slow and lossy, and its discovery
+// takes long.
+//
+// Threads: one, that of the network.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "musher/controller/client/latching.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/simulation/hosts.hpp"
+
+namespace musher::simulation {
+
+class StopClient {
+ public:
+  struct Options {
+    std::string endpoint;
+    std::size_t host = 0;
+    MachineIdentity machine;    // as far as the program knows it
+    StopView view;              // what it sees on its host
+    Duration delay_most{};      // of its links
+    double loss = 0;            // the same
+    Duration discovery_most{};  // until it and another process know of each other
+    std::string name_space = {};
+  };
+  // The program ends; `confirmed`: with exit code 0.
+  using OnEnd = std::function<void(bool confirmed)>;
+  // Nothing publishes the stop any more: the client is to be dropped, not inside this call.
+  using OnOver = std::function<void()>;
+
+  // `network` and `hosts` must outlive it.
+  StopClient(transport::sim::Network& network, Hosts& hosts, Options options, StopId id,
+             OnEnd on_end, OnOver on_over);
+  ~StopClient();
+  StopClient(const StopClient&) = delete;
+  StopClient& operator=(const StopClient&) = delete;
+
+ private:
+  void OpenLinks(Hosts& hosts);
+  void Follow();
+  void Take(std::optional<msg::MachineStatus> status, transport::EndpointId writer);
+  void Look();
+  void End();
+
+  transport::sim::Network& network_;
+  const Options options_;
+  const OnEnd on_end_;
+  const OnOver on_over_;
+  StopView view_;
+  transport::EndpointId status_writer_ = 0;  // of view_.controller
+  bool ended_ = false;
+  bool confirmed_ = false;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<transport::Subscription> machines_;
+  std::unique_ptr<transport::Subscription> statuses_;
+  std::unique_ptr<Latching> latching_;
+  transport::LoopHandlePtr timer_;
+};
+
+}  // namespace musher::simulation
