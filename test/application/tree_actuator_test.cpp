@@ -49,7 +49,7 @@ class ATreeActuator : public ::testing::Test {
 };
 
 TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThenRests) {
-  ActuatorRunner<Course> course({.rate_hz = 50});
+  ActuatorRunner<Course> course({.rate_hz = 50, .begin = Begin::kAtActive});
   harness_.Open(course);
   harness_.Tick(course, 3);
   EXPECT_THAT(course.TakeTicks(), ElementsAre()) << "not before";
@@ -66,7 +66,8 @@ TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThen
 }
 
 TEST_F(ATreeActuator, BeginsAgainAtOnceWithThatOption) {
-  ActuatorRunner<Course> course({.rate_hz = 50, .restart_after_end = true});
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .restart_after_end = true});
   Begin(course);
   harness_.Tick(course, 5);
   EXPECT_THAT(course.TakeLog(),
@@ -94,7 +95,8 @@ TEST_F(ATreeActuator, IsHaltedOnceInEveryOtherStateAndBeginsAtItsRootWithItsBlac
 }
 
 TEST_F(ATreeActuator, HasANewBlackboardAtEachActiveWithThatOption) {
-  ActuatorRunner<Course> course({.rate_hz = 50, .resume = TreeActuator::Resume::kNewBlackboard});
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .resume = TreeActuator::Resume::kNewBlackboard});
   Begin(course);
   course.RunOnLoop([&] { EXPECT_TRUE(course.tree().board().Set("ticks", 50)); });
   ASSERT_TRUE(Go("LowPower"));
@@ -296,7 +298,8 @@ TEST_F(ATreeActuator, FailsItsSetUpWithEveryErrorOfItsTree) {
 
 TEST_F(ATreeActuator, RecordsItsTreesIntoItsStateFolder) {
   {
-    ActuatorRunner<Course> course({.rate_hz = 50, .record = {.file = "trees/show.tree"}});
+    ActuatorRunner<Course> course(
+        {.rate_hz = 50, .begin = Begin::kAtActive, .record = {.file = "trees/show.tree"}});
     Begin(course);
     harness_.Tick(course, 2);
     ASSERT_TRUE(Go("LowPower"));
@@ -322,7 +325,8 @@ TEST_F(ATreeActuator, RecordsItsTreesIntoItsStateFolder) {
 }
 
 TEST_F(ATreeActuator, ThatCannotRecordIsNotSetUp) {
-  ActuatorRunner<Course> course({.rate_hz = 50, .record = {.file = "/proc/none/show.tree"}});
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .record = {.file = "/proc/none/show.tree"}});
   ASSERT_TRUE(course.Init(harness_.path()));
   const Result<> started = course.Start();
   ASSERT_FALSE(started);
