@@ -195,7 +195,7 @@ std::string Mission::WhyNotThere(const std::set<std::string>& done, Time now) co
     return fmt::format("the robot is outside the field, x {:.2f} m, y {:.2f} m: put it on a cell",
                        pose->x_m, pose->y_m);
   }
-  if (FindEdge(settings_.grid, here).on_edge()) {
+  if (way.on_edge) {
     return way.text + ": it comes off with the region " + kMeilinRegion;
   }
   const std::optional<Point2> target = NextTarget(done);
@@ -346,7 +346,7 @@ Result<PlanStart> Mission::StartAt(Time now) const {
   if (!pose) return known;
   const OffEdge way = PlanOffEdge(settings_, *pose, FreshWheels(robot_, now));
   if (!way.unclear.empty()) return Error{kCodeFailed, way.unclear};
-  if (FindEdge(settings_.grid, {pose->x_m, pose->y_m}).on_edge()) {
+  if (way.on_edge) {
     return PlanStart{way.to, static_cast<double>(settings_.grid.HeightMm(way.to)),
                      NormalizeYaw(pose->yaw_rad), true};
   }
@@ -381,7 +381,8 @@ void Mission::OfferSegments(std::vector<Segment> segments, const std::string& pl
 void Mission::RefusePlan(const std::string& why) {
   ++refusals_;
   board_->refused_plan.Set(why);
-  const bool idle = IsRunning() && !board_->segment_open.Get() && Waits(state());
+  const bool idle =
+      told_ && !board_->segment_open.Get() && (Waits(state()) || (ended_ && !failed_));
   if (!idle) return;  // what runs, or why nothing does, is not hidden
   board_->last_error.Set(why);
   board_->SetState(kPlanRejected);

@@ -1,6 +1,7 @@
 #include "musher/modules/meilin/mission/ros_robot.hpp"
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -35,7 +36,9 @@ std::optional<PoseFix> FixOf(const msg::PoseStamped& message, Time now) {
   if (!std::isfinite(position.x + position.y + turn.w + turn.x + turn.y + turn.z)) {
     return std::nullopt;
   }
-  return PoseFix{position.x, position.y, yaw_rad, now, position.z};
+  // A localisation on a plane has no height: it says 0.
+  const double z_m = position.z == 0 ? std::numeric_limits<double>::quiet_NaN() : position.z;
+  return PoseFix{position.x, position.y, yaw_rad, now, z_m};
 }
 
 constexpr std::size_t kHeightsAt = 4;  // in a message of the chassis

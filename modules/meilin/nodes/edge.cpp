@@ -14,6 +14,7 @@ constexpr double kToUpperM = 0.22;    // where the wheels of the lower side stil
 constexpr double kNearUpperM = 0.18;  // from here on it does not drive there first
 constexpr double kAllLowerM = -0.24;  // before it all wheels stand on the lower cell
 constexpr double kAcrossRad = 0.2;    // of the heading, from a right angle to the edge
+constexpr double kBeforeMm = 10;      // so far below the upper cell the hull is not over it
 constexpr double kHeightMm = 130;     // of the body, from where it should be
 
 // Outside the grid there is the ground.
@@ -173,11 +174,28 @@ EdgeReading FindEdge(const Grid& grid, Point2 at) {
   return reading;
 }
 
+namespace {
+
+// A body that is lower than the upper cell stands before that cell, and is not over it.
+bool StandsBefore(const Edge& edge, const Grid& grid, const PoseFix& pose,
+                  const std::optional<Wheels>& wheels) {
+  if (edge.offset_m > kAllLowerM) return false;
+  const double lower_mm = HeightAt(grid, edge.lower);
+  const bool known = !std::isnan(pose.z_m);
+  if (!known && !wheels) return false;
+  const double body_mm = known ? pose.z_m * 1000 : lower_mm + LongestMm(*wheels);
+  return body_mm < lower_mm + edge.step_mm - kBeforeMm;
+}
+
+}  // namespace
+
 OffEdge PlanOffEdge(const Settings& settings, const PoseFix& pose,
                     const std::optional<Wheels>& wheels) {
   const EdgeReading found = FindEdge(settings.grid, {pose.x_m, pose.y_m});
-  if (!found.on_edge()) return OnLevel(settings, pose, wheels);
+  const bool before = found.edge && StandsBefore(*found.edge, settings.grid, pose, wheels);
+  if (!found.on_edge() || before) return OnLevel(settings, pose, wheels);
   OffEdge way;
+  way.on_edge = true;
   const std::string legs = wheels ? "wheels " + WheelsText(*wheels) : "wheels unknown";
   if (!found.edge) {
     way.text = found.unclear + ", " + legs;

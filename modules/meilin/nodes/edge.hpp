@@ -43,7 +43,8 @@ struct Edge {
 
 struct EdgeReading {
   std::optional<Edge> edge;
-  std::string unclear;  // it is over more than one edge, or over that of the field; else empty
+  bool on_edge = false;  // the hull is over two heights
+  std::string unclear;   // it is over more than one edge, or over that of the field; else empty
   bool on_edge() const { return edge.has_value() || !unclear.empty(); }
 };
 // Nothing of both: the hull is over ground of one height, or outside the grid.

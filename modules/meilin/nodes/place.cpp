@@ -55,8 +55,8 @@ Start Locate(Robot& robot, const MissionBoard& board, const Settings& settings, 
     return start;
   }
   start.place = *place;
-  if (FindEdge(settings.grid, {pose->x_m, pose->y_m}).on_edge()) {
-    const OffEdge way = PlanOffEdge(settings, *pose, FreshWheels(robot, now));
+  const OffEdge way = PlanOffEdge(settings, *pose, FreshWheels(robot, now));
+  if (way.on_edge) {
     start.why = node + " does not begin " + (way.unclear.empty() ? way.text : way.unclear);
   }
   return start;
