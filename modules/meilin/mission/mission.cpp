@@ -400,7 +400,7 @@ void Mission::Accept(std::vector<Segment> segments, const std::string& plan_id) 
   if (!told_) return;  // it waits for its start
   board_->last_error.Set("");
   board_->SetState(kPlanReady);
-  restart_ = ended_;
+  restart_ = restart_ || ended_;
   ended_ = failed_ = stop_ = false;
 }
 

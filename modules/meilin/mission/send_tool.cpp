@@ -46,7 +46,7 @@ int FailSend(ExitCode exit, const std::string& message) {
   return static_cast<int>(exit);
 }
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // What the mission publishes, as it comes: all of its state in one message.
 struct Watch {
@@ -54,17 +54,23 @@ struct Watch {
     auto made = transport::MakeSubscription<msg::String>(
         link.node(), link.Name("meilin/status"),
         [this](const msg::String& message, const transport::SampleInfo&) {
-          Json read = Json::parse(message.data, nullptr, false);
+          OrderedJson read = OrderedJson::parse(message.data, nullptr, false);
           if (read.is_object()) status = std::move(read);
         },
         transport::kLatchedQos);
     if (made) subscription_ = std::move(made).value();
   }
   bool complete() const { return !status.is_null(); }
-  std::string Text(const char* key) const { return status.value(key, ""); }
-  std::int64_t Count(const char* key) const { return status.value(key, std::int64_t{0}); }
+  std::string Text(const char* key) const {
+    const auto found = status.find(key);
+    return found != status.end() && found->is_string() ? found->get<std::string>() : "";
+  }
+  std::int64_t Count(const char* key) const {
+    const auto found = status.find(key);
+    return found != status.end() && found->is_number() ? found->get<std::int64_t>() : 0;
+  }
 
-  Json status;
+  OrderedJson status;
 
  private:
   std::unique_ptr<transport::Subscription> subscription_;
@@ -78,7 +84,9 @@ int NoMission(const ToolLink& link) {
 // The commands that would begin the match now.
 std::string Offers(const Watch& watch) {
   std::string text;
-  for (const Json& region : watch.status.value("can_start", Json::array())) {
+  const auto regions = watch.status.find("can_start");
+  if (regions == watch.status.end()) return text;
+  for (const OrderedJson& region : *regions) {
     if (!region.is_string()) continue;
     const auto name = region.get<std::string>();
     text += "\n  musher-meilin start" + (name.empty() ? "" : " " + name);
@@ -165,7 +173,8 @@ int StartMatch(ToolLink& link, const std::string& region, bool json) {
   link.RunUntil([&reply] { return reply.has_value(); }, link.discovery());
   if (!reply || !*reply) return FailSend(ExitCode::kNotDone, "the mission did not answer");
   if (!reply->value().success) return FailSend(ExitCode::kNotDone, reply->value().message);
-  std::cout << (json ? Json({{"begun", reply->value().message}}).dump() : reply->value().message)
+  std::cout << (json ? OrderedJson({{"begun", reply->value().message}}).dump()
+                     : reply->value().message)
             << std::endl;
   return 0;
 }

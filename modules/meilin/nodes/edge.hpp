@@ -43,8 +43,7 @@ struct Edge {
 
 struct EdgeReading {
   std::optional<Edge> edge;
-  bool on_edge = false;  // the hull is over two heights
-  std::string unclear;   // it is over more than one edge, or over that of the field; else empty
+  std::string unclear;  // it is over more than one edge, or over that of the field; else empty
   bool on_edge() const { return edge.has_value() || !unclear.empty(); }
 };
 // Nothing of both: the hull is over ground of one height, or outside the grid.
@@ -58,6 +57,7 @@ struct OffEdgeStep {
 
 struct OffEdge {
   std::optional<OffEdgeStep> next;  // nothing: there is nothing to do, or it is not certain
+  bool on_edge = false;             // the hull is over two heights
   std::string unclear;              // why it is not certain; else empty
   Cell to;                          // where it ends
   std::string text;  // "on the edge of (1, 0) and (0, 0), wheels 410, 410, 20, 20 mm"

@@ -71,6 +71,11 @@ class Process {
     mission_->OnPause();
     Follow();
   }
+  void Reset() {
+    static_cast<void>(tree_->Halt(robot_.Now()));
+    EXPECT_TRUE(mission_->Command("RESET"));
+    Follow();
+  }
   Mission& mission() { return *mission_; }
   const Settings& settings() const { return settings_; }
 
@@ -260,7 +265,7 @@ class RoughMatch {
         break;
       }
       default:
-        static_cast<void>(mission.Command("RESET"));
+        process_->Reset();
     }
     const PoseFix before = *robot_.pose();
     for (int tick = 0; tick < 300; ++tick) process_->Tick();

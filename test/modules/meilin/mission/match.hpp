@@ -75,6 +75,7 @@ struct Match {
   Match& Told(const std::string& region = "full") {
     const Result<std::string> begun = mission.Start(region, robot.Now());
     EXPECT_TRUE(begun) << (begun ? "" : begun.error().message);
+    Follow();
     return *this;
   }
   std::string WhyNot(const std::string& region) {
@@ -82,9 +83,13 @@ struct Match {
     return begun ? "" : begun.error().message;
   }
 
-  tree::Status Tick() {
-    robot.Advance(Milliseconds(10));
-    mission.BeforeTick(robot.Now());
+  void Reset() {
+    static_cast<void>(tree->Halt(robot.Now()));
+    EXPECT_TRUE(mission.Command("RESET"));
+    Follow();
+  }
+  // As the actuator does it.
+  void Follow() {
     if (mission.TakeRestart()) {
       static_cast<void>(tree->Halt(robot.Now()));
       rests = false;
@@ -93,6 +98,12 @@ struct Match {
       static_cast<void>(tree->Halt(robot.Now()));
       rests = true;
     }
+  }
+
+  tree::Status Tick() {
+    robot.Advance(Milliseconds(10));
+    mission.BeforeTick(robot.Now());
+    Follow();
     tree::Status status = tree::Status::kIdle;
     std::string fault;
     if (!rests) {

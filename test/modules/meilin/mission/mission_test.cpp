@@ -166,7 +166,7 @@ TEST(MeilinMission, ResetWaitsForItsStartWithoutAPlan) {
   Match match("meilin_stage.xml");
   ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0), MoveStep(1, 1, 200)}));
   match.RunFor(0.1);
-  ASSERT_TRUE(match.mission.Command("RESET"));
+  match.Reset();
   match.RunFor(1);
   EXPECT_EQ(match.mission.state(), "WAITING_START");
   EXPECT_EQ(match.robot.Running(), 0U);
@@ -239,7 +239,7 @@ TEST(ARestartedMission, StandsAndSaysWithWhatItCanGoOn) {
   Match before("meilin_stage.xml");
   before.robot.fix = PoseFix{1.2, 1.2, 0, before.robot.Now()};
   ASSERT_TRUE(before.Offer({MoveStep(0, 1, 0), FetchStep(1, 1, 200), MoveStep(0, 1, 0)}, 7));
-  while (before.mission.SavedProgress().next < 2) before.Tick();
+  for (int i = 0; i < 5000 && before.mission.SavedProgress().next < 2; ++i) before.Tick();
   Match after(Match::Waiting{}, "meilin_stage.xml");
   ASSERT_NO_FATAL_FAILURE(Restart(before, after));
   after.RunFor(10);
