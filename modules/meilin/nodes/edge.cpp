@@ -14,6 +14,7 @@ constexpr double kToUpperM = 0.22;    // where the wheels of the lower side stil
 constexpr double kNearUpperM = 0.18;  // from here on it does not drive there first
 constexpr double kAllLowerM = -0.24;  // before it all wheels stand on the lower cell
 constexpr double kAcrossRad = 0.2;    // of the heading, from a right angle to the edge
+constexpr double kRollsMm = 24;       // a longer wheel does not roll over the edge
 constexpr double kBeforeMm = 10;      // so far below the upper cell the hull is not over it
 constexpr double kHeightMm = 130;     // of the body, from where it should be
 
@@ -93,7 +94,9 @@ OffEdge OverEdge(const Settings& settings, const PoseFix& pose, const Edge& edge
   const OffEdgeStep to_upper{To(settings.grid.Centre(edge.upper), pose.yaw_rad), 0};
   const double longest_mm = std::max(upper.most_mm, lower.most_mm);
   const double shortest_mm = std::min(upper.least_mm, lower.least_mm);
-  if (upper.most_mm <= kLongWheelMm) {
+  // Before the edge they are not on it yet, and have to roll onto it.
+  const double on_mm = edge.offset_m <= kAllLowerM ? kRollsMm : kLongWheelMm;
+  if (upper.most_mm <= on_mm) {
     way.to = edge.upper;
     if (!carried) return Unclear(way, fmt::format("the body is at {:.0f} mm", z_mm));
     const bool stands = lower.least_mm >= edge.step_mm - kLongWheelMm;
@@ -101,7 +104,7 @@ OffEdge OverEdge(const Settings& settings, const PoseFix& pose, const Edge& edge
       way.next = {To(AtOffset(settings.grid, edge, kToUpperM), pose.yaw_rad), 0};
     } else if (edge.offset_m < kOnUpperM) {
       return Unclear(way, "nothing holds the wheels of the lower side");
-    } else if (longest_mm > kLongWheelMm) {
+    } else if (longest_mm > kRollsMm) {
       way.next = {std::nullopt, kShortWheelMm};
     } else {
       way.next = to_upper;
