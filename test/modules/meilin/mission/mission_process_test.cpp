@@ -256,8 +256,10 @@ TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyWhenItIsTold) {
   ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
   ASSERT_TRUE(plans_->Publish(Plan()));  // latched: the next process receives it, too
   ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
+  // So that the status of the next process is known from this one's.
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
   peer_.Signal(SIGKILL);
-  EXPECT_EQ(peer_.AwaitExit(), -SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
   moves_.silent = false;
   const std::size_t before = moves_.goals.size();
   ASSERT_NO_FATAL_FAILURE(StartUntold(StageFile()));
