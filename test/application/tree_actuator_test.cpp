@@ -3,6 +3,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/behavior/tree/recording.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
 #include "musher/test/application/tree_course.hpp"
@@ -31,6 +32,20 @@ class ATreeActuator : public ::testing::Test {
       harness_.node().RunOnLoop([&] { done = there(); });
       return done;
     }));
+  }
+  // Why a command is refused; "": it is not.
+  std::string Send(const std::string& command) {
+    std::unique_ptr<transport::Client<msg::SendCommand>> client;
+    std::optional<std::string> reply;
+    harness_.node().RunOnLoop([&] {
+      client = transport::MakeClient<msg::SendCommand>(harness_.node().node(), "show/send_command")
+                   .value();
+      client->Call({command}, std::chrono::seconds(20),
+                   [&](const auto& r) { reply = r.value().message; });
+    });
+    Await([&] { return reply.has_value(); });
+    harness_.node().RunOnLoop([&] { client.reset(); });
+    return *reply;
   }
   // The reply of get_tree.
   msg::GetTree::Response Get(const msg::GetTree::Request& request) {
@@ -63,6 +78,27 @@ TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThen
   course.RunOnLoop([&] { course.Restart(); });
   harness_.Tick(course, 1);
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+}
+
+TEST_F(ATreeActuator, StandsInActiveUntilItIsTold) {
+  ActuatorRunner<Course> course({.rate_hz = 50});
+  Begin(course);
+  harness_.Tick(course, 5);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("resumes")) << "its controller has brought it there";
+  EXPECT_EQ(Send("GO"), "there is no command 'GO'; expected START");
+  ASSERT_TRUE(Go("LowPower"));
+  EXPECT_THAT(Send("START"), HasSubstr("show begins in Active only; it is in LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(course, 2);
+  course.TakeLog();
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "a pause is no restart";
 }
 
 TEST_F(ATreeActuator, BeginsAgainAtOnceWithThatOption) {
