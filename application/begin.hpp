@@ -1,13 +1,13 @@
 #pragma once
 // When an application begins. Nothing moves because a process was restarted: its controller brings
-// a restarted actuator back to Active, and nobody may be looking.
+// a restarted actuator back to Active, and perhaps no person is looking.
 //
-//   a tree           its first node moves: it rests in Active until it is told (kWhenTold)
+//   a tree           its first node moves: it rests in Active until a command (kOnCommand)
 //   a state machine  has a start state that stands and waits for a command, so it may begin in
-//                    Active (kAtActive); one whose start state moves is to be told
+//                    Active (kAtActive); one whose start state moves begins on command
 //   skills           begin by a goal
 //
-// Told is an application by a word of a person since its process began: START by
+// The command comes from a person, and counts until the process ends: START by
 // `musher behavior NAME --send START`, a command or a service of its own, Load() or Restart().
 // docs/application.md has what each application of Musher does.
 
@@ -16,11 +16,11 @@
 namespace musher {
 
 enum class Begin : std::uint8_t {
-  kWhenTold,  // it stands in Active until then, also after a restart of its process
-  kAtActive,  // by itself: it does not move then, or a key that a person has set allows it
+  kOnCommand,  // it stands in Active until then, also after a restart of its process
+  kAtActive,   // by itself: it does not move then, or a key that a person has set allows it
 };
 
-// The command that tells an application to begin.
+// The command by which an application begins.
 inline constexpr const char* kStartCommand = "START";
 
 }  // namespace musher

@@ -54,7 +54,7 @@ class FsmActuator::Impl : public fsm::Listener {
   Result<> Send(std::string_view command) {
     if (waits_) {
       if (command == kStartCommand) {
-        told_ = true;
+        commanded_ = true;
         return StartOrResume();
       }
       return Error{kCodeStateInvalid, owner_.name() +
@@ -104,7 +104,7 @@ class FsmActuator::Impl : public fsm::Listener {
 
  private:
   Result<> SetUp() {
-    owner_.RunOnLoop([this] { open_ = told_ = false; });
+    owner_.RunOnLoop([this] { open_ = commanded_ = false; });
     machine_ = std::make_unique<fsm::Machine>(options_.machine);
     machine_->Listen(this);
     if (Result<> built = owner_.BuildMachine(*machine_); !built) return built;
@@ -141,7 +141,7 @@ class FsmActuator::Impl : public fsm::Listener {
                    "an emergency stop was engaged meanwhile"};
     }
     if (ticking_) return Ok();
-    waits_ = options_.begin == Begin::kWhenTold && !told_;
+    waits_ = options_.begin == Begin::kOnCommand && !commanded_;
     if (waits_) {
       owner_.Log("stands, and waits for START");
       return Ok();
@@ -244,8 +244,8 @@ class FsmActuator::Impl : public fsm::Listener {
   std::function<void(const msg::String&)> publish_state_;  // while the ticks are open
   bool open_ = false;  // SetUp is done; before, the machine belongs to the worker
   bool ticking_ = false;
-  bool told_ = false;   // to begin, since SetUp
-  bool waits_ = false;  // for that, in Active
+  bool commanded_ = false;  // to begin, since SetUp
+  bool waits_ = false;      // for that, in Active
   bool in_tick_ = false;
   std::string before_fault_;  // the exception of BeforeTick() in the last tick
   std::string after_fault_;

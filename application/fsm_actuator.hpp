@@ -31,7 +31,7 @@
 //   SetUp          is built; topics are opened
 //   SelfCheck      SelfCheck() is called
 //   Active         is started, or continues in its state (or from the start: Options::resume); ticks
-//                  (with Begin::kWhenTold, once START was sent to it since its process began)
+//                  (with Begin::kOnCommand, once START was sent to it since its process began)
 //   TearDown       is stopped: its state is left; OnPause()
 //   all others     is paused, its time stands still; OnPause()
 //   an emergency stop: OnPause() at once, and it is paused until the stop is released and Active is

@@ -55,7 +55,7 @@ class TreeActuator::Impl {
     Loaded loaded{std::move(document), entries, main, nullptr};
     if (Result<> built = Build(loaded, *factory_); !built) return built;
     HaltTree();
-    told_ = true;
+    commanded_ = true;
     Use(std::move(loaded));
     Record();
     Report(true);
@@ -114,7 +114,7 @@ class TreeActuator::Impl {
     if (!recording) return recording.error();
     owner_.RunOnLoop([&] {
       HaltTree();
-      told_ = false;
+      commanded_ = false;
       Use(std::move(loaded));
       factory_ = std::move(factory);
       recording_ = std::move(recording).value();
@@ -199,7 +199,7 @@ class TreeActuator::Impl {
     reported_changes_ = 0;
   }
 
-  bool MayBegin() const { return told_ || options_.begin == Begin::kAtActive; }
+  bool MayBegin() const { return commanded_ || options_.begin == Begin::kAtActive; }
 
   Result<> Continue() {
     if (owner_.EmergencyStopped()) {
@@ -243,7 +243,7 @@ class TreeActuator::Impl {
       return;
     }
     HaltTree();
-    told_ = told_ || !rests;
+    commanded_ = commanded_ || !rests;
     result_ = tree::Status::kIdle;
     resting_ = rests || !has_tree();
     if (!rests) ForgetFault();
@@ -378,8 +378,8 @@ class TreeActuator::Impl {
   bool open_ = false;  // SetUp is done; before, the tree belongs to the worker
   bool ticking_ = false;
   bool resting_ = false;
-  bool told_ = false;     // to begin, since SetUp
-  bool in_tree_ = false;  // the code of a node runs
+  bool commanded_ = false;  // to begin, since SetUp
+  bool in_tree_ = false;    // the code of a node runs
   LimitedLog log_;
 };
 

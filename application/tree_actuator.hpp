@@ -21,7 +21,7 @@
 //   robot          tree
 //   SetUp          is built; topics are opened
 //   SelfCheck      SelfCheck() is called
-//   Active         is ticked, from its root on, once it was told to begin (Options::begin)
+//   Active         is ticked, from its root on, once it was commanded to begin (Options::begin)
 //   all others     its running nodes are halted; OnPause(). Its blackboard is kept (or made new for
 //                  the next Active: Options::resume)
 //   an emergency stop: the same at once, until the stop is released and Active is set again, also
@@ -29,9 +29,9 @@
 //                  (during SetUp nothing runs yet: there is nothing to halt)
 // clang-format on
 //
-// A tree that was not told to begin since the process began rests in Active: a restarted process
-// moves nothing (begin.hpp). START on the service `<actuator>/send_command` tells it
-// (`musher behavior NAME --tree --send START`), and so do Load() and Restart().
+// Without a command to begin since the process began, the tree rests in Active: a restarted process
+// moves nothing (begin.hpp). The command is START on the service `<actuator>/send_command`
+// (`musher behavior NAME --tree --send START`), Load() or Restart().
 //
 // The end of the tree: after SUCCESS, FAILURE or SKIPPED it rests until Restart(), Load() or Halt()
 // (or begins again with the next tick: Options::restart_after_end). It also rests over a pause: a
@@ -86,7 +86,7 @@ class TreeActuator : public MachineActuator {
   };
   struct Options {
     double rate_hz = 100;  // of ticks; more than 0
-    Begin begin = Begin::kWhenTold;
+    Begin begin = Begin::kOnCommand;
     Resume resume = Resume::kKeepBlackboard;
     std::size_t history = 256;       // changes that are kept
     bool restart_after_end = false;  // the next tick after an end begins at the root
@@ -139,7 +139,7 @@ class TreeActuator : public MachineActuator {
   // Keeps the old one and fails, with all errors a line each, where the document or an entry is
   // wrong; also within a tick, in the code of a node. `main`: as Options::tree.
   Result<> Load(tree::Document document, const Entries& entries = {}, const std::string& main = "");
-  // Halts the tree, which begins at its root at the next tick of Active: it is told to begin.
+  // Halts the tree, which begins at its root at the next tick of Active: a command to begin.
   // Within a tick: after it.
   void Restart();
   // Halts the tree, which rests then. Within a tick: after it.

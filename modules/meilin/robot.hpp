@@ -126,11 +126,12 @@ class Robot {
   virtual GoalPtr MoveArm(const std::string& server, const ArmGoal& goal) = 0;
   virtual GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) = 0;
 
-  virtual std::optional<PoseFix> pose() const = 0;   // nullopt: none came
-  virtual std::optional<Wheels> wheels() const = 0;  // nullopt: none came; they are not judged then
-  virtual int suspension_state() const = 0;          // of the sequence; 0: nothing runs
-  virtual const Signal& partner_ready() const = 0;   // of the partner robot
-  virtual const Signal& arm_idle() const = 0;        // the arm's last command is done
+  virtual std::optional<PoseFix> pose() const = 0;  // nullopt: none came
+  virtual std::optional<Wheels> wheels()
+      const = 0;                                    // nullopt: none came; they are not checked then
+  virtual int suspension_state() const = 0;         // of the sequence; 0: nothing runs
+  virtual const Signal& partner_ready() const = 0;  // of the partner robot
+  virtual const Signal& arm_idle() const = 0;       // the arm's last command is done
   // For people: what a node wants to be in the log.
   virtual void Warn(const std::string& text) = 0;
 };

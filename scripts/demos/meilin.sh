@@ -3,7 +3,7 @@
 # Sourced by scripts/demo: the competition robot plays its match on a simulated field, once for each side. Then
 # the arm's server is killed during a match, refuses a goal, and a climb times out: each time the match fails
 # with the reason, and a new plan goes on. The mission is killed and the robot stopped in the middle of a climb: it
-# stands until it is told, comes off the edge, and goes on.
+# stands until a command, comes off the edge, and goes on.
 
 journal=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/logs
@@ -144,7 +144,7 @@ await_climb() {
 }
 
 crash() {
-  step "The mission is killed in the middle of a climb: it stands, and comes off the edge when it is told"
+  step "The mission is killed in the middle of a climb: it stands, and comes off the edge on command"
   local process
   send_plan "$scratch/climb.toml"
   expect "the plan: exit code" 0 "$code"

@@ -132,8 +132,8 @@ TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRele
   });
 }
 
-TEST_F(AnFsmActuator, StandsInActiveUntilItIsToldWithThatOption) {
-  ActuatorRunner<Show> show({.rate_hz = 50, .begin = musher::Begin::kWhenTold});
+TEST_F(AnFsmActuator, StandsInActiveUntilItIsCommandedWithThatOption) {
+  ActuatorRunner<Show> show({.rate_hz = 50, .begin = musher::Begin::kOnCommand});
   Begin(show);
   harness_.Tick(show, 3);
   EXPECT_THAT(show.TakeLog(), ElementsAre());

@@ -80,7 +80,7 @@ TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThen
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
 }
 
-TEST_F(ATreeActuator, StandsInActiveUntilItIsTold) {
+TEST_F(ATreeActuator, StandsInActiveUntilItIsCommanded) {
   ActuatorRunner<Course> course({.rate_hz = 50});
   Begin(course);
   harness_.Tick(course, 5);

@@ -1,5 +1,5 @@
 #pragma once
-// Where the boxes (KFS) of a field are, as a planner is told. Pure values.
+// Where the boxes (KFS) of a field are, as a planner receives it. Pure values.
 
 #include <array>
 

@@ -36,7 +36,7 @@ void MeilinActuator::Status::Set(const std::string& text) {
 MeilinActuator::MeilinActuator(const std::string& name, MissionConfig config, MatchConfig match)
     : TreeActuator(name,
                    {.rate_hz = config.tick_frequency_hz,
-                    .begin = musher::Begin::kWhenTold,
+                    .begin = musher::Begin::kOnCommand,
                     .file = config.tree_file,
                     .record = {.file = config.record, .most_bytes = config.record_mib << 20}}),
       config_(WithSide(std::move(config), match)),
@@ -156,7 +156,7 @@ void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan, std::int64_t wri
   const bool accepted = mission_.OfferPlan(plan, Now(), written_ns);
   Log(accepted ? LogLevel::kInfo : LogLevel::kWarning,
       accepted ? "plan " + mission_.plan_id() + " accepted" +
-                     (mission_.told() ? "" : "; it waits for musher-meilin start")
+                     (mission_.begun() ? "" : "; it waits for musher-meilin start")
                : "plan refused: " + mission_.refused_plan());
   Follow();
 }
@@ -226,7 +226,7 @@ void MeilinActuator::Publish() {
 std::string MeilinActuator::StatusText() {
   const std::string state = mission_.state();
   const Time now = Now();
-  const bool stands = !mission_.told() || mission_.failed();
+  const bool stands = !mission_.begun() || mission_.failed();
   if (state != can_start_state_ || now < can_start_at_ || now - can_start_at_ >= kAskEvery) {
     can_start_ = stands ? mission_.CanStart(now) : std::vector<std::string>();
     can_start_at_ = now;

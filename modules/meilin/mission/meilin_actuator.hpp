@@ -1,8 +1,8 @@
 #pragma once
 // The actuator `meilin`: a match as a behaviour tree. It ticks the tree while the robot is Active
-// (application/tree_actuator.hpp), once it was told to begin, and halts it, with every goal, in
-// every other state and at an emergency stop. How far the match has come is in the machine's
-// state_dir, <actuator>_progress.toml: another process goes on with it when it is told
+// (application/tree_actuator.hpp), once it was commanded to begin, and halts it, with every goal,
+// in every other state and at an emergency stop. How far the match has come is in the machine's
+// state_dir, <actuator>_progress.toml: another process goes on with it on command
 // (mission.hpp).
 //
 // Interfaces, relative to the machine's namespace; names in mission.toml:

@@ -62,7 +62,7 @@ void Mission::Begin() {
   SetDone({});
   progress_.plan.clear();
   progress_.next = 0;
-  told_ = ended_ = failed_ = restart_ = stop_ = false;
+  begun_ = ended_ = failed_ = restart_ = stop_ = false;
 }
 
 void Mission::SetDone(const std::set<std::string>& done) {
@@ -89,7 +89,7 @@ void Mission::BeforeTick(Time now) {
   const std::chrono::duration<double> at = pose->at.time_since_epoch();
   board_->pose_last_update_s.Set(at.count());
   const bool outside = pose->IsFresh(now, settings_.pose_timeout_s) && !PlaceOf(*pose, settings_);
-  if (autostart_ && !told_ && outside && SavedProgress().empty()) {
+  if (autostart_ && !begun_ && outside && SavedProgress().empty()) {
     autostart_ = !Start(kFullRegion, now).ok();
   }
 }
@@ -303,7 +303,7 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
   board_->segment_index.Set(static_cast<int>(progress_.next) - 1);
   board_->last_error.Set("");
   board_->SetState(kWaitingPlan);
-  told_ = restart_ = true;
+  begun_ = restart_ = true;
   ended_ = failed_ = stop_ = false;
   return region.empty() ? "goes on with " + goes_on : "begins with the region " + region;
 }
@@ -382,7 +382,7 @@ void Mission::RefusePlan(const std::string& why) {
   ++refusals_;
   board_->refused_plan.Set(why);
   const bool idle =
-      told_ && !board_->segment_open.Get() && (Waits(state()) || (ended_ && !failed_));
+      begun_ && !board_->segment_open.Get() && (Waits(state()) || (ended_ && !failed_));
   if (!idle) return;  // what runs, or why nothing does, is not hidden
   board_->last_error.Set(why);
   board_->SetState(kPlanRejected);
@@ -397,7 +397,7 @@ void Mission::Accept(std::vector<Segment> segments, const std::string& plan_id) 
   board_->plan_id.Set(plan_id);
   board_->segment_index.Set(-1);
   board_->refused_plan.Set("");
-  if (!told_) return;  // it waits for its start
+  if (!begun_) return;  // it waits for its start
   board_->last_error.Set("");
   board_->SetState(kPlanReady);
   restart_ = restart_ || ended_;
@@ -415,7 +415,7 @@ Result<> Mission::Command(const std::string& command) {
 }
 
 bool Mission::WantsPlan() const {
-  if (!told_) return false;  // a plan that is handed out once is not for a robot that waits
+  if (!begun_) return false;  // a plan that is handed out once is not for a robot that waits
   if (failed_) return true;
   if (board_ && board_->segment_open.Get()) return false;  // also while a refused one is named
   return Waits(state());

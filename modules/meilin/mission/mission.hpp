@@ -93,7 +93,7 @@ class Mission {
   // Whether the tree is to be halted and to rest; asks once.
   bool TakeStop() { return std::exchange(stop_, false); }
   bool failed() const { return failed_; }
-  bool told() const { return told_; }  // to begin
+  bool begun() const { return begun_; }  // to begin
 
   std::string state() const;
   std::string last_error() const;
@@ -115,7 +115,7 @@ class Mission {
   std::set<std::string> DoneFor(const std::string& region) const;
   std::set<std::string> DoneNow() const;
   void SetDone(const std::set<std::string>& done);
-  bool IsRunning() const { return told_ && !ended_; }
+  bool IsRunning() const { return begun_ && !ended_; }
   void Begin();
   void Accept(std::vector<Segment> segments, const std::string& plan_id);
   void Fail(const std::string& otherwise);
@@ -130,7 +130,7 @@ class Mission {
   Progress progress_;  // its place and parts are those of the blackboard
   std::optional<BoxMap> boxes_;
   std::uint64_t refusals_ = 0;
-  bool told_ = false;
+  bool begun_ = false;
   bool ended_ = false;   // the tree: until it begins again
   bool failed_ = false;  // with a failure
   bool restart_ = false;

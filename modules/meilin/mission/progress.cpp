@@ -84,7 +84,7 @@ void Persist(fsm::Archive& archive, Progress& progress, Texts& texts) {
 class ProgressWriter : private fsm::TomlWriter {
  public:
   std::string Write(const std::vector<fsm::SavedField>& fields) && {
-    Append("# How far a match has come. musher-meilin goes on with it when it is told.\n");
+    Append("# How far a match has come. musher-meilin goes on with it on command.\n");
     for (const fsm::SavedField& field : fields) {
       std::visit([&](const auto& value) { Field(field.name, value); }, field.value);
     }

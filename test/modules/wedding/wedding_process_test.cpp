@@ -231,7 +231,7 @@ TEST_F(WeddingProcess, BeginsInIdleAndNeutralAfterItWasKilledInAPose) {
   EXPECT_EQ(Changes().back(), "IDLE");
 }
 
-TEST_F(WeddingProcess, StandsAfterARestartUntilItIsTold) {
+TEST_F(WeddingProcess, StandsAfterARestartUntilItIsCommanded) {
   std::string file = kFile;
   file.replace(file.find("true"), 4, "false");
   Start(file);
@@ -239,7 +239,7 @@ TEST_F(WeddingProcess, StandsAfterARestartUntilItIsTold) {
   const auto seen = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
   const std::size_t states = states_.size();
   ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 10; }));
-  EXPECT_TRUE(looks_.empty()) << "a guest stands there, and nobody has begun the show";
+  EXPECT_TRUE(looks_.empty()) << "a guest stands there, and no person has begun the show";
   EXPECT_EQ(states_.back(), "INVALID");
   const auto client = transport::MakeClient<msg::SendCommand>(peer_.node(), "wedding/send_command");
   ASSERT_TRUE(client);

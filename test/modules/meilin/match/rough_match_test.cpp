@@ -209,7 +209,7 @@ class RoughMatch {
       if (tick == at_tick_) Happen();
       const std::string state = process_->mission().state();
       if (state == kMissionSuccess) return true;
-      const bool stands = !process_->mission().told() || process_->mission().failed();
+      const bool stands = !process_->mission().begun() || process_->mission().failed();
       if (stands && !GoOn()) return false;
       if (state == kWaitingSequence && !process_->mission().failed()) Offer(false);
     }

@@ -28,7 +28,7 @@ struct Match {
 
   explicit Match(const std::string& file, MatchConfig match = {}, Side side = Side::kBlue)
       : Match(Waiting{}, file, std::move(match), side) {
-    Told();
+    Begun();
   }
   Match(Waiting, const std::string& file, MatchConfig match = {}, Side side = Side::kBlue,
         bool autostart = false)
@@ -47,7 +47,7 @@ struct Match {
     Load(tree::ReadTree("<root BTCPP_format=\"4\"><BehaviorTree ID=\"Main\">" + text.content +
                             "</BehaviorTree></root>",
                         "t.xml"));
-    Told();
+    Begun();
   }
   Match(const Match&) = delete;
 
@@ -72,7 +72,7 @@ struct Match {
   }
 
   // The word of a person.
-  Match& Told(const std::string& region = "full") {
+  Match& Begun(const std::string& region = "full") {
     const Result<std::string> begun = mission.Start(region, robot.Now());
     EXPECT_TRUE(begun) << (begun ? "" : begun.error().message);
     Follow();

@@ -92,7 +92,7 @@ class MissionProcess : public ::testing::Test {
   }
   static std::string StageFile() { return SourceDir() + "/config/meilin/meilin_stage.xml"; }
   void Start(const std::string& tree, const std::string& keys = "") {
-    ASSERT_NO_FATAL_FAILURE(StartUntold(tree, keys));
+    ASSERT_NO_FATAL_FAILURE(StartWaiting(tree, keys));
     ASSERT_EQ(Begin("full"), "begins with the region full");
   }
   // The word of a person; the reply.
@@ -107,7 +107,7 @@ class MissionProcess : public ::testing::Test {
     EXPECT_TRUE(peer_.Until([&] { return reply.has_value(); }));
     return reply.value_or("");
   }
-  void StartUntold(const std::string& tree, const std::string& keys = "") {
+  void StartWaiting(const std::string& tree, const std::string& keys = "") {
     peer_.Start("tree_file = \"" + tree + "\"\n" + keys);
     ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
     ASSERT_TRUE(peer_.Switch("SelfCheck")) << peer_.Output();
@@ -251,7 +251,7 @@ TEST_F(MissionProcess, LeavingActiveCancelsAndTheHaltedSegmentIsTheNext) {
   EXPECT_EQ(moves_.goals[0], moves_.goals[1]);
 }
 
-TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyWhenItIsTold) {
+TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyOnCommand) {
   moves_.silent = true;
   ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
   ASSERT_TRUE(plans_->Publish(Plan()));  // latched: the next process receives it, too
@@ -262,7 +262,7 @@ TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyWhenItIsTold) {
   ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
   moves_.silent = false;
   const std::size_t before = moves_.goals.size();
-  ASSERT_NO_FATAL_FAILURE(StartUntold(StageFile()));
+  ASSERT_NO_FATAL_FAILURE(StartWaiting(StageFile()));
   ASSERT_NO_FATAL_FAILURE(Await("WAITING_START"));
   ASSERT_TRUE(peer_.Until([this] {
     return peer_.Output().find("a plan that was taken before is not taken again") !=

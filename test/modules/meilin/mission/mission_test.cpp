@@ -248,7 +248,7 @@ TEST(ARestartedMission, StandsAndSaysWithWhatItCanGoOn) {
   EXPECT_EQ(after.mission.GoesOnWith(), "plan mf_action_seq_1 at segment 3 of 3, move (0, 1)");
   EXPECT_TRUE(after.mission.WasTaken(7)) << "a latched plan comes again";
   EXPECT_FALSE(after.mission.WasTaken(8));
-  after.Told("");
+  after.Begun("");
   after.Run(20);
   EXPECT_THAT(
       after.robot.Texts(),
@@ -286,7 +286,7 @@ TEST(ARestartedMission, DoesNotBeginWithThePreparationOnAPlatform) {
   EXPECT_TRUE(match.robot.goals.empty());
   EXPECT_THAT(match.WhyNot("exit"), HasSubstr("expected full, meilin or final"));
 }
-TEST(ARestartedMission, BeginsByItselfOnlyWhereItIsToldSoAndOutsideTheField) {
+TEST(ARestartedMission, BeginsByItselfOnlyWithThatOptionAndOutsideTheField) {
   for (const bool outside : {true, false}) {
     for (const bool autostart : {true, false}) {
       Match match(Match::Waiting{}, "full_match.xml", MatchOf("match_blue.json"), Side::kBlue,
@@ -306,7 +306,7 @@ TEST(ARestartedMission, DoesNotBeginByItselfWhereThereIsSomethingToGoOnWith) {
   match.RunFor(1);
   EXPECT_TRUE(match.robot.goals.empty());
   EXPECT_EQ(match.mission.GoesOnWith(), "the match before prepare_grasp");
-  match.Told("");
+  match.Begun("");
   match.Tick();
   EXPECT_THAT(match.robot.Texts(), ::testing::ElementsAre("spear 2"));
 }
@@ -330,7 +330,7 @@ TEST(AMission, GoesOnBehindThePartsOfTheFinalAreaThatAreDone) {
     return goal.kind == Kind::kArm && goal.arm.command == 6 ? Outcome{GoalState::kFailed, "jammed"}
                                                             : Outcome{};
   };
-  match.Told("final").Run(60);
+  match.Begun("final").Run(60);
   ASSERT_EQ(match.mission.state(), "MISSION_FAILED");
   EXPECT_EQ(std::ranges::count(match.robot.Texts(), "arm 6"), 3) << "each part is tried again";
   EXPECT_FALSE(match.Offer({MoveStep(0, 1, 0)}));
@@ -338,7 +338,7 @@ TEST(AMission, GoesOnBehindThePartsOfTheFinalAreaThatAreDone) {
   EXPECT_THAT(match.mission.last_error(), HasSubstr("jammed")) << "and is not hidden";
   const std::size_t before = match.robot.goals.size();
   match.robot.decide = [](const FakeGoal&) { return Outcome{}; };
-  match.Told("").Run(60);
+  match.Begun("").Run(60);
   EXPECT_EQ(match.mission.state(), "MISSION_SUCCESS");
   EXPECT_EQ(match.robot.goals.at(before)->Text(), "arm 6")
       << "no drive, no second box in the middle";
@@ -355,7 +355,7 @@ TEST(AMission, GoesOnAtADockThatHasJammed) {
   ASSERT_EQ(match.mission.state(), "MISSION_FAILED");
   const std::size_t before = match.robot.goals.size();
   match.robot.decide = [](const FakeGoal&) { return Outcome{}; };
-  match.Told("");
+  match.Begun("");
   Play(match, 1);
   EXPECT_EQ(match.robot.goals.at(before)->Text(), "spear 3");
 }
