@@ -213,6 +213,7 @@ int StartTool(int argc, const char* const* argv) {
                "musher-meilin start");
   program::ToolOptions options;
   program::SetUpCommandLineTool(app, options, "Not used by this tool", kStartFooter);
+  app.require_subcommand(0);
   std::string region;
   app.add_option("REGION", region,
                  "full: from the preparation on; meilin: the field; final: the rack; without: it "
