@@ -146,6 +146,14 @@ await_climb() {
 crash() {
   step "The mission is killed in the middle of a climb: it stands, and comes off the edge on command"
   local process
+  cat > "$scratch/climb.toml" << 'END'
+side = "red"
+start = [1, 1]
+[[step]]
+move = [1, 1]
+[[step]]
+move = [1, 0]
+END
   send_plan "$scratch/climb.toml"
   expect "the plan: exit code" 0 "$code"
   await_climb

@@ -12,6 +12,8 @@ namespace {
 constexpr double kOnUpperM = 0.05;    // so far over the upper cell the hull rests on it
 constexpr double kToUpperM = 0.22;    // where the wheels of the lower side still stand below
 constexpr double kNearUpperM = 0.18;  // from here on it does not drive there first
+constexpr double kBackM = -0.272;  // where these hang, and the hull still rests on the upper cell
+constexpr double kIsBackM = -0.252;
 constexpr double kAllLowerM = -0.24;  // before it all wheels stand on the lower cell
 constexpr double kAcrossRad = 0.2;    // of the heading, from a right angle to the edge
 constexpr double kRollsMm = 24;       // a longer wheel does not roll over the edge
@@ -51,6 +53,11 @@ MoveGoal To(Point2 at, double yaw_rad) {
   return {at.x_m, at.y_m, yaw_rad};
 }
 
+// Of the wheels that stand on the lower cell while the hull is over the upper one.
+double ClimbMm(const Edge& edge) {
+  return edge.step_mm <= kLowStepMm ? kLowClimbMm : kHighClimbMm;
+}
+
 // `offset_m` from the edge, on the line of both centres.
 Point2 AtOffset(const Grid& grid, const Edge& edge, double offset_m) {
   const Point2 lower = grid.Centre(edge.lower);
@@ -83,7 +90,7 @@ OffEdge OnLevel(const Settings& settings, const PoseFix& pose,
 
 // Along the line of both cells, with the heading that it has.
 OffEdge OverEdge(const Settings& settings, const PoseFix& pose, const Edge& edge,
-                 const Wheels& wheels, OffEdge way) {
+                 const Wheels& wheels, bool upper_blocked, OffEdge way) {
   const Direction body = NearestDirection(YawOf(edge.up) - pose.yaw_rad);
   const Pair upper = PairOf(wheels, body);
   const Pair lower = PairOf(wheels, Opposite(body));
@@ -100,7 +107,14 @@ OffEdge OverEdge(const Settings& settings, const PoseFix& pose, const Edge& edge
     way.to = edge.upper;
     if (!carried) return Unclear(way, fmt::format("the body is at {:.0f} mm", z_mm));
     const bool stands = lower.least_mm >= edge.step_mm - kLongWheelMm;
-    if (edge.offset_m < kNearUpperM && stands) {
+    if (upper_blocked && stands) {
+      way.to = edge.lower;
+      if (edge.offset_m > kIsBackM) {
+        way.next = {To(AtOffset(settings.grid, edge, kBackM), pose.yaw_rad), 0};
+      } else {
+        way.next = {std::nullopt, ClimbMm(edge)};
+      }
+    } else if (edge.offset_m < kNearUpperM && stands) {
       way.next = {To(AtOffset(settings.grid, edge, kToUpperM), pose.yaw_rad), 0};
     } else if (edge.offset_m < kOnUpperM) {
       return Unclear(way, "nothing holds the wheels of the lower side");
@@ -121,7 +135,7 @@ OffEdge OverEdge(const Settings& settings, const PoseFix& pose, const Edge& edge
   if (!std::isnan(z_mm) && (z_mm < lower_mm || z_mm > lower_mm + kHighClimbMm + kHeightMm)) {
     return Unclear(way, fmt::format("the body is at {:.0f} mm", z_mm));
   }
-  const double down_mm = edge.step_mm <= kLowStepMm ? kLowClimbMm : kHighClimbMm;
+  const double down_mm = ClimbMm(edge);
   if (shortest_mm < down_mm - kLongWheelMm / 2) {
     way.next = {std::nullopt, down_mm};
   } else {
@@ -193,7 +207,7 @@ bool StandsBefore(const Edge& edge, const Grid& grid, const PoseFix& pose,
 }  // namespace
 
 OffEdge PlanOffEdge(const Settings& settings, const PoseFix& pose,
-                    const std::optional<Wheels>& wheels) {
+                    const std::optional<Wheels>& wheels, bool upper_blocked) {
   const EdgeReading found = FindEdge(settings.grid, {pose.x_m, pose.y_m});
   const bool before = found.edge && StandsBefore(*found.edge, settings.grid, pose, wheels);
   if (!found.on_edge() || before) return OnLevel(settings, pose, wheels);
@@ -212,7 +226,7 @@ OffEdge PlanOffEdge(const Settings& settings, const PoseFix& pose,
   if (YawDistance(turned_rad, SnapYaw(turned_rad)) > kAcrossRad) {
     return Unclear(way, fmt::format("it looks across the edge, {:.2f} rad", pose.yaw_rad));
   }
-  return OverEdge(settings, pose, *found.edge, *wheels, std::move(way));
+  return OverEdge(settings, pose, *found.edge, *wheels, upper_blocked, std::move(way));
 }
 
 }  // namespace musher::meilin

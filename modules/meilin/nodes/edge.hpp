@@ -5,7 +5,9 @@
 //
 //                         wheels of the upper side        way
 //   over the upper one    short                           all wheels short, to the upper centre
-//   between               short, the lower ones stand     on to the upper one, then the same
+//   between               short, the lower ones stand     on to the upper one, then the same; where
+//                                                         that is blocked, back until the wheels of
+//                                                         the upper side are before the edge
 //   hull on the edge      long, or still hanging          all wheels down, back to the lower centre
 //
 // Everything else is not certain: it moves nothing and says why. On level ground with long wheels
@@ -66,7 +68,7 @@ struct OffEdge {
 // `wheels`: nothing, they do not report; then an edge is not certain, and level ground is taken as
 // it is.
 OffEdge PlanOffEdge(const Settings& settings, const PoseFix& pose,
-                    const std::optional<Wheels>& wheels);
+                    const std::optional<Wheels>& wheels, bool upper_blocked = false);
 
 double LongestMm(const Wheels& wheels);
 std::string WheelsText(const Wheels& wheels);  // "410, 410, 20, 20 mm"

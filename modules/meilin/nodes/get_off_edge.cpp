@@ -14,6 +14,7 @@ GetOffEdge::GetOffEdge(tree::Setup& setup, Robot& robot, const Settings& setting
 
 Status GetOffEdge::OnStart(const tree::Tick& tick) {
   steps_ = 0;
+  upper_blocked_ = false;
   before_ = board_.last_error.Get();
   return Next(tick.now);
 }
@@ -21,7 +22,11 @@ Status GetOffEdge::OnStart(const tree::Tick& tick) {
 Status GetOffEdge::OnRunning(const tree::Tick& tick) {
   const Status status = watch_.Look(tick.now);
   if (status == Status::kRunning) return status;
-  if (status == Status::kFailure) return Fail(watch_.failure());
+  if (status == Status::kFailure) {
+    if (!to_upper_ || upper_blocked_) return Fail(watch_.failure());
+    upper_blocked_ = true;  // a box, for example: back then
+    robot_.Warn("the way off the edge is blocked: " + watch_.failure());
+  }
   watch_.Release();
   return Next(tick.now);
 }
@@ -32,9 +37,13 @@ Status GetOffEdge::Next(Time now) {
     if (!board_.climbing.Get() && steps_ == 0) return Status::kSuccess;
     return Fail("no fresh pose, and a climb was not ended: put the robot on a cell by hand");
   }
-  const OffEdge way = PlanOffEdge(settings_, *pose, FreshWheels(robot_, now));
+  const OffEdge way = PlanOffEdge(settings_, *pose, FreshWheels(robot_, now), upper_blocked_);
   if (!way.unclear.empty()) return Fail(way.unclear);
-  if (!way.next) return Done(way.to, now);
+  // After a failure on level ground the robot stands; only a climb is not left as it is.
+  const bool stands = steps_ == 0 && !before_.empty() && !way.on_edge && !board_.climbing.Get();
+  if (!way.next || stands) return Done(way.to, now);
+  to_upper_ = way.on_edge && way.next->drive &&
+              settings_.grid.CellAt({way.next->drive->x_m, way.next->drive->y_m}) == way.to;
   if (++steps_ > kMostSteps) return Fail(way.text + ": it does not come off");
   if (steps_ == 1) robot_.Warn(way.text + ": goes to the centre of " + CellText(way.to));
   board_.active_action.Set("get_off_edge");

@@ -44,6 +44,8 @@ class GetOffEdge final : public tree::StatefulAction {
   MissionBoard board_;
   GoalWatch watch_;
   int steps_ = 0;
+  bool to_upper_ = false;  // the present drive
+  bool upper_blocked_ = false;
   std::string before_;  // last_error at its start
 };
 

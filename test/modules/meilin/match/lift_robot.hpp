@@ -33,9 +33,14 @@ class LiftRobot final : public Robot {
   // Asked in each step for each goal that runs: fails with this text, or goes on with "".
   std::function<std::string(const Live&)> breaks = [](const Live&) { return std::string(); };
   std::vector<std::string> warnings;
+  std::optional<Cell> box;  // one that is not taken stands there
 
   explicit LiftRobot(Side side)
-      : field_(FieldOf(side)), body_(field_), suspension_({}), drive_(DriveSettings()) {}
+      : grid_(GridOf(side)),
+        field_(FieldOf(grid_)),
+        body_(field_),
+        suspension_({}),
+        drive_(DriveSettings()) {}
 
   Time Now() const { return now_; }
   const world::LiftBody& body() const { return body_; }
@@ -58,8 +63,9 @@ class LiftRobot final : public Robot {
     UpdateDrive();
     UpdateSuspension();
     UpdateTools();
-    const world::LiftPlace place{field_,
-                                 [](const auto&, double) { return std::optional<std::string>(); }};
+    const world::LiftPlace place{field_, [this](const auto& at, double mm) {
+                                   return BoxAt({at.x(), at.y()}, mm);
+                                 }};
     body_.Step(place, {}, now_.time_since_epoch(), Milliseconds(10));
     Report();
     std::erase_if(live_, [](const auto& live) { return HasEnded(live->state); });
@@ -109,15 +115,29 @@ class LiftRobot final : public Robot {
     const std::shared_ptr<Live> live_;
   };
 
-  static world::FieldSpec FieldOf(Side side) {
+  static Grid GridOf(Side side) {
     Grid grid;
     grid.side = side;
+    return grid;
+  }
+  static world::FieldSpec FieldOf(const Grid& grid) {
     world::FieldSpec field;
-    field.side = SideText(side);
+    field.side = SideText(grid.side);
     for (int row = 0; row < kRows; ++row) {
       for (int col = 0; col < kCols; ++col) field.heights_mm.push_back(grid.HeightMm({row, col}));
     }
     return field;
+  }
+  std::optional<std::string> BoxAt(Point2 at, double underside_mm) const {
+    if (!box) return std::nullopt;
+    const Point2 centre = grid_.Centre(*box);
+    const double half_m = world::kKfsSizeM / 2;
+    const bool inside =
+        std::abs(at.x_m - centre.x_m) < half_m && std::abs(at.y_m - centre.y_m) < half_m;
+    if (!inside || underside_mm > grid_.HeightMm(*box) + 1000 * world::kKfsSizeM) {
+      return std::nullopt;
+    }
+    return "a box";
   }
   // As config/meilin/move_to_pose.toml has them.
   static servers::MoveSettings DriveSettings() {
@@ -214,6 +234,7 @@ class LiftRobot final : public Robot {
     drive_.OnPose({fix_->x_m, fix_->y_m, fix_->yaw_rad}, now_);
   }
 
+  const Grid grid_;
   const world::FieldSpec field_;
   world::LiftBody body_;
   servers::Suspension suspension_;

@@ -128,12 +128,14 @@ bool StopClimb(LiftRobot& robot, Process& process, const Climb& climb, double ya
   return true;
 }
 
-void ComesOff(const Climb& climb, double yaw_rad, int every) {
+// `box`: one that was not taken stands on the upper cell.
+void ComesOff(const Climb& climb, double yaw_rad, int every, bool box = false) {
   for (int after = 10; after < 3000; after += every) {
     SCOPED_TRACE(CellText(climb.from) + " to " + CellText(climb.to) + ", stopped after " +
                  std::to_string(after) + " ticks, yaw " + std::to_string(yaw_rad));
     LiftRobot robot(Side::kBlue);
     robot.Put(Grid{}.Centre(climb.from), yaw_rad);
+    if (box) robot.box = climb.to;
     Process process(robot, Side::kBlue, "meilin_stage.xml", "");
     if (!StopClimb(robot, process, climb, yaw_rad, after)) return;
     ASSERT_FALSE(robot.fallen()) << robot.body().fall();
@@ -165,6 +167,12 @@ TEST(ARobotThatIsStoppedInAClimb, ComesOffTheEdgeFromEachOfItsMoments) {
     const double turn = std::array{0.0, kPi / 2, -kPi / 2}.at(static_cast<std::size_t>(at++ % 3));
     ASSERT_NO_FATAL_FAILURE(ComesOff(climb, NormalizeYaw(way + turn), every));
   }
+}
+
+TEST(ARobotThatIsStoppedInAClimb, GoesBackWhereTheWayOnIsBlocked) {
+  const int every = Environment("MUSHER_STEP", 500);
+  ASSERT_NO_FATAL_FAILURE(ComesOff({{0, 1}, {1, 1}}, 0, every, true));
+  ASSERT_NO_FATAL_FAILURE(ComesOff({{0, 0}, {1, 0}}, kPi / 2, every, true));
 }
 
 // --- whole matches ---
