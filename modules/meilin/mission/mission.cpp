@@ -408,7 +408,9 @@ Result<> Mission::Command(const std::string& command) {
   if (command != "RESET") {
     return Error{kCodeFailed, "there is no command '" + command + "'; expected RESET"};
   }
+  const bool climbing = board_->climbing.Get();  // the robot may stand on an edge
   Begin();
+  board_->climbing.Set(climbing);
   board_->refused_plan.Set("");
   stop_ = true;
   return Ok();

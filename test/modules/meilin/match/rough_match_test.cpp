@@ -325,10 +325,10 @@ class RoughMatch {
   int by_hand_ = 0;
 };
 
-TEST(ARoughMatch, EndsWithoutAFallInANamedStateOnFourWheels) {
+void PlayMatches(int matches) {
   const int only = Environment("MUSHER_SEED", -1);
   const int first = only >= 0 ? only : 0;
-  const int last = only >= 0 ? only : Environment("MUSHER_SEEDS", 12) - 1;
+  const int last = only >= 0 ? only : Environment("MUSHER_SEEDS", matches) - 1;
   int won = 0;
   int by_hand = 0;
   std::map<std::string, std::pair<int, int>> of;  // by trouble: matches, and those that were won
@@ -352,6 +352,13 @@ TEST(ARoughMatch, EndsWithoutAFallInANamedStateOnFourWheels) {
   }
   std::cout << by_hand << " times put on a cell by hand\n";
   EXPECT_GE(won * 10, (last - first + 1) * 9) << "nine of ten matches come to their end";
+}
+
+TEST(ARoughMatch, EndsWithoutAFallInANamedStateOnFourWheels) {
+  PlayMatches(12);
+}
+TEST(FiveHundredRoughMatches, EndWithoutAFallInANamedStateOnFourWheels) {
+  PlayMatches(500);
 }
 
 }  // namespace

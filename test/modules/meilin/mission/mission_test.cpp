@@ -176,6 +176,27 @@ TEST(MeilinMission, ResetWaitsForItsStartWithoutAPlan) {
   EXPECT_EQ(match.robot.goals.size(), goals) << "a plan alone moves nothing";
   EXPECT_FALSE(match.mission.Command("RESTE"));
 }
+TEST(MeilinMission, ResetInAClimbMovesNothingAndDoesNotForgetTheEdge) {
+  Match match("full_match.xml", MatchOf("match_blue.json"));
+  match.Reset();
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.robot.decide = [](const FakeGoal&) {
+    return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
+  };
+  ASSERT_TRUE(match.Offer({MoveStep(1, 1, 200)}));
+  match.Begun("meilin");
+  match.RunFor(0.2);
+  match.Reset();
+  const std::size_t goals = match.robot.goals.size();
+  match.robot.fix = PoseFix{1.7, 2.4, 0, match.robot.Now()};
+  match.robot.legs = Wheels{{205, 205, 205, 205}, match.robot.Now()};
+  match.RunFor(2);
+  EXPECT_EQ(match.robot.goals.size(), goals);
+  EXPECT_EQ(match.robot.Running(), 0U);
+  EXPECT_THAT(match.WhyNot("full"), HasSubstr("it comes off with the region meilin"));
+  match.robot.fix.reset();
+  EXPECT_THAT(match.WhyNot("full"), HasSubstr("a climb was not ended, and there is no fresh pose"));
+}
 TEST(MeilinMission, AfterAPauseTheHaltedSegmentIsTheNext) {
   Match match("meilin_stage.xml");
   match.robot.decide = [](const FakeGoal&) {
