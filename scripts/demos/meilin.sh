@@ -163,6 +163,7 @@ END
   await ".actuators.meilin | .pid > 0 and .pid != $process and .state == \"Active\""
   await_mission '.state == "WAITING_START"' 30
   expect "the restarted mission" WAITING_START "$(mission .state)"
+  await_mission '.can_start | length > 0' 30  # its first pose has come
   say "$(mission '"it could go on with \(.goes_on_with)"')"
   start meilin
   await_mission '.state == "WAITING_MF_ACTION_SEQ"' 120

@@ -188,7 +188,7 @@ TEST(MeilinMission, ResetInAClimbMovesNothingAndDoesNotForgetTheEdge) {
   match.RunFor(0.2);
   match.Reset();
   const std::size_t goals = match.robot.goals.size();
-  match.robot.fix = PoseFix{1.7, 2.4, 0, match.robot.Now()};
+  match.robot.fix = PoseFix{1.53, 2.4, 0, match.robot.Now()};
   match.robot.legs = Wheels{{205, 205, 205, 205}, match.robot.Now()};
   match.RunFor(2);
   EXPECT_EQ(match.robot.goals.size(), goals);
