@@ -52,6 +52,15 @@ class FsmActuator::Impl : public fsm::Listener {
   }
 
   Result<> Send(std::string_view command) {
+    if (waits_) {
+      if (command == kStartCommand) {
+        commanded_ = true;
+        return StartOrResume();
+      }
+      return Error{kCodeStateInvalid, owner_.name() +
+                                          " stands and waits for START: musher behavior " +
+                                          owner_.name() + " --send START"};
+    }
     // A command queued for hours would no longer be wanted.
     if (!ticking_) {
       return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
@@ -95,7 +104,7 @@ class FsmActuator::Impl : public fsm::Listener {
 
  private:
   Result<> SetUp() {
-    owner_.RunOnLoop([this] { open_ = false; });
+    owner_.RunOnLoop([this] { open_ = commanded_ = false; });
     machine_ = std::make_unique<fsm::Machine>(options_.machine);
     machine_->Listen(this);
     if (Result<> built = owner_.BuildMachine(*machine_); !built) return built;
@@ -132,6 +141,11 @@ class FsmActuator::Impl : public fsm::Listener {
                    "an emergency stop was engaged meanwhile"};
     }
     if (ticking_) return Ok();
+    waits_ = options_.begin == Begin::kOnCommand && !commanded_;
+    if (waits_) {
+      owner_.Log("stands, and waits for START");
+      return Ok();
+    }
     if (const auto thrown = Thrown("OnResume", [&] { owner_.OnResume(); })) {
       return Error{kCodeFailed, *thrown};
     }
@@ -179,7 +193,7 @@ class FsmActuator::Impl : public fsm::Listener {
 
   void PauseMachine() {
     ticks_.Stop();
-    ticking_ = false;
+    ticking_ = waits_ = false;
     if (machine_) machine_->Pause();
   }
 
@@ -230,6 +244,8 @@ class FsmActuator::Impl : public fsm::Listener {
   std::function<void(const msg::String&)> publish_state_;  // while the ticks are open
   bool open_ = false;  // SetUp is done; before, the machine belongs to the worker
   bool ticking_ = false;
+  bool commanded_ = false;  // to begin, since SetUp
+  bool waits_ = false;      // for that, in Active
   bool in_tick_ = false;
   std::string before_fault_;  // the exception of BeforeTick() in the last tick
   std::string after_fault_;

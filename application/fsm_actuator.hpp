@@ -31,6 +31,7 @@
 //   SetUp          is built; topics are opened
 //   SelfCheck      SelfCheck() is called
 //   Active         is started, or continues in its state (or from the start: Options::resume); ticks
+//                  (with Begin::kOnCommand, once START was sent to it since its process began)
 //   TearDown       is stopped: its state is left; OnPause()
 //   all others     is paused, its time stands still; OnPause()
 //   an emergency stop: OnPause() at once, and it is paused until the stop is released and Active is
@@ -60,6 +61,7 @@
 #include <string_view>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/application/begin.hpp"
 #include "musher/behavior/fsm/machine.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
 
@@ -72,7 +74,8 @@ class FsmActuator : public MachineActuator {
     kFromStart  // Machine::Reset(): the start state, no commands
   };
   struct Options {
-    double rate_hz = 50;  // of ticks; more than 0
+    double rate_hz = 50;             // of ticks; more than 0
+    Begin begin = Begin::kAtActive;  // its start state stands, and waits for a command
     Resume resume = Resume::kWhereItWas;
     fsm::Machine::Options machine{};  // a default name is replaced by the actuator's
   };

@@ -9,6 +9,7 @@
 #include "musher/application/ticks.hpp"
 #include "musher/application/tree_report.hpp"
 #include "musher/base/check.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher {
@@ -54,6 +55,7 @@ class TreeActuator::Impl {
     Loaded loaded{std::move(document), entries, main, nullptr};
     if (Result<> built = Build(loaded, *factory_); !built) return built;
     HaltTree();
+    commanded_ = true;
     Use(std::move(loaded));
     Record();
     Report(true);
@@ -112,6 +114,7 @@ class TreeActuator::Impl {
     if (!recording) return recording.error();
     owner_.RunOnLoop([&] {
       HaltTree();
+      commanded_ = false;
       Use(std::move(loaded));
       factory_ = std::move(factory);
       recording_ = std::move(recording).value();
@@ -126,11 +129,33 @@ class TreeActuator::Impl {
       topics.Serve<msg::GetTree>(
           owner_.name() + "/get_tree",
           [this](const auto& request, auto reply) { reply(ReportTree(View(), request)); });
+      topics.Serve<msg::SendCommand>(owner_.name() + "/send_command",
+                                     [this](const auto& request, auto reply) {
+                                       const Result<> sent = Send(request.command);
+                                       reply({sent.ok(), sent ? "" : sent.error().message});
+                                     });
       Report(true);
       owner_.OpenTopics(topics);
     });
     owner_.RunOnLoop([&] { open_ = opened.ok(); });
     return opened;
+  }
+
+  Result<> Send(const std::string& command) {
+    if (command != kStartCommand) {
+      return Error{kCodeParametersInvalid,
+                   "there is no command '" + command + "'; expected " + kStartCommand};
+    }
+    if (!ticking_) {
+      return Error{kCodeStateInvalid,
+                   owner_.name() + " begins in Active only; it is in " + owner_.CurrentState() +
+                       (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
+    }
+    Result<> sent;
+    if (const auto thrown = Thrown("OnStartCommand", [&] { sent = owner_.OnStartCommand(); })) {
+      return Error{kCodeFailed, *thrown};
+    }
+    return sent;
   }
 
   Result<> Build(Loaded& loaded, const tree::Factory& factory) {
@@ -168,11 +193,13 @@ class TreeActuator::Impl {
     loaded_ = std::move(loaded);
     ++revision_;
     result_ = tree::Status::kIdle;
-    resting_ = loaded_.tree == nullptr;
+    resting_ = loaded_.tree == nullptr || !MayBegin();
     ForgetFault();
     time_ = {};
     reported_changes_ = 0;
   }
+
+  bool MayBegin() const { return commanded_ || options_.begin == Begin::kAtActive; }
 
   Result<> Continue() {
     if (owner_.EmergencyStopped()) {
@@ -190,6 +217,10 @@ class TreeActuator::Impl {
     }
     ticking_ = true;
     ticks_.Start(options_.rate_hz, [this] { Tick(); });
+    if (has_tree() && !MayBegin()) {
+      owner_.Log("waits for " + std::string(kStartCommand) +
+                 ": a process that was started does not move");
+    }
     Report(true);
     return Ok();
   }
@@ -212,6 +243,7 @@ class TreeActuator::Impl {
       return;
     }
     HaltTree();
+    commanded_ = commanded_ || !rests;
     result_ = tree::Status::kIdle;
     resting_ = rests || !has_tree();
     if (!rests) ForgetFault();
@@ -346,7 +378,8 @@ class TreeActuator::Impl {
   bool open_ = false;  // SetUp is done; before, the tree belongs to the worker
   bool ticking_ = false;
   bool resting_ = false;
-  bool in_tree_ = false;  // the code of a node runs
+  bool commanded_ = false;  // to begin, since SetUp
+  bool in_tree_ = false;    // the code of a node runs
   LimitedLog log_;
 };
 
@@ -382,6 +415,10 @@ TreeView TreeActuator::view() {
 }
 void TreeActuator::Restart() {
   impl_->OnLoop().Restart();
+}
+Result<> TreeActuator::OnStartCommand() {
+  Restart();
+  return Ok();
 }
 void TreeActuator::Halt() {
   impl_->OnLoop().Halt();

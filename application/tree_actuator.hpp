@@ -21,13 +21,17 @@
 //   robot          tree
 //   SetUp          is built; topics are opened
 //   SelfCheck      SelfCheck() is called
-//   Active         is ticked, from its root on
+//   Active         is ticked, from its root on, once it was commanded to begin (Options::begin)
 //   all others     its running nodes are halted; OnPause(). Its blackboard is kept (or made new for
 //                  the next Active: Options::resume)
 //   an emergency stop: the same at once, until the stop is released and Active is set again, also
 //                  where the robot is still in Active
 //                  (during SetUp nothing runs yet: there is nothing to halt)
 // clang-format on
+//
+// Without a command to begin since the process began, the tree rests in Active: a restarted process
+// moves nothing (begin.hpp). The command is START on the service `<actuator>/send_command`
+// (`musher behavior NAME --tree --send START`), Load() or Restart().
 //
 // The end of the tree: after SUCCESS, FAILURE or SKIPPED it rests until Restart(), Load() or Halt()
 // (or begins again with the next tick: Options::restart_after_end). It also rests over a pause: a
@@ -41,7 +45,8 @@
 // tree is not ticked then) or AfterTick(). A node that blocks blocks the loop: with checkpoint_ms
 // in the config the actuator is then reported as hung.
 //
-// Interfaces: service `<actuator>/get_tree` (musher_msgs/GetTree) and topic `<actuator>/tree_state`
+// Interfaces: services `<actuator>/get_tree` (musher_msgs/GetTree) and `<actuator>/send_command`
+// (musher_msgs/SendCommand; START is its only command), and topic `<actuator>/tree_state`
 // (musher_msgs/TreeState, latched): at most 20 a second while a program is subscribed, and at each
 // start, pause and end, and whenever another tree is loaded.
 //
@@ -65,6 +70,7 @@
 #include <vector>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/application/begin.hpp"
 #include "musher/application/tree_recording.hpp"
 #include "musher/application/tree_report.hpp"
 #include "musher/behavior/tree/tree.hpp"
@@ -76,10 +82,11 @@ class TreeActuator : public MachineActuator {
  public:
   enum class Resume : std::uint8_t {
     kKeepBlackboard,
-    kNewBlackboard  // the tree is built again at each change to Active; it does not rest then
+    kNewBlackboard  // the tree is built again at each change to Active; its end does not rest then
   };
   struct Options {
     double rate_hz = 100;  // of ticks; more than 0
+    Begin begin = Begin::kOnCommand;
     Resume resume = Resume::kKeepBlackboard;
     std::size_t history = 256;       // changes that are kept
     bool restart_after_end = false;  // the next tick after an end begins at the root
@@ -121,6 +128,8 @@ class TreeActuator : public MachineActuator {
   // The robot goes to Active; called before the first tick. An exception fails the switch to Active
   // with its text, after OnPause().
   virtual void OnResume() {}
+  // START was sent, in Active. An error refuses it. This one is Restart().
+  virtual Result<> OnStartCommand();
 
   // All of these on the loop only, from SetUp on.
   bool has_tree() const;
@@ -130,7 +139,8 @@ class TreeActuator : public MachineActuator {
   // Keeps the old one and fails, with all errors a line each, where the document or an entry is
   // wrong; also within a tick, in the code of a node. `main`: as Options::tree.
   Result<> Load(tree::Document document, const Entries& entries = {}, const std::string& main = "");
-  // Halts the tree, which begins at its root at the next tick. Within a tick: after it.
+  // Halts the tree, which begins at its root at the next tick of Active: a command to begin.
+  // Within a tick: after it.
   void Restart();
   // Halts the tree, which rests then. Within a tick: after it.
   void Halt();

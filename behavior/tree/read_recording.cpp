@@ -15,6 +15,7 @@ namespace {
 using Event = RecordedEvent;
 using Kind = Event::Kind;
 
+constexpr std::string_view kUnchainedFormat = "musher-tree-recording 1 ";  // of earlier versions
 constexpr std::uint64_t kMostWallUs = std::uint64_t{1} << 60;
 constexpr std::array<std::string_view, 8> kLines = {"tree",   "node",  "is",    "set",
                                                     "change", "state", "fault", "lost"};
@@ -36,7 +37,9 @@ class TreeReading {
   }
 
   Recording Read() && {
-    if (!NextLine() || !line_text_.starts_with(std::string(kRecordingFormat) + " ")) {
+    const bool any = NextLine();
+    chained_ = line_text_.starts_with(std::string(kRecordingFormat) + " ");
+    if (!any || (!chained_ && !line_text_.starts_with(kUnchainedFormat))) {
       RecordingLine(line_text_, recording_.file, 1)
           .Fail("the recording of a tree begins with \"" + std::string(kRecordingFormat) +
                 "\" and the name of an actuator");
@@ -62,11 +65,14 @@ class TreeReading {
     return true;
   }
 
-  RecordingLine Checked() const {
-    const auto text = WithoutChecksum(line_text_);
+  RecordingLine Checked() {
+    if (!chained_ || line_text_.starts_with(std::string(kLostLine) + " ")) chain_.clear();
+    const auto text = WithoutChecksum(line_text_, chain_);
     if (!text) {
       RecordingLine(line_text_, recording_.file, number_)
-          .Fail("the line is damaged: it does not match its checksum");
+          .Fail(
+              "the line is damaged, or lines before it are missing, doubled or at another place: "
+              "it does not match its checksum");
     }
     return {*text, recording_.file, number_};
   }
@@ -158,6 +164,8 @@ class TreeReading {
   std::string_view text_;  // what is left
   std::string_view line_text_;
   int number_ = 0;
+  bool chained_ = true;
+  RecordingChain chain_;
   Recording recording_;
   std::vector<Status> statuses_;  // of the present tree
   Duration last_{};

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t kChecksum = 10;  // " #" and eight digits
 
-std::string ChecksumOf(std::string_view line) {
-  const std::uint64_t hash = Fnv1a(line);
+std::string ChecksumOf(std::string_view line, const RecordingChain& chain) {
+  const std::uint64_t hash = Fnv1a(chain + std::string(line));
   std::string text = " #00000000";
   std::array<char, 8> digits{};
   const auto* const end = std::to_chars(digits.data(), digits.data() + digits.size(),
@@ -37,19 +37,23 @@ std::string Cut(std::string text) {
 
 }  // namespace
 
-void EndRecordingLine(std::string& line) {
-  line += ChecksumOf(line);
+void EndRecordingLine(std::string& line, RecordingChain& chain) {
+  chain = ChecksumOf(line, chain);
+  line += chain;
   line += '\n';
 }
 
-std::optional<std::string_view> WithoutChecksum(std::string_view line) {
+std::optional<std::string_view> WithoutChecksum(std::string_view line, RecordingChain& chain) {
   if (line.size() < kChecksum) return std::nullopt;
   const std::string_view text = line.substr(0, line.size() - kChecksum);
-  if (line.substr(text.size()) != ChecksumOf(text)) return std::nullopt;
+  std::string checksum = ChecksumOf(text, chain);
+  if (line.substr(text.size()) != checksum) return std::nullopt;
+  chain = std::move(checksum);
   return text;
 }
 
 void Recorder::Head(std::string_view actuator) {
+  chain_.clear();
   std::string line(kRecordingFormat);
   AppendWord(line, actuator);
   Write(std::move(line));
@@ -65,8 +69,7 @@ void Recorder::Begin(Recorded recorded, std::uint64_t wall_us) {
   AppendWord(line, tree.name());
   AppendWord(line,
              WriteTree(tree, *recorded_.document, {.with_ids = true, .models = recorded_.factory}));
-  EndRecordingLine(line);
-  description_ = std::move(line);
+  description_ = {std::move(line)};
   for (NodeId id = 0; id < tree.size(); ++id) {
     const NodeInfo& info = tree.info(id);
     line = "node";
@@ -74,8 +77,7 @@ void Recorder::Begin(Recorded recorded, std::uint64_t wall_us) {
     AppendWord(line, info.id);
     AppendWord(line, Name(info.kind));
     AppendWord(line, info.parent == kNoNode ? "-1" : std::to_string(info.parent));
-    EndRecordingLine(line);
-    description_ += line;
+    description_.push_back(line);
   }
   BeginAgain(wall_us);
 }
@@ -83,7 +85,7 @@ void Recorder::Begin(Recorded recorded, std::uint64_t wall_us) {
 void Recorder::BeginAgain(std::uint64_t wall_us) {
   if (recorded_.tree == nullptr) return;
   state_.wall_us = wall_us;
-  sink_(description_);
+  for (const std::string& line : description_) Write(line);
   for (NodeId id = 0; id < recorded_.tree->size(); ++id) {
     const Status status = recorded_.tree->status(id);
     if (status == Status::kIdle) continue;
@@ -115,7 +117,8 @@ void Recorder::Note(const State& state) {
 }
 
 void Recorder::Lost(std::uint64_t lines) {
-  std::string line = "lost";
+  chain_.clear();
+  std::string line(kLostLine);
   AppendTime(line, last_);
   AppendNumber(line, lines);
   Write(std::move(line));
@@ -182,8 +185,8 @@ void Recorder::WriteState() {
   Write(std::move(line));
 }
 
-void Recorder::Write(std::string line) const {
-  EndRecordingLine(line);
+void Recorder::Write(std::string line) {
+  EndRecordingLine(line, chain_);
   sink_(line);
 }
 

@@ -2,7 +2,7 @@
 // Records what a tree does, a line each, for a replay (recording.hpp).
 //
 // clang-format off
-//   musher-tree-recording 1 patrol #5c8a06f1    the first line, with the name of the actuator
+//   musher-tree-recording 2 patrol #5c8a06f1    the first line, with the name of the actuator
 //   tree 3 Patrol "<root …"                     a tree begins: its revision, name, and XML with the
 //                                               ids of its nodes
 //   node Patrol Sequence Control -1             each node in the order of the ids: name, type, kind,
@@ -17,7 +17,9 @@
 //   lost 1.5 20                                 so many lines are missing; the tree begins again
 // clang-format on
 //
-// The last word of each line is a checksum of what is before it. Values are cut to kMostValue.
+// The last word of each line is a checksum of what is before it and of the checksum of the line
+// above: a line that is missing, doubled or at another place is detected. The chain begins with the
+// first line of a file, and again with a line "lost". Values are cut to kMostValue.
 //
 // Threads: that of the tree.
 
@@ -33,12 +35,15 @@
 
 namespace musher::tree {
 
-inline constexpr std::string_view kRecordingFormat = "musher-tree-recording 1";
+inline constexpr std::string_view kRecordingFormat = "musher-tree-recording 2";
+inline constexpr std::string_view kLostLine = "lost";
 
+// The checksum of the line above; empty: the line begins a chain.
+using RecordingChain = std::string;
 // The checksum as the last word, and the end of the line.
-void EndRecordingLine(std::string& line);
-// Without it; nothing: it does not match.
-std::optional<std::string_view> WithoutChecksum(std::string_view line);
+void EndRecordingLine(std::string& line, RecordingChain& chain);
+// Without it; nothing: it does not match, and the chain is as it was.
+std::optional<std::string_view> WithoutChecksum(std::string_view line, RecordingChain& chain);
 
 class Recorder : public ChangeListener {
  public:
@@ -89,12 +94,13 @@ class Recorder : public ChangeListener {
   std::size_t Keys() const;
   void WriteEntries(bool all);
   void WriteState();
-  void Write(std::string line) const;
+  void Write(std::string line);
   Duration Now(Time at);
 
   const Sink sink_;
   Recorded recorded_;
-  std::string description_;  // the lines of tree and nodes
+  std::vector<std::string> description_;  // the lines of tree and nodes, without checksums
+  RecordingChain chain_;
   std::vector<const Board*> boards_;
   std::size_t keys_ = 0;  // of all boards, when entries_ were found
   std::vector<Watched> entries_;

@@ -8,7 +8,10 @@
 
 class Gardener : public musher::TreeActuator {
  public:
-  Gardener() : TreeActuator("gardener", {.rate_hz = 20, .file = "garden.xml"}) {}
+  // A garden does not move: it may begin by itself, also after a restart of the process.
+  Gardener()
+      : TreeActuator("gardener",
+                     {.rate_hz = 20, .begin = musher::Begin::kAtActive, .file = "garden.xml"}) {}
 
  private:
   musher::Result<> RegisterNodes(tree::Factory& factory) override {

@@ -12,8 +12,10 @@
 //
 // Threads: the loop of the actuator, where the tree is ticked.
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,6 +43,7 @@ struct SuspensionGoal {
 
 // Commands of the arm and of the spear that the nodes name; the codes are those of the actions.
 inline constexpr std::uint8_t kArmGrasp = 1;
+inline constexpr std::uint8_t kSpearDock = 3;
 
 struct ArmGoal {
   std::uint8_t command = 0;
@@ -89,11 +92,20 @@ struct PoseFix {
   double y_m = 0;
   double yaw_rad = 0;
   Time at{};
+  // Of the underside of the body over the ground; NaN: not known.
+  double z_m = std::numeric_limits<double>::quiet_NaN();
 
   // A limit that is not positive: it never grows old.
   bool IsFresh(Time now, double limit_s) const {
     return limit_s <= 0 || (now >= at && now - at <= std::chrono::duration<double>(limit_s));
   }
+};
+
+// The four wheels as they report: how far each reaches below the body.
+struct Wheels {
+  static constexpr std::size_t kCount = 4;  // front-left, front-right, rear-left, rear-right
+  std::array<double, kCount> mm{};
+  Time at{};
 };
 
 // A topic of a boolean.
@@ -115,6 +127,9 @@ class Robot {
   virtual GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) = 0;
 
   virtual std::optional<PoseFix> pose() const = 0;  // nullopt: none came
+  virtual std::optional<Wheels> wheels()
+      const = 0;                                    // nullopt: none came; they are not checked then
+  virtual int suspension_state() const = 0;         // of the sequence; 0: nothing runs
   virtual const Signal& partner_ready() const = 0;  // of the partner robot
   virtual const Signal& arm_idle() const = 0;       // the arm's last command is done
   // For people: what a node wants to be in the log.

@@ -42,6 +42,7 @@ class Reader {
     TableReader root(table, {1, 1}, "", findings_);
     Take(root, "rate_hz", config_.rate_hz, 1, 1000);
     Take(root, "state_rate_hz", config_.state_rate_hz, 0.1, 100);
+    config_.autostart = root.Bool("autostart").value_or(false);
     config_.second_generation = root.Bool("second_generation").value_or(false);
     if (const Table* tracking = root.SubTable("tracking")) {
       gives_lost_ = TableReader(*tracking, {}, "", findings_).Has("lost_ms");

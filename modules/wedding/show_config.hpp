@@ -37,6 +37,9 @@ enum class Need { kRequired, kOptional, kNone };
 
 struct WeddingConfig {
   ShowConfig show;
+  // Whether the show begins as soon as the robot is Active, also after a restart of its process;
+  // else by the command START (application/begin.hpp).
+  bool autostart = false;
   double rate_hz = 50;
   double state_rate_hz = 5;
   std::string camera_service = "camera_service";  // empty: no pictures are taken

@@ -18,6 +18,7 @@ constexpr Duration kVisionSilence =
 FsmActuator::Options OptionsOf(const WeddingConfig& config) {
   FsmActuator::Options options;
   options.rate_hz = config.rate_hz;
+  options.begin = config.autostart ? Begin::kAtActive : Begin::kOnCommand;
   options.resume = FsmActuator::Resume::kWhereItWas;  // in IDLE, where Rest() left it
   return options;
 }

@@ -1,7 +1,8 @@
 #pragma once
 // The actuator `wedding`: the show on its topics. See README.md in this folder.
 //
-//   Active                                     the show runs, from IDLE
+//   Active                                     the show runs, from IDLE: at once with `autostart`,
+//                                              else from the command START on
 //   DeActive, Protected, LowPower, OTA, Error  neutral pose, gaze ahead, paused
 //   an emergency stop                          paused, and no output to the robot
 //

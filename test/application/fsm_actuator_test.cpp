@@ -132,6 +132,26 @@ TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRele
   });
 }
 
+TEST_F(AnFsmActuator, StandsInActiveUntilItIsCommandedWithThatOption) {
+  ActuatorRunner<Show> show({.rate_hz = 50, .begin = musher::Begin::kOnCommand});
+  Begin(show);
+  harness_.Tick(show, 3);
+  EXPECT_THAT(show.TakeLog(), ElementsAre());
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
+  const auto early = show.Of([](Show& s) { return s.Send("again"); });
+  ASSERT_FALSE(early);
+  EXPECT_NE(early.error().message.find("show stands and waits for START"), std::string::npos);
+  ASSERT_TRUE(Go("LowPower"));
+  EXPECT_FALSE(show.Of([](Show& s) { return s.Send("START"); })) << "in Active only";
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_TRUE(show.Of([](Show& s) { return s.Send("START"); }));
+  harness_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "GREET");
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); })) << "a pause is no restart";
+}
+
 TEST_F(AnFsmActuator, FailsItsSelfCheckWithTheReasonOfTheApplication) {
   ActuatorRunner<Show> show;
   show.data().unsafe = true;

@@ -28,7 +28,8 @@ constexpr const char* kWithSubtree = R"(<root BTCPP_format="4" main_tree_to_exec
 class Watched : public TreeActuator {
  public:
   explicit Watched(groot2::ServeOptions options)
-      : TreeActuator("show", {.rate_hz = 50}), served_(std::move(options)) {}
+      : TreeActuator("show", {.rate_hz = 50, .begin = Begin::kAtActive}),
+        served_(std::move(options)) {}
   template <class Look>
   auto Of(Look look) {
     decltype(look(*this)) found{};

@@ -3,6 +3,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/behavior/tree/recording.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
 #include "musher/test/application/tree_course.hpp"
@@ -32,6 +33,20 @@ class ATreeActuator : public ::testing::Test {
       return done;
     }));
   }
+  // Why a command is refused; "": it is not.
+  std::string Send(const std::string& command) {
+    std::unique_ptr<transport::Client<msg::SendCommand>> client;
+    std::optional<std::string> reply;
+    harness_.node().RunOnLoop([&] {
+      client = transport::MakeClient<msg::SendCommand>(harness_.node().node(), "show/send_command")
+                   .value();
+      client->Call({command}, std::chrono::seconds(20),
+                   [&](const auto& r) { reply = r.value().message; });
+    });
+    Await([&] { return reply.has_value(); });
+    harness_.node().RunOnLoop([&] { client.reset(); });
+    return *reply;
+  }
   // The reply of get_tree.
   msg::GetTree::Response Get(const msg::GetTree::Request& request) {
     std::unique_ptr<transport::Client<msg::GetTree>> client;
@@ -49,7 +64,7 @@ class ATreeActuator : public ::testing::Test {
 };
 
 TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThenRests) {
-  ActuatorRunner<Course> course({.rate_hz = 50});
+  ActuatorRunner<Course> course({.rate_hz = 50, .begin = Begin::kAtActive});
   harness_.Open(course);
   harness_.Tick(course, 3);
   EXPECT_THAT(course.TakeTicks(), ElementsAre()) << "not before";
@@ -65,8 +80,30 @@ TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThen
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
 }
 
+TEST_F(ATreeActuator, StandsInActiveUntilItIsCommanded) {
+  ActuatorRunner<Course> course({.rate_hz = 50});
+  Begin(course);
+  harness_.Tick(course, 5);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("resumes")) << "its controller has brought it there";
+  EXPECT_EQ(Send("GO"), "there is no command 'GO'; expected START");
+  ASSERT_TRUE(Go("LowPower"));
+  EXPECT_THAT(Send("START"), HasSubstr("show begins in Active only; it is in LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(course, 2);
+  course.TakeLog();
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "a pause is no restart";
+}
+
 TEST_F(ATreeActuator, BeginsAgainAtOnceWithThatOption) {
-  ActuatorRunner<Course> course({.rate_hz = 50, .restart_after_end = true});
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .restart_after_end = true});
   Begin(course);
   harness_.Tick(course, 5);
   EXPECT_THAT(course.TakeLog(),
@@ -94,7 +131,8 @@ TEST_F(ATreeActuator, IsHaltedOnceInEveryOtherStateAndBeginsAtItsRootWithItsBlac
 }
 
 TEST_F(ATreeActuator, HasANewBlackboardAtEachActiveWithThatOption) {
-  ActuatorRunner<Course> course({.rate_hz = 50, .resume = TreeActuator::Resume::kNewBlackboard});
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .resume = TreeActuator::Resume::kNewBlackboard});
   Begin(course);
   course.RunOnLoop([&] { EXPECT_TRUE(course.tree().board().Set("ticks", 50)); });
   ASSERT_TRUE(Go("LowPower"));
@@ -296,7 +334,8 @@ TEST_F(ATreeActuator, FailsItsSetUpWithEveryErrorOfItsTree) {
 
 TEST_F(ATreeActuator, RecordsItsTreesIntoItsStateFolder) {
   {
-    ActuatorRunner<Course> course({.rate_hz = 50, .record = {.file = "trees/show.tree"}});
+    ActuatorRunner<Course> course(
+        {.rate_hz = 50, .begin = Begin::kAtActive, .record = {.file = "trees/show.tree"}});
     Begin(course);
     harness_.Tick(course, 2);
     ASSERT_TRUE(Go("LowPower"));
@@ -322,7 +361,8 @@ TEST_F(ATreeActuator, RecordsItsTreesIntoItsStateFolder) {
 }
 
 TEST_F(ATreeActuator, ThatCannotRecordIsNotSetUp) {
-  ActuatorRunner<Course> course({.rate_hz = 50, .record = {.file = "/proc/none/show.tree"}});
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .record = {.file = "/proc/none/show.tree"}});
   ASSERT_TRUE(course.Init(harness_.path()));
   const Result<> started = course.Start();
   ASSERT_FALSE(started);

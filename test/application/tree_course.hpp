@@ -61,7 +61,8 @@ class Walk : public tree::StatefulAction {
 
 class Course : public TreeActuator {
  public:
-  explicit Course(Options options = {.rate_hz = 50}) : TreeActuator("show", std::move(options)) {}
+  explicit Course(Options options = {.rate_hz = 50, .begin = Begin::kAtActive})
+      : TreeActuator("show", std::move(options)) {}
 
   CourseData& data() { return data_; }  // before Start(), or by RunOnLoop()
   // The result of `look`, between two ticks.

@@ -9,7 +9,8 @@ namespace musher::tree_tutorial_test {
 
 class Patrol : public TreeActuator {
  public:
-  explicit Patrol(const std::string& file) : TreeActuator("show", {.rate_hz = 50, .file = file}) {}
+  explicit Patrol(const std::string& file)
+      : TreeActuator("show", {.rate_hz = 50, .begin = Begin::kAtActive, .file = file}) {}
 
  private:
   Result<> RegisterNodes(tree::Factory& factory) override {

@@ -27,8 +27,9 @@ std::string StateConfig(const std::string& actuator, const std::vector<std::stri
     times += "20000, ";
   }
   return "[controller]\nactuators = [\"" + actuator + "\"]\nstates = [" + names +
-         "]\ndefault_time = 20000\ndefault_state = \"Uninitialized\"\n[actuator." + actuator +
-         "]\nstates = [" + names + "]\ntimes = [" + times + "]\n";
+         "]\nstate_dir = \"state\"\ndefault_time = 20000\ndefault_state = "
+         "\"Uninitialized\"\n[actuator." +
+         actuator + "]\nstates = [" + names + "]\ntimes = [" + times + "]\n";
 }
 
 }  // namespace

@@ -139,6 +139,9 @@ ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, C
   const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   if (options.tree) {
+    if (!options.send.empty()) {
+      if (const auto failure = Send(*link.value(), global, options)) return console.Fail(*failure);
+    }
     return ShowTree(*link.value(), global,
                     {options.name, options.history, options.entries, options.watch}, console);
   }
@@ -181,10 +184,11 @@ void AddBehavior(Grammar& grammar) {
                             "Show its behaviour tree; --watch redraws it on a terminal");
   app.add_flag("--entries", options.entries, "Also show the blackboards of the tree")->needs(tree);
   grammar
-      .Offer(app.add_option("--send", options.send,
-                            "Send it this command, which it must have registered"),
-             Names::kCommands)
-      ->excludes(tree)
+      .Offer(
+          app.add_option(
+              "--send", options.send,
+              "Send it this command, which it must have registered; START begins one that waits"),
+          Names::kCommands)
       ->check([](const std::string& word) { return word.empty() ? "needs a command" : ""; })
       ->type_name("COMMAND");
 }

@@ -1,5 +1,6 @@
 #include "musher/modules/meilin/field/grid.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -16,6 +17,13 @@ constexpr Heights kBlueHeights = {{
     {200, 400, 200},
     {0, 0, 0},
 }};
+
+// Of a point from a square around `centre`.
+double DistanceToSquare(Point2 at, Point2 centre, double half_m) {
+  const double x_m = std::max(0.0, std::abs(at.x_m - centre.x_m) - half_m);
+  const double y_m = std::max(0.0, std::abs(at.y_m - centre.y_m) - half_m);
+  return std::hypot(x_m, y_m);
+}
 
 }  // namespace
 
@@ -149,6 +157,36 @@ std::optional<Cell> Grid::CellAt(Point2 at) const {
   const double col = std::round((at.y_m - origin.y_m) / size_m);
   if (!(row >= 0 && row < kRows && col >= 0 && col < kCols)) return std::nullopt;
   return Cell{static_cast<int>(row), static_cast<int>(col)};
+}
+
+std::vector<Cell> Grid::CellsOnLine(Point2 from, Point2 to) const {
+  std::vector<Cell> cells;
+  constexpr double kStepM = 0.02;
+  const double length_m = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
+  if (!std::isfinite(length_m) || length_m > 1000) return cells;
+  const int steps = 1 + static_cast<int>(length_m / kStepM);
+  for (int row = 0; row < kRows; ++row) {
+    for (int col = 0; col < kCols; ++col) {
+      const Point2 centre = Centre({row, col});
+      for (int i = 0; i <= steps; ++i) {
+        const double share = static_cast<double>(i) / steps;
+        const Point2 at{from.x_m + share * (to.x_m - from.x_m),
+                        from.y_m + share * (to.y_m - from.y_m)};
+        if (DistanceToSquare(at, centre, size_m / 2) >= kHullClearM) continue;
+        cells.push_back({row, col});
+        break;
+      }
+    }
+  }
+  return cells;
+}
+
+std::optional<Cell> Grid::OtherHeightOnLine(Point2 from, Point2 to, double height_mm,
+                                            double tolerance_mm) const {
+  for (const Cell cell : CellsOnLine(from, to)) {
+    if (std::abs(HeightMm(cell) - height_mm) > tolerance_mm) return cell;
+  }
+  return std::nullopt;
 }
 
 double Grid::DistanceToCentre(Point2 at, Cell cell) const {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace musher::meilin {
 
@@ -32,6 +33,10 @@ struct Cell {
 
   friend bool operator==(const Cell&, const Cell&) = default;
 };
+
+// Half the side of the robot's square hull, and what it keeps from an edge beside its way.
+inline constexpr double kHullHalfM = 0.3;
+inline constexpr double kHullClearM = 0.33;
 
 struct Point2 {
   double x_m = 0;
@@ -83,6 +88,13 @@ struct Grid {
   // The cell in which a position is; nothing outside the grid, for a number that is not finite, or
   // if the size is not positive.
   std::optional<Cell> CellAt(Point2 at) const;
+  // The first cell of another height than `height_mm`, within `tolerance_mm`, that the hull of a
+  // robot comes over on the straight line between two points; nothing if there is none. The ground
+  // around the grid has the height 0.
+  std::optional<Cell> OtherHeightOnLine(Point2 from, Point2 to, double height_mm,
+                                        double tolerance_mm) const;
+  // The cells that the hull comes over on that line, by row and column.
+  std::vector<Cell> CellsOnLine(Point2 from, Point2 to) const;
   double DistanceToCentre(Point2 at, Cell cell) const;  // m
   bool IsAtCentre(Point2 at, Cell cell) const;
 

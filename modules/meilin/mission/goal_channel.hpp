@@ -1,6 +1,7 @@
 #pragma once
 // The goals of one action server, as handles of robot.hpp. A goal that is begun while an earlier
-// one of this channel is being cancelled is sent after its end, or after kCancelTime.
+// one of this channel is being cancelled is sent after its end, or after kCancelTime; then the
+// earlier one, whose end never came, is dropped as lost, and delays no other goal.
 //
 // Times here are real. Threads: the loop's.
 
@@ -26,6 +27,7 @@ struct GoalRecord {
   int final_state = 0;
   bool cancel = false;      // it is to be cancelled
   bool cancelling = false;  // a request is under way
+  std::chrono::steady_clock::time_point cancelled_at{};
   transport::GoalId id{};
 };
 
@@ -79,18 +81,19 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
 
   GoalPtr Begin(const typename A::Goal& goal) {
     auto record = std::make_shared<GoalRecord>();
-    waiting_.push_back({record, goal, std::chrono::steady_clock::now()});
+    waiting_.push_back({record, goal});
     Tend();
     return std::make_unique<GoalHandle>(record, this->weak_from_this());
   }
 
   void Tend() override {
     std::erase_if(open_, [](const auto& record) { return HasEnded(record->state); });
+    if (!waiting_.empty()) DropSilent();
     for (const auto& record : open_) {
       if (record->state == GoalState::kWaiting && Ready()) record->state = GoalState::kSent;
       if (record->cancel) SendCancel(record);
     }
-    while (!waiting_.empty() && MaySend(waiting_.front().since)) {
+    while (!waiting_.empty() && MaySend()) {
       const Waiting next = std::move(waiting_.front());
       waiting_.pop_front();
       if (next.record->state == GoalState::kWaiting) Send(next.record, next.goal);
@@ -98,6 +101,7 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
   }
 
   void CancelOne(const std::shared_ptr<GoalRecord>& record) override {
+    if (!record->cancel) record->cancelled_at = std::chrono::steady_clock::now();
     record->cancel = true;
     for (const Waiting& each : waiting_) {
       if (each.record == record) record->state = GoalState::kCancelled;
@@ -121,15 +125,23 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
   struct Waiting {
     std::shared_ptr<GoalRecord> record;
     typename A::Goal goal;
-    std::chrono::steady_clock::time_point since;
   };
 
-  bool MaySend(std::chrono::steady_clock::time_point since) const {
-    const auto cancelling = [](const auto& record) {
-      return record->cancel && !HasEnded(record->state);
-    };
-    return std::ranges::none_of(open_, cancelling) ||
-           std::chrono::steady_clock::now() - since > kCancelTime;
+  // A server that was to cancel a goal for so long will not say any more that it has.
+  void DropSilent() {
+    const auto now = std::chrono::steady_clock::now();
+    for (const auto& record : open_) {
+      if (!record->cancel || HasEnded(record->state)) continue;
+      if (now - record->cancelled_at <= kCancelTime) continue;
+      record->message = "its end never came after it was cancelled";
+      record->state = GoalState::kLost;
+    }
+    std::erase_if(open_, [](const auto& record) { return HasEnded(record->state); });
+  }
+
+  bool MaySend() const {
+    const auto cancelling = [](const auto& record) { return record->cancel; };
+    return std::ranges::none_of(open_, cancelling);
   }
 
   void Send(const std::shared_ptr<GoalRecord>& record, const typename A::Goal& goal) {
@@ -141,6 +153,7 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
     transport::GoalEvents<A> events;
     const std::weak_ptr<GoalChannel> weak = this->weak_from_this();
     events.on_accepted = [record, weak] {
+      if (HasEnded(record->state)) return;
       record->state = GoalState::kAccepted;
       const auto channel = weak.lock();
       if (record->cancel && channel) channel->SendCancel(record);
@@ -155,6 +168,7 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
 
   static void End(GoalRecord& record, const transport::GoalOutcome<A>& outcome) {
     using transport::GoalEnd;
+    if (HasEnded(record.state)) return;  // it was dropped
     record.message = outcome.reason.empty() ? outcome.result.message : outcome.reason;
     record.final_state = FinalStateOf(outcome.result);
     const bool had_server = record.state != GoalState::kWaiting;

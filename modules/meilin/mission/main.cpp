@@ -37,6 +37,7 @@ int Run(const musher::program::Options& options) {
 int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "models") return musher::meilin::PrintModels(argc - 1, argv + 1);
+  if (command == "start") return musher::meilin::StartTool(argc - 1, argv + 1);
   if (command == "send") return musher::meilin::Send(argc - 1, argv + 1);
   if (musher::meilin::IsPlanTool(command)) {
     return musher::meilin::RunPlanTool(argc - 1, argv + 1, musher::meilin::CheckTreeOrMatch);
@@ -44,7 +45,9 @@ int main(int argc, char** argv) {
   return musher::program::Main(
       argc, argv,
       {"musher-meilin", "A match of the competition robot, as the actuator meilin.",
-       "`musher-meilin check FILE` reports the errors of a tree, a match config or a plan,\n"
+       "`musher-meilin start [full|meilin|final]` begins a match that waits; without a person's "
+       "word\nnothing moves. `musher-meilin check FILE` reports the errors of a tree, a match "
+       "config or a plan,\n"
        "`musher-meilin plan FILE` prints a plan, `musher-meilin send plan FILE` gives a running\n"
        "match one, and `musher-meilin models` prints the nodes for an editor; see their --help.\n\n"
        "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},

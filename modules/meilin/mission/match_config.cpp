@@ -11,6 +11,7 @@
 #include "musher/base/joined.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/base/toml/file.hpp"
+#include "musher/modules/meilin/plan/json_reader.hpp"
 
 namespace musher::meilin {
 namespace {
@@ -23,6 +24,10 @@ constexpr std::array<std::string_view, 1> kLimitKeys = {"timeout_sec"};
 constexpr std::array<std::string_view, 6> kFinishKeys = {
     "arm_command",          "timeout_sec",       "suspension_mode",
     "suspension_direction", "suspension_height", "suspension_timeout_sec"};
+
+constexpr double kHighestWheelMm = 420;
+constexpr double kFastest = 5;
+constexpr double kFarthestInMatchM = 100;  // of a field of 10 m
 
 struct Section {
   std::string_view area;
@@ -48,14 +53,10 @@ class MatchReader {
   explicit MatchReader(const std::string& file) : file_(file) {}
 
   MatchReading Read(std::string_view text) {
-    Json root;
-    try {
-      root = Json::parse(text);
-    } catch (const Json::exception& error) {
-      Fault("", error.what());
-      return std::move(reading_);
-    }
-    if (IsObject(root, "")) ReadRoot(root);
+    JsonFaults faults;
+    const std::optional<Json> root = ParseJson(text, faults);
+    for (const std::string& fault : faults.list()) Fault("", fault);
+    if (root && IsObject(*root, "")) ReadRoot(*root);
     if (reading_.errors.empty()) reading_.config = std::move(config_);
     return std::move(reading_);
   }
@@ -120,8 +121,16 @@ class MatchReader {
         (!whole || value < 0 || value > 3)) {
       return "expected 0 to 3";
     }
-    if (key == "suspension_height" && (value < 0 || value > 1000)) return "expected 0 to 1000 mm";
-    if (key == "max_speed" && value <= 0) return "expected more than 0 m/s";
+    if (key == "suspension_height" && (value < 0 || value > kHighestWheelMm)) {
+      return "expected 0 to 420 mm, the reach of a wheel";
+    }
+    if (key == "max_speed" && (value <= 0 || value > kFastest)) {
+      return "expected more than 0 and up to 5 m/s";
+    }
+    if ((key == "target_x" || key == "target_y") && std::abs(value) > kFarthestInMatchM) {
+      return "expected -100 to 100 m";
+    }
+    if (key == "target_yaw" && std::abs(value) > 2 * kPi) return "expected -2 pi to 2 pi rad";
     return "";
   }
 

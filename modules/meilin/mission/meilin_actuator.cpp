@@ -1,11 +1,17 @@
 #include "musher/modules/meilin/mission/meilin_actuator.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <utility>
+
+#include <nlohmann/json.hpp>
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/application/groot2/groot2_server.hpp"
+#include "musher/base/files.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
+#include "musher/modules/meilin/plan/box_map_text.hpp"
 #include "musher/modules/meilin/plan/segments_json.hpp"
 
 namespace musher::meilin {
@@ -30,11 +36,12 @@ void MeilinActuator::Status::Set(const std::string& text) {
 MeilinActuator::MeilinActuator(const std::string& name, MissionConfig config, MatchConfig match)
     : TreeActuator(name,
                    {.rate_hz = config.tick_frequency_hz,
+                    .begin = musher::Begin::kOnCommand,
                     .file = config.tree_file,
                     .record = {.file = config.record, .most_bytes = config.record_mib << 20}}),
       config_(WithSide(std::move(config), match)),
-      robot_(config_.pose_topic),
-      mission_(robot_, config_.settings, std::move(match)) {}
+      robot_({config_.pose_topic, config_.chassis_topic, config_.wheel_order}),
+      mission_(robot_, config_.settings, std::move(match), config_.autostart) {}
 
 Result<> MeilinActuator::RegisterNodes(tree::Factory& factory) {
   return meilin::RegisterNodes(factory, robot_, config_.settings);
@@ -43,13 +50,16 @@ Result<> MeilinActuator::RegisterNodes(tree::Factory& factory) {
 void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics, [this](const std::string& text) { Log(LogLevel::kWarning, text); });
   const transport::Qos latched = transport::kLatchedQos;
+  status_ = {topics.PublishFunction<msg::String>("meilin/status", latched), "", false};
   state_ = {topics.PublishFunction<msg::String>("meilin/state", latched), "", false};
   error_ = {topics.PublishFunction<msg::String>("meilin/last_error", latched), "", false};
   plan_id_ = {topics.PublishFunction<msg::String>("meilin/plan_id", latched), "", false};
-  topics.Subscribe<msg::Float32MultiArray>(
-      config_.action_topic, [this](const msg::Float32MultiArray& plan) { OnPlan(plan); }, latched);
-  topics.Subscribe<msg::String>(
-      config_.segment_topic, [this](const msg::String& text) { OnSegments(text.data); }, latched);
+  LoadProgress();  // before the first plan, which may be an old one
+  SubscribePlans(topics);
+  topics.Serve<msg::StartAutonomy>("start_autonomy", [this](const auto& request, auto reply) {
+    const Result<std::string> begun = Begin(request.region);
+    reply({begun.ok(), begun ? begun.value() : begun.error().message});
+  });
   topics.Subscribe<msg::String>("meilin/command",
                                 [this](const msg::String& text) { OnCommand(text.data); });
   plans_ =
@@ -61,6 +71,21 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
       topics, {.port = config_.groot2_port, .hooks = config_.groot2_hooks},
       [this] { return view(); }, factory());
   if (!served) Log(LogLevel::kWarning, served.error().message);
+}
+
+void MeilinActuator::SubscribePlans(transport::Endpoints& topics) {
+  const transport::Qos latched = transport::kLatchedQos;
+  auto plans = transport::MakeSubscription<msg::Float32MultiArray>(
+      topics.node(), transport::ResolveName(machine_config().name_space, config_.action_topic),
+      [this](const msg::Float32MultiArray& plan, const transport::SampleInfo& info) {
+        OnPlan(plan, info.written_ns);
+      },
+      latched);
+  if (plans) topics.Keep(std::shared_ptr<transport::Subscription>(std::move(plans).value()));
+  topics.Subscribe<msg::String>(
+      config_.segment_topic, [this](const msg::String& text) { OnSegments(text.data); }, latched);
+  topics.Subscribe<msg::String>(
+      config_.map_topic, [this](const msg::String& text) { OnMap(text.data); }, latched);
 }
 
 Result<> MeilinActuator::SelfCheck() {
@@ -79,12 +104,13 @@ Result<> MeilinActuator::SelfCheck() {
 
 void MeilinActuator::BeforeTick(Time now) {
   robot_.Tend();
-  mission_.BeforeTick();
+  mission_.BeforeTick(now);
+  Follow();
   RequestPlan(now);
 }
 
-void MeilinActuator::AfterTick(Time, tree::Status status) {
-  mission_.AfterTick(status, last_fault());
+void MeilinActuator::AfterTick(Time now, tree::Status status) {
+  mission_.AfterTick(status, last_fault(), now);
   Publish();
 }
 
@@ -99,28 +125,71 @@ void MeilinActuator::OnResume() {
   robot_.CancelAll();
 }
 
-void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan) {
-  const bool accepted = mission_.OfferPlan(plan, Now());
+Result<> MeilinActuator::OnStartCommand() {
+  const Result<std::string> begun = Begin("");
+  return begun ? Ok() : Result<>(begun.error());
+}
+
+Result<std::string> MeilinActuator::Begin(const std::string& region) {
+  if (!ticking()) {
+    return Error{kCodeStateInvalid, "the match begins in Active only; the robot is in " +
+                                        CurrentState() +
+                                        (HeldByStop() ? ", held by the emergency stop" : "")};
+  }
+  Result<std::string> begun = mission_.Start(region, Now());
+  Log(begun ? LogLevel::kInfo : LogLevel::kWarning,
+      begun ? begun.value() : "the start is refused: " + begun.error().message);
+  Follow();
+  return begun;
+}
+
+void MeilinActuator::OnMap(const std::string& text) {
+  const BoxMapReading reading = ReadBoxMapJson(text);
+  if (reading.map) return mission_.SetBoxes(*reading.map);
+  Log(LogLevel::kWarning, "a map of boxes is ignored: " + reading.faults.front());
+}
+
+void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns) {
+  if (mission_.WasTaken(written_ns)) {
+    return Log("a plan that was taken before is not taken again; send it once more to repeat it");
+  }
+  const bool accepted = mission_.OfferPlan(plan, Now(), written_ns);
   Log(accepted ? LogLevel::kInfo : LogLevel::kWarning,
-      accepted ? "plan " + mission_.plan_id() + " accepted"
-               : "plan refused: " + mission_.last_error());
+      accepted ? "plan " + mission_.plan_id() + " accepted" +
+                     (mission_.begun() ? "" : "; it waits for musher-meilin start")
+               : "plan refused: " + mission_.refused_plan());
   Follow();
 }
 
 void MeilinActuator::OnSegments(const std::string& text) {
   SegmentsReading reading = ReadSegmentsJson(text);
   for (const std::string& warning : reading.warnings) Log(LogLevel::kWarning, warning);
-  if (reading.ok()) {
+  std::string why = reading.message();
+  if (why.empty() && !HasNode("PopNextSegment")) {
+    why = "the tree " + config_.tree_file +
+          " runs no plans of this form: no node of it is PopNextSegment";
+  }
+  if (why.empty()) {
     mission_.OfferSegments(std::move(reading.segments), reading.plan_id);
   } else {
-    mission_.RefusePlan(reading.message());
-    Log(LogLevel::kWarning, "plan refused: " + reading.message());
+    mission_.RefusePlan(why);
+    Log(LogLevel::kWarning, "plan refused: " + why);
   }
   Follow();
 }
 
+// By the text of the tree, in which a node is an element.
+bool MeilinActuator::HasNode(const std::string& name) {
+  const tree::Document* document = view().document;
+  if (document == nullptr) return false;
+  return std::ranges::any_of(document->files, [&](const tree::Document::File& file) {
+    return file.text.find("<" + name) != std::string::npos ||
+           file.text.find("ID=\"" + name + "\"") != std::string::npos;
+  });
+}
+
 void MeilinActuator::OnCommand(const std::string& command) {
-  if (command == "RESET") Restart();  // halts what runs, before the blackboard is made new
+  if (command == "RESET") Halt();  // what runs, before the blackboard is made new
   const Result<> done = mission_.Command(command);
   Log(done ? LogLevel::kInfo : LogLevel::kWarning,
       done ? command : "command refused: " + done.error().message);
@@ -141,14 +210,68 @@ void MeilinActuator::RequestPlan(Time now) {
   plans_->Call({}, std::chrono::seconds(2),
                [this](const Result<msg::GetActionSeq::Response>& reply) {
                  asking_ = false;
-                 if (reply && reply.value().has_data) OnPlan(reply.value().data);
+                 if (reply && reply.value().has_data) OnPlan(reply.value().data, 0);
                });
 }
 
+// The state last: who waits for it then has the rest.
 void MeilinActuator::Publish() {
-  state_.Set(mission_.state());
+  SaveProgress();
+  status_.Set(StatusText());
   error_.Set(mission_.last_error());
   plan_id_.Set(mission_.plan_id());
+  state_.Set(mission_.state());
+}
+
+std::string MeilinActuator::StatusText() {
+  const std::string state = mission_.state();
+  const Time now = Now();
+  const bool stands = !mission_.begun() || mission_.failed();
+  if (state != can_start_state_ || now < can_start_at_ || now - can_start_at_ >= kAskEvery) {
+    can_start_ = stands ? mission_.CanStart(now) : std::vector<std::string>();
+    can_start_at_ = now;
+    can_start_state_ = state;
+  }
+  nlohmann::ordered_json text = {{"state", state},
+                                 {"last_error", mission_.last_error()},
+                                 {"plan_id", mission_.plan_id()},
+                                 {"refused_plan", mission_.refused_plan()},
+                                 {"plans", mission_.plans()},
+                                 {"refusals", mission_.refusals()},
+                                 {"goes_on_with", mission_.GoesOnWith()},
+                                 {"can_start", can_start_},
+                                 {"last_end", mission_.last_end()}};
+  return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void MeilinActuator::LoadProgress() {
+  const std::string& folder = machine_config().state_dir;
+  progress_file_ = folder.empty() ? "" : folder + "/" + name() + "_progress.toml";
+  std::error_code none;  // a folder that cannot be made is named when a file is written to it
+  if (!folder.empty()) std::filesystem::create_directories(folder, none);
+  saved_ = progress_file_.empty() ? "" : ReadFile(progress_file_);
+  if (saved_.empty()) return;
+  const Result<Progress> progress = ReadProgress(saved_, progress_file_);
+  const Result<> restored =
+      progress ? mission_.Restore(progress.value()) : Result<>(progress.error());
+  if (!restored) {
+    return Log(LogLevel::kWarning, "the progress is not used: " + restored.error().message);
+  }
+  const std::string rest = mission_.GoesOnWith();
+  if (!rest.empty()) Log("the match could go on with " + rest + ": musher-meilin start");
+}
+
+void MeilinActuator::SaveProgress() {
+  if (progress_file_.empty()) return;
+  std::string text = WriteProgress(mission_.SavedProgress());
+  if (text == saved_ || text.empty()) return;
+  saved_ = std::move(text);
+  // Not synced: that would hold the loop. A power cut may lose the last step.
+  const Result<> written = ReplaceFile(progress_file_, saved_, {.synced = false});
+  if (!written && !save_failed_) {
+    Log(LogLevel::kWarning, "the progress is not saved: " + written.error().message);
+  }
+  save_failed_ = !written;
 }
 
 }  // namespace musher::meilin

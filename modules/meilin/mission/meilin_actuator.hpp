@@ -1,25 +1,35 @@
 #pragma once
 // The actuator `meilin`: a match as a behaviour tree. It ticks the tree while the robot is Active
-// (application/tree_actuator.hpp), and halts it, with every goal, in every other state and at an
-// emergency stop.
+// (application/tree_actuator.hpp), once it was commanded to begin, and halts it, with every goal,
+// in every other state and at an emergency stop. How far the match has come is in the machine's
+// state_dir, <actuator>_progress.toml: another process goes on with it on command
+// (mission.hpp).
 //
 // Interfaces, relative to the machine's namespace; names in mission.toml:
 //   mf_action_seq       in   std_msgs/Float32MultiArray, latched: a plan
 //   get_action_seq      client of r2_interfaces/GetActionSeq, twice a second while there is nothing
 //                       to do, with plan_service = true
-//   planning/segments   in   std_msgs/String, latched: a plan of the old form, JSON
-//   transformed/pose, r1_ready, arm_runtime_state   in
+//   planning/segments   in   std_msgs/String, latched: a plan of the old form, JSON; refused where
+//                            the tree has no PopNextSegment
+//   mf_r2_data          in   std_msgs/String, latched: the boxes of the field, for plans
+//   start_autonomy      served, r2_interfaces/StartAutonomy: the match begins
+//   transformed/pose, r0x0201, current_state, r1_ready, arm_runtime_state   in
 //   meilin/command      in   std_msgs/String: "RESET"
-//   meilin/state, meilin/last_error, meilin/plan_id   out  std_msgs/String, latched, at each change
+//   meilin/status       out  std_msgs/String, latched: all of the state in one message, JSON
+//   meilin/last_error, meilin/plan_id, meilin/state   out  std_msgs/String, latched, at each
+//   change,
+//                            in this order
 //   move_to_pose, suspension_control, arm_action, spear_action   clients of the actions
 //
 // Threads: the loop's, see TreeActuator.
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "musher/application/tree_actuator.hpp"
 #include "musher/messages/r2_interfaces/get_action_seq.hpp"
+#include "musher/messages/r2_interfaces/start_autonomy.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/meilin/mission/mission.hpp"
 #include "musher/modules/meilin/mission/mission_config.hpp"
@@ -49,12 +59,21 @@ class MeilinActuator : public TreeActuator {
   void OnPause() override;
   void OnResume() override;
 
-  void OnPlan(const msg::Float32MultiArray& plan);
+  Result<> OnStartCommand() override;
+
+  Result<std::string> Begin(const std::string& region);
+  void OnMap(const std::string& text);
+  void OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns);
   void OnSegments(const std::string& text);
+  bool HasNode(const std::string& name);
+  void SubscribePlans(transport::Endpoints& topics);
   void OnCommand(const std::string& command);
   void RequestPlan(Time now);
   void Follow();
   void Publish();
+  std::string StatusText();
+  void LoadProgress();
+  void SaveProgress();
 
   const MissionConfig config_;
   RosRobot robot_;
@@ -62,6 +81,13 @@ class MeilinActuator : public TreeActuator {
   transport::Client<msg::GetActionSeq>* plans_ = nullptr;
   Time asked_{};
   bool asking_ = false;
+  std::string progress_file_;  // empty: there is none
+  std::string saved_;          // its text
+  bool save_failed_ = false;
+  std::vector<std::string> can_start_;
+  Time can_start_at_{};
+  std::string can_start_state_;
+  Status status_;
   Status state_;
   Status error_;
   Status plan_id_;

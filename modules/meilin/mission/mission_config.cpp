@@ -41,6 +41,10 @@ class MissionReader {
     Topic(root, "buffer_service", config_.buffer_service);
     config_.plan_service = root.Bool("plan_service").value_or(false);
     Topic(root, "meilin_pose_topic", config_.pose_topic);
+    Topic(root, "meilin_chassis_topic", config_.chassis_topic);
+    Topic(root, "meilin_map_topic", config_.map_topic);
+    ReadWheelOrder(root);
+    config_.autostart = root.Bool("autostart").value_or(false);
     Take(root, "self_check_sec", 0, kLongestS, config_.self_check_s);
     ReadField(root);
     ReadLimits(root);
@@ -71,6 +75,20 @@ class MissionReader {
     Take(root, "meilin_initial_yaw", -kPi, kPi, settings.initial_yaw_rad);
     Take(root, "meilin_grasp_distance", 0, 10, settings.grid.grasp_distance_m);
     Take(root, "meilin_cell_center_tolerance", 0, 1, settings.grid.centre_tolerance_m);
+  }
+
+  void ReadWheelOrder(TableReader& root) {
+    constexpr const char* kKey = "meilin_wheel_order";
+    const auto order = root.Integers(kKey, 0, 3);
+    if (!order) return;
+    std::array<bool, 4> seen{};
+    for (const std::int64_t wheel : *order) seen.at(static_cast<std::size_t>(wheel)) = true;
+    if (order->size() != 4 || !(seen[0] && seen[1] && seen[2] && seen[3])) {
+      return root.Fault(root.At(kKey), kKey, "expected 0, 1, 2 and 3 in some order");
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      config_.wheel_order.at(i) = static_cast<std::size_t>(order->at(i));
+    }
   }
 
   void ReadLimits(TableReader& root) {

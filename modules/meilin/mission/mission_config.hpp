@@ -4,6 +4,7 @@
 //
 // Reading reports all errors at once, with line and column. Pure; any thread.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -29,6 +30,10 @@ struct MissionConfig {
   std::string buffer_service = "get_action_seq";
   bool plan_service = false;  // plans are requested from it, too
   std::string pose_topic = "transformed/pose";
+  std::string chassis_topic = "r0x0201";
+  std::array<std::size_t, 4> wheel_order = {0, 1, 2, 3};
+  std::string map_topic = "mf_r2_data";
+  bool autostart = false;   // a robot outside the field begins by itself
   double self_check_s = 5;  // real time, for servers to be found
   Settings settings;
 };

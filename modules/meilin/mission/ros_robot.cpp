@@ -1,6 +1,7 @@
 #include "musher/modules/meilin/mission/ros_robot.hpp"
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "musher/messages/r2_interfaces/spear_action.hpp"
 #include "musher/messages/r2_interfaces/suspension_control.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/multi_array.hpp"
 #include "musher/modules/meilin/mission/goal_channel.hpp"
 #include "musher/modules/meilin/nodes/goal_watch.hpp"
 
@@ -34,7 +36,23 @@ std::optional<PoseFix> FixOf(const msg::PoseStamped& message, Time now) {
   if (!std::isfinite(position.x + position.y + turn.w + turn.x + turn.y + turn.z)) {
     return std::nullopt;
   }
-  return PoseFix{position.x, position.y, yaw_rad, now};
+  // A localisation on a plane has no height: it says 0.
+  const double z_m = position.z == 0 ? std::numeric_limits<double>::quiet_NaN() : position.z;
+  return PoseFix{position.x, position.y, yaw_rad, now, z_m};
+}
+
+constexpr std::size_t kHeightsAt = 4;  // in a message of the chassis
+
+// Nothing: it is too short, or a height is not a number.
+std::optional<Wheels> WheelsOf(const msg::Float32MultiArray& chassis,
+                               const std::array<std::size_t, Wheels::kCount>& order, Time now) {
+  Wheels wheels{{}, now};
+  if (chassis.data.size() < kHeightsAt + Wheels::kCount) return std::nullopt;
+  for (std::size_t i = 0; i < Wheels::kCount; ++i) {
+    wheels.mm.at(i) = chassis.data[kHeightsAt + order.at(i)];
+    if (!std::isfinite(wheels.mm.at(i))) return std::nullopt;
+  }
+  return wheels;
 }
 
 std::string TextOf(const msg::MoveToPose::Feedback& feedback) {
@@ -82,6 +100,8 @@ struct RosRobot::Wire {
 void RosRobot::Open(transport::Endpoints& endpoints, std::function<void(const std::string&)> warn) {
   warn_ = std::move(warn);
   pose_.reset();
+  wheels_.reset();
+  suspension_state_ = 0;
   partner_ready_ = arm_idle_ = {};
   const auto wire = std::make_shared<Wire>(Wire{endpoints, {}, {}, {}, {}});
   endpoints.Keep(wire);
@@ -90,8 +110,21 @@ void RosRobot::Open(transport::Endpoints& endpoints, std::function<void(const st
   wire->Channel(wire->suspensions, kSuspensionServer);
   wire->Channel(wire->arms, kArmServer);
   wire->Channel(wire->spears, kSpearServer);
+  Subscribe(endpoints);
+}
+
+void RosRobot::Subscribe(transport::Endpoints& endpoints) {
   transport::Clock& clock = endpoints.clock();
-  endpoints.Subscribe<msg::PoseStamped>(pose_topic_, [this, &clock](const msg::PoseStamped& pose) {
+  endpoints.Subscribe<msg::Float32MultiArray>(
+      topics_.chassis, [this, &clock](const msg::Float32MultiArray& chassis) {
+        if (const auto wheels = WheelsOf(chassis, topics_.wheel_order, clock.Now())) {
+          wheels_ = wheels;
+        }
+      });
+  endpoints.Subscribe<msg::Int32>(
+      "current_state", [this](const msg::Int32& state) { suspension_state_ = state.data; },
+      transport::kLatchedQos);
+  endpoints.Subscribe<msg::PoseStamped>(topics_.pose, [this, &clock](const msg::PoseStamped& pose) {
     if (const auto fix = FixOf(pose, clock.Now())) pose_ = fix;
   });
   endpoints.Subscribe<msg::Bool>(

@@ -10,6 +10,7 @@
 // Units and frames: those of robot.hpp. Poses in another frame than map, or that are not finite,
 // are ignored. Threads: the loop's.
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -23,7 +24,13 @@ class RosRobot final : public Robot {
  public:
   static constexpr Duration kServerTime = std::chrono::seconds(3);
 
-  explicit RosRobot(std::string pose_topic) : pose_topic_(std::move(pose_topic)) {}
+  struct Topics {
+    std::string pose = "transformed/pose";
+    std::string chassis = "r0x0201";
+    // Of the heights in its messages: front-left, front-right, rear-left, rear-right.
+    std::array<std::size_t, Wheels::kCount> wheel_order = {0, 1, 2, 3};
+  };
+  explicit RosRobot(Topics topics) : topics_(std::move(topics)) {}
 
   // Opens its topics, for as long as these endpoints exist. `warn`: what nodes want to be logged.
   void Open(transport::Endpoints& endpoints, std::function<void(const std::string&)> warn);
@@ -41,6 +48,8 @@ class RosRobot final : public Robot {
   GoalPtr MoveArm(const std::string& server, const ArmGoal& goal) override;
   GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) override;
   std::optional<PoseFix> pose() const override { return pose_; }
+  std::optional<Wheels> wheels() const override { return wheels_; }
+  int suspension_state() const override { return suspension_state_; }
   const Signal& partner_ready() const override { return partner_ready_; }
   const Signal& arm_idle() const override { return arm_idle_; }
   void Warn(const std::string& text) override;
@@ -48,10 +57,14 @@ class RosRobot final : public Robot {
  private:
   struct Wire;
 
-  const std::string pose_topic_;
+  void Subscribe(transport::Endpoints& endpoints);
+
+  const Topics topics_;
   std::function<void(const std::string&)> warn_;
   std::weak_ptr<Wire> wire_;
   std::optional<PoseFix> pose_;
+  std::optional<Wheels> wheels_;
+  int suspension_state_ = 0;
   Signal partner_ready_;
   Signal arm_idle_;
 };

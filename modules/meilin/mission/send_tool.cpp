@@ -9,6 +9,7 @@
 
 #include "musher/actuator/program/command_line_tool.hpp"
 #include "musher/actuator/program/module_main.hpp"
+#include "musher/messages/r2_interfaces/start_autonomy.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/multi_array.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -31,38 +32,48 @@ Examples:
 Exit codes: 0 done; 1 refused, or no mission (reason on stderr); 2 usage; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
+constexpr const char* kStartFooter = R"(
+Examples:
+  musher-meilin start full
+  musher-meilin start          # goes on, with the parts that are not done
+  musher-meilin send state     # what can begin from where the robot is
+
+Exit codes: 0 begun; 1 refused, or no mission (reason on stderr); 2 usage; 130 interrupted.
+Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
+
 int FailSend(ExitCode exit, const std::string& message) {
   std::cerr << "musher-meilin: " << message << std::endl;
   return static_cast<int>(exit);
 }
 
-// What the mission publishes, as it comes.
+using OrderedJson = nlohmann::ordered_json;
+
+// What the mission publishes, as it comes: all of its state in one message.
 struct Watch {
   explicit Watch(ToolLink& link) {
-    Add(link, "meilin/state", state);
-    Add(link, "meilin/last_error", last_error);
-    Add(link, "meilin/plan_id", plan_id);
-  }
-  bool complete() const { return state && last_error && plan_id; }
-
-  std::optional<std::string> state;
-  std::optional<std::string> last_error;
-  std::optional<std::string> plan_id;
-  int states = 0;  // messages
-
- private:
-  void Add(ToolLink& link, const std::string& topic, std::optional<std::string>& text) {
     auto made = transport::MakeSubscription<msg::String>(
-        link.node(), link.Name(topic),
-        [this, &text](const msg::String& message, const transport::SampleInfo&) {
-          text = message.data;
-          states += &text == &state ? 1 : 0;
+        link.node(), link.Name("meilin/status"),
+        [this](const msg::String& message, const transport::SampleInfo&) {
+          OrderedJson read = OrderedJson::parse(message.data, nullptr, false);
+          if (read.is_object()) status = std::move(read);
         },
         transport::kLatchedQos);
-    if (made) subscriptions_.push_back(std::move(made).value());
+    if (made) subscription_ = std::move(made).value();
+  }
+  bool complete() const { return !status.is_null(); }
+  std::string Text(const char* key) const {
+    const auto found = status.find(key);
+    return found != status.end() && found->is_string() ? found->get<std::string>() : "";
+  }
+  std::int64_t Count(const char* key) const {
+    const auto found = status.find(key);
+    return found != status.end() && found->is_number() ? found->get<std::int64_t>() : 0;
   }
 
-  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
+  OrderedJson status;
+
+ private:
+  std::unique_ptr<transport::Subscription> subscription_;
 };
 
 int NoMission(const ToolLink& link) {
@@ -70,15 +81,32 @@ int NoMission(const ToolLink& link) {
   return FailSend(ExitCode::kNotDone, link.NotFound("mission").message);
 }
 
+// The commands that would begin the match now.
+std::string Offers(const Watch& watch) {
+  std::string text;
+  const auto regions = watch.status.find("can_start");
+  if (regions == watch.status.end()) return text;
+  for (const OrderedJson& region : *regions) {
+    if (!region.is_string()) continue;
+    const auto name = region.get<std::string>();
+    text += "\n  musher-meilin start" + (name.empty() ? "" : " " + name);
+    if (name.empty()) text += "   # goes on with " + watch.Text("goes_on_with");
+  }
+  return text.empty() ? "" : "\nIt can begin:" + text;
+}
+
 void PrintState(const Watch& watch, bool json) {
   if (json) {
-    const nlohmann::ordered_json text = {
-        {"state", *watch.state}, {"last_error", *watch.last_error}, {"plan_id", *watch.plan_id}};
-    std::cout << text.dump() << std::endl;
+    std::cout << watch.status.dump() << std::endl;
     return;
   }
-  std::cout << *watch.state << (watch.plan_id->empty() ? "" : ", " + *watch.plan_id)
-            << (watch.last_error->empty() ? "" : ": " + *watch.last_error) << std::endl;
+  const auto after = [&watch](const char* separator, const char* key) {
+    const std::string text = watch.Text(key);
+    return text.empty() ? "" : separator + text;
+  };
+  std::cout << watch.Text("state") << after(", ", "plan_id") << after(": ", "last_error")
+            << after("\nthe last plan was refused: ", "refused_plan")
+            << after("\nthe run before ended with ", "last_end") << Offers(watch) << std::endl;
 }
 
 transport::ProgramMark Mission(const ToolLink& link) {
@@ -108,8 +136,8 @@ int SendPlan(ToolLink& link, const std::string& file, bool json) {
   }
   Watch watch(link);
   if (!link.RunUntil([&] { return watch.complete(); }, link.discovery())) return NoMission(link);
-  const std::string before = *watch.plan_id;
-  const int states = watch.states;
+  const std::int64_t plans = watch.Count("plans");
+  const std::int64_t refusals = watch.Count("refusals");
   auto made = transport::MakeDirectedPublisher<msg::Float32MultiArray>(
       link.node(), link.Name("mf_action_seq"), Mission(link), transport::kLatchedQos);
   if (!made) return FailSend(ExitCode::kUsage, made.error().message);
@@ -119,18 +147,36 @@ int SendPlan(ToolLink& link, const std::string& file, bool json) {
   if (sent) sent = publisher->Flush(link.discovery());
   if (!sent) return FailSend(ExitCode::kNotDone, sent.error().message);
   const auto answered = [&] {
-    return *watch.plan_id != before || (watch.states > states && *watch.state == kPlanRejected);
+    return watch.Count("plans") != plans || watch.Count("refusals") != refusals;
   };
   if (!link.RunUntil(answered, link.discovery())) {
     return FailSend(ExitCode::kNotDone, "the mission did not answer");
   }
   PrintState(watch, json);
-  return *watch.plan_id != before ? 0 : static_cast<int>(ExitCode::kNotDone);
+  return watch.Count("plans") != plans ? 0 : static_cast<int>(ExitCode::kNotDone);
 }
 
 int SendReset(ToolLink& link) {
   std::unique_ptr<transport::DirectedPublisher<msg::String>> publisher;
   return PublishTo<msg::String>(link, "meilin/command", {"RESET"}, publisher).value_or(0);
+}
+
+int StartMatch(ToolLink& link, const std::string& region, bool json) {
+  using Reply = Result<msg::StartAutonomy::Response>;
+  const auto client =
+      transport::MakeClient<msg::StartAutonomy>(link.node(), link.Name("start_autonomy"));
+  if (!client) return FailSend(ExitCode::kUsage, client.error().message);
+  const auto& service = client.value();
+  if (!link.RunUntil([&] { return service->Ready(); }, link.discovery())) return NoMission(link);
+  std::optional<Reply> reply;
+  service->Call({region}, link.discovery(), [&reply](const Reply& result) { reply = result; });
+  link.RunUntil([&reply] { return reply.has_value(); }, link.discovery());
+  if (!reply || !*reply) return FailSend(ExitCode::kNotDone, "the mission did not answer");
+  if (!reply->value().success) return FailSend(ExitCode::kNotDone, reply->value().message);
+  std::cout << (json ? OrderedJson({{"begun", reply->value().message}}).dump()
+                     : reply->value().message)
+            << std::endl;
+  return 0;
 }
 
 int SendState(ToolLink& link, bool json) {
@@ -149,7 +195,8 @@ int Send(int argc, const char* const* argv) {
   std::string file;
   CLI::App* plan = app.add_subcommand("plan", "Publishes a drawn plan");
   plan->add_option("FILE", file, "As config/meilin/plan_blue.toml")->required();
-  CLI::App* reset = app.add_subcommand("reset", "The match begins again, without a plan");
+  CLI::App* reset = app.add_subcommand(
+      "reset", "The robot stands, and the match waits for its start, without a plan");
   app.add_subcommand("state", "Prints the state of the match");
   if (const auto end = program::Parse(app, argc, argv, options)) {
     return program::Say(*end, "musher-meilin");
@@ -159,6 +206,24 @@ int Send(int argc, const char* const* argv) {
   if (plan->parsed()) return SendPlan(*link.value(), file, options.json);
   if (reset->parsed()) return SendReset(*link.value());
   return SendState(*link.value(), options.json);
+}
+
+int StartTool(int argc, const char* const* argv) {
+  CLI::App app("Begins a match: the word of a person, without which nothing moves.",
+               "musher-meilin start");
+  program::ToolOptions options;
+  program::SetUpCommandLineTool(app, options, "Not used by this tool", kStartFooter);
+  app.require_subcommand(0);
+  std::string region;
+  app.add_option("REGION", region,
+                 "full: from the preparation on; meilin: the field; final: the rack; without: it "
+                 "goes on where it was ended");
+  if (const auto end = program::Parse(app, argc, argv, options)) {
+    return program::Say(*end, "musher-meilin");
+  }
+  const auto link = ToolLink::Open(options);
+  if (!link) return FailSend(ExitCode::kUsage, link.error().message);
+  return StartMatch(*link.value(), region, options.json);
 }
 
 }  // namespace musher::meilin

@@ -21,7 +21,7 @@ namespace {
 
 // A factory with the nodes of a match, whose robot has no topics.
 struct Nodes {
-  RosRobot robot{""};
+  RosRobot robot{{}};
   Settings settings;
   tree::Factory factory;
 

@@ -107,6 +107,9 @@ SpearAction::SpearAction(tree::Setup& setup, Robot& robot)
       message_(setup.Output<std::string>("message", "of the server, or the failure")) {}
 
 GoalNode::Begun SpearAction::Begin() {
+  if (command_.Get() == kSpearDock) {
+    board().dock_trues.Set(static_cast<int>(robot().partner_ready().trues));
+  }
   return {robot().MoveSpear(server(), {command_.Get(), limit_s()}), "SpearAction"};
 }
 

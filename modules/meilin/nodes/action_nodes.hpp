@@ -43,6 +43,7 @@ class GoalNode : public tree::StatefulAction {
   std::string server() const { return server_.Or(own_server_); }
   double limit_s() const { return timeout_s_.Get(); }
   const GoalWatch& watch() const { return watch_; }
+  MissionBoard& board() { return board_; }
 
  private:
   tree::Status OnStart(const tree::Tick& tick) final;
@@ -122,6 +123,7 @@ class SpearAction final : public GoalNode {
   SpearAction(tree::Setup& setup, Robot& robot);
 
  private:
+  // With kSpearDock the messages of a ready partner are counted from here on.
   Begun Begin() override;
   void Report(const std::string& message, int final_state) override;
 

@@ -28,10 +28,15 @@ Status Fetch::OnStart(const tree::Tick& tick) {
     return Fail("Fetch missing kfs_row/kfs_col/target_yaw");
   }
   const Cell box{*row, *col};
-  const Cell here{board_.row.Get(), board_.col.Get()};
   const double difference_mm = height_diff_mm_.Or(0.0);
   if (!std::isfinite(*yaw) || !std::isfinite(difference_mm)) {
     return Fail("Fetch target_yaw and height_diff must be finite");
+  }
+  const Start start = Locate(robot_, board_, settings_, tick.now, "Fetch");
+  if (!start.why.empty()) return Fail(start.why);
+  const Cell here = start.place.cell;
+  if (const std::string why = CheckedElsewhere(board_, here, "Fetch"); !why.empty()) {
+    return Fail(why);
   }
   if (!IsInside(box) || !AreNeighbours(here, box)) {
     return Fail("Fetch KFS grid " + CellText(box) + " must be adjacent to current grid " +
@@ -43,6 +48,10 @@ Status Fetch::OnStart(const tree::Tick& tick) {
     return Fail(fmt::format("Fetch suspension height is negative: {:g} mm + height_diff {:g} mm",
                             settings_.normal_height_mm, difference_mm));
   }
+  box_ = box;
+  board_.row.Set(here.row);
+  board_.col.Set(here.col);
+  board_.height_mm.Set(start.place.height_mm);
   to_yaw_rad_ = NormalizeYaw(*yaw);
   lift_mm_ = lifts ? difference_mm : 0;
   board_.SetState(kActionRunning);
@@ -83,6 +92,7 @@ Status Fetch::LookAtReach(Time now) {
 }
 
 Status Fetch::Done() {
+  board_.Take(box_);
   align_.Release();
   suspension_.Release();
   arm_.Release();

@@ -6,7 +6,8 @@
 //            to the grasp pose, and the wheels   the arm
 //            to normal height + height_diff
 //
-// It starts from the cell that the mission remembers; the box must be on a neighbour. The wheels
+// It starts from the live pose where it is fresh, else from the cell that the mission remembers,
+// with a warning: from where its plan was checked. The box must be on a neighbour. The wheels
 // stay lifted: the offset is remembered, and the next Move lowers them first. A height below the
 // ground is refused. Failures set last_error and ACTION_FAILED, and cancel what runs; so does a
 // halt.
@@ -46,6 +47,7 @@ class Fetch final : public tree::StatefulAction {
   Robot& robot_;
   const Settings& settings_;
   MissionBoard board_;
+  Cell box_;
   double to_yaw_rad_ = 0;
   double lift_mm_ = 0;
   GoalWatch align_;

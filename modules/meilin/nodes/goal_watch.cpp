@@ -50,21 +50,22 @@ Status GoalWatch::Look(Time now) {
   if (status_ != Status::kRunning) return status_;
   const GoalState state = goal_->state();
   if (state == GoalState::kSucceeded) return status_ = Status::kSuccess;
+  const std::chrono::duration<double> spent = now - begun_;
   if (HasEnded(state)) {
-    failure_ = FailureText();
+    failure_ = FailureText(spent.count());
     return status_ = Status::kFailure;
   }
-  const std::chrono::duration<double> spent = now - begun_;
   if (limit_s_ > 0 && spent.count() > limit_s_) {
-    failure_ =
-        fmt::format("{} timed out ({:g} s; the goal is {})", names_.what, limit_s_, Name(state));
+    failure_ = fmt::format("{} timed out ({:g} s; the goal of {} is {}{})", names_.what, limit_s_,
+                           names_.server, Name(state),
+                           goal_->feedback().empty() ? "" : ", " + goal_->feedback());
     goal_->Cancel();
     return status_ = Status::kFailure;
   }
   return status_;
 }
 
-std::string GoalWatch::FailureText() const {
+std::string GoalWatch::FailureText(double spent_s) const {
   const std::string& message = goal_->message();
   const std::string because = message.empty() ? "" : ": " + message;
   switch (goal_->state()) {
@@ -77,8 +78,13 @@ std::string GoalWatch::FailureText() const {
     case GoalState::kCancelled:
       return names_.what + " was cancelled by " + names_.server + because;
     default:
-      return message.empty() ? names_.what + " failed" : message;
+      break;
   }
+  std::string text = fmt::format("{}: {} after {:.0f} s ({}", names_.server,
+                                 message.empty() ? "failed" : message, spent_s, names_.what);
+  if (limit_s_ > 0) text += fmt::format(", of at most {:g} s", limit_s_);
+  if (!goal_->feedback().empty()) text += "; " + goal_->feedback();
+  return text + ")";
 }
 
 bool GoalWatch::accepted() const {

@@ -10,7 +10,8 @@
 //   Goal rejected by <server>
 //   <what> timed out
 //   <what> lost its server
-// or are the server's own message. Times: seconds of the tree's clock; a limit that is not positive
+//   <server>: <its own message> after <n> s (<what>, of at most <limit> s; <the last feedback>)
+// Times: seconds of the tree's clock; a limit that is not positive
 // is none. Threads: one at a time, like the tree.
 
 #include <string>
@@ -51,7 +52,7 @@ class GoalWatch {
   const Goal* goal() const { return goal_.get(); }
 
  private:
-  std::string FailureText() const;
+  std::string FailureText(double spent_s) const;
 
   GoalPtr goal_;
   Names names_;

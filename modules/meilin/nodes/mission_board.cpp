@@ -14,6 +14,7 @@ MissionBoard::MissionBoard(tree::Board& board)
       active_action(board, "active_action"),
       retry_count(board, "retry_count"),
       last_error(board, "last_error"),
+      refused_plan(board, "refused_plan"),
       execution_state(board, "execution_state"),
       arm_state(board, "arm_state"),
       row(board, "meilin_current_row"),
@@ -22,6 +23,9 @@ MissionBoard::MissionBoard(tree::Board& board)
       yaw_rad(board, "meilin_current_yaw"),
       is_cell_center(board, "meilin_pose_is_cell_center"),
       suspension_offset_mm(board, "meilin_suspension_offset"),
+      climbing(board, "meilin_climbing"),
+      taken(board, "meilin_taken"),
+      dock_trues(board, "meilin_dock_trues"),
       pose_received(board, "meilin_pose_received"),
       pose_x_m(board, "meilin_pose_x"),
       pose_y_m(board, "meilin_pose_y"),
@@ -47,6 +51,9 @@ void MissionBoard::Begin(const Settings& settings) {
   yaw_rad.Set(settings.initial_yaw_rad);
   is_cell_center.Set(true);
   suspension_offset_mm.Set(0);
+  climbing.Set(false);
+  taken.Set(0);
+  dock_trues.Set(-1);
   pose_received.Set(false);
   pose_x_m.Set(0);
   pose_y_m.Set(0);

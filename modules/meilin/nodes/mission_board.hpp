@@ -18,6 +18,8 @@ namespace musher::meilin {
 using QueuePtr = std::shared_ptr<SegmentQueue>;
 
 // Values of execution_state.
+inline constexpr const char* kWaitingStart = "WAITING_START";
+inline constexpr const char* kPaused = "PAUSED";
 inline constexpr const char* kWaitingPlan = "WAITING_PLAN";
 inline constexpr const char* kWaitingSequence = "WAITING_MF_ACTION_SEQ";
 inline constexpr const char* kPlanReady = "MF_PLAN_READY";
@@ -59,11 +61,12 @@ class Slot {
 struct MissionBoard {
   explicit MissionBoard(tree::Board& board);
 
-  // The values at the start of a match; the queue is empty.
+  // The values at the start of a match; the queue is empty. The reason of a refused plan stays.
   void Begin(const Settings& settings);
   void SetState(const char* state) { execution_state.Set(state); }
   // last_error and ACTION_FAILED.
   void Fail(const std::string& error);
+  void Take(Cell cell) { taken.Set(taken.Get() | 1 << (cell.row * kCols + cell.col)); }
 
   Slot<QueuePtr> queue;
   Slot<std::string> plan_id;
@@ -76,6 +79,7 @@ struct MissionBoard {
   Slot<std::string> active_action;
   Slot<int> retry_count;
   Slot<std::string> last_error;
+  Slot<std::string> refused_plan;  // why the last plan was refused; "": it was not
   Slot<std::string> execution_state;
   Slot<bool> arm_state;
   // Where the robot is by what it has done. Used when no fresh pose is there.
@@ -85,6 +89,9 @@ struct MissionBoard {
   Slot<double> yaw_rad;
   Slot<bool> is_cell_center;
   Slot<double> suspension_offset_mm;  // of the wheels, above their normal height
+  Slot<bool> climbing;                // a climb was begun, and has not ended
+  Slot<int> taken;       // bits of the cells whose boxes were taken: 1 << (3 row + col)
+  Slot<int> dock_trues;  // messages of a ready partner before the dock; -1: no dock
   // The live pose.
   Slot<bool> pose_received;
   Slot<double> pose_x_m;

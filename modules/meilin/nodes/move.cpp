@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "musher/modules/meilin/nodes/edge.hpp"
+
 namespace musher::meilin {
 namespace {
 
@@ -62,9 +64,19 @@ std::string Move::MakePlan(Time now) {
   if (!std::isfinite(*yaw) || !std::isfinite(plan_.to_height_mm)) {
     return "Move target_yaw and target_height_mm must be finite";
   }
-  if (std::string why = Locate(now); !why.empty()) return why;
-  plan_.lowers = std::abs(board_.suspension_offset_mm.Get()) > settings_.height_tolerance_mm;
+  const Start start = Locate(robot_, board_, settings_, now, "Move");
+  if (!start.why.empty()) return start.why;
+  plan_.from = start.place;
   if (std::string why = PlanClimb(); !why.empty()) return why;
+  if (!plan_.climb) {
+    if (std::string why = CheckFlat(now); !why.empty()) return why;
+  }
+  const std::optional<Wheels> wheels = FreshWheels(robot_, now);
+  const bool out =
+      wheels ? LongestMm(*wheels) > settings_.normal_height_mm + kLongWheelMm
+             : std::abs(board_.suspension_offset_mm.Get()) > settings_.height_tolerance_mm;
+  const bool up = plan_.climb && plan_.to_height_mm > plan_.from.height_mm;
+  plan_.lowers = out && !up;
   const bool turns = plan_.climb && YawDistance(plan_.from.yaw_rad, plan_.to_yaw_rad) >
                                         settings_.yaw_tolerance_rad;
   if (!plan_.from.is_center || turns) {
@@ -74,26 +86,24 @@ std::string Move::MakePlan(Time now) {
   return "";
 }
 
-std::string Move::Locate(Time now) {
-  plan_.from = Remembered(board_);
+std::string Move::CheckFlat(Time now) const {
   const std::optional<PoseFix> pose = FreshPose(robot_, settings_, now);
-  if (!pose) {
-    robot_.Warn("no fresh /transformed/pose: Move starts from the remembered cell " +
-                CellText(plan_.from.cell));
-    return "";
-  }
-  const std::optional<RobotPlace> place = PlaceOf(*pose, settings_);
-  if (!place) {
-    return fmt::format("Current /transformed/pose is outside Meilin grid: x {:.2f} m, y {:.2f} m",
-                       pose->x_m, pose->y_m);
-  }
-  plan_.from = *place;
-  return "";
+  const Point2 centre = settings_.grid.Centre(plan_.from.cell);
+  // From off the centre it goes back there first.
+  const Point2 from = pose && plan_.from.is_center ? Point2{pose->x_m, pose->y_m} : centre;
+  const auto other = settings_.grid.OtherHeightOnLine(
+      from, settings_.grid.Centre(plan_.to), plan_.from.height_mm, settings_.height_tolerance_mm);
+  if (!other) return "";
+  return fmt::format("Move from {} to {} crosses {}, which has {} mm", CellText(plan_.from.cell),
+                     CellText(plan_.to), CellText(*other), settings_.grid.HeightMm(*other));
 }
 
 std::string Move::PlanClimb() {
   const double difference_mm = plan_.to_height_mm - plan_.from.height_mm;
   if (std::abs(difference_mm) <= settings_.height_tolerance_mm) return "";
+  if (std::string why = CheckedElsewhere(board_, plan_.from.cell, "Move"); !why.empty()) {
+    return why;
+  }
   const std::optional<Direction> way = DirectionTo(plan_.from.cell, plan_.to);
   if (!way) {
     return "Move climb direction is invalid: " + CellText(plan_.from.cell) + " and " +
@@ -136,6 +146,7 @@ void Move::Travel(Time now) {
   align_.Begin(robot_.MoveToPose(kMoveServer, ToGoal(target)), AlignNames("target_align"),
                settings_.align_timeout_s, now);
   if (plan_.climb) {
+    board_.climbing.Set(true);
     suspension_.Begin(robot_.ControlSuspension(kSuspensionServer, *plan_.climb),
                       {"SuspensionControl", "SuspensionControl", kSuspensionServer},
                       settings_.suspension_timeout_s + kServerMarginS, now);
@@ -151,14 +162,19 @@ Status Move::Look(Time now) {
     board_.suspension_offset_mm.Set(0);
   }
   if (align == Status::kRunning || suspension == Status::kRunning) return Status::kRunning;
-  if (!settling()) return Done();
+  if (!settling()) return Done(now);
   Travel(now);
   return Status::kRunning;
 }
 
-Status Move::Done() {
+Status Move::Done(Time now) {
   align_.Release();
   suspension_.Release();
+  if (const std::string wrong = WrongBody(robot_, settings_, now, plan_.to_height_mm);
+      !wrong.empty()) {
+    return Fail("Move has come to " + CellText(plan_.to) + ", but " + wrong);
+  }
+  board_.climbing.Set(false);
   board_.row.Set(plan_.to.row);
   board_.col.Set(plan_.to.col);
   board_.height_mm.Set(plan_.to_height_mm);

@@ -7,12 +7,15 @@
 //            wheels to their normal height       and the climb at the same time
 //
 // `settle` is left out where there is nothing to do. A climb begins only at the centre of a cell,
-// with wheels at their normal height and the heading of the target, within the tolerance: the robot
-// returns to the centre, and lowers the wheels that a fetch has left lifted, before. Then the climb
+// with the heading of the target, within the tolerance: the robot returns to the centre before. It
+// also lowers the wheels that a fetch has left lifted, but not for a climb up, which lifts them
+// anyway. Then the climb
 // and the path to the target run together on purpose: the wheels change when the body is at the
 // edge. The direction of the climb is that of the path in the frame of the body.
 //
-// The start is the live pose where it is fresh, else what the mission remembers, with a warning.
+// The start is the live pose where it is fresh, else what the mission remembers, with a warning. It
+// does not begin on an edge (GetOffEdge does), climb from another cell than its plan was checked
+// from, or go straight over cells of another height. It has not succeeded while wheels are out.
 // Failures set last_error and ACTION_FAILED, and cancel what runs; so does a halt. A halt during a
 // climb leaves the robot between two platforms: last_error says so.
 //
@@ -49,13 +52,14 @@ class Move final : public tree::StatefulAction {
 
   // Empty: `plan_` is made. Else the failure.
   std::string MakePlan(Time now);
-  std::string Locate(Time now);
+  // Empty: the straight way is flat.
+  std::string CheckFlat(Time now) const;
   std::string PlanClimb();
   void Settle(Time now);
   void Travel(Time now);
   bool settling() const { return settling_; }
   tree::Status Look(Time now);
-  tree::Status Done();
+  tree::Status Done(Time now);
   tree::Status Fail(const std::string& why);
 
   tree::InPort<int> row_;

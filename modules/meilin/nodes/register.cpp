@@ -4,6 +4,7 @@
 
 #include "musher/modules/meilin/nodes/action_nodes.hpp"
 #include "musher/modules/meilin/nodes/fetch.hpp"
+#include "musher/modules/meilin/nodes/get_off_edge.hpp"
 #include "musher/modules/meilin/nodes/move.hpp"
 #include "musher/modules/meilin/nodes/segment_nodes.hpp"
 #include "musher/modules/meilin/nodes/wait_nodes.hpp"
@@ -14,6 +15,7 @@ Result<> RegisterNodes(tree::Factory& factory, Robot& robot, const Settings& set
   const std::initializer_list<Result<>> added = {
       factory.Add<Move>("Move", robot, settings),
       factory.Add<Fetch>("Fetch", robot, settings),
+      factory.Add<GetOffEdge>("GetOffEdge", robot, settings),
       factory.Add<Align>("Align", robot),
       factory.Add<MoveToPose>("MoveToPose", robot),
       factory.Add<SuspensionControl>("SuspensionControl", robot),

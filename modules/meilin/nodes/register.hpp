@@ -2,6 +2,7 @@
 // All nodes of a match, for a tree's factory:
 //
 //   Move, Fetch                                                    move.hpp, fetch.hpp
+//   GetOffEdge                                                     get_off_edge.hpp
 //   Align, MoveToPose, SuspensionControl, ArmAction, SpearAction   action_nodes.hpp
 //   PopNextMeilinSegment, PopNextSegment, SwitchSegmentType, ForEachSegment, RetrySegment
 //                                                                  segment_nodes.hpp

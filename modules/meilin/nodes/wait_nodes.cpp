@@ -57,13 +57,17 @@ WaitForR1Signal::WaitForR1Signal(tree::Setup& setup, Robot& robot)
 Status WaitForR1Signal::Evaluate(const tree::Tick& tick) {
   if (!running()) {
     begun_ = tick.now;
-    rises_ = robot_.partner_ready().rises;
+    const int docked = board_.dock_trues.Get();
+    trues_ = docked >= 0 ? static_cast<std::uint64_t>(docked) : robot_.partner_ready().trues;
     board_.active_action.Set("WaitForR1Signal");
     board_.SetState(kActionRunning);
   }
-  if (robot_.partner_ready().rises > rises_) return Status::kSuccess;
+  const Signal& ready = robot_.partner_ready();
+  if (ready.value == true && ready.trues > trues_) return Status::kSuccess;
   if (!IsOver(tick.now, begun_, timeout_s_.Get())) return Status::kRunning;
-  board_.Fail(fmt::format("WaitForR1Signal timed out ({:g} s without r1_ready)", timeout_s_.Get()));
+  board_.Fail(fmt::format("WaitForR1Signal timed out ({:g} s without r1_ready; {})",
+                          timeout_s_.Get(),
+                          ready.value ? "the partner is not ready" : "no message of it came"));
   return Status::kFailure;
 }
 

@@ -3,8 +3,9 @@
 //
 //   WaitArmIdle        timeout_sec 30 -> message: the arm has nothing to do. It has, when the last
 //                      message of the arm says so, or, before there was one, a new one says it
-//   WaitForR1Signal    timeout_sec 60: the partner gets ready after the node has started: a false
-//                      or nothing, then a true. RUNNING until then, FAILURE after the limit
+//   WaitForR1Signal    timeout_sec 60: the partner is ready: a true came after the dock was begun
+//                      (SpearAction with command 3), else after the node has started, and no false
+//                      after it. RUNNING until then, FAILURE after the limit
 //   WaitSeconds        seconds
 //   SetDebugStatus     execution_state active_action last_error retry_count: those that are given
 //   IsSegmentType      segment_type expected_type
@@ -53,7 +54,7 @@ class WaitForR1Signal final : public tree::Condition {
   Robot& robot_;
   MissionBoard board_;
   Time begun_{};
-  std::uint64_t rises_ = 0;
+  std::uint64_t trues_ = 0;  // that do not count
 };
 
 class WaitSeconds final : public tree::StatefulAction {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -117,20 +118,59 @@ class SequenceCheck {
       Fault(fmt::format("move target_height mismatch: {:g} mm, the {} field has {:g} mm at {}",
                         to.height_mm, SideText(rules_.grid.side), height_mm, CellText(cell)));
     }
+    const double yaw_rad = NormalizeYaw(to.yaw_rad);
+    Segment segment = Next(kMoveType, cell, yaw_rad);
     if (place_ && std::abs(height_mm - place_->height_mm) > tolerance_mm) {
-      CheckClimb(*place_, cell, height_mm);
+      CheckClimb(*place_, cell, height_mm, yaw_rad);
+      CheckWay(cell, cell);
+    } else if (place_) {
+      CheckFlat(*place_, cell);
+      if (place_->cell != cell) CheckWay(place_->cell, cell);
     }
     entered_.at(IndexOf(cell)) = step_;
-    const double yaw_rad = NormalizeYaw(to.yaw_rad);
     place_ = PlanStart{cell, height_mm, yaw_rad, true};
-    Segment segment = Next(kMoveType, cell, yaw_rad);
     segment.move_row = cell.row;
     segment.move_col = cell.col;
     segment.target_height_mm = height_mm;
     reading_.segments.push_back(std::move(segment));
   }
 
-  void CheckClimb(const PlanStart& from, Cell to, double height_mm) {
+  // A straight way over cells of another height: the robot would fall into a pit, or push a wall.
+  void CheckFlat(const PlanStart& from, Cell to) {
+    const Grid& grid = rules_.grid;
+    const auto other = grid.OtherHeightOnLine(grid.Centre(from.cell), grid.Centre(to),
+                                              from.height_mm, rules_.height_tolerance_mm);
+    if (!other) return;
+    Fault(
+        fmt::format("move from {} to {} crosses {}, which has {} mm: a straight way has one "
+                    "height, {:g} mm",
+                    CellText(from.cell), CellText(to), CellText(*other), grid.HeightMm(*other),
+                    from.height_mm));
+  }
+
+  // The cells between two cells, and the second one: they are entered now.
+  void CheckWay(Cell from, Cell to) {
+    for (const Cell cell :
+         rules_.grid.CellsOnLine(rules_.grid.Centre(from), rules_.grid.Centre(to))) {
+      if (cell == from && from != to) continue;
+      entered_.at(IndexOf(cell)) = step_;
+      if (!HasBox(cell)) continue;
+      Fault(
+          fmt::format("move to {} drives over {}, where the map has a box: fetch it before, or "
+                      "go around it",
+                      CellText(to), CellText(cell)));
+    }
+  }
+
+  // By the map, without the boxes that were taken.
+  bool HasBox(Cell cell) const {
+    if (!rules_.boxes || fetched_.at(IndexOf(cell)) > 0) return false;
+    if (std::ranges::find(rules_.taken, cell) != rules_.taken.end()) return false;
+    const Box box = rules_.boxes->At(cell);
+    return box != Box::kEmpty && (box != Box::kKfs1 || rules_.kfs1_blocks);
+  }
+
+  void CheckClimb(const PlanStart& from, Cell to, double height_mm, double yaw_rad) {
     const auto direction = DirectionTo(from.cell, to);
     if (!direction) {
       Fault(fmt::format(
@@ -140,6 +180,11 @@ class SequenceCheck {
       Fault(fmt::format(
           "move does not support backward direction: {} to {} changes the height by {:g} mm",
           CellText(from.cell), CellText(to), height_mm - from.height_mm));
+    } else if (YawDistance(yaw_rad, SnapYaw(yaw_rad)) > rules_.yaw_tolerance_rad) {
+      Fault(
+          fmt::format("move climbs across its heading: {:.2f} rad from {} to {}, expected a right "
+                      "angle within {:.2f} rad",
+                      yaw_rad, CellText(from.cell), CellText(to), rules_.yaw_tolerance_rad));
     }
   }
 
@@ -150,12 +195,14 @@ class SequenceCheck {
     } else {
       const Cell cell{static_cast<int>(box.row), static_cast<int>(box.col)};
       if (place_) CheckReach(*place_, cell, box.yaw_rad);
+      CheckBox(cell);
       if (const int before = entered_.at(IndexOf(cell)); before > 0) {
         Fault(
             fmt::format("fetch KFS grid {} is already driven over by step {}, where its box blocks "
                         "the way: fetch it before",
                         CellText(cell), before));
       }
+      fetched_.at(IndexOf(cell)) = step_;
       Segment segment = Next(kFetchType, cell, NormalizeYaw(box.yaw_rad));
       segment.kfs_row = cell.row;
       segment.kfs_col = cell.col;
@@ -169,10 +216,38 @@ class SequenceCheck {
           "mm, expected 0 to {:g} mm",
           wheels_mm < 0 ? "negative" : "out of range", rules_.normal_height_mm, box.height_mm,
           wheels_mm, rules_.highest_wheel_mm));
+    } else if (IsCell(box.row, box.col)) {
+      CheckHeight(box);
     }
     if (!place_) return;
     place_->at_centre = false;
     place_->yaw_rad = NormalizeYaw(box.yaw_rad);
+  }
+
+  // The arm is lifted by that difference: by a wrong one it grasps into the air, or into the wall.
+  void CheckHeight(const Numbers& box) {
+    if (!place_) return;
+    const Cell cell{static_cast<int>(box.row), static_cast<int>(box.col)};
+    const double expected_mm = rules_.grid.HeightMm(cell) - place_->height_mm;
+    if (std::abs(box.height_mm - expected_mm) <= rules_.height_tolerance_mm) return;
+    Fault(fmt::format("fetch height_diff mismatch: {:g} mm, the {} field has {:g} mm from {} to {}",
+                      box.height_mm, SideText(rules_.grid.side), expected_mm,
+                      CellText(place_->cell), CellText(cell)));
+  }
+
+  void CheckBox(Cell cell) {
+    if (const int before = fetched_.at(IndexOf(cell)); before > 0) {
+      return Fault(fmt::format("fetch KFS grid {} a second time: step {} has taken its box",
+                               CellText(cell), before));
+    }
+    if (std::ranges::find(rules_.taken, cell) != rules_.taken.end()) {
+      return Fault(fmt::format("fetch KFS grid {}: its box is already taken", CellText(cell)));
+    }
+    if (!rules_.boxes) return;
+    const Box box = rules_.boxes->At(cell);
+    if (box != Box::kEmpty && box != Box::kFake) return;
+    Fault(fmt::format("fetch KFS grid {}: the map has {} there", CellText(cell),
+                      box == Box::kFake ? "a fake box" : "no box"));
   }
 
   void CheckReach(const PlanStart& from, Cell box, double yaw_rad) {
@@ -205,6 +280,10 @@ class SequenceCheck {
     segment.segment_type = type;
     segment.debug_name = segment.segment_type + " " + CellText(cell);
     segment.target_yaw = yaw_rad;
+    if (place_) {
+      segment.from_row = place_->cell.row;
+      segment.from_col = place_->cell.col;
+    }
     return segment;
   }
 
@@ -212,7 +291,8 @@ class SequenceCheck {
   const std::size_t steps_;
   int step_ = 0;  // the present one, from 1
   std::array<int, std::size_t{kRows} * kCols>
-      entered_{};                   // by cell: the step that last moved there; 0: none
+      entered_{};  // by cell: the step that last moved there; 0: none
+  std::array<int, std::size_t{kRows} * kCols> fetched_{};  // the same of its box
   std::optional<PlanStart> place_;  // nothing: not known since a step that cannot be read
   PlanReading reading_;
 };
@@ -282,6 +362,19 @@ msg::Float32MultiArray ToActionSequence(const std::vector<PlanStep>& steps) {
     }
   }
   return plan;
+}
+
+std::vector<PlanStep> StepsOf(const msg::Float32MultiArray& plan) {
+  std::vector<PlanStep> steps;
+  for (std::size_t at = 0; at + kNumbersPerStep <= plan.data.size(); at += kNumbersPerStep) {
+    const float* numbers = &plan.data[at];
+    steps.push_back(
+        {numbers[0] > 0.5F,
+         {static_cast<int>(std::lround(numbers[1])), static_cast<int>(std::lround(numbers[2]))},
+         numbers[3],
+         numbers[4]});
+  }
+  return steps;
 }
 
 std::string PlanIdOf(std::uint64_t number) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "musher/messages/std_msgs/multi_array.hpp"
+#include "musher/modules/meilin/field/box_map.hpp"
 #include "musher/modules/meilin/field/grid.hpp"
 #include "musher/modules/meilin/plan/segment.hpp"
 
@@ -32,6 +33,11 @@ struct PlanRules {
   // which must not be negative and not above the highest.
   double normal_height_mm = 20;
   double highest_wheel_mm = 430;
+  // What is known of the boxes: a fetch takes one of them, a move comes over none that is still
+  // there. Nothing: only the boxes of the plan are known.
+  std::optional<BoxMap> boxes;
+  std::vector<Cell> taken;  // boxes that are not there any more
+  bool kfs1_blocks = true;  // a box of the partner is in the way, too
 };
 
 // Where the robot is before the first step.
@@ -77,6 +83,9 @@ PlanReading ReadActionSequence(const msg::Float32MultiArray& plan, const PlanRul
 
 // The same plan as a message, with the layout of the competition's planner.
 msg::Float32MultiArray ToActionSequence(const std::vector<PlanStep>& steps);
+
+// The steps of a plan that ReadActionSequence() accepts.
+std::vector<PlanStep> StepsOf(const msg::Float32MultiArray& plan);
 
 std::string PlanIdOf(std::uint64_t number);  // "mf_action_seq_3"
 

@@ -14,6 +14,24 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMostJsonBytes = std::size_t{1} << 20;
+constexpr int kMostJsonLevels = 32;
+
+// Whether objects and arrays are nested so deeply that code which visits them by recursion would
+// use up its stack. Of a text that is no JSON it may say anything.
+bool IsTooDeep(std::string_view text) {
+  int level = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '\\') ++i;
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (c == '{' || c == '[') ++level;
+    if (c == '}' || c == ']') --level;
+    if (level > kMostJsonLevels) return true;
+  }
+  return false;
+}
 
 std::string LinePlace(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, byte == 0 ? 0 : byte - 1);
@@ -51,6 +69,11 @@ std::optional<Json> ParseJson(std::string_view text, JsonFaults& faults) {
   if (text.size() > kMostJsonBytes) {
     faults.Add(
         "", fmt::format("the text has {} bytes, expected at most {}", text.size(), kMostJsonBytes));
+    return std::nullopt;
+  }
+  if (IsTooDeep(text)) {
+    faults.Add("",
+               fmt::format("objects and arrays are nested deeper than {} levels", kMostJsonLevels));
     return std::nullopt;
   }
   try {

@@ -60,6 +60,7 @@ PlannerConfig ReadPlanner(const Table& table, Findings& findings) {
       root.Number("normal_height_mm", 0, 1000).value_or(rules.plan.normal_height_mm);
   rules.plan.highest_wheel_mm =
       root.Number("highest_wheel_mm", 0, 1000).value_or(rules.plan.highest_wheel_mm);
+  rules.plan.kfs1_blocks = root.Bool("kfs1_blocks").value_or(rules.plan.kfs1_blocks);
   if (const Table* topics = root.SubTable("topics")) {
     TableReader reader(*topics, root.At("topics"), "topics", findings);
     ReadTopics(reader, config.topics);

@@ -47,6 +47,7 @@ class RouteSearch {
   int Height(Cell cell) const { return rules_.plan.grid.HeightMm(cell); }
   bool IsFree(Cell cell, std::size_t taken = 0) const {
     if (!IsInside(cell) || map_.At(cell) == Box::kFake) return false;
+    if (map_.At(cell) == Box::kKfs1 && rules_.plan.kfs1_blocks) return false;
     return map_.At(cell) != Box::kKfs2 || (taken & BitOf(cell)) != 0;
   }
   double MoveYaw(const State& state) const { return map_.omni ? 0 : state.yaw_rad; }
@@ -132,10 +133,6 @@ class RouteSearch {
 };
 
 }  // namespace
-
-Box BoxMap::At(Cell cell) const {
-  return boxes.at(static_cast<std::size_t>(cell.row)).at(static_cast<std::size_t>(cell.col));
-}
 
 RouteReport FindRoutes(const BoxMap& map, const RouteRules& rules) {
   return RouteSearch(map, rules).Run();

@@ -2,7 +2,8 @@
 // Finds the plans of a field whose boxes (KFS) are known. A plan starts in row 0, moves forward,
 // left or right, visits no cell twice, and ends in row 5. It takes up to four boxes of kind KFS2
 // from the cells beside its path; it drives over no cell with a fake box, or with a KFS2 that it
-// has not taken. Boxes of kind KFS1 are the partner's; those on its way are counted.
+// has not taken. Boxes of kind KFS1 are the partner's: they are in the way, unless
+// PlanRules::kfs1_blocks is false; those on its way are counted then.
 //
 // The search is exact: it visits every plan, always in the same order. Each plan passes
 // ReadActionSequence(). Pure: no clock, no thread. Costs are seconds.
@@ -11,23 +12,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "musher/modules/meilin/field/box_map.hpp"
 #include "musher/modules/meilin/field/costs.hpp"
 #include "musher/modules/meilin/plan/action_sequence.hpp"
 
 namespace musher::meilin {
-
-enum class Box : int { kEmpty = 0, kKfs1 = 1, kKfs2 = 2, kFake = 3 };
-
-struct BoxMap {
-  Side side = Side::kBlue;
-  // Omni: moves keep yaw 0. One-way: moves keep the yaw of the last fetch. A fetch has the yaw of
-  // its direction in both.
-  bool omni = false;
-  std::array<std::array<Box, kCols>, kRows> boxes{};  // row 0 first
-
-  Box At(Cell cell) const;
-  friend bool operator==(const BoxMap&, const BoxMap&) = default;
-};
 
 struct Route {
   std::vector<PlanStep> steps;

@@ -17,7 +17,9 @@ struct Segment {
   std::string segment_type;  // kMoveType, …
   std::string debug_name;    // "move (1, 0)"
 
-  // Of an action sequence.
+  // Of an action sequence. The cell from which it was checked; -1: not known.
+  int from_row = -1;
+  int from_col = -1;
   int move_row = 0;
   int move_col = 0;
   double target_height_mm = 0;  // of the platform

@@ -11,7 +11,6 @@ namespace musher::tree::recording_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
-using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -73,10 +72,12 @@ struct Recorded : testing::Test, Logged {
   }
   // `text` with another line, of the right checksum, in place of one.
   std::string With(const std::string& line, const std::string& other) const {
-    std::string changed = other;
-    EndRecordingLine(changed);
     std::string all = text;
-    return all.replace(all.find(line), line.size(), changed);
+    const std::size_t at = all.find(line);
+    RecordingChain chain = all.substr(at - 11, 10);  // of the line above
+    std::string changed = other;
+    EndRecordingLine(changed, chain);
+    return all.replace(at, line.size(), changed);
   }
 
   std::string text;
@@ -103,7 +104,7 @@ TEST_F(Recorded, HasTheTreeItsChangesAndItsEntries) {
   EXPECT_EQ(recorded.nodes[4].parent, 3U);
   EXPECT_EQ(recorded.nodes[3].kind, "SubTree");
   EXPECT_EQ(recorded.End(), Milliseconds(400));
-  EXPECT_THAT(text, AllOf(StartsWith("musher-tree-recording 1 patrol #"),
+  EXPECT_THAT(text, AllOf(StartsWith("musher-tree-recording 2 patrol #"),
                           HasSubstr("\nset 0 \"Main/Sequence/rest\" long number 7 #"),
                           HasSubstr("\nset 0.1 \"\" steps number 1 #"),
                           HasSubstr("\nchange 0.1 1 RUNNING SUCCESS #"),
@@ -190,11 +191,12 @@ TEST_F(Recorded, ThatIsDamagedOrForeignIsRefusedWithThePlace) {
   flipped[flipped.find("\nchange 0.1 ") + 9] = '2';
   EXPECT_THAT(Refused(flipped),
               AllOf(StartsWith("p.tree:"),
-                    EndsWith(":1: error: the line is damaged: it does not match its checksum")));
+                    HasSubstr(":1: error: the line is damaged, or lines before it are missing")));
   const std::string change = Line("change 0.1 1 RUNNING SUCCESS");
   std::string missing = text;
   missing.erase(missing.find(change), change.size());
-  EXPECT_THAT(Refused(missing), HasSubstr("error: node 1 is RUNNING here; a line is missing"));
+  EXPECT_THAT(Refused(missing),
+              HasSubstr("lines before it are missing, doubled or at another place"));
   EXPECT_THAT(Refused(With(change, "change 0.1 9 RUNNING SUCCESS")),
               HasSubstr(":12: error: invalid number 9; expected 0 to 4"));
   EXPECT_THAT(Refused(With(change, "change 0.1 1 RUNNING DONE")),
@@ -203,6 +205,60 @@ TEST_F(Recorded, ThatIsDamagedOrForeignIsRefusedWithThePlace) {
               HasSubstr(":8: error: the time is before that of the line above"));
   EXPECT_THAT(Refused(With(change, "chance 0.1 1 RUNNING SUCCESS")),
               HasSubstr("error: chance is not a kind of line; did you mean 'change'?"));
+}
+
+// Lines of `text`, each with its end.
+std::vector<std::string> LinesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line + "\n");
+  return lines;
+}
+std::string Joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line;
+  return text;
+}
+
+TEST_F(Recorded, WhoseLinesAreMissingDoubledOrSwappedIsRefused) {
+  Run();
+  const std::vector<std::string> lines = LinesOf(text);
+  ASSERT_GT(lines.size(), 20U);
+  for (std::size_t at = 1; at + 1 < lines.size(); ++at) {
+    std::vector<std::string> missing = lines;
+    missing.erase(missing.begin() + static_cast<std::ptrdiff_t>(at));
+    EXPECT_THAT(Refused(Joined(missing)), HasSubstr("lines before it are missing")) << lines[at];
+    std::vector<std::string> doubled = lines;
+    doubled.insert(doubled.begin() + static_cast<std::ptrdiff_t>(at), lines[at]);
+    EXPECT_THAT(Refused(Joined(doubled)), HasSubstr("lines before it are missing")) << lines[at];
+    std::vector<std::string> swapped = lines;
+    std::swap(swapped[at], swapped[at + 1]);
+    EXPECT_THAT(Refused(Joined(swapped)), HasSubstr("lines before it are missing")) << lines[at];
+  }
+}
+
+TEST_F(Recorded, BeginsAnotherChainWhereLinesWereLost) {
+  TickOnce();
+  const std::size_t before = text.size();
+  TickOnce();
+  text.resize(before);  // never written
+  recorder->Lost(3);
+  recorder->BeginAgain(kWallUs);
+  TickOnce();
+  EXPECT_EQ(Read().trees.size(), 2U);
+}
+
+TEST_F(Recorded, OfAnEarlierVersionIsReadWithoutAChain) {
+  Run();
+  std::string old;
+  for (std::string line : LinesOf(text)) {
+    line.resize(line.size() - 11);
+    if (old.empty()) line.replace(line.find(" 2 "), 3, " 1 ");
+    RecordingChain none;
+    EndRecordingLine(line, none);
+    old += line;
+  }
+  EXPECT_EQ(Refused(old), "");
 }
 
 TEST_F(Recorded, ValuesAreCutAtTheEndOfACharacter) {
@@ -275,9 +331,10 @@ TEST_F(Recorded, AThousandMutationsAreRefusedWithThePlaceOrPlayed) {
     if (i % 2 == 0) {
       std::string fixed;
       std::istringstream lines(mutated);
+      RecordingChain chain;
       for (std::string line; std::getline(lines, line);) {
         line.resize(line.size() - std::min<std::size_t>(line.size(), 10));
-        EndRecordingLine(line);
+        EndRecordingLine(line, chain);
         fixed += line;
       }
       mutated = fixed;

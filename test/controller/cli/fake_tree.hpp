@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -40,6 +41,11 @@ class FakeTree {
       endpoints_->Serve<msg::GetTree>(
           actuator_ + "/get_tree",
           [this](const auto& request, const auto& reply) { reply(Answer(request)); });
+      endpoints_->Serve<msg::SendCommand>(
+          actuator_ + "/send_command", [](const auto& request, const auto& reply) {
+            const bool known = request.command == "START";
+            reply({known, known ? "" : "there is no command '" + request.command + "'"});
+          });
       publish_ = endpoints_->PublishFunction<msg::TreeState>(actuator_ + "/tree_state",
                                                              transport::kLatchedQos);
       publish_(report_.state);

@@ -229,7 +229,16 @@ TEST_F(RunningTree, IsReportedAsMissing) {
   EXPECT_EQ(refused.err, "musher: patrol: unknown format\n");
   EXPECT_EQ(RunProgram({"behavior", "nothing", "--tree"}).exit, 3);
   EXPECT_EQ(RunProgram({"behavior", "patrol", "--entries"}).exit, 2) << "--entries needs --tree";
-  EXPECT_EQ(RunProgram({"behavior", "patrol", "--tree", "--send", "x"}).exit, 2);
+}
+
+TEST_F(RunningTree, BeginsByACommand) {
+  const FakeTree patrol("patrol");
+  const Ran begun = RunProgram({"behavior", "patrol", "--tree", "--send", "START"});
+  EXPECT_EQ(begun.exit, 0) << begun.err;
+  EXPECT_THAT(begun.out, HasSubstr("patrol"));
+  const Ran refused = RunProgram({"behavior", "patrol", "--tree", "--send", "x"});
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_EQ(refused.err, "musher: there is no command 'x'\n");
 }
 
 TEST(TreeText, OfAnUntrustedReportStaysWithinItsNodes) {

@@ -279,6 +279,27 @@ TEST_F(RaceProcess, PausesInLowPowerAndContinuesInActive) {
   EXPECT_EQ(walker_.back(), "START");
 }
 
+TEST_F(RaceProcess, ThatWasKilledStandsInItsStartUntilTheCommand) {
+  StartActive();
+  Command("START");
+  ASSERT_TRUE(AwaitState("State:1")) << peer_.Output();
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  ASSERT_TRUE(peer_.Until([this] { return info_->MatchedWriters() == 0; }));
+  frames_.clear();
+  motions_.clear();
+  infos_.clear();
+  states_.clear();
+  StartActive();
+  ASSERT_TRUE(peer_.Until([this] { return infos_.size() > 10; }));  // it publishes while it waits
+  EXPECT_THAT(states_, ::testing::Each("State:0"));
+  EXPECT_TRUE(motions_.empty());
+  EXPECT_TRUE(frames_.empty());
+  Command("START");
+  EXPECT_TRUE(AwaitState("State:1"));
+}
+
 TEST_F(RaceProcess, GoesToErrorWithTheReasonWhenAMotionFails) {
   motion_code_ = 3035;
   StartActive();

@@ -195,6 +195,12 @@ TEST_F(ASkillsActuator, StandsInEveryStateButActive) {
   }
 }
 
+TEST_F(ASkillsActuator, StandsInActiveAfterItsStartWithoutAGoal) {
+  BeginActive();
+  harness_.Tick(skills_, 50);
+  Loop([this] { EXPECT_THAT(commands_, ::testing::Each(msg::Twist{})); });
+}
+
 TEST_F(ASkillsActuator, StandsAtAnEmergencyStop) {
   BeginActive();
   BeginMoving();

@@ -147,4 +147,12 @@ TEST_F(AnEngine, RunsProgramsInActiveOnlyAndStopsThemInEveryOtherState) {
   EXPECT_EQ(StateOf("wait"), "running");
 }
 
+TEST_F(AnEngine, StandsInActiveAfterItsStartWhateverProgramsThereAre) {
+  ASSERT_TRUE(Do(Op::kAdd, "greet", Sequence("<Say text=\"Hello\"/>")).success);
+  Activate();
+  harness_.Tick(engine_, 5);
+  EXPECT_EQ(StateOf("greet"), "ready");
+  EXPECT_TRUE(said_.empty());
+}
+
 }  // namespace musher::vp_engine::engine_test

@@ -33,12 +33,15 @@ TEST(WeddingConfigTest, HasTheDefaultsWithAnEmptyFile) {
   EXPECT_EQ(reading.config, WeddingConfig{});
 }
 
-TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheDefaultsInItsCameraAndItsBlindTimeoutOnly) {
+TEST(WeddingConfigTest,
+     OfTheShippedShowDiffersFromTheDefaultsInItsStartItsCameraAndItsBlindTimeoutOnly) {
   const WeddingConfig config = Shipped("wedding.toml");
   EXPECT_EQ(config.show.gaze.camera, Mount::kHead);
   WeddingConfig plain = config;
   plain.show.gaze = {};
   plain.show.perception.blind = {};
+  EXPECT_TRUE(config.autostart) << "set by a person: the show stands at its place";
+  plain.autostart = false;
   EXPECT_EQ(Shipped("second_generation.toml").show.gaze, config.show.gaze);
   EXPECT_EQ(Shipped("second_generation.toml").show.perception, config.show.perception);
   EXPECT_EQ(plain, WeddingConfig{});

@@ -28,6 +28,7 @@ inline const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "Sel
 // A show whose photos take half a second, with a longer timeout of a face: on a busy machine it
 // would say farewell too early.
 inline constexpr const char* kFile = R"(
+autostart = true
 [check]
 time_ms = 5000
 [tracking]

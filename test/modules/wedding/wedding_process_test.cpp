@@ -2,6 +2,7 @@
 // of the show.
 
 #include "musher/test/modules/wedding/wedding_process.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/protocol/camera.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
@@ -230,6 +231,26 @@ TEST_F(WeddingProcess, BeginsInIdleAndNeutralAfterItWasKilledInAPose) {
   EXPECT_EQ(Changes().back(), "IDLE");
 }
 
+TEST_F(WeddingProcess, StandsAfterARestartUntilItIsCommanded) {
+  std::string file = kFile;
+  file.replace(file.find("true"), 4, "false");
+  Start(file);
+  ExpectDone("Active");
+  const auto seen = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
+  const std::size_t states = states_.size();
+  ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 10; }));
+  EXPECT_TRUE(looks_.empty()) << "a guest stands there, and no person has begun the show";
+  EXPECT_EQ(states_.back(), "INVALID");
+  const auto client = transport::MakeClient<msg::SendCommand>(peer_.node(), "wedding/send_command");
+  ASSERT_TRUE(client);
+  ASSERT_TRUE(peer_.Until([&] { return client.value()->Ready(); }));
+  client.value()->Call({"START"}, std::chrono::seconds(20), [](const auto& reply) {
+    ASSERT_TRUE(reply);
+    EXPECT_TRUE(reply.value().success) << reply.value().message;
+  });
+  EXPECT_TRUE(AwaitShown("TRACKING"));
+}
+
 TEST_F(WeddingProcess, RunsThroughAllStates) {
   Start();
   const auto seen = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
@@ -279,7 +300,7 @@ TEST_F(WeddingProcess, FailsItsSelfCheckWithFacesButWithoutTheirPositions) {
 }
 
 TEST_F(WeddingProcess, FailsItsSelfCheckInActiveWhenVisionIsSilent) {
-  StartActive("[check]\ntime_ms = 100\n");
+  StartActive("autostart = true\n[check]\ntime_ms = 100\n");
   const auto checked = peer_.Switch("SelfCheck");
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);

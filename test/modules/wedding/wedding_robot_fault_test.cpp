@@ -42,7 +42,11 @@ class Hall {
 
 TEST(TheWeddingRobot, MovesAndPlaysInActiveOnlyAndNeverInAnEmergencyUnderInjectedFaults) {
   testing::ModuleFaultTest<WeddingRobot, Hall> test;
-  test.make = [] { return std::make_unique<WeddingRobot>("wedding", WeddingConfig{}); };
+  test.make = [] {
+    WeddingConfig config;
+    config.autostart = true;
+    return std::make_unique<WeddingRobot>("wedding", config);
+  };
   const auto outputs = [&test] {
     test.Pass(Milliseconds(100));  // what is under way
     test.peers->outputs = 0;

@@ -61,8 +61,13 @@ void FakeRobot::End(FakeGoal& goal) {
   goal.message = goal.outcome.message;
   if (goal.state != GoalState::kSucceeded) return;
   if (goal.kind == Kind::kMove) fix = {goal.move.x_m, goal.move.y_m, goal.move.yaw_rad, now_};
+  if (goal.kind == Kind::kSuspension && legs && legs_follow) {
+    legs->mm.fill(goal.suspension.mode == 3 ? goal.suspension.height_mm : 20);
+  }
   if (goal.kind == Kind::kArm) Raise(arm, true);
-  if (goal.kind == Kind::kSpear && goal.spear.command == 3) Raise(r1, false);
+  if (goal.kind == Kind::kSpear && goal.spear.command == 3 && !r1_stays) {
+    Raise(r1, false);
+  }
 }
 
 void FakeRobot::Raise(Signal& signal, bool value) {
@@ -74,6 +79,7 @@ void FakeRobot::Raise(Signal& signal, bool value) {
 void FakeRobot::Advance(Duration step) {
   now_ += step;
   if (follows && fix) fix->at = now_;
+  if (legs) legs->at = now_;
   for (const auto& goal : goals) {
     if (HasEnded(goal->state) || !HasEnded(goal->outcome.end)) continue;
     if (now_ - goal->begun >= goal->outcome.after) End(*goal);

@@ -44,8 +44,11 @@ class FakeRobot final : public Robot {
   // What a test sets.
   std::function<Outcome(const FakeGoal&)> decide = [](const FakeGoal&) { return Outcome{}; };
   std::optional<PoseFix> fix;
-  bool follows = true;  // the pose follows the drives, and is always fresh
+  bool follows = true;         // the pose follows the drives, and is always fresh
+  std::optional<Wheels> legs;  // always fresh; follow the suspension where they are set
+  bool legs_follow = true;
   Signal r1;
+  bool r1_stays = false;  // else it is false at the end of the dock's command
   Signal arm;
   // What it sees.
   std::vector<std::shared_ptr<FakeGoal>> goals;
@@ -62,6 +65,8 @@ class FakeRobot final : public Robot {
   GoalPtr MoveArm(const std::string& server, const ArmGoal& goal) override;
   GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) override;
   std::optional<PoseFix> pose() const override { return fix; }
+  std::optional<Wheels> wheels() const override { return legs; }
+  int suspension_state() const override { return 0; }
   const Signal& partner_ready() const override { return r1; }
   const Signal& arm_idle() const override { return arm; }
   void Warn(const std::string& text) override { warnings.push_back(text); }

@@ -23,8 +23,16 @@ inline std::string ConfigFile(const std::string& name) {
 }
 
 struct Match {
+  // What a process has without the word of a person: it waits.
+  struct Waiting {};
+
   explicit Match(const std::string& file, MatchConfig match = {}, Side side = Side::kBlue)
-      : settings(WithSide(side)), mission(robot, settings, std::move(match)) {
+      : Match(Waiting{}, file, std::move(match), side) {
+    Begun();
+  }
+  Match(Waiting, const std::string& file, MatchConfig match = {}, Side side = Side::kBlue,
+        bool autostart = false)
+      : settings(WithSide(side)), mission(robot, settings, std::move(match), autostart) {
     EXPECT_TRUE(RegisterNodes(factory, robot, settings));
     Load(tree::ReadTreeFile(ConfigFile(file)));
   }
@@ -39,6 +47,7 @@ struct Match {
     Load(tree::ReadTree("<root BTCPP_format=\"4\"><BehaviorTree ID=\"Main\">" + text.content +
                             "</BehaviorTree></root>",
                         "t.xml"));
+    Begun();
   }
   Match(const Match&) = delete;
 
@@ -59,15 +68,42 @@ struct Match {
     tree = std::move(built.tree);
     ASSERT_TRUE(mission.Fill(tree->board()));
     board.emplace(tree->board());
+    rests = true;
   }
 
-  tree::Status Tick() {
-    robot.Advance(Milliseconds(10));
+  // The word of a person.
+  Match& Begun(const std::string& region = "full") {
+    const Result<std::string> begun = mission.Start(region, robot.Now());
+    EXPECT_TRUE(begun) << (begun ? "" : begun.error().message);
+    Follow();
+    return *this;
+  }
+  std::string WhyNot(const std::string& region) {
+    const Result<std::string> begun = mission.Start(region, robot.Now());
+    return begun ? "" : begun.error().message;
+  }
+
+  void Reset() {
+    static_cast<void>(tree->Halt(robot.Now()));
+    EXPECT_TRUE(mission.Command("RESET"));
+    Follow();
+  }
+  // As the actuator does it.
+  void Follow() {
     if (mission.TakeRestart()) {
       static_cast<void>(tree->Halt(robot.Now()));
       rests = false;
     }
-    mission.BeforeTick();
+    if (mission.TakeStop()) {
+      static_cast<void>(tree->Halt(robot.Now()));
+      rests = true;
+    }
+  }
+
+  tree::Status Tick() {
+    robot.Advance(Milliseconds(10));
+    mission.BeforeTick(robot.Now());
+    Follow();
     tree::Status status = tree::Status::kIdle;
     std::string fault;
     if (!rests) {
@@ -76,7 +112,7 @@ struct Match {
       if (!ticked) fault = ticked.error().message;
       rests = status != tree::Status::kRunning;
     }
-    mission.AfterTick(status, fault);
+    mission.AfterTick(status, fault, robot.Now());
     return last = status;
   }
   // Until the tree rests or waits for a plan, at most so many seconds.
@@ -95,8 +131,8 @@ struct Match {
     if (mission.TakeStop()) rests = true;
   }
 
-  bool Offer(const std::vector<PlanStep>& steps) {
-    return mission.OfferPlan(ToActionSequence(steps), robot.Now());
+  bool Offer(const std::vector<PlanStep>& steps, std::int64_t written_ns = 0) {
+    return mission.OfferPlan(ToActionSequence(steps), robot.Now(), written_ns);
   }
 
   FakeRobot robot;
@@ -105,7 +141,7 @@ struct Match {
   tree::Factory factory;
   std::unique_ptr<tree::Tree> tree;
   std::optional<MissionBoard> board;
-  bool rests = false;
+  bool rests = true;
   tree::Status last = tree::Status::kIdle;
 };
 

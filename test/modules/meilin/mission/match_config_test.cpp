@@ -55,6 +55,26 @@ TEST(MeilinMatchConfig, RefusesWhatIsNoJson) {
   EXPECT_EQ(ReadMatchText("{", "m.json").errors.size(), 1U);
   EXPECT_THAT(ReadMatchText("[]", "m.json").errors, ElementsAre(HasSubstr("expected an object")));
 }
+TEST(MeilinMatchConfig, RefusesATextThatIsNestedTooDeeply) {
+  for (const char* piece : {"[", "{\"a\":"}) {
+    std::string text;
+    for (int i = 0; i < 100'000; ++i) text += piece;
+    EXPECT_THAT(ReadMatchText(text, "m.json").errors,
+                ElementsAre(HasSubstr("nested deeper than 32 levels")));
+  }
+}
+TEST(MeilinMatchConfig, RefusesWhatTheRobotCannotReach) {
+  const std::string good = ConfigText("match_blue.json");
+  for (const auto& [from, to] :
+       {std::pair("\"target_x\": 0.5", "\"target_x\": 1e300"),
+        std::pair("\"target_yaw\": 3.14", "\"target_yaw\": 99"),
+        std::pair("\"suspension_height\": 30", "\"suspension_height\": 999"),
+        std::pair("\"max_speed\": 0.3", "\"max_speed\": 1e9")}) {
+    const MatchReading reading = ReadMatchText(Replaced(good, from, to), "m.json");
+    EXPECT_FALSE(reading.config) << to;
+    EXPECT_EQ(reading.errors.size(), 1U) << to;
+  }
+}
 TEST(MeilinMissionConfig, TheFileIsRight) {
   const MissionReading reading = ReadMissionText(ConfigText("mission.toml"), "mission.toml");
   ASSERT_TRUE(reading.config);

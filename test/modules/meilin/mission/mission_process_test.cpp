@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "musher/messages/r2_interfaces/arm_action.hpp"
 #include "musher/messages/r2_interfaces/get_action_seq.hpp"
 #include "musher/messages/r2_interfaces/spear_action.hpp"
+#include "musher/messages/r2_interfaces/start_autonomy.hpp"
 #include "musher/messages/r2_interfaces/suspension_control.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -70,6 +72,7 @@ class MissionProcess : public ::testing::Test {
     Follow("meilin/state", state_);
     Follow("meilin/last_error", last_error_);
     Follow("meilin/plan_id", plan_id_);
+    Follow("meilin/status", status_);
     plans_ = Must(transport::MakePublisher<msg::Float32MultiArray>(peer_.node(), "mf_action_seq",
                                                                    transport::kLatchedQos));
     segments_ = Must(transport::MakePublisher<msg::String>(peer_.node(), "planning/segments",
@@ -89,6 +92,22 @@ class MissionProcess : public ::testing::Test {
   }
   static std::string StageFile() { return SourceDir() + "/config/meilin/meilin_stage.xml"; }
   void Start(const std::string& tree, const std::string& keys = "") {
+    ASSERT_NO_FATAL_FAILURE(StartWaiting(tree, keys));
+    ASSERT_EQ(Begin("full"), "begins with the region full");
+  }
+  // The word of a person; the reply.
+  std::string Begin(const std::string& region) {
+    const auto client =
+        Must(transport::MakeClient<msg::StartAutonomy>(peer_.node(), "start_autonomy"));
+    std::optional<std::string> reply;
+    EXPECT_TRUE(peer_.Until([&] { return client->Ready(); }));
+    client->Call({region}, std::chrono::seconds(20), [&reply](const auto& result) {
+      reply = result ? result.value().message : result.error().message;
+    });
+    EXPECT_TRUE(peer_.Until([&] { return reply.has_value(); }));
+    return reply.value_or("");
+  }
+  void StartWaiting(const std::string& tree, const std::string& keys = "") {
     peer_.Start("tree_file = \"" + tree + "\"\n" + keys);
     ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
     ASSERT_TRUE(peer_.Switch("SelfCheck")) << peer_.Output();
@@ -124,6 +143,7 @@ class MissionProcess : public ::testing::Test {
   std::string state_;
   std::string last_error_;
   std::string plan_id_;
+  std::string status_;
   Peer<msg::MoveToPose> moves_;
   Peer<msg::SuspensionControl> suspension_;
   std::optional<Peer<msg::ArmAction>> arm_;
@@ -229,6 +249,40 @@ TEST_F(MissionProcess, LeavingActiveCancelsAndTheHaltedSegmentIsTheNext) {
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
   ASSERT_EQ(moves_.goals.size(), 4U);
   EXPECT_EQ(moves_.goals[0], moves_.goals[1]);
+}
+
+TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyOnCommand) {
+  moves_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
+  ASSERT_TRUE(plans_->Publish(Plan()));  // latched: the next process receives it, too
+  ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
+  // So that the status of the next process is known from this one's.
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  moves_.silent = false;
+  const std::size_t before = moves_.goals.size();
+  ASSERT_NO_FATAL_FAILURE(StartWaiting(StageFile()));
+  ASSERT_NO_FATAL_FAILURE(Await("WAITING_START"));
+  ASSERT_TRUE(peer_.Until([this] {
+    return peer_.Output().find("a plan that was taken before is not taken again") !=
+           std::string::npos;
+  })) << peer_.Output();
+  EXPECT_THAT(Begin("rack"), HasSubstr("expected full, meilin or final"));
+  EXPECT_EQ(moves_.goals.size(), before);
+  EXPECT_THAT(status_, HasSubstr("plan mf_action_seq_1 at segment 1 of 3, move (0, 1)"));
+  EXPECT_THAT(Begin(""), HasSubstr("goes on with plan mf_action_seq_1"));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  EXPECT_TRUE(AwaitPlan("mf_action_seq_1"));
+}
+
+TEST_F(MissionProcess, RefusesAnOldPlanThatItsTreeCannotRun) {
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
+  ASSERT_NO_FATAL_FAILURE(Await("WAITING_MF_ACTION_SEQ"));
+  ASSERT_TRUE(segments_->Publish({R"({"plan_id": "7", "segments": [
+    {"segment_type": "GRASP", "arm_command": 1}]})"}));
+  ASSERT_NO_FATAL_FAILURE(Await("PLAN_REJECTED"));
+  EXPECT_TRUE(AwaitError("no node of it is PopNextSegment")) << last_error_;
 }
 
 TEST_F(MissionProcess, OfTwoPlansAtOnceTheLaterOneIsCarriedOut) {

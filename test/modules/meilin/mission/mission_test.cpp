@@ -1,5 +1,6 @@
 // Whole matches on a fake robot, and what the mission does with plans, failures and pauses.
 
+#include <algorithm>
 #include <random>
 
 #include "musher/test/modules/meilin/mission/match.hpp"
@@ -125,7 +126,10 @@ TEST(MeilinMission, RequestsNoPlanWhileOneRunsAndAnotherWasRefused) {
   ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0)}));
   match.RunFor(0.2);
   EXPECT_FALSE(match.Offer({MoveStep(9, 1, 0)}));
-  EXPECT_EQ(match.mission.state(), "PLAN_REJECTED");
+  EXPECT_EQ(match.mission.state(), "ACTION_RUNNING") << "what runs is not hidden";
+  EXPECT_THAT(match.mission.refused_plan(), StartsWith("move grid out of range"));
+  match.RunFor(0.3);
+  EXPECT_THAT(match.mission.refused_plan(), StartsWith("move grid out of range"));
   EXPECT_FALSE(match.mission.WantsPlan());
 }
 TEST(MeilinMission, ASecondPlanReplacesTheQueueAfterTheRunningAction) {
@@ -149,7 +153,8 @@ TEST(MeilinMission, AFailureStopsItUntilANewPlan) {
   ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0), MoveStep(1, 1, 200), MoveStep(2, 1, 400)}));
   match.RunFor(20);
   EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
-  EXPECT_EQ(match.mission.last_error(), "Timeout");
+  EXPECT_THAT(match.mission.last_error(),
+              StartsWith("segment 2 of 3, move (1, 1): suspension_control: Timeout after 0 s ("));
   EXPECT_EQ(match.robot.goals.size(), 3U) << "nothing is sent after the failure";
   match.robot.decide = [](const FakeGoal&) { return Outcome{}; };
   match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
@@ -157,15 +162,40 @@ TEST(MeilinMission, AFailureStopsItUntilANewPlan) {
   match.Run(20);
   EXPECT_EQ(match.mission.state(), "MISSION_SUCCESS");
 }
-TEST(MeilinMission, ResetBeginsAgainWithoutAPlan) {
+TEST(MeilinMission, ResetWaitsForItsStartWithoutAPlan) {
   Match match("meilin_stage.xml");
   ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0), MoveStep(1, 1, 200)}));
   match.RunFor(0.1);
-  ASSERT_TRUE(match.mission.Command("RESET"));
+  match.Reset();
   match.RunFor(1);
-  EXPECT_EQ(match.mission.state(), "WAITING_MF_ACTION_SEQ");
+  EXPECT_EQ(match.mission.state(), "WAITING_START");
   EXPECT_EQ(match.robot.Running(), 0U);
+  const std::size_t goals = match.robot.goals.size();
+  ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0)}));
+  match.RunFor(1);
+  EXPECT_EQ(match.robot.goals.size(), goals) << "a plan alone moves nothing";
   EXPECT_FALSE(match.mission.Command("RESTE"));
+}
+TEST(MeilinMission, ResetInAClimbMovesNothingAndDoesNotForgetTheEdge) {
+  Match match("full_match.xml", MatchOf("match_blue.json"));
+  match.Reset();
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.robot.decide = [](const FakeGoal&) {
+    return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
+  };
+  ASSERT_TRUE(match.Offer({MoveStep(1, 1, 200)}));
+  match.Begun("meilin");
+  match.RunFor(0.2);
+  match.Reset();
+  const std::size_t goals = match.robot.goals.size();
+  match.robot.fix = PoseFix{1.53, 2.4, 0, match.robot.Now()};
+  match.robot.legs = Wheels{{205, 205, 205, 205}, match.robot.Now()};
+  match.RunFor(2);
+  EXPECT_EQ(match.robot.goals.size(), goals);
+  EXPECT_EQ(match.robot.Running(), 0U);
+  EXPECT_THAT(match.WhyNot("full"), HasSubstr("it comes off with the region meilin"));
+  match.robot.fix.reset();
+  EXPECT_THAT(match.WhyNot("full"), HasSubstr("a climb was not ended, and there is no fresh pose"));
 }
 TEST(MeilinMission, AfterAPauseTheHaltedSegmentIsTheNext) {
   Match match("meilin_stage.xml");
@@ -176,6 +206,7 @@ TEST(MeilinMission, AfterAPauseTheHaltedSegmentIsTheNext) {
   match.RunFor(0.2);
   match.Pause();
   EXPECT_EQ(match.robot.Running(), 0U);
+  EXPECT_EQ(match.mission.state(), "PAUSED");
   match.Run(20);
   EXPECT_THAT(match.robot.Texts(),
               ::testing::ElementsAre("move 1.20 2.40 0", "move 1.20 2.40 0", "move 1.20 3.60 0"));
@@ -189,7 +220,8 @@ TEST(MeilinMission, APauseDuringAClimbEndsIt) {
   match.RunFor(0.2);
   match.Pause();
   EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
-  EXPECT_THAT(match.mission.last_error(), StartsWith("Move was halted during a climb"));
+  EXPECT_THAT(match.mission.last_error(),
+              StartsWith("segment 1 of 1, move (1, 0): Move was halted during a climb"));
 }
 TEST(MeilinMission, APlanAfterAFailureInTheFieldDoesNotPrepareAgain) {
   Match match("full_match.xml", MatchOf("match_blue.json"));
@@ -210,6 +242,185 @@ TEST(MeilinMission, APlanAfterAFailureInTheFieldDoesNotPrepareAgain) {
   match.Tick();
   ASSERT_GT(match.robot.goals.size(), before);
   EXPECT_EQ(match.robot.goals[before]->Text(), "move 2.40 2.40 0");
+}
+
+// --- nothing moves without the word of a person ---
+
+// The same mission in another process.
+void Restart(const Match& before, Match& after) {
+  const Result<Progress> progress =
+      ReadProgress(WriteProgress(before.mission.SavedProgress()), "p.toml");
+  ASSERT_TRUE(progress) << progress.error().message;
+  EXPECT_EQ(progress.value(), before.mission.SavedProgress());
+  ASSERT_TRUE(after.mission.Restore(progress.value()));
+  after.robot.fix = before.robot.fix;
+}
+
+TEST(ARestartedMission, StandsAndSaysWithWhatItCanGoOn) {
+  Match before("meilin_stage.xml");
+  before.robot.fix = PoseFix{1.2, 1.2, 0, before.robot.Now()};
+  ASSERT_TRUE(before.Offer({MoveStep(0, 1, 0), FetchStep(1, 1, 200), MoveStep(0, 1, 0)}, 7));
+  for (int i = 0; i < 5000 && before.mission.SavedProgress().next < 2; ++i) before.Tick();
+  Match after(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  after.RunFor(10);
+  EXPECT_EQ(after.mission.state(), "WAITING_START");
+  EXPECT_TRUE(after.robot.goals.empty());
+  EXPECT_EQ(after.mission.GoesOnWith(), "plan mf_action_seq_1 at segment 3 of 3, move (0, 1)");
+  EXPECT_TRUE(after.mission.WasTaken(7)) << "a latched plan comes again";
+  EXPECT_FALSE(after.mission.WasTaken(8));
+  after.Begun("");
+  after.Run(20);
+  EXPECT_THAT(
+      after.robot.Texts(),
+      ::testing::ElementsAre("move 1.20 2.40 0", "suspension direct 0 30", "move 1.20 2.40 0"));
+  EXPECT_EQ(after.mission.state(), "MISSION_SUCCESS");
+}
+TEST(ARestartedMission, DoesNotGoOnWithARestThatDoesNotFitWhereTheRobotIs) {
+  Match before("meilin_stage.xml");
+  before.robot.fix = PoseFix{1.2, 2.4, 0, before.robot.Now()};
+  before.robot.decide = [](const FakeGoal& goal) {
+    return goal.kind == Kind::kMove && goal.move.x_m > 3
+               ? Outcome{GoalState::kFailed, "XY phase timed out"}
+               : Outcome{};
+  };
+  ASSERT_TRUE(before.Offer({MoveStep(1, 1, 200), MoveStep(2, 1, 400)}));
+  before.Run(20);
+  ASSERT_EQ(before.mission.state(), "MISSION_FAILED");
+  Match after(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  after.robot.fix = PoseFix{1.2, 1.2, 0, after.robot.Now()};  // a person has put it there
+  EXPECT_THAT(after.WhyNot(""), HasSubstr("does not fit where the robot is: move with height"));
+  after.RunFor(1);
+  EXPECT_TRUE(after.robot.goals.empty());
+  EXPECT_EQ(after.WhyNot("meilin"), "") << "another plan may be sent";
+  after.RunFor(1);
+  EXPECT_EQ(after.mission.state(), "WAITING_MF_ACTION_SEQ");
+}
+TEST(ARestartedMission, DoesNotBeginWithThePreparationOnAPlatform) {
+  Match match(Match::Waiting{}, "full_match.xml", MatchOf("match_blue.json"));
+  match.robot.fix = PoseFix{2.4, 2.4, 0, match.robot.Now()};
+  EXPECT_THAT(match.WhyNot("full"), HasSubstr("200 mm high: the way to x 0.50 m, y -0.20 m"));
+  EXPECT_THAT(match.WhyNot("final"), HasSubstr("crosses"));
+  EXPECT_THAT(match.mission.CanStart(match.robot.Now()), ::testing::ElementsAre("meilin"));
+  match.RunFor(5);
+  EXPECT_TRUE(match.robot.goals.empty());
+  EXPECT_THAT(match.WhyNot("exit"), HasSubstr("expected full, meilin or final"));
+}
+TEST(ARestartedMission, BeginsByItselfOnlyWithThatOptionAndOutsideTheField) {
+  for (const bool outside : {true, false}) {
+    for (const bool autostart : {true, false}) {
+      Match match(Match::Waiting{}, "full_match.xml", MatchOf("match_blue.json"), Side::kBlue,
+                  autostart);
+      match.robot.fix = PoseFix{outside ? 0.3 : 1.2, outside ? 0 : 1.2, 0, match.robot.Now()};
+      match.RunFor(0.1);
+      EXPECT_EQ(match.robot.goals.empty(), !(outside && autostart));
+    }
+  }
+}
+TEST(ARestartedMission, DoesNotBeginByItselfWhereThereIsSomethingToGoOnWith) {
+  Match match(Match::Waiting{}, "full_match.xml", MatchOf("match_blue.json"), Side::kBlue, true);
+  Progress progress;
+  progress.done = {"prepare_spear_done"};
+  ASSERT_TRUE(match.mission.Restore(progress));
+  match.robot.fix = PoseFix{0.3, 0, 0, match.robot.Now()};
+  match.RunFor(1);
+  EXPECT_TRUE(match.robot.goals.empty());
+  EXPECT_EQ(match.mission.GoesOnWith(), "the match before prepare_grasp");
+  match.Begun("");
+  match.Tick();
+  EXPECT_THAT(match.robot.Texts(), ::testing::ElementsAre("spear 2"));
+}
+TEST(ARestartedMission, IgnoresADamagedProgressAndThatOfTheOtherSide) {
+  EXPECT_FALSE(ReadProgress("next = 7\n", "p.toml"));
+  EXPECT_FALSE(ReadProgress("plan = \"jump 1 1\"\n", "p.toml"));
+  EXPECT_FALSE(ReadProgress("row = 99\n", "p.toml"));
+  EXPECT_FALSE(ReadProgress("yaw_rad = nan\n", "p.toml"));
+  EXPECT_FALSE(ReadProgress("plans = [", "p.toml"));
+  EXPECT_TRUE(ReadProgress("", "p.toml"));
+  Match match(Match::Waiting{}, "meilin_stage.xml");
+  Progress red;
+  red.side = "red";
+  EXPECT_FALSE(match.mission.Restore(red));
+}
+TEST(AMission, GoesOnBehindThePartsOfTheFinalAreaThatAreDone) {
+  Match match(Match::Waiting{}, "full_match.xml", MatchOf("simulated_blue.json"));
+  match.robot.fix = PoseFix{7.2, 2.4, 0, match.robot.Now()};
+  match.robot.arm.value = true;
+  match.robot.decide = [](const FakeGoal& goal) {
+    return goal.kind == Kind::kArm && goal.arm.command == 6 ? Outcome{GoalState::kFailed, "jammed"}
+                                                            : Outcome{};
+  };
+  match.Begun("final").Run(60);
+  ASSERT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_EQ(std::ranges::count(match.robot.Texts(), "arm 6"), 3) << "each part is tried again";
+  EXPECT_FALSE(match.Offer({MoveStep(0, 1, 0)}));
+  EXPECT_THAT(match.mission.refused_plan(), StartsWith("the part of the field is done"));
+  EXPECT_THAT(match.mission.last_error(), HasSubstr("jammed")) << "and is not hidden";
+  const std::size_t before = match.robot.goals.size();
+  match.robot.decide = [](const FakeGoal&) { return Outcome{}; };
+  match.Begun("").Run(60);
+  EXPECT_EQ(match.mission.state(), "MISSION_SUCCESS");
+  EXPECT_EQ(match.robot.goals.at(before)->Text(), "arm 6")
+      << "no drive, no second box in the middle";
+}
+TEST(AMission, GoesOnAtADockThatHasJammed) {
+  Match match("full_match.xml", MatchOf("match_blue.json"));
+  MakeRealistic(match);
+  match.robot.decide = [](const FakeGoal& goal) {
+    return goal.kind == Kind::kSpear && goal.spear.command == 3
+               ? Outcome{GoalState::kFailed, "jammed"}
+               : Outcome{};
+  };
+  Play(match, 200);
+  ASSERT_EQ(match.mission.state(), "MISSION_FAILED");
+  const std::size_t before = match.robot.goals.size();
+  match.robot.decide = [](const FakeGoal&) { return Outcome{}; };
+  match.Begun("");
+  Play(match, 1);
+  EXPECT_EQ(match.robot.goals.at(before)->Text(), "spear 3");
+}
+TEST(AMission, HasNotSucceededWithItsWheelsOut) {
+  Match match("meilin_stage.xml");
+  match.robot.legs = Wheels{{20, 20, 20, 20}, match.robot.Now()};
+  match.robot.legs_follow = false;
+  match.robot.fix = PoseFix{1.2, 1.2, 0, match.robot.Now()};
+  ASSERT_TRUE(match.Offer({FetchStep(1, 0, 400)}));
+  match.robot.decide = [&match](const FakeGoal& goal) {
+    if (goal.kind == Kind::kSuspension) match.robot.legs->mm.fill(430);
+    return Outcome{};
+  };
+  match.Run(20);
+  EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_THAT(match.mission.last_error(), HasSubstr("with its wheels out: 430, 430, 430, 430 mm"));
+}
+TEST(AMission, ChecksAPlanFromWhereTheRobotIsByWhatItHasDone) {
+  Match match("meilin_stage.xml");
+  ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0), MoveStep(1, 1, 200)}));
+  match.Run(20);  // no pose comes
+  ASSERT_EQ(match.mission.state(), "MISSION_SUCCESS");
+  EXPECT_TRUE(match.Offer({MoveStep(2, 1, 400)})) << match.mission.refused_plan();
+}
+TEST(AMission, RefusesAPlanAgainstTheMapOfBoxes) {
+  Match match("meilin_stage.xml");
+  BoxMap map;
+  map.boxes[1][1] = Box::kKfs2;
+  map.boxes[1][0] = Box::kFake;
+  match.mission.SetBoxes(map);
+  EXPECT_FALSE(match.Offer({MoveStep(0, 1, 0), MoveStep(1, 1, 200)}));
+  EXPECT_THAT(match.mission.refused_plan(),
+              HasSubstr("drives over (1, 1), where the map has a box"));
+  EXPECT_FALSE(match.Offer({FetchStep(1, 0, 400)}));
+  EXPECT_THAT(match.mission.refused_plan(), HasSubstr("the map has a fake box there"));
+  EXPECT_FALSE(match.Offer({MoveStep(0, 2, 0), FetchStep(1, 2, 400)}));
+  EXPECT_THAT(match.mission.refused_plan(), HasSubstr("the map has no box there"));
+  ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0), FetchStep(1, 1, 200), MoveStep(0, 1, 0)}))
+      << match.mission.refused_plan();
+  match.Run(30);
+  ASSERT_EQ(match.mission.state(), "MISSION_SUCCESS") << match.mission.last_error();
+  EXPECT_FALSE(match.Offer({FetchStep(1, 1, 200)}));
+  EXPECT_THAT(match.mission.refused_plan(), HasSubstr("its box is already taken"));
+  EXPECT_TRUE(match.Offer({MoveStep(1, 1, 200)})) << "it is not in the way any more";
 }
 
 Outcome RandomOutcome(std::mt19937& random) {

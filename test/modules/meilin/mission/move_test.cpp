@@ -65,13 +65,57 @@ TEST(MeilinMove, AClimbBeginsAtTheCentreWithTheHeadingOfTheTarget) {
               ElementsAre("move 1.20 2.40 0", "move 2.40 2.40 0", "suspension up 0 200"));
 }
 TEST(MeilinMove, WheelsThatAFetchHasLiftedAreLoweredBefore) {
+  NodeMatch match(MoveXml(0, 2, 0, 0));
+  match.At(1.2, 2.4);
+  match.board->suspension_offset_mm.Set(200);
+  match.Run(5);
+  EXPECT_THAT(match.robot.Texts(), ElementsAre("suspension direct 0 30", "move 1.20 3.60 0"));
+  EXPECT_EQ(match.board->suspension_offset_mm.Get(), 0);
+}
+TEST(MeilinMove, WheelsThatAFetchHasLiftedStayUpForAClimbUp) {
   NodeMatch match(MoveXml(1, 1, 200, 0));
   match.At(1.2, 2.4);
   match.board->suspension_offset_mm.Set(200);
   match.Run(5);
-  EXPECT_THAT(match.robot.Texts(),
-              ElementsAre("suspension direct 0 30", "move 2.40 2.40 0", "suspension up 0 200"));
+  EXPECT_THAT(match.robot.Texts(), ElementsAre("move 2.40 2.40 0", "suspension up 0 200"))
+      << "no way down to the normal height and up again";
   EXPECT_EQ(match.board->suspension_offset_mm.Get(), 0);
+}
+TEST(MeilinMove, DoesNotGoStraightOverAPlatformOfAnotherHeight) {
+  NodeMatch match(MoveXml(1, 2, 400, 0));
+  match.At(2.4, 1.2);
+  match.Tick();
+  EXPECT_THAT(match.error(),
+              StartsWith("Move from (1, 0) to (1, 2) crosses (1, 1), which has 200"));
+  EXPECT_TRUE(match.robot.goals.empty());
+}
+TEST(MeilinMove, DoesNotBeginOnAnEdge) {
+  NodeMatch match(MoveXml(0, 1, 0, 0));
+  match.At(1.75, 2.4);  // the hull is 0.25 m over (1, 1)
+  match.robot.legs = Wheels{{205, 205, 205, 205}, match.robot.Now()};
+  match.Tick();
+  EXPECT_THAT(match.error(), StartsWith("Move does not begin on the edge of (1, 1) and (0, 1)"));
+  EXPECT_TRUE(match.robot.goals.empty());
+}
+TEST(MeilinMove, HasNotSucceededWhileTheWheelsAreOut) {
+  NodeMatch match(MoveXml(1, 1, 200, 0));
+  match.At(1.2, 2.4);
+  match.robot.legs = Wheels{{20, 20, 20, 20}, match.robot.Now()};
+  match.robot.decide = [&match](const FakeGoal& goal) {
+    if (goal.kind == Kind::kSuspension) match.robot.legs->mm = {410, 410, 410, 410};
+    return Outcome{};
+  };
+  match.robot.legs_follow = false;
+  match.Run(5);
+  EXPECT_EQ(match.last, Status::kFailure);
+  EXPECT_THAT(match.error(), HasSubstr("its wheels are still out: 410, 410, 410, 410 mm"));
+}
+TEST(MeilinMove, LowersTheWheelsThatAreOutWhateverItRemembers) {
+  NodeMatch match(MoveXml(0, 2, 0, 0));
+  match.At(1.2, 2.4);
+  match.robot.legs = Wheels{{230, 230, 230, 230}, match.robot.Now()};
+  match.Run(5);
+  EXPECT_THAT(match.robot.Texts(), ElementsAre("suspension direct 0 30", "move 1.20 3.60 0"));
 }
 TEST(MeilinMove, WithoutAFreshPoseItStartsFromTheRememberedCellWithAWarning) {
   NodeMatch match(MoveXml(0, 1, 0, 0));
@@ -147,11 +191,14 @@ INSTANTIATE_TEST_SUITE_P(
                 Kind::kSuspension,
                 {GoalState::kAccepted},
                 "SuspensionControl timed out"},
-        Failure{"SuspensionTimeout", Kind::kSuspension, {GoalState::kFailed, "Timeout"}, "Timeout"},
+        Failure{"SuspensionTimeout",
+                Kind::kSuspension,
+                {GoalState::kFailed, "Timeout"},
+                "suspension_control: Timeout after 0 s (SuspensionControl, of at most 15 s)"},
         Failure{"DriveFailed",
                 Kind::kMove,
                 {GoalState::kFailed, "XY phase timed out"},
-                "XY phase timed out"},
+                "move_to_pose: XY phase timed out after 0 s (target_align, of at most 30 s)"},
         Failure{"DriveLost",
                 Kind::kMove,
                 {GoalState::kLost, "no answer"},
@@ -189,6 +236,13 @@ TEST(MeilinFetch, RefusesAHeightBelowTheGround) {
   match.Tick();
   EXPECT_THAT(match.error(), StartsWith("Fetch suspension height is negative"));
   EXPECT_TRUE(match.robot.goals.empty());
+}
+TEST(MeilinFetch, StartsFromTheLivePoseAndNotFromTheRememberedCell) {
+  NodeMatch match(FetchXml(2, 1, 200, 0));
+  match.At(2.4, 2.4);  // on (1, 1); remembered is (0, 0)
+  match.Run(5);
+  EXPECT_THAT(match.robot.Texts(),
+              ElementsAre("move 2.60 2.40 0", "suspension direct 0 230", "arm 1"));
 }
 TEST(MeilinFetch, RefusesABoxThatIsNotBesideIt) {
   NodeMatch match(FetchXml(3, 0, 0, 0));

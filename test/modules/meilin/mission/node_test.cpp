@@ -59,17 +59,27 @@ TEST_F(MeilinNode, AHaltCancelsTheGoal) {
   ASSERT_TRUE(match->tree->Halt(match->robot.Now()));
   EXPECT_TRUE(match->robot.goals.front()->cancelled);
 }
-TEST_F(MeilinNode, WaitForR1SignalNeedsARisingEdge) {
+TEST_F(MeilinNode, WaitForR1SignalNeedsAReadyPartnerSinceItHasStarted) {
   Make("<WaitForR1Signal timeout_sec=\"1\"/>");
   FakeRobot::Raise(match->robot.r1, true);  // before the node has started
   match->RunFor(0.5);
   EXPECT_EQ(match->last, Status::kRunning);
   FakeRobot::Raise(match->robot.r1, true);
-  match->Tick();
-  EXPECT_EQ(match->last, Status::kRunning);
   FakeRobot::Raise(match->robot.r1, false);
+  match->Tick();
+  EXPECT_EQ(match->last, Status::kRunning) << "it is not ready any more";
   FakeRobot::Raise(match->robot.r1, true);
   match->Tick();
+  EXPECT_EQ(match->last, Status::kSuccess);
+}
+TEST_F(MeilinNode, WaitForR1SignalCountsAPartnerThatIsReadyWhileTheDockIsExtended) {
+  Make("<Sequence><SpearAction command=\"3\"/><WaitForR1Signal timeout_sec=\"1\"/></Sequence>");
+  FakeRobot::Raise(match->robot.r1, true);  // of the match before
+  EndAll({GoalState::kSucceeded, "", Milliseconds(200)});
+  match->Tick();
+  FakeRobot::Raise(match->robot.r1, true);
+  match->robot.r1_stays = true;
+  match->Run(0.5);
   EXPECT_EQ(match->last, Status::kSuccess);
 }
 TEST_F(MeilinNode, WaitForR1SignalHasALimit) {

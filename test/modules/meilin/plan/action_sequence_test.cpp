@@ -107,6 +107,14 @@ TEST(ActionSequence, RefusesEachFaultWithItsText) {
            Case{{to_front, {1, 1, 1, 1e9}}, "fetch suspension height is out of range"},
            Case{{to_front, {0, 1, 1}, {0, 1, 2}, {1, 1, 1, -200, -kPi / 2}},
                 "fetch KFS grid (1, 1) is already driven over by step 2"},
+           Case{{to_front, {1, 1, 1, 400}},
+                "fetch height_diff mismatch: 400 mm, the blue field has"},
+           Case{{to_front, {1, 1, 1, 0}}, "fetch height_diff mismatch: 0 mm"},
+           Case{{to_front, {1, 1, 1, 200}, to_front, {1, 1, 1, 200}},
+                "fetch KFS grid (1, 1) a second time: step 2 has taken its box"},
+           Case{{to_front, {0, 1, 1, 0, 0.5}}, "move climbs across its heading: 0.50 rad"},
+           Case{{to_front, {0, 5, 1}},
+                "move from (0, 1) to (5, 1) crosses (1, 1), which has 200 mm"},
        }) {
     const std::string message = Refusal(one.rows);
     EXPECT_THAT(message, StartsWith(one.text));
@@ -160,8 +168,17 @@ TEST(ActionSequence, ReportsAtMostFiftyFaults) {
   EXPECT_EQ(Read(std::vector<Row>(100, Row{7})).faults.size(), kMostPlanFaults);
 }
 
-TEST(ActionSequence, MayMoveFlatOverAnyDistanceAndBackward) {
-  EXPECT_EQ(Read({{0, 0, 2}, {0, 0, 0}, {0, 5, 2}, {0, 0, 0}}).message(), "");
+TEST(ActionSequence, MayMoveFlatAlongCellsOfOneHeight) {
+  EXPECT_EQ(Read({{0, 0, 2}, {0, 0, 0}, {0, 0, 1}}).message(), "");
+}
+
+TEST(ActionSequence, RefusesAFlatMoveOverAPitOrAPlatform) {
+  const PlanStart at{{1, 0}, 400, 0, true};
+  EXPECT_THAT(Refusal({{0, 1, 2}}, at),
+              StartsWith("move from (1, 0) to (1, 2) crosses (1, 1), which has 200 mm"));
+  EXPECT_THAT(Refusal({{0, 2, 1}}, at), HasSubstr("crosses")) << "over the corner of two others";
+  EXPECT_THAT(Refusal({{0, 0, 1}, {0, 5, 0}}), HasSubstr("crosses"));
+  EXPECT_THAT(Refusal({{0, 0, 0}}, {{5, 0}, 0, 0, true}), HasSubstr("crosses")) << "backward";
 }
 
 TEST(ActionSequence, MayStayOnACellBetweenTwoFetches) {
@@ -206,7 +223,8 @@ TEST(ActionSequence, SetsTheWheelsFromTheNormalHeight) {
   const auto plan = PlanOf({{0, 1, 1}, {1, 2, 1, -20}});
   PlanRules rules;
   const PlanStart start{{1, 1}, 200, 0, true};
-  EXPECT_TRUE(ReadActionSequence(plan, rules, start).ok());
+  EXPECT_THAT(ReadActionSequence(plan, rules, start).message(),
+              StartsWith("fetch height_diff mismatch"));
   rules.normal_height_mm = 10;
   EXPECT_THAT(ReadActionSequence(plan, rules, start).message(),
               HasSubstr("10 mm of wheels and -20 mm of difference make -10 mm"));
