@@ -123,6 +123,10 @@ fly() {
   expect_end take_off completed "Reached altitude"
   run cf2x_0 hover altitude=1.2 duration=3
   expect_end hover completed "Hovered"
+  local hovered
+  hovered=$(position cf2x_0)
+  sleep 5
+  expect "without a skill the wind carries it away" no "$(has_moved cf2x_0 "$hovered")"
   run cf2x_0 nav_3d "goal_pos=[6.4,7.0,1.2]"
   expect_end nav_3d completed "Reached goal"
   local taken

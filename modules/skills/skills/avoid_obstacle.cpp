@@ -22,13 +22,6 @@ constexpr double kKeptM = 0.05;  // between the robot and an obstacle, at least
 constexpr Duration kProgressLimit = std::chrono::seconds(30);
 constexpr std::string_view kBeginPose = "begin";  // data: x, y, yaw
 
-// The speed from which it can brake within `free_m`, after the time of a step.
-double SafeSpeed(double free_m) {
-  constexpr double kBrakesMPerS2 = 0.5, kReactionS = 0.2;
-  const double lost = kBrakesMPerS2 * kReactionS;
-  return std::sqrt(lost * lost + 2 * kBrakesMPerS2 * free_m) - lost;
-}
-
 }  // namespace
 
 void AvoidObstacle::Declare(skill::Table& table) {
@@ -106,17 +99,6 @@ AvoidObstacle::Aim AvoidObstacle::AimOf(const Tick& tick, const navigation::Pose
   return {tick.parameters.Number("distance") - gone_m, navigation::Wrapped(heading - pose.yaw_rad)};
 }
 
-std::vector<navigation::Point> AvoidObstacle::Around(const navigation::Pose& pose) const {
-  std::vector<navigation::Point> around;
-  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
-  for (const navigation::Point& point : robot_.obstacles()) {
-    const double x = point.x_m - pose.at.x_m, y = point.y_m - pose.at.y_m;
-    if (std::hypot(x, y) > kLookedM) continue;
-    around.push_back({c * x + s * y, c * y - s * x, 0});
-  }
-  return around;
-}
-
 Next AvoidObstacle::Execute(Tick& tick) {
   if (const auto missing = Missing()) {
     robot_.SetVelocity({});
@@ -133,7 +115,7 @@ Next AvoidObstacle::Execute(Tick& tick) {
   if (nearer) nearest_m_ = aim.left_m;
   without_progress_ = nearer ? Duration{} : without_progress_ + tick.step;
 
-  const std::vector<navigation::Point> around = Around(pose);
+  const std::vector<navigation::Point> around = Around(pose, kLookedM);
   FieldRules rules{.radius_m = robot_.radius_m()};
   rules.range_m = std::min(kLookedM, aim.left_m + 2 * rules.radius_m + rules.margin_m);
   const auto direction = FreeDirection(around, aim.wanted_rad, direction_rad_, rules);

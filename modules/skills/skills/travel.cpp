@@ -100,7 +100,8 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
     if (code == kCodeNetError || !robot_.HasPlanner()) {
       return {Kind::kLost, "No response from planner: " + why};
     }
-    return {Kind::kFailed, "Planning failed: " + why};
+    const bool tight = navigation::Is(planned.error(), navigation::Fault::kStartBlocked);
+    return {Kind::kFailed, "Planning failed: " + why, tight};
   }
   if (planned.value().empty()) return {Kind::kFailed, "Planning failed: the path has no points"};
   if (!std::ranges::all_of(planned.value(), [](const auto& pose) { return IsFinite(pose); })) {
@@ -174,6 +175,10 @@ TravelStep Travel::DriveEnd() {
     const Error& error = end.result().error();
     if (navigation::Is(error, navigation::Fault::kObstacle)) {
       return {Kind::kBlocked, error.message};
+    }
+    // Waited for at a stand; it comes back, or the attempts end with this reason.
+    if (Is(error, navigation::Fault::kOdometry) || Is(error, navigation::Fault::kScan)) {
+      return {Kind::kLost, "Drive interrupted: " + error.message};
     }
     if (error.code == kCodeStateInvalid) return {Kind::kLost, "Request rejected: " + error.message};
     if (error.code == kCodeNetError || !robot_.HasController()) {

@@ -50,7 +50,9 @@ TEST(PlannerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(full.comfort_m, brief.comfort_m);
   EXPECT_EQ(full.flies, brief.flies);
   EXPECT_EQ(full.odometry, brief.odometry);
-  EXPECT_EQ(full.scan, brief.scan);
+  ASSERT_EQ(full.scanners.size(), 1U);
+  ASSERT_EQ(brief.scanners.size(), 1U);
+  EXPECT_EQ(full.scanners[0].topic, brief.scanners[0].topic);
   EXPECT_EQ(full.action, brief.action);
   EXPECT_EQ(full.path, brief.path);
   EXPECT_TRUE(file.robots[2].flies);
@@ -88,7 +90,9 @@ TEST(ControllerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(full.arrive_rad, brief.arrive_rad);
   EXPECT_EQ(full.join_m, brief.join_m);
   EXPECT_EQ(full.odometry, brief.odometry);
-  EXPECT_EQ(full.scan, brief.scan);
+  ASSERT_EQ(full.scanners.size(), 1U);
+  ASSERT_EQ(brief.scanners.size(), 1U);
+  EXPECT_EQ(full.scanners[0].topic, brief.scanners[0].topic);
   EXPECT_EQ(full.action, brief.action);
   EXPECT_EQ(full.trajectory, brief.trajectory);
   EXPECT_EQ(full.command, brief.command);
@@ -124,7 +128,7 @@ TEST(ControllerFile, MayLeaveOutMapAndScan) {
       ReadControllerText("map = \"\"\n[[robot]]\nname = \"a\"\nscan = \"\"\n", "controller.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(reading.config->map, "");
-  EXPECT_EQ(reading.config->robots[0].scan, "");
+  EXPECT_THAT(reading.config->robots[0].scanners, IsEmpty());
 }
 
 }  // namespace musher::navigation::server_config_test

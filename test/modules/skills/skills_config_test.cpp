@@ -64,7 +64,7 @@ camera_yaw_deg = -90
                                       "/a/b/dog.toml");
   ASSERT_TRUE(reading.config) << Lines(reading.diagnostics).front();
   EXPECT_EQ(reading.config->names.odometry, "/odom");
-  EXPECT_EQ(reading.config->names.scan, "");
+  EXPECT_THAT(reading.config->gate.scanners, IsEmpty());
   EXPECT_EQ(reading.config->ceiling_m, 2.2);
   EXPECT_EQ(reading.config->line.width_m, 2);
   EXPECT_EQ(reading.config->skill_config, "/a/skills.toml");

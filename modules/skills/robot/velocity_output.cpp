@@ -1,0 +1,51 @@
+#include "musher/modules/skills/robot/velocity_output.hpp"
+
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/skills/robot/conversions.hpp"
+
+namespace musher::skills {
+
+bool VelocityOutput::OnScan(std::size_t scanner, const msg::LaserScan& scan) {
+  const Duration stamp = msg::FromStamp(scan.header.stamp);
+  if (!gate_.OnScan(scanner, ToScan(scan), stamp, clock_.Now())) return false;
+  if (sending_) Publish();
+  return true;
+}
+
+void VelocityOutput::Set(const navigation::Velocity& command) {
+  teleop_until_.reset();
+  Send(command);
+}
+
+void VelocityOutput::Teleoperate(const navigation::Velocity& command) {
+  if (sending_ && !teleop_until_) return;
+  teleop_until_ = clock_.Now() + kTeleopTime;
+  Send(command);
+}
+
+void VelocityOutput::Send(const navigation::Velocity& command) {
+  const bool changed = !sending_ || !(command == command_);
+  command_ = command;
+  if (changed) Publish();
+  if (!sending_) sending_ = clock_.Every(kPeriod, [this] { Publish(); });
+}
+
+void VelocityOutput::Stop() {
+  sending_.reset();
+  teleop_until_.reset();
+  command_ = {};
+  Publish();
+}
+
+std::string VelocityOutput::HeldBy() const {
+  return verdict_.holds() ? Describe(verdict_) : "";
+}
+
+// A command that is lost is followed by the next; after a lost 0 the robot stops by itself.
+void VelocityOutput::Publish() {
+  if (teleop_until_ && clock_.Now() >= *teleop_until_) return Stop();
+  verdict_ = gate_.Check(command_, clock_.Now());
+  if (publisher_ != nullptr) static_cast<void>(publisher_->Publish(ToMessage(verdict_.command)));
+}
+
+}  // namespace musher::skills
