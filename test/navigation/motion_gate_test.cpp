@@ -11,8 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "musher/test/navigation/maps.hpp"
-#include "musher/test/navigation/scanned_body.hpp"
+#include "musher/test/navigation/gate_run.hpp"
 
 namespace musher::navigation::testing::motion_gate_test {
 
@@ -246,89 +245,16 @@ TEST_F(Gate, DoesNotCheckABodyWithoutAScanner) {
 
 // --- A body never touches what its scan sees ---
 
-// What the source of the commands and the odometry of a run do.
-struct Run {
-  explicit Run(std::uint64_t seed)
-      : random(seed),
-        walls(Fenced(RandomBoxes(seed, 7, 0.05, 0.05 + 0.15 * Share()))),
-        body(walls, {FreePlace(walls, 0.3, random), 2 * M_PI * Share()}, {}) {}
-
-  double Share() { return std::uniform_real_distribution<double>(0, 1)(random); }
-  double Between(double least, double most) { return least + (most - least) * Share(); }
-  bool OneIn(int count) { return random() % static_cast<std::uint64_t>(count) == 0; }
-
-  // Any source: constant, wild, or led by a belief that jumps.
-  void Choose() {
-    omni = OneIn(3);
-    wanted = {Between(-0.6, 1.5), omni ? Between(-1, 1) : 0, 0, OneIn(2) ? Between(-1, 1) : 0};
-    belief = static_cast<int>(random() % 5);
-  }
-  Velocity Measured() {
-    const Velocity& v = body.velocity();
-    switch (belief) {
-      case 1:
-        return {};  // it stands
-      case 2:
-        return {1.5, 0, 0, 0};
-      case 3:
-        return {0.5 * v.x_m_s, 0.5 * v.y_m_s, 0, -v.yaw_rad_s};
-      case 4:
-        return {1e308, std::nan(""), 0, 0};
-      default:
-        return v;
-    }
-  }
-
-  std::mt19937_64 random;
-  Clearance walls;
-  ScannedBody body;
-  Velocity wanted;
-  bool omni = false;
-  int belief = 0;
-};
-
-struct Seen {
-  Scan scan;
-  Duration stamp{};
-  Time due{};
-};
-
-// The least room of a body in 20 s of commands; `gated`: as without the gate.
-double LeastRoom(std::uint64_t seed, bool gated) {
-  Run run(seed);
-  GateRules rules = Rules();
-  rules.reaction_s = 0.25;
-  MotionGate gate(rules);
-  const Duration period = Milliseconds(16);
-  Time now = Time{} + std::chrono::seconds(1);
-  std::deque<Seen> on_the_way;
-  double least_m = 1;
-  for (int i = 0; i < 1250; ++i, now += period) {
-    if (i % 60 == 0) run.Choose();
-    if (i % 6 == 0 && !run.OneIn(10)) {  // some are lost, some are late
-      const Duration delay = run.OneIn(8) ? Milliseconds(250) : Milliseconds(15);
-      on_the_way.push_back({run.body.Look(run.random), now.time_since_epoch(), now + delay});
-    }
-    while (!on_the_way.empty() && on_the_way.front().due <= now) {
-      gate.OnScan(0, on_the_way.front().scan, on_the_way.front().stamp, now);
-      on_the_way.pop_front();
-    }
-    if (i % 2 == 0) gate.OnVelocity(run.Measured(), now);
-    run.body.Move(gated ? gate.Check(run.wanted, now).command : run.wanted, ToSeconds(period));
-    least_m = std::min(least_m, run.body.room_m());
-  }
-  return least_m;
-}
-
 void ExpectNoContact(std::uint64_t from, std::uint64_t to) {
   for (std::uint64_t seed = from; seed < to; ++seed) {
-    EXPECT_GT(LeastRoom(seed, true), 0) << "seed " << seed;
+    EXPECT_GT(RunThroughGate(seed, true).least_room_m, 0) << "seed " << seed;
   }
 }
 
 TEST(AnyCommand, LeadsABodyIntoWallsWithoutTheGate) {
   int touched = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) touched += LeastRoom(seed, false) <= 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed)
+    touched += RunThroughGate(seed, false).least_room_m <= 0;
   EXPECT_GE(touched, 8);
 }
 

@@ -8,6 +8,7 @@
 
 #include "musher/modules/navigation/controller_server/drive_path.hpp"
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 
 namespace musher::navigation {
 namespace {
@@ -210,8 +211,9 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
   };
   Path joined = JoinedPath(path, PoseNow(now), robot_.join_m, !robot_.flies);
   if (joined.empty()) {
-    return refused(fmt::format("the path begins {:.1f} m from the robot, at most {:.1f} m",
-                               Distance(path[0].at, motion_->pose.at), robot_.join_m));
+    return refused(fmt::format("the path begins {} m from the robot, at most {} m",
+                               MetresText(Distance(path[0].at, motion_->pose.at)),
+                               MetresText(robot_.join_m)));
   }
   leaves_out_map_ = map_ && Fits(joined, robot_.radius_m);
   if (robot_.differential) joined = LookingAhead(joined, start_speed_m_s > 0);

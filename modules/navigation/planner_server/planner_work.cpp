@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 #include "musher/navigation/planner/octree_map.hpp"
 
 namespace musher::navigation {
@@ -145,9 +146,8 @@ std::optional<Plan> FindAround(const Planner& planner, const PathRequest& reques
 Result<> CheckAltitude(const Pose& goal, const PlannerConfig& config) {
   if (goal.at.z_m > 0 && goal.at.z_m <= config.ceiling_m) return Ok();
   return MakeError(Fault::kGoalOutside,
-                   fmt::format("goal: its altitude is {:.2f} m, expected more than 0 and at most "
-                               "{:.2f} m",
-                               goal.at.z_m, config.ceiling_m));
+                   fmt::format("goal: its altitude is {} m, expected more than 0 and at most {} m",
+                               MetresText(goal.at.z_m), MetresText(config.ceiling_m)));
 }
 
 PathReply Refused(const Error& error) {

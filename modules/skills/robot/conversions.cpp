@@ -10,6 +10,7 @@
 #include "musher/messages/nav2_msgs/follow_path.hpp"
 #include "musher/messages/yaw.hpp"
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 
 namespace musher::skills {
 namespace {
@@ -180,8 +181,7 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
   using navigation::Fault;
   using navigation::MakeError;
   const auto place = [](const navigation::Point& at) {
-    return at.z_m == 0 ? fmt::format("({:.2f}, {:.2f})", at.x_m, at.y_m)
-                       : fmt::format("({:.2f}, {:.2f}, {:.2f})", at.x_m, at.y_m, at.z_m);
+    return navigation::PlaceText(at, at.z_m == 0);
   };
   const std::string to = "the goal " + place(goal.at);
   const std::string from =

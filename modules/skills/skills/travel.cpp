@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 
 namespace musher::skills {
 namespace {
@@ -32,9 +33,9 @@ bool Stands(const Robot& robot) {
 Result<> CheckAltitude(const Robot& robot, const std::string& place, double height_m) {
   if (!robot.flies()) return Ok();
   const auto refuse = [&](const std::string& expected) {
-    return Error{
-        kCodeParametersInvalid,
-        fmt::format("Invalid altitude: {} is at {:.2f} m; expected {}", place, height_m, expected)};
+    return Error{kCodeParametersInvalid,
+                 fmt::format("Invalid altitude: {} is at {} m; expected {}", place,
+                             navigation::MetresText(height_m), expected)};
   };
   if (height_m <= 0) return refuse("more than 0 m");
   const double ceiling_m = robot.ceiling_m().value_or(height_m);

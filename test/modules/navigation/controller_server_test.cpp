@@ -345,7 +345,7 @@ TEST_F(ControllerServerTest, RefusesAGoalThatItCannotDrive) {
   expect({.path = PathOf({At(1, 2), At(3, std::numeric_limits<double>::infinity())})}, 103,
          "path: pose 2 of 2: it has a number that is not finite");
   expect({.path = PathOf({At(5, 2), At(6, 2)})}, 103,
-         "the path begins 4.0 m from the robot, at most 2.0 m");
+         "the path begins 4.00 m from the robot, at most 2.00 m");
   path = PathOf({At(1, 2), At(3, 2)});
   path.poses[1].pose.orientation = {0, 0, 0, 0};
   expect({.path = path}, 103, "path: pose 2 of 2: its orientation is (0, 0, 0, 0)");
