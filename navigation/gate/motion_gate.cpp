@@ -17,6 +17,7 @@ constexpr double kLongestArcM = 20;
 constexpr double kFastestMS = 20;  // a measurement beyond this is none
 constexpr Duration kKeptTrack = std::chrono::seconds(3);
 constexpr Duration kMeasuredStale = Milliseconds(500);
+constexpr Duration kClockSetBack = Milliseconds(100);
 constexpr Duration kCommandStale = Milliseconds(200);
 constexpr double kLongestTrackS = 0.5;
 
@@ -121,6 +122,7 @@ MotionGate::MotionGate(const GateRules& rules)
     : rules_(rules), views_(rules.scanners.begin(), rules.scanners.end()) {}
 
 bool MotionGate::OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now) {
+  Advance(now);
   return scanner < views_.size() && views_[scanner].Take(scan, stamp, now);
 }
 
@@ -150,6 +152,7 @@ Velocity MotionGate::Measured(Time now) const {
 }
 
 void MotionGate::Advance(Time now) {
+  if (last_ && now < *last_ - kClockSetBack) Forget();
   // Without commands it stands.
   const bool commanded = last_checked_ && now - *last_checked_ <= kCommandStale;
   if (last_ && now > *last_ && !commanded) Assume({}, ToSeconds(now - *last_));
@@ -161,7 +164,7 @@ void MotionGate::Advance(Time now) {
 }
 
 bool MotionGate::IsRecent(const ScanView& view, Time now) const {
-  return view.taken() && now - *view.taken() <= rules_.scan_stale;
+  return view.taken() && now - *view.taken() <= rules_.scan_stale;  // Advance() forgets the future
 }
 
 const ScanMount* MotionGate::Blind(Time now) const {

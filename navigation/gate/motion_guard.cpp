@@ -17,6 +17,7 @@ constexpr double kMovedRad = 0.1;
 constexpr double kCommandedM = 0.3;  // enough to see whether it moves
 constexpr double kCommandedRad = 0.6;
 constexpr double kFrozenS = 1;  // with a pose that does not change by anything
+constexpr Duration kOdometryStale = Milliseconds(500);
 constexpr double kRestsAfterS = 1.5;
 constexpr double kPushedM = 0.3;
 constexpr double kPushedRad = 0.8;
@@ -36,6 +37,11 @@ void MotionGuard::Restart() {
   sent_at_.reset();
   resting_since_.reset();
   rest_.reset();
+}
+
+void MotionGuard::Forget() {
+  Restart();
+  seen_.clear();
 }
 
 std::optional<Error> MotionGuard::Jump(const Seen& from, const Seen& to) const {
@@ -76,7 +82,9 @@ std::optional<Error> MotionGuard::OnPose(const Pose& pose, Duration stamp, Time 
   return fault;
 }
 
-std::optional<Error> MotionGuard::Stuck(double seconds) {
+std::optional<Error> MotionGuard::Stuck(double seconds, Time now) {
+  // Without odometry it is not known.
+  if (seen_.empty() || now - seen_.back().at > kOdometryStale) return std::nullopt;
   const double length_m = Speed(sent_) * seconds, turn_rad = std::abs(sent_.yaw_rad_s) * seconds;
   commanded_m_ += length_m;
   commanded_rad_ += turn_rad;
@@ -115,7 +123,7 @@ std::optional<Error> MotionGuard::OnCommand(const Velocity& sent, Time now) {
   const double passed_s =
       sent_at_ ? std::clamp(ToSeconds(now - *sent_at_), 0.0, kLongestGuardS) : 0;
   sent_at_ = now;
-  auto fault = Stuck(passed_s);
+  auto fault = Stuck(passed_s, now);
   sent_ = sent;
   if (!fault) fault = Pushed(now);
   return fault;

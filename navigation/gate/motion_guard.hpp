@@ -34,6 +34,8 @@ class MotionGuard {
 
   // At the begin of a drive.
   void Restart();
+  // Poses of before are not compared: the time was set.
+  void Forget();
 
   // `stamp`: of the message; 0: it has none.
   std::optional<Error> OnPose(const Pose& pose, Duration stamp, Time now);
@@ -48,7 +50,7 @@ class MotionGuard {
   };
 
   std::optional<Error> Jump(const Seen& from, const Seen& to) const;
-  std::optional<Error> Stuck(double seconds);
+  std::optional<Error> Stuck(double seconds, Time now);
   std::optional<Error> Pushed(Time now);
 
   const GuardRules rules_;

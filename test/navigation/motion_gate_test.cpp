@@ -170,6 +170,15 @@ TEST_F(Gate, DoesNotTakeStampsThatStandOrCameLateForASightOfNow) {
   EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
 }
 
+TEST_F(Gate, DoesNotTakeAScanOfBeforeTheClockWasSetBackForASightOfNow) {
+  See();
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+  now_ -= std::chrono::seconds(50);
+  EXPECT_EQ(Check(kAhead).kind, Kind::kBlind);
+  See();
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+}
+
 TEST_F(Gate, MovesWhatItSawWithTheBody) {
   See({{0, 1.5}});
   for (int i = 0; i < 30; ++i) {

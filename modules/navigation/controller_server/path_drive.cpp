@@ -131,6 +131,7 @@ void PathDrive::Forget() {
   for (Sight& seen : seen_) seen = {};
   obstacles_.clear();
   gate_.Forget();
+  guard_.Forget();
 }
 
 std::optional<DriveEnd> PathDrive::Blind(Time now) const {

@@ -17,6 +17,8 @@ using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Word;
 
+constexpr double kCommandPeriodS = 0.05;  // a scan is followed by a command at once, others wait
+
 class Reader {
  public:
   Reader(const std::string& path, Findings& findings)
@@ -52,6 +54,7 @@ class Reader {
     config_.gate.radius_m = config_.radius_m;
     config_.gate.scanners = navigation::ReadScanners(root, scan_);
     if (config_.flies) config_.gate.blind_m_s = navigation::kFlyerBlindMS;
+    config_.gate.reaction_s += kCommandPeriodS;
     navigation::ReadGate(root, config_.gate);
     ReadCameras(root);
     ReadDetectors(root);

@@ -110,6 +110,7 @@ skill::Future<navigation::Path> RosRobot::ComputePath(
 std::unique_ptr<Drive> RosRobot::FollowPath(const navigation::Path& path) {
   const auto wire = wire_.lock();
   if (!wire) return std::make_unique<NoDrive>();
+  wire->FreeBase();
   return wire->navigator->FollowPath(path);
 }
 

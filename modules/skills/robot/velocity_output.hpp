@@ -3,6 +3,9 @@
 // second, and with each scan, until it is replaced or stopped. Stop() publishes 0 once and then
 // nothing more; without commands the robot itself stops.
 //
+// A body on the ground that is commanded and does not move, for example before a thing below its
+// scanner, is stopped as well, until Stop().
+//
 // A command of a person (teleop) is used only while no skill sends one, and ends by itself after
 // kTeleopTime.
 //
@@ -15,6 +18,7 @@
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/navigation/gate/motion_gate.hpp"
+#include "musher/navigation/gate/motion_guard.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/node.hpp"
 
@@ -27,8 +31,8 @@ class VelocityOutput {
 
   // Both must outlive it. Null: there is no publisher.
   VelocityOutput(transport::Publisher<msg::Twist>* publisher, transport::Clock& clock,
-                 const navigation::GateRules& rules)
-      : publisher_(publisher), clock_(clock), gate_(rules) {}
+                 const navigation::GateRules& rules, bool flies)
+      : publisher_(publisher), clock_(clock), gate_(rules), flies_(flies) {}
 
   // False: the scan is refused.
   bool OnScan(std::size_t scanner, const msg::LaserScan& scan);
@@ -36,10 +40,8 @@ class VelocityOutput {
   const std::vector<navigation::Point>& PointsOf(std::size_t scanner) const {
     return gate_.PointsOf(scanner);
   }
-  // As measured, in the frame of the body.
-  void OnVelocity(const navigation::Velocity& velocity) {
-    gate_.OnVelocity(velocity, clock_.Now());
-  }
+  // As measured; the velocity in the frame of the body.
+  void OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity);
 
   void Set(const navigation::Velocity& command);
   void Teleoperate(const navigation::Velocity& command);
@@ -47,6 +49,7 @@ class VelocityOutput {
 
   // Whether a skill, or a person, moves the robot.
   bool sending() const { return sending_ != nullptr; }
+  bool teleoperated() const { return teleop_until_.has_value(); }
   // What the gate stops it for; empty: nothing.
   std::string HeldBy() const;
 
@@ -57,6 +60,9 @@ class VelocityOutput {
   transport::Publisher<msg::Twist>* const publisher_;
   transport::Clock& clock_;
   navigation::MotionGate gate_;
+  const bool flies_;  // then it holds its place in the wind, and its commands move it nowhere
+  navigation::MotionGuard guard_{navigation::GuardRules{}};
+  std::string stuck_;  // why, if it is
   navigation::Velocity command_;
   navigation::GateVerdict verdict_;
   std::optional<Time> teleop_until_;

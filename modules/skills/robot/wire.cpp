@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/base/toml/names.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
 
 namespace musher::skills {
@@ -24,7 +25,7 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
       name_space(std::move(machine_name_space)) {
   const InterfaceNames& names = config.names;
   velocity = std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity),
-                                              clock, config.gate);
+                                              clock, config.gate, config.flies);
   navigator =
       std::make_unique<Navigator>(endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
                                   endpoints.OpenActionClient<msg::FollowPath>(names.controller),
@@ -89,6 +90,7 @@ void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
 
 void RosRobot::Wire::HoldPlace() {
   if (navigator->Drives() || (velocity->sending() && !holding_)) {
+    if (holding_) StopMotion();
     hold.Use();
     return;
   }
@@ -108,9 +110,12 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
   const InterfaceNames& names = config.names;
   endpoints.Subscribe<msg::Odometry>(names.odometry, [this](const msg::Odometry& odometry) {
     const auto pose = ToPose(odometry.pose.pose);
-    if (!pose) return;
+    const Duration stamp = msg::FromStamp(odometry.header.stamp);
+    const bool again = stamp != Duration::zero() && stamp == odometry_stamp_;
+    if (!pose || again) return;  // stamps that stand are of odometry that stands
+    odometry_stamp_ = stamp;
     motion.Set({*pose, ToMapFrame(odometry.twist.twist, pose->yaw_rad)}, Now());
-    velocity->OnVelocity(ToMapFrame(odometry.twist.twist, 0));
+    velocity->OnMotion(*pose, ToMapFrame(odometry.twist.twist, 0));
   });
   if (!names.teleop.empty()) {
     endpoints.Subscribe<msg::Twist>(names.teleop,

@@ -39,6 +39,10 @@ struct RosRobot::Wire {
     holding_ = false;
     velocity->Set(command);
   }
+  // A drive takes the base: neither the hold nor a person sends any more.
+  void FreeBase() {
+    if (holding_ || velocity->teleoperated()) StopMotion();
+  }
   void StopMotion() {
     holding_ = false;
     velocity->Stop();
@@ -88,7 +92,8 @@ struct RosRobot::Wire {
   void OnTeleop(const msg::Twist& twist);
   void HoldPlace();
 
-  bool holding_ = false;            // the last command is that of `hold`
+  bool holding_ = false;  // the last command is that of `hold`
+  Duration odometry_stamp_{};
   transport::LoopHandlePtr holds_;  // last: it uses the rest
 };
 

@@ -61,6 +61,35 @@ TEST_F(ARosRobot, LetsNoCommandLeadItIntoWhatItsScanSees) {
   EXPECT_THAT(robot_.HeldBy(), HasSubstr("no recent scan on r/scan"));
 }
 
+TEST_F(ARosRobot, StopsWhenItIsCommandedAndDoesNotMove) {
+  sees_m_ = 9;
+  Run(200);
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  for (int i = 0; i < 20; ++i) {
+    Stand(1, 0);
+    Run(80);
+  }
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{});
+  EXPECT_THAT(robot_.HeldBy(), HasSubstr("its odometry does not change at all: it is stuck"));
+  robot_.StopMotion();
+  Run(50);
+  EXPECT_EQ(robot_.HeldBy(), "");
+  robot_.SetVelocity({-0.5, 0, 0, 0});
+  Run(50);
+  EXPECT_EQ(peers_->commands.back().linear.x, -0.5) << "the next skill may try";
+}
+
+TEST_F(ARosRobot, TakesOdometryWhoseStampsStandForNone) {
+  msg::Odometry odometry;
+  odometry.pose.pose.orientation.w = 1;
+  odometry.header.stamp = {7, 0};
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(peers_->odometry->Publish(odometry));
+    Run(100);
+  }
+  EXPECT_FALSE(robot_.pose());
+}
+
 TEST_F(ARosRobot, ExecutesTeleoperationThroughTheGateWhileNoSkillMovesIt) {
   sees_m_ = 9;
   Run(200);
