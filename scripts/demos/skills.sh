@@ -229,7 +229,7 @@ carry_away() {
   begin carried.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
   local drive=$begun
   await_message jetbot_0 nav_2d Moving > /dev/null
-  shown musher-world send place 6.0 3.6 0 jetbot_0
+  shown musher-world send place 8.5 3.4 0 jetbot_0
   ended carried.json "$drive"
   expect_end nav_2d completed "Reached goal"
   expect "the controller says why" yes \

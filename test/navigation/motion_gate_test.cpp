@@ -129,7 +129,7 @@ TEST_F(Gate, TakesTheMountingOfAScannerIntoAccount) {
   EXPECT_EQ(Check({0, 1, 0, 0}).kind, Kind::kFree);
 }
 
-TEST_F(Gate, DoesNotTakeAScanThatTellsNothingForAFreeWay) {
+TEST_F(Gate, DoesNotTakeAScanThatSaysNothingForAFreeWay) {
   Scan scan = ScanOf();
   scan.ranges_m.clear();
   EXPECT_FALSE(gate_->OnScan(0, scan, Duration{}, now_)) << "no rays";

@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "musher/base/time.hpp"
-#include "musher/modules/skills/skills/position_hold.hpp"
+#include "musher/modules/skills/robot/position_hold.hpp"
 
 namespace musher::skills {
 

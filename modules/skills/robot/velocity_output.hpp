@@ -49,7 +49,6 @@ class VelocityOutput {
 
   // Whether a skill, or a person, moves the robot.
   bool sending() const { return sending_ != nullptr; }
-  bool teleoperated() const { return teleop_until_.has_value(); }
   // What the gate stops it for; empty: nothing.
   std::string HeldBy() const;
 

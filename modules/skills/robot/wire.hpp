@@ -39,9 +39,9 @@ struct RosRobot::Wire {
     holding_ = false;
     velocity->Set(command);
   }
-  // A drive takes the base: neither the hold nor a person sends any more.
+  // A drive takes the base: no skill, no hold and no person sends any more.
   void FreeBase() {
-    if (holding_ || velocity->teleoperated()) StopMotion();
+    if (velocity->sending()) StopMotion();
   }
   void StopMotion() {
     holding_ = false;

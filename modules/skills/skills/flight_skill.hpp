@@ -10,8 +10,8 @@
 #include <string>
 
 #include "musher/behavior/skill/skill.hpp"
+#include "musher/modules/skills/robot/position_hold.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
-#include "musher/modules/skills/skills/position_hold.hpp"
 
 namespace musher::skills {
 

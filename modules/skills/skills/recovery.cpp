@@ -98,7 +98,7 @@ bool Recovery::Step(const std::vector<navigation::Point>& around, Duration step)
   passed_ += step;
   const auto pose = robot_.pose();
   if (!pose) {
-    robot_.SetVelocity({});
+    robot_.StopMotion();
     return passed_ >= RecoveryOf(kind_).longest;
   }
   if (!begin_) {
@@ -116,7 +116,7 @@ bool Recovery::Step(const std::vector<navigation::Point>& around, Duration step)
   robot_.SetVelocity(moved ? navigation::Velocity{} : Command(around));
   held_ = robot_.HeldBy().empty() ? Duration{} : held_ + step;
   if (!moved && held_ < kRecoveryHeldLimit && passed_ < RecoveryOf(kind_).longest) return false;
-  robot_.SetVelocity({});
+  robot_.StopMotion();  // the base is free for the next drive
   return true;
 }
 

@@ -61,6 +61,18 @@ TEST_F(ARosRobot, LetsNoCommandLeadItIntoWhatItsScanSees) {
   EXPECT_THAT(robot_.HeldBy(), HasSubstr("no recent scan on r/scan"));
 }
 
+TEST_F(ARosRobot, SendsNothingBesideADrive) {
+  sees_m_ = 9;
+  Run(200);
+  robot_.SetVelocity({});
+  Run(200);
+  const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  Run(50);
+  const std::size_t count = peers_->commands.size();
+  Run(500);
+  EXPECT_EQ(peers_->commands.size(), count) << "the controller has the base";
+}
+
 TEST_F(ARosRobot, StopsWhenItIsCommandedAndDoesNotMove) {
   sees_m_ = 9;
   Run(200);
