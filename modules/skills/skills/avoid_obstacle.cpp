@@ -119,7 +119,8 @@ Next AvoidObstacle::Execute(Tick& tick) {
   FieldRules rules{.radius_m = robot_.radius_m()};
   rules.range_m = std::min(kLookedM, aim.left_m + 2 * rules.radius_m + rules.margin_m);
   const auto direction = FreeDirection(around, aim.wanted_rad, direction_rad_, rules);
-  blocked_ = direction ? Duration{} : blocked_ + tick.step;
+  const std::string held = robot_.HeldBy();
+  blocked_ = direction && held.empty() ? Duration{} : blocked_ + tick.step;
   direction_rad_ = direction.value_or(0);
   const double free_m = FreeAhead(around, rules.radius_m, kKeptM, kLookedM);
   constexpr double kTurnsRadPerS = 1, kByAngle = 2;
@@ -133,7 +134,8 @@ Next AvoidObstacle::Execute(Tick& tick) {
 
   const double limit_s = tick.parameters.Number("blocked_limit");
   if (ToSeconds(blocked_) >= limit_s) {
-    return Next::Fail(fmt::format("Blocked: no free direction for {:.1f} s", limit_s));
+    return Next::Fail(fmt::format("Blocked: {} for {:.1f} s",
+                                  held.empty() ? "no free direction" : held + ",", limit_s));
   }
   if (without_progress_ >= kProgressLimit) {
     return Next::Fail(fmt::format("Blocked: not nearer to the goal for {:.1f} s, {:.1f} m are left",
@@ -143,8 +145,8 @@ Next AvoidObstacle::Execute(Tick& tick) {
   tick.Detail("current_velocity", navigation::Speed(robot_.velocity()));
   tick.Detail("free_ahead", free_m);
   tick.Report(10 + 85 / (1 + aim.left_m),
-              direction ? fmt::format("Moving... ({:.1f}s)", ToSeconds(tick.elapsed))
-                        : fmt::format("Blocked ({:.1f}s)", ToSeconds(blocked_)));
+              blocked_ == Duration{} ? fmt::format("Moving... ({:.1f}s)", ToSeconds(tick.elapsed))
+                                     : fmt::format("Blocked ({:.1f}s)", ToSeconds(blocked_)));
   return Next::Stay();
 }
 
