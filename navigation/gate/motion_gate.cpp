@@ -43,6 +43,16 @@ Pose OnArc(const Velocity& velocity, double seconds) {
           turned};
 }
 
+// The first of the points that a body at this place is nearer to than it may be.
+template <class Nears>
+std::optional<Point> Touched(const Nears& near, const Point& centre) {
+  for (const auto& one : near) {
+    const double x = one.point.x_m - centre.x_m, y = one.point.y_m - centre.y_m;
+    if (x * x + y * y < one.square) return one.point;
+  }
+  return std::nullopt;
+}
+
 // A point in the frame of `frame`.
 Point SeenFrom(const Pose& frame, const Point& point) {
   const double c = std::cos(frame.yaw_rad), s = std::sin(frame.yaw_rad);
@@ -174,19 +184,16 @@ const ScanMount* MotionGate::Blind(Time now) const {
   return nullptr;
 }
 
-double MotionGate::FreeArc(const std::vector<Point>& points, const Velocity& wanted,
-                           std::optional<Point>& at) const {
-  const double speed_m_s = OverGround(wanted);
-  const double fastest_m_s =
-      std::max({speed_m_s, OverGround(assumed_), measured_at_ ? OverGround(measured_) : 0});
-  const double ahead_m = std::min(
-      kLongestArcM, kArcStepM + fastest_m_s * std::max(rules_.reaction_s, rules_.approach_s) +
-                        fastest_m_s * fastest_m_s / (2 * rules_.brake_m_s2));
+// As far as a body with this speed has to look.
+double MotionGate::AheadM(double speed_m_s) const {
+  const double braking_m = speed_m_s * speed_m_s / (2 * rules_.brake_m_s2);
+  return std::min(kLongestArcM, kArcStepM + braking_m +
+                                    speed_m_s * std::max(rules_.reaction_s, rules_.approach_s));
+}
+
+std::vector<MotionGate::Near> MotionGate::NearPoints(const std::vector<Point>& points,
+                                                     double ahead_m) const {
   const double keep_m = rules_.radius_m + rules_.margin_m;
-  struct Near {
-    Point point;
-    double square = 0;  // of the distance that it keeps
-  };
   std::vector<Near> near;
   for (const Point& point : points) {
     const double away_m = std::hypot(point.x_m, point.y_m);
@@ -196,24 +203,84 @@ double MotionGate::FreeArc(const std::vector<Point>& points, const Velocity& wan
     const double kept_m = away_m >= keep_m ? keep_m : away_m - slack_m - 1e-6;
     near.push_back({point, kept_m * kept_m});
   }
-  if (near.empty()) return ahead_m;
-  for (double along_m = kArcStepM; along_m < ahead_m + kArcStepM; along_m += kArcStepM) {
-    const Point centre = OnArc(wanted, along_m / speed_m_s).at;
-    for (const Near& one : near) {
-      const double x = one.point.x_m - centre.x_m, y = one.point.y_m - centre.y_m;
-      if (x * x + y * y >= one.square) continue;
-      at = one.point;
-      return along_m - kArcStepM;
-    }
+  return near;
+}
+
+double MotionGate::FreeArc(const std::vector<Near>& near, const Velocity& wanted, double ahead_m,
+                           std::optional<Point>& at) const {
+  const double speed_m_s = OverGround(wanted);
+  for (double along_m = kArcStepM; !near.empty() && along_m < ahead_m + kArcStepM;
+       along_m += kArcStepM) {
+    at = Touched(near, OnArc(wanted, along_m / speed_m_s).at);
+    if (at) return along_m - kArcStepM;
   }
   return ahead_m;
+}
+
+// On the way from its present velocity to the command, for the time of a reaction, and then to a
+// stop.
+std::optional<Point> MotionGate::TouchedOnTheWay(const std::vector<Near>& near,
+                                                 const Velocity& present,
+                                                 const Velocity& command) const {
+  constexpr double kDtS = 0.02, kLongestS = 5;
+  Velocity now = present;
+  Pose body;
+  for (double at_s = 0; at_s < kLongestS; at_s += kDtS) {
+    const bool brakes = at_s >= rules_.reaction_s;
+    if (brakes && OverGround(now) < kStandsMS) break;
+    const Velocity towards = brakes ? Velocity{} : command;
+    const double x = towards.x_m_s - now.x_m_s, y = towards.y_m_s - now.y_m_s;
+    const double change = std::hypot(x, y), most = rules_.brake_m_s2 * kDtS;
+    // A command to stand is executed after the time of the reaction.
+    const bool waits = !brakes && OverGround(command) < kStandsMS;
+    const double part = waits ? 0 : change > most ? most / change : 1;
+    now.x_m_s += part * x;
+    now.y_m_s += part * y;
+    now.yaw_rad_s = brakes ? now.yaw_rad_s * (1 - kDtS / rules_.reaction_s) : command.yaw_rad_s;
+    body = Composed(body, OnArc(now, kDtS));
+    if (auto touched = Touched(near, body.at)) return touched;
+  }
+  return std::nullopt;
+}
+
+void MotionGate::LimitByMomentum(const std::vector<Point>& points, const Velocity& present,
+                                 const Velocity& wanted, Limit& limit) const {
+  constexpr double kSlowMS = 0.05;
+  if (OverGround(present) < kSlowMS || limit.share == 0) return;
+  const double fastest_m_s = std::max(OverGround(present), OverGround(wanted));
+  const std::vector<Near> near = NearPoints(points, AheadM(fastest_m_s));
+  if (near.empty()) return;
+  for (const double part : {1.0, 0.6, 0.3}) {
+    Velocity command = wanted;
+    command.x_m_s *= part * limit.share;
+    command.y_m_s *= part * limit.share;
+    command.yaw_rad_s *= part * limit.share;
+    const auto touched = TouchedOnTheWay(near, present, command);
+    if (!touched && part < 1) limit.share *= part;
+    if (!touched) return;
+    limit.at = touched;
+  }
+  limit.share = 0;
+}
+
+// A moving body that is stopped stays on its arc; one that stands may turn.
+double MotionGate::YawOfAStop(const Velocity& wanted, double seconds) const {
+  constexpr double kMovesMS = 0.1;
+  const double speed_m_s = OverGround(assumed_);
+  if (speed_m_s < kMovesMS) return wanted.yaw_rad_s;
+  const double left = 1 - rules_.brake_m_s2 * seconds / speed_m_s;
+  return assumed_.yaw_rad_s * std::max(0.0, left);
 }
 
 void MotionGate::LimitByArc(const std::vector<Point>& points, const Velocity& wanted,
                             Limit& limit) const {
   const double speed_m_s = OverGround(wanted);
+  if (speed_m_s <= kStillMS) return;
+  const double fastest_m_s =
+      std::max({speed_m_s, OverGround(assumed_), measured_at_ ? OverGround(measured_) : 0});
+  const double ahead_m = AheadM(fastest_m_s);
   std::optional<Point> at;
-  const double free_m = FreeArc(points, wanted, at);
+  const double free_m = FreeArc(NearPoints(points, ahead_m), wanted, ahead_m, at);
   if (!at) return;
   const double lost_m_s = rules_.brake_m_s2 * rules_.reaction_s;
   double safe_m_s = std::sqrt(lost_m_s * lost_m_s + 2 * rules_.brake_m_s2 * free_m) - lost_m_s;
@@ -241,17 +308,22 @@ void MotionGate::LimitByZones(const std::vector<Point>& points, const Velocity& 
   }
 }
 
-// A body executes a faster command at once, and brakes only as hard as it can.
+// A body executes a faster command at once, but keeps what it has of another motion until it has
+// braked it.
 void MotionGate::Assume(const Velocity& command, double seconds) {
-  const double now_m_s = OverGround(command), before_m_s = OverGround(assumed_);
-  const double least_m_s = before_m_s - rules_.brake_m_s2 * seconds;
-  if (now_m_s >= least_m_s) {
-    assumed_ = command;
-    return;
+  const double speed_m_s = OverGround(command), most = rules_.brake_m_s2 * seconds;
+  const bool moves = speed_m_s > kStandsMS;
+  const double dx = moves ? command.x_m_s / speed_m_s : 1;
+  const double dy = moves ? command.y_m_s / speed_m_s : 0;
+  double along = assumed_.x_m_s * dx + assumed_.y_m_s * dy;
+  double aside = assumed_.y_m_s * dx - assumed_.x_m_s * dy;
+  if (along < 0) {
+    along = std::min(along + most, 0.0);
+  } else {
+    along = std::max(speed_m_s, along - most);
   }
-  const Velocity& along = now_m_s > kStandsMS ? command : assumed_;
-  const double share = least_m_s / OverGround(along);
-  assumed_ = {along.x_m_s * share, along.y_m_s * share, command.z_m_s, command.yaw_rad_s};
+  aside -= std::clamp(aside, -most, most);
+  assumed_ = {along * dx - aside * dy, along * dy + aside * dx, command.z_m_s, command.yaw_rad_s};
 }
 
 // What the scanners with a recent scan see, where it is now by the given motion.
@@ -278,22 +350,27 @@ GateVerdict MotionGate::Check(const Velocity& wanted, Time now) {
     limit.share = speed_m_s > 0 ? rules_.blind_m_s / speed_m_s : 0;
     verdict.kind = Kind::kBlind;
     verdict.scanner = blind->topic;
-  } else if (speed_m_s > kStillMS) {
+  } else if (speed_m_s > kStillMS || OverGround(assumed_) > kStandsMS) {
     const std::vector<Point> seen = Seen(measured_track_, now);
+    const std::vector<Point> commanded = Seen(commanded_track_, now);
     LimitByArc(seen, verdict.command, limit);
-    LimitByArc(Seen(commanded_track_, now), verdict.command, limit);
+    LimitByArc(commanded, verdict.command, limit);
     LimitByZones(seen, verdict.command, limit);
+    LimitByMomentum(seen, Measured(now), verdict.command, limit);
+    LimitByMomentum(commanded, assumed_, verdict.command, limit);
     if (limit.share < 1) verdict.kind = limit.share > 0 ? Kind::kSlowed : Kind::kStopped;
   }
   verdict.command.x_m_s *= limit.share;
   verdict.command.y_m_s *= limit.share;
-  if (limit.share > 0) verdict.command.yaw_rad_s *= limit.share;  // a body that stands may turn
+  const double step_s = std::clamp(passed_s, 0.0, kLongestTrackS);
+  verdict.command.yaw_rad_s = limit.share > 0 ? verdict.command.yaw_rad_s * limit.share
+                                              : YawOfAStop(verdict.command, step_s);
   verdict.at = limit.at;
   verdict.zone = limit.zone;
   if (!verdict.holds()) held_since_.reset();
   if (verdict.holds() && !held_since_) held_since_ = now;
   verdict.held = held_since_ ? now - *held_since_ : Duration{};
-  Assume(verdict.command, std::clamp(passed_s, 0.0, kLongestTrackS));
+  Assume(verdict.command, step_s);
   return verdict;
 }
 

@@ -14,6 +14,10 @@
 //   `reaction_s`; slower and slower, the nearer it comes, and it stops `margin_m` before it. With
 //   `approach_s` it also needs so long to get there, as by the model "approach" of nav2's collision
 //   monitor. A body that is too near already may go along and away, and turn: it is round.
+// - A body that moves otherwise than it is commanded keeps its momentum: a command is only let
+// through
+//   if the body, on the way from its present motion to the command and then to a stop, touches
+//   nothing; else it brakes as it moves.
 // - Zones are polygons around the body, as those of nav2: points in one slow every motion down, or
 //   stop all that does not lead away from them.
 // - Without a recent scan of each of its scanners a body stands; a flyer, which has to hold its
@@ -110,6 +114,10 @@ class MotionGate {
     };
     std::deque<Place> places_;  // of the last seconds
   };
+  struct Near {
+    Point point;
+    double square = 0;  // of the distance that it keeps
+  };
   struct Limit {
     double share = 1;  // of the wanted velocity over the ground
     std::optional<Point> at;
@@ -123,8 +131,15 @@ class MotionGate {
   Velocity Measured(Time now) const;
   void LimitByArc(const std::vector<Point>& points, const Velocity& wanted, Limit& limit) const;
   void LimitByZones(const std::vector<Point>& points, const Velocity& wanted, Limit& limit) const;
-  double FreeArc(const std::vector<Point>& points, const Velocity& wanted,
+  double FreeArc(const std::vector<Near>& near, const Velocity& wanted, double ahead_m,
                  std::optional<Point>& at) const;
+  double AheadM(double speed_m_s) const;
+  std::vector<Near> NearPoints(const std::vector<Point>& points, double ahead_m) const;
+  void LimitByMomentum(const std::vector<Point>& points, const Velocity& present,
+                       const Velocity& wanted, Limit& limit) const;
+  std::optional<Point> TouchedOnTheWay(const std::vector<Near>& near, const Velocity& present,
+                                       const Velocity& command) const;
+  double YawOfAStop(const Velocity& wanted, double seconds) const;
 
   const GateRules rules_;
   std::vector<ScanView> views_;

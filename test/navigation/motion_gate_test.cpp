@@ -87,6 +87,8 @@ TEST_F(Gate, LetsABodyThatIsTooNearTurnAndGoAlongAndAway) {
   EXPECT_EQ(Check({0, 0, 0, 1}).kind, Kind::kFree);
   EXPECT_EQ(Check({-0.5, 0, 0, 0}).kind, Kind::kFree);
   EXPECT_EQ(Check({0, 0.5, 0, 0}).kind, Kind::kFree);
+  now_ += Milliseconds(400);
+  See({{0, 0.22}});
   EXPECT_EQ(Check({0.5, 0, 0, 1}).command, (Velocity{0, 0, 0, 1})) << "it turns where it stands";
 }
 
@@ -269,6 +271,11 @@ TEST(AnyCommand, LeadsABodyIntoWallsWithoutTheGate) {
 
 TEST(AnyCommand, LeadsNoBodyIntoWhatItsScanSees) {
   ExpectNoContact(1, 40);
+}
+
+// Its momentum has led it there, while the new command was free.
+TEST(AnyCommand, LeadsNoBodyIntoAWallWhileItChangesItsDirection) {
+  for (const std::uint64_t seed : {1016, 1132, 1157}) ExpectNoContact(seed, seed + 1);
 }
 
 TEST(AnyCommandNightly, LeadsNoBodyIntoWhatItsScanSees) {
