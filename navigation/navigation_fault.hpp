@@ -25,6 +25,9 @@ enum class Fault : std::int32_t {
   kScan = 5331,          // no recent scan
   kIdentifier = 5332,    // a planner or controller that the server does not have
   kGoalOutside = 5333,   // the goal is not on the map, or above the ceiling
+  kJump = 5334,          // the pose has jumped farther than the body can have moved
+  kStuck = 5335,         // the body is commanded and does not move
+  kPushed = 5336,        // the body moves without a command
 };
 
 inline Error MakeError(Fault fault, std::string message) {

@@ -67,4 +67,21 @@ inline Velocity InBodyFrame(const Velocity& velocity, double yaw_rad) {
           velocity.z_m_s, velocity.yaw_rad_s};
 }
 
+// Points in the frame of a body, in the frame in which its pose is.
+inline std::vector<Point> PlacedAt(const Pose& body, const std::vector<Point>& points) {
+  const double c = std::cos(body.yaw_rad), s = std::sin(body.yaw_rad);
+  std::vector<Point> placed;
+  placed.reserve(points.size());
+  for (const Point& point : points) {
+    placed.push_back({body.at.x_m + c * point.x_m - s * point.y_m,
+                      body.at.y_m + s * point.x_m + c * point.y_m, body.at.z_m + point.z_m});
+  }
+  return placed;
+}
+
+// A pose in the frame of a body, in the frame in which its pose is.
+inline Pose PlacedAt(const Pose& body, const Pose& pose) {
+  return {PlacedAt(body, std::vector<Point>{pose.at})[0], Wrapped(body.yaw_rad + pose.yaw_rad)};
+}
+
 }  // namespace musher::navigation

@@ -199,6 +199,14 @@ std::optional<TableReader> TableReader::Sub(std::string_view key) {
   return TableReader(*table, At(key), Path(key), findings_);
 }
 
+std::vector<TableReader> TableReader::Subs(std::string_view key) {
+  std::vector<TableReader> readers;
+  for (const Value* table : Tables(key)) {
+    readers.emplace_back(*table->As<Table>(), table->at, Path(key), findings_);
+  }
+  return readers;
+}
+
 void TableReader::RefuseOthers() {
   const std::vector<std::string_view> known(read_keys_.begin(), read_keys_.end());
   for (const Member& member : table_) {

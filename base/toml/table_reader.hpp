@@ -56,6 +56,8 @@ class TableReader {
   std::optional<TableReader> Sub(std::string_view key);
   // The tables of an array of tables.
   std::vector<const Value*> Tables(std::string_view key);
+  // The same with readers, whose path is this table's path and the key.
+  std::vector<TableReader> Subs(std::string_view key);
   // A string or an array of strings.
   std::optional<std::vector<Word>> StringOrStrings(std::string_view key);
   // One of a few words, each with its meaning.

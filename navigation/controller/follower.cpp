@@ -14,7 +14,8 @@ namespace {
 constexpr double kCreep = 0.2;          // m/s; below, a change of pace counts as at this speed
 constexpr double kFastestMover = 1.5;   // m/s; a higher approach is another obstacle
 constexpr double kSlowestMover = 0.15;  // m/s, and 0.1 m/s more a metre away: errors of a scan
-constexpr double kLongestStepS = 0.2;   // between updates; a longer pause is no progress
+constexpr Duration kSpare = std::chrono::seconds(1);  // for a lag, after an obstacle
+constexpr double kLongestStepS = 0.2;  // between updates; a longer pause is no progress
 
 AxisControl AxisFor(const FollowerRules& rules, bool yaw) {
   return AxisControl({rules.step_s, rules.lag_s, yaw ? rules.yaw_weight : rules.place_weight,
@@ -76,7 +77,9 @@ void Follower::Stop() {
   progress_ = Progress::kIdle;
   reference_ = driven_ = waiting_ = Duration::zero();
   pace_ = pace_change_ = 0;
-  slowed_ = halting_ = false;
+  slowed_ = Duration::zero();
+  slowed_until_.reset();
+  halting_ = false;
   obstruction_.reset();
   failure_.reset();
 }
@@ -110,7 +113,13 @@ void Follower::WatchApproach(Time now, const Pose& pose, const Velocity& velocit
   approach_m_s_ = std::max(approach_m_s_, std::min(approach_m_s, kFastestMover));
 }
 
-void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velocity,
+void Follower::NoteSlowed(Time now) {
+  const MotionLimits& limits = rules_.limits;
+  const double to_speed_s = limits.speed_m_s / limits.acceleration_m_s2;
+  slowed_until_ = now + FromSeconds(to_speed_s) + kSpare;
+}
+
+void Follower::MoveReference(Time now, double dt_s, const Pose& pose, const Velocity& velocity,
                              const std::vector<Point>& obstacles) {
   const TrajectoryPoint at = trajectory_.At(reference_);
   const double planned_m_s = Speed(at.velocity);
@@ -134,7 +143,7 @@ void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velo
   const auto passes = obstruction_ ? std::nullopt
                                    : FirstObstruction(trajectory_, reference_, ahead_m, obstacles,
                                                       rules_.flat, moving);
-  slowed_ = obstruction_ || passes || (slowed_ && pace_ < 1);
+  if (obstruction_ || passes) NoteSlowed(now);
   const bool hold = halting_ || obstruction_ || passes || lead_m > rules_.lead_m;
   // The speed is the pace times that of the trajectory, so it changes with both.
   const double along_m_s2 = pace_ * pace_ * AlongTrack(at);
@@ -195,6 +204,33 @@ Velocity Follower::Control(const Pose& pose, const Velocity& velocity) {
   return command;
 }
 
+// `moved`: the reference, in the time that has passed.
+void Follower::CountTime(Time now, Duration passed, Duration moved, const Pose& pose) {
+  const bool waits = progress_ == Progress::kWaiting;
+  if (!waits && progress_ != Progress::kFollowing) return;
+  const bool slowed = waits || (slowed_until_ && now <= *slowed_until_);
+  waiting_ = waits ? waiting_ + passed : Duration::zero();
+  driven_ += slowed ? moved : passed;
+  slowed_ += slowed ? std::max(passed - moved, Duration::zero()) : Duration::zero();
+  const Pose& goal = trajectory_.points.back().pose;
+  if (waiting_ > rules_.give_up) {
+    Fail(MakeError(Fault::kObstacle,
+                   fmt::format("an obstacle at ({:.2f}, {:.2f}) has been in the way for {:.0f} s",
+                               obstruction_ ? obstruction_->at.x_m : 0,
+                               obstruction_ ? obstruction_->at.y_m : 0, ToSeconds(waiting_))));
+  } else if (slowed_ > rules_.most_slowed + 2 * trajectory_.duration()) {
+    Fail(MakeError(Fault::kObstacle, fmt::format("obstacles have cost {:.0f} s: {:.2f} m are left",
+                                                 ToSeconds(slowed_), Distance(goal.at, pose.at))));
+  } else if (driven_ > trajectory_.duration() + rules_.late) {
+    Fail(MakeError(
+        Fault::kLate,
+        fmt::format("not arrived {:.1f} s after the trajectory's time "
+                    "of {:.1f} s: {:.2f} m and {:.2f} rad are left",
+                    ToSeconds(rules_.late), ToSeconds(trajectory_.duration()),
+                    Distance(goal.at, pose.at), std::abs(Wrapped(goal.yaw_rad - pose.yaw_rad)))));
+  }
+}
+
 Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
                          const std::vector<Point>& obstacles) {
   const bool active = progress_ == Progress::kFollowing || progress_ == Progress::kWaiting;
@@ -205,32 +241,12 @@ Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
   const Duration before = reference_;
   if (active && IsFinite(pose)) {
     WatchApproach(now, pose, velocity, obstacles);
-    MoveReference(dt_s, pose, velocity, obstacles);
+    MoveReference(now, dt_s, pose, velocity, obstacles);
     progress_ = obstruction_ ? Progress::kWaiting : Progress::kFollowing;
     if (HasArrived(pose)) progress_ = Progress::kArrived;
   }
-  if (progress_ == Progress::kWaiting) {
-    waiting_ += FromSeconds(passed_s);
-    command.replan = waiting_ >= rules_.replan_after;
-    if (waiting_ > rules_.give_up) {
-      Fail(MakeError(Fault::kObstacle,
-                     fmt::format("an obstacle at ({:.2f}, {:.2f}) has been in the way for {:.0f} s",
-                                 obstruction_ ? obstruction_->at.x_m : 0,
-                                 obstruction_ ? obstruction_->at.y_m : 0, ToSeconds(waiting_))));
-    }
-  } else if (progress_ == Progress::kFollowing) {
-    waiting_ = Duration::zero();
-    driven_ += slowed_ ? reference_ - before : FromSeconds(passed_s);
-    const Pose& goal = trajectory_.points.back().pose;
-    if (driven_ > trajectory_.duration() + rules_.late) {
-      Fail(MakeError(
-          Fault::kLate,
-          fmt::format("not arrived {:.1f} s after the trajectory's time "
-                      "of {:.1f} s: {:.2f} m and {:.2f} rad are left",
-                      ToSeconds(rules_.late), ToSeconds(trajectory_.duration()),
-                      Distance(goal.at, pose.at), std::abs(Wrapped(goal.yaw_rad - pose.yaw_rad)))));
-    }
-  }
+  CountTime(now, FromSeconds(passed_s), reference_ - before, pose);
+  command.replan = progress_ == Progress::kWaiting && waiting_ >= rules_.replan_after;
   const bool drives = progress_ == Progress::kFollowing || progress_ == Progress::kWaiting;
   if (drives && IsFinite(pose)) command.velocity = Control(pose, velocity);
   command.progress = progress_;

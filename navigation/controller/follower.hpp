@@ -17,7 +17,9 @@
 //   the highest speed in space.
 // - Arrived: the reference is at the end and the body within `arrive_m` and `arrive_rad` of it.
 //   Failed: `late` after the trajectory's time without arrival, without what obstacles cost;
-//   or an obstacle in the way for `give_up` in one go. In both the velocity is 0 and stays so.
+//   or an obstacle in the way for `give_up` in one go, or obstacles cost more than `most_slowed`
+//   and twice the trajectory's time in all. In both the velocity is 0 and stays so. An obstacle
+//   costs time as long as it is there, and until the body has its speed again. So every drive ends.
 // - `replan` of the command: the obstacle has been in the way for `replan_after`. A new
 //   trajectory, by Start(), may come at any time.
 //
@@ -49,6 +51,7 @@ struct FollowerRules {
   ObstacleRules obstacles;
   Duration replan_after = std::chrono::seconds(2);
   Duration give_up = std::chrono::seconds(30);
+  Duration most_slowed = std::chrono::seconds(90);
 };
 
 enum class Progress { kIdle, kFollowing, kWaiting, kArrived, kFailed };
@@ -77,6 +80,9 @@ class Follower {
   // After Halt(): the reference stands.
   bool Halted() const { return halting_ && pace_ == 0; }
 
+  // Something else than its own obstacles slows the body down, for example a gate.
+  void NoteSlowed(Time now);
+
   // `velocity` of the body in the frame of the map. `obstacles`: points that the trajectory's map
   // does not have.
   Command Update(Time now, const Pose& pose, const Velocity& velocity,
@@ -87,12 +93,13 @@ class Follower {
 
  private:
   Velocity Control(const Pose& pose, const Velocity& velocity);
-  void MoveReference(double dt_s, const Pose& pose, const Velocity& velocity,
+  void MoveReference(Time now, double dt_s, const Pose& pose, const Velocity& velocity,
                      const std::vector<Point>& obstacles);
   double Braking(double speed_m_s, const std::optional<Obstruction>& passed) const;
   void WatchApproach(Time now, const Pose& pose, const Velocity& velocity,
                      const std::vector<Point>& obstacles);
   bool HasArrived(const Pose& pose) const;
+  void CountTime(Time now, Duration passed, Duration moved, const Pose& pose);
   void Fail(Error error);
 
   FollowerRules rules_;
@@ -103,7 +110,8 @@ class Follower {
   Duration reference_{};  // on the trajectory
   Duration driven_{};     // since Start(), without waiting
   Duration waiting_{};    // in one go
-  bool slowed_ = false;   // by obstacles, now or just before
+  Duration slowed_{};     // what obstacles have cost since Start()
+  std::optional<Time> slowed_until_;
   bool halting_ = false;
   double pace_ = 0;         // 1: the reference moves as the trajectory says
   double pace_change_ = 0;  // a second

@@ -164,4 +164,29 @@ void BlockPoints(const std::vector<Point>& points, CellMap& map) {
   }
 }
 
+CellMap WindowOf(const CellMap& map, const Cell& from, const Cell& to) {
+  const Cell least{std::clamp(from.x, 0, map.size_x - 1), std::clamp(from.y, 0, map.size_y - 1), 0};
+  const Cell most{std::clamp(to.x, least.x, map.size_x - 1),
+                  std::clamp(to.y, least.y, map.size_y - 1), 0};
+  CellMap window;
+  window.resolution_m = map.resolution_m;
+  window.origin = map.origin;
+  const double c = std::cos(map.origin.yaw_rad), s = std::sin(map.origin.yaw_rad);
+  const double x_m = least.x * map.resolution_m, y_m = least.y * map.resolution_m;
+  window.origin.at.x_m += c * x_m - s * y_m;
+  window.origin.at.y_m += s * x_m + c * y_m;
+  window.size_x = most.x - least.x + 1;
+  window.size_y = most.y - least.y + 1;
+  window.size_z = map.size_z;
+  window.blocked.reserve(static_cast<std::size_t>(window.size_x) * window.size_y * window.size_z);
+  for (int z = 0; z < map.size_z; ++z) {
+    for (int y = least.y; y <= most.y; ++y) {
+      const auto row =
+          map.blocked.begin() + static_cast<std::ptrdiff_t>(map.IndexOf({least.x, y, z}));
+      window.blocked.insert(window.blocked.end(), row, row + window.size_x);
+    }
+  }
+  return window;
+}
+
 }  // namespace musher::navigation

@@ -88,4 +88,8 @@ Result<CellMap> FromPointCloud(const std::vector<Point>& points, const CloudRule
 // Blocks the cells of points seen now, for example of a scan; those outside are ignored.
 void BlockPoints(const std::vector<Point>& points, CellMap& map);
 
+// The part of a map from one cell to another, along x and y; all of its layers. Both are moved onto
+// the map.
+CellMap WindowOf(const CellMap& map, const Cell& from, const Cell& to);
+
 }  // namespace musher::navigation

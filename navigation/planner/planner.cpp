@@ -7,14 +7,10 @@
 #include <optional>
 
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 
 namespace musher::navigation {
 namespace {
-
-std::string PlaceText(const Point& place, bool flat) {
-  return flat ? fmt::format("({:.2f}, {:.2f})", place.x_m, place.y_m)
-              : fmt::format("({:.2f}, {:.2f}, {:.2f})", place.x_m, place.y_m, place.z_m);
-}
 
 std::string SizeText(double size, bool flat) {
   return fmt::format("{:.2f} {}", size, flat ? "m²" : "m³");

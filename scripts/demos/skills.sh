@@ -123,6 +123,10 @@ fly() {
   expect_end take_off completed "Reached altitude"
   run cf2x_0 hover altitude=1.2 duration=3
   expect_end hover completed "Hovered"
+  local hovered
+  hovered=$(position cf2x_0)
+  sleep 5
+  expect "without a skill the wind carries it away" no "$(has_moved cf2x_0 "$hovered")"
   run cf2x_0 nav_3d "goal_pos=[6.4,7.0,1.2]"
   expect_end nav_3d completed "Reached goal"
   local taken
@@ -209,6 +213,30 @@ lose_planner() {
   expect "the machine" Active "$(status .state)"
 }
 
+leave_wall() {
+  step "A robot that stands 3 cm before a wall has no room to start: it leaves it, and arrives"
+  shown musher-world send place 0.23 1.5 3.14 jetbot_0
+  sleep 1
+  run jetbot_0 nav_2d "goal_pos=[2.0,1.2]" recoveries=
+  expect "without recoveries" "failed: Planning failed: the start, the robot's place, has no room" \
+    "$(answer '"\(.outcome): \(.message[:58])"')"
+  run jetbot_0 nav_2d "goal_pos=[2.0,1.2]"
+  expect_end nav_2d completed "Reached goal"
+}
+
+carry_away() {
+  step "A robot is carried into another room on its way: its drive ends with the reason, and it goes on from there"
+  begin carried.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
+  local drive=$begun
+  await_message jetbot_0 nav_2d Moving > /dev/null
+  shown musher-world send place 8.5 3.4 0 jetbot_0
+  ended carried.json "$drive"
+  expect_end nav_2d completed "Reached goal"
+  expect "the controller says why" yes \
+    "$(has_line "$logs/controller_server.log" "the drive has ended: the pose has jumped")"
+  expect "collisions" 0 "$(robots '.robots[] | select(.name == "jetbot_0") | .collisions')"
+}
+
 end() {
   step "The exploration ends; a picture of all paths; power-off"
   if [[ -n $explorer ]]; then
@@ -252,6 +280,8 @@ run_demo() {
     refuse
     cancel
     lose_planner
+    leave_wall
+    carry_away
   fi
   [[ $keep == yes ]] || end
 }

@@ -168,6 +168,47 @@ TEST(Follower, FailsWhenTheObstacleStaysForever) {
   EXPECT_EQ(command.failure->message, "an obstacle at (2.00, 0.25) has been in the way for 30 s");
 }
 
+TEST(Follower, IsLateAlsoAfterAnObstacleHasSlowedItDown) {
+  Body body;
+  body.Start(kAhead);
+  body.Run(2);
+  for (int i = 0; i < 60; ++i) body.Step({{body.pose.at.x_m + 1.2, 0.42, 0}});  // beside its way
+  body.stuck = true;
+  body.velocity = {};
+  const Time begin = body.now;
+  const Command command = body.Run(60);
+  ASSERT_EQ(command.progress, Progress::kFailed);
+  EXPECT_TRUE(Is(*command.failure, Fault::kLate));
+  EXPECT_LT(ToSeconds(body.now - begin), 4.6 + 5 + 3) << "the path takes 4.6 s";
+}
+
+// In the way for 1.5 s of 2 s: never long enough in one go.
+TEST(Follower, EndsAlsoWhenObstaclesComeAndGo) {
+  Body body;
+  body.stuck = true;
+  body.Start(kAhead);
+  Command command;
+  int steps = 0;
+  for (; steps < 60 * 400 && !command.failure; ++steps) {
+    const bool there = steps % 120 < 90;
+    command = body.Step(there ? std::vector<Point>{{0.5, 0, 0}} : std::vector<Point>{});
+  }
+  ASSERT_TRUE(command.failure);
+  EXPECT_LT(steps / 60.0, 4.6 * 3 + 5 + 90 + 5);
+}
+
+TEST(Follower, DoesNotCountTheTimeForWhichAGateSlowsTheBodyDown) {
+  Body body;
+  body.Start(kAhead);
+  body.stuck = true;
+  for (int i = 0; i < 60 * 20; ++i) {
+    body.follower.NoteSlowed(body.now);
+    ASSERT_EQ(body.Step().progress, Progress::kFollowing);
+  }
+  body.stuck = false;
+  EXPECT_EQ(body.Run(30).progress, Progress::kArrived);
+}
+
 TEST(Follower, StandsWithoutAPoseAndIsLateAtLast) {
   Body body;
   body.Start(kAhead);

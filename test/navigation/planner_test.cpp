@@ -148,6 +148,17 @@ TEST(Planner, NamesAPassageTooNarrowForTheBody) {
   EXPECT_TRUE(Is(RefusalOf(Made(map, 0.6), {{1, 1, 0}, 0}, {{3.7, 1, 0}, 0}), Fault::kWalledIn));
 }
 
+TEST(Planner, NamesAPlaceThatNoMapHasInASentence) {
+  const auto planner = Planner::Make(Drawn({"....", "....", "...."}, 1, 10), {});
+  ASSERT_TRUE(planner.ok());
+  for (const double far : {1e308, -1e308, 1e19, 3e9}) {
+    const auto plan = planner.value().Find({{1, 1, 0}, 0}, {{far, 1, 0}, 0});
+    ASSERT_FALSE(plan.ok()) << far;
+    EXPECT_TRUE(Is(plan.error(), Fault::kOutside)) << plan.error().message;
+    EXPECT_LT(plan.error().message.size(), 150U) << plan.error().message;
+  }
+}
+
 TEST(Planner, NamesNumbersThatAreNotFinite) {
   const Planner planner = Made(Wall());
   EXPECT_THAT(RefusalOf(planner, {{1, 1, 0}, 0}, {{kNan, 1, 0}, 0}).message,

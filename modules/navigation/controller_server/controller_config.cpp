@@ -5,6 +5,7 @@
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/findings.hpp"
+#include "musher/navigation/gate/gate_toml.hpp"
 
 namespace musher::navigation {
 namespace {
@@ -27,6 +28,9 @@ ControllerRobot ReadControllerRobot(TableReader& reader, const std::vector<std::
   config::SetNumber(reader, "arrive_m", 0.01, 5, robot.arrive_m);
   config::SetNumber(reader, "arrive_rad", 0.01, 3.15, robot.arrive_rad);
   config::SetNumber(reader, "join_m", 0.05, 100, robot.join_m);
+  robot.gate.reaction_s += robot.lag_s;
+  if (robot.flies) robot.gate.blind_m_s = kFlyerBlindMS;
+  ReadGate(reader, robot.gate);
   robot.action = robot.name + "/follow_path";
   robot.trajectory = robot.name + "/timed_trajectory";
   robot.command = robot.name + "/cmd_vel";

@@ -9,6 +9,7 @@
 #include "musher/base/diagnostic.hpp"
 #include "musher/modules/navigation/server/robot_table.hpp"
 #include "musher/navigation/controller/follower.hpp"
+#include "musher/navigation/gate/motion_gate.hpp"
 
 namespace musher::navigation {
 
@@ -20,6 +21,7 @@ struct ControllerRobot : RobotTable {
   double arrive_m = 0.2;
   double arrive_rad = 0.1;
   double join_m = 2;       // how far from the robot a path may begin
+  GateRules gate;          // [robot.gate]
   std::string action;      // <name>/follow_path
   std::string trajectory;  // <name>/timed_trajectory
   std::string command;     // <name>/cmd_vel

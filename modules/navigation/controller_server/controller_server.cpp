@@ -107,8 +107,8 @@ void ControllerServer::OpenRobot(Robot& robot) {
   robot.trajectory = endpoints_.Advertise<msg::JointTrajectory>(config.trajectory);
   RobotHandlers<Action> handlers;
   handlers.on_odometry = [this, &robot](const auto& odometry) { OnOdometry(robot, odometry); };
-  handlers.on_scan = [this, &robot](const auto& scan) {
-    robot.drive.OnScan(ToScan(scan), msg::FromStamp(scan.header.stamp), Now());
+  handlers.on_scan = [this, &robot](std::size_t scanner, const auto& scan) {
+    robot.drive.OnScan(scanner, ToScan(scan), msg::FromStamp(scan.header.stamp), Now());
   };
   handlers.accept = [this, &robot] {
     if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
@@ -193,6 +193,7 @@ void ControllerServer::Update(Robot& robot) {
   const PathDrive::Step step = robot.drive.Update(Now());
   if (step.begins) PublishTrajectory(robot);
   if (step.end) return Conclude(robot, *step.end);
+  if (!step.held.empty()) Warn(robot, "gate", step.held);
   msg::Twist twist;
   twist.linear = {step.command.x_m_s, step.command.y_m_s, step.command.z_m_s};
   twist.angular.z = step.command.yaw_rad_s;

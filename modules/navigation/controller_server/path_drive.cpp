@@ -8,14 +8,16 @@
 
 #include "musher/modules/navigation/controller_server/drive_path.hpp"
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 
 namespace musher::navigation {
 namespace {
 
 constexpr std::uint16_t kObstacleStays = 104;  // PATIENCE_EXCEEDED of nav2_msgs/FollowPath
 constexpr Duration kKeptPoses = std::chrono::seconds(1);
-constexpr Duration kLongestGuess = Milliseconds(100);  // of where a body has moved on
-constexpr double kStandsMS = 0.05;                     // m/s; a slower body stands
+constexpr Duration kLongestGuess = Milliseconds(100);    // of where a body has moved on
+constexpr Duration kClockSet = std::chrono::seconds(1);  // a larger step back of stamps
+constexpr double kStandsMS = 0.05;                       // m/s; a slower body stands
 constexpr double kAlignedRad = 0.35;  // between the motion and a path on which it goes on
 constexpr double kMapWithinM = 0.15;  // a point so near to a wall of the map is of it
 constexpr double kAsideGain = 0.7;    // rad/m: how much an aside velocity turns a differential body
@@ -35,15 +37,49 @@ FollowerRules RulesOf(const ControllerRobot& robot, const ControllerConfig& conf
   return rules;
 }
 
+GateRules GateOf(const ControllerRobot& robot) {
+  GateRules rules = robot.gate;
+  rules.radius_m = robot.radius_m;
+  rules.scanners = robot.scanners;
+  return rules;
+}
+
+GuardRules GuardOf(const ControllerRobot& robot) {
+  GuardRules rules;
+  rules.speed_m_s = robot.limits.speed_m_s;
+  rules.yaw_rad_s = robot.limits.yaw_rad_s;
+  rules.drifts = robot.flies;
+  return rules;
+}
+
 }  // namespace
 
 PathDrive::PathDrive(const ControllerRobot& robot, const ControllerConfig& config)
-    : robot_(robot), config_(config), follower_(RulesOf(robot, config)) {}
+    : robot_(robot),
+      config_(config),
+      follower_(RulesOf(robot, config)),
+      seen_(robot.scanners.size()),
+      gate_(GateOf(robot)),
+      guard_(GuardOf(robot)) {}
+
+void PathDrive::SetMap(std::shared_ptr<const Clearance> map) {
+  map_ = std::move(map);
+  if (driving_) leaves_out_map_ = map_ && FitsAhead();
+  CompareWithMap();
+}
 
 void PathDrive::OnOdometry(const Motion& motion, Duration stamp, Time now) {
+  if (!poses_.empty() && stamp != Duration::zero()) {
+    const Duration step = stamp - poses_.back().stamp;
+    if (step <= Duration::zero() && step > -kClockSet) return;  // again, or late
+    if (step < Duration::zero()) poses_.clear();                // its clock was set
+  }
   motion_ = motion;
   motion_at_ = now;
-  if (!poses_.empty() && stamp < poses_.back().stamp) poses_.clear();  // its clock was set
+  gate_.OnVelocity(InBodyFrame(motion.velocity, motion.pose.yaw_rad), now);
+  if (auto fault = guard_.OnPose(motion.pose, stamp, now); fault && driving_) {
+    fault_ = std::move(fault);
+  }
   poses_.push_back({stamp, motion.pose});
   while (poses_.front().stamp < stamp - kKeptPoses) poses_.pop_front();
 }
@@ -69,19 +105,33 @@ Pose PathDrive::PoseNow(Time now) const {
   return pose;
 }
 
-void PathDrive::OnScan(const Scan& scan, Duration stamp, Time now) {
+void PathDrive::OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now) {
+  if (!gate_.OnScan(scanner, scan, stamp, now)) return;
   if (poses_.empty()) return;  // it is not known where the scan was taken
-  seen_ = PointsOf(scan, PoseAt(stamp));
-  seen_at_ = now;
-  obstacles_ = leaves_out_map_ && map_ ? NewPoints(seen_, *map_, kMapWithinM) : seen_;
+  seen_[scanner] = {PlacedAt(PoseAt(stamp), gate_.PointsOf(scanner)), now};
+  CompareWithMap();
+}
+
+std::vector<Point> PathDrive::SeenPoints() const {
+  std::vector<Point> points;
+  for (const Sight& seen : seen_) {
+    points.insert(points.end(), seen.points.begin(), seen.points.end());
+  }
+  return points;
+}
+
+void PathDrive::CompareWithMap() {
+  obstacles_ = SeenPoints();
+  if (leaves_out_map_ && map_) obstacles_ = NewPoints(obstacles_, *map_, kMapWithinM);
 }
 
 void PathDrive::Forget() {
   motion_.reset();
   poses_.clear();
-  seen_at_.reset();
-  seen_.clear();
+  for (Sight& seen : seen_) seen = {};
   obstacles_.clear();
+  gate_.Forget();
+  guard_.Forget();
 }
 
 std::optional<DriveEnd> PathDrive::Blind(Time now) const {
@@ -91,13 +141,28 @@ std::optional<DriveEnd> PathDrive::Blind(Time now) const {
                                           ToSeconds(now - motion_at_))
                             : fmt::format("no odometry on {} yet", robot_.odometry)};
   }
-  if (robot_.scan.empty() || (seen_at_ && now - *seen_at_ <= config_.scan_stale)) {
-    return std::nullopt;
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const std::optional<Time>& at = seen_[i].at;
+    const std::string& topic = robot_.scanners[i].topic;
+    if (!at) return DriveEnd{FollowCode::kNoValidControl, fmt::format("no scan on {} yet", topic)};
+    if (now - *at <= config_.scan_stale) continue;
+    return DriveEnd{FollowCode::kNoValidControl,
+                    fmt::format("no scan on {} for {:.1f} s", topic, ToSeconds(now - *at))};
   }
-  return DriveEnd{
-      FollowCode::kNoValidControl,
-      seen_at_ ? fmt::format("no scan on {} for {:.1f} s", robot_.scan, ToSeconds(now - *seen_at_))
-               : fmt::format("no scan on {} yet", robot_.scan)};
+  return std::nullopt;
+}
+
+// The part of the trajectory that is not driven yet.
+bool PathDrive::FitsAhead() const {
+  constexpr int kEvery = 5;
+  Point last = follower_.trajectory().At(reference_).pose.at;
+  for (Duration at = reference_; at < follower_.trajectory().duration();) {
+    at += kEvery * kTrajectoryStep;
+    const Point next = follower_.trajectory().At(at).pose.at;
+    if (!map_->FitsAlong(last, next, robot_.radius_m)) return false;
+    last = next;
+  }
+  return true;
 }
 
 bool PathDrive::Fits(const Path& path, double radius_m) const {
@@ -147,8 +212,9 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
   };
   Path joined = JoinedPath(path, PoseNow(now), robot_.join_m, !robot_.flies);
   if (joined.empty()) {
-    return refused(fmt::format("the path begins {:.1f} m from the robot, at most {:.1f} m",
-                               Distance(path[0].at, motion_->pose.at), robot_.join_m));
+    return refused(fmt::format("the path begins {} m from the robot, at most {} m",
+                               MetresText(Distance(path[0].at, motion_->pose.at)),
+                               MetresText(robot_.join_m)));
   }
   leaves_out_map_ = map_ && Fits(joined, robot_.radius_m);
   if (robot_.differential) joined = LookingAhead(joined, start_speed_m_s > 0);
@@ -162,10 +228,13 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
   for (std::size_t i = 1; i < points.size(); ++i) {
     lengths_m_.push_back(lengths_m_.back() + Distance(points[i - 1].pose.at, points[i].pose.at));
   }
-  obstacles_ = leaves_out_map_ ? NewPoints(seen_, *map_, kMapWithinM) : seen_;
+  CompareWithMap();
   if (auto started = follower_.Start(std::move(trajectory).value(), now); !started) {
     return refused(started.error().message);
   }
+  if (!driving_) guard_.Restart();
+  fault_.reset();
+  reference_ = {};
   driving_ = true;
   begins_ = true;
   return std::nullopt;
@@ -177,9 +246,23 @@ void PathDrive::Stop() {
   driving_ = begins_ = false;
 }
 
-DriveEnd PathDrive::Failure(const Error& error) const {
-  const bool obstacle = Is(error, Fault::kObstacle);
-  return {obstacle ? kObstacleStays : FollowCode::kFailedToMakeProgress, error.message};
+DriveEnd PathDrive::Failure(const Error& error) {
+  if (Is(error, Fault::kObstacle)) return {kObstacleStays, error.message};
+  if (Is(error, Fault::kJump)) return {FollowCode::kTfError, error.message};
+  return {FollowCode::kFailedToMakeProgress, error.message};
+}
+
+// The command that is sent instead of `wanted`; an end where none may be.
+std::optional<DriveEnd> PathDrive::Gate(const Velocity& wanted, Time now, Step& step) {
+  const GateVerdict verdict = gate_.Check(wanted, now);
+  step.command = verdict.command;
+  step.held = Describe(verdict);
+  if (verdict.kind != GateVerdict::Kind::kFree) follower_.NoteSlowed(now);
+  if (auto fault = guard_.OnCommand(verdict.command, now)) return Failure(*fault);
+  const bool stopped = verdict.kind == GateVerdict::Kind::kStopped;
+  if (!stopped || verdict.held < config_.obstacle_time) return std::nullopt;
+  return DriveEnd{kObstacleStays,
+                  fmt::format("{}, for {:.1f} s", step.held, ToSeconds(verdict.held))};
 }
 
 Velocity PathDrive::BodyCommand(const Velocity& velocity, double yaw_rad) const {
@@ -207,6 +290,7 @@ PathDrive::Step PathDrive::Update(Time now) {
   };
   if (!driving_) return step;
   if (auto blind = Blind(now)) return end(std::move(*blind));
+  if (fault_) return end(Failure(*fault_));
   step.speed_m_s = Speed(motion_->velocity);
   const Pose pose = PoseNow(now);
   const Command command = follower_.Update(now, pose, motion_->velocity, obstacles_);
@@ -220,7 +304,8 @@ PathDrive::Step PathDrive::Update(Time now) {
     return step;
   }
   step.begins = std::exchange(begins_, false);
-  step.distance_m = DistanceLeft(command.reference);
+  reference_ = command.reference;
+  step.distance_m = DistanceLeft(reference_);
   if (command.failure) return end(Failure(*command.failure));
   if (command.progress == Progress::kArrived) return end({FollowCode::kNone, ""});
   if (command.replan && command.obstruction) {
@@ -230,7 +315,9 @@ PathDrive::Step PathDrive::Update(Time now) {
                             "{:.1f} s",
                             at.x_m, at.y_m, at.z_m, ToSeconds(config_.obstacle_time))});
   }
-  step.command = BodyCommand(command.velocity, pose.yaw_rad);
+  if (auto held = Gate(BodyCommand(command.velocity, pose.yaw_rad), now, step)) {
+    return end(std::move(*held));
+  }
   return step;
 }
 

@@ -14,7 +14,10 @@
 // - The velocity is in the frame of the body. A differential body gets none aside: its distance
 //   from the path turns it.
 // - Where the body is now: the last odometry, with its velocity since then.
-// - Without odometry or a scan (if the robot has one) for their times the drive ends.
+// - Every command goes through the gate, which knows only what the scanners see; a drive that it
+//   has stopped for `obstacle_time` ends. The guard ends one whose odometry cannot be true.
+// - Without odometry or a scan (if the robot has one) for their times the drive ends. Messages with
+//   the stamp of one before count for neither.
 //
 // Metres, radians, the frame of the map. One thread.
 
@@ -28,6 +31,7 @@
 #include "musher/modules/navigation/controller_server/controller_config.hpp"
 #include "musher/modules/navigation/messages/conversions.hpp"
 #include "musher/navigation/controller/follower.hpp"
+#include "musher/navigation/gate/motion_guard.hpp"
 #include "musher/navigation/planner/clearance.hpp"
 
 namespace musher::navigation {
@@ -44,11 +48,13 @@ class PathDrive {
  public:
   PathDrive(const ControllerRobot& robot, const ControllerConfig& config);
 
-  // Null: none is known.
-  void SetMap(std::shared_ptr<const Clearance> map) { map_ = std::move(map); }
+  // Null: none is known. In the middle of a drive, the rest of its path has to fit the new map as
+  // well for its points to be left out.
+  void SetMap(std::shared_ptr<const Clearance> map);
   // `stamp`: of the message, since the zero of its clock.
   void OnOdometry(const Motion& motion, Duration stamp, Time now);
-  void OnScan(const Scan& scan, Duration stamp, Time now);
+  // `scanner`: its index in the config.
+  void OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now);
   // Odometry and scans of before are not used.
   void Forget();
 
@@ -62,6 +68,7 @@ class PathDrive {
     Velocity command;             // in the frame of the body
     bool begins = false;          // with a new trajectory()
     std::optional<DriveEnd> end;  // then the command is 0
+    std::string held;             // what the gate slows it down for
     double distance_m = 0;        // to the goal, along the path
     double speed_m_s = 0;         // of the body
   };
@@ -81,10 +88,14 @@ class PathDrive {
 
   std::optional<DriveEnd> Begin(const Path& path, double start_speed_m_s, Time now);
   bool Fits(const Path& path, double radius_m) const;
+  bool FitsAhead() const;
+  void CompareWithMap();
+  std::vector<Point> SeenPoints() const;
   double AlignedSpeed(const Path& joined) const;
   Pose PoseAt(Duration stamp) const;
   Pose PoseNow(Time now) const;
-  DriveEnd Failure(const Error& error) const;
+  std::optional<DriveEnd> Gate(const Velocity& wanted, Time now, Step& step);
+  static DriveEnd Failure(const Error& error);
   Velocity BodyCommand(const Velocity& velocity, double yaw_rad) const;
   double DistanceLeft(Duration reference) const;
 
@@ -100,9 +111,16 @@ class PathDrive {
   std::optional<Motion> motion_;
   Time motion_at_;
   std::deque<Stamped> poses_;  // of the last second
-  std::vector<Point> seen_;
-  std::optional<Time> seen_at_;
+  struct Sight {
+    std::vector<Point> points;
+    std::optional<Time> at;
+  };
+  std::vector<Sight> seen_;       // by each scanner
   std::vector<Point> obstacles_;  // those of seen_ that count
+  Duration reference_{};          // on the trajectory
+  MotionGate gate_;
+  MotionGuard guard_;
+  std::optional<Error> fault_;  // found by the guard
 };
 
 }  // namespace musher::navigation

@@ -40,6 +40,8 @@ PlannerConfig ReadPlanner(const config_toml::Table& table, Findings& findings) {
   config::SetNumber(root, "cloud_resolution_m", 0.01, 10, config.cloud_resolution_m);
   config::SetNumber(root, "cloud_margin_m", 0, 100, config.cloud_margin_m);
   config::SetNumber(root, "ceiling_m", 0.1, 1000, config.ceiling_m);
+  config::SetNumber(root, "memory_m", 1, 50, config.memory.side_m);
+  config::SetTime(root, "memory_ms", config.memory.decay);
   config.robots = config::ReadRobots(root, findings, ReadPlannerRobot);
   root.RefuseOthers();
   return config;

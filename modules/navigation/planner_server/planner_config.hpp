@@ -8,6 +8,7 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/modules/navigation/server/robot_table.hpp"
+#include "musher/navigation/grid/local_grid.hpp"
 
 namespace musher::navigation {
 
@@ -29,6 +30,7 @@ struct PlannerConfig {
   double cloud_resolution_m = 0.1;
   double cloud_margin_m = 1;  // of free space around the points
   double ceiling_m = 3;       // flyers stay below
+  LocalGridRules memory;      // of what scans have seen
   std::vector<PlannerRobot> robots;
 };
 

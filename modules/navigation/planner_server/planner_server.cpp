@@ -93,7 +93,11 @@ void PlannerServer::OpenRobot(Robot& robot) {
   robot.path = endpoints_.Advertise<msg::Path>(config.path, transport::kLatchedQos);
   RobotHandlers<Action> handlers;
   handlers.on_odometry = [this, &robot](const auto& odometry) { OnOdometry(robot, odometry); };
-  handlers.on_scan = [this, &robot](const auto& scan) { OnScan(robot, scan); };
+  robot.scanners = std::vector<ScanView>(config.scanners.begin(), config.scanners.end());
+  robot.seen.emplace(config_.memory);
+  handlers.on_scan = [this, &robot](std::size_t scanner, const auto& scan) {
+    OnScan(robot, scanner, scan);
+  };
   handlers.accept = [this, &robot] {
     if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
     return permitted_;
@@ -138,20 +142,28 @@ void PlannerServer::OnConverted(Robot& robot, Result<Planner> planner) {
 void PlannerServer::OnOdometry(Robot& robot, const msg::Odometry& odometry) {
   auto motion = ToMotion(odometry, config_.frame);
   if (!motion) return Warn(robot, "odometry", "refused: " + motion.error().message);
+  // After a jump of the localisation, what was seen is elsewhere.
+  constexpr double kJumpM = 0.5;
+  const bool jumps =
+      robot.motion && Distance(robot.motion->pose.at, motion.value().pose.at) > kJumpM;
+  if (jumps) robot.seen->Clear();
   robot.motion = motion.value();
   robot.motion_at = Now();
 }
 
-void PlannerServer::OnScan(Robot& robot, const msg::LaserScan& scan) {
+void PlannerServer::OnScan(Robot& robot, std::size_t scanner, const msg::LaserScan& scan) {
+  ScanView& view = robot.scanners[scanner];
+  if (!view.Take(ToScan(scan), msg::FromStamp(scan.header.stamp), Now())) return;
   if (!robot.motion || !IsFresh(robot.motion_at)) return;
-  robot.seen = PointsOf(ToScan(scan), robot.motion->pose);
-  robot.seen_at = Now();
+  robot.seen->Add(view.Counted(ToScan(scan)), PlacedAt(robot.motion->pose, view.mount().on_body),
+                  Now());
 }
 
 void PlannerServer::OnTimeJump() {
   for (const auto& robot : robots_) {
     robot->motion.reset();
-    robot->seen.clear();
+    for (ScanView& view : robot->scanners) view.Forget();
+    robot->seen->Clear();
     Drop(*robot, "the time has jumped back");
   }
 }
@@ -219,7 +231,7 @@ Result<PathRequest> PlannerServer::RequestOf(const Robot& robot, const Action::G
     return MakeError(Fault::kMap, "there is no map yet, on " +
                                       (robot.config->flies ? config_.cloud : config_.map));
   }
-  if (knows_place && IsFresh(robot.seen_at)) request.seen = robot.seen;
+  if (knows_place) request.seen = robot.seen->Points(Now());
   return request;
 }
 

@@ -19,6 +19,7 @@
 #include "musher/modules/navigation/planner_server/planner_work.hpp"
 #include "musher/modules/navigation/server/background.hpp"
 #include "musher/modules/navigation/server/server_actuator.hpp"
+#include "musher/navigation/grid/local_grid.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::navigation {
@@ -58,8 +59,8 @@ class PlannerServer {
     bool converting = false;
     std::optional<Motion> motion;
     Time motion_at;
-    std::vector<Point> seen;
-    Time seen_at;
+    std::vector<ScanView> scanners;
+    std::optional<LocalGrid> seen;  // by them, lately
     std::optional<Request> request;
     transport::Publisher<msg::Path>* path = nullptr;
     std::unique_ptr<Background> background;
@@ -71,7 +72,7 @@ class PlannerServer {
   void OnMap(Robot& robot, std::function<Result<Planner>()> convert);
   void OnConverted(Robot& robot, Result<Planner> planner);
   void OnOdometry(Robot& robot, const msg::Odometry& odometry);
-  void OnScan(Robot& robot, const msg::LaserScan& scan);
+  void OnScan(Robot& robot, std::size_t scanner, const msg::LaserScan& scan);
   void OnGoal(Robot& robot, const Goal& goal);
   void OnCancel(Robot& robot, Goal goal);
   Result<PathRequest> RequestOf(const Robot& robot, const Action::Goal& goal) const;

@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 #include "musher/navigation/planner/octree_map.hpp"
 
 namespace musher::navigation {
 namespace {
 
-constexpr double kSeenWithinM = 4;            // points farther from the robot do not matter yet
+constexpr double kSeenWithinM = 8;            // points farther from the robot do not matter yet
 constexpr std::size_t kMostCopied = 4 << 20;  // cells of a map that is copied for a request
+constexpr double kAroundPathM = 10;           // the part of a larger map that is copied
+constexpr double kAroundRobotM = 25;          // if that is too large as well
 
 PlannerRules RulesOf(const PlannerRobot& robot) {
   PlannerRules rules;
@@ -54,14 +58,23 @@ Result<CellMap> BetweenGroundAndCeiling(const CellMap& map, double ceiling_m) {
   return between;
 }
 
-// What the scan has seen near the robot and the map does not have.
-std::vector<Point> NewNearby(const Planner& planner, const PathRequest& request) {
+// What the scan has seen near the robot and the map does not have. For a flyer its columns: a
+// planar scan does not say how high a thing is.
+std::vector<Point> NewNearby(const Planner& planner, const PathRequest& request, bool flies) {
+  const CellMap& map = planner.clearance().map();
   std::vector<Point> nearby;
   for (const Point& point : request.seen) {
     if (Distance(point, request.start.at) <= kSeenWithinM) nearby.push_back(point);
   }
-  const double within_m = 2 * planner.clearance().map().resolution_m;
-  return NewPoints(nearby, planner.clearance(), within_m);
+  nearby = NewPoints(nearby, planner.clearance(), 2 * map.resolution_m);
+  if (!flies) return nearby;
+  std::vector<Point> columns;
+  for (const Point& point : nearby) {
+    for (int z = 0; z < map.size_z; ++z) {
+      columns.push_back({point.x_m, point.y_m, map.CentreOf({0, 0, z}).z_m});
+    }
+  }
+  return columns;
 }
 
 // Whether the points are at least `keep_m` from a path.
@@ -80,12 +93,61 @@ bool IsClear(const Path& path, const std::vector<Point>& points, double keep_m) 
   return true;
 }
 
+// A part of the map in which a path is planned again, and what of the first path follows it.
+struct Part {
+  CellMap map;
+  Pose goal;
+  std::size_t rest = 0;  // the first pose of the path that is behind `goal`
+};
+
+// The map within a distance of these places.
+CellMap Around(const CellMap& map, const Path& places, double around_m) {
+  const int cells = static_cast<int>(std::ceil(around_m / map.resolution_m));
+  Cell least = map.CellOf(places[0].at), most = least;
+  for (const Pose& pose : places) {
+    const Cell cell = map.CellOf(pose.at);
+    least = {std::min(least.x, cell.x), std::min(least.y, cell.y), 0};
+    most = {std::max(most.x, cell.x), std::max(most.y, cell.y), 0};
+  }
+  return WindowOf(map, {least.x - cells, least.y - cells, 0}, {most.x + cells, most.y + cells, 0});
+}
+
+// The whole map if it is small enough, else what is around the path, else what is around the robot.
+Part PartOf(const CellMap& map, const Path& path, const Pose& start) {
+  if (map.count() <= kMostCopied) return {map, path.back(), path.size()};
+  CellMap along = Around(map, path, kAroundPathM);
+  if (along.count() <= kMostCopied) return {std::move(along), path.back(), path.size()};
+  std::size_t last = 0;  // pose that is well inside of the part
+  while (last + 1 < path.size() &&
+         Distance(path[last + 1].at, start.at) < kAroundRobotM - kAroundPathM / 2) {
+    ++last;
+  }
+  return {Around(map, {start}, kAroundRobotM), path[last], last + 1};
+}
+
+// A path around what is seen; nothing where there is none.
+std::optional<Plan> FindAround(const Planner& planner, const PathRequest& request, const Plan& plan,
+                               const std::vector<Point>& seen, const PlannerRobot& robot,
+                               const std::function<bool()>& stop) {
+  Part part = PartOf(planner.clearance().map(), plan.path, request.start);
+  BlockPoints(seen, part.map);
+  const auto blocked = Planner::Make(std::move(part.map), RulesOf(robot), stop);
+  if (!blocked) return std::nullopt;
+  auto around = blocked.value().Find(request.start, part.goal, stop);
+  if (!around) return std::nullopt;
+  Plan found = std::move(around).value();
+  for (std::size_t i = part.rest; i < plan.path.size(); ++i) {
+    found.length_m += Distance(found.path.back().at, plan.path[i].at);
+    found.path.push_back(plan.path[i]);
+  }
+  return found;
+}
+
 Result<> CheckAltitude(const Pose& goal, const PlannerConfig& config) {
   if (goal.at.z_m > 0 && goal.at.z_m <= config.ceiling_m) return Ok();
   return MakeError(Fault::kGoalOutside,
-                   fmt::format("goal: its altitude is {:.2f} m, expected more than 0 and at most "
-                               "{:.2f} m",
-                               goal.at.z_m, config.ceiling_m));
+                   fmt::format("goal: its altitude is {} m, expected more than 0 and at most {} m",
+                               MetresText(goal.at.z_m), MetresText(config.ceiling_m)));
 }
 
 PathReply Refused(const Error& error) {
@@ -159,18 +221,12 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
     const bool goal = !map.Has(map.CellOf(request.goal.at));
     return Refused(goal ? MakeError(Fault::kGoalOutside, plan.error().message) : plan.error());
   }
-  const std::vector<Point> seen = NewNearby(planner, request);
+  const std::vector<Point> seen = NewNearby(planner, request, robot.flies);
   const double keep_m = robot.radius_m + robot.margin_m;
-  if (IsClear(plan.value().path, seen, keep_m) || map.count() > kMostCopied) {
-    return {std::move(plan), PathCode::kNone, false};
-  }
-  CellMap now = map;
-  BlockPoints(seen, now);
-  auto blocked = Planner::Make(std::move(now), RulesOf(robot), stop);
-  if (!blocked) return {std::move(plan), PathCode::kNone, false};
-  auto around = blocked.value().Find(request.start, request.goal, stop);
-  const bool leads_around = around.ok();
-  return {leads_around ? std::move(around) : std::move(plan), PathCode::kNone, leads_around};
+  if (IsClear(plan.value().path, seen, keep_m)) return {std::move(plan), PathCode::kNone, false};
+  auto around = FindAround(planner, request, plan.value(), seen, robot, stop);
+  if (!around) return {std::move(plan), PathCode::kNone, false};
+  return {std::move(*around), PathCode::kNone, true};
 }
 
 }  // namespace musher::navigation

@@ -19,7 +19,7 @@ namespace musher::navigation {
 template <class Action>
 struct RobotHandlers {
   std::function<void(const msg::Odometry&)> on_odometry;
-  std::function<void(const msg::LaserScan&)> on_scan;
+  std::function<void(std::size_t scanner, const msg::LaserScan&)> on_scan;
   std::function<bool()> accept;  // a goal
   std::function<void(const transport::ServerGoal<Action>&)> start;
   std::function<void(transport::ServerGoal<Action>)> cancel;
@@ -32,9 +32,11 @@ void OpenRobotEndpoints(transport::Endpoints& endpoints, const RobotTable& robot
                         RobotHandlers<Action> handlers) {
   endpoints.Subscribe<msg::Odometry>(robot.odometry, std::move(handlers.on_odometry),
                                      transport::kSensorDataQos);
-  if (!robot.scan.empty()) {
-    endpoints.Subscribe<msg::LaserScan>(robot.scan, std::move(handlers.on_scan),
-                                        transport::kSensorDataQos);
+  for (std::size_t i = 0; i < robot.scanners.size(); ++i) {
+    endpoints.Subscribe<msg::LaserScan>(
+        robot.scanners[i].topic,
+        [i, on_scan = handlers.on_scan](const msg::LaserScan& scan) { on_scan(i, scan); },
+        transport::kSensorDataQos);
   }
   transport::ActionHandlers<Action> of_goals;
   of_goals.accept = [accept = std::move(handlers.accept)](const typename Action::Goal&,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "musher/base/toml/names.hpp"
+#include "musher/navigation/gate/gate_toml.hpp"
 
 namespace musher::navigation::config {
 
@@ -48,11 +49,12 @@ void ReadRobot(TableReader& reader, const std::vector<std::string>& names, Robot
   }
   robot.flies = reader.Choice<bool>("kind", {{"ground", false}, {"flyer", true}}).value_or(false);
   robot.odometry = robot.name + "/odom";
-  robot.scan = robot.name + "/scan";
   SetNumber(reader, "radius_m", 0.01, 10, robot.radius_m);
   SetNumber(reader, "margin_m", 0, 10, robot.margin_m);
   SetTopic(reader, "odometry", robot.odometry);
-  SetTopic(reader, "scan", robot.scan, true);
+  std::string scan = robot.name + "/scan";
+  SetTopic(reader, "scan", scan, true);
+  robot.scanners = ReadScanners(reader, scan);
 }
 
 }  // namespace musher::navigation::config

@@ -10,17 +10,18 @@
 #include "musher/base/time.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
+#include "musher/navigation/gate/scan_view.hpp"
 
 namespace musher::navigation {
 
 // [[robot]]: a round body and its topics, which are relative to the machine's namespace.
 struct RobotTable {
   std::string name;
-  bool flies = false;     // kind = "flyer"
-  double radius_m = 0.2;  // of the body
-  double margin_m = 0.1;  // between the body and an obstacle, at least
-  std::string odometry;   // <name>/odom
-  std::string scan;       // <name>/scan; empty: it has no scanner
+  bool flies = false;               // kind = "flyer"
+  double radius_m = 0.2;            // of the body
+  double margin_m = 0.1;            // between the body and an obstacle, at least
+  std::string odometry;             // <name>/odom
+  std::vector<ScanMount> scanners;  // [[robot.scanner]], or one on `scan` (<name>/scan)
 };
 
 namespace config {

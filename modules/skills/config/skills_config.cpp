@@ -7,6 +7,7 @@
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/toml/table_reader.hpp"
+#include "musher/navigation/gate/gate_toml.hpp"
 
 namespace musher::skills {
 namespace {
@@ -15,6 +16,8 @@ using config_toml::Findings;
 using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Word;
+
+constexpr double kCommandPeriodS = 0.05;  // a scan is followed by a command at once, others wait
 
 class Reader {
  public:
@@ -48,6 +51,11 @@ class Reader {
       config_.line.depth_m = reader.Number("depth_m", 0.01, 10).value_or(config_.line.depth_m);
       reader.RefuseOthers();
     }
+    config_.gate.radius_m = config_.radius_m;
+    config_.gate.scanners = navigation::ReadScanners(root, scan_);
+    if (config_.flies) config_.gate.blind_m_s = navigation::kFlyerBlindMS;
+    config_.gate.reaction_s += kCommandPeriodS;
+    navigation::ReadGate(root, config_.gate);
     ReadCameras(root);
     ReadDetectors(root);
     root.RefuseOthers();
@@ -76,26 +84,28 @@ class Reader {
 
   void SetNames() {
     const std::string prefix = config_.robot + "/";
+    scan_ = prefix + "scan";
     config_.names = {prefix + "cmd_vel",
                      prefix + "odom",
-                     prefix + "scan",
                      "world/objects",
                      "",
                      prefix + "compute_path_to_pose",
                      prefix + "follow_path",
-                     prefix + "manipulation_control"};
+                     prefix + "manipulation_control",
+                     ""};
   }
 
   void ReadTopics(TableReader& reader) {
     InterfaceNames& names = config_.names;
     Topic(reader, "velocity", names.velocity, false);
     Topic(reader, "odometry", names.odometry, false);
-    Topic(reader, "scan", names.scan, true);
+    Topic(reader, "scan", scan_, true);
     Topic(reader, "objects", names.objects, true);
     Topic(reader, "line", names.line, true);
     Topic(reader, "planner", names.planner, false);
     Topic(reader, "controller", names.controller, false);
     Topic(reader, "hand", names.hand, false);
+    Topic(reader, "teleop", names.teleop, true);
   }
 
   static void Topic(TableReader& reader, std::string_view key, std::string& name, bool optional) {
@@ -153,6 +163,7 @@ class Reader {
   const std::filesystem::path folder_;
   Findings& findings_;
   SkillsConfig config_;
+  std::string scan_;  // the topic of the only scanner
 };
 
 }  // namespace

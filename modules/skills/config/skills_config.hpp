@@ -13,6 +13,7 @@
 #include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
 #include "musher/base/toml/document.hpp"
+#include "musher/navigation/gate/motion_gate.hpp"
 #include "musher/navigation/pose.hpp"
 
 namespace musher::skills {
@@ -21,12 +22,12 @@ namespace musher::skills {
 struct InterfaceNames {
   std::string velocity;    // geometry_msgs/Twist, published
   std::string odometry;    // nav_msgs/Odometry
-  std::string scan;        // sensor_msgs/LaserScan
   std::string objects;     // musher_msgs/ObjectStates
   std::string line;        // musher_msgs/YellowLines
   std::string planner;     // action nav2_msgs/ComputePathToPose
   std::string controller;  // action nav2_msgs/FollowPath
   std::string hand;        // service musher_msgs/ManipulationControl
+  std::string teleop;      // geometry_msgs/Twist of a person
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.
@@ -54,6 +55,7 @@ struct SkillsConfig {
   std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
   InterfaceNames names;
+  navigation::GateRules gate;  // with its scanners
   LineView line;
   std::vector<std::pair<std::string, std::string>> cameras;  // name, topic sensor_msgs/Image
   std::vector<DetectorView> detectors;  // empty: skills detect the objects of names.objects

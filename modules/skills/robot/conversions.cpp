@@ -10,6 +10,7 @@
 #include "musher/messages/nav2_msgs/follow_path.hpp"
 #include "musher/messages/yaw.hpp"
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 
 namespace musher::skills {
 namespace {
@@ -83,18 +84,8 @@ msg::Twist ToMessage(const navigation::Velocity& command) {
   return twist;
 }
 
-std::vector<navigation::Point> ToPoints(const msg::LaserScan& scan, const navigation::Pose& body) {
-  std::vector<navigation::Point> points;
-  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const double range = scan.ranges[i];
-    const double angle =
-        body.yaw_rad + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    if (!std::isfinite(range) || !std::isfinite(angle)) continue;
-    if (range < scan.range_min || range > scan.range_max) continue;
-    points.push_back({body.at.x_m + range * std::cos(angle), body.at.y_m + range * std::sin(angle),
-                      body.at.z_m});
-  }
-  return points;
+navigation::Scan ToScan(const msg::LaserScan& scan) {
+  return {scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, scan.ranges};
 }
 
 Result<Picture> ToPicture(const msg::Image& image) {
@@ -190,8 +181,7 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
   using navigation::Fault;
   using navigation::MakeError;
   const auto place = [](const navigation::Point& at) {
-    return at.z_m == 0 ? fmt::format("({:.2f}, {:.2f})", at.x_m, at.y_m)
-                       : fmt::format("({:.2f}, {:.2f}, {:.2f})", at.x_m, at.y_m, at.z_m);
+    return navigation::PlaceText(at, at.z_m == 0);
   };
   const std::string to = "the goal " + place(goal.at);
   const std::string from =
@@ -227,20 +217,24 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
 
 Error ControllerError(std::uint16_t error_code) {
   using Code = msg::FollowPath;
+  using navigation::Fault;
+  using navigation::MakeError;
   const auto failed = [](const char* why) { return Error{kCodeFailed, why}; };
   switch (error_code) {
     case Code::kInvalidController:
       return failed("the controller has no such controller_id");
     case Code::kTfError:
-      return failed("the controller does not know where the robot is");
+      return MakeError(Fault::kOdometry,
+                       "its odometry is lost, has jumped, or is in another frame than the path");
     case Code::kInvalidPath:
       return failed("the controller refuses the path");
     case Code::kPatienceExceeded:
-      return navigation::MakeError(navigation::Fault::kObstacle, "an obstacle stays in the way");
+      return MakeError(Fault::kObstacle, "an obstacle stays in the way");
     case Code::kFailedToMakeProgress:
-      return failed("the robot did not arrive in time");
+      return MakeError(Fault::kLate,
+                       "the robot did not arrive in time, or did not move as it was commanded");
     case Code::kNoValidControl:
-      return failed("the controller finds no command");
+      return MakeError(Fault::kScan, "its scan is lost");
     default:
       return Error{kCodeFailed,
                    "the controller has failed (code " + std::to_string(error_code) + ")"};

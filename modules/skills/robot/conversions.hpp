@@ -17,6 +17,7 @@
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/modules/skills/config/skills_config.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
+#include "musher/navigation/controller/obstacle_watch.hpp"
 
 namespace musher::skills {
 
@@ -34,8 +35,7 @@ navigation::Velocity ToMapFrame(const msg::Twist& twist, double yaw_rad);
 // Numbers that are not finite become 0.
 msg::Twist ToMessage(const navigation::Velocity& command);
 
-// The points of the rays that hit something, in the map. `body`: where the scan was taken.
-std::vector<navigation::Point> ToPoints(const msg::LaserScan& scan, const navigation::Pose& body);
+navigation::Scan ToScan(const msg::LaserScan& scan);
 
 // bgr8, rgb8, bgra8, rgba8 and mono8.
 Result<Picture> ToPicture(const msg::Image& image);

@@ -1,5 +1,6 @@
 #include "musher/modules/skills/robot/navigator.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/modules/skills/robot/conversions.hpp"
@@ -160,6 +161,11 @@ void Navigator::Tend() {
   for (const auto& goal : drives_) {
     if (goal->cancelled) CancelGoal(goal);
   }
+}
+
+bool Navigator::Drives() const {
+  return std::any_of(drives_.begin(), drives_.end(),
+                     [](const auto& goal) { return goal->navigator != nullptr; });
 }
 
 void Navigator::CancelEarlierDrives() {

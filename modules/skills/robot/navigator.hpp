@@ -33,6 +33,8 @@ class Navigator {
   Navigator& operator=(const Navigator&) = delete;
 
   bool HasPlanner() const { return planner_ != nullptr && planner_->Ready(); }
+  // Whether a drive has not ended.
+  bool Drives() const;
   bool HasController() const { return controller_ != nullptr && controller_->Ready(); }
 
   skill::Future<navigation::Path> ComputePath(const navigation::Pose& goal,

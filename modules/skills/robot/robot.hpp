@@ -89,10 +89,16 @@ class Robot {
   virtual std::optional<navigation::Pose> pose() const = 0;
   virtual navigation::Velocity velocity() const = 0;  // in the frame of the map
 
-  // Sent until the next command, at 20 Hz. StopMotion() sends 0 and then nothing more. Both also
-  // end at an emergency stop and when skills are paused.
+  // Sent until the next command, at 20 Hz, as far as the gate before the base lets it pass.
+  // StopMotion() sends 0 and then nothing more; a flyer in the air is then held at its place. Both
+  // also end at an emergency stop and when skills are paused.
   virtual void SetVelocity(const navigation::Velocity& command) = 0;
   virtual void StopMotion() = 0;
+  // What the gate before the base stops the present command for: "an obstacle 0.42 m away, ...";
+  // empty: nothing.
+  virtual std::string HeldBy() const { return ""; }
+  // A flyer has landed: it is not held at its place any more, until it moves again.
+  virtual void NoteLanding() {}
 
   // Whether the planner and the controller can be reached now.
   virtual bool HasPlanner() const = 0;

@@ -42,6 +42,7 @@ void RosRobot::BeginStep(Time now) {
   now_ = now;
   const auto wire = wire_.lock();
   if (!wire) return;
+  wire->active_at = now;
   wire->navigator->Tend();
   wire->cameras->Tend();
   if (wire->detectors) wire->detectors->Tend();
@@ -74,11 +75,20 @@ navigation::Velocity RosRobot::velocity() const {
 }
 
 void RosRobot::SetVelocity(const navigation::Velocity& command) {
-  if (const auto wire = wire_.lock()) wire->velocity->Set(command);
+  if (const auto wire = wire_.lock()) wire->SetVelocity(command);
+}
+
+std::string RosRobot::HeldBy() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->velocity->HeldBy() : "";
+}
+
+void RosRobot::NoteLanding() {
+  if (const auto wire = wire_.lock()) wire->hold.Land();
 }
 
 void RosRobot::StopMotion() {
-  if (const auto wire = wire_.lock()) wire->velocity->Stop();
+  if (const auto wire = wire_.lock()) wire->StopMotion();
 }
 
 bool RosRobot::HasPlanner() const {
@@ -100,18 +110,18 @@ skill::Future<navigation::Path> RosRobot::ComputePath(
 std::unique_ptr<Drive> RosRobot::FollowPath(const navigation::Path& path) {
   const auto wire = wire_.lock();
   if (!wire) return std::make_unique<NoDrive>();
+  wire->FreeBase();
   return wire->navigator->FollowPath(path);
 }
 
 std::vector<navigation::Point> RosRobot::obstacles() const {
   const auto wire = wire_.lock();
-  const auto* points = wire ? wire->obstacles.At(wire->Now()) : nullptr;
-  return points == nullptr ? std::vector<navigation::Point>{} : *points;
+  return wire ? wire->Seen() : std::vector<navigation::Point>{};
 }
 
 bool RosRobot::HasScan() const {
   const auto wire = wire_.lock();
-  return wire && wire->obstacles.At(wire->Now()) != nullptr;
+  return wire && wire->HasScan();
 }
 
 std::vector<SeenObject> RosRobot::objects() const {

@@ -54,6 +54,8 @@ class RosRobot final : public Robot {
   navigation::Velocity velocity() const override;
   void SetVelocity(const navigation::Velocity& command) override;
   void StopMotion() override;
+  std::string HeldBy() const override;
+  void NoteLanding() override;
   bool HasPlanner() const override;
   bool HasController() const override;
   skill::Future<navigation::Path> ComputePath(

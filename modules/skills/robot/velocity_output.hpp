@@ -1,14 +1,24 @@
 #pragma once
-// The velocity commands of a robot: the last one is published 20 times a second until it is
-// replaced or stopped. Stop() publishes 0 once and then nothing more; without commands the robot
-// itself stops.
+// The velocity commands of a robot: the last one goes through the gate and is published 20 times a
+// second, and with each scan, until it is replaced or stopped. Stop() publishes 0 once and then
+// nothing more; without commands the robot itself stops.
+//
+// A body on the ground that is commanded and does not move, for example before a thing below its
+// scanner, is stopped as well, until Stop().
+//
+// A command of a person (teleop) is used only while no skill sends one, and ends by itself after
+// kTeleopTime.
 //
 // Threads: the loop's.
 
-#include <utility>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "musher/messages/geometry_msgs/geometry.hpp"
-#include "musher/modules/skills/robot/conversions.hpp"
+#include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/navigation/gate/motion_gate.hpp"
+#include "musher/navigation/gate/motion_guard.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/node.hpp"
 
@@ -17,32 +27,44 @@ namespace musher::skills {
 class VelocityOutput {
  public:
   static constexpr Duration kPeriod = Milliseconds(50);
+  static constexpr Duration kTeleopTime = Milliseconds(500);
 
   // Both must outlive it. Null: there is no publisher.
-  VelocityOutput(transport::Publisher<msg::Twist>* publisher, transport::Clock& clock)
-      : publisher_(publisher), clock_(clock) {}
+  VelocityOutput(transport::Publisher<msg::Twist>* publisher, transport::Clock& clock,
+                 const navigation::GateRules& rules, bool flies)
+      : publisher_(publisher), clock_(clock), gate_(rules), flies_(flies) {}
 
-  void Set(const navigation::Velocity& command) {
-    const bool changed = !sending_ || !(command == command_);
-    command_ = command;
-    if (changed) Publish();
-    if (!sending_) sending_ = clock_.Every(kPeriod, [this] { Publish(); });
+  // False: the scan is refused.
+  bool OnScan(std::size_t scanner, const msg::LaserScan& scan);
+  // What the scanner has seen last, in the frame of the body.
+  const std::vector<navigation::Point>& PointsOf(std::size_t scanner) const {
+    return gate_.PointsOf(scanner);
   }
-  void Stop() {
-    sending_.reset();
-    command_ = {};
-    Publish();
-  }
+  // As measured; the velocity in the frame of the body.
+  void OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity);
+
+  void Set(const navigation::Velocity& command);
+  void Teleoperate(const navigation::Velocity& command);
+  void Stop();
+
+  // Whether a skill, or a person, moves the robot.
+  bool sending() const { return sending_ != nullptr; }
+  // What the gate stops it for; empty: nothing.
+  std::string HeldBy() const;
 
  private:
-  // A command that is lost is followed by the next; after a lost 0 the robot stops by itself.
-  void Publish() {
-    if (publisher_ != nullptr) static_cast<void>(publisher_->Publish(ToMessage(command_)));
-  }
+  void Send(const navigation::Velocity& command);
+  void Publish();
 
   transport::Publisher<msg::Twist>* const publisher_;
   transport::Clock& clock_;
+  navigation::MotionGate gate_;
+  const bool flies_;  // then it holds its place in the wind, and its commands move it nowhere
+  navigation::MotionGuard guard_{navigation::GuardRules{}};
+  std::string stuck_;  // why, if it is
   navigation::Velocity command_;
+  navigation::GateVerdict verdict_;
+  std::optional<Time> teleop_until_;
   transport::LoopHandlePtr sending_;
 };
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/base/toml/names.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
 
 namespace musher::skills {
@@ -11,6 +12,8 @@ namespace {
 
 // Topics that skills have named; of more, the one that was not asked for longest is dropped.
 constexpr std::size_t kMostTracked = 16;
+constexpr Duration kHoldPeriod = Milliseconds(100);    // of a flyer at its place
+constexpr Duration kActiveWithin = Milliseconds(500);  // skills are stepped in Active only
 
 }  // namespace
 
@@ -21,8 +24,8 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
       clock(endpoints.clock()),
       name_space(std::move(machine_name_space)) {
   const InterfaceNames& names = config.names;
-  velocity =
-      std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity), clock);
+  velocity = std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity),
+                                              clock, config.gate, config.flies);
   navigator =
       std::make_unique<Navigator>(endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
                                   endpoints.OpenActionClient<msg::FollowPath>(names.controller),
@@ -43,23 +46,80 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   }
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   Subscribe(endpoints);
+  SubscribeScans(endpoints);
+  if (config.flies) holds_ = clock.Every(kHoldPeriod, [this] { HoldPlace(); });
+}
+
+void RosRobot::Wire::SubscribeScans(transport::Endpoints& endpoints) {
+  const auto& scanners = config.gate.scanners;
+  obstacles.resize(scanners.size());
+  for (std::size_t i = 0; i < scanners.size(); ++i) {
+    optional[scanners[i].topic] = endpoints.Subscribe<msg::LaserScan>(
+        scanners[i].topic,
+        [this, i](const msg::LaserScan& scan) {
+          const Motion* here = motion.At(Now());
+          if (!velocity->OnScan(i, scan) || here == nullptr) return;
+          obstacles[i].Set(navigation::PlacedAt(here->pose, velocity->PointsOf(i)), Now());
+        },
+        transport::kSensorDataQos);
+  }
+}
+
+std::vector<navigation::Point> RosRobot::Wire::Seen() const {
+  std::vector<navigation::Point> seen;
+  for (const auto& points : obstacles) {
+    const auto* recent = points.At(Now());
+    if (recent != nullptr) seen.insert(seen.end(), recent->begin(), recent->end());
+  }
+  return seen;
+}
+
+bool RosRobot::Wire::HasScan() const {
+  return !obstacles.empty() && std::ranges::all_of(obstacles, [this](const auto& points) {
+    return points.At(Now()) != nullptr;
+  });
+}
+
+// A person moves the robot only in Active, and while no skill does.
+void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
+  const bool active = Now() - active_at <= kActiveWithin;
+  if (!active || navigator->Drives()) return;
+  if (holding_) StopMotion();
+  velocity->Teleoperate(ToMapFrame(twist, 0));
+}
+
+void RosRobot::Wire::HoldPlace() {
+  if (navigator->Drives() || (velocity->sending() && !holding_)) {
+    if (holding_) StopMotion();
+    hold.Use();
+    return;
+  }
+  const Motion* now = motion.At(Now());
+  const auto command = now == nullptr
+                           ? hold.Command(std::nullopt, 0, kHoldPeriod)
+                           : hold.Command(now->pose, navigation::Speed(now->velocity), kHoldPeriod);
+  if (!command) {
+    if (holding_) StopMotion();
+    return;
+  }
+  velocity->Set(*command);
+  holding_ = true;
 }
 
 void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
   const InterfaceNames& names = config.names;
   endpoints.Subscribe<msg::Odometry>(names.odometry, [this](const msg::Odometry& odometry) {
     const auto pose = ToPose(odometry.pose.pose);
-    if (!pose) return;
+    const Duration stamp = msg::FromStamp(odometry.header.stamp);
+    const bool again = stamp != Duration::zero() && stamp == odometry_stamp_;
+    if (!pose || again) return;  // stamps that stand are of odometry that stands
+    odometry_stamp_ = stamp;
     motion.Set({*pose, ToMapFrame(odometry.twist.twist, pose->yaw_rad)}, Now());
+    velocity->OnMotion(*pose, ToMapFrame(odometry.twist.twist, 0));
   });
-  if (!names.scan.empty()) {
-    optional[names.scan] = endpoints.Subscribe<msg::LaserScan>(
-        names.scan,
-        [this](const msg::LaserScan& scan) {
-          const Motion* here = motion.At(Now());
-          if (here != nullptr) obstacles.Set(ToPoints(scan, here->pose), Now());
-        },
-        transport::kSensorDataQos);
+  if (!names.teleop.empty()) {
+    endpoints.Subscribe<msg::Twist>(names.teleop,
+                                    [this](const msg::Twist& twist) { OnTeleop(twist); });
   }
   if (!names.objects.empty()) {
     optional[names.objects] = endpoints.Subscribe<msg::ObjectStates>(

@@ -11,6 +11,7 @@
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
+#include "musher/modules/skills/robot/flight_hold.hpp"
 #include "musher/modules/skills/robot/navigator.hpp"
 #include "musher/modules/skills/robot/photo_folder.hpp"
 #include "musher/modules/skills/robot/recent_value.hpp"
@@ -22,18 +23,37 @@ namespace musher::skills {
 struct RosRobot::Wire {
   // Opens what the config names.
   Wire(const SkillsConfig& config, transport::Endpoints& endpoints, std::string name_space);
-  ~Wire() { Rest(); }
+  ~Wire() {
+    holds_.reset();
+    Rest();
+  }
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
   void Rest() {
     navigator->CancelAll();
-    velocity->Stop();
+    StopMotion();
     cameras->Tend();
+  }
+  void SetVelocity(const navigation::Velocity& command) {
+    holding_ = false;
+    velocity->Set(command);
+  }
+  // A drive takes the base: no skill, no hold and no person sends any more.
+  void FreeBase() {
+    if (velocity->sending()) StopMotion();
+  }
+  void StopMotion() {
+    holding_ = false;
+    velocity->Stop();
   }
   Missing Look() const;
   // Subscribes at the first call.
   const navigation::Pose* PoseOf(const std::string& topic);
+  // What the scanners have seen, in the map.
+  std::vector<navigation::Point> Seen() const;
+  // Of each scanner; false without one.
+  bool HasScan() const;
   Time Now() const { return clock.Now(); }
 
   struct Motion {
@@ -52,13 +72,15 @@ struct RosRobot::Wire {
   transport::Clock& clock;
   const std::string name_space;
   RecentValue<Motion> motion;
-  RecentValue<std::vector<navigation::Point>> obstacles;
+  std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
   RecentValue<Line> line;
   std::map<std::string, Tracked> tracked;
   std::map<std::string, const transport::Subscription*> optional;  // by topic
   transport::Client<msg::ManipulationControl>* hand = nullptr;     // null: there is none
   std::unique_ptr<VelocityOutput> velocity;
+  FlightHold hold;
+  Time active_at{};  // of the last step of the skills
   std::unique_ptr<Navigator> navigator;
   std::unique_ptr<CameraFeeds> cameras;
   std::unique_ptr<PhotoFolder> photos;
@@ -66,6 +88,13 @@ struct RosRobot::Wire {
 
  private:
   void Subscribe(transport::Endpoints& endpoints);
+  void SubscribeScans(transport::Endpoints& endpoints);
+  void OnTeleop(const msg::Twist& twist);
+  void HoldPlace();
+
+  bool holding_ = false;  // the last command is that of `hold`
+  Duration odometry_stamp_{};
+  transport::LoopHandlePtr holds_;  // last: it uses the rest
 };
 
 }  // namespace musher::skills

@@ -22,13 +22,6 @@ constexpr double kKeptM = 0.05;  // between the robot and an obstacle, at least
 constexpr Duration kProgressLimit = std::chrono::seconds(30);
 constexpr std::string_view kBeginPose = "begin";  // data: x, y, yaw
 
-// The speed from which it can brake within `free_m`, after the time of a step.
-double SafeSpeed(double free_m) {
-  constexpr double kBrakesMPerS2 = 0.5, kReactionS = 0.2;
-  const double lost = kBrakesMPerS2 * kReactionS;
-  return std::sqrt(lost * lost + 2 * kBrakesMPerS2 * free_m) - lost;
-}
-
 }  // namespace
 
 void AvoidObstacle::Declare(skill::Table& table) {
@@ -106,17 +99,6 @@ AvoidObstacle::Aim AvoidObstacle::AimOf(const Tick& tick, const navigation::Pose
   return {tick.parameters.Number("distance") - gone_m, navigation::Wrapped(heading - pose.yaw_rad)};
 }
 
-std::vector<navigation::Point> AvoidObstacle::Around(const navigation::Pose& pose) const {
-  std::vector<navigation::Point> around;
-  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
-  for (const navigation::Point& point : robot_.obstacles()) {
-    const double x = point.x_m - pose.at.x_m, y = point.y_m - pose.at.y_m;
-    if (std::hypot(x, y) > kLookedM) continue;
-    around.push_back({c * x + s * y, c * y - s * x, 0});
-  }
-  return around;
-}
-
 Next AvoidObstacle::Execute(Tick& tick) {
   if (const auto missing = Missing()) {
     robot_.SetVelocity({});
@@ -133,11 +115,12 @@ Next AvoidObstacle::Execute(Tick& tick) {
   if (nearer) nearest_m_ = aim.left_m;
   without_progress_ = nearer ? Duration{} : without_progress_ + tick.step;
 
-  const std::vector<navigation::Point> around = Around(pose);
+  const std::vector<navigation::Point> around = Around(pose, kLookedM);
   FieldRules rules{.radius_m = robot_.radius_m()};
   rules.range_m = std::min(kLookedM, aim.left_m + 2 * rules.radius_m + rules.margin_m);
   const auto direction = FreeDirection(around, aim.wanted_rad, direction_rad_, rules);
-  blocked_ = direction ? Duration{} : blocked_ + tick.step;
+  const std::string held = robot_.HeldBy();
+  blocked_ = direction && held.empty() ? Duration{} : blocked_ + tick.step;
   direction_rad_ = direction.value_or(0);
   const double free_m = FreeAhead(around, rules.radius_m, kKeptM, kLookedM);
   constexpr double kTurnsRadPerS = 1, kByAngle = 2;
@@ -151,7 +134,8 @@ Next AvoidObstacle::Execute(Tick& tick) {
 
   const double limit_s = tick.parameters.Number("blocked_limit");
   if (ToSeconds(blocked_) >= limit_s) {
-    return Next::Fail(fmt::format("Blocked: no free direction for {:.1f} s", limit_s));
+    return Next::Fail(fmt::format("Blocked: {} for {:.1f} s",
+                                  held.empty() ? "no free direction" : held + ",", limit_s));
   }
   if (without_progress_ >= kProgressLimit) {
     return Next::Fail(fmt::format("Blocked: not nearer to the goal for {:.1f} s, {:.1f} m are left",
@@ -161,8 +145,8 @@ Next AvoidObstacle::Execute(Tick& tick) {
   tick.Detail("current_velocity", navigation::Speed(robot_.velocity()));
   tick.Detail("free_ahead", free_m);
   tick.Report(10 + 85 / (1 + aim.left_m),
-              direction ? fmt::format("Moving... ({:.1f}s)", ToSeconds(tick.elapsed))
-                        : fmt::format("Blocked ({:.1f}s)", ToSeconds(blocked_)));
+              blocked_ == Duration{} ? fmt::format("Moving... ({:.1f}s)", ToSeconds(tick.elapsed))
+                                     : fmt::format("Blocked ({:.1f}s)", ToSeconds(blocked_)));
   return Next::Stay();
 }
 

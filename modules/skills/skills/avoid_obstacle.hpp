@@ -18,7 +18,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "musher/modules/skills/skills/travel_skill.hpp"
 
@@ -43,8 +42,6 @@ class AvoidObstacle : public TravelSkill {
   skill::Next Initialize(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
   Aim AimOf(const skill::Tick& tick, const navigation::Pose& pose) const;
-  // Points around the robot, in the frame of the body.
-  std::vector<navigation::Point> Around(const navigation::Pose& pose) const;
 
   double direction_rad_ = 0;
   Duration blind_{};

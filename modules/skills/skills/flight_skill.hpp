@@ -1,7 +1,8 @@
 #pragma once
 // What the skills of flyers have in common: only a robot that flies executes them; without odometry
 // the flyer hovers, and the skill fails after 2 s; at every end, in a pause and at a cancellation
-// the velocity command is zero, so that a flyer in the air hovers there.
+// the velocity command is zero, and a flyer in the air is held at its place
+// (robot/flight_hold.hpp).
 //
 // Heights are absolute: metres above the zero of the map, never above the start.
 
@@ -9,8 +10,8 @@
 #include <string>
 
 #include "musher/behavior/skill/skill.hpp"
+#include "musher/modules/skills/robot/position_hold.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
-#include "musher/modules/skills/skills/position_hold.hpp"
 
 namespace musher::skills {
 
@@ -38,6 +39,8 @@ class FlightSkill : public skill::Skill {
   // The same for x, y and yaw, with this vertical velocity.
   void KeepWhile(double climb_mps, const navigation::Pose& place, const navigation::Pose& now,
                  const skill::Tick& tick);
+
+  void NoteLanding() { robot_.NoteLanding(); }
 
   // A pose in the data of the skill, which is saved.
   static void Remember(const navigation::Pose& place, skill::Tick& tick);

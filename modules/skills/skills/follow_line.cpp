@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "musher/modules/skills/skills/vector_field.hpp"
+
 namespace musher::skills {
 namespace {
 
@@ -14,6 +16,9 @@ using skill::Tick;
 
 constexpr double kMostMPerS = 1;
 constexpr double kMostRadPerS = 1;
+constexpr double kKeptAheadM = 0.1;  // between the robot and what is ahead
+constexpr double kLineLookedM = 2;
+constexpr Duration kLineBlockedLimit = std::chrono::seconds(10);
 constexpr std::string_view kFollowed = "followed_m";
 
 // Turns to the line and along it; slower, the farther it is off.
@@ -103,9 +108,38 @@ Next FollowLine::Execute(Tick& tick) {
               fmt::format("Following the line... ({:.1f} m)", followed_m));
   tick.Detail("offset", line->offset_m);
   tick.Detail("heading", line->heading_rad);
-  robot_.SetVelocity(robot_.pose() ? Steered(*line, tick.parameters.Number("speed"))
-                                   : navigation::Velocity());
+  const auto pose = robot_.pose();
+  if (!pose) {
+    robot_.SetVelocity({});
+    return Next::Stay();
+  }
+  const navigation::Velocity wanted = Steered(*line, tick.parameters.Number("speed"));
+  robot_.SetVelocity(BeforeObstacles(wanted, *pose, tick));
+  if (blocked_ == Duration{}) return Next::Stay();
+  const std::string held = robot_.HeldBy();
+  const std::string why = held.empty()
+                              ? fmt::format("an obstacle is on the line at ({:.1f}, {:.1f})",
+                                            pose->at.x_m, pose->at.y_m)
+                              : held;
+  if (blocked_ >= kLineBlockedLimit) {
+    return Next::Fail(fmt::format("Blocked for {:.1f} s: {}", ToSeconds(blocked_), why));
+  }
+  tick.Report(0, fmt::format("Blocked ({:.1f}s): {}", ToSeconds(blocked_), why));
   return Next::Stay();
+}
+
+navigation::Velocity FollowLine::BeforeObstacles(const navigation::Velocity& wanted,
+                                                 const navigation::Pose& pose, Tick& tick) {
+  constexpr double kStandsMPerS = 0.02;
+  const double free_m =
+      FreeAhead(Around(pose, kLineLookedM), robot_.radius_m(), kKeptAheadM, kLineLookedM);
+  const double safe_m_s = SafeSpeed(free_m);
+  tick.Detail("free_ahead", free_m);
+  const bool stands = safe_m_s < kStandsMPerS || !robot_.HeldBy().empty();
+  blocked_ = stands ? blocked_ + tick.step : Duration{};
+  if (safe_m_s < kStandsMPerS) return {};
+  const double share = std::min(1.0, safe_m_s / wanted.x_m_s);
+  return {.x_m_s = share * wanted.x_m_s, .yaw_rad_s = share * wanted.yaw_rad_s};
 }
 
 Next FollowLine::Search(Tick& tick) {

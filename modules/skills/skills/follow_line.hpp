@@ -10,8 +10,10 @@
 //                  line was, then to the other side; a line that is not found is a failure
 //   STOPPING       at the end: until the robot stands
 //
-// It fails 3 s after the last odometry; until then it stands. Details: offset (m, left positive),
-// heading (rad), followed (m).
+// It is never faster than it can brake before what its scan sees ahead, and stands before it; it
+// goes on when the obstacle has left, and fails after 10 s without a free way. It fails 3 s after
+// the last odometry; until then it stands. Details: offset (m, left positive), heading (rad),
+// followed (m), free_ahead (m).
 
 #include <optional>
 #include <string>
@@ -35,10 +37,14 @@ class FollowLine : public TravelSkill {
   skill::Next Search(skill::Tick& tick);
   // The path since the last step, kept in the data of the run.
   double Followed(skill::Tick& tick);
+  // The command, slowed down for what is ahead.
+  navigation::Velocity BeforeObstacles(const navigation::Velocity& wanted,
+                                       const navigation::Pose& pose, skill::Tick& tick);
 
   std::optional<navigation::Point> last_;
   double side_ = 1;  // where the line was seen last: 1 left, -1 right
   Duration blind_{};
+  Duration blocked_{};
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
   skill::StateId searching_ = skill::kIdle;

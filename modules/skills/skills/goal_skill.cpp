@@ -11,27 +11,38 @@ using skill::Next;
 using skill::Tick;
 using Kind = TravelStep::Kind;
 
+namespace {
+
+constexpr std::string_view kRecovered = "recoveries_done";  // data, of this goal
+
+}  // namespace
+
 void GoalSkill::Declare(skill::Table& table) {
   constexpr Duration kPlanning = std::chrono::seconds(15);
   constexpr Duration kMoving = std::chrono::seconds(120);
   initializing_ = table.State("INITIALIZING", kServerWait);
   planning_ = table.State("PLANNING", kPlanning);
+  recovering_ = table.State("RECOVERING", std::chrono::seconds(30));
   executing_ = table.State("EXECUTING", kMoving);
   stopping_ = table.State("STOPPING");
   table.To(initializing_, planning_, "planner and controller are reachable");
   table.To(initializing_, initializing_, "they are not, after a loss");
   table.To(planning_, executing_, "the path is planned");
   table.To(planning_, initializing_, "the planner is lost");
+  table.To(planning_, recovering_, "the robot has no room where it stands");
+  table.To(recovering_, planning_, "the recovery has ended");
   table.To(executing_, skill::kSucceeded, "at the goal");
   table.To(executing_, planning_, "an obstacle, a pause, another goal");
   table.To(executing_, initializing_, "the controller is lost");
-  for (const skill::StateId state : {initializing_, planning_, executing_}) {
+  for (const skill::StateId state : {initializing_, planning_, recovering_, executing_}) {
     table.To(state, skill::kFailed, "failed");
     table.To(state, stopping_, "cancel");
   }
   table.To(stopping_, skill::kCancelled, "the robot stands");
   table.Limit({.retries = kAttempts});
   table.MonotoneProgress();
+  table.Takes("recoveries", "leave, wait, back_up, spin",
+              "what it does, one after the other, where it has no room to start");
   Describe(table);
 }
 
@@ -40,9 +51,13 @@ Next GoalSkill::Step(Tick& tick) {
   if (!taken_) {
     const Result<> taken = Take(tick);
     if (!taken) return Next::Fail(taken.error().message);
+    const auto recoveries = Recovery::Parse(tick.parameters.Text("recoveries"));
+    if (!recoveries) return Next::Fail(recoveries.error().message);
+    recoveries_ = recoveries.value();
     taken_ = true;
   }
   if (tick.state == initializing_) return Initialize(tick);
+  if (tick.state == recovering_) return Recover(tick);
   NoteBlockedTime(tick);
   return tick.state == planning_ ? Plan(tick) : Execute(tick);
 }
@@ -58,10 +73,30 @@ Next GoalSkill::Initialize(Tick& tick) {
 Next GoalSkill::Plan(Tick& tick) {
   tick.Report(tick.entered ? 15 : 30, Prefix(tick) + "Planning path...");
   const TravelStep step = travel_.Plan(Goal(tick), started_ ? std::nullopt : Start(), tick.step);
+  if (step.tight_start && !robot_.flies()) return AfterTightStart(tick, Prefix(tick) + step.why);
   if (step.kind != Kind::kDone) return Decide(tick, step);
   started_ = true;
   travel_.Begin(travel_.planned());
   return Next::To(executing_);
+}
+
+Next GoalSkill::AfterTightStart(Tick& tick, const std::string& why) {
+  const auto done = tick.data.Get<std::int64_t>(kRecovered, 0);
+  if (done >= static_cast<std::int64_t>(recoveries_.size())) return Next::Fail(why);
+  tick.data.Set(kRecovered, done + 1);
+  recovery_.Begin(recoveries_[static_cast<std::size_t>(done)]);
+  return Next::To(recovering_, why);
+}
+
+Next GoalSkill::Recover(Tick& tick) {
+  constexpr double kLookedM = 1;
+  const auto done = static_cast<std::size_t>(tick.data.Get<std::int64_t>(kRecovered, 0));
+  const bool restored = done == 0 || done > recoveries_.size();
+  if (restored) return Next::To(planning_);
+  tick.Report(15, Prefix(tick) + "No room to start: " + Recovery::NameOf(recoveries_[done - 1]));
+  const auto pose = robot_.pose();
+  const auto around = pose ? Around(*pose, kLookedM) : std::vector<navigation::Point>{};
+  return recovery_.Step(around, tick.step) ? Next::To(planning_) : Next::Stay();
 }
 
 Next GoalSkill::Execute(Tick& tick) {
@@ -69,6 +104,7 @@ Next GoalSkill::Execute(Tick& tick) {
   const TravelStep step = travel_.Drive(tick.step);
   if (step.kind == Kind::kDone) {
     blocked_.reset();
+    tick.data.Set(kRecovered, std::int64_t{0});
     const auto message = OnArrival(tick);
     return message ? Next::Succeed(*message) : Next::To(planning_);
   }
@@ -125,6 +161,7 @@ Next GoalSkill::OnLimit(Tick& tick) {
     if (step.kind == Kind::kDone) return Next::To(planning_);
     return tick.retries > 0 ? Next::Retry(initializing_, step.why) : Next::Fail(step.why);
   }
+  if (tick.state == recovering_) return Next::To(planning_);
   if (tick.state == planning_) return Next::Fail(Prefix(tick) + "Planning timeout");
   return Next::Fail(Prefix(tick) + "Navigate timeout");
 }

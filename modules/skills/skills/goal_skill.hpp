@@ -5,6 +5,8 @@
 //   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s; a
 //                 flyer is in the air
 //   PLANNING      15 s
+//   RECOVERING    the robot has no room where it stands: one recovery of the parameter `recoveries`
+//                 after the other, and another plan after each; once all are used up, it fails
 //   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
 //   STOPPING      of a cancellation: until the robot stands
 //
@@ -17,7 +19,9 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "musher/modules/skills/skills/recovery.hpp"
 #include "musher/modules/skills/skills/travel_skill.hpp"
 
 namespace musher::skills {
@@ -26,7 +30,7 @@ inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
 
 class GoalSkill : public TravelSkill {
  public:
-  using TravelSkill::TravelSkill;
+  explicit GoalSkill(Robot& robot) : TravelSkill(robot), recovery_(robot) {}
 
   void Declare(skill::Table& table) final;
   skill::Next Step(skill::Tick& tick) final;
@@ -52,6 +56,8 @@ class GoalSkill : public TravelSkill {
  private:
   skill::Next Initialize(skill::Tick& tick);
   skill::Next Plan(skill::Tick& tick);
+  skill::Next Recover(skill::Tick& tick);
+  skill::Next AfterTightStart(skill::Tick& tick, const std::string& why);
   skill::Next Execute(skill::Tick& tick);
   skill::Next Decide(const skill::Tick& tick, const TravelStep& step);
   skill::Next AfterBlocked(const skill::Tick& tick, const TravelStep& step);
@@ -64,11 +70,14 @@ class GoalSkill : public TravelSkill {
     Standstill standstill{};
   };
 
+  Recovery recovery_;
+  std::vector<RecoveryKind> recoveries_;
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
   std::optional<Blocked> blocked_;
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId planning_ = skill::kIdle;
+  skill::StateId recovering_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };
 

@@ -44,7 +44,10 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
   const double still_s =
       lower ? 0 : tick.data.Number(kStillFor) + std::min(ToSeconds(tick.step), kLongestStepS);
   tick.data.Set(kStillFor, still_s);
-  if (still_s >= kStillS && above_m <= kGroundToleranceM) return skill::Next::Succeed("Landed");
+  if (still_s >= kStillS && above_m <= kGroundToleranceM) {
+    NoteLanding();
+    return skill::Next::Succeed("Landed");
+  }
   const navigation::Pose place = Remembered(tick);
   KeepWhile(above_m < kSlowBelowM ? -kLastDescentMps : -kDescentMps, place, now, tick);
   const double start_m = place.at.z_m - tick.parameters.Number("ground_height");

@@ -45,6 +45,7 @@ Result<navigation::Velocity> NudgeCommand(const Robot& robot, const navigation::
   if (std::abs(bearing_rad) > kStraightRad) return command;
   if (ObstacleAhead(robot, *now, target)) return Error{kCodeFailed, "an obstacle is in the way"};
   command.x_m_s = kSpeedMps;
+  if (const std::string held = robot.HeldBy(); !held.empty()) return Error{kCodeFailed, held};
   return command;
 }
 

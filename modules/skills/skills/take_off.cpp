@@ -6,6 +6,8 @@ namespace musher::skills {
 namespace {
 
 constexpr double kReachedM = 0.1;
+constexpr double kOnGroundBelowM = 0.05;
+constexpr double kLowestShare = 0.8;  // of a low altitude, which is less than kReachedM above it
 constexpr double kMostProgress = 95;
 
 }  // namespace
@@ -39,7 +41,10 @@ skill::Next TakeOff::Check(const navigation::Pose& now, skill::Tick& tick) {
                              HeightText(now.at.z_m) + "; use hover to descend to " +
                              HeightText(altitude_m));
   }
-  if (now.at.z_m >= altitude_m - kReachedM) return skill::Next::Succeed("Reached altitude");
+  const bool stands = now.at.z_m < kOnGroundBelowM;
+  if (!stands && now.at.z_m >= altitude_m - kReachedM) {
+    return skill::Next::Succeed("Reached altitude");
+  }
   navigation::Pose place = now;
   place.at.z_m = altitude_m;
   Remember(place, tick);
@@ -51,7 +56,8 @@ skill::Next TakeOff::Fly(const navigation::Pose& now, skill::Tick& tick) {
   if (tick.state == initializing_) return Check(now, tick);
   const navigation::Pose place = Remembered(tick);
   tick.Detail("height_m", now.at.z_m);
-  if (now.at.z_m >= place.at.z_m - kReachedM) return skill::Next::Succeed("Reached altitude");
+  const double reached_m = std::max(place.at.z_m - kReachedM, kLowestShare * place.at.z_m);
+  if (now.at.z_m >= reached_m) return skill::Next::Succeed("Reached altitude");
   Keep(place, now, tick);
   tick.Report(std::min(100 * now.at.z_m / place.at.z_m, kMostProgress), HeightText(now.at.z_m));
   return skill::Next::Stay();

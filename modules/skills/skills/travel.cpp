@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 
 namespace musher::skills {
 namespace {
@@ -32,9 +33,9 @@ bool Stands(const Robot& robot) {
 Result<> CheckAltitude(const Robot& robot, const std::string& place, double height_m) {
   if (!robot.flies()) return Ok();
   const auto refuse = [&](const std::string& expected) {
-    return Error{
-        kCodeParametersInvalid,
-        fmt::format("Invalid altitude: {} is at {:.2f} m; expected {}", place, height_m, expected)};
+    return Error{kCodeParametersInvalid,
+                 fmt::format("Invalid altitude: {} is at {} m; expected {}", place,
+                             navigation::MetresText(height_m), expected)};
   };
   if (height_m <= 0) return refuse("more than 0 m");
   const double ceiling_m = robot.ceiling_m().value_or(height_m);
@@ -100,7 +101,8 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
     if (code == kCodeNetError || !robot_.HasPlanner()) {
       return {Kind::kLost, "No response from planner: " + why};
     }
-    return {Kind::kFailed, "Planning failed: " + why};
+    const bool tight = navigation::Is(planned.error(), navigation::Fault::kStartBlocked);
+    return {Kind::kFailed, "Planning failed: " + why, tight};
   }
   if (planned.value().empty()) return {Kind::kFailed, "Planning failed: the path has no points"};
   if (!std::ranges::all_of(planned.value(), [](const auto& pose) { return IsFinite(pose); })) {
@@ -174,6 +176,10 @@ TravelStep Travel::DriveEnd() {
     const Error& error = end.result().error();
     if (navigation::Is(error, navigation::Fault::kObstacle)) {
       return {Kind::kBlocked, error.message};
+    }
+    // Waited for at a stand; it comes back, or the attempts end with this reason.
+    if (Is(error, navigation::Fault::kOdometry) || Is(error, navigation::Fault::kScan)) {
+      return {Kind::kLost, "Drive interrupted: " + error.message};
     }
     if (error.code == kCodeStateInvalid) return {Kind::kLost, "Request rejected: " + error.message};
     if (error.code == kCodeNetError || !robot_.HasController()) {

@@ -63,6 +63,7 @@ struct TravelStep {
 
   Kind kind = Kind::kPending;
   std::string why{};
+  bool tight_start = false;  // kFailed: the robot has no room where it stands
 };
 
 class Travel {

@@ -6,6 +6,7 @@
 // Units, frames and threads: those of robot.hpp.
 
 #include <string>
+#include <vector>
 
 #include "musher/behavior/skill/skill.hpp"
 #include "musher/modules/skills/skills/travel.hpp"
@@ -25,6 +26,9 @@ class TravelSkill : public skill::Skill {
   skill::Next Complete(skill::Tick& tick);
   // A step of STOPPING. `success`: the message, if the task was done.
   skill::Next Stop(skill::Tick& tick, const std::string& success = {});
+
+  // What its scan sees within `most_m`, in the frame of the body.
+  std::vector<navigation::Point> Around(const navigation::Pose& pose, double most_m) const;
 
   Robot& robot_;
   Travel travel_;

@@ -72,4 +72,10 @@ double FreeAhead(const std::vector<navigation::Point>& obstacles, double radius_
   return std::max(free_m, 0.0);
 }
 
+double SafeSpeed(double free_m) {
+  constexpr double kBrakesMPerS2 = 0.5, kReactionS = 0.2;
+  const double lost = kBrakesMPerS2 * kReactionS;
+  return std::sqrt(lost * lost + 2 * kBrakesMPerS2 * free_m) - lost;
+}
+
 }  // namespace musher::skills

@@ -27,4 +27,7 @@ std::optional<double> FreeDirection(const std::vector<navigation::Point>& obstac
 double FreeAhead(const std::vector<navigation::Point>& obstacles, double radius_m, double kept_m,
                  double most_m);
 
+// The speed from which a robot can brake within `free_m`, after the time of a step.
+double SafeSpeed(double free_m);
+
 }  // namespace musher::skills

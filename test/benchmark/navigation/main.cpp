@@ -4,9 +4,10 @@
 //   benchmark_navigation [RUNS [SEED [PART]]]
 //
 // RUNS: maps of the planner; navigations among movers are as many, other parts have fewer. PART:
-// one of planner, samples, space, trajectory, controller, tracking, movers. CPU time of the calling
-// thread.
+// one of planner, samples, space, trajectory, controller, tracking, movers, gate. CPU time of the
+// calling thread.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -19,11 +20,13 @@
 #include <vector>
 
 #include "musher/navigation/controller/axis_control.hpp"
+#include "musher/navigation/gate/motion_gate.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 #include "musher/navigation/planner/planner.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
 #include "musher/test/benchmark/navigation/sampled_search.hpp"
 #include "musher/test/navigation/drive.hpp"
+#include "musher/test/navigation/gate_run.hpp"
 #include "musher/test/navigation/maps.hpp"
 
 namespace musher::benchmark {
@@ -278,6 +281,36 @@ void MeasureNavigations(int runs, std::uint64_t seed, bool yield) {
 }
 
 // All parts, or one.
+// 20 s of commands of a source that knows nothing, on random maps; and what a check costs.
+void MeasureGate(int runs, std::uint64_t seed) {
+  std::printf("\n%d bodies of 0.2 m radius for 20 s of any commands\n\n", runs);
+  std::printf("| | contacts | driven, m | least room, m |\n|---|---|---|---|\n");
+  for (const bool gated : {false, true}) {
+    int contacts = 0;
+    double driven_m = 0, least_m = 1;
+    for (int run = 0; run < runs; ++run) {
+      const GateRun result = RunThroughGate(seed + run, gated);
+      contacts += result.least_room_m <= 0;
+      driven_m += result.driven_m;
+      least_m = std::min(least_m, result.least_room_m);
+    }
+    std::printf("| %s | %d | %.0f | %.3f |\n", gated ? "with the gate" : "without", contacts,
+                driven_m, least_m);
+  }
+  GateRules rules;
+  rules.scanners = {{.topic = "scan"}};
+  MotionGate gate(rules);
+  Scan scan{0, M_PI / 180, 0.05, 8, std::vector<float>(360, 1.2F)};
+  Time now{};
+  gate.OnScan(0, scan, {}, now);
+  std::vector<double> us;
+  for (int i = 0; i < 1000; ++i) {
+    us.push_back(1e3 * MsOf([&] { gate.Check({1.5, 0, 0, 0.5}, now); }));
+  }
+  Head("The gate, a scan of 360 points 1.2 m around a body at 1.5 m/s");
+  Row("a check", us, "us");
+}
+
 void Run(int runs, std::uint64_t seed, const std::string& part) {
   const auto wanted = [&](const char* name) { return part.empty() || part == name; };
   if (wanted("planner")) MeasurePlanner(runs, seed);
@@ -288,6 +321,7 @@ void Run(int runs, std::uint64_t seed, const std::string& part) {
   if (wanted("tracking")) MeasureTracking(std::max(1, runs / 10), seed);
   if (wanted("movers")) MeasureNavigations(runs, seed, true);
   if (wanted("movers")) MeasureNavigations(runs, seed, false);
+  if (wanted("gate")) MeasureGate(runs, seed);
 }
 
 }  // namespace

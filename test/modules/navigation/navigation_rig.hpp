@@ -66,14 +66,14 @@ class NavigationRig : public ::testing::Test {
     PlannerRobot planned;
     planned.name = options.name;
     planned.odometry = options.name + "/odom";
-    planned.scan = options.name + "/scan";
+    planned.scanners = {{.topic = options.name + "/scan"}};
     planned.action = options.name + "/compute_path_to_pose";
     planned.path = options.name + "/planned_path";
     planner_config_.robots = {planned};
     ControllerRobot driven;
     driven.name = options.name;
     driven.odometry = planned.odometry;
-    driven.scan = planned.scan;
+    driven.scanners = planned.scanners;
     driven.action = options.name + "/follow_path";
     driven.trajectory = options.name + "/timed_trajectory";
     driven.command = options.name + "/cmd_vel";

@@ -101,6 +101,21 @@ TEST_F(PlannerServerTest, KeepsTheMapWhenTheNextOneCannotBeUsed) {
   EXPECT_EQ(Plan({.goal = At(3, 3)}).end, GoalEnd::kSucceeded);
 }
 
+TEST_F(PlannerServerTest, RemembersWhatIsOutOfSight) {
+  StartServers();
+  robot_.discs = {{{3, 2, 0}, 0.2}};
+  Run(500);
+  robot_.discs.clear();
+  robot_.scan_silent = true;
+  Run(5000);
+  EXPECT_EQ(Plan({.goal = At(5, 2)}).end, GoalEnd::kSucceeded);
+  EXPECT_THAT(log_.back(), HasSubstr("around what its scan sees"));
+  robot_.scan_silent = false;
+  Run(500);
+  EXPECT_EQ(Plan({.goal = At(5, 2)}).end, GoalEnd::kSucceeded);
+  EXPECT_THAT(log_.back(), ::testing::Not(HasSubstr("around"))) << "rays pass where it was";
+}
+
 TEST_F(PlannerServerTest, UsesANewMap) {
   StartServers();
   msg::OccupancyGrid blocked = testing::GridOf(walls_.map());

@@ -104,6 +104,46 @@ TEST(PlannerWork, GoesAroundWhatTheScanSees) {
   }
 }
 
+// 130 m by 130 m, 6.8 million cells.
+TEST(PlannerWork, GoesAroundWhatTheScanSeesAlsoOnALargeMap) {
+  CellMap map;
+  map.resolution_m = 0.05;
+  map.size_x = map.size_y = 2600;
+  map.blocked.assign(std::size_t{2600} * 2600, 0);
+  const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
+  ASSERT_TRUE(planner) << planner.error().message;
+  std::vector<Point> box;
+  for (int i = -10; i <= 10; ++i) box.push_back({62, 60 + 0.05 * i, 0});
+  for (const Point& to : {Point{66, 60, 0}, Point{120, 60, 0}, Point{125, 125, 0}}) {
+    const Pose start{{60, 60, 0}, 0};
+    std::vector<Point> in_the_way = box;
+    if (to.y_m > 100) in_the_way = {{61.5, 61.5, 0}, {61.6, 61.4, 0}, {61.4, 61.6, 0}};
+    const PathReply reply = Find(planner.value(), start, {to, 0}, Ground(), in_the_way);
+    ASSERT_TRUE(reply.plan) << reply.plan.error().message;
+    EXPECT_TRUE(reply.around_seen) << to.x_m;
+    EXPECT_LT(Distance(reply.plan.value().path.back().at, to), 0.01);
+    for (const Pose& pose : reply.plan.value().path) {
+      for (const Point& point : in_the_way) EXPECT_GT(Distance(pose.at, point), 0.29);
+    }
+  }
+}
+
+TEST(PlannerWork, TakesAThingThatAFlyerSeesForAsHighAsTheRoom) {
+  const auto planner = MakePlanner(CloudOf({{0, 0, 0}, {6, 3, 0}, {0, 3, 3}}), {}, Flyer());
+  ASSERT_TRUE(planner) << planner.error().message;
+  const std::vector<Point> person = {{3, 1.5, 0.8}, {3, 1.4, 0.8}, {3, 1.6, 0.8}};
+  const PathReply reply =
+      Find(planner.value(), {{1, 1.5, 0.8}, 0}, {{5, 1.5, 0.8}, 0}, Flyer(), person);
+  ASSERT_TRUE(reply.plan) << reply.plan.error().message;
+  EXPECT_TRUE(reply.around_seen);
+  for (const Pose& pose : reply.plan.value().path) {
+    for (const Point& point : person) {
+      EXPECT_GT(std::hypot(pose.at.x_m - point.x_m, pose.at.y_m - point.y_m), 0.2)
+          << "neither above nor below it";
+    }
+  }
+}
+
 TEST(PlannerWork, IgnoresAScanOfTheWallsOfTheMap) {
   const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
   const std::vector<Point> wall = {{3.62, 1, 0}, {3.61, 1.2, 0}, {0.42, 1, 0}};

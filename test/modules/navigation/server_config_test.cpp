@@ -50,7 +50,9 @@ TEST(PlannerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(full.comfort_m, brief.comfort_m);
   EXPECT_EQ(full.flies, brief.flies);
   EXPECT_EQ(full.odometry, brief.odometry);
-  EXPECT_EQ(full.scan, brief.scan);
+  ASSERT_EQ(full.scanners.size(), 1U);
+  ASSERT_EQ(brief.scanners.size(), 1U);
+  EXPECT_EQ(full.scanners[0].topic, brief.scanners[0].topic);
   EXPECT_EQ(full.action, brief.action);
   EXPECT_EQ(full.path, brief.path);
   EXPECT_TRUE(file.robots[2].flies);
@@ -88,7 +90,9 @@ TEST(ControllerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(full.arrive_rad, brief.arrive_rad);
   EXPECT_EQ(full.join_m, brief.join_m);
   EXPECT_EQ(full.odometry, brief.odometry);
-  EXPECT_EQ(full.scan, brief.scan);
+  ASSERT_EQ(full.scanners.size(), 1U);
+  ASSERT_EQ(brief.scanners.size(), 1U);
+  EXPECT_EQ(full.scanners[0].topic, brief.scanners[0].topic);
   EXPECT_EQ(full.action, brief.action);
   EXPECT_EQ(full.trajectory, brief.trajectory);
   EXPECT_EQ(full.command, brief.command);
@@ -119,12 +123,74 @@ TEST(ControllerFile, ReportsErrorsAtTheirPlace) {
             "that begins with no digit, at most 64 long");
 }
 
+TEST(ControllerFile, HasTheGateItsZonesAndTheScannersOfEachRobot) {
+  const auto reading = ReadControllerText(R"(
+[[robot]]
+name = "a"
+lag_s = 0.3
+[robot.gate]
+margin_m = 0.1
+brake_m_s2 = 1.5
+reaction_ms = 300
+approach_ms = 2000
+[[robot.gate.zone]]
+name = "ahead"
+kind = "stop"
+corners = [[0.8, 0.4], [0.8, -0.4], [0, 0]]
+least_points = 2
+[[robot.scanner]]
+topic = "a/front"
+x_m = 0.2
+yaw_deg = 90
+most_m = 5
+[[robot.scanner]]
+topic = "a/rear"
+[[robot]]
+name = "b"
+kind = "flyer"
+)",
+                                          "controller.toml");
+  ASSERT_TRUE(reading.config) << reading.diagnostics.front().message;
+  const ControllerRobot& a = reading.config->robots[0];
+  EXPECT_EQ(a.gate.margin_m, 0.1);
+  EXPECT_EQ(a.gate.brake_m_s2, 1.5);
+  EXPECT_EQ(a.gate.reaction_s, 0.3);
+  EXPECT_EQ(a.gate.approach_s, 2);
+  ASSERT_EQ(a.gate.zones.size(), 1U);
+  EXPECT_TRUE(a.gate.zones[0].stops);
+  EXPECT_EQ(a.gate.zones[0].least_points, 2);
+  EXPECT_EQ(a.gate.zones[0].corners[1], (Point{0.8, -0.4, 0}));
+  ASSERT_EQ(a.scanners.size(), 2U);
+  EXPECT_EQ(a.scanners[0].topic, "a/front");
+  EXPECT_EQ(a.scanners[0].on_body.at.x_m, 0.2);
+  EXPECT_NEAR(a.scanners[0].on_body.yaw_rad, M_PI / 2, 1e-9);
+  EXPECT_EQ(a.scanners[0].most_m, 5);
+  EXPECT_EQ(a.scanners[1].topic, "a/rear");
+  EXPECT_EQ(reading.config->robots[1].gate.blind_m_s, kFlyerBlindMS);
+}
+
+TEST(ControllerFile, ReportsErrorsOfTheGateAtTheirPlace) {
+  const std::string robot = "[[robot]]\nname = \"a\"\n";
+  const std::string corners =
+      "expected three corners or more around the body, as in [[0.8, 0.4], [0.8, -0.4], [0, 0]]";
+  EXPECT_EQ(ControllerError(robot + "[robot.gate]\nmargin_m = -1\n"),
+            "controller.toml:4:12: error: robot.gate.margin_m: expected a number from 0 to 10, "
+            "found -1");
+  EXPECT_EQ(ControllerError(robot + "[[robot.gate.zone]]\nname = \"z\"\ncorners = [[0, 1]]\n"),
+            "controller.toml:5:11: error: robot.gate.zone.corners: " + corners);
+  EXPECT_EQ(ControllerError(robot + "[[robot.gate.zone]]\nname = \"z\"\ncorners = [[0, nan]]\n"),
+            "controller.toml:5:12: error: robot.gate.zone.corners: " + corners);
+  EXPECT_EQ(ControllerError(robot + "[[robot.scanner]]\ntopic = \"a/scan\"\nyaw = 3\n"),
+            "controller.toml:5:1: error: robot.scanner: unknown key \"yaw\"; expected one of "
+            "topic, x_m, y_m, z_m, yaw_deg, least_m and most_m");
+}
+
 TEST(ControllerFile, MayLeaveOutMapAndScan) {
   const auto reading =
       ReadControllerText("map = \"\"\n[[robot]]\nname = \"a\"\nscan = \"\"\n", "controller.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(reading.config->map, "");
-  EXPECT_EQ(reading.config->robots[0].scan, "");
+  EXPECT_THAT(reading.config->robots[0].scanners, IsEmpty());
 }
 
 }  // namespace musher::navigation::server_config_test

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kMoveS = 0.01;
 constexpr int kScanRays = 180;
+constexpr double kBodyRadiusM = 0.2;
 constexpr double kRangeM = 8;
 constexpr Duration kDeadMan = Milliseconds(500);
 
@@ -74,10 +75,14 @@ void SimulatedRobot::Move() {
   velocity_.z_m_s += share * (wanted.z_m_s - velocity_.z_m_s);
   velocity_.yaw_rad_s += share * (wanted.yaw_rad_s - velocity_.yaw_rad_s);
   if (stuck) velocity_ = {};
-  pose_.at.x_m += velocity_.x_m_s * kMoveS;
-  pose_.at.y_m += velocity_.y_m_s * kMoveS;
-  pose_.at.z_m += velocity_.z_m_s * kMoveS;
-  pose_.yaw_rad = Wrapped(pose_.yaw_rad + velocity_.yaw_rad_s * kMoveS);
+  const double moved_s = slips * kMoveS;
+  pose_.at.x_m += velocity_.x_m_s * moved_s;
+  pose_.at.y_m += velocity_.y_m_s * moved_s;
+  pose_.at.z_m += velocity_.z_m_s * moved_s;
+  pose_.yaw_rad = Wrapped(pose_.yaw_rad + velocity_.yaw_rad_s * moved_s);
+  if (walls_.map().flat()) {
+    least_room_m_ = std::min(least_room_m_, walls_.At(pose_.at, 2) - kBodyRadiusM);
+  }
 }
 
 msg::Header SimulatedRobot::HeaderNow() const {
@@ -92,10 +97,19 @@ void SimulatedRobot::SendOdometry() {
   msg::Odometry odometry;
   odometry.header = HeaderNow();
   odometry.child_frame_id = options_.name;
-  odometry.pose.pose = ToMessage(pose_);
+  Pose believed = pose_;
+  believed.at = {pose_.at.x_m + odometry_off.x_m, pose_.at.y_m + odometry_off.y_m,
+                 pose_.at.z_m + odometry_off.z_m};
+  odometry.pose.pose = ToMessage(believed);
   const Velocity body = InBodyFrame(velocity_, pose_.yaw_rad);
   odometry.twist.twist.linear = {body.x_m_s, body.y_m_s, body.z_m_s};
   odometry.twist.twist.angular.z = body.yaw_rad_s;
+  if (odometry_frozen || stamps_stand) {
+    const msg::Header header = stamps_stand ? last_odometry_.header : odometry.header;
+    odometry = last_odometry_;
+    odometry.header = header;
+  }
+  last_odometry_ = odometry;
   static_cast<void>(odometry_->Publish(odometry));
 }
 

@@ -53,7 +53,13 @@ class SimulatedRobot {
 
   bool odometry_silent = false;
   bool scan_silent = false;
-  bool stuck = false;  // the wheels turn, the body does not move
+  bool stuck = false;            // the wheels turn, the body does not move
+  double slips = 1;              // it moves by this share of its velocity
+  bool odometry_frozen = false;  // the pose stands, its stamps do not
+  bool stamps_stand = false;
+  Point odometry_off;  // what a wrong localisation adds to the pose
+  // From the body's edge to the nearest wall, so far.
+  double least_room_m() const { return least_room_m_; }
   std::vector<Disc> discs;
 
  private:
@@ -74,6 +80,8 @@ class SimulatedRobot {
   int zeros_ = 0;
   Time command_at_;
   double hardest_m_s2_ = 0;
+  double least_room_m_ = 10;
+  msg::Odometry last_odometry_;
   std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
   std::unique_ptr<transport::Publisher<msg::LaserScan>> scan_;
   std::unique_ptr<transport::Subscription> commands_in_;

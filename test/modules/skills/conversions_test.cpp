@@ -61,18 +61,19 @@ TEST(Conversions, NeverCommandANumberThatIsNotFinite) {
   EXPECT_EQ(twist.angular.z, 0);
 }
 
-TEST(Conversions, PutTheRaysThatHitSomethingIntoTheMap) {
+TEST(Conversions, GiveAScanItsLimits) {
   msg::LaserScan scan;
   scan.angle_min = 0;
   scan.angle_increment = static_cast<float>(M_PI / 2);
   scan.range_min = 0.1F;
   scan.range_max = 10;
   scan.ranges = {2, INFINITY, 0.05F, 20};
-  const auto points = ToPoints(scan, {{1, 1, 0.5}, M_PI / 2});
-  ASSERT_EQ(points.size(), 1U);
-  EXPECT_NEAR(points[0].x_m, 1, 1e-6);
-  EXPECT_NEAR(points[0].y_m, 3, 1e-6);
-  EXPECT_EQ(points[0].z_m, 0.5);
+  const navigation::Scan converted = ToScan(scan);
+  EXPECT_EQ(converted.from_rad, 0);
+  EXPECT_NEAR(converted.step_rad, M_PI / 2, 1e-6);
+  EXPECT_NEAR(converted.least_m, 0.1, 1e-6);
+  EXPECT_EQ(converted.most_m, 10);
+  EXPECT_EQ(converted.ranges_m, scan.ranges);
 }
 
 TEST(Conversions, ReadPicturesOfAllEncodings) {

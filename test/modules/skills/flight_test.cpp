@@ -136,6 +136,14 @@ TEST_F(Flight, TakeOffAtItsAltitudeHasNothingToDo) {
   EXPECT_NEAR(bench_.robot.body.at.z_m, 0.95, 1e-9);
 }
 
+TEST_F(Flight, TakeOffToALowAltitudeIsNoSuccessOnTheGround) {
+  for (const double altitude_m : {0.06, 0.1, 0.3}) {
+    InTheAir(0);
+    EXPECT_EQ(bench_.Execute("take_off", {{"altitude", altitude_m}}).message, "Reached altitude");
+    EXPECT_GE(bench_.robot.body.at.z_m, 0.8 * altitude_m);
+  }
+}
+
 TEST(GroundRobots, RefuseToFlyWithASentence) {
   for (const std::string kind : {"jetbot", "g1", "h1"}) {
     Bench bench(kind + "_0", kind);

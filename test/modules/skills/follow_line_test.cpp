@@ -135,6 +135,28 @@ TEST_F(FollowLine, StandsInAPauseAndWhenItIsCancelled) {
   EXPECT_TRUE(robot.Rests());
 }
 
+TEST_F(FollowLine, StandsBeforeABoxOnTheLineAndFailsWhenItStays) {
+  for (int i = -10; i <= 10; ++i) {
+    robot.points.push_back({2 + 0.02 * i, std::sqrt(kRadiusM * kRadiusM - 4), 0});
+  }
+  Go({{"speed", "1"}});
+  EXPECT_TRUE(RunToItsEnd(60));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_THAT(feedback().message, StartsWith("Blocked for 10.0 s: an obstacle is on the line"));
+  EXPECT_GT(robot.nearest_m, robot.radius_m());
+  EXPECT_TRUE(robot.Rests());
+}
+
+TEST_F(FollowLine, GoesOnWhenTheBoxHasLeft) {
+  robot.points = {{2, std::sqrt(kRadiusM * kRadiusM - 4), 0}};
+  Go({{"distance", "8"}});
+  RunFor(20);
+  EXPECT_THAT(feedback().message, StartsWith("Blocked ("));
+  robot.points.clear();
+  EXPECT_TRUE(RunToItsEnd(60));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+}
+
 TEST_F(FollowLine, RefusesParametersThatAreNone) {
   const std::string speed = "; expected more than 0 and at most 1 m/s";
   EXPECT_EQ(WhyRefused({{"speed", "0"}}), "speed is 0 m/s" + speed);

@@ -46,6 +46,57 @@ class NavigateTo : public ::testing::Test, public SkillsOnARobot {
   }
 };
 
+// The planner refuses a start that is nearer than 0.35 m to the wall at x = -0.3.
+TEST_F(NavigateTo, LeavesATightStartAndGoesOn) {
+  for (const double yaw_rad : {0.0, 1.5, 3.0, -2.0}) {
+    robot.at = {{0, 0, 0}, yaw_rad};
+    robot.points.clear();
+    for (int i = -20; i <= 20; ++i) robot.points.push_back({-0.25, 0.05 * i, 0});
+    robot.plan = [](const navigation::Pose& start,
+                    const navigation::Pose& goal) -> Result<navigation::Path> {
+      if (start.at.x_m > 0.1) return navigation::Path{start, goal};
+      return navigation::MakeError(navigation::Fault::kStartBlocked, "the start has no room");
+    };
+    robot.nearest_m = 1;
+    Go();
+    EXPECT_TRUE(RunToState("RECOVERING", 5));
+    Step();
+    EXPECT_EQ(feedback().message, "No room to start: leave");
+    EXPECT_TRUE(RunToItsEnd(60));
+    EXPECT_EQ(feedback().status, Status::kCompleted) << yaw_rad << ": " << feedback().message;
+    EXPECT_GT(robot.nearest_m, robot.radius_m()) << yaw_rad;
+  }
+}
+
+TEST_F(NavigateTo, FailsWithTheReasonOnceItsRecoveriesAreUsedUp) {
+  robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
+    return navigation::MakeError(navigation::Fault::kStartBlocked, "the start has no room");
+  };
+  std::set<std::string> texts;
+  EachStep([&] { texts.insert(feedback().message); });
+  Go();
+  ExpectFailure(60, "Planning failed: the start has no room");
+  for (const char* name : {"leave", "wait", "back_up", "spin"}) {
+    EXPECT_TRUE(texts.contains("No room to start: " + std::string(name))) << name;
+  }
+  EXPECT_EQ(robot.plans, 5);
+  Go({{"goal_pos", "[4, 3, 0]"}, {"recoveries", ""}});
+  ExpectFailure(2, "the start has no room");
+}
+
+TEST_F(NavigateTo, WaitsForALostScanOrOdometryAndGoesOn) {
+  for (const auto fault : {navigation::Fault::kScan, navigation::Fault::kOdometry}) {
+    robot.at = {};
+    Go();
+    RunFor(2);
+    robot.FailDrive(navigation::MakeError(fault, "its scan is lost"));
+    Step();
+    EXPECT_EQ(feedback().state, "INITIALIZING");
+    EXPECT_TRUE(RunToItsEnd(30));
+    EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  }
+}
+
 TEST_F(NavigateTo, ReportsEachPhaseWithItsTextAndProgress) {
   std::set<std::string> texts;
   Go();

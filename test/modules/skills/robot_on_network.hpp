@@ -25,7 +25,8 @@ T Must(Result<T> result) {
 
 inline SkillsConfig ConfigOfR() {
   auto reading = ReadSkillsText(
-      "robot = \"r\"\nkind = \"jetbot\"\nhand = true\n[topics]\nline = \"line\"\n[cameras]\n"
+      "robot = \"r\"\nkind = \"jetbot\"\nhand = true\n[topics]\nline = \"line\"\nteleop = "
+      "\"r/teleop\"\n[cameras]\n"
       "front = \"r/camera/image\"\n",
       "/tmp/r.toml");
   return *reading.config;
@@ -44,6 +45,7 @@ class Peers {
     line = endpoints.Advertise<msg::YellowLines>("line", transport::kSensorDataQos);
     camera = endpoints.Advertise<msg::Image>("r/camera/image", transport::kSensorDataQos);
     target = endpoints.Advertise<msg::Odometry>("/target_0/odom");
+    teleop = endpoints.Advertise<msg::Twist>("r/teleop");
     endpoints.Subscribe<msg::Twist>("r/cmd_vel",
                                     [this](const msg::Twist& twist) { commands.push_back(twist); });
     transport::ActionHandlers<msg::ComputePathToPose> plan;
@@ -86,6 +88,7 @@ class Peers {
   transport::Publisher<msg::YellowLines>* line = nullptr;
   transport::Publisher<msg::Image>* camera = nullptr;
   transport::Publisher<msg::Odometry>* target = nullptr;
+  transport::Publisher<msg::Twist>* teleop = nullptr;
   transport::Endpoints endpoints;
 };
 
@@ -99,9 +102,18 @@ class ARosRobot : public ::testing::Test {
   }
   void Run(std::int64_t ms) {
     for (; ms > 0; ms -= 10) {
+      if (sees_m_ && ++runs_ % 10 == 0) See(*sees_m_);
       network_.RunFor(Milliseconds(10));
       robot_.BeginStep(Now());
     }
+  }
+  // A scan with one ray ahead.
+  void See(double ahead_m) {
+    msg::LaserScan scan;
+    scan.range_min = 0.05F;
+    scan.range_max = 10;
+    scan.ranges = {static_cast<float>(ahead_m)};
+    EXPECT_TRUE(peers_->scan->Publish(scan));
   }
   Time Now() { return body_->loop().Now(); }
   void Stand(double x_m, double yaw_rad) {
@@ -122,6 +134,8 @@ class ARosRobot : public ::testing::Test {
   transport::sim::Network network_{1};
   std::unique_ptr<transport::Node> body_ = network_.MakeNode("robot");
   std::unique_ptr<transport::Node> world_ = network_.MakeNode("world");
+  std::optional<double> sees_m_;  // ahead, ten times a second
+  int runs_ = 0;
   std::unique_ptr<Peers> peers_ = std::make_unique<Peers>(*world_);
   RosRobot robot_;
   std::unique_ptr<transport::Endpoints> endpoints_ =

@@ -22,9 +22,12 @@ TEST_F(ARosRobot, KnowsItsPoseAsLongAsItsOdometryIsRecent) {
 }
 
 TEST_F(ARosRobot, PublishesItsVelocityTwentyTimesASecondUntilItStops) {
+  See(9);
+  Run(20);
   robot_.SetVelocity({0.5, 0, 0, 0.25});
+  sees_m_ = 9;
   Run(1000);
-  EXPECT_NEAR(double(peers_->commands.size()), 21, 2);
+  EXPECT_NEAR(double(peers_->commands.size()), 31, 3) << "and with each scan";
   EXPECT_EQ(peers_->commands.back().linear.x, 0.5);
   EXPECT_EQ(peers_->commands.back().angular.z, 0.25);
   robot_.StopMotion();
@@ -33,6 +36,142 @@ TEST_F(ARosRobot, PublishesItsVelocityTwentyTimesASecondUntilItStops) {
   const std::size_t count = peers_->commands.size();
   Run(1000);
   EXPECT_EQ(peers_->commands.size(), count);
+}
+
+TEST_F(ARosRobot, LetsNoCommandLeadItIntoWhatItsScanSees) {
+  sees_m_ = 9;
+  Run(200);
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Run(200);
+  EXPECT_EQ(peers_->commands.back().linear.x, 0.5);
+  EXPECT_EQ(robot_.HeldBy(), "");
+  See(0.3);
+  Run(10);
+  EXPECT_LT(peers_->commands.back().linear.x, 0.3) << "at once";
+  sees_m_ = 0.24;
+  Run(300);
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{});
+  EXPECT_EQ(robot_.HeldBy(), "an obstacle 0.24 m away, straight ahead, stops it");
+  robot_.SetVelocity({-0.5, 0, 0, 0});
+  Run(100);
+  EXPECT_EQ(peers_->commands.back().linear.x, -0.5);
+  sees_m_.reset();
+  Run(700);
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{}) << "it does not move blindly";
+  EXPECT_THAT(robot_.HeldBy(), HasSubstr("no recent scan on r/scan"));
+}
+
+TEST_F(ARosRobot, SendsNothingBesideADrive) {
+  sees_m_ = 9;
+  Run(200);
+  robot_.SetVelocity({});
+  Run(200);
+  const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  Run(50);
+  const std::size_t count = peers_->commands.size();
+  Run(500);
+  EXPECT_EQ(peers_->commands.size(), count) << "the controller has the base";
+}
+
+TEST_F(ARosRobot, StopsWhenItIsCommandedAndDoesNotMove) {
+  sees_m_ = 9;
+  Run(200);
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  for (int i = 0; i < 20; ++i) {
+    Stand(1, 0);
+    Run(80);
+  }
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{});
+  EXPECT_THAT(robot_.HeldBy(), HasSubstr("its odometry does not change at all: it is stuck"));
+  robot_.StopMotion();
+  Run(50);
+  EXPECT_EQ(robot_.HeldBy(), "");
+  robot_.SetVelocity({-0.5, 0, 0, 0});
+  Run(50);
+  EXPECT_EQ(peers_->commands.back().linear.x, -0.5) << "the next skill may try";
+}
+
+TEST_F(ARosRobot, TakesOdometryWhoseStampsStandForNone) {
+  msg::Odometry odometry;
+  odometry.pose.pose.orientation.w = 1;
+  odometry.header.stamp = {7, 0};
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(peers_->odometry->Publish(odometry));
+    Run(100);
+  }
+  EXPECT_FALSE(robot_.pose());
+}
+
+TEST_F(ARosRobot, ExecutesTeleoperationThroughTheGateWhileNoSkillMovesIt) {
+  sees_m_ = 9;
+  Run(200);
+  msg::Twist twist;
+  twist.linear.x = 0.6;
+  EXPECT_TRUE(peers_->teleop->Publish(twist));
+  Run(100);
+  EXPECT_EQ(peers_->commands.back().linear.x, 0.6);
+  See(0.24);
+  Run(20);
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{});
+  Run(700);
+  const std::size_t count = peers_->commands.size();
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{}) << "a person who is silent drives no more";
+  Run(300);
+  EXPECT_EQ(peers_->commands.size(), count);
+  robot_.SetVelocity({0.2, 0, 0, 0});
+  EXPECT_TRUE(peers_->teleop->Publish(twist));
+  Run(100);
+  EXPECT_EQ(peers_->commands.back().linear.x, 0.2) << "the skill has the base";
+}
+
+class ARosFlyer : public ARosRobot {
+ protected:
+  ARosFlyer() : ARosRobot(FlyerConfig()) {}
+  static SkillsConfig FlyerConfig() {
+    SkillsConfig config = ConfigOfR();
+    config.flies = true;
+    config.gate.scanners.clear();
+    config.gate.blind_m_s = navigation::kFlyerBlindMS;
+    return config;
+  }
+  // In a wind along x, for so long; returns where it is.
+  double Fly(double seconds) {
+    for (int i = 0; i < 50 * seconds; ++i) {
+      const bool recent = !peers_->commands.empty();
+      x_m_ += 0.02 * ((recent ? peers_->commands.back().linear.x : 0) + 0.1);
+      msg::Odometry odometry;
+      odometry.pose.pose = ToMessage(navigation::Pose{{x_m_, 0, 1}, 0}, {}).pose;
+      EXPECT_TRUE(peers_->odometry->Publish(odometry));
+      Run(20);
+    }
+    return x_m_;
+  }
+  double x_m_ = 0;
+};
+
+// The wind is 0.1 m/s: without a hold it is carried 2 m in 20 s.
+TEST_F(ARosFlyer, KeepsItsPlaceAfterASkillHasEnded) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  const double place_m = Fly(2);
+  EXPECT_NEAR(Fly(20), place_m, 0.2);
+}
+
+TEST_F(ARosFlyer, KeepsItsPlaceAlsoInAPauseAndAtAStop) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.Rest();
+  const double place_m = Fly(2);
+  EXPECT_NEAR(Fly(20), place_m, 0.2);
+  robot_.SetVelocity({-0.5, 0, 0, 0});
+  EXPECT_LT(Fly(2), place_m - 0.5) << "a skill moves it again";
+  robot_.StopMotion();
+  robot_.NoteLanding();
+  Run(300);
+  const std::size_t count = peers_->commands.size();
+  Fly(1);
+  EXPECT_EQ(peers_->commands.size(), count) << "it has landed";
 }
 
 TEST_F(ARosRobot, GetsAPathFromThePlannerOrItsReason) {

@@ -43,7 +43,8 @@ Result<> RegisterTestSkills(skill::Registry& registry, Robot& robot) {
 }
 
 SkillsConfig Config(const std::string& more = "") {
-  return *ReadSkillsText("robot = \"r\"\nkind = \"jetbot\"\nself_check_ms = 300\n" + more,
+  return *ReadSkillsText("robot = \"r\"\nkind = \"jetbot\"\nself_check_ms = 300\n" + more +
+                             "\n[topics]\nscan = \"\"\n",
                          "/tmp/r.toml")
               .config;
 }

@@ -54,6 +54,8 @@ line = "line"
 width_m = 2
 [cameras]
 front = "dog_1/camera/image"
+[gate]
+margin_m = 0.15
 [detector.qr]
 topic = "/qr_detector/sighting"
 width_m = 0.2
@@ -64,7 +66,9 @@ camera_yaw_deg = -90
                                       "/a/b/dog.toml");
   ASSERT_TRUE(reading.config) << Lines(reading.diagnostics).front();
   EXPECT_EQ(reading.config->names.odometry, "/odom");
-  EXPECT_EQ(reading.config->names.scan, "");
+  EXPECT_THAT(reading.config->gate.scanners, IsEmpty());
+  EXPECT_EQ(reading.config->gate.margin_m, 0.15);
+  EXPECT_EQ(reading.config->gate.radius_m, reading.config->radius_m);
   EXPECT_EQ(reading.config->ceiling_m, 2.2);
   EXPECT_EQ(reading.config->line.width_m, 2);
   EXPECT_EQ(reading.config->skill_config, "/a/skills.toml");

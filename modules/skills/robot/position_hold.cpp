@@ -1,4 +1,4 @@
-#include "musher/modules/skills/skills/position_hold.hpp"
+#include "musher/modules/skills/robot/position_hold.hpp"
 
 #include <algorithm>
 

@@ -1,0 +1,65 @@
+#include "musher/modules/skills/robot/velocity_output.hpp"
+
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/skills/robot/conversions.hpp"
+#include "musher/navigation/navigation_fault.hpp"
+
+namespace musher::skills {
+
+bool VelocityOutput::OnScan(std::size_t scanner, const msg::LaserScan& scan) {
+  const Duration stamp = msg::FromStamp(scan.header.stamp);
+  if (!gate_.OnScan(scanner, ToScan(scan), stamp, clock_.Now())) return false;
+  if (sending_) Publish();
+  return true;
+}
+
+void VelocityOutput::OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity) {
+  gate_.OnVelocity(velocity, clock_.Now());
+  guard_.OnPose(pose, Duration{}, clock_.Now());
+}
+
+void VelocityOutput::Set(const navigation::Velocity& command) {
+  teleop_until_.reset();
+  Send(command);
+}
+
+void VelocityOutput::Teleoperate(const navigation::Velocity& command) {
+  if (sending_ && !teleop_until_) return;
+  teleop_until_ = clock_.Now() + kTeleopTime;
+  Send(command);
+}
+
+void VelocityOutput::Send(const navigation::Velocity& command) {
+  const bool changed = !sending_ || !(command == command_);
+  command_ = command;
+  if (changed) Publish();
+  if (!sending_) sending_ = clock_.Every(kPeriod, [this] { Publish(); });
+}
+
+void VelocityOutput::Stop() {
+  sending_.reset();
+  teleop_until_.reset();
+  guard_.Forget();
+  stuck_.clear();
+  command_ = {};
+  Publish();
+}
+
+std::string VelocityOutput::HeldBy() const {
+  if (!stuck_.empty()) return stuck_;
+  return verdict_.holds() ? Describe(verdict_) : "";
+}
+
+// A command that is lost is followed by the next; after a lost 0 the robot stops by itself.
+void VelocityOutput::Publish() {
+  if (teleop_until_ && clock_.Now() >= *teleop_until_) return Stop();
+  verdict_ = gate_.Check(stuck_.empty() ? command_ : navigation::Velocity{}, clock_.Now());
+  const auto fault = guard_.OnCommand(verdict_.command, clock_.Now());
+  if (!flies_ && fault && navigation::Is(*fault, navigation::Fault::kStuck)) {
+    stuck_ = fault->message;
+    verdict_ = gate_.Check({}, clock_.Now());
+  }
+  if (publisher_ != nullptr) static_cast<void>(publisher_->Publish(ToMessage(verdict_.command)));
+}
+
+}  // namespace musher::skills

@@ -1,0 +1,156 @@
+#pragma once
+// The last check of a velocity before it is sent to a body: how fast may it go, by what its own
+// scanners see? It knows no map, no localisation, no path and no skill, so none of their errors
+// leads a body into what it sees.
+//
+//   commands of any source ──▶ Check() ──▶ the body
+//   scans ──▶ OnScan()          ▲
+//   the body's own velocity ────┘ OnVelocity()
+//
+// - Points are compared in the frame of the body with the arc on which a command moves it. They are
+//   moved on by its motion since the scan, once by what was measured and once by what was
+//   commanded; the worse of both counts, so a measurement that stands hides nothing.
+// - A body may go as fast as it can stop before the first point with `brake_m_s2` after
+//   `reaction_s`; slower and slower, the nearer it comes, and it stops `margin_m` before it. With
+//   `approach_s` it also needs so long to get there, as by the model "approach" of nav2's collision
+//   monitor. A body that is too near already may go along and away, and turn: it is round.
+// - A body that moves otherwise than it is commanded keeps its momentum: a command is only let
+// through
+//   if the body, on the way from its present motion to the command and then to a stop, touches
+//   nothing; else it brakes as it moves.
+// - Zones are polygons around the body, as those of nav2: points in one slow every motion down, or
+//   stop all that does not lead away from them.
+// - Without a recent scan of each of its scanners a body stands; a flyer, which has to hold its
+//   place, goes `blind_m_s` at most. A body without scanners is not checked.
+//
+// A planar scan does not see climbs. Metres, radians, seconds; velocities in the frame of the
+// body. Pure; one thread.
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/navigation/gate/scan_view.hpp"
+
+namespace musher::navigation {
+
+// A polygon around the body, in its frame.
+struct GateZone {
+  std::string name;
+  std::vector<Point> corners;
+  bool stops = false;    // else it slows down
+  double share = 0.3;    // of the speed that is left
+  int least_points = 4;  // in it; fewer are noise
+
+  bool Has(const Point& point) const;
+};
+
+// A flyer has to hold its place also without a scan.
+inline constexpr double kFlyerBlindMS = 0.5;
+
+struct GateRules {
+  double radius_m = 0.2;    // of the body
+  double margin_m = 0.05;   // between it and what it sees
+  double brake_m_s2 = 2;    // with which it can stop
+  double reaction_s = 0.2;  // from the scan to the begin of braking
+  double approach_s = 0;    // at least so long to a collision; 0: as far as it can brake
+  double blind_m_s = 0;     // without a recent scan
+  Duration scan_stale = Milliseconds(500);
+  std::vector<ScanMount> scanners;
+  std::vector<GateZone> zones;
+};
+
+struct GateVerdict {
+  enum class Kind : std::uint8_t { kFree, kSlowed, kStopped, kBlind };
+
+  Velocity command;  // for the body
+  Kind kind = Kind::kFree;
+  std::optional<Point> at;  // what slows it or stops it, in the frame of the body
+  std::string zone;         // in which it is, if it is a zone
+  std::string scanner;      // the topic without a recent scan
+  Duration held{};          // so long a wanted motion has been stopped
+
+  bool holds() const { return kind == Kind::kStopped || kind == Kind::kBlind; }
+};
+
+// "an obstacle 0.42 m away, 12 degrees to the left, stops it". Empty: it is free.
+std::string Describe(const GateVerdict& verdict);
+
+class MotionGate {
+ public:
+  explicit MotionGate(const GateRules& rules);
+
+  // Of the scanner with this index in the rules. False: the scan is refused.
+  bool OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now);
+  // As measured, for example by odometry.
+  void OnVelocity(const Velocity& velocity, Time now);
+  // What was seen and measured before counts no more.
+  void Forget();
+
+  // The command that is sent instead of `wanted`. A number that is not finite stops it.
+  GateVerdict Check(const Velocity& wanted, Time now);
+
+  // What a scanner has seen last, in the frame that the body had then.
+  const std::vector<Point>& PointsOf(std::size_t scanner) const { return views_[scanner].points(); }
+
+  // The scanner without a recent scan; null: there is none.
+  const ScanMount* Blind(Time now) const;
+
+ private:
+  // Where the body was, by a velocity, since some begin.
+  class Track {
+   public:
+    void Advance(const Velocity& velocity, Time from, Time to);
+    // The points as the body sees them now, seen from where it was at `then`.
+    void AddMoved(const std::vector<Point>& points, Time then, std::vector<Point>& moved) const;
+    void Clear() { places_.clear(); }
+
+   private:
+    struct Place {
+      Time at{};
+      Pose pose;
+    };
+    std::deque<Place> places_;  // of the last seconds
+  };
+  struct Near {
+    Point point;
+    double square = 0;  // of the distance that it keeps
+  };
+  struct Limit {
+    double share = 1;  // of the wanted velocity over the ground
+    std::optional<Point> at;
+    std::string zone;
+  };
+
+  void Advance(Time now);
+  void Assume(const Velocity& command, double seconds);
+  bool IsRecent(const ScanView& view, Time now) const;
+  std::vector<Point> Seen(const Track& track, Time now) const;
+  Velocity Measured(Time now) const;
+  void LimitByArc(const std::vector<Point>& points, const Velocity& wanted, Limit& limit) const;
+  void LimitByZones(const std::vector<Point>& points, const Velocity& wanted, Limit& limit) const;
+  double FreeArc(const std::vector<Near>& near, const Velocity& wanted, double ahead_m,
+                 std::optional<Point>& at) const;
+  double AheadM(double speed_m_s) const;
+  std::vector<Near> NearPoints(const std::vector<Point>& points, double ahead_m) const;
+  void LimitByMomentum(const std::vector<Point>& points, const Velocity& present,
+                       const Velocity& wanted, Limit& limit) const;
+  std::optional<Point> TouchedOnTheWay(const std::vector<Near>& near, const Velocity& present,
+                                       const Velocity& command) const;
+  double YawOfAStop(const Velocity& wanted, double seconds) const;
+
+  const GateRules rules_;
+  std::vector<ScanView> views_;
+  Track measured_track_;
+  Track commanded_track_;
+  Velocity measured_;
+  std::optional<Time> measured_at_;
+  Velocity assumed_;  // of a body that executes its commands, and brakes as hard as it can
+  std::optional<Time> last_;
+  std::optional<Time> last_checked_;
+  std::optional<Time> held_since_;
+};
+
+}  // namespace musher::navigation

@@ -1,0 +1,69 @@
+#pragma once
+// Compares what is sent to a body with what its odometry says. A drive ends, with the reason, when
+// the two cannot both be true:
+//
+//   kJump    the pose has jumped farther than the body can have moved
+//   kStuck   commanded but not moving: a thing below the scanner, wheels that slip, odometry that
+//            stands although it is fresh
+//   kPushed  moving but not commanded: a body that is carried or pushed
+//
+// Small corrections of a localisation are no jump. Velocities in the frame of the body, poses of
+// one frame. Pure; one thread.
+
+#include <deque>
+#include <optional>
+
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
+#include "musher/navigation/pose.hpp"
+
+namespace musher::navigation {
+
+struct GuardRules {
+  double speed_m_s = 1.5;  // of the body, at most
+  double yaw_rad_s = 1.0;
+  double jump_m = 0.5;  // more than it can have moved is a jump
+  double jump_rad = 0.8;
+  Duration stuck = std::chrono::seconds(3);  // commanded without moving
+  bool drifts = false;                       // moves without a command: a flyer in the wind
+};
+
+class MotionGuard {
+ public:
+  explicit MotionGuard(const GuardRules& rules) : rules_(rules) {}
+
+  // At the begin of a drive.
+  void Restart();
+  // Poses of before are not compared: the time was set.
+  void Forget();
+
+  // `stamp`: of the message; 0: it has none.
+  std::optional<Error> OnPose(const Pose& pose, Duration stamp, Time now);
+  // What is sent to the body now.
+  std::optional<Error> OnCommand(const Velocity& sent, Time now);
+
+ private:
+  struct Seen {
+    Pose pose;
+    Duration stamp{};
+    Time at{};
+  };
+
+  std::optional<Error> Jump(const Seen& from, const Seen& to) const;
+  std::optional<Error> Stuck(double seconds, Time now);
+  std::optional<Error> Pushed(Time now);
+
+  const GuardRules rules_;
+  std::deque<Seen> seen_;       // of the last half second
+  std::optional<Pose> anchor_;  // where it has last moved on from
+  bool changed_ = false;        // any number of the pose, since then
+  double commanded_m_ = 0;      // since then
+  double commanded_rad_ = 0;
+  double driven_s_ = 0;
+  Velocity sent_;
+  std::optional<Time> sent_at_;
+  std::optional<Time> resting_since_;
+  std::optional<Pose> rest_;  // where it has come to rest
+};
+
+}  // namespace musher::navigation

@@ -1,0 +1,86 @@
+// A flyer without a skill or drive keeps its place in the wind.
+
+#include "musher/modules/skills/robot/flight_hold.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace musher::skills::flight_hold_test {
+
+constexpr Duration kStep = Milliseconds(100);
+
+// A body in gusts, whose velocity follows its command with a lag of 0.2 s.
+struct Flyer {
+  navigation::Pose pose{{3, 2, 1.2}, 0.7};
+  navigation::Velocity velocity;  // by its commands
+  double gust_x_m_s = 0, gust_y_m_s = 0;
+  std::mt19937_64 random{7};
+  std::normal_distribution<double> normal;
+
+  void Move(const navigation::Velocity& command) {
+    const double share = 1 - std::exp(-0.1 / 0.2), keep = std::exp(-0.1 / 2);
+    const navigation::Velocity wanted = navigation::InBodyFrame(command, -pose.yaw_rad);
+    velocity.x_m_s += share * (wanted.x_m_s - velocity.x_m_s);
+    velocity.y_m_s += share * (wanted.y_m_s - velocity.y_m_s);
+    velocity.z_m_s += share * (wanted.z_m_s - velocity.z_m_s);
+    const double fresh = 0.05 * std::sqrt(1 - keep * keep);
+    gust_x_m_s = keep * gust_x_m_s + fresh * normal(random);
+    gust_y_m_s = keep * gust_y_m_s + fresh * normal(random);
+    pose.at.x_m += (velocity.x_m_s + gust_x_m_s) * 0.1;
+    pose.at.y_m += (velocity.y_m_s + gust_y_m_s) * 0.1;
+    pose.at.z_m += velocity.z_m_s * 0.1;
+  }
+  double speed_m_s() const { return navigation::Speed(velocity); }
+};
+
+TEST(FlightHold, KeepsTheLastPlaceForMinutesInTheWind) {
+  Flyer flyer;
+  FlightHold hold;
+  hold.Use();
+  flyer.velocity = {0.8, 0, 0, 0};  // at the end of a drive
+  double farthest_m = 0;
+  navigation::Point place = flyer.pose.at;
+  for (int i = 0; i < 3000; ++i) {
+    const auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+    ASSERT_TRUE(command) << "it is in the air";
+    flyer.Move(*command);
+    if (i == 20) place = flyer.pose.at;
+    if (i > 50) farthest_m = std::max(farthest_m, navigation::Distance(flyer.pose.at, place));
+  }
+  EXPECT_LT(farthest_m, 0.3);
+}
+
+TEST(FlightHold, LeavesAFlyerAloneThatNoSkillHasMovedOrThatStands) {
+  FlightHold hold;
+  const navigation::Pose air{{0, 0, 1}, 0}, ground{{0, 0, 0}, 0}, roof{{0, 0, 1.5}, 0};
+  EXPECT_FALSE(hold.Command(air, 0, kStep)) << "nothing moves because a process was started";
+  hold.Use();
+  EXPECT_FALSE(hold.Command(ground, 0, kStep));
+  EXPECT_TRUE(hold.Command(air, 0, kStep));
+  hold.Use();
+  hold.Land();
+  EXPECT_FALSE(hold.Command(roof, 0, kStep)) << "it has landed there";
+}
+
+TEST(FlightHold, StandsStillWithoutOdometryAndKeepsThePlaceAfterwards) {
+  FlightHold hold;
+  hold.Use();
+  ASSERT_TRUE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep));
+  EXPECT_EQ(hold.Command(std::nullopt, 0, kStep), navigation::Velocity{});
+  const auto back = hold.Command(navigation::Pose{{0.4, 0, 1}, 0}, 0, kStep);
+  ASSERT_TRUE(back);
+  EXPECT_LT(back->x_m_s, -0.3);
+}
+
+TEST(FlightHold, EndsWhenSomethingElseCarriesTheFlyerAway) {
+  FlightHold hold;
+  hold.Use();
+  ASSERT_TRUE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep));
+  EXPECT_FALSE(hold.Command(navigation::Pose{{3, 0, 1}, 0}, 1.5, kStep));
+  EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep)) << "until it is used again";
+}
+
+}  // namespace musher::skills::flight_hold_test

@@ -1,0 +1,285 @@
+// The gate before a body: what it lets through, slows down and stops, and that no command of any
+// source leads a body into what it sees.
+
+#include "musher/navigation/gate/motion_gate.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "musher/test/navigation/gate_run.hpp"
+
+namespace musher::navigation::testing::motion_gate_test {
+
+using ::testing::HasSubstr;
+using Kind = GateVerdict::Kind;
+
+constexpr Velocity kAhead{1, 0, 0, 0};
+
+GateRules Rules() {
+  GateRules rules;
+  rules.scanners = {{.topic = "scan"}};
+  return rules;
+}
+
+// A scan around the body with 360 rays, which hits something at these angles and ranges.
+Scan ScanOf(const std::vector<std::pair<int, double>>& hits = {}) {
+  Scan scan{0, M_PI / 180, 0.05, 8, std::vector<float>(360, 9.0F)};
+  for (const auto& [degrees, range_m] : hits) {
+    scan.ranges_m[static_cast<std::size_t>((degrees + 360) % 360)] = static_cast<float>(range_m);
+  }
+  return scan;
+}
+
+class Gate : public ::testing::Test {
+ protected:
+  void See(const std::vector<std::pair<int, double>>& hits = {}) {
+    ASSERT_TRUE(gate_->OnScan(0, ScanOf(hits), Duration{}, now_));
+  }
+  GateVerdict Check(const Velocity& wanted) { return gate_->Check(wanted, now_); }
+  void Rebuild(const GateRules& rules) { gate_.emplace(rules); }
+
+  Time now_ = Time{} + std::chrono::seconds(100);
+  std::optional<MotionGate> gate_{std::in_place, Rules()};
+};
+
+TEST_F(Gate, LetsAFreeBodyPassUnchanged) {
+  See({{180, 0.5}, {90, 0.4}});
+  const Velocity wanted{1, 0, 0.2, 0.05};
+  EXPECT_EQ(Check(wanted).command, wanted);
+  EXPECT_EQ(Check(wanted).kind, Kind::kFree);
+  EXPECT_EQ(Describe(Check(wanted)), "");
+}
+
+TEST_F(Gate, SlowsABodyDownInProportionAndStopsItBeforeWhatItSees) {
+  double before_m_s = 2;
+  for (const double range_m : {1.2, 0.8, 0.6, 0.45, 0.3, 0.24}) {
+    Rebuild(Rules());
+    See({{0, range_m}});
+    const double speed_m_s = Check({1.5, 0, 0, 0}).command.x_m_s;
+    EXPECT_LE(speed_m_s, before_m_s) << range_m;
+    EXPECT_LE(speed_m_s * 0.2 + speed_m_s * speed_m_s / 4, std::max(0.0, range_m - 0.25) + 1e-9)
+        << "it can stop before it";
+    before_m_s = speed_m_s;
+  }
+  const GateVerdict verdict = Check({1.5, 0, 0, 0});
+  EXPECT_EQ(verdict.kind, Kind::kStopped);
+  EXPECT_EQ(verdict.command, Velocity{});
+  EXPECT_EQ(Describe(verdict), "an obstacle 0.24 m away, straight ahead, stops it");
+}
+
+TEST_F(Gate, ChecksTheArcOnWhichACommandMovesTheBody) {
+  See({{40, 0.7}});
+  EXPECT_EQ(Check({1.2, 0, 0, 0}).kind, Kind::kFree) << "straight ahead it passes";
+  const GateVerdict left = Check({1.2, 0, 0, 2});
+  EXPECT_EQ(left.kind, Kind::kSlowed);
+  EXPECT_THAT(Describe(left), HasSubstr("an obstacle 0.70 m away, 40 degrees to the left, slows"));
+  EXPECT_NEAR(left.command.yaw_rad_s / left.command.x_m_s, 2 / 1.2, 1e-9) << "on the same arc";
+}
+
+TEST_F(Gate, LetsABodyThatIsTooNearTurnAndGoAlongAndAway) {
+  See({{0, 0.22}});
+  EXPECT_EQ(Check(kAhead).command, Velocity{});
+  EXPECT_EQ(Check({0, 0, 0, 1}).kind, Kind::kFree);
+  EXPECT_EQ(Check({-0.5, 0, 0, 0}).kind, Kind::kFree);
+  EXPECT_EQ(Check({0, 0.5, 0, 0}).kind, Kind::kFree);
+  now_ += Milliseconds(400);
+  See({{0, 0.22}});
+  EXPECT_EQ(Check({0.5, 0, 0, 1}).command, (Velocity{0, 0, 0, 1})) << "it turns where it stands";
+}
+
+TEST_F(Gate, StopsABodyWithoutARecentScanAndNamesTheTopic) {
+  EXPECT_EQ(Check(kAhead).kind, Kind::kBlind) << "there was none yet";
+  See();
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+  now_ += Milliseconds(600);
+  const GateVerdict verdict = Check(kAhead);
+  EXPECT_EQ(verdict.command, Velocity{});
+  EXPECT_EQ(Describe(verdict), "no recent scan on scan: it does not move blindly");
+  now_ += Milliseconds(700);
+  EXPECT_EQ(Check(kAhead).held, Milliseconds(700));
+  See();
+  EXPECT_EQ(Check(kAhead).held, Duration{});
+}
+
+TEST_F(Gate, NeedsARecentScanOfEachScanner) {
+  GateRules rules = Rules();
+  rules.scanners.push_back({.topic = "rear"});
+  Rebuild(rules);
+  See();
+  EXPECT_EQ(Check(kAhead).scanner, "rear");
+  ASSERT_TRUE(gate_->OnScan(1, ScanOf({{180, 0.3}}), Duration{}, now_));
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+  EXPECT_EQ(Check({-1, 0, 0, 0}).kind, Kind::kSlowed) << "what the rear one sees";
+}
+
+TEST_F(Gate, TakesTheMountingOfAScannerIntoAccount) {
+  GateRules rules = Rules();
+  rules.scanners[0].on_body = {{0.3, 0.1, 0.4}, M_PI / 2};  // it looks to the left
+  rules.scanners[0].least_m = 0.2;
+  Rebuild(rules);
+  See({{-90, 0.5}, {0, 0.1}});  // ahead of the body, and a part of itself
+  const GateVerdict verdict = Check({1.5, 0, 0, 0});
+  ASSERT_TRUE(verdict.at);
+  EXPECT_NEAR(verdict.at->x_m, 0.8, 1e-6);
+  EXPECT_NEAR(verdict.at->y_m, 0.1, 1e-6);
+  EXPECT_NEAR(verdict.at->z_m, 0.4, 1e-6);
+  EXPECT_EQ(Check({0, 1, 0, 0}).kind, Kind::kFree);
+}
+
+TEST_F(Gate, DoesNotTakeAScanThatSaysNothingForAFreeWay) {
+  Scan scan = ScanOf();
+  scan.ranges_m.clear();
+  EXPECT_FALSE(gate_->OnScan(0, scan, Duration{}, now_)) << "no rays";
+  scan.ranges_m.assign(360, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_FALSE(gate_->OnScan(0, scan, Duration{}, now_));
+  scan.ranges_m.assign(360, 0.0F);
+  EXPECT_FALSE(gate_->OnScan(0, scan, Duration{}, now_));
+  scan = ScanOf();
+  scan.step_rad = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(gate_->OnScan(0, scan, Duration{}, now_));
+  EXPECT_FALSE(gate_->OnScan(7, ScanOf(), Duration{}, now_)) << "no such scanner";
+  EXPECT_EQ(Check(kAhead).kind, Kind::kBlind);
+  scan.step_rad = 0.01;
+  scan.ranges_m.assign(360, std::numeric_limits<float>::infinity());
+  EXPECT_TRUE(gate_->OnScan(0, scan, Duration{}, now_)) << "rays that hit nothing are a sight";
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+}
+
+TEST_F(Gate, DoesNotTakeStampsThatStandOrCameLateForASightOfNow) {
+  const auto stamped = [&](std::int64_t stamp_ms) {
+    return gate_->OnScan(0, ScanOf(), Milliseconds(stamp_ms), now_);
+  };
+  EXPECT_TRUE(stamped(5000));
+  for (int i = 0; i < 6; ++i) {
+    now_ += Milliseconds(100);
+    EXPECT_FALSE(stamped(5000)) << "the same scan again";
+  }
+  EXPECT_EQ(Check(kAhead).kind, Kind::kBlind);
+  EXPECT_TRUE(stamped(5050)) << "taken 0.55 s ago";
+  EXPECT_EQ(Check(kAhead).kind, Kind::kBlind);
+  EXPECT_TRUE(stamped(5600));
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+  now_ += Milliseconds(100);
+  EXPECT_FALSE(stamped(5550)) << "overtaken";
+  EXPECT_TRUE(stamped(90'000)) << "from the future: its clock was set";
+  now_ += Milliseconds(100);
+  EXPECT_TRUE(stamped(5800)) << "and set back";
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+}
+
+TEST_F(Gate, DoesNotTakeAScanOfBeforeTheClockWasSetBackForASightOfNow) {
+  See();
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+  now_ -= std::chrono::seconds(50);
+  EXPECT_EQ(Check(kAhead).kind, Kind::kBlind);
+  See();
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+}
+
+TEST_F(Gate, MovesWhatItSawWithTheBody) {
+  See({{0, 1.5}});
+  for (int i = 0; i < 30; ++i) {
+    gate_->OnVelocity({1.5, 0, 0, 0}, now_);
+    Check({1.5, 0, 0, 0});
+    now_ += Milliseconds(10);
+  }
+  const GateVerdict verdict = Check({1.5, 0, 0, 0});
+  ASSERT_TRUE(verdict.at);
+  EXPECT_NEAR(verdict.at->x_m, 1.5 - 0.45, 0.03);
+}
+
+TEST_F(Gate, DoesNotBelieveAMeasurementThatStands) {
+  See({{0, 1.2}});
+  for (int i = 0; i < 40; ++i) {
+    gate_->OnVelocity({}, now_);
+    Check({1.2, 0, 0, 0});
+    now_ += Milliseconds(10);
+  }
+  EXPECT_LT(Check({1.2, 0, 0, 0}).command.x_m_s, 1.1) << "it has been commanded 0.48 m nearer";
+}
+
+TEST_F(Gate, StopsACommandThatIsNotFinite) {
+  See();
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(Check({infinite, 0, 0, 0}).command, Velocity{});
+  EXPECT_EQ(Check({1, std::nan(""), 0, 0}).command, Velocity{});
+  gate_->OnVelocity({1e308, infinite, std::nan(""), 0}, now_);
+  EXPECT_EQ(Check(kAhead).command, kAhead);
+}
+
+TEST_F(Gate, KeepsATimeToTheCollisionIfItIsConfigured) {
+  GateRules rules = Rules();
+  rules.approach_s = 2;
+  Rebuild(rules);
+  See({{0, 1.25}});
+  EXPECT_NEAR(Check({1, 0, 0, 0}).command.x_m_s, 0.5, 0.02);
+}
+
+TEST_F(Gate, SlowsDownAndStopsForPointsInItsZones) {
+  GateRules rules = Rules();
+  const std::vector<Point> ahead = {{0, 0.5, 0}, {0, -0.5, 0}, {2, -0.5, 0}, {2, 0.5, 0}};
+  rules.zones = {{"wide", ahead, false, 0.3, 3}};
+  Rebuild(rules);
+  See({{20, 1.4}, {21, 1.4}});
+  EXPECT_EQ(Check({0.4, 0, 0, 0}).kind, Kind::kFree) << "two points are noise";
+  See({{17, 1.4}, {18, 1.4}, {19, 1.4}});
+  EXPECT_NEAR(Check({0.4, 0, 0, 0.2}).command.x_m_s, 0.12, 1e-9);
+  EXPECT_NEAR(Check({0.4, 0, 0, 0.2}).command.yaw_rad_s, 0.06, 1e-9);
+  rules.zones[0].stops = true;
+  Rebuild(rules);
+  See({{17, 1.4}, {18, 1.4}, {19, 1.4}});
+  EXPECT_EQ(Describe(Check({0.4, 0, 0, 0})),
+            "an obstacle 1.40 m away, 19 degrees to the left, in the zone wide, stops it");
+  EXPECT_EQ(Check({-0.4, 0, 0, 0}).kind, Kind::kFree) << "away from it";
+}
+
+TEST_F(Gate, LetsAFlyerHoldItsPlaceWithoutAScan) {
+  GateRules rules = Rules();
+  rules.blind_m_s = 0.5;
+  Rebuild(rules);
+  EXPECT_EQ(Check({0.3, 0.2, -0.1, 0.5}).command, (Velocity{0.3, 0.2, -0.1, 0.5}));
+  const GateVerdict fast = Check({2, 0, 0.4, 0});
+  EXPECT_EQ(fast.kind, Kind::kBlind);
+  EXPECT_NEAR(fast.command.x_m_s, 0.5, 1e-9);
+  EXPECT_EQ(fast.command.z_m_s, 0.4);
+}
+
+TEST_F(Gate, DoesNotCheckABodyWithoutAScanner) {
+  Rebuild({});
+  EXPECT_EQ(Check({3, 1, 0, 1}).command, (Velocity{3, 1, 0, 1}));
+}
+
+// --- A body never touches what its scan sees ---
+
+void ExpectNoContact(std::uint64_t from, std::uint64_t to) {
+  for (std::uint64_t seed = from; seed < to; ++seed) {
+    EXPECT_GT(RunThroughGate(seed, true).least_room_m, 0) << "seed " << seed;
+  }
+}
+
+TEST(AnyCommand, LeadsABodyIntoWallsWithoutTheGate) {
+  int touched = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed)
+    touched += RunThroughGate(seed, false).least_room_m <= 0;
+  EXPECT_GE(touched, 8);
+}
+
+TEST(AnyCommand, LeadsNoBodyIntoWhatItsScanSees) {
+  ExpectNoContact(1, 40);
+}
+
+// Its momentum has led it there, while the new command was free.
+TEST(AnyCommand, LeadsNoBodyIntoAWallWhileItChangesItsDirection) {
+  for (const std::uint64_t seed : {1016, 1132, 1157}) ExpectNoContact(seed, seed + 1);
+}
+
+TEST(AnyCommandNightly, LeadsNoBodyIntoWhatItsScanSees) {
+  ExpectNoContact(1000, 6000);
+}
+
+}  // namespace musher::navigation::testing::motion_gate_test
