@@ -102,6 +102,12 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<Requester> = {
+    Field{"name", &Requester::name},
+    Field{"manager", &Requester::manager},
+};
+
+template <>
 inline constexpr std::tuple kFields<EmergencyStop> = {
     Field{"id", &EmergencyStop::id},
     Field{"by", &EmergencyStop::by},
@@ -247,6 +253,7 @@ inline constexpr std::tuple kFields<event::SetStateRequested> = {
     Field{"target", &event::SetStateRequested::target},
     Field{"actuator", &event::SetStateRequested::actuator},
     Field{"after", &event::SetStateRequested::after},
+    Field{"by", &event::SetStateRequested::by},
 };
 template <>
 inline constexpr std::string_view kEventName<event::SetUpAwaited> = "SetUpAwaited";

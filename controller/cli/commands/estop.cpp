@@ -4,7 +4,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <pwd.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -37,13 +36,6 @@ constexpr Duration kFirstTry = std::chrono::seconds(1);  // then the other proce
 constexpr Duration kSaved = std::chrono::seconds(1);     // a save takes less on a disk that works
 constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
-// "alice@dog1"
-std::string Me() {
-  const passwd* user = getpwuid(getuid());  // NOLINT(concurrency-mt-unsafe)
-  return (user != nullptr ? std::string(user->pw_name) : std::to_string(getuid())) + "@" +
-         HostName();
-}
-
 // Stops the machine of --machine, else the one whose controller runs here; what is not known stops
 // every machine that receives it. It waits for no discovery.
 MachineIdentity MachineToStop(const GlobalOptions& global) {
@@ -55,7 +47,8 @@ MachineIdentity MachineToStop(const GlobalOptions& global) {
 }
 
 msg::EmergencyStop NewStop(const std::vector<std::string>& reason, const MachineIdentity& machine) {
-  msg::EmergencyStop stop = NewEmergencyStop(Me(), fmt::format("{}", fmt::join(reason, " ")));
+  msg::EmergencyStop stop =
+      NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(reason, " ")));
   stop.machine = machine.name;
   stop.machine_id = machine.id;
   return stop;
@@ -244,8 +237,8 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
 ExitCode Release(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
-  const auto answer =
-      link.value()->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kStopTimeout);
+  const auto answer = link.value()->Call<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                                                    {UserAtHost()}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     Failure with_hint = *failure;
     if (failure->exit == ExitCode::kNoController) {

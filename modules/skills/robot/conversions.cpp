@@ -32,6 +32,13 @@ std::optional<Layout> LayoutOf(const std::string& encoding) {
   return std::nullopt;
 }
 
+// " (code 100): the server's own words".
+std::string CodeAndWords(std::uint16_t error_code, const std::string& words) {
+  constexpr std::size_t kLongest = 200;
+  return " (code " + std::to_string(error_code) + ")" +
+         (words.empty() ? "" : ": " + words.substr(0, kLongest));
+}
+
 }  // namespace
 
 std::optional<navigation::Pose> ToPose(const msg::Pose& pose) {
@@ -185,7 +192,7 @@ msg::ManipulationControl::Request ToMessage(const HandRequest& request) {
 }
 
 Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
-                   const std::optional<navigation::Pose>& start) {
+                   const std::optional<navigation::Pose>& start, const std::string& words) {
   using Code = msg::ComputePathToPose;
   using navigation::Fault;
   using navigation::MakeError;
@@ -221,11 +228,11 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
       return MakeError(Fault::kWalledIn, "no path is wide enough for the robot: " + to +
                                              " or the start is walled in");
     default:
-      return {kCodeFailed, "the planner has failed (code " + std::to_string(error_code) + ")"};
+      return {kCodeFailed, "the planner has failed" + CodeAndWords(error_code, words)};
   }
 }
 
-Error ControllerError(std::uint16_t error_code) {
+Error ControllerError(std::uint16_t error_code, const std::string& words) {
   using Code = msg::FollowPath;
   const auto failed = [](const char* why) { return Error{kCodeFailed, why}; };
   switch (error_code) {
@@ -241,9 +248,10 @@ Error ControllerError(std::uint16_t error_code) {
       return failed("the robot did not arrive in time");
     case Code::kNoValidControl:
       return failed("the controller finds no command");
+    case Code::kControllerTimedOut:
+      return failed("the controller has not answered its server in time");
     default:
-      return Error{kCodeFailed,
-                   "the controller has failed (code " + std::to_string(error_code) + ")"};
+      return Error{kCodeFailed, "the controller has failed" + CodeAndWords(error_code, words)};
   }
 }
 
