@@ -187,7 +187,7 @@ void ActuatorShell::OfferManagedNodeAt(Time when) {
 void ActuatorShell::OfferManagedNode() {
   offer_later_ = nullptr;
   transport::ManagedNodeEndpoints::Hooks hooks;
-  hooks.refusal = [this](const Ros2Transition*) -> std::optional<Error> {
+  hooks.refusal = [this](const Ros2Transition*, transport::ParticipantId) -> std::optional<Error> {
     if (core_.report.epoch == 0) return std::nullopt;
     // It may have exited: the next controller continues, and this actuator waits for it.
     return Error{kCodePermissionDenied, "under control of the controller of epoch " +
@@ -196,10 +196,11 @@ void ActuatorShell::OfferManagedNode() {
                                             transport::ResolveName(config_.name_space, "musher") +
                                             "), or start the actuator without a controller"};
   };
-  hooks.change = [this](const Ros2Transition& transition, auto done) {
+  hooks.change = [this](const Ros2Transition& transition, transport::ParticipantId, auto done) {
     ChangeManagedNode(transition, std::move(done));
   };
   hooks.log = hooks_.on_remark;
+  hooks.parameters = transport::ParametersOf(config_);
   const std::string instance = actuator_.name + "-" + ToString(core_.report.incarnation);
   auto made = transport::ManagedNodeEndpoints::Make(node_, config_.name_space, actuator_.name,
                                                     instance, std::move(hooks));

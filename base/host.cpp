@@ -1,5 +1,6 @@
 #include "musher/base/host.hpp"
 
+#include <pwd.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -113,6 +114,12 @@ std::string HostId() {
 std::string HostName() {
   std::array<char, HOST_NAME_MAX + 1> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+std::string UserAtHost() {
+  const passwd* user = getpwuid(getuid());  // NOLINT(concurrency-mt-unsafe): of the main thread
+  return (user != nullptr ? std::string(user->pw_name) : std::to_string(getuid())) + "@" +
+         HostName();
 }
 
 std::uint64_t NewIncarnation() {

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "musher/base/result.hpp"
@@ -56,6 +57,21 @@ using EndpointId = StrongNumber<struct EndpointKind>;
 // Another participant, which keeps its id after its connection was lost. 0: none.
 using ParticipantId = StrongNumber<struct ParticipantKind>;
 
+// Another participant, by what it says of itself: that proves nothing.
+struct PeerInfo {
+  ParticipantId id = 0;
+  std::int32_t pid = 0;      // of its process, on `host`; 0: not said
+  std::string host;          // HostName() of its host; empty: not said
+  std::uint16_t vendor = 0;  // of its DDS, as the OMG numbers them: 0x0110 is Cyclone
+};
+
+// What another participant does wrong, as often as it does.
+struct PeerFault {
+  ParticipantId participant = 0;  // 0: not known
+  std::string topic;              // on DDS: "rt/chat"
+  std::string what;               // "sends samples that are no std_msgs::msg::dds_::String_"
+};
+
 struct SampleInfo {
   EndpointId writer = 0;          // of the sample
   ParticipantId participant = 0;  // of the writer
@@ -74,6 +90,11 @@ class RawWriter {
   // Sends one encoded sample without another copy. Fails if the transport refuses it (oversized,
   // history full).
   virtual Result<> Write(msg::Bytes bytes) = 0;
+  // The same, of a sample that only readers of `participant` need: one of its readers that is not
+  // ready for it yet delays no sample for others.
+  virtual Result<> WriteFor(ParticipantId /*participant*/, msg::Bytes bytes) {
+    return Write(std::move(bytes));
+  }
 
   // Runs `work` once the transport delays no written sample: at once, unless it does. It may drop
   // the writer, and does not run after that.
@@ -111,6 +132,8 @@ struct ReaderCallbacks {
   // A matched writer is lost (deleted, its process crashed, its host is unreachable).
   std::function<void(EndpointId writer)> on_writer_lost;
   std::function<void()> on_match_changed;
+  // A matched writer has the topic's type by its name, but not by its definition.
+  std::function<void(ParticipantId participant, const std::string& type_hash)> on_type_differs = {};
 };
 
 struct WriterCallbacks {

@@ -47,6 +47,23 @@ class Node {
   virtual Result<std::unique_ptr<RawReader>> MakeRawReader(const std::string& topic,
                                                            const std::string& type, const Qos& qos,
                                                            ReaderCallbacks callbacks) = 0;
+
+  // For one rate-limited log: `handler` runs on the loop for each fault; empty: none.
+  void SetOnPeerFault(std::function<void(const PeerFault&)> handler) {
+    on_peer_fault_ = std::move(handler);
+  }
+  void ReportPeerFault(const PeerFault& fault) const {
+    if (on_peer_fault_) on_peer_fault_(fault);
+  }
+
+  // The other participants that are known now; none where the transport does not know.
+  virtual std::vector<PeerInfo> Peers() const { return {}; }
+  // A ROS 2 node of that participant, "/planner_server": of several the one with the shortest name.
+  // Empty: it has none, or one without the services of every node.
+  virtual std::string RosNodeOf(ParticipantId /*participant*/) const { return {}; }
+
+ private:
+  std::function<void(const PeerFault&)> on_peer_fault_;
 };
 
 // Resolves a name as ROS 2 does: a relative one gets the namespace ("" or "dog1"), an absolute one
@@ -55,6 +72,9 @@ inline std::string ResolveName(std::string_view name_space, std::string_view nam
   if (name.starts_with('/')) return std::string(name.substr(1));
   return name_space.empty() ? std::string(name) : std::string(name_space) + "/" + std::string(name);
 }
+
+// PeerFault::what.
+inline constexpr std::string_view kMalformedSamples = "sends samples that do not fit the type";
 
 template <msg::Message M>
 class Publisher {
@@ -107,12 +127,13 @@ Result<std::unique_ptr<Subscription>> MakeSubscription(
     const Qos& qos = kDefaultQos, SubscriptionEvents events = {}) {
   auto malformed = std::make_shared<std::uint64_t>(0);
   ReaderCallbacks callbacks;
-  callbacks.on_sample = [malformed, on_message = std::move(on_message)](
+  callbacks.on_sample = [malformed, on_message = std::move(on_message), &node, topic](
                             std::span<const std::byte> bytes, const SampleInfo& info) {
     if (auto message = msg::Decode<M>(bytes)) {
       on_message(std::move(*message), info);
     } else {
       ++*malformed;
+      node.ReportPeerFault({info.participant, "rt/" + topic, std::string(kMalformedSamples)});
     }
   };
   callbacks.on_writer_lost = std::move(events.on_writer_lost);

@@ -17,7 +17,7 @@ constexpr Duration kUnmatchInterval = std::chrono::seconds(1);
 
 Result<std::unique_ptr<RawServer>> RawServer::Make(Node& node, const std::string& service,
                                                    const std::string& type, OnRequest on_request) {
-  std::unique_ptr<RawServer> server(new RawServer(node, std::move(on_request)));
+  std::unique_ptr<RawServer> server(new RawServer(node, service, std::move(on_request)));
   RawServer* self = server.get();
 
   // The writer first, so that it exists when the first request arrives.
@@ -43,7 +43,7 @@ Result<std::unique_ptr<RawServer>> RawServer::Make(Node& node, const std::string
 void RawServer::SendOrHold(ParticipantId participant, msg::Bytes reply) {
   loop_.CheckThread();
   if (ReachesClientsOf(participant)) {
-    Send(reply);
+    Send(participant, std::move(reply));
     return;
   }
   held_.push_back({participant, std::move(reply), nullptr, {}});
@@ -79,17 +79,19 @@ void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& 
   msg::CdrReader reader(bytes);
   msg::RequestId id;
   reader.Get(id);
-  if (!reader.ok()) {
-    ++malformed_;
-    return;
-  }
+  if (!reader.ok()) return CountMalformed(info.participant);
   Reply reply = [weak = std::weak_ptr(self_), participant = info.participant,
                  open = std::make_shared<bool>(true)](msg::Bytes encoded) {
     const auto self = weak.lock();
     if (self && std::exchange(*open, false)) (*self)->SendOrHold(participant, std::move(encoded));
   };
   // The handler may drop the server, so no member is used after a request that decoded.
-  if (!on_request_(id, bytes, std::move(reply), info.participant)) ++malformed_;
+  if (!on_request_(id, bytes, std::move(reply), info.participant)) CountMalformed(info.participant);
+}
+
+void RawServer::CountMalformed(ParticipantId participant) {
+  ++malformed_;
+  node_.ReportPeerFault({participant, RequestTopic(service_), std::string(kMalformedSamples)});
 }
 
 void RawServer::OnMatchChanged() {
@@ -132,7 +134,7 @@ void RawServer::SendHeld() {
   for (auto held = held_.begin(); held != held_.end();) {
     const auto next = std::next(held);
     if (ReachesClientsOf(held->participant)) {
-      Send(std::move(held->reply));
+      Send(held->participant, std::move(held->reply));
       std::ranges::move(held->then, std::back_inserter(then));
       held_.erase(held);
     }
@@ -141,8 +143,8 @@ void RawServer::SendHeld() {
   Run(then);
 }
 
-void RawServer::Send(msg::Bytes reply) {
-  if (!replies_->Write(std::move(reply))) ++dropped_;
+void RawServer::Send(ParticipantId participant, msg::Bytes reply) {
+  if (!replies_->WriteFor(participant, std::move(reply))) ++dropped_;
 }
 
 }  // namespace musher::transport

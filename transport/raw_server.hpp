@@ -64,9 +64,13 @@ class RawServer {
     LoopHandlePtr settled;  // resets `leaving`
   };
 
-  RawServer(Node& node, OnRequest on_request)
-      : loop_(node.loop()), on_request_(std::move(on_request)) {}
+  RawServer(Node& node, std::string service, OnRequest on_request)
+      : node_(node),
+        loop_(node.loop()),
+        service_(std::move(service)),
+        on_request_(std::move(on_request)) {}
 
+  void CountMalformed(ParticipantId participant);
   void TakeRequest(std::span<const std::byte> bytes, const SampleInfo& info);
   void SendOrHold(ParticipantId participant, msg::Bytes reply);
   void OnMatchChanged();
@@ -74,9 +78,11 @@ class RawServer {
   bool ReachesClientsOf(ParticipantId participant) const;
   void SendHeld();
   static void Run(const std::vector<std::function<void()>>& work);
-  void Send(msg::Bytes reply);
+  void Send(ParticipantId participant, msg::Bytes reply);
 
+  Node& node_;
   EventLoop& loop_;
+  const std::string service_;
   OnRequest on_request_;
   std::shared_ptr<RawServer*> self_ =
       std::make_shared<RawServer*>(this);  // lets replies outlive us

@@ -132,6 +132,21 @@ std::optional<std::vector<std::string>> BoundAddresses(pid_t pid) {
   return std::vector<std::string>(bound.begin(), bound.end());
 }
 
+bool ShareUdpPort(pid_t one, pid_t other) {
+  const auto ports = [table = ReadTable("/proc/self/net/udp")](pid_t pid) {
+    std::set<std::uint16_t> bound;
+    const auto inodes = SocketsOf("/proc/" + std::to_string(pid));
+    for (const std::string& inode : inodes.value_or(std::set<std::string>())) {
+      const auto entry = table.find(inode);
+      if (entry != table.end() && !entry->second.socket.connected)
+        bound.insert(entry->second.socket.port);
+    }
+    return bound;
+  };
+  const std::set<std::uint16_t> ours = ports(other);
+  return std::ranges::any_of(ports(one), [&](std::uint16_t port) { return ours.contains(port); });
+}
+
 std::optional<OtherAddress> FindOtherAddress(const std::vector<UdpProcess>& processes,
                                              int domain_id, const std::vector<std::string>& own) {
   const int discovery = 7400 + 250 * domain_id;  // the port of every process of the domain

@@ -35,6 +35,10 @@ std::vector<UdpProcess> ReadProcessesBoundElsewhere(const std::vector<std::strin
 // nullopt: not known (a process of another user).
 std::optional<std::vector<std::string>> BoundAddresses(pid_t pid);
 
+// Whether two processes of this network namespace have UDP sockets that are bound to the same port,
+// as all processes of a DDS domain have for multicast. False also if one of them is not visible.
+bool ShareUdpPort(pid_t one, pid_t other);
+
 // A process of the DDS domain that sends from addresses of this host, of which none is in `own`;
 // the first one. Cyclone takes such a process for one of another host, and does not use the
 // loopback towards it: its address has changed, or its config names other interfaces. A pure

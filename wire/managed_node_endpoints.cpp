@@ -52,6 +52,11 @@ Result<std::unique_ptr<ManagedNodeEndpoints>> ManagedNodeEndpoints::Make(
   std::unique_ptr<ManagedNodeEndpoints> endpoints(
       new ManagedNodeEndpoints(node, name_space, name, instance, std::move(hooks)));
   if (auto opened = endpoints->Open(); !opened) return opened.error();
+  // Not fatal: permissions from an earlier version do not include them.
+  if (auto made = ParameterEndpoints::Make(node, ResolveName(name_space, name),
+                                           endpoints->hooks_.parameters)) {
+    endpoints->parameters_ = std::move(made).value();
+  }
   return endpoints;
 }
 
@@ -64,6 +69,17 @@ Result<> ManagedNodeEndpoints::Open() {
   auto events = MakePublisher<msg::TransitionEvent>(node_, base + "transition_event");
   if (!events) return events.error();
   events_ = std::move(events).value();
+  if (auto change = MakeServer<msg::ChangeState>(
+          node_, base + "change_state",
+          Server<msg::ChangeState>::HandlerOfCaller(
+              [this](const auto& request, auto reply, ParticipantId caller) {
+                OnChange(request, reply, caller);
+              }));
+      change) {
+    change_state_ = std::move(change).value();
+  } else {
+    return change.error();
+  }
   const auto open = [&]<class S>(std::unique_ptr<Server<S>>& server, const char* name,
                                  typename Server<S>::Handler handler) -> Result<> {
     auto made = MakeServer<S>(node_, base + name, std::move(handler));
@@ -71,11 +87,6 @@ Result<> ManagedNodeEndpoints::Open() {
     server = std::move(made).value();
     return Ok();
   };
-  if (auto r = open(change_state_, "change_state",
-                    [this](const auto& request, auto reply) { OnChange(request, reply); });
-      !r) {
-    return r;
-  }
   if (auto r = open(get_state_, "get_state",
                     [this](const auto&, auto reply) {
                       reply({ToMessage(core_.state())});
@@ -129,7 +140,8 @@ bool ManagedNodeEndpoints::Holds() const {
 }
 
 void ManagedNodeEndpoints::OnChange(const msg::ChangeState::Request& request,
-                                    const Server<msg::ChangeState>::Reply& reply) {
+                                    const Server<msg::ChangeState>::Reply& reply,
+                                    ParticipantId caller) {
   const msg::Transition& requested = request.transition;
   const auto refuse = [&](const std::string& why) {
     Refuse(requested.label.empty() ? std::to_string(requested.id) : requested.label.substr(0, 64),
@@ -137,17 +149,19 @@ void ManagedNodeEndpoints::OnChange(const msg::ChangeState::Request& request,
     reply({false});
   };
   const auto transition = core_.Begin(requested.id, requested.label);
-  const auto why = hooks_.refusal ? hooks_.refusal(transition ? &transition.value() : nullptr)
-                                  : std::optional<Error>();
+  const auto why = hooks_.refusal
+                       ? hooks_.refusal(transition ? &transition.value() : nullptr, caller)
+                       : std::optional<Error>();
   if (why && transition) core_.End(false);
   if (why) return refuse(why->message);
   if (!transition) return refuse(transition.error().message);
   PublishEvent();
-  hooks_.change(transition.value(), [this, reply, transition = transition.value(),
-                                     alive = std::weak_ptr<bool>(alive_)](const Result<>& result) {
-    reply({result.ok()});
-    if (!alive.expired()) OnEnded(transition, result);
-  });
+  hooks_.change(transition.value(), caller,
+                [this, reply, transition = transition.value(),
+                 alive = std::weak_ptr<bool>(alive_)](const Result<>& result) {
+                  reply({result.ok()});
+                  if (!alive.expired()) OnEnded(transition, result);
+                });
 }
 
 void ManagedNodeEndpoints::OnEnded(const Ros2Transition& transition, const Result<>& result) {
@@ -166,7 +180,7 @@ void ManagedNodeEndpoints::Refuse(const std::string& transition, const std::stri
   if (line) Log(*line);
 }
 
-// Publishes one event for each change; the bond ends with the active state.
+// Publishes one event for each change.
 void ManagedNodeEndpoints::PublishEvent() {
   const Ros2State now = core_.state();
   const std::optional<Ros2State> from = std::exchange(published_, now);
@@ -176,8 +190,6 @@ void ManagedNodeEndpoints::PublishEvent() {
   event.start_state = ToMessage(*from);
   event.goal_state = ToMessage(now);
   static_cast<void>(events_->Publish(event));  // a subscriber that misses one calls get_state
-  const bool bonds = bond_.phase() != Bond::Phase::kOff;
-  if (bonds && now != Ros2State::kActive) AfterBond(bond_.Stop(node_.loop().Now()));
 }
 
 void ManagedNodeEndpoints::FormBond() {
@@ -214,7 +226,9 @@ void ManagedNodeEndpoints::OnBondStatus(const msg::BondStatus& status) {
   AfterBond(bond_.OnHeartbeat(
       {status.instance_id, status.active, Limited(status.heartbeat_timeout)}, node_.loop().Now()));
   const bool broken = before == Bond::Phase::kFormed && bond_.phase() == Bond::Phase::kBroken;
-  if (broken) LogBond("the manager ended the bond");
+  // A manager also ends it when it has deactivated the node itself.
+  const bool active = core_.state() == Ros2State::kActive && !core_.under_way();
+  if (broken && active) LogBond("the manager ended the bond");
 }
 
 void ManagedNodeEndpoints::EndBond() {

@@ -1,8 +1,8 @@
 #pragma once
 // The services and topics of a managed node for ROS 2's tools: `ros2 lifecycle`, launch files,
 // nav2's manager. Under <namespace>/<name>/: change_state, get_state, get_available_states,
-// get_available_transitions, get_transition_graph and the topic transition_event; and, from a
-// manager's activate to its deactivate, a bond on <namespace>/bond.
+// get_available_transitions, get_transition_graph and the topic transition_event; the services of
+// parameters; and, from a manager's activate on, a bond on <namespace>/bond.
 //
 // Queries are always answered. A refused change_state is answered with success = false, because the
 // type has no field for a reason; the reason is logged.
@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/lifecycle/ros2/bond.hpp"
 #include "musher/lifecycle/ros2/managed_node.hpp"
@@ -22,6 +23,7 @@
 #include "musher/messages/lifecycle_msgs/services.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/parameter_endpoints.hpp"
 
 namespace musher::transport {
 
@@ -32,10 +34,11 @@ class ManagedNodeEndpoints {
     // The reason why no manager may change the state now; may be empty. Called before each
     // transition (null: one that the node's state does not have), so that a flood of requests costs
     // little.
-    std::function<std::optional<Error>(const Ros2Transition*)> refusal;
+    std::function<std::optional<Error>(const Ros2Transition*, ParticipantId caller)> refusal;
     // Executes the transition; calls `done` once, now or later, with the reason of a failure.
-    std::function<void(const Ros2Transition&, Done done)> change;
+    std::function<void(const Ros2Transition&, ParticipantId caller, Done done)> change;
     std::function<void(const std::string&)> log;  // may be empty
+    std::vector<NodeParameter> parameters;        // that `ros2 param` shows
   };
 
   // `instance` identifies this process among those of the same name. `node` must outlive it.
@@ -44,7 +47,7 @@ class ManagedNodeEndpoints {
                                                             const std::string& name,
                                                             const std::string& instance,
                                                             Hooks hooks);
-  // Ends the bond.
+  // Ends the bond, which lasts as long as this node: a manager takes its end for a crash.
   ~ManagedNodeEndpoints();
 
   // The current Musher state, and the state whose callback runs; empty: none.
@@ -59,7 +62,7 @@ class ManagedNodeEndpoints {
                        Hooks hooks);
   Result<> Open();
   void OnChange(const msg::ChangeState::Request& request,
-                const Server<msg::ChangeState>::Reply& reply);
+                const Server<msg::ChangeState>::Reply& reply, ParticipantId caller);
   void OnEnded(const Ros2Transition& transition, const Result<>& result);
   void Refuse(const std::string& transition, const std::string& why);
   void PublishEvent();
@@ -92,6 +95,7 @@ class ManagedNodeEndpoints {
   std::unique_ptr<Server<msg::GetAvailableStates>> get_states_;
   std::unique_ptr<Server<msg::GetAvailableTransitions>> get_transitions_;
   std::unique_ptr<Server<msg::GetAvailableTransitions>> get_graph_;
+  std::unique_ptr<ParameterEndpoints> parameters_;
   // Expires before late results arrive.
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

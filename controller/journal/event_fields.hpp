@@ -103,6 +103,12 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<Requester> = {
+    Field{"name", &Requester::name},
+    Field{"manager", &Requester::manager},
+};
+
+template <>
 inline constexpr std::tuple kFields<EmergencyStop> = {
     Field{"id", &EmergencyStop::id},
     Field{"by", &EmergencyStop::by},
@@ -248,6 +254,7 @@ inline constexpr std::tuple kFields<event::SetStateRequested> = {
     Field{"target", &event::SetStateRequested::target},
     Field{"actuator", &event::SetStateRequested::actuator},
     Field{"after", &event::SetStateRequested::after},
+    Field{"by", &event::SetStateRequested::by},
 };
 template <>
 inline constexpr std::string_view kEventName<event::SetUpAwaited> = "SetUpAwaited";

@@ -157,7 +157,14 @@ template <>
 inline constexpr std::tuple kFields<WaitingSwitch> = {
     Field{"target", &WaitingSwitch::target}, Field{"only", &WaitingSwitch::only},
     Field{"until", &WaitingSwitch::until},   Field{"requests", &WaitingSwitch::requests},
-    Field{"cause", &WaitingSwitch::cause},
+    Field{"cause", &WaitingSwitch::cause},   Field{"by", &WaitingSwitch::by},
+};
+
+template <>
+inline constexpr std::tuple kFields<StandingRequest> = {
+    Field{"target", &StandingRequest::target},
+    Field{"by", &StandingRequest::by},
+    Field{"number", &StandingRequest::number},
 };
 
 template <>
@@ -287,6 +294,8 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"epoch", &Machine::epoch},
     Field{"number", &Machine::number},
     Field{"last_switch", &Machine::last_switch},
+    Field{"requested_by", &Machine::requested_by},
+    Field{"standing", &Machine::standing},
     Part{&Machine::start_up},
     Field{"actuators", &Machine::actuators},
     Field{"current", &Machine::current},

@@ -44,6 +44,13 @@ class ActuatorLink {
   virtual void OnProcessFound(std::int32_t /*pid*/) {}
   // The started or found process has exited.
   virtual void OnProcessEnded(std::int32_t /*pid*/) {}
+  // The participant that a program of another protocol has; 0: none, or the protocol reports its
+  // process itself.
+  virtual transport::ParticipantId ProgramsParticipant() const { return 0; }
+  // The process of that participant runs on this host and is watched from now on.
+  virtual void OnParticipantWatched(transport::ParticipantId /*participant*/) {}
+  // That process has exited.
+  virtual void OnParticipantEnded(transport::ParticipantId /*participant*/, std::int32_t /*pid*/) {}
 };
 
 using LinkMaker = std::function<Result<std::unique_ptr<ActuatorLink>>(

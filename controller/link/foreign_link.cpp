@@ -55,19 +55,84 @@ void ForeignLink::OnProcessEnded(std::int32_t pid) {
   Forget();
 }
 
+void ForeignLink::OnParticipantWatched(transport::ParticipantId participant) {
+  watched_.insert(participant);
+}
+
+void ForeignLink::OnParticipantEnded(transport::ParticipantId participant, std::int32_t pid) {
+  watched_.erase(participant);
+  if (!Contains(servers_, participant)) return;
+  ended_.insert(participant);
+  if (server_ != participant) return NoteDoubles();
+  ReportVanished("its process " + std::to_string(pid) + " ended", true);
+  Forget();
+  TakeOther();
+}
+
 void ForeignLink::OnServers(std::vector<transport::ParticipantId> servers) {
   const std::vector<transport::ParticipantId> before = std::exchange(servers_, std::move(servers));
   const auto newcomer =
       std::find_if(servers_.begin(), servers_.end(),
                    [&](transport::ParticipantId s) { return !Contains(before, s); });
-  if (newcomer != servers_.end()) return Appear(*newcomer);
   std::erase_if(ended_, [&](transport::ParticipantId s) { return !Contains(servers_, s); });
-  if (!available() || Contains(servers_, server_)) return;
-  const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
-                                  [&](transport::ParticipantId s) { return !ended_.contains(s); });
-  if (other != servers_.rend()) return Appear(*other);
+  std::erase_if(watched_, [&](transport::ParticipantId s) { return !Contains(servers_, s); });
+  if (newcomer != servers_.end()) {
+    if (!available() || !Contains(servers_, server_)) return Appear(*newcomer);
+    newcomer_ = *newcomer;
+    return watched_.contains(server_) ? EndComparison(true) : Compare();
+  }
+  if (!available()) return;
+  if (Contains(servers_, server_)) return NoteDoubles();
+  if (TakeOther()) return;
   ReportVanished("its services are lost");
   Forget();
+}
+
+// The newest of the other processes with the name, if there is one.
+bool ForeignLink::TakeOther() {
+  const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
+                                  [&](transport::ParticipantId s) { return !ended_.contains(s); });
+  if (other == servers_.rend()) return false;
+  Appear(*other);
+  return true;
+}
+
+void ForeignLink::EndComparison(bool first_runs) {
+  const transport::ParticipantId newcomer = std::exchange(newcomer_, {});
+  if (newcomer == 0 || !Contains(servers_, newcomer)) return;
+  if (first_runs) return NoteDoubles();
+  ended_.insert(server_);
+  Appear(newcomer);
+}
+
+// Part of its report, so that the machine lists it as degraded for as long as there are two.
+void ForeignLink::NoteDoubles() {
+  if (newcomer_ != 0) return;  // not known yet
+  std::string others;
+  for (const transport::ParticipantId server : servers_) {
+    if (server == server_ || ended_.contains(server)) continue;
+    others += (others.empty() ? "" : ", ") + ProcessText(server);
+  }
+  const std::string name = "/" + transport::ResolveName(config_.name_space, actuator().name);
+  const std::string reason = others.empty()
+                                 ? ""
+                                 : "two nodes " + name + ": " + ProcessText(server_) +
+                                       ", which is driven, and " + others +
+                                       ", which receives the same requests; end one of them";
+  if (report_.degraded_reason == reason) return;
+  report_.degraded_code = others.empty() ? kCodeOk : kCodeStatusError;
+  report_.degraded_reason = reason;
+  ReportStatus();
+}
+
+// "process 4711", by what it says of itself.
+std::string ForeignLink::ProcessText(transport::ParticipantId server) const {
+  for (const transport::PeerInfo& peer : node_.Peers()) {
+    if (peer.id != server || peer.pid == 0) continue;
+    return "process " + std::to_string(peer.pid) +
+           (peer.host.empty() ? "" : " of host " + peer.host.substr(0, 64));
+  }
+  return "a process that does not say its number";
 }
 
 void ForeignLink::Appear(transport::ParticipantId server) {
@@ -80,10 +145,12 @@ void ForeignLink::Appear(transport::ParticipantId server) {
   report_.incarnation = incarnation;
   report_.pid = process_;
   OnAppeared();
+  NoteDoubles();
 }
 
 void ForeignLink::Forget() {
   server_ = 0;
+  newcomer_ = 0;
   pending_.reset();
   waiting_.reset();
   OnLost();
@@ -183,8 +250,8 @@ void ForeignLink::ReportStatus() {
   emit_(event::StatusSeen{actuator_, Stamped()});
 }
 
-void ForeignLink::ReportVanished(const std::string& how) {
-  emit_(event::Vanished{actuator_, report_.incarnation, false, how});
+void ForeignLink::ReportVanished(const std::string& how, bool for_good) {
+  emit_(event::Vanished{actuator_, report_.incarnation, for_good, how});
 }
 
 // Stamps are strictly increasing: of two reports at the same time the later one counts.

@@ -9,7 +9,8 @@
 //      └────── no server any more ─────┴───────────────┘  the newest keeps it
 //
 // Each process with the name is an incarnation of its own, identified by its DDS participant: a
-// restarted process is matched before the lease of the previous one expires.
+// restarted process is matched before the lease of the previous one expires. If the previous one
+// still runs, there are two with one name: the first one stays the actuator, and is degraded.
 //
 // Threads: loop thread only.
 
@@ -32,6 +33,9 @@ class ForeignLink : public ActuatorLink {
   void OnProcess(std::int32_t pid) final;
   void OnProcessFound(std::int32_t pid) final;
   void OnProcessEnded(std::int32_t pid) final;
+  transport::ParticipantId ProgramsParticipant() const final { return ours() ? 0 : server_; }
+  void OnParticipantWatched(transport::ParticipantId participant) final;
+  void OnParticipantEnded(transport::ParticipantId participant, std::int32_t pid) final;
 
  protected:
   // The command that is under way.
@@ -56,10 +60,15 @@ class ForeignLink : public ActuatorLink {
   virtual void Drive() = 0;
   // Queries the state of the process; to end with AnswerQuery(), or without an answer.
   virtual void Inquire(const QueryCommand& query) = 0;
+  // A second process with the name is matched: has the first one exited, or does it run? To end
+  // with EndComparison(). By default a second one is the successor of the first.
+  virtual void Compare() { EndComparison(false); }
 
   // Called by each protocol: the participants that offer the service now, whenever that may have
   // changed.
   void OnServers(std::vector<transport::ParticipantId> servers);
+  // Whether the first process with the name still runs.
+  void EndComparison(bool first_runs);
   void BeginSetUp(Duration budget);
   // The command has ended. Begins the waiting command.
   void End(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
@@ -67,7 +76,7 @@ class ForeignLink : public ActuatorLink {
   void DropPending();
   void AnswerQuery(CommandNumber number) { Reply(number, true, Verdict::kDone, kCodeOk, ""); }
   void ReportStatus();
-  void ReportVanished(const std::string& how);
+  void ReportVanished(const std::string& how, bool for_good = false);
 
   bool available() const { return server_ != 0; }
   bool ours() const { return process_ != 0 && !found_; }  // this controller has started its process
@@ -95,6 +104,9 @@ class ForeignLink : public ActuatorLink {
   void BeginWaiting();
   void Appear(transport::ParticipantId server);
   void Forget();
+  bool TakeOther();
+  void NoteDoubles();
+  std::string ProcessText(transport::ParticipantId server) const;
   void Arrive(const State& target);
   void Reply(CommandNumber number, bool query, Verdict verdict, std::int32_t code,
              const std::string& message);
@@ -113,6 +125,8 @@ class ForeignLink : public ActuatorLink {
   transport::ParticipantId server_ = 0;            // the current process; 0: none
   std::vector<transport::ParticipantId> servers_;  // all that offer the service
   std::set<transport::ParticipantId> ended_;       // the servers whose process has exited
+  std::set<transport::ParticipantId> watched_;     // the servers whose exit will be reported
+  transport::ParticipantId newcomer_ = 0;          // compared with the current process; 0: none
   std::optional<PendingCommand> pending_;
   std::optional<Waiting> waiting_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for work that is posted

@@ -18,6 +18,9 @@ constexpr Duration kSetUpTimeout = std::chrono::seconds(2);
 // Less than the coordinator's timeout of a query.
 constexpr Duration kStateQueryTimeout = Milliseconds(200);
 
+// Of the first of two nodes with one name.
+constexpr Duration kCompareTimeout = std::chrono::seconds(1);
+
 std::string Is(Ros2State state) {
   return "the node is " + std::string(Ros2StateName(state));
 }
@@ -67,6 +70,18 @@ void Ros2Link::OnAppeared() {
   report().target = State(kSetUp);
   ReportStatus();
   Look();
+}
+
+// Whether the first node still answers. In a callback it need not.
+void Ros2Link::Compare() {
+  get_->Call(
+      {}, kCompareTimeout,
+      [this, first = server()](const Result<msg::GetState::Response>& reply) {
+        if (first != server()) return;
+        if (!reply && MayBeInCallback()) return Compare();
+        EndComparison(reply.ok());
+      },
+      server());
 }
 
 void Ros2Link::OnLost() {
@@ -132,9 +147,12 @@ void Ros2Link::LookAt(Time when) {
 
 void Ros2Link::Look() {
   LookAt(Now() + kLookPeriod);
-  get_->Call({}, kLookTimeout, [this, era = era_](const Result<msg::GetState::Response>& reply) {
-    if (reply && era == era_) OnLooked(static_cast<Ros2State>(reply.value().current_state.id));
-  });
+  get_->Call(
+      {}, kLookTimeout,
+      [this, era = era_](const Result<msg::GetState::Response>& reply) {
+        if (reply && era == era_) OnLooked(static_cast<Ros2State>(reply.value().current_state.id));
+      },
+      server());
 }
 
 void Ros2Link::OnLooked(Ros2State state) {
@@ -240,7 +258,9 @@ void Ros2Link::Proceed() {
   const auto step = NextTransition(known_, goal);
   if (!step) {
     return Finish(Verdict::kFailed, kCodeStateInvalid,
-                  Is(known_) + "; only a new start brings it back");
+                  Is(known_) + "; only a new start brings it back: " +
+                      (actuator().command.empty() ? "start it again where it was started"
+                                                  : "musher restart " + actuator().name));
   }
   Transit(*step);
 }
@@ -260,13 +280,15 @@ void Ros2Link::Transit(const Ros2Transition& step) {
   step_over_ = false;
   ++era_;
   LookAt(Now() + kLookPeriod);
-  change_->Call({{step.id, ""}}, kCallTimeout,
-                [this, era = era_](const Result<msg::ChangeState::Response>& reply) {
-                  if (era == era_) return OnChanged(reply);
-                  if (!stray_) return;
-                  strayed_ = true;
-                  if (!pending()) Look();
-                });
+  change_->Call(
+      {{step.id, ""}}, kCallTimeout,
+      [this, era = era_](const Result<msg::ChangeState::Response>& reply) {
+        if (era == era_) return OnChanged(reply);
+        if (!stray_) return;
+        strayed_ = true;
+        if (!pending()) Look();
+      },
+      server());
 }
 
 void Ros2Link::OnChanged(const Result<msg::ChangeState::Response>& reply) {

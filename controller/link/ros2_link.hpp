@@ -48,6 +48,7 @@ class Ros2Link : public ForeignLink {
   void OnLost() override;
   void Drive() override;
   void Inquire(const QueryCommand& query) override;
+  void Compare() override;
 
   // Polls get_state until a reply says that no transition is running.
   void Look();

@@ -10,6 +10,7 @@
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 #include "musher/controller/process/child_processes.hpp"
+#include "musher/transport/udp_sockets.hpp"
 
 namespace musher {
 
@@ -17,6 +18,10 @@ namespace musher {
 Result<> KernelProbe::Prove(const std::string& actuator, pid_t pid, pid_t child) {
   if (child != 0 && pid > 0 && getsid(pid) == child) return Ok();
   return NameLock::CheckHolder(lock_of_(actuator), pid);
+}
+
+bool KernelProbe::SharesDomain(pid_t pid) {
+  return transport::ShareUdpPort(pid, getpid());
 }
 
 std::vector<pid_t> KernelProbe::Find(const std::vector<std::string>& actuators) {

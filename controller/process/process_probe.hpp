@@ -29,6 +29,9 @@ class ProcessProbe {
   // kCodeStateInvalid if there is no such process.
   virtual Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) = 0;
 
+  // Whether process `pid` takes part in the DDS domain of this one, as its sockets show.
+  virtual bool SharesDomain(pid_t /*pid*/) { return false; }
+
   // For each of these actuators: the process that an earlier controller has started for it, or that
   // holds its name and belongs to root or our user; 0: none.
   virtual std::vector<pid_t> Find(const std::vector<std::string>& actuators) = 0;
@@ -63,6 +66,7 @@ class KernelProbe : public ProcessProbe {
       : lock_of_(std::move(lock_of)), backtraces_(loop, processes) {}
 
   Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) override;
+  bool SharesDomain(pid_t pid) override;
   std::vector<pid_t> Find(const std::vector<std::string>& actuators) override;
   std::uint64_t StartTimeOf(pid_t pid) override;
   pid_t WorkerOf(pid_t pid) override;

@@ -4,6 +4,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/requests.hpp"
 
 namespace musher {
 namespace {
@@ -21,16 +22,20 @@ Result<> ToResult(const SwitchResult& result) {
 Result<std::unique_ptr<ManagedMachine>> ManagedMachine::Make(transport::Node& node,
                                                              ControllerShell& shell,
                                                              const std::string& instance) {
-  std::unique_ptr<ManagedMachine> machine(new ManagedMachine(shell));
+  std::unique_ptr<ManagedMachine> machine(new ManagedMachine(node, shell));
   ManagedMachine* self = machine.get();
   transport::ManagedNodeEndpoints::Hooks hooks;
-  hooks.refusal = [self](const Ros2Transition* transition) { return self->Refusal(transition); };
-  hooks.change = [self](const Ros2Transition& transition, const Done& done) {
-    self->Change(transition, done);
+  hooks.refusal = [self](const Ros2Transition* transition, transport::ParticipantId caller) {
+    return self->Refusal(transition, caller);
+  };
+  hooks.change = [self](const Ros2Transition& transition, transport::ParticipantId caller,
+                        const Done& done) {
+    self->Change(transition, self->RequesterOf(caller), done);
   };
   hooks.log = [self](const std::string& line) {
     self->shell_.Remark(kCodeStatusError, std::string(kMachineNode) + ": " + line);
   };
+  hooks.parameters = transport::ParametersOf(shell.config());
   auto endpoints = transport::ManagedNodeEndpoints::Make(node, shell.config().name_space,
                                                          kMachineNode, instance, std::move(hooks));
   if (!endpoints) return endpoints.error();
@@ -45,8 +50,17 @@ void ManagedMachine::OnRecord() {
   endpoints_->Observe(machine.state, moves ? machine.current->target : State());
 }
 
+// The nodes of the command `ros2` have this prefix: a person has typed it.
+Requester ManagedMachine::RequesterOf(transport::ParticipantId caller) const {
+  const std::string node = node_.RosNodeOf(caller);
+  const bool person = node.find("/_ros2cli") != std::string::npos;
+  if (person) return {"ros2 lifecycle (" + node + ")", false};
+  return {node.empty() ? "a ROS 2 manager" : node, true};
+}
+
 // The requests that the decision code would refuse, without a record of each: there may be many.
-std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition) const {
+std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition,
+                                             transport::ParticipantId caller) const {
   const Machine& machine = shell_.machine();
   if (machine.current) {
     return Error{kCodeTargetBusy, "switch " + ToString(machine.current->number) + " to " +
@@ -59,6 +73,8 @@ std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition) c
   if (!machine.start_up.set_up || transition == nullptr) return std::nullopt;
   const auto target = TargetOf(*transition, shell_.config());
   if (!target || NeedsNoSwitch(*target)) return std::nullopt;
+  auto overridden = RefusalOfManager(shell_.config(), machine, *target);
+  if (overridden && RequesterOf(caller).manager) return overridden;
   const Plan plan = MakePlan(shell_.config(), machine, *target);
   return plan.free_by ? std::nullopt : plan.refusal;
 }
@@ -67,26 +83,29 @@ bool ManagedMachine::NeedsNoSwitch(const State& target) const {
   return target.empty() || (target == kTearDown && shell_.machine().state == kTearDown);
 }
 
-void ManagedMachine::Change(const Ros2Transition& transition, const Done& done) {
+void ManagedMachine::Change(const Ros2Transition& transition, const Requester& by,
+                            const Done& done) {
   const auto target = TargetOf(transition, shell_.config());
   if (!target) return done(Error{kCodeUnSupport, "the machine has no state for this transition"});
   if (NeedsNoSwitch(*target)) return done(Ok());
-  if (shell_.machine().start_up.set_up) return Switch(*target, done);
+  if (shell_.machine().start_up.set_up) return Switch(*target, by, done);
   // Its services are available before its actuators are set up. What becomes of an actuator that
   // is not set up is the switch's decision, as after the set-up.
   shell_.AwaitSetUp(
-      [this, target = *target, done, alive = std::weak_ptr<bool>(alive_)](const Result<>&) {
+      [this, target = *target, by, done, alive = std::weak_ptr<bool>(alive_)](const Result<>&) {
         if (alive.expired()) return;
-        Switch(target, done);
+        Switch(target, by, done);
       });
 }
 
-void ManagedMachine::Switch(const State& target, const Done& done) {
-  shell_.SetState(target, std::nullopt,
-                  [this, done, alive = std::weak_ptr<bool>(alive_)](const SwitchResult& result) {
-                    if (!alive.expired()) OnRecord();
-                    done(ToResult(result));
-                  });
+void ManagedMachine::Switch(const State& target, const Requester& by, const Done& done) {
+  shell_.SetState(
+      target, std::nullopt,
+      [this, done, alive = std::weak_ptr<bool>(alive_)](const SwitchResult& result) {
+        if (!alive.expired()) OnRecord();
+        done(ToResult(result));
+      },
+      by);
 }
 
 }  // namespace musher

@@ -2,7 +2,8 @@
 // The whole machine as one ROS 2 managed node, <namespace>/musher: configure is SelfCheck, activate
 // Active, deactivate DeActive, cleanup and shutdown TearDown, unless [ros2] of the config sets
 // other states. A transition is a switch of the machine; it succeeds when the machine is in its
-// target, even if some actuators are not.
+// target, even if some actuators are not. A manager does not switch it up where another requester
+// has switched it down; a person's `ros2 lifecycle set` does.
 //
 // Threads: loop thread only.
 
@@ -26,14 +27,17 @@ class ManagedMachine {
   bool Holds() const { return endpoints_->Holds(); }
 
  private:
-  explicit ManagedMachine(ControllerShell& shell) : shell_(shell) {}
+  ManagedMachine(transport::Node& node, ControllerShell& shell) : node_(node), shell_(shell) {}
 
   using Done = transport::ManagedNodeEndpoints::Done;
-  std::optional<Error> Refusal(const Ros2Transition* transition) const;
+  Requester RequesterOf(transport::ParticipantId caller) const;
+  std::optional<Error> Refusal(const Ros2Transition* transition,
+                               transport::ParticipantId caller) const;
   bool NeedsNoSwitch(const State& target) const;
-  void Change(const Ros2Transition& transition, const Done& done);
-  void Switch(const State& target, const Done& done);
+  void Change(const Ros2Transition& transition, const Requester& by, const Done& done);
+  void Switch(const State& target, const Requester& by, const Done& done);
 
+  transport::Node& node_;
   ControllerShell& shell_;
   std::unique_ptr<transport::ManagedNodeEndpoints> endpoints_;
   // Expires before late answers arrive.

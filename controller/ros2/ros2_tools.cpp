@@ -2,10 +2,18 @@
 
 #include <utility>
 
+#include "musher/base/code.hpp"
+
 namespace musher {
 
 Ros2Tools::Ros2Tools(transport::Node& node, ControllerShell& shell,
-                     const std::function<std::int64_t()>& wall_ns, const std::string& instance) {
+                     const std::function<std::int64_t()>& wall_ns, const std::string& instance)
+    : other_vendors_(
+          node,
+          [&shell](std::vector<std::string> others) { shell.SetOtherVendors(std::move(others)); },
+          [&shell](const std::string& other) {
+            shell.Remark(kCodeParametersInvalid, other + ": " + kOtherVendorCure);
+          }) {
   // Not fatal: permissions from an earlier version, for example, do not include the new topics.
   const auto keep = [&shell](auto& tool, auto made, const char* what) {
     if (made) {

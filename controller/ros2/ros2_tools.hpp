@@ -11,6 +11,7 @@
 
 #include "musher/controller/ros2/diagnostics.hpp"
 #include "musher/controller/ros2/managed_machine.hpp"
+#include "musher/controller/ros2/other_vendors.hpp"
 #include "musher/controller/ros2/rosout.hpp"
 
 namespace musher {
@@ -30,6 +31,7 @@ class Ros2Tools {
   std::unique_ptr<ManagedMachine> managed_;
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<Rosout> rosout_;
+  OtherVendors other_vendors_;
 };
 
 }  // namespace musher

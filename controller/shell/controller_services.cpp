@@ -73,14 +73,19 @@ Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(transport::
 Result<> ControllerServices::Open() {
   const std::string& name_space = shell_.config().name_space;
   const auto open = [&]<class S>(std::unique_ptr<transport::Server<S>>& server, const char* name,
-                                 typename transport::Server<S>::Handler handler) -> Result<> {
-    typename transport::Server<S>::Handler for_us = [this, handler = std::move(handler)](
-                                                        const auto& request, auto reply) {
+                                 auto handler) -> Result<> {
+    typename transport::Server<S>::HandlerOfCaller for_us = [this, handler = std::move(handler)](
+                                                                const auto& request, auto reply,
+                                                                transport::ParticipantId caller) {
       if constexpr (requires { request.machine_id; }) {
         // Its controller receives the request, too, and answers.
         if (shell_.IsOtherMachine({request.machine, request.machine_id})) return;
       }
-      handler(request, std::move(reply));
+      if constexpr (requires { handler(request, reply, caller); }) {
+        handler(request, std::move(reply), caller);
+      } else {
+        handler(request, std::move(reply));
+      }
     };
     auto made = transport::MakeServer<S>(node_, transport::MachineService(name_space, name),
                                          std::move(for_us));
@@ -89,7 +94,9 @@ Result<> ControllerServices::Open() {
     return Ok();
   };
   if (auto r = open(set_state_, "set_state",
-                    [this](const auto& request, auto reply) { OnSetState(request, reply); });
+                    [this](const auto& request, auto reply, transport::ParticipantId caller) {
+                      OnSetState(request, reply, caller);
+                    });
       !r) {
     return r;
   }
@@ -157,7 +164,8 @@ void ControllerServices::RecordRequest(const std::string& by, const std::string&
 }
 
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
-                                    const transport::Server<msg::SetState>::Reply& reply) {
+                                    const transport::Server<msg::SetState>::Reply& reply,
+                                    transport::ParticipantId caller) {
   auto error = CheckLengths(request.target, request.actuator);
   if (!error) error = MeantForAnother(shell_, request);
   if (error) {
@@ -171,11 +179,14 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
   }
   std::optional<std::string> actuator;
   if (!request.actuator.empty()) actuator = request.actuator;
-  RecordRequest(request.by, "requests " + request.target + (actuator ? " of " + *actuator : ""));
-  shell_.SetState(State(request.target), actuator, [this, reply](const SwitchResult& result) {
-    shell_.PublishStatus();
-    reply(ToMessage(result));
-  });
+  const std::string by =
+      request.by.empty() ? node_.RosNodeOf(caller) : request.by.substr(0, kLongestName);
+  shell_.SetState(State(request.target), actuator,
+                  [this, reply](const SwitchResult& result) {
+                    shell_.PublishStatus();
+                    reply(ToMessage(result));
+                  },
+                  {by});
 }
 
 void ControllerServices::OnRequestPolicy(

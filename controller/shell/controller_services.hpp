@@ -37,7 +37,8 @@ class ControllerServices {
   // Who has requested what, if the request says it.
   void RecordRequest(const std::string& by, const std::string& what);
   void OnSetState(const msg::SetState::Request& request,
-                  const transport::Server<msg::SetState>::Reply& reply);
+                  const transport::Server<msg::SetState>::Reply& reply,
+                  transport::ParticipantId caller);
   void OnRequestPolicy(const msg::RequestPolicy::Request& request,
                        const transport::Server<msg::RequestPolicy>::Reply& reply);
   msg::GetPlan::Response OnGetPlan(const msg::GetPlan::Request& request) const;

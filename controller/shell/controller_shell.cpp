@@ -28,7 +28,9 @@ ControllerShell::ControllerShell(Dependencies dependencies, const MachineConfig&
   for (const ActuatorIndex i : config.actuators.Indices()) index_[config.actuators[i].name] = i;
 }
 
-ControllerShell::~ControllerShell() = default;
+ControllerShell::~ControllerShell() {
+  dependencies_.node->SetOnPeerFault({});
+}
 
 Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(Dependencies dependencies,
                                                                const MachineConfig& config,
@@ -41,6 +43,7 @@ Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(Dependencies depe
 
 Result<> ControllerShell::Open() {
   transport::Node& node = *dependencies_.node;
+  node.SetOnPeerFault([this](const transport::PeerFault& fault) { RecordPeerFault(fault); });
   for (const ActuatorIndex i : peers_.Indices()) {
     auto link = MakeLink(
         node, config_, i, [this](const Event& event) { OnLinkEvent(event); }, dependencies_.links);
@@ -146,12 +149,12 @@ void ControllerShell::ReleaseControl(const std::string& rival) {
 }
 
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,
-                               OnResult done) {
+                               OnResult done, const Requester& by) {
   CheckThread();
   if (refused_) return done(Refusal(*refused_));
   const RequestId request = next_request_++;
   waiting_for_result_[request] = std::move(done);
-  Handle(event::SetStateRequested{request, target, actuator});
+  Handle(event::SetStateRequested{request, target, actuator, AfterTearDown::kStaysDown, by});
 }
 
 void ControllerShell::TearDown(AfterTearDown after) {

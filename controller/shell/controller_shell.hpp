@@ -127,7 +127,8 @@ class ControllerShell {
   using OnAnswer = std::function<void(const Result<>&)>;
   // Switches the machine, or one actuator. `done` runs exactly once, also for a refusal, maybe at
   // once.
-  void SetState(const State& target, const std::optional<std::string>& actuator, OnResult done);
+  void SetState(const State& target, const std::optional<std::string>& actuator, OnResult done,
+                const Requester& by = {});
   // TearDown of the machine, once it has begun; calls hooks.on_stopped at its end.
   void TearDown(AfterTearDown after);
   void AwaitSetUp(OnAnswer done);
@@ -141,6 +142,9 @@ class ControllerShell {
 
   // Writing the journal has begun to fail, or works again.
   void OnJournalWritten(const Result<>& written);
+
+  // The participants of another DDS, for the status.
+  void SetOtherVendors(std::vector<std::string> others);
 
   // Records an event that needs no decision.
   void Remark(std::int32_t code, const std::string& message);
@@ -180,6 +184,7 @@ class ControllerShell {
     std::optional<Time> unproven_recorded;  // when an unproven pid was last recorded
     bool hash_recorded = false;             // a different config was recorded
     std::optional<Time> alive_since;        // heartbeats of its process, which counts as lost
+    transport::ParticipantId looked_at = 0;  // of a program of another protocol; see WatchProgram()
   };
 
   ControllerShell(Dependencies dependencies, const MachineConfig& config, Hooks hooks);
@@ -201,6 +206,7 @@ class ControllerShell {
   void OnWriterLost(transport::EndpointId writer);
   Process& ProcessOf(ActuatorIndex actuator, const ActuatorReport& report);
   ActuatorReport WithProvenPid(ActuatorIndex actuator, ActuatorReport report);
+  void WatchProgram(ActuatorIndex actuator);
   Result<> ProveAndWatch(ActuatorIndex actuator, const ActuatorReport& report);
   void RecordUnproven(ActuatorIndex actuator, std::int32_t pid, const std::string& why);
   bool WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child);
@@ -212,6 +218,7 @@ class ControllerShell {
   bool HoldsItsNameHere(const msg::ActuatorStatus& status) const;
   void RecordOtherMachines(const msg::ActuatorStatus& status, const MachineIdentity& theirs);
   void OnOtherMachine(const ControllerPresence::Rival* other);
+  void RecordPeerFault(const transport::PeerFault& fault);
 
   bool KeepForBegin(const Event& event);
   void CheckThread() const;
@@ -266,6 +273,7 @@ class ControllerShell {
   std::map<std::string, Incarnation> unlisted_;  // incarnations of actuators not in the config
   std::set<std::pair<ActuatorIndex, std::string>> of_others_;  // recorded, with their machine
   std::optional<Time> first_status_at_;                        // of before_begin_
+  std::set<std::pair<transport::ParticipantId, std::string>> peer_faults_;  // recorded
   std::deque<Event> queue_;  // events that arrived while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;
@@ -277,6 +285,7 @@ class ControllerShell {
   std::optional<Result<>> journal_at_begin_;         // the last OnJournalWritten() before Begin()
   msg::MachineStatus published_;
   Time published_at_{};
+  std::vector<std::string> other_vendors_;  // participants of another DDS
   transport::LoopHandlePtr publish_later_;
   transport::LoopHandlePtr unsaved_timer_;  // while something is not on disk
   // Null unless this controller leads.

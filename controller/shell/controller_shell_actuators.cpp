@@ -15,6 +15,7 @@ constexpr std::size_t kProcessesKept = 4;  // of one actuator, with the latest s
 constexpr std::size_t kMostUnlisted = 64;
 // A heartbeat that was sent before the loss may arrive after it.
 constexpr Duration kTakenAgainAfter = std::chrono::seconds(1);
+constexpr std::size_t kMostPeerFaults = 64;  // recorded by one controller
 
 }  // namespace
 
@@ -112,7 +113,9 @@ void ControllerShell::OnLinkEvent(const Event& from_link) {
   Handle(event);
   if (replied != nullptr) return CountAsHeartbeat(replied->actuator, replied->report.incarnation);
   const auto* seen = std::get_if<event::StatusSeen>(&event);
-  if (seen != nullptr) CountAsHeartbeat(seen->actuator, seen->report.incarnation);
+  if (seen == nullptr) return;
+  CountAsHeartbeat(seen->actuator, seen->report.incarnation);
+  WatchProgram(seen->actuator);
 }
 
 // A program of another protocol does not report its pid; the controller knows the pid of a program
@@ -182,6 +185,21 @@ void ControllerShell::RecordOtherMachines(const msg::ActuatorStatus& status,
   RecordHere("machine", std::nullopt, kCodeParametersInvalid,
              texts::OtherMachineSeen(MachineText(machine), "its actuator " + status.name,
                                      config_.name_space));
+}
+
+// Each fault of a participant once: it may send any number of samples.
+void ControllerShell::RecordPeerFault(const transport::PeerFault& fault) {
+  if (peer_faults_.size() >= kMostPeerFaults) return;
+  if (!peer_faults_.emplace(fault.participant, fault.what + " " + fault.topic).second) return;
+  std::string source = dependencies_.node->RosNodeOf(fault.participant);
+  for (const transport::PeerInfo& peer : dependencies_.node->Peers()) {
+    if (peer.id != fault.participant || peer.pid == 0) continue;
+    source += (source.empty() ? "" : ", ") + std::string("process ") + std::to_string(peer.pid) +
+              (peer.host.empty() ? "" : " of host " + peer.host.substr(0, 64));
+  }
+  if (source.empty()) source = "a participant that does not say its process";
+  Remark(kCodeParametersInvalid,
+         source + " " + fault.what + ", on " + fault.topic + "; recorded once");
 }
 
 std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) const {

@@ -76,6 +76,11 @@ void ControllerShell::PublishWhileUnsaved() {
   }
 }
 
+void ControllerShell::SetOtherVendors(std::vector<std::string> others) {
+  other_vendors_ = std::move(others);
+  PublishSoon();
+}
+
 void ControllerShell::PublishStatus() {
   if (!status_) return;
   msg::MachineStatus status = Status();
@@ -104,6 +109,7 @@ msg::MachineStatus ControllerShell::Status() const {
   status.host = dependencies_.host;
   status.machine_id = presence_->machine().id;
   status.participant = dependencies_.node->participant().value();
+  status.other_vendors = other_vendors_;
   for (const ControllerPresence::Rival& other : presence_->OtherMachines()) {
     status.other_machines.push_back(MachineText(other.machine) + ", " + other.process);
   }

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -183,6 +184,29 @@ Result<> ControllerShell::ProveAndWatch(ActuatorIndex actuator, const ActuatorRe
             actuator, incarnation, true,
             "its process " + std::to_string(pid) + " ended" + (known ? ": " + exit.Text() : "")});
       });
+}
+
+// The exit of a program of another protocol that we did not start: its participant says which
+// process it has. That is used for nothing but this watch, and only if the process takes part in
+// our domain: in a container the same number may be another process.
+void ControllerShell::WatchProgram(ActuatorIndex actuator) {
+  Peer& peer = peers_[actuator];
+  const transport::ParticipantId participant =
+      peer.link ? peer.link->ProgramsParticipant() : transport::ParticipantId();
+  if (participant == peer.looked_at) return;
+  peer.looked_at = participant;
+  if (participant == 0 || dependencies_.host_name.empty()) return;
+  const std::vector<transport::PeerInfo> peers = dependencies_.node->Peers();
+  const auto found = std::ranges::find(peers, participant, &transport::PeerInfo::id);
+  if (found == peers.end() || found->pid == 0 || found->host != dependencies_.host_name) return;
+  const std::int32_t pid = found->pid;
+  if (!dependencies_.process_probe->SharesDomain(pid)) return;
+  const Result<> watched =
+      dependencies_.processes->Watch(pid, [this, actuator, participant, pid](const ProcessExit&) {
+        health_->Forget(actuator);
+        peers_[actuator].link->OnParticipantEnded(participant, pid);
+      });
+  if (watched) peer.link->OnParticipantWatched(participant);
 }
 
 void ControllerShell::RecordUnproven(ActuatorIndex actuator, std::int32_t pid,

@@ -75,6 +75,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
   status.epoch = machine.epoch.value();
   if (machine.current) status.target = machine.current->target;
   status.switch_number = machine.last_switch.value();
+  status.requested_by = machine.requested_by;
   status.config_file = config.file;
   status.config_hash = config.hash;
   status.emergency_stop = machine.emergency.stop.has_value();

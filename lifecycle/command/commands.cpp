@@ -25,6 +25,7 @@ void Commands::Issue(ActuatorIndex i, CommandNumber number, const State& target,
 // one, or one of the previous controller) may have led to any state.
 void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
+  if (ConfigOf(i).protocol == Protocol::kRos2Lifecycle) RecordDoubles(i, report);
   // The report that it was busy may have been missed.
   const bool was_busy =
       record.report.busy() || (report.incarnation == record.report.incarnation &&
@@ -55,6 +56,18 @@ void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
   }
   stops_.Compare(report, i);
   if (report.number < kLastNumber) machine_.number = std::max(machine_.number, report.number);
+}
+
+// The link reports two nodes with its name in the place of a partial fault.
+void Commands::RecordDoubles(ActuatorIndex i, const ActuatorReport& report) {
+  const ActuatorReport& before = Of(i).report;
+  if (report.degraded_reason == before.degraded_reason) return;
+  if (report.degraded_code != kCodeOk) {
+    RecordActuator(i, report.degraded_code, texts::TwoNodes(report.degraded_reason));
+  } else if (before.incarnation == report.incarnation) {
+    RecordActuator(i, kCodeOk,
+                   texts::ActuatorRecovered(ConfigOf(i).name, "no other node has its name"));
+  }
 }
 
 // Its state has changed without a command.

@@ -60,6 +60,7 @@ class Commands : StepPart {
 
  private:
   void Drifted(ActuatorIndex i);
+  void RecordDoubles(ActuatorIndex i, const ActuatorReport& report);
   void NoteCheck(ActuatorIndex i, ActuatorOutcome outcome);
   CommandResult Tolerate(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);
   Leg* LegUnderWay(ActuatorIndex i);

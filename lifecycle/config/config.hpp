@@ -47,6 +47,8 @@ struct RestartConfig {
   Duration reset_after = Milliseconds(60'000);  // healthy this long: the count is reset
   std::vector<int> prevent_exit_codes = {kUsageExitCode};  // not restarted after one of them
 
+  bool finalized = false;  // a ROS 2 node that another client has finalized is restarted
+
   bool Prevents(int exit_code) const;
 
   friend bool operator==(const RestartConfig&, const RestartConfig&) = default;

@@ -88,6 +88,8 @@ struct Machine {
   Epoch epoch = 0;
   CommandNumber number = 0;       // of the last switch or command
   CommandNumber last_switch = 0;  // of the last switch alone
+  std::string requested_by;       // of the last switch of the whole machine; "" = its start
+  std::optional<StandingRequest> standing;
   StartUpState start_up;
   PerActuator<ActuatorRecord> actuators;  // in the order of the config
   std::optional<Switch> current;

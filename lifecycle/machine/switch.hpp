@@ -96,6 +96,24 @@ enum class AfterTearDown {
   kStartsAgain,  // the same controller starts it again, from another slot
 };
 
+// The origin of a request for a switch.
+struct Requester {
+  std::string name;      // for people: "alice@dog1", "/lifecycle_manager"; "" = not known
+  bool manager = false;  // a lifecycle manager of ROS 2, which requests without a person
+
+  friend bool operator==(const Requester&, const Requester&) = default;
+};
+
+// The last switch of the machine that no manager has requested. A manager may not switch the
+// machine to a more active state than that: a person's pause lasts until a person ends it.
+struct StandingRequest {
+  State target;
+  std::string by;            // as in Requester
+  CommandNumber number = 0;  // of the switch; 0: of an earlier controller
+
+  friend bool operator==(const StandingRequest&, const StandingRequest&) = default;
+};
+
 // A switch that was requested while an actuator was being driven to the state of the machine on its
 // own. Nothing has been sent for it; no other actuator is driven on its own before it.
 struct WaitingSwitch {
@@ -104,6 +122,7 @@ struct WaitingSwitch {
   Time until{};                     // then it begins or is refused
   std::vector<RequestId> requests;  // answered at its end
   RecordId cause = 0;               // the record of the request
+  Requester by = {};
 
   friend bool operator==(const WaitingSwitch&, const WaitingSwitch&) = default;
 };

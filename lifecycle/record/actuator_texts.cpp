@@ -50,6 +50,10 @@ RecordText ActuatorRecovered(const std::string& actuator, const std::string& how
                   {{"actuator", actuator}, {"how", how}});
 }
 
+RecordText TwoNodes(const std::string& which) {
+  return MakeText(EventName::kDuplicateActuator, "{nodes}", {{"nodes", which}});
+}
+
 RecordText DuplicateActuator(const std::string& actuator, std::int32_t pid, const std::string& host,
                              std::int32_t known_pid) {
   const std::string known = known_pid == 0 ? "the known process" : "process {known_pid}";

@@ -24,9 +24,10 @@ EventName EventOf(SwitchOutcome outcome) {
 
 }  // namespace
 
-RecordText SwitchRequested(const std::string& to, const State& target) {
-  return MakeText(EventName::kSwitchRequested, "switch {to} requested",
-                  {{"to", to}, {"target", target}});
+RecordText SwitchRequested(const std::string& to, const State& target, const std::string& by) {
+  return MakeText(EventName::kSwitchRequested,
+                  by.empty() ? "switch {to} requested" : "switch {to} requested by {by}",
+                  {{"to", to}, {"target", target}, {"by", by}});
 }
 
 RecordText SwitchWaiting(const std::string& to, Duration at_most, const std::string& why) {

@@ -70,7 +70,8 @@ RecordText MayStillRunOn(const std::string& host);
 RecordText KeepsRunning(const State& state);  // nothing can end it
 
 // A switch: switch_texts.cpp. `to`: "to Active", "of eyes to Active".
-RecordText SwitchRequested(const std::string& to, const State& target);
+// `by`: Requester::name.
+RecordText SwitchRequested(const std::string& to, const State& target, const std::string& by = "");
 RecordText SwitchWaiting(const std::string& to, Duration at_most, const std::string& why);
 RecordText SwitchRefused(const std::string& to, const std::string& why);
 // `actuator`: "": the machine.
@@ -114,6 +115,7 @@ RecordText ActuatorDrifted(const std::string& actuator, const State& state,
                            const std::optional<std::string>& failure);
 RecordText ActuatorStarved(const std::string& actuator, const std::string& how);
 RecordText ActuatorRecovered(const std::string& actuator, const std::string& how);
+RecordText TwoNodes(const std::string& which);  // of ROS 2, with one name
 RecordText DuplicateActuator(const std::string& actuator, std::int32_t pid, const std::string& host,
                              std::int32_t known_pid);
 RecordText ConfigDiffers(const std::string& actuator, const std::string& hash,

@@ -97,8 +97,31 @@ void Recovery::CheckDeadlines() {
       if (std::exchange(record.restart.given_up, false)) record.due = record.checked;
     }
     if (record.restart.at && *record.restart.at <= now_) processes_.StartAgain(i);
+    if (ConfigOf(i).restart.finalized) RestartFinalized(i);
     if (!record.restart.requests.empty()) AnswerRestarts(i);
   }
+}
+
+// Another client has finalized the ROS 2 node: its process runs on, and only a new one can be
+// configured. At most as often in a row as its process is restarted.
+void Recovery::RestartFinalized(ActuatorIndex i) {
+  ActuatorRecord& record = Of(i);
+  const bool running = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
+  const bool finalized = record.presence == Presence::kPresent && record.state() == kTearDown &&
+                         !record.held && !record.report.detached && !record.command;
+  const bool ending = record.restart.requested || record.process.termination.has_value();
+  const RestartConfig& restart = ConfigOf(i).restart;
+  if (!running || !finalized || ending || machine_.current || ProcessOf(i) == 0 ||
+      record.restart.count >= restart.limit) {
+    return;
+  }
+  ++record.restart.count;
+  record.restart.requested = true;
+  record.cause = RecordProcess(i, kCodeOk,
+                               texts::RestartScheduled(ConfigOf(i).name, Duration::zero(),
+                                                       record.restart.count, restart.limit),
+                               record.cause);
+  EndForRestart(i);
 }
 
 void Recovery::On(const event::ProcessStarted& started) {

@@ -26,6 +26,7 @@ class Recovery : StepPart {
  private:
   void Recovered(ActuatorIndex i, const std::string& how);
   void AssumeExited(ActuatorIndex i);
+  void RestartFinalized(ActuatorIndex i);
   bool WasDisconnected(ActuatorIndex i) const;
   void EndForRestart(ActuatorIndex i);
   void AnswerRestarts(ActuatorIndex i);

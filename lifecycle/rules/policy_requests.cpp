@@ -37,6 +37,11 @@ std::string Describe(const event::PolicyRequested& requested) {
   return "reboot";
 }
 
+// Its message has no name of a client.
+Requester ByPolicyRequest() {
+  return {"a request to the policy"};
+}
+
 // Of a request for a switch; empty: another request.
 State SwitchTargetOf(const event::PolicyRequested& requested) {
   return requested.what == PolicyRequest::kSwitch ? requested.state.Shortened() : State();
@@ -68,7 +73,8 @@ std::optional<Error> PolicyRequests::Handle(const Requested& requested, RecordId
   switch (requested.what) {
     case PolicyRequest::kSwitch:
       machine_.policy.calls.push_back(requested.request);
-      requests_.On(event::SetStateRequested{requested.request, requested.state, std::nullopt});
+      requests_.On(event::SetStateRequested{requested.request, requested.state, std::nullopt,
+                                            AfterTearDown::kStaysDown, ByPolicyRequest()});
       return std::nullopt;
     case PolicyRequest::kKeep:
       return HandleKeep(requested, request_record);
@@ -213,9 +219,11 @@ std::optional<Error> PolicyRequests::BeginRequested(const Requested& requested, 
   if (plan.refusal) return plan.refusal;
   machine_.policy.calls.push_back(requested.request);
   if (target == kTearDown) {
-    tear_down_.Begin(plan, {requested.request}, request_record);
+    tear_down_.Begin(plan, {requested.request}, request_record, AfterTearDown::kStaysDown,
+                     ByPolicyRequest());
   } else {
-    switching_.Begin(plan, Purpose::kRequested, {requested.request}, request_record);
+    switching_.Begin(plan, Purpose::kRequested, {requested.request}, request_record,
+                     ByPolicyRequest());
   }
   return std::nullopt;
 }

@@ -128,6 +128,7 @@ struct SetStateRequested {
   State target;
   std::optional<std::string> actuator = {};
   AfterTearDown after = AfterTearDown::kStaysDown;  // of a TearDown of the machine
+  Requester by = {};
   friend bool operator==(const SetStateRequested&, const SetStateRequested&) = default;
 };
 // Answer when all actuators are set up, or when that has failed.

@@ -18,6 +18,22 @@ int Urgency(const State& target) {
 
 }  // namespace
 
+std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine& machine,
+                                      const State& target) {
+  const auto& standing = machine.standing;
+  const auto wanted = config.RankOf(target);
+  if (!standing || !wanted) return std::nullopt;
+  const auto allowed = config.RankOf(standing->target);
+  const auto now = config.RankOf(machine.state);
+  if (wanted <= allowed || wanted <= now) return std::nullopt;
+  const std::string which =
+      standing->number == 0 ? "" : " (switch " + ToString(standing->number) + ")";
+  return Error{kCodeStateInvalid,
+               standing->target + " was last requested by " +
+                   (standing->by.empty() ? "a client without a name" : standing->by) + which +
+                   ", and a manager does not end that: `musher set " + target + "` does"};
+}
+
 void Requests::On(const event::SetStateRequested& requested) {
   std::optional<ActuatorIndex> only;
   if (requested.actuator) {
@@ -31,20 +47,28 @@ void Requests::On(const event::SetStateRequested& requested) {
   }
   const State target = requested.target.Shortened();
   const RecordId request_record = RecordSwitch(
-      only, 0, kCodeOk, texts::SwitchRequested(Describe(config_, target, only), target));
+      only, 0, kCodeOk,
+      texts::SwitchRequested(Describe(config_, target, only), target, requested.by.name));
+  const auto overridden =
+      requested.by.manager && !only ? RefusalOfManager(config_, machine_, target) : std::nullopt;
+  if (overridden) {
+    return switching_.Refuse(requested.target, only, {requested.request}, machine_.state,
+                             *overridden, request_record);
+  }
   if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))
     return;
   const Plan plan = MakePlan(config_, machine_, requested.target, only);
-  if (plan.free_by) return Await(plan, requested.request, request_record);
+  if (plan.free_by) return Await(plan, requested, request_record);
   if (plan.refusal) {
     return switching_.Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal,
                              request_record);
   }
   if (requested.target == kTearDown && !only) {
-    return tear_down_.Begin(plan, {requested.request}, request_record, requested.after);
+    return tear_down_.Begin(plan, {requested.request}, request_record, requested.after,
+                            requested.by);
   }
   if (machine_.current) switching_.Supersede(machine_.number + 1, requested.target, request_record);
-  switching_.Begin(plan, Purpose::kRequested, {requested.request}, request_record);
+  switching_.Begin(plan, Purpose::kRequested, {requested.request}, request_record, requested.by);
 }
 
 // One switch at a time: the same request joins the switch under way. A more urgent one may take
@@ -64,6 +88,7 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
     } else {
       s.requests.push_back(requested.request);
       switching_.PermitSwitchingOn(s);
+      if (!requested.by.manager) switching_.NoteRequester(s, requested.by);
     }
     return true;
   }
@@ -84,6 +109,7 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
   WaitingSwitch& waiting = *machine_.waiting;
   if (waiting.target == requested.target && waiting.only == only) {
     waiting.requests.push_back(requested.request);
+    if (!requested.by.manager) waiting.by = requested.by;
     return true;
   }
   if (!only && Urgency(requested.target) > Urgency(waiting.target)) return false;
@@ -95,9 +121,11 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
   return true;
 }
 
-void Requests::Await(const Plan& plan, RequestId request, RecordId request_record) {
+void Requests::Await(const Plan& plan, const event::SetStateRequested& requested,
+                     RecordId request_record) {
   const Time until = *plan.free_by + kAnswered;
-  machine_.waiting = WaitingSwitch{plan.target, plan.only, until, {request}, request_record};
+  machine_.waiting = WaitingSwitch{plan.target,         plan.only,      until,
+                                   {requested.request}, request_record, requested.by};
   machine_.waiting->cause =
       RecordSwitch(plan.only, 0, kCodeOk,
                    texts::SwitchWaiting(Describe(config_, plan.target, plan.only), until - now_,
@@ -114,7 +142,7 @@ bool Requests::BeginWaiting() {
     return true;
   }
   const WaitingSwitch waiting = *std::exchange(machine_.waiting, std::nullopt);
-  switching_.Begin(plan, Purpose::kRequested, waiting.requests, waiting.cause);
+  switching_.Begin(plan, Purpose::kRequested, waiting.requests, waiting.cause, waiting.by);
   return true;
 }
 

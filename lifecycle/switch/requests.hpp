@@ -12,6 +12,11 @@
 
 namespace musher {
 
+// Why a manager may not switch the machine to `target`: another requester has switched it to a less
+// active state. None: it may.
+std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine& machine,
+                                      const State& target);
+
 class Requests : StepPart {
  public:
   Requests(StepContext& step, Switching& switching, TearDown& tear_down)
@@ -27,7 +32,7 @@ class Requests : StepPart {
                     RecordId request_record);
   bool JoinWaiting(const event::SetStateRequested& requested, std::optional<ActuatorIndex> only,
                    RecordId request_record);
-  void Await(const Plan& plan, RequestId request, RecordId request_record);
+  void Await(const Plan& plan, const event::SetStateRequested& requested, RecordId request_record);
 
   Switching& switching_;
   TearDown& tear_down_;

@@ -34,6 +34,7 @@ EndedSwitch Switching::End() {
   const SwitchResult result = conclusion().Conclude(s, undone);
   const Leg* worst = undone ? conclusion().WorstLeg(s) : nullptr;
   const bool stopped = undone && s.stopped;
+  if (stopped && !s.only) StandStill(s);
   const RecordId recorded = RecordEnd(s, result,
                                       stopped ? machine_.emergency.cause
                                       : worst ? Of(worst->actuator).cause
@@ -45,6 +46,13 @@ EndedSwitch Switching::End() {
   const bool torn_down = s.only && s.target == kTearDown && !undone;
   if (torn_down) Degrade(*s.only, kCodeStateInvalid, texts::TornDownAlone(), recorded);
   return ended;
+}
+
+// An emergency stop has undone the switch: after its release a manager may not request it again.
+void Switching::StandStill(const Switch& s) {
+  const auto& stop = machine_.emergency.stop;
+  const std::string by = stop && !stop->by.empty() ? " of " + stop->by : "";
+  machine_.standing = StandingRequest{s.from, "the emergency stop" + by, s.number};
 }
 
 // The effects of a switch without rollback, or of the forward part of a switch.

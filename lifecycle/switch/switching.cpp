@@ -12,6 +12,23 @@ namespace {
 // With less time left a TearDown is not commanded: it would be overdue on arrival.
 constexpr Duration kShortestTearDown = Milliseconds(10);
 
+// Of a switch that the controller begins by itself.
+Requester RequesterOf(Purpose purpose) {
+  switch (purpose) {
+    case Purpose::kStartUpCheck:
+    case Purpose::kStartUpActivate:
+      return {"the start of the machine"};
+    case Purpose::kFallback:
+      return {"the loss of a critical actuator"};
+    case Purpose::kPolicy:
+      return {"the policy"};
+    case Purpose::kRequested:
+    case Purpose::kStop:
+      break;
+  }
+  return {};
+}
+
 void Explain(Leg& leg, const RecordText& text) {
   leg.message = text.message;
   leg.event = text.event;
@@ -25,7 +42,7 @@ std::string Describe(const MachineConfig& config, const State& target,
 }
 
 CommandNumber Switching::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
-                               RecordId cause) {
+                               RecordId cause, const Requester& by) {
   Switch s;
   static_cast<SwitchGoal&>(s) = plan;
   s.number = machine_.last_switch = ++machine_.number;
@@ -38,8 +55,19 @@ CommandNumber Switching::Begin(const Plan& plan, Purpose purpose, std::vector<Re
   for (const PlanStep& step : plan.steps) AddLeg(s, step);
   if (purpose == Purpose::kRequested) PermitSwitchingOn(s);
   RecordBegin(s, cause);
+  NoteRequester(s, purpose == Purpose::kRequested || !by.name.empty() ? by : RequesterOf(purpose));
+  const bool starts = purpose == Purpose::kStartUpCheck || purpose == Purpose::kStartUpActivate;
+  if (starts) machine_.requested_by.clear();  // the usual case needs no name in the status
   machine_.current = std::move(s);
   return machine_.current->number;
+}
+
+void Switching::NoteRequester(const Switch& s, const Requester& by) {
+  if (s.only) return;
+  machine_.requested_by = by.name;
+  // A check changes no state, and a TearDown cannot be switched up from.
+  const bool stays = config_.RankOf(s.target).has_value();
+  if (stays && !by.manager) machine_.standing = StandingRequest{s.target, by.name, s.number};
 }
 
 void Switching::AddLeg(Switch& s, const PlanStep& step) {

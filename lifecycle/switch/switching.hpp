@@ -28,9 +28,11 @@ class Switching : StepPart {
   Switching(StepContext& step, PolicyMemory& memory, Commands& commands)
       : StepPart(step), memory_(memory), commands_(commands) {}
 
-  // Returns the number of the switch.
+  // Returns the number of the switch. `by`: of one that was requested.
   CommandNumber Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
-                      RecordId cause);
+                      RecordId cause, const Requester& by = {});
+  // The machine was requested to be in the target of `s` by this one as well.
+  void NoteRequester(const Switch& s, const Requester& by);
   // Sends what can be sent.
   struct Progress {
     bool changed = false;  // other actuators may be able to proceed
@@ -64,6 +66,7 @@ class Switching : StepPart {
   bool Failed(const Switch& s) const;
   void BeginRollback(Switch& s);
   State WayBack(const Leg& leg) const;
+  void StandStill(const Switch& s);
   void Apply(const Switch& s, bool undone);
   void CheckAgain();
   void DriveTheRest(const Switch& s);

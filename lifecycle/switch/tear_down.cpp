@@ -12,7 +12,7 @@ constexpr Duration kIntentTime = Milliseconds(500);
 }  // namespace
 
 void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId cause,
-                     AfterTearDown after) {
+                     AfterTearDown after, const Requester& by) {
   if (machine_.current) switching_.Supersede(machine_.number + 1, plan.target, cause);
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
@@ -47,7 +47,7 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
     if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
   }
   ListSurvivors();
-  switching_.Begin(plan, Purpose::kStop, {}, cause);
+  switching_.Begin(plan, Purpose::kStop, {}, cause, by);
 }
 
 // Of several TearDown requests, the one counts that keeps the machine down.

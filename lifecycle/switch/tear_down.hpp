@@ -35,7 +35,7 @@ class TearDown : StepPart {
         switching_(switching) {}
 
   void Begin(const Plan& plan, std::vector<RequestId> requests, RecordId cause,
-             AfterTearDown after = AfterTearDown::kStaysDown);
+             AfterTearDown after = AfterTearDown::kStaysDown, const Requester& by = {});
   // Another request for the TearDown under way. Of several, the one counts that keeps the machine
   // down.
   void Join(const event::SetStateRequested& requested);

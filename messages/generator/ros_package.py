@@ -82,7 +82,7 @@ def package_xml(package, version, needed):
   <name>{package}</name>
   <version>{version}</version>
   <description>Interfaces of {package}, generated from Musher's IDL.</description>
-  <maintainer email="musher@localhost">Musher</maintainer>
+  <maintainer email="noreply@musher.invalid">Musher</maintainer>
   <license>Apache-2.0</license>
 
   <buildtool_depend>ament_cmake</buildtool_depend>

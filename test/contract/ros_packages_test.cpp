@@ -125,7 +125,9 @@ std::vector<std::string> PartNames(const std::string& kind, const std::string& n
 }
 
 class ARosPackage : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(, ARosPackage, ::testing::Values("musher_msgs", "protocol"),
+INSTANTIATE_TEST_SUITE_P(, ARosPackage,
+                         ::testing::Values("action_of_motion_interfaces", "musher_msgs",
+                                           "plan_msgs", "protocol", "r2_interfaces"),
                          [](const auto& package) { return std::string(package.param); });
 
 TEST_P(ARosPackage, HasEveryTypeOfTheIdlFieldByField) {
@@ -151,7 +153,7 @@ TEST_P(ARosPackage, HasEveryTypeOfTheIdlFieldByField) {
       }
     }
   }
-  EXPECT_GT(files, 20);
+  EXPECT_GT(files, 0);
   // ROS 2 derives these from an action.
   std::erase_if(left, [](const std::string& name) {
     return name.starts_with("action/") &&

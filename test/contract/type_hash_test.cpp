@@ -18,14 +18,19 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
 
+// The packages that only Musher ships: there is no other hash of them.
+const std::set<std::string> kOwnPackages = {"musher_msgs", "protocol", "plan_msgs", "r2_interfaces",
+                                            "action_of_motion_interfaces"};
+// Types of ROS 2 that rosidl's hash is not known of.
+const std::set<std::string> kNotKnown = {"bond/msg/Status", "trajectory_msgs/msg/JointTrajectory",
+                                         "trajectory_msgs/msg/JointTrajectoryPoint"};
+
 // Our types of ROS 2's packages whose hash is not that of the table.
 std::vector<std::string> Differences(const HashTable& table) {
-  std::set<std::string> packages;
-  for (const auto& [type, hash] : table) packages.insert(type.substr(0, type.find('/')));
   std::vector<std::string> found;
   for (const TypeHash& ours : TypeHashes()) {
     const std::string type = RosTypeName(std::string(ours.type));
-    if (!packages.contains(type.substr(0, type.find('/')))) continue;
+    if (kOwnPackages.contains(type.substr(0, type.find('/'))) || kNotKnown.contains(type)) continue;
     const auto row = table.find(type);
     if (row == table.end()) {
       found.push_back(type + ": the table has no row");
@@ -46,6 +51,15 @@ TEST(TypeHashes, DifferFromATableWithAWrongRow) {
   HashTable table = JazzyTypeHashes();
   table["std_msgs/msg/Header"].back() ^= 1;
   EXPECT_THAT(Differences(table), ElementsAre(HasSubstr("std_msgs/msg/Header: RIHS01_")));
+}
+
+// The results of nav2's actions had a field less than nav2's: a whole package without rows was
+// skipped.
+TEST(TypeHashes, DifferFromATableWithoutAPackageOfMusher) {
+  HashTable table = JazzyTypeHashes();
+  std::erase_if(table, [](const auto& row) { return row.first.starts_with("nav2_msgs/"); });
+  EXPECT_THAT(Differences(table),
+              ::testing::Contains("nav2_msgs/action/FollowPath_Result: the table has no row"));
 }
 
 TEST(TypeHashes, DifferFromATableWithoutARowOfMusher) {

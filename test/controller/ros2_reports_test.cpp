@@ -4,8 +4,10 @@
 
 #include "musher/base/code.hpp"
 #include "musher/controller/ros2/diagnostics.hpp"
+#include "musher/controller/ros2/other_vendors.hpp"
 #include "musher/controller/ros2/rosout.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/transport/sim/network.hpp"
 
 namespace musher::ros2_reports_test {
 
@@ -119,6 +121,15 @@ TEST(TheLogOfRos2, HasWarningsAndErrorsOfTheController) {
   ASSERT_TRUE(degraded);
   EXPECT_EQ(degraded->level, msg::Log::kError) << "critical";
   EXPECT_EQ(degraded->name, "fleet.dog1.musher." + config.actuators[1].name);
+}
+
+TEST(ParticipantsOfAnotherDds, AreNamedWithTheirProcess) {
+  transport::sim::Network network{1};
+  const auto node = network.MakeNode("robot");
+  EXPECT_THAT(DescribeOtherVendors(
+                  *node, {{1, 812, "dog1", 0x010f}, {2, 813, "dog1", 0x0110}, {3, 0, "", 0x0142}}),
+              ElementsAre("a process runs another DDS (vendor 01.42)",
+                          "process 812 of host dog1 runs Fast DDS"));
 }
 
 }  // namespace musher::ros2_reports_test

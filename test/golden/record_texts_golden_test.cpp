@@ -79,6 +79,7 @@ Examples OfASwitch() {
   using namespace texts;
   return {
       {"SwitchRequested", SwitchRequested("to Active", "Active")},
+      {"SwitchRequested", SwitchRequested("to Active", "Active", "alice@dog1")},
       {"SwitchWaiting", SwitchWaiting("to Active", kTime, "legs is busy with LowPower")},
       {"SwitchRefused", SwitchRefused("of eyes to Active", "eyes has no state 'Active'")},
       {"SwitchStarted", SwitchStarted(4, "", "Protected", "Active", 3)},
@@ -136,6 +137,7 @@ Examples OfAnActuator() {
       {"ActuatorStarved", ActuatorStarved("legs", "no heartbeat for 300 ms")},
       {"ActuatorRecovered", ActuatorRecovered("legs", "heartbeat received again")},
       {"DuplicateActuator", DuplicateActuator("legs", 77, "there", 12)},
+      {"TwoNodes", TwoNodes("two nodes /planner: process 7, which is driven, and process 8")},
       {"ConfigDiffers", ConfigDiffers("legs", "a1b2", "robot.toml", "c3d4")},
       {"Degraded", Degraded("legs", Killed())},
       {"DependencyDegraded", DependencyDegraded("legs", "it was killed")},

@@ -77,6 +77,9 @@ ActuatorConfig AnyActuator(std::size_t number, const MachineConfig& machine) {
   actuator.critical = AnyBool();
   actuator.restart = AnyRestart();
   if (AnyBool()) actuator.checkpoint = AnyTime(20);
+  // The default of a node that the controller does not start.
+  const bool by_hand = actuator.protocol == Protocol::kRos2Lifecycle && actuator.command.empty();
+  if (by_hand && !actuator.checkpoint) actuator.checkpoint = Milliseconds(5000);
   if (AnyBool()) actuator.checkpoint_in = {{"SetUp", AnyTime(20)}, {"TearDown", AnyTime(20)}};
   if (AnyBool()) actuator.controller_lost = AnyTime(1000);
   actuator.on_controller_lost = kTearDown;

@@ -304,6 +304,85 @@ TEST_F(DrivingARos2Node, AnExitedPredecessorIsNotTakenForTheNodeWhenItsSuccessor
   EXPECT_EQ(status_.incarnation, second) << "no process came after it";
 }
 
+// Both were driven, and the journal said that the node was restarted.
+class TwoNodesOfOneName : public DrivingARos2Node {
+ protected:
+  void SetUp() override {
+    DrivingARos2Node::SetUp();
+    BringUp();
+    first_ = status_.incarnation;
+    second_process_ = network_.MakeNode("robot");
+    second_ = std::make_unique<RosManagedNode>(*second_process_, "a");
+    ASSERT_TRUE(Until([&] { return status_.degraded_code != kCodeOk; }));
+  }
+  void EndSecond() {
+    second_ = nullptr;
+    second_process_ = nullptr;
+  }
+
+  Incarnation first_ = 0;
+  std::unique_ptr<transport::Node> second_process_;
+  std::unique_ptr<RosManagedNode> second_;
+};
+
+TEST_F(TwoNodesOfOneName, AreReportedAndTheFirstOneStaysTheActuator) {
+  EXPECT_THAT(status_.degraded_reason, HasSubstr("two nodes /a: "));
+  EXPECT_EQ(status_.incarnation, first_);
+  EXPECT_EQ(status_.state, "Active");
+  EXPECT_THAT(second_->log(), IsEmpty()) << "it is not configured";
+  EXPECT_THAT(losses_, IsEmpty());
+}
+
+TEST_F(TwoNodesOfOneName, AreSwitchedByTheAnswersOfTheFirst) {
+  second_->script["deactivate"].outcome = Outcome::kFailure;
+  EXPECT_EQ(Do("LowPower").verdict, Verdict::kDone);
+  EXPECT_EQ(ros_->state(), Ros2State::kInactive);
+  EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
+  EXPECT_EQ(status_.incarnation, first_);
+}
+
+TEST_F(TwoNodesOfOneName, AreOneAgainWhenTheSecondHasEnded) {
+  EndSecond();
+  EXPECT_TRUE(Until([&] { return status_.degraded_code == kCodeOk; }));
+  EXPECT_EQ(status_.degraded_reason, "");
+  EXPECT_EQ(status_.incarnation, first_);
+}
+
+TEST_F(TwoNodesOfOneName, AreOneAgainWhenTheFirstHasEndedAndTheSecondIsDriven) {
+  EndNode();
+  ASSERT_TRUE(Until([&] { return status_.incarnation != first_ && IsIn("SetUp"); }));
+  EXPECT_EQ(status_.degraded_code, kCodeOk);
+  EXPECT_THAT(second_->log(), ElementsAre("configure"));
+}
+
+TEST_F(DrivingARos2Node, ASecondNodeIsReportedAtOnceIfTheFirstIsWatched) {
+  BringUp();
+  link_->OnParticipantWatched(link_->ProgramsParticipant());
+  const auto process = network_.MakeNode("robot");
+  const RosManagedNode second(*process, "a");
+  ros_->frozen = true;  // it need not answer
+  EXPECT_TRUE(Until([&] { return status_.degraded_code != kCodeOk; }, Milliseconds(500)));
+}
+
+TEST_F(DrivingARos2Node, TheExitOfAWatchedProcessIsALossAtOnce) {
+  BringUp();
+  const transport::ParticipantId participant = link_->ProgramsParticipant();
+  ASSERT_NE(participant, transport::ParticipantId(0));
+  link_->OnParticipantWatched(participant);
+  network_.Crash(*process_);
+  link_->OnParticipantEnded(participant, 4711);
+  EXPECT_THAT(losses_, ElementsAre("its process 4711 ended"));
+}
+
+TEST_F(DrivingARos2Node, AFinalizedNodeSaysWhatBringsItBack) {
+  BringUp();
+  ros_->Change("shutdown");
+  network_.RunFor(Milliseconds(50));
+  EXPECT_THAT(Do("Active").message, HasSubstr("start it again where it was started"));
+  config_.actuators[0].command = {"planner"};
+  EXPECT_THAT(Do("Active").message, HasSubstr("musher restart a"));
+}
+
 TEST_F(DrivingARos2Node, ANodeWithACheckpointIsSilentWhenItDoesNotAnswerLongAfterItsDeadline) {
   config_.actuators[0].checkpoint = Milliseconds(500);
   ros_->script["activate"].takes = std::chrono::seconds(30);

@@ -205,6 +205,7 @@ Identity IdentityOf(const Model& model, const World& w) {
     mixer.Add(s.number, s.from, s.target, s.only, s.direction, s.purpose, s.requests, s.stopped,
               s.rollback.under_way, s.rollback.number);
   }
+  // Without the requesters: they matter to a manager of ROS 2, and the search has none.
   mixer.Add(m.waiting.has_value());
   if (m.waiting)
     mixer.Add(m.waiting->target, m.waiting->only, m.waiting->until, m.waiting->requests);

@@ -16,6 +16,7 @@
 #include "musher/transport/dds/dds_writer.hpp"
 #include "musher/transport/dds/first_replies.hpp"
 #include "musher/transport/dds/participant.hpp"
+#include "musher/transport/dds/peers.hpp"
 #include "musher/transport/dds/raw_type.hpp"
 #include "musher/transport/dds/service_tags.hpp"
 #include "musher/transport/dds/settings.hpp"
@@ -28,6 +29,8 @@
 namespace musher::transport {
 
 namespace {
+
+constexpr std::size_t kLongestHash = 80;
 
 class DdsNode : public Node {
  public:
@@ -59,12 +62,24 @@ class DdsNode : public Node {
                                                    const std::string& type, const Qos& qos,
                                                    ReaderCallbacks callbacks) override {
     loop_.CheckThread();
+    callbacks.on_type_differs = [this, topic, type](ParticipantId participant,
+                                                    const std::string& hash) {
+      ReportPeerFault({participant, topic,
+                       "has another definition of " + type + ", " + hash.substr(0, kLongestHash)});
+    };
+    // A Musher of another version has more fields, or fewer.
+    const std::string compared = type.starts_with("musher_msgs::") ? "" : dds::TypeTag(type);
     const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks),
-                                                        qos.partition == kEveryPartition);
+                                                        qos.partition == kEveryPartition, compared);
     const Result<> opened =
         Open(*core, topic, type, qos, tags_.ForReader(topic) + dds::TypeTag(type) + OwnTag(topic));
     if (!opened) return opened.error();
     return std::unique_ptr<RawReader>(std::make_unique<dds::DdsReader>(core, *listed_));
+  }
+
+  std::vector<PeerInfo> Peers() const override { return dds::PeersOf(participant_->get()); }
+  std::string RosNodeOf(ParticipantId participant) const override {
+    return dds::RosNodeOf(participant_->get(), participant);
   }
 
  private:

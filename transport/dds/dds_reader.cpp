@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "musher/transport/dds/matched.hpp"
 #include "musher/transport/dds/raw_type.hpp"
@@ -95,13 +96,29 @@ std::vector<EndpointId> ReaderCore::LearnWriters() {
   const std::vector<EndpointId> matched =
       MatchedHandles(reader_.get(), dds_get_matched_publications);
   for (const EndpointId writer : matched) {
-    if (!writers_.Contains(writer)) writers_.Add(writer, ParticipantOf(writer));
+    if (!writers_.Contains(writer)) writers_.Add(writer, LearnWriter(writer));
   }
   std::vector<EndpointId> lost = writers_.Endpoints();
   std::erase_if(lost, [&](EndpointId writer) {
     return std::find(matched.begin(), matched.end(), writer) != matched.end();
   });
   return lost;
+}
+
+// Compares its type with ours. A ROS 2 before Iron has no hashes.
+ParticipantId ReaderCore::LearnWriter(EndpointId writer) const {
+  const MatchedEndpoint matched =
+      Describe(dds_get_matched_publication_data(reader_.get(), writer.value()));
+  constexpr std::string_view kHash = "typehash=";
+  const std::string& data = matched.user_data;
+  const std::size_t begin = data.find(kHash);
+  const bool differs = type_tag_.starts_with(kHash) && begin != std::string::npos &&
+                       data.find(type_tag_) == std::string::npos;
+  if (differs && callbacks_.on_type_differs) {
+    const std::size_t hash = begin + kHash.size();
+    callbacks_.on_type_differs(matched.participant, data.substr(hash, data.find(';', hash) - hash));
+  }
+  return matched.participant;
 }
 
 ParticipantId ReaderCore::ParticipantOf(EndpointId writer) const {

@@ -23,8 +23,12 @@ namespace musher::transport::dds {
 class ReaderCore : public Notifier {
  public:
   // `all_partitions`: each sample is delivered with the partition that it was written in.
-  ReaderCore(EventLoop& loop, ReaderCallbacks callbacks, bool all_partitions)
-      : Notifier(loop), callbacks_(std::move(callbacks)), all_partitions_(all_partitions) {}
+  // `type_tag`: TypeTag() of the type; empty: the tags of writers are not compared.
+  ReaderCore(EventLoop& loop, ReaderCallbacks callbacks, bool all_partitions, std::string type_tag)
+      : Notifier(loop),
+        callbacks_(std::move(callbacks)),
+        all_partitions_(all_partitions),
+        type_tag_(std::move(type_tag)) {}
 
   Result<> Open(dds_entity_t participant, Entity topic, const QosPtr& qos);
   // No callback runs afterwards, also if a callback calls it.
@@ -41,11 +45,13 @@ class ReaderCore : public Notifier {
   void Visit() override;
   bool Take();
   std::vector<EndpointId> LearnWriters();
+  ParticipantId LearnWriter(EndpointId writer) const;
   ParticipantId ParticipantOf(EndpointId writer) const;
   SampleInfo InfoOf(EndpointId writer);
 
   ReaderCallbacks callbacks_;
   const bool all_partitions_;
+  const std::string type_tag_;
   std::atomic<bool> match_changed_ = false;
   bool closed_ = false;
   PeerTable writers_;

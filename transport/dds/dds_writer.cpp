@@ -1,31 +1,12 @@
 #include "musher/transport/dds/dds_writer.hpp"
 
 #include <cstddef>
-#include <string_view>
 #include <utility>
 
 #include "musher/transport/dds/matched.hpp"
 #include "musher/transport/dds/raw_type.hpp"
 
 namespace musher::transport::dds {
-
-namespace {
-
-// Whether a reader belongs to a client of Musher.
-bool IsOurs(dds_builtintopic_endpoint_t* reader) {
-  if (reader == nullptr) return false;
-  void* data = nullptr;
-  std::size_t size = 0;
-  bool ours = false;
-  if (dds_qget_userdata(reader->qos, &data, &size) && data != nullptr) {
-    ours = std::string_view(static_cast<const char*>(data), size).ends_with(kOwnTag);
-  }
-  dds_free(data);
-  dds_builtintopic_free_endpoint(reader);
-  return ours;
-}
-
-}  // namespace
 
 WriterCore::WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks)
     : Notifier(loop), topic_name_(std::move(topic_name)), callbacks_(std::move(callbacks)) {
@@ -54,13 +35,14 @@ void WriterCore::Close() {
   topic_.Delete();
 }
 
-Result<> WriterCore::Write(msg::Bytes bytes) {
+Result<> WriterCore::Write(msg::Bytes bytes, ParticipantId participant) {
   loop().CheckThread();
   constexpr std::size_t kEncapsulationHeader = 4;
   if (bytes.size() < kEncapsulationHeader) {
     return Error{kCodeParametersInvalid, topic_name_ + ": no encapsulation header"};
   }
-  return first_replies_ ? first_replies_->Write(std::move(bytes)) : Send(std::move(bytes));
+  return first_replies_ ? first_replies_->Write(std::move(bytes), participant)
+                        : Send(std::move(bytes));
 }
 
 Result<> WriterCore::Send(msg::Bytes bytes) {
@@ -95,11 +77,12 @@ void WriterCore::Visit() {
   for (const EndpointId reader : MatchedHandles(writer_.get(), dds_get_matched_subscriptions)) {
     ParticipantId participant = readers_.ParticipantOf(reader);
     if (participant == 0) {
-      if (first_replies_ &&
-          !IsOurs(dds_get_matched_subscription_data(writer_.get(), reader.value()))) {
-        first_replies_->OnNewReader();
-      }
-      participant = ParticipantIn(dds_get_matched_subscription_data(writer_.get(), reader.value()));
+      const MatchedEndpoint matched =
+          Describe(dds_get_matched_subscription_data(writer_.get(), reader.value()));
+      participant = matched.participant;
+      // A client that is not of Musher.
+      const bool foreign = participant != 0 && !matched.user_data.ends_with(kOwnTag);
+      if (first_replies_ && foreign) first_replies_->OnNewReader(participant);
     }
     readers.Add(reader, participant);
   }

@@ -28,7 +28,8 @@ class WriterCore : public Notifier {
   // No callback runs afterwards, also if a callback calls it.
   void Close();
 
-  Result<> Write(msg::Bytes bytes);
+  // `participant`: the only one that needs it; 0: all.
+  Result<> Write(msg::Bytes bytes, ParticipantId participant = 0);
   void AfterWrites(std::function<void()> work);
   Result<> Flush(Duration timeout);
   const PeerTable& readers() const { return readers_; }
@@ -60,6 +61,9 @@ class DdsWriter : public RawWriter {
   ~DdsWriter() override { core_->Close(); }
 
   Result<> Write(msg::Bytes bytes) override { return core_->Write(std::move(bytes)); }
+  Result<> WriteFor(ParticipantId participant, msg::Bytes bytes) override {
+    return core_->Write(std::move(bytes), participant);
+  }
   void AfterWrites(std::function<void()> work) override { core_->AfterWrites(std::move(work)); }
   Result<> Flush(Duration timeout) override { return core_->Flush(timeout); }
   int MatchedReaders() const override { return core_->readers().size(); }

@@ -20,13 +20,28 @@ constexpr std::size_t kClientIdEnd = 12;
 
 }  // namespace
 
-void FirstReplies::OnNewReader() {
-  new_until_ = loop_.Now() + kNew;
+void FirstReplies::OnNewReader(ParticipantId participant) {
+  new_until_[participant] = loop_.Now() + kNew;
 }
 
-Result<> FirstReplies::Write(msg::Bytes reply) {
-  if (held_.empty() && loop_.Now() >= new_until_) return send_(std::move(reply));
-  held_.push_back(std::move(reply));
+// Forgets those that are new no more: any participant may come and go.
+bool FirstReplies::IsNew(ParticipantId participant) {
+  if (new_until_.empty()) return false;
+  std::erase_if(new_until_, [now = loop_.Now()](const auto& one) { return now >= one.second; });
+  return new_until_.contains(participant);
+}
+
+bool FirstReplies::Holds(ParticipantId participant) const {
+  return std::ranges::any_of(held_,
+                             [&](const Held& held) { return held.participant == participant; });
+}
+
+Result<> FirstReplies::Write(msg::Bytes reply, ParticipantId participant) {
+  if (!IsNew(participant) && !Holds(participant)) {
+    if (!new_until_.empty() && !follow_up_) FollowUp(reply);
+    return send_(std::move(reply));
+  }
+  held_.push_back({participant, std::move(reply)});
   if (held_.size() >= kMostHeld) {
     Release();
     return Ok();
@@ -36,9 +51,9 @@ Result<> FirstReplies::Write(msg::Bytes reply) {
 }
 
 void FirstReplies::Release() {
-  if (!held_.empty()) FollowUp(held_.back());
+  if (!held_.empty()) FollowUp(held_.back().reply);
   while (!held_.empty()) {
-    const Result<> sent = send_(std::exchange(held_.front(), {}));
+    const Result<> sent = send_(std::move(held_.front().reply));
     static_cast<void>(sent);  // the client times out
     held_.pop_front();
   }
@@ -61,6 +76,7 @@ void FirstReplies::FollowUp(const msg::Bytes& reply) {
   follow_up_ = loop_.At(loop_.Now() + kFollowUpDelay, [this, copy = std::move(copy)] {
     const Result<> sent = send_(copy);  // if it fails, the next heartbeat comes later
     static_cast<void>(sent);
+    follow_up_ = nullptr;
   });
 }
 

@@ -1,6 +1,8 @@
 #include "musher/transport/dds/matched.hpp"
 
-#include "musher/base/checksum.hpp"
+#include <cstddef>
+
+#include "musher/transport/dds/peers.hpp"
 
 namespace musher::transport::dds {
 
@@ -15,18 +17,24 @@ std::vector<EndpointId> MatchedHandles(dds_entity_t entity, GetMatched get) {
   }
 }
 
-ParticipantId ParticipantWith(const dds_guid_t& guid) {
-  return ParticipantId(Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) |
-                       1U);  // not 0, which means none
+MatchedEndpoint Describe(dds_builtintopic_endpoint_t* endpoint) {
+  if (endpoint == nullptr) return {};
+  MatchedEndpoint matched;
+  // Not its instance handle: that changes when a participant returns after an outage longer than
+  // its lease, and an actuator that is attached to one participant would refuse it.
+  matched.participant = IdOfParticipant(endpoint->participant_key);
+  void* data = nullptr;
+  std::size_t size = 0;
+  if (dds_qget_userdata(endpoint->qos, &data, &size) && data != nullptr) {
+    matched.user_data.assign(static_cast<const char*>(data), size);
+  }
+  dds_free(data);
+  dds_builtintopic_free_endpoint(endpoint);
+  return matched;
 }
 
 ParticipantId ParticipantIn(dds_builtintopic_endpoint_t* endpoint) {
-  if (endpoint == nullptr) return 0;
-  // Not its instance handle: that changes when a participant returns after an outage longer than
-  // its lease, and an actuator that is attached to one participant would refuse it.
-  const ParticipantId participant = ParticipantWith(endpoint->participant_key);
-  dds_builtintopic_free_endpoint(endpoint);
-  return participant;
+  return Describe(endpoint).participant;
 }
 
 std::string PartitionIn(dds_builtintopic_endpoint_t* endpoint) {

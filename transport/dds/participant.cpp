@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "musher/transport/dds/log_sink.hpp"
-#include "musher/transport/dds/matched.hpp"
+#include "musher/transport/dds/peers.hpp"
 #include "musher/transport/dds/qos.hpp"
 #include "musher/transport/dds/security.hpp"
 
@@ -116,7 +116,7 @@ Result<Participant*> Join(int domain_id, const std::string& settings,
 
 ParticipantId Participant::IdOf(dds_entity_t participant) {
   dds_guid_t guid{};
-  return dds_get_guid(participant, &guid) == DDS_RETCODE_OK ? ParticipantWith(guid)
+  return dds_get_guid(participant, &guid) == DDS_RETCODE_OK ? IdOfParticipant(guid)
                                                             : ParticipantId(0);
 }
 

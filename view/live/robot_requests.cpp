@@ -113,7 +113,7 @@ void RobotRequests::Set(const std::string& by, const std::string& target,
   std::erase_if(switches_, [](const Switch& each) { return each.ended; });
   SwitchClient::Options options;
   options.leader = LeaderOptions();
-  options.by = by;
+  options.by = by + " on the page";
   options.timeout = kSwitchTime;
   options.find = kAnswerTime;
   Switch& one = switches_.emplace_back();

@@ -4,7 +4,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <pwd.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -38,13 +37,6 @@ constexpr Duration kFirstTry = std::chrono::seconds(1);  // then the other proce
 constexpr Duration kSaved = std::chrono::seconds(1);     // a save takes less on a disk that works
 constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
-// "alice@dog1"
-std::string Me() {
-  const passwd* user = getpwuid(getuid());  // NOLINT(concurrency-mt-unsafe)
-  return (user != nullptr ? std::string(user->pw_name) : std::to_string(getuid())) + "@" +
-         HostName();
-}
-
 // Stops the machine of --machine, else the one whose controller runs here. Without a controller
 // here, actuators of this host may belong to any machine: then every machine that receives the stop
 // stops. Where nothing runs here, the machine of the files of this host is meant. It waits for no
@@ -59,7 +51,8 @@ MachineIdentity MachineToStop(const GlobalOptions& global) {
 }
 
 msg::EmergencyStop NewStop(const std::vector<std::string>& reason, const MachineIdentity& machine) {
-  msg::EmergencyStop stop = NewEmergencyStop(Me(), fmt::format("{}", fmt::join(reason, " ")));
+  msg::EmergencyStop stop =
+      NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(reason, " ")));
   stop.machine = machine.name;
   stop.machine_id = machine.id;
   return stop;
@@ -253,8 +246,8 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
 ExitCode Release(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
-  const auto answer =
-      link.value()->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kStopTimeout);
+  const auto answer = link.value()->Call<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                                                    {UserAtHost()}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     Failure with_hint = *failure;
     if (failure->exit == ExitCode::kNoController) {

@@ -1,14 +1,19 @@
 // musher new module|app|robot NAME: a project that builds and passes its own test, from the
-// templates of the installation.
+// templates of the installation. musher new ros2 PARAMS: a config from nav2's parameters.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "musher/base/code.hpp"
+#include "musher/base/files.hpp"
 #include "musher/base/program_path.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/new_project.hpp"
 #include "musher/controller/cli/commands/new_project_text.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
+#include "musher/controller/cli/nav2/nav2_config.hpp"
 
 namespace musher::cli {
 namespace {
@@ -68,6 +73,51 @@ void AddKind(Grammar& grammar, CLI::App& family, const char* kind, const char* w
       ->type_name("FOLDER");
 }
 
+struct Ros2Options {
+  std::vector<std::string> params;
+  std::string output = "robot.toml";
+};
+
+// The config is a new file: an older one may have been edited.
+ExitCode NewRos2(const Ros2Options& options, const GlobalOptions& /*global*/, Console& console) {
+  std::vector<NamedText> files;
+  for (const std::string& path : options.params) {
+    std::string text = ReadFile(path);
+    if (text.empty()) {
+      return console.Fail(
+          Error{kCodeParametersInvalid, path + " cannot be read, or has no parameters"});
+    }
+    files.push_back({path, std::move(text)});
+  }
+  const auto config = Nav2Config(files, std::filesystem::path(options.output).stem());
+  if (!config) return console.Fail(config.error());
+  if (std::filesystem::exists(std::filesystem::symlink_status(options.output))) {
+    return console.Fail(
+        Error{kCodeParametersInvalid, options.output + " exists already; choose another --output"});
+  }
+  if (auto written = ReplaceFile(options.output, config.value()); !written) {
+    return console.Fail(written.error());
+  }
+  console.Print(console.mode().json ? JsonLine({{"config", options.output}})
+                                    : options.output +
+                                          " is made: read its comments, then `musher "
+                                          "check " +
+                                          options.output + "`\n");
+  return ExitCode::kDone;
+}
+
+void AddRos2(Grammar& grammar, CLI::App& family) {
+  auto [app, options] = grammar.Add(
+      "ros2", "A state config from the parameter files of a nav2 stack", NewRos2, &family);
+  grammar.Offer(app.add_option("PARAMS", options.params, "nav2_params.yaml, ..."), Names::kFiles)
+      ->required()
+      ->type_name("");
+  grammar
+      .Offer(app.add_option("--output", options.output, "The new file; default robot.toml"),
+             Names::kFiles)
+      ->type_name("FILE");
+}
+
 }  // namespace
 
 void AddNew(Grammar& grammar) {
@@ -77,6 +127,7 @@ void AddNew(Grammar& grammar) {
   AddKind(grammar, family, "app", "An application: a state machine that is an actuator", NewApp);
   AddKind(grammar, family, "robot", "A state config that starts at once, without a program",
           NewRobot);
+  AddRos2(grammar, family);
 }
 
 }  // namespace musher::cli

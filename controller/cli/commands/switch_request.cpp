@@ -106,6 +106,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   SwitchClient::Options options;
   options.leader = {global.name_space, HostId(), WatchByPidfd(link.value()->loop())};
   options.leader.machine = link.value()->machine();
+  options.by = UserAtHost();
   options.timeout = timeout + Link::kAfterAwait;  // Await() has the better error message
   options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
   std::optional<SwitchEnd> end;

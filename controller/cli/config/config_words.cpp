@@ -104,6 +104,7 @@ void AddHealth(const ActuatorConfig& actuator, WordList& words) {
   words.Key("restart_max_ms", Ms(restart.max_delay));
   words.Key("restart_limit", std::to_string(restart.limit));
   words.Key("restart_reset_ms", Ms(restart.reset_after));
+  words.Key("restart_finalized", Bool(restart.finalized));
   words.Set("restart_prevent_exit_codes", Texts(restart.prevent_exit_codes));
   words.Key("checkpoint_ms", actuator.checkpoint ? Ms(*actuator.checkpoint) : "none", kRestart);
   for (const auto& [state, time] : actuator.checkpoint_in) {

@@ -141,7 +141,8 @@ struct DoctorFacts {
   std::vector<ControllerFacts> controllers;
   std::string controllers_error;
   std::vector<MemberFacts> members;
-  std::string uri_text;  // of CYCLONEDDS_URI, also of the file that it names
+  std::vector<std::string> other_vendors;  // participants of another DDS than Cyclone
+  std::string uri_text;                    // of CYCLONEDDS_URI, also of the file that it names
   std::string uri_error;
   std::string version;  // of this program
   transport::keys::WallTime now{};

@@ -267,6 +267,13 @@ DoctorCheck CheckRos2(const DoctorFacts& facts) {
   const bool set = !rmw.empty() || !distro.empty() ||
                    !ValueOf(facts, "ROS_LOCALHOST_ONLY").empty() ||
                    !ValueOf(facts, "ROS_AUTOMATIC_DISCOVERY_RANGE").empty();
+  if (!facts.other_vendors.empty()) {
+    check.health = kWarning;
+    check.reason = fmt::format("{}: {}", fmt::join(facts.other_vendors, "; "),
+                               "its services, actions and parameters do not work with Cyclone DDS");
+    check.fix = "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp (in the shell that starts it)";
+    return check;
+  }
   if (!set && !nodes) return check;
   std::vector<std::string> obstacles;
   obstacles.reserve(facts.ros.size());

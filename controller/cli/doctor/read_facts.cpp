@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <sstream>
@@ -17,6 +18,7 @@
 #include "musher/controller/cli/doctor/host_facts.hpp"
 #include "musher/controller/cli/doctor/storage_facts.hpp"
 #include "musher/controller/cli/machine/link.hpp"
+#include "musher/controller/ros2/other_vendors.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/security/check.hpp"
 #include "musher/transport/udp_sockets.hpp"
@@ -134,6 +136,12 @@ void ReadControllers(DoctorFacts& facts, const GlobalOptions& given) {
     return;
   }
   if (!link.value()->FollowStatus({})) return;
+  const auto note_others = [&](const std::vector<std::string>& others) {
+    for (const std::string& other : others) {
+      if (std::ranges::count(facts.other_vendors, other) == 0) facts.other_vendors.push_back(other);
+    }
+  };
+  note_others(DescribeOtherVendors(link.value()->node(), link.value()->node().Peers()));
   const bool here = link.value()->LeaderHere() != 0;
   const bool elsewhere = facts.profile == TransportProfile::kLan || !facts.uri_text.empty();
   if (!here && !elsewhere) return;
@@ -146,6 +154,7 @@ void ReadControllers(DoctorFacts& facts, const GlobalOptions& given) {
     return;
   }
   ReadMembers(facts, *status);
+  note_others(status->other_vendors);
   ControllerFacts controller{status->machine, status->host == HostId() ? "" : status->host,
                              status->pid};
   if (controller.host.empty()) {

@@ -135,7 +135,9 @@ std::string StatusJson(const msg::MachineStatus& status,
                    {"not_on_disk", status.not_on_disk},
                    {"policy", status.policy.active ? Of(status.policy) : Json()},
                    {"machine_id", status.machine_id},
-                   {"other_machines", status.other_machines}});
+                   {"other_machines", status.other_machines},
+                   {"other_vendors", status.other_vendors},
+                   {"requested_by", status.requested_by}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {

@@ -6,6 +6,7 @@
 #include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/ros2/other_vendors.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/state.hpp"
 
@@ -130,7 +131,8 @@ std::string StatusText(const msg::MachineStatus& shown, bool colour) {
   text += "  (" + status.phase + ")";
   if (!status.name_space.empty()) text += "  namespace " + status.name_space;
   text += Paint(fmt::format("  controller {}, epoch {}, switch {}", status.pid, status.epoch,
-                            status.switch_number),
+                            status.switch_number) +
+                    (status.requested_by.empty() ? "" : " by " + status.requested_by),
                 Style::kDim, colour);
   text += '\n';
   if (status.emergency_stop) {
@@ -149,6 +151,9 @@ std::string StatusText(const msg::MachineStatus& shown, bool colour) {
                       fmt::format("{}", fmt::join(status.other_machines, "; ")),
                   Style::kBusy, colour) +
             '\n';
+  }
+  for (const std::string& other : status.other_vendors) {
+    text += Paint(other + ": " + kOtherVendorCure, Style::kBusy, colour) + '\n';
   }
   if (!status.degraded.empty()) {
     text += Paint("degraded: " + Joined(status.degraded), Style::kBad, colour) + '\n';

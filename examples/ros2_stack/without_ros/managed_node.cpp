@@ -29,7 +29,8 @@ int main(int argc, char** argv) {
     return 1;
   }
   Endpoints::Hooks hooks;
-  hooks.change = [&](const musher::Ros2Transition& transition, const Endpoints::Done& done) {
+  hooks.change = [&](const musher::Ros2Transition& transition, musher::transport::ParticipantId,
+                     const Endpoints::Done& done) {
     std::cout << name << ": on_" << transition.name << std::endl;
     done(musher::Ok());
   };

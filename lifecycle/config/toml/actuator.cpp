@@ -18,6 +18,8 @@ constexpr std::int64_t kHighestExitCode = 255;
 constexpr std::int64_t kHighestCode = std::numeric_limits<std::int32_t>::max();
 constexpr double kFastestGrowth = 100.0;
 constexpr std::int64_t kShortestCheckpointMs = 20;  // below this, a busy kernel looks like a hang
+// Half of the lease of a ROS 2 participant. Such a node is never killed for it.
+constexpr Duration kDefaultRos2Checkpoint = Milliseconds(5000);
 constexpr std::int64_t kShortestControllerLostMs = 1000;  // two heartbeats of a controller
 
 // The states of every start and end, and the consequence where one is missing. SetUp is not among
@@ -191,11 +193,15 @@ class ActuatorReader {
     const auto prevent =
         reader_.Integers("restart_prevent_exit_codes", 1, kHighestExitCode, {.may_be_empty = true});
     if (prevent) restart.prevent_exit_codes.assign(prevent->begin(), prevent->end());
+    restart.finalized = reader_.Bool("restart_finalized").value_or(false);
   }
 
   void ReadLosses() {
     ActuatorConfig& config = actuator_.config;
     config.checkpoint = reader_.Time("checkpoint_ms", kShortestCheckpointMs);
+    const bool started_elsewhere =
+        config.protocol == Protocol::kRos2Lifecycle && !reader_.Has("command");
+    if (started_elsewhere && !config.checkpoint) config.checkpoint = kDefaultRos2Checkpoint;
     ReadCheckpointIn();
     config.controller_lost = reader_.Time("controller_lost_ms", kShortestControllerLostMs);
     config.on_controller_lost = HighestUpToProtected();
@@ -253,6 +259,11 @@ class ActuatorReader {
     if (reader_.Has("on_controller_lost") && !config.controller_lost) {
       reader_.Warn(reader_.At("on_controller_lost"), "on_controller_lost",
                    "has no effect without controller_lost_ms");
+    }
+    if (config.restart.finalized &&
+        (config.command.empty() || config.protocol != Protocol::kRos2Lifecycle)) {
+      reader_.Warn(reader_.At("restart_finalized"), "restart_finalized",
+                   "has no effect without a command and protocol = \"ros2_lifecycle\"");
     }
     if (config.protocol == Protocol::kMusher) return;
     const bool can_be_queried = config.protocol == Protocol::kRos2Lifecycle;

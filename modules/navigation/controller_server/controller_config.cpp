@@ -37,6 +37,7 @@ ControllerRobot ReadControllerRobot(TableReader& reader, const std::vector<std::
   config::SetTopic(reader, "action", robot.action);
   config::SetTopic(reader, "trajectory", robot.trajectory);
   config::SetTopic(reader, "command", robot.command);
+  robot.stamped = reader.Bool("command_stamped").value_or(robot.stamped);
   reader.RefuseOthers();
   return robot;
 }

@@ -25,6 +25,7 @@ struct ControllerRobot : RobotTable {
   std::string action;      // <name>/follow_path
   std::string trajectory;  // <name>/timed_trajectory
   std::string command;     // <name>/cmd_vel
+  bool stamped = false;    // the command is a TwistStamped, as nav2 has it since Kilted
 };
 
 struct ControllerConfig {

@@ -103,7 +103,11 @@ void ControllerServer::SubscribeMaps() {
 
 void ControllerServer::OpenRobot(Robot& robot) {
   const ControllerRobot& config = robot.config;
-  robot.command = endpoints_.Advertise<msg::Twist>(config.command);
+  if (config.stamped) {
+    robot.stamped_command = endpoints_.Advertise<msg::TwistStamped>(config.command);
+  } else {
+    robot.command = endpoints_.Advertise<msg::Twist>(config.command);
+  }
   robot.trajectory = endpoints_.Advertise<msg::JointTrajectory>(config.trajectory);
   RobotHandlers<Action> handlers;
   handlers.on_odometry = [this, &robot](const auto& odometry) { OnOdometry(robot, odometry); };
@@ -147,8 +151,9 @@ void ControllerServer::OnOdometry(Robot& robot, const msg::Odometry& odometry) {
 
 void ControllerServer::OnGoal(Robot& robot, const Goal& goal) {
   if (robot.goal) {
-    Abort(robot, FollowCode::kUnknown);
-    Log(LogLevel::kInfo, robot.config.name + ": a newer goal has replaced the present one");
+    const std::string why = "a newer goal has replaced the present one";
+    Abort(robot, FollowCode::kUnknown, why);
+    Log(LogLevel::kInfo, robot.config.name + ": " + why);
   }
   robot.goal = goal;
   robot.goal->Execute();
@@ -189,6 +194,16 @@ void ControllerServer::Tick() {
   if (!drives) ticks_.reset();
 }
 
+// A lost one is followed by the next.
+void ControllerServer::Command(Robot& robot, const msg::Twist& twist) const {
+  if (robot.command != nullptr) return static_cast<void>(robot.command->Publish(twist));
+  msg::TwistStamped stamped;
+  stamped.header.stamp = dependencies_.clock.Stamp();
+  stamped.header.frame_id = "base_link";
+  stamped.twist = twist;
+  static_cast<void>(robot.stamped_command->Publish(stamped));
+}
+
 void ControllerServer::Update(Robot& robot) {
   const PathDrive::Step step = robot.drive.Update(Now());
   if (step.begins) PublishTrajectory(robot);
@@ -197,7 +212,7 @@ void ControllerServer::Update(Robot& robot) {
   msg::Twist twist;
   twist.linear = {step.command.x_m_s, step.command.y_m_s, step.command.z_m_s};
   twist.angular.z = step.command.yaw_rad_s;
-  static_cast<void>(robot.command->Publish(twist));  // the next one comes soon
+  Command(robot, twist);
   if (robot.goal && robot.updates++ % kUpdatesAFeedback == 0) {
     robot.goal->PublishFeedback(
         {static_cast<float>(step.distance_m), static_cast<float>(step.speed_m_s)});
@@ -213,12 +228,13 @@ void ControllerServer::PublishTrajectory(Robot& robot) {
 
 void ControllerServer::Stand(Robot& robot) {
   robot.drive.Stop();
-  static_cast<void>(robot.command->Publish({}));  // without commands the robot stops as well
+  Command(robot, {});  // without commands the robot stops as well
 }
 
-void ControllerServer::Abort(Robot& robot, std::uint16_t error_code) {
+void ControllerServer::Abort(Robot& robot, std::uint16_t error_code, const std::string& why) {
   Action::Result result;
   result.error_code = error_code;
+  result.error_msg = why;
   robot.goal->Abort(result);
   robot.goal.reset();
 }
@@ -231,7 +247,7 @@ void ControllerServer::Conclude(Robot& robot, const DriveEnd& end) {
     robot.goal.reset();
     return Log(LogLevel::kInfo, robot.config.name + ": it has arrived");
   }
-  Abort(robot, end.error_code);
+  Abort(robot, end.error_code, end.reason);
   Warn(robot, fmt::format("end {}", end.error_code),
        fmt::format("the drive has ended: {} (error_code {})", end.reason, end.error_code));
 }
@@ -239,7 +255,7 @@ void ControllerServer::Conclude(Robot& robot, const DriveEnd& end) {
 void ControllerServer::Halt(Robot& robot, const std::string& why) {
   if (!robot.goal) return;
   Stand(robot);
-  Abort(robot, FollowCode::kUnknown);
+  Abort(robot, FollowCode::kUnknown, why);
   Log(LogLevel::kInfo, robot.config.name + ": the drive has ended: " + why);
 }
 
@@ -261,7 +277,9 @@ void ControllerServer::OnTimeJump() {
 std::string ControllerServer::MissingOf(const Robot& robot) const {
   const std::string name = robot.config.name + ": ";
   if (const auto blind = robot.drive.Blind(Now())) return name + blind->reason;
-  if (robot.command->MatchedReaders() > 0) return "";
+  const int readers = robot.command != nullptr ? robot.command->MatchedReaders()
+                                               : robot.stamped_command->MatchedReaders();
+  if (readers > 0) return "";
   return name + "no subscriber of " + robot.config.command;
 }
 

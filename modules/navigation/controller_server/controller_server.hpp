@@ -53,7 +53,8 @@ class ControllerServer {
     PathDrive drive;
     std::optional<Goal> goal;
     int updates = 0;
-    transport::Publisher<msg::Twist>* command = nullptr;
+    transport::Publisher<msg::Twist>* command = nullptr;                 // one of these two
+    transport::Publisher<msg::TwistStamped>* stamped_command = nullptr;  // by the config
     transport::Publisher<msg::JointTrajectory>* trajectory = nullptr;
   };
 
@@ -61,6 +62,7 @@ class ControllerServer {
                    std::unique_ptr<Background> background);
   Result<> Open();
   void OpenRobot(Robot& robot);
+  void Command(Robot& robot, const msg::Twist& twist) const;
   std::string MissingOf(const Robot& robot) const;
   void SubscribeMaps();
   // `make` runs on the background; its map is that of the flyers, or of the robots on the ground.
@@ -75,7 +77,7 @@ class ControllerServer {
   // Ends the goal of a robot as its drive has ended, and lets it stand.
   void Conclude(Robot& robot, const DriveEnd& end);
   void Stand(Robot& robot);
-  void Abort(Robot& robot, std::uint16_t error_code);
+  void Abort(Robot& robot, std::uint16_t error_code, const std::string& why);
   void Halt(Robot& robot, const std::string& why);
   void Warn(const Robot& robot, const std::string& kind, const std::string& what);
   void Log(LogLevel level, const std::string& line) const { dependencies_.log(level, line); }

@@ -180,6 +180,7 @@ void PlannerServer::Drop(Robot& robot, const std::string& why) {
   *robot.request->stop = true;
   Action::Result result;
   result.error_code = PathCode::kUnknown;
+  result.error_msg = why;
   robot.request->goal.Abort(result);
   robot.request.reset();
   Log(LogLevel::kInfo, robot.config->name + ": planning has ended: " + why);
@@ -274,6 +275,7 @@ void PlannerServer::OnReply(Robot& robot, const PathReply& reply) {
 void PlannerServer::Refuse(Robot& robot, const Error& error) {
   Action::Result result;
   result.error_code = ErrorCodeOf(error);
+  result.error_msg = error.message;
   robot.request->goal.Abort(result);
   robot.request.reset();
   Warn(robot, fmt::format("refused {}", error.code),

@@ -33,6 +33,13 @@ std::optional<Layout> LayoutOf(const std::string& encoding) {
   return std::nullopt;
 }
 
+// " (code 100): the server's own words".
+std::string CodeAndWords(std::uint16_t error_code, const std::string& words) {
+  constexpr std::size_t kLongest = 200;
+  return " (code " + std::to_string(error_code) + ")" +
+         (words.empty() ? "" : ": " + words.substr(0, kLongest));
+}
+
 }  // namespace
 
 std::optional<navigation::Pose> ToPose(const msg::Pose& pose) {
@@ -176,7 +183,7 @@ msg::ManipulationControl::Request ToMessage(const HandRequest& request) {
 }
 
 Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
-                   const std::optional<navigation::Pose>& start) {
+                   const std::optional<navigation::Pose>& start, const std::string& words) {
   using Code = msg::ComputePathToPose;
   using navigation::Fault;
   using navigation::MakeError;
@@ -211,11 +218,11 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
       return MakeError(Fault::kWalledIn, "no path is wide enough for the robot: " + to +
                                              " or the start is walled in");
     default:
-      return {kCodeFailed, "the planner has failed (code " + std::to_string(error_code) + ")"};
+      return {kCodeFailed, "the planner has failed" + CodeAndWords(error_code, words)};
   }
 }
 
-Error ControllerError(std::uint16_t error_code) {
+Error ControllerError(std::uint16_t error_code, const std::string& words) {
   using Code = msg::FollowPath;
   using navigation::Fault;
   using navigation::MakeError;
@@ -235,9 +242,10 @@ Error ControllerError(std::uint16_t error_code) {
                        "the robot did not arrive in time, or did not move as it was commanded");
     case Code::kNoValidControl:
       return MakeError(Fault::kScan, "its scan is lost");
+    case Code::kControllerTimedOut:
+      return failed("the controller has not answered its server in time");
     default:
-      return Error{kCodeFailed,
-                   "the controller has failed (code " + std::to_string(error_code) + ")"};
+      return Error{kCodeFailed, "the controller has failed" + CodeAndWords(error_code, words)};
   }
 }
 

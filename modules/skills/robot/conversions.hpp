@@ -55,12 +55,12 @@ std::optional<Robot::Line> ToLine(const msg::YellowLines& lines, const LineView&
 
 msg::ManipulationControl::Request ToMessage(const HandRequest& request);
 
-// Why a planner has found no path, from the code of its result; its message stays in its log. With
-// the code of the planner's fault, where it is one. Without a start: where the robot is.
+// Why a planner has found no path, from the code of its result, else with its own `words`. With the
+// code of the planner's fault, where it is one. Without a start: where the robot is.
 Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
-                   const std::optional<navigation::Pose>& start);
+                   const std::optional<navigation::Pose>& start, const std::string& words = "");
 // With the code of navigation::Fault::kObstacle where an obstacle is in the way: another path may
 // help.
-Error ControllerError(std::uint16_t error_code);
+Error ControllerError(std::uint16_t error_code, const std::string& words = "");
 
 }  // namespace musher::skills

@@ -30,7 +30,7 @@ Result<navigation::Path> PathOf(const transport::GoalOutcome<msg::ComputePathToP
     return Error{kCodeFailed, "the planner's path is empty or not finite"};
   }
   if (outcome.end == GoalEnd::kAborted) {
-    return PlannerError(outcome.result.error_code, goal, start);
+    return PlannerError(outcome.result.error_code, goal, start, outcome.result.error_msg);
   }
   if (outcome.end == GoalEnd::kCanceled) return Error{kCodeFailed, "the planning was cancelled"};
   return Unreached("the planner", outcome);
@@ -40,7 +40,7 @@ Result<bool> ArrivalOf(const transport::GoalOutcome<msg::FollowPath>& outcome, b
   if (outcome.end == GoalEnd::kSucceeded) return true;
   if (cancelled || outcome.end == GoalEnd::kCanceled) return false;
   if (outcome.end == GoalEnd::kAborted) {
-    return ControllerError(outcome.result.error_code);
+    return ControllerError(outcome.result.error_code, outcome.result.error_msg);
   }
   return Unreached("the controller", outcome);
 }

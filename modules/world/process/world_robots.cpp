@@ -55,8 +55,14 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
   }
   outlet.battery = endpoints.Advertise<msg::BatteryState>(prefix + "battery");
   outlet.in_sight = endpoints.Advertise<msg::ObjectStates>(prefix + "objects_in_sight");
-  endpoints.Subscribe<msg::Twist>(
-      prefix + "cmd_vel", [this, robot](const auto& twist) { Drive(robot, FromMessage(twist)); });
+  if (spec.stamped_command) {
+    endpoints.Subscribe<msg::TwistStamped>(prefix + "cmd_vel", [this, robot](const auto& stamped) {
+      Drive(robot, FromMessage(stamped.twist));
+    });
+  } else {
+    endpoints.Subscribe<msg::Twist>(
+        prefix + "cmd_vel", [this, robot](const auto& twist) { Drive(robot, FromMessage(twist)); });
+  }
   endpoints.Subscribe<msg::Path>(
       prefix + "planned_path",
       [this, robot](const msg::Path& path) {

@@ -1,7 +1,8 @@
 #pragma once
 // The robots, objects and movers of a world on the network. Of each robot R:
 //
-//   R/cmd_vel               geometry_msgs/Twist, subscribed: its velocity, in its own frame
+//   R/cmd_vel               geometry_msgs/Twist, subscribed: its velocity, in its own frame; with
+//                           command_stamped of its scene a TwistStamped, whose stamp is not used
 //   R/odom                  nav_msgs/Odometry, every step, in the frame "map"
 //   R/scan                  sensor_msgs/LaserScan, best effort, at the rate of its lidar
 //   R/battery               sensor_msgs/BatteryState, once a second

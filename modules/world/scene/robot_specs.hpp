@@ -53,6 +53,7 @@ struct RobotSpec {
   RobotLimits limits;
   WindSpec wind;
   Duration command_timeout = Milliseconds(500);  // without a command it stops, or hovers
+  bool stamped_command = false;                  // it is a TwistStamped
   BatterySpec battery;                           // standing_w on the ground, moving_w else
   std::optional<HandSpec> hand;
   std::optional<CameraSpec> camera;

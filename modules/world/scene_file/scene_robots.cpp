@@ -55,6 +55,7 @@ class RobotReader {
     Set(robot.height_m, reader.Number("height_m", 0.05, 3));
     Set(robot.color, keys::ReadColor(reader, "color", findings_));
     Set(robot.command_timeout, reader.Time("command_timeout_ms"));
+    Set(robot.stamped_command, reader.Bool("command_stamped"));
     ReadLimits(reader, robot.limits);
     keys::Section(reader, "battery", findings_,
                   [&](TableReader& table) { ReadBattery(table, robot.battery); });

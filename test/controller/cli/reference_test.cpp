@@ -24,7 +24,7 @@ struct Reference {
   std::string rest;
 };
 
-const std::regex kLeadingWords("([a-z][a-z-]*)( [a-z][a-z-]*)?");
+const std::regex kLeadingWords("([a-z][a-z0-9-]*)( [a-z][a-z0-9-]*)?");
 
 Reference ReadReference(const std::set<std::string>& commands) {
   std::ifstream file(SourceDir() + "/docs/reference.md");

@@ -1,5 +1,6 @@
 // A robot of real processes that nav2's manager starts up and shuts down.
 
+#include "musher/base/host.hpp"
 #include "musher/test/contract/plain_lifecycle_manager.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 
@@ -30,6 +31,24 @@ TEST_F(ARobotDrivenByRos2, WaitsInSetUpUntilABondedManagerBringsItUp) {
   EXPECT_EQ(up.Wait().exit, 0);
 }
 
+TEST_F(ARobotDrivenByRos2, SaysWhoHasPausedItInStatusAndHistory) {
+  Add("[ros2]\nstart = \"manager\"\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
+  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
+  manager.participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                               "rr/lifecycle_manager/get_type_descriptionReply");
+  ASSERT_TRUE(manager.Startup());
+  EXPECT_EQ(Status()["requested_by"], "/lifecycle_manager");
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_EQ(Status()["requested_by"], UserAtHost());
+  EXPECT_EQ(manager.client("musher").ChangeState(0, "activate"), false);
+  const std::string history = Musher({"history"}).out;
+  EXPECT_THAT(history, HasSubstr("LowPower was last requested by " + UserAtHost()));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(up.Wait().exit, 0);
+}
+
 TEST_F(ARobotDrivenByRos2, IsShutDownByAManagerThatQueriesItFinalized) {
   Add("[ros2]\nstart = \"manager\"\n");
   Process up(Command({"up", config_}));
@@ -54,6 +73,57 @@ TEST_F(ARobotDrivenByRos2, RefusesAFloodOfForbiddenRequestsWithoutARecordOfEach)
   const std::string history = Musher({"history"}).out;
   EXPECT_THAT(history, HasSubstr("change_state activate failed: "));
   EXPECT_THAT(history, Not(HasSubstr("switch to Active requested")));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+}
+
+// Writes samples of another type under the name of a topic's type.
+void WriteGarbage(const std::string& topic, const dds_topic_descriptor_t& type,
+                  const std::string& type_hash) {
+  const PlainParticipant settings(transport::TestDomain());  // the domain's, for all of a process
+  dds_topic_descriptor_t garbage = std_msgs_msg_dds__UInt8__desc;
+  garbage.m_typename = type.m_typename;
+  const dds_entity_t participant = dds_create_participant(
+      static_cast<dds_domainid_t>(transport::TestDomain()), nullptr, nullptr);
+  const dds_entity_t named =
+      dds_create_topic(participant, &garbage, topic.c_str(), nullptr, nullptr);
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
+  const std::string tag = "typehash=" + type_hash + ";";
+  dds_qset_userdata(qos, tag.data(), tag.size());
+  const dds_entity_t writer = dds_create_writer(participant, named, qos, nullptr);
+  dds_delete_qos(qos);
+  dds_set_status_mask(writer, DDS_PUBLICATION_MATCHED_STATUS);
+  const dds_entity_t waitset = dds_create_waitset(participant);
+  dds_waitset_attach(waitset, writer, 0);
+  EXPECT_GT(dds_waitset_wait(waitset, nullptr, 0, DDS_SECS(20)), 0);
+  const std_msgs_msg_dds__UInt8_ sample = {7};
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(dds_write(writer, &sample), DDS_RETCODE_OK);
+  EXPECT_EQ(dds_wait_for_acks(writer, DDS_SECS(20)), DDS_RETCODE_OK);
+  dds_delete(participant);
+}
+
+int CountIn(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+TEST_F(ARobotDrivenByRos2, RecordsGarbageAndAWrongTypeOnceWithTheirSource) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  WriteGarbage("rq/" + name_space_ + "/musher/change_stateRequest",
+               lifecycle_msgs_srv_dds__ChangeState_Request__desc, "RIHS01_0123");
+  std::string history;
+  AwaitStatus([&](const nlohmann::json&) {
+    history = Musher({"history"}).out;
+    return CountIn(history, "sends samples that do not fit the type") > 0;
+  });
+  const std::string source = "process " + std::to_string(getpid()) + " of host ";
+  EXPECT_EQ(CountIn(history, "sends samples that do not fit the type"), 1) << history;
+  EXPECT_EQ(CountIn(history, "has another definition of"), 1) << history;
+  EXPECT_THAT(history, HasSubstr(source));
+  EXPECT_THAT(history, HasSubstr("change_stateRequest; recorded once"));
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 

@@ -212,7 +212,7 @@ TEST_F(Set, IsExplainedByItsCauseAndDecidedAgainFromTheJournal) {
   const Ended why = Musher({"history", "--journal", journal, "--why", "OTA"});
   EXPECT_EQ(why.exit, 0) << why.err;
   EXPECT_THAT(why.out, HasSubstr("  the machine went to OTA (switch "));
-  EXPECT_THAT(why.out, HasSubstr("    because switch to OTA requested\n"));
+  EXPECT_THAT(why.out, HasSubstr("    because switch to OTA requested by "));
   const Ended replay = Musher({"replay", journal});
   EXPECT_EQ(replay.exit, 0) << replay.out << replay.err;
   EXPECT_EQ(replay.err, "");

@@ -208,14 +208,17 @@ void Harness::Mute(const std::string& name, bool to_actuator, bool from_actuator
   fakes_[Index(name)].tx_blocked = from_actuator;
 }
 
-RequestId Harness::RequestSwitch(const State& target, std::optional<std::string> actuator) {
+RequestId Harness::RequestSwitch(const State& target, std::optional<std::string> actuator,
+                                 const Requester& by) {
   const RequestId request = next_request_++;
-  Feed(event::SetStateRequested{request, target, std::move(actuator)});
+  Feed(event::SetStateRequested{request, target, std::move(actuator), AfterTearDown::kStaysDown,
+                                by});
   return request;
 }
 
-SwitchResult Harness::Set(const State& target, std::optional<std::string> actuator) {
-  const RequestId request = RequestSwitch(target, std::move(actuator));
+SwitchResult Harness::Set(const State& target, std::optional<std::string> actuator,
+                          const Requester& by) {
+  const RequestId request = RequestSwitch(target, std::move(actuator), by);
   RunUntil([&] { return answers.count(request) > 0; });
   return answers.at(request);
 }

@@ -76,9 +76,11 @@ class Harness : public FakeRobot {
   void RestartController(bool lost_disk = false, bool restarted = false);
 
   // Requests a switch and returns at once; the answer is stored in `answers`.
-  RequestId RequestSwitch(const State& target, std::optional<std::string> actuator = std::nullopt);
+  RequestId RequestSwitch(const State& target, std::optional<std::string> actuator = std::nullopt,
+                          const Requester& by = {});
   // Requests a switch and advances time until the answer.
-  SwitchResult Set(const State& target, std::optional<std::string> actuator = std::nullopt);
+  SwitchResult Set(const State& target, std::optional<std::string> actuator = std::nullopt,
+                   const Requester& by = {});
 
   // Advances time until only far deadlines are left, or `limit` has passed.
   void Rest(Duration limit = std::chrono::seconds(60));

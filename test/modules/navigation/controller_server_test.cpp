@@ -88,6 +88,20 @@ TEST_F(ControllerServerTest, PublishesTheTrajectoryOfADrive) {
   EXPECT_NEAR(trajectories[0].points.back().positions[0], 3, 1e-6);
 }
 
+TEST_F(ControllerServerTest, SendsStampedVelocitiesIfItsConfigSaysSo) {
+  controller_config_.robots[0].stamped = true;
+  std::vector<msg::TwistStamped> commands;
+  const auto in = Must(transport::MakeSubscription<msg::TwistStamped>(
+      *peers_, "jetbot_0/cmd_vel",
+      [&](const msg::TwistStamped& command, const auto&) { commands.push_back(command); }));
+  StartServers();
+  Follow(PathOf({At(1, 2), At(3, 2)}));
+  Run(500);
+  ASSERT_FALSE(commands.empty());
+  EXPECT_EQ(commands.back().header.frame_id, "base_link");
+  EXPECT_GT(commands.back().twist.linear.x, 0);
+}
+
 TEST_F(ControllerServerTest, SendsVelocitiesAheadAndTurnsOnlyToADifferentialRobot) {
   StartServers();
   const std::size_t drive = Follow(PathOf({At(1, 2), At(2, 2.4), At(3, 3.5)}));

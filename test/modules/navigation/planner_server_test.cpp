@@ -123,7 +123,9 @@ TEST_F(PlannerServerTest, UsesANewMap) {
   EXPECT_TRUE(map_->Publish(testing::GridOf(walls_.map())));
   EXPECT_TRUE(map_->Publish(blocked));
   Run(500);
-  EXPECT_EQ(Plan({.goal = At(3, 3)}).result.error_code, 206);
+  const auto refused = Plan({.goal = At(3, 3)}).result;
+  EXPECT_EQ(refused.error_code, 206);
+  EXPECT_THAT(refused.error_msg, ::testing::HasSubstr("(3.00, 3.00)"));
 }
 
 TEST_F(PlannerServerTest, EndsARequestAtItsLimit) {

@@ -153,6 +153,9 @@ TEST(Conversions, SayWhyANavigationFailed) {
       "no path is wide enough for the robot: the goal (4.00, 3.00) or the start is walled in");
   EXPECT_TRUE(navigation::Is(walled, navigation::Fault::kWalledIn));
   EXPECT_EQ(PlannerError(0, goal, {}).message, "the planner has failed (code 0)");
+  EXPECT_EQ(PlannerError(299, goal, {}, "the map is empty").message,
+            "the planner has failed (code 299): the map is empty");
+  EXPECT_EQ(ControllerError(107).message, "the controller has not answered its server in time");
   const Error blocked = ControllerError(msg::FollowPath::kPatienceExceeded);
   EXPECT_EQ(blocked.message, "an obstacle stays in the way");
   EXPECT_TRUE(navigation::Is(blocked, navigation::Fault::kObstacle));

@@ -46,8 +46,9 @@ class RobotsHostTest : public ::testing::Test {
     return received;
   }
   // Publishes it ten times a second, for that long.
-  void Drive(const std::string& robot, const msg::Twist& twist, Duration time) {
-    auto publisher = transport::MakePublisher<msg::Twist>(*desk_, robot + "/cmd_vel").value();
+  template <class Twist>
+  void Drive(const std::string& robot, const Twist& twist, Duration time) {
+    auto publisher = transport::MakePublisher<Twist>(*desk_, robot + "/cmd_vel").value();
     network_.RunFor(Milliseconds(100));
     for (Duration done{}; done < time; done += Milliseconds(100)) {
       ASSERT_TRUE(publisher->Publish(twist));
@@ -92,6 +93,16 @@ TEST_F(RobotsHostTest, DrivesARobotAndPublishesItsOdometry50TimesASecond) {
   odometry.clear();
   network_.RunFor(seconds(2));
   EXPECT_THAT(odometry, SizeIs(100));
+}
+
+TEST_F(RobotsHostTest, DrivesARobotByStampedVelocitiesIfItsSceneSaysSo) {
+  Scene scene = RobotYard();
+  scene.robots[0].stamped_command = true;
+  Open(scene);
+  msg::TwistStamped ahead;
+  ahead.twist.linear.x = 1;
+  Drive("jetbot_0", ahead, seconds(2));
+  EXPECT_GT(host_->world().fleet().robots()[0].body.position_m().x(), 1.7);
 }
 
 TEST_F(RobotsHostTest, MovesNothingForAVelocityThatIsNoNumberAndLogsItOnce) {

@@ -74,7 +74,7 @@ test('a switch shows its plan first, then its outcome', async () => {
   await page.waitForSelector('.outcome >> text=Done: the robot is in DeActive');
   await page.waitForSelector('.big-state >> text=DeActive');
   await close();
-  assert.match(await robot.musher('history'), /anna \(127\.0\.0\.1\) requests DeActive/);
+  assert.match(await robot.musher('history'), /switch to DeActive requested by anna \(127\.0\.0\.1\) on the page/);
   assert.equal((await robot.status()).state, 'DeActive');
   await robot.musher('set', 'Active');
 });
