@@ -47,12 +47,13 @@ class Peer {
     };
     handlers.cancel = [this](transport::ServerGoal<A> goal) {
       ++cancelled;
-      goal.Canceled({});
+      if (!deaf) goal.Canceled({});
     };
     server_ = transport::MakeActionServer<A>(node, name, std::move(handlers)).value();
   }
 
   bool silent = false;
+  bool deaf = false;  // a cancelled goal does not end
   int cancelled = 0;
   std::vector<typename A::Goal> goals;
 
@@ -235,6 +236,24 @@ TEST_F(MissionProcess, AServerThatNeverEndsAGoalFailsTheMatchAndANewPlanGoesOn) 
   ASSERT_TRUE(plans_->Publish(Plan()));
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
   EXPECT_TRUE(AwaitPlan("mf_action_seq_2"));
+}
+
+TEST_F(MissionProcess, AGoalWhoseEndNeverComesDelaysOnlyTheNextOne) {
+  moves_.silent = moves_.deaf = true;
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile(), "meilin_default_align_timeout = 3\n"));
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
+  ASSERT_TRUE(peer_.Until([this] { return moves_.cancelled == 1; }));
+  moves_.silent = false;
+  std::vector<PlanStep> steps;
+  for (const int col : {1, 2, 1, 0, 1, 2}) steps.push_back({false, {0, col}, 0, 0});
+  const std::size_t before = moves_.goals.size();
+  ASSERT_TRUE(plans_->Publish(ToActionSequence(steps)));
+  ASSERT_TRUE(peer_.Until([&] { return moves_.goals.size() > before; })) << peer_.Output();
+  const Time first = peer_.node().loop().Now();
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  EXPECT_LT(peer_.node().loop().Now() - first, std::chrono::seconds(4))
+      << "five goals, a second each";
 }
 
 TEST_F(MissionProcess, LeavingActiveCancelsAndTheHaltedSegmentIsTheNext) {
