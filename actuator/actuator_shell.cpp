@@ -111,8 +111,7 @@ Result<> ActuatorShell::WatchBattery() {
     return c.min_battery && c.Takes(actuator_.name);
   });
   if (!needed || !hooks_.on_battery) return Ok();
-  auto watch =
-      transport::BatteryWatch::Make(node_, transport::BatteryTopic(config_), hooks_.on_battery);
+  auto watch = transport::BatteryWatch::Make(node_, config_, hooks_.on_battery);
   if (!watch) return watch.error();
   battery_ = std::move(watch).value();
   return Ok();

@@ -144,7 +144,7 @@ int Speaking::BatteryUrgency() const {
   if (!machine.battery) return 0;
   switch (machine.level) {
     case BatteryLevel::kEmpty:
-      return 4;
+      return machine.empty ? 4 : 3;  // one sample announces no end
     case BatteryLevel::kLowPower:
       return 3;
     case BatteryLevel::kProtected:
@@ -307,6 +307,7 @@ MachineView ViewOf(const MachineConfig& config, const Machine& machine) {
   view.loaded = machine.policy.loaded;
   view.battery = machine.policy.battery;
   view.level = machine.policy.level;
+  view.empty = machine.policy.empty;
   view.charging = machine.policy.charging;
   view.battery_silent = machine.policy.battery_silent;
   for (const ActuatorIndex i : machine.actuators.Indices()) {

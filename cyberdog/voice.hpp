@@ -43,6 +43,7 @@ struct MachineView {
   bool loaded = false;         // all stages are up
   std::optional<int> battery;  // in percent
   BatteryLevel level = BatteryLevel::kFree;
+  bool empty = false;     // samples in a row have confirmed that the battery is empty
   bool charging = false;  // by cable
   bool battery_silent = false;
   std::vector<Fault> faults;  // of degraded actuators

@@ -1,6 +1,6 @@
 #pragma once
 // The battery level from the robot's battery topic (protocol/BmsStatus), for capabilities that need
-// a minimum.
+// a minimum: BatteryReading says which samples count.
 //
 // Threads: loop thread only.
 
@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "musher/lifecycle/actuator/battery_reading.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/transport/node.hpp"
 
@@ -23,15 +24,16 @@ class BatteryWatch {
   // unknown at first. Samples above 100 % are ignored.
   using OnChange = std::function<void(std::optional<int>)>;
 
-  static Result<std::unique_ptr<BatteryWatch>> Make(Node& node, const std::string& topic,
+  static Result<std::unique_ptr<BatteryWatch>> Make(Node& node, const MachineConfig& config,
                                                     OnChange on_change);
 
  private:
-  BatteryWatch(Node& node, OnChange on_change);
+  BatteryWatch(Node& node, Duration raise_after, OnChange on_change);
   void Set(std::optional<int> percent);
 
   Node& node_;
   const OnChange on_change_;
+  BatteryReading reading_;
   std::optional<int> percent_;
   LoopHandlePtr silence_;
   std::unique_ptr<Subscription> samples_;

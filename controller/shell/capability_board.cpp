@@ -34,11 +34,10 @@ Result<> CapabilityBoard::Open() {
       std::any_of(config_.capabilities.begin(), config_.capabilities.end(),
                   [](const CapabilityConfig& c) { return c.min_battery.has_value(); });
   if (!needs_battery) return Ok();
-  auto watch = transport::BatteryWatch::Make(node_, transport::BatteryTopic(config_),
-                                             [this](std::optional<int> percent) {
-                                               battery_ = percent;
-                                               Refresh();
-                                             });
+  auto watch = transport::BatteryWatch::Make(node_, config_, [this](std::optional<int> percent) {
+    battery_ = percent;
+    Refresh();
+  });
   if (!watch) return watch.error();
   battery_watch_ = std::move(watch).value();
   return Ok();

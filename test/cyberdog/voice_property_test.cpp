@@ -38,6 +38,7 @@ MachineView AnyGlimpse() {
   machine.battery = *rc::gen::inRange(0, 101);
   machine.level = *rc::gen::element(BatteryLevel::kFree, BatteryLevel::kProtected,
                                     BatteryLevel::kLowPower, BatteryLevel::kEmpty);
+  machine.empty = machine.level == BatteryLevel::kEmpty && *rc::gen::arbitrary<bool>();
   machine.charging = *rc::gen::arbitrary<bool>();
   if (*rc::gen::arbitrary<bool>()) machine.faults = {{"a", {2109, "silent"}}};
   return machine;

@@ -129,6 +129,17 @@ TEST_F(Voices, EachLevelOfTheBatteryIsAnnouncedOnceInEachDirection) {
   EXPECT_THAT(Said(), ElementsAre("10030", "10020", "10005", "10000"));
 }
 
+TEST_F(Voices, ABatteryIsAnnouncedAsEmptyOnceThatIsConfirmed) {
+  BringUp();
+  machine_.battery = 0;
+  machine_.level = BatteryLevel::kEmpty;
+  Show();
+  EXPECT_THAT(Said(), ElementsAre("10005"));
+  machine_.empty = true;
+  Show();
+  EXPECT_THAT(Said(), ElementsAre("10000"));
+}
+
 TEST_F(Voices, TheLevelsAreInclusive) {
   BringUp();
   SetBattery(31);

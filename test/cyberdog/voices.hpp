@@ -84,6 +84,7 @@ class Voices : public ::testing::Test {
     machine_.battery = percent;
     machine_.charging = charging;
     machine_.level = LevelAt(*config_.policy->battery, percent, machine_.level);
+    machine_.empty = machine_.level == BatteryLevel::kEmpty;
     Show();
   }
   void Fail(const std::string& actuator, std::int32_t code, const std::string& message = "broken") {

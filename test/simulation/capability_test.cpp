@@ -117,6 +117,8 @@ TEST_F(SimulatedCapabilities, FollowTheBatteryUntilItIsSilent) {
   SetBattery(29);
   EXPECT_EQ(Published("jump").reason, "jump needs at least 30 % of the battery; it has 29 %");
   SetBattery(30);
+  EXPECT_FALSE(Published("jump").allowed) << "one sample permits nothing";
+  for (int i = 0; i < 6; ++i) SetBattery(30);
   EXPECT_TRUE(Published("jump").allowed);
   robot_.RunFor(std::chrono::seconds(10));
   EXPECT_EQ(Published("jump").reason,
