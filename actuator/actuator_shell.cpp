@@ -119,6 +119,7 @@ Result<> ActuatorShell::WatchBattery() {
 
 void ActuatorShell::OnControllerHeartbeat(const msg::ControllerBeat& heartbeat,
                                           const transport::SampleInfo& info) {
+  if (!transport::IsOwn(heartbeat.participant, info)) return;
   const MachineIdentity theirs{heartbeat.machine, heartbeat.machine_id};
   if (!SameMachine(machine_, theirs)) {
     // The controller of this actuator's host is that of its machine: it may have another config, or
@@ -381,6 +382,7 @@ msg::ActuatorStatus ActuatorShell::Status() {
   msg::ActuatorStatus status = transport::ToMessage(actuator_.name, report);
   status.machine = machine_.name;
   status.machine_id = machine_.id;
+  status.participant = node_.participant().value();
   return status;
 }
 

@@ -11,6 +11,7 @@
 #include <climits>
 #include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -141,6 +142,8 @@ Result<NameLock> NameLock::Acquire(std::string_view name) {
   if (!address) return Error{kCodeParametersInvalid, "too long: " + std::string(name)};
   UniqueFd socket = MakeSocket();
   if (!socket.valid()) return SystemError("can't make a socket");
+  const int with_sender = 1;
+  setsockopt(socket.get(), SOL_SOCKET, SO_PASSCRED, &with_sender, sizeof(with_sender));
   if (bind(socket.get(), address->get(), address->size) == 0) return NameLock(std::move(socket));
   Error error = SystemError("can't take the name " + std::string(name));
   if (errno == EADDRINUSE) {
@@ -182,6 +185,37 @@ bool NameLock::IsHeldInDomain(int domain_id, std::string_view end) {
     if (line.find(begin) != std::string::npos && line.ends_with(end)) return true;
   }
   return false;
+}
+
+bool NameLock::Send(std::string_view name, std::span<const std::byte> message) {
+  const auto address = AddressOf(name);
+  const UniqueFd socket = MakeSocket();
+  if (!address || !socket.valid()) return false;
+  const ssize_t sent = sendto(socket.get(), message.data(), message.size(),
+                              MSG_DONTWAIT | MSG_NOSIGNAL, address->get(), address->size);
+  return sent == static_cast<ssize_t>(message.size());
+}
+
+std::optional<std::vector<std::byte>> NameLock::Receive() {
+  std::vector<std::byte> message(kLongestMessage);
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(ucred))> control{};
+  for (;;) {
+    iovec part{message.data(), message.size()};
+    msghdr header{};
+    header.msg_iov = &part;
+    header.msg_iovlen = 1;
+    header.msg_control = control.data();
+    header.msg_controllen = control.size();
+    const ssize_t size = recvmsg(socket_.get(), &header, MSG_DONTWAIT);
+    if (size < 0) return std::nullopt;
+    const cmsghdr* sender = CMSG_FIRSTHDR(&header);
+    if (sender == nullptr || sender->cmsg_type != SCM_CREDENTIALS) continue;
+    ucred credentials{};
+    std::memcpy(&credentials, CMSG_DATA(sender), sizeof(credentials));
+    if (!IsTrusted(credentials.uid)) continue;
+    message.resize(static_cast<std::size_t>(size));
+    return message;
+  }
 }
 
 NameLock::Holder NameLock::HolderOf(std::string_view name) {

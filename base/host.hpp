@@ -8,7 +8,10 @@
 #include <sys/types.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -84,6 +87,17 @@ class NameLock {
   // Whether process `pid` holds the name and is trusted; the Error gives the reason, with
   // kCodeStateInvalid if there is no such process (any more). Inspects this process only.
   static Result<> CheckHolder(std::string_view name, pid_t pid);
+
+  // Hands a message to the process that holds the name, without any discovery and without waiting.
+  // False: no process holds it, or it does not take its messages.
+  static bool Send(std::string_view name, std::span<const std::byte> message);
+  static constexpr std::size_t kLongestMessage = 4096;
+
+  // Readable while messages wait.
+  int fd() const { return socket_.get(); }
+  // The next message of a process of root or of our own user, others are dropped; nullopt: none
+  // waits. A longer one is cut.
+  std::optional<std::vector<std::byte>> Receive();
 
  private:
   explicit NameLock(UniqueFd socket) : socket_(std::move(socket)) {}

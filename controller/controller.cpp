@@ -13,6 +13,7 @@
 #include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
 namespace {
@@ -285,7 +286,17 @@ Result<> Controller::OpenShell() {
   auto shell = ControllerShell::Make(std::move(dependencies), config_, std::move(hooks));
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
+  if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
   return Ok();
+}
+
+// A command of this host hands its emergency stop over by the name of the controller: that takes no
+// discovery, which a busy host delays by seconds.
+void Controller::TakeStopsHere() {
+  while (const auto message = name_->Receive()) {
+    const msg::EmergencyStop stop = transport::DecodeStop(*message, WallNanoseconds());
+    if (stop.engaged) shell_->OnStop(stop);
+  }
 }
 
 Result<> Controller::OpenServices() {

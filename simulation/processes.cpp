@@ -321,7 +321,9 @@ void Processes::Lie(const std::string& name, const State& state) {
   ActuatorReport lie = part.shell->report();
   lie.state = state;
   lie.stamp = process.node->loop().Now();
-  static_cast<void>(part.lies->Publish(transport::ToMessage(name, lie)));
+  msg::ActuatorStatus status = transport::ToMessage(name, lie);
+  status.participant = process.node->participant().value();
+  static_cast<void>(part.lies->Publish(status));
 }
 
 }  // namespace musher::simulation

@@ -59,6 +59,7 @@ class SimulatedNodeThread::ThreadSafeNode : public transport::Node {
       : node_(std::move(node)), loop_(node_->loop()) {}
 
   transport::EventLoop& loop() override { return loop_; }
+  transport::ParticipantId participant() const override { return node_->participant(); }
   Result<std::unique_ptr<transport::RawWriter>> MakeRawWriter(
       const std::string& topic, const std::string& type, const transport::Qos& qos,
       transport::WriterCallbacks callbacks) override {

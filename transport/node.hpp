@@ -37,6 +37,9 @@ class Node {
 
   virtual EventLoop& loop() = 0;
 
+  // The participant, as others see it in SampleInfo. Nodes of one process may share it.
+  virtual ParticipantId participant() const = 0;
+
   // DDS topic and type names, mangled: "rt/chat", "std_msgs::msg::dds_::String_".
   virtual Result<std::unique_ptr<RawWriter>> MakeRawWriter(const std::string& topic,
                                                            const std::string& type, const Qos& qos,

@@ -14,6 +14,13 @@ std::uint64_t StopIdOf(const SampleInfo& info) {
   return (written != 0 ? written : info.participant.value()) | (std::uint64_t{1} << 63U);
 }
 
+msg::EmergencyStop MalformedStop() {
+  msg::EmergencyStop stop;
+  stop.engaged = true;
+  stop.reason = "a malformed message on the topic of emergency stops";
+  return stop;
+}
+
 }  // namespace
 
 std::string CommandService(std::string_view name_space, std::string_view actuator) {
@@ -41,6 +48,14 @@ std::string MachineService(std::string_view name_space, std::string_view name) {
   return ResolveName(name_space, "musher/" + std::string(name));
 }
 
+msg::EmergencyStop DecodeStop(std::span<const std::byte> bytes, std::int64_t received_ns) {
+  msg::EmergencyStop stop = msg::Decode<msg::EmergencyStop>(bytes).value_or(MalformedStop());
+  SampleInfo received;
+  received.written_ns = received_ns;
+  if (stop.id == 0) stop.id = StopIdOf(received);
+  return stop;
+}
+
 Result<std::unique_ptr<Subscription>> SubscribeToStops(Node& node, std::string_view name_space,
                                                        OnStop on_stop) {
   auto malformed = std::make_shared<std::uint64_t>(0);
@@ -48,10 +63,8 @@ Result<std::unique_ptr<Subscription>> SubscribeToStops(Node& node, std::string_v
   callbacks.on_sample = [malformed, on_stop = std::move(on_stop)](std::span<const std::byte> bytes,
                                                                   const SampleInfo& info) {
     auto stop = msg::Decode<msg::EmergencyStop>(bytes);
-    if (!stop) {
-      ++*malformed;
-      stop = msg::EmergencyStop{0, true, "", "a malformed message on the topic of emergency stops"};
-    }
+    if (!stop) ++*malformed;
+    if (!stop) stop = MalformedStop();
     if (stop->id == 0) stop->id = StopIdOf(info);
     on_stop(*stop, info);
   };
@@ -70,6 +83,12 @@ std::string_view ReaderPartition(bool with_keys) {
 }
 bool IsFrom(std::string_view actuator, const SampleInfo& info) {
   return info.partition.value_or(actuator) == actuator;
+}
+bool IsOwn(std::uint64_t participant, const SampleInfo& info) {
+  return participant == 0 || ParticipantId(participant) == info.participant;
+}
+bool IsFrom(const msg::ActuatorStatus& status, const SampleInfo& info) {
+  return IsFrom(status.name, info) && IsOwn(status.participant, info);
 }
 
 std::int64_t ToNanoseconds(Time time) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -38,6 +39,11 @@ std::string_view WriterPartition(const MachineConfig& config, ActuatorIndex actu
 std::string_view ReaderPartition(bool with_keys);
 // Whether a sample that names an actuator comes from that actuator, as far as known.
 bool IsFrom(std::string_view actuator, const SampleInfo& info);
+// Whether a sample comes from the participant whose number it has. A bridge between domains, a
+// router or a replayed recording repeats samples of others. True where it has no number, as from an
+// older version.
+bool IsOwn(std::uint64_t participant, const SampleInfo& info);
+bool IsFrom(const msg::ActuatorStatus& status, const SampleInfo& info);
 
 // Subscribes to the emergency stops. The callback gets each stop with an id other than 0: where the
 // sender gave none, as `ros2 topic pub` does by default, it is made of the sample, and it is the
@@ -45,6 +51,9 @@ bool IsFrom(std::string_view actuator, const SampleInfo& info);
 using OnStop = std::function<void(const msg::EmergencyStop&, const SampleInfo&)>;
 Result<std::unique_ptr<Subscription>> SubscribeToStops(Node& node, std::string_view name_space,
                                                        OnStop on_stop);
+// The stop in a message that did not come by the transport, in the same way. `received_ns`: by the
+// wall clock.
+msg::EmergencyStop DecodeStop(std::span<const std::byte> bytes, std::int64_t received_ns);
 
 // A steady clock's time on the wire. Only the process that it came from can interpret it.
 std::int64_t ToNanoseconds(Time time);

@@ -76,7 +76,7 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
       node, transport::ActuatorStatusTopic(name_space),
       [self = latching.get()](const msg::ActuatorStatus& status,
                               const transport::SampleInfo& info) {
-        if (transport::IsFrom(status.name, info)) self->OnStatus(status, info);
+        if (transport::IsFrom(status, info)) self->OnStatus(status, info);
       },
       qos, std::move(events));
   if (!statuses) return statuses.error();

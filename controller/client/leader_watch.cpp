@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/base/code.hpp"
 #include "musher/base/host.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -61,12 +62,13 @@ Result<std::unique_ptr<LeaderWatch>> LeaderWatch::Make(transport::Node& node, Op
 Result<> LeaderWatch::Open() {
   auto heartbeats = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(options_.name_space),
-      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) {
-        OnHeartbeat(heartbeat);
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
+        if (transport::IsOwn(heartbeat.participant, info)) OnHeartbeat(heartbeat);
       },
       transport::kLatchedFromManyQos);
-  if (!heartbeats) return heartbeats.error();
-  heartbeats_ = std::move(heartbeats).value();
+  // An observer may not read them: then the loss of the status counts.
+  if (!heartbeats && heartbeats.error().code != kCodePermissionDenied) return heartbeats.error();
+  if (heartbeats) heartbeats_ = std::move(heartbeats).value();
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::EndpointId writer) {
     if (leader_ && writer == from_.writer) End("no longer leads");
@@ -74,7 +76,7 @@ Result<> LeaderWatch::Open() {
   auto statuses = transport::MakeSubscription<msg::MachineStatus>(
       node_, transport::MachineStatusTopic(options_.name_space),
       [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
-        OnStatusOf(status, info);
+        if (transport::IsOwn(status.participant, info)) OnStatusOf(status, info);
       },
       transport::kLatchedFromManyQos, std::move(events));
   if (!statuses) return statuses.error();
@@ -82,24 +84,47 @@ Result<> LeaderWatch::Open() {
   return Ok();
 }
 
+bool LeaderWatch::IsHere(const msg::MachineStatus& status) const {
+  return !status.host.empty() && status.host == options_.host;
+}
+
 bool LeaderWatch::IsOurs(const msg::MachineStatus& leader) const {
-  return options_.watch_process && !leader.host.empty() && leader.host == options_.host;
+  return options_.watch_process && IsHere(leader);
+}
+
+// Of the machine of this host, while another one is followed.
+bool LeaderWatch::ReplacesElsewhere(const msg::MachineStatus& status) const {
+  return options_.prefer_here && !found_here_ && IsHere(status) && leader_ && !IsHere(*leader_) &&
+         !SameMachine(machine_, {status.machine, status.machine_id});
 }
 
 bool LeaderWatch::Follows(const msg::MachineStatus& status,
                           const transport::SampleInfo& from) const {
   const MachineIdentity theirs{status.machine, status.machine_id};
-  const MachineIdentity& ours = leader_ || options_.one_machine ? machine_ : options_.machine;
-  if (!SameMachine(ours, theirs)) return false;
-  if (leader_) return status.epoch >= leader_->epoch;
+  if (ReplacesElsewhere(status)) return SameMachine(options_.machine, theirs);
+  const bool only = leader_ || options_.one_machine || (found_here_ && !IsHere(status));
+  if (!SameMachine(only ? machine_ : options_.machine, theirs)) return false;
+  if (leader_) {
+    // A status without a participant's number that says the same process is a repeated one.
+    const bool same = status.pid == leader_->pid && status.host == leader_->host;
+    const bool repeated =
+        same && from.writer != from_.writer && status.participant == 0 && leader_->participant != 0;
+    return status.epoch >= leader_->epoch && !repeated;
+  }
   // What a process that has exited had latched is delivered until its lease expires.
   return ended_ == 0 || from.writer != ended_;
 }
 
 void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from) {
   if (!Follows(status, from)) return;
-  machine_ = {status.machine, status.machine_id};
   const bool another = !leader_ || from.writer != from_.writer;
+  transport::LoopHandlePtr process;
+  if (another && IsOurs(status)) {
+    process = options_.watch_process(status.pid, [this] { End(kExited); });
+    if (!process && leader_) return;  // the status of a process that has exited ends no other one
+  }
+  machine_ = {status.machine, status.machine_id};
+  found_here_ |= options_.prefer_here && IsHere(status);
   if (leader_ && another) End("no longer leads");
   silent_.reset();
   leader_ = status;
@@ -109,7 +134,7 @@ void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::
     if (!IsOurs(status)) {
       ExpectHeartbeat();
     } else {
-      process_ = options_.watch_process(status.pid, [this] { End(kExited); });
+      process_ = std::move(process);
       if (!process_) return End(kExited);
     }
   }
@@ -130,6 +155,7 @@ void LeaderWatch::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
 }
 
 void LeaderWatch::ExpectHeartbeat() {
+  if (!heartbeats_) return;
   transport::EventLoop& loop = node_.loop();
   silence_ = loop.At(loop.Now() + std::max(kHeartbeatsMissed * heartbeat_period_, kShortestSilence),
                      [this] { OnHeartbeatLost(); });

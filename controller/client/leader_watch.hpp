@@ -42,6 +42,9 @@ class LeaderWatch {
     WatchProcess watch_process;    // empty: watches no process
     MachineIdentity machine = {};  // empty: the first machine whose controller is found …
     bool one_machine = false;      // … and no other one after that
+    // The machine of this host instead of the first, also when another one was found before; once
+    // it was found, no other one.
+    bool prefer_here = false;
   };
   // The leader of that status is over. `how` follows its name: "has exited", "sends no heartbeat".
   using OnEnd = std::function<void(const msg::MachineStatus& leader, const std::string& how)>;
@@ -69,6 +72,8 @@ class LeaderWatch {
   void OnHeartbeatLost();
   void End(const std::string& how);
   bool IsOurs(const msg::MachineStatus& leader) const;
+  bool IsHere(const msg::MachineStatus& status) const;
+  bool ReplacesElsewhere(const msg::MachineStatus& status) const;
 
   transport::Node& node_;
   const Options options_;
@@ -78,6 +83,7 @@ class LeaderWatch {
   transport::SampleInfo from_;   // of its status
   Duration heartbeat_period_{};  // as in its heartbeat
   MachineIdentity machine_;
+  bool found_here_ = false;                   // its controller was one of this host
   transport::EndpointId ended_ = 0;           // writer of the last leader whose process has exited
   std::optional<msg::MachineStatus> silent_;  // of the last leader whose heartbeat was lost
   transport::SampleInfo silent_from_;

@@ -76,7 +76,7 @@ void SwitchClient::OnStatus(const msg::MachineStatus& status) {
       before_ = CommandNumber(status.switch_number);
       return Call(status);
     case Step::kCalled:
-      if (status.phase == kStopped) stopped_ = status;
+      if (status.phase == kStopped && watch_->participant() == called_) stopped_ = status;
       if (wait_) return;  // it is known to have ended
       epoch_ = Epoch(status.epoch);
       if (status.target == target_) number_ = CommandNumber(status.switch_number);
@@ -93,6 +93,8 @@ void SwitchClient::Call(const msg::MachineStatus& leader) {
   step_ = Step::kCalled;
   epoch_ = Epoch(leader.epoch);
   pid_ = leader.pid;
+  called_ = watch_->participant();
+  stopped_.reset();
   number_ = CommandNumber(leader.target == target_ ? leader.switch_number : 0);
   wait_ = nullptr;
   sent_ = false;

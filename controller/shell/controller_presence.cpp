@@ -63,20 +63,23 @@ Result<> ControllerPresence::Open() {
   released_stops_ = std::move(stops).value();
   auto rivals = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
-      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) {
-        OnHeartbeat(heartbeat);
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
+        if (transport::IsOwn(heartbeat.participant, info)) OnHeartbeat(heartbeat);
       },
       transport::kLatchedFromManyQos);
   if (!rivals) return rivals.error();
   rivals_ = std::move(rivals).value();
   auto received = transport::SubscribeToStops(
-      node_, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
-        if (!SameMachine(machine(), {stop.machine, stop.machine_id})) return;
-        emit_(event::EmergencyStopSeen{{StopId(stop.id), stop.by, stop.reason}, stop.engaged});
-      });
+      node_, name_space,
+      [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) { OnStop(stop); });
   if (!received) return received.error();
   received_stops_ = std::move(received).value();
   return Ok();
+}
+
+void ControllerPresence::OnStop(const msg::EmergencyStop& stop) {
+  if (!SameMachine(machine(), {stop.machine, stop.machine_id})) return;
+  emit_(event::EmergencyStopSeen{{StopId(stop.id), stop.by, stop.reason}, stop.engaged});
 }
 
 void ControllerPresence::Announce(Epoch epoch) {
@@ -93,7 +96,8 @@ void ControllerPresence::Repeat() {
   last_heartbeat_ = node_.loop().Now();
   static_cast<void>(heartbeats_->Publish(
       {config_.name, epoch_.value(), identity_.incarnation.value(), identity_.host, identity_.pid,
-       ControllerBeatPeriod(config_).count(), identity_.host_name, identity_.machine_id}));
+       ControllerBeatPeriod(config_).count(), identity_.host_name, identity_.machine_id,
+       node_.participant().value()}));
 }
 
 void ControllerPresence::NoteSilence() {

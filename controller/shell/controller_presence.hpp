@@ -67,6 +67,8 @@ class ControllerPresence {
   // Stops publishing: another controller leads, or the machine is stopped.
   void FallSilent();
 
+  // An emergency stop was received; one of another machine is ignored.
+  void OnStop(const msg::EmergencyStop& stop);
   void Publish(const EmergencyStop& stop, bool engaged);
   // No stop is engaged any more: an actuator that joins from now on receives releases only.
   void ForgetEngaged() { engaged_stops_ = nullptr; }

@@ -61,7 +61,8 @@ Result<> ControllerShell::Open() {
       [this](const Event& event) { Handle(event); },
       [this](ActuatorIndex i) {
         LinkTo(i).Query({machine_.epoch, 0, false});  // this query fences nothing
-      });
+      },
+      [this](ActuatorIndex i, Incarnation incarnation) { OnAlive(i, incarnation); });
   if (!health) return health.error();
   health_ = std::move(health).value();
   auto inputs = PolicyInputs::Make(node, config_, [this](const Event& event) { Handle(event); });
@@ -107,7 +108,9 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {
     Handle(seen);
     const ActuatorReport& taken = machine_.actuators[actuator].report;
-    if (taken.incarnation == seen.report.incarnation) health_->OnReport(actuator, taken);
+    if (taken.incarnation == seen.report.incarnation) {
+      health_->OnReport(actuator, taken, SenderOf(actuator, taken));
+    }
   }
   if (policy_inputs_) policy_inputs_->Begin();
   if (journal_at_begin_) OnJournalWritten(*journal_at_begin_);

@@ -96,6 +96,8 @@ class ControllerShell {
   void Begin(event::Begin begin, const std::vector<ChildProcess>& children = {});
   // Before Begin(): the id of this machine.
   void SetMachineId(const std::string& id);
+  // An emergency stop of a process of this host, which has not sent it by the transport.
+  void OnStop(const msg::EmergencyStop& stop) { presence_->OnStop(stop); }
   // What this machine is known by on the network.
   MachineIdentity machine_identity() const { return presence_->machine(); }
   // Whether that is another machine, whose controller is present in this namespace and domain.
@@ -163,6 +165,7 @@ class ControllerShell {
     std::string host;
     Incarnation incarnation = 0;
     transport::ParticipantId participant = 0;  // 0: not known yet
+    bool named = false;                        // its status has the participant's number
     std::int32_t pid = 0;                      // as in its status
     bool proven = false;                       // this pid is its own
 
@@ -176,6 +179,7 @@ class ControllerShell {
     std::vector<Process> processes;         // in the order of their last status
     std::optional<Time> unproven_recorded;  // when an unproven pid was last recorded
     bool hash_recorded = false;             // a different config was recorded
+    std::optional<Time> alive_since;        // heartbeats of its process, which counts as lost
   };
 
   ControllerShell(Dependencies dependencies, const MachineConfig& config, Hooks hooks);
@@ -189,6 +193,10 @@ class ControllerShell {
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   ActuatorLink& LinkTo(ActuatorIndex actuator);
   void OnLinkEvent(const Event& event);
+  bool TakeSender(ActuatorIndex actuator, const msg::ActuatorStatus& status,
+                  transport::ParticipantId participant);
+  transport::ParticipantId SenderOf(ActuatorIndex actuator, const ActuatorReport& report) const;
+  void OnAlive(ActuatorIndex actuator, Incarnation incarnation);
   void CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarnation);
   void OnWriterLost(transport::EndpointId writer);
   Process& ProcessOf(ActuatorIndex actuator, const ActuatorReport& report);

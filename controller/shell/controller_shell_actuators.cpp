@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t kProcessesKept = 4;  // of one actuator, with the latest statuses
 constexpr std::size_t kMostUnlisted = 64;
+// A heartbeat that was sent before the loss may arrive after it.
+constexpr Duration kTakenAgainAfter = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -26,21 +28,62 @@ bool ControllerShell::Runs(const MachineConfig& config, const ActuatorReport& re
 void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
                                const transport::SampleInfo& info) {
   const auto found = index_.find(status.name);
-  if (!transport::IsFrom(status.name, info)) return;
+  if (!transport::IsFrom(status, info)) return;
   const MachineIdentity theirs{status.machine, status.machine_id};
   if (!SameMachine(machine_identity(), theirs) && !HoldsItsNameHere(status)) {
     return RecordOtherMachines(status, theirs);
   }
   if (found == index_.end()) return RecordUnlisted(status);
   const ActuatorIndex i = found->second;
+  if (!TakeSender(i, status, info.participant)) return;
   const ActuatorReport report = WithProvenPid(i, transport::FromMessage(status));
   status_writers_[info.writer] = {i, report.incarnation};
-  if (info.participant != 0) ProcessOf(i, report).participant = info.participant;
   CompareHash(i, status.config_hash);
   if (machine_.phase == Phase::kIdle) statuses_before_begin_[i] = status;
   Handle(event::StatusSeen{i, report});
   const ActuatorReport& taken = machine_.actuators[i].report;
-  if (taken.incarnation == report.incarnation) health_->OnReport(i, report);
+  if (taken.incarnation == report.incarnation) health_->OnReport(i, report, SenderOf(i, report));
+}
+
+// The participant of a process, from its status. Once the status has had its number, a status
+// without one is not of that process.
+bool ControllerShell::TakeSender(ActuatorIndex actuator, const msg::ActuatorStatus& status,
+                                 transport::ParticipantId participant) {
+  Process& process = ProcessOf(actuator, transport::FromMessage(status));
+  const bool named = status.participant != 0;
+  if (process.named && !named) return false;
+  process.named = named;
+  if (participant != 0) process.participant = participant;
+  return true;
+}
+
+// 0: not known for certain.
+transport::ParticipantId ControllerShell::SenderOf(ActuatorIndex actuator,
+                                                   const ActuatorReport& report) const {
+  for (const Process& process : peers_[actuator].processes) {
+    if (process.named && process.Is(report)) return process.participant;
+  }
+  return 0;
+}
+
+// A process whose status writer was lost, but whose heartbeats are received, is taken again.
+void ControllerShell::OnAlive(ActuatorIndex actuator, Incarnation incarnation) {
+  const ActuatorRecord& record = machine_.actuators[actuator];
+  std::optional<Time>& since = peers_[actuator].alive_since;
+  const ActuatorReport& report = record.report;
+  const bool lost = record.presence == Presence::kLost && report.incarnation == incarnation &&
+                    record.process.dead != incarnation && !record.process.termination &&
+                    report.state != kTearDown && report.state != config_.default_state;
+  const Time now = dependencies_.node->loop().Now();
+  if (!lost) {
+    since.reset();
+  } else if (!since) {
+    since = now;
+  } else if (now - *since >= kTakenAgainAfter) {
+    since.reset();
+    Handle(event::HealthChanged{actuator, incarnation, Health::kWell, false,
+                                "its heartbeats are received"});
+  }
 }
 
 // The process that sent the report. Keeps kProcessesKept processes for each actuator, those with
@@ -85,7 +128,7 @@ void ControllerShell::CountAsHeartbeat(ActuatorIndex actuator, Incarnation incar
     report.host = dependencies_.host;
     report.pid = dependencies_.process_probe->WorkerOf(record.process.pid);
   }
-  health_->OnReport(actuator, report);
+  health_->OnReport(actuator, report, SenderOf(actuator, report));
 }
 
 void ControllerShell::OnWriterLost(transport::EndpointId writer) {

@@ -103,6 +103,7 @@ msg::MachineStatus ControllerShell::Status() const {
   status.pid = dependencies_.pid;
   status.host = dependencies_.host;
   status.machine_id = presence_->machine().id;
+  status.participant = dependencies_.node->participant().value();
   for (const ControllerPresence::Rival& other : presence_->OtherMachines()) {
     status.other_machines.push_back(MachineText(other.machine) + ", " + other.process);
   }

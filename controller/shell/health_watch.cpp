@@ -7,29 +7,33 @@
 namespace musher {
 
 HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
-                         ProcessProbe& process_probe, std::string host, Emit emit, Query query)
+                         ProcessProbe& process_probe, std::string host, Emit emit, Query query,
+                         OnAlive on_alive)
     : node_(node),
       process_probe_(process_probe),
       host_(std::move(host)),
       emit_(std::move(emit)),
       query_(std::move(query)),
+      on_alive_(std::move(on_alive)),
       monitor_(config),
-      pids_(config.actuators.size()) {
+      watched_(config.actuators.size()) {
   for (const ActuatorIndex i : config.actuators.Indices()) index_[config.actuators[i].name] = i;
 }
 
 Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
                                                        const MachineConfig& config,
                                                        ProcessProbe& process_probe,
-                                                       std::string host, Emit emit, Query query) {
+                                                       std::string host, Emit emit, Query query,
+                                                       OnAlive on_alive) {
   std::unique_ptr<HealthWatch> watch(new HealthWatch(node, config, process_probe, std::move(host),
-                                                     std::move(emit), std::move(query)));
+                                                     std::move(emit), std::move(query),
+                                                     std::move(on_alive)));
   transport::Qos qos = transport::kHeartbeatQos;
   qos.partition = transport::ReaderPartition(!config.keys.empty());
   auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
       node, transport::ActuatorBeatTopic(config.name_space),
       [self = watch.get()](const msg::ActuatorBeat& heartbeat, const transport::SampleInfo& info) {
-        if (transport::IsFrom(heartbeat.name, info)) self->OnHeartbeat(heartbeat);
+        if (transport::IsFrom(heartbeat.name, info)) self->OnHeartbeat(heartbeat, info.participant);
       },
       qos);
   if (!heartbeats) return heartbeats.error();
@@ -37,10 +41,11 @@ Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
   return watch;
 }
 
-void HealthWatch::OnReport(ActuatorIndex actuator, const ActuatorReport& report) {
+void HealthWatch::OnReport(ActuatorIndex actuator, const ActuatorReport& report,
+                           transport::ParticipantId participant) {
   const Time now = node_.loop().Now();
   const bool local = !host_.empty() && report.host == host_ && report.pid != 0;
-  pids_[actuator] = report.pid;
+  watched_[actuator] = {report.pid, participant};
   monitor_.Watch(actuator, report.incarnation, report.host, local, now);
   Act(monitor_.OnSample(actuator, report.incarnation, now));
 }
@@ -50,14 +55,17 @@ void HealthWatch::Forget(ActuatorIndex actuator) {
   ArmTimer();
 }
 
-void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
+void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat, transport::ParticipantId sender) {
   const auto found = index_.find(heartbeat.name);
   if (found == index_.end()) return;
+  const transport::ParticipantId own = watched_[found->second].participant;
+  if (own != 0 && sender != own) return;  // of another process, or repeated by one
   const Heartbeat received{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
                            State(heartbeat.during), Duration(heartbeat.silent_ns),
                            Duration(heartbeat.waited_ns)};
-  Act(monitor_.OnSample(found->second, Incarnation(heartbeat.incarnation), received,
-                        node_.loop().Now()));
+  const Incarnation incarnation(heartbeat.incarnation);
+  Act(monitor_.OnSample(found->second, incarnation, received, node_.loop().Now()));
+  if (received.work != Health::kHung) on_alive_(found->second, incarnation);
 }
 
 void HealthWatch::Act(const std::vector<HealthEvent>& events) {
@@ -72,7 +80,7 @@ void HealthWatch::Do(const health_event::Probe& f) {
 }
 
 void HealthWatch::Do(const health_event::Examine& f) {
-  const pid_t pid = pids_[f.actuator];
+  const pid_t pid = watched_[f.actuator].pid;
   const Time now = node_.loop().Now();
   if (f.mark) return process_probe_.Mark(f.actuator, pid, now);
   Act(monitor_.Examined(f.actuator, process_probe_.Examine(f.actuator, pid, now), now));

@@ -22,23 +22,27 @@ class HealthWatch {
  public:
   using Emit = std::function<void(Event)>;
   using Query = std::function<void(ActuatorIndex actuator)>;  // sends it any query
+  // A heartbeat of its process was received, which reports that the work thread makes progress.
+  using OnAlive = std::function<void(ActuatorIndex actuator, Incarnation incarnation)>;
 
   // All must outlive the watch. `host`: of this controller.
   static Result<std::unique_ptr<HealthWatch>> Make(transport::Node& node,
                                                    const MachineConfig& config,
                                                    ProcessProbe& process_probe, std::string host,
-                                                   Emit emit, Query query);
+                                                   Emit emit, Query query, OnAlive on_alive);
 
-  // The report of the actuator's current process was received just now.
-  void OnReport(ActuatorIndex actuator, const ActuatorReport& report);
+  // The report of the actuator's current process was received just now. `participant`: of the
+  // process, whose heartbeats alone count from now on; 0: not known.
+  void OnReport(ActuatorIndex actuator, const ActuatorReport& report,
+                transport::ParticipantId participant);
   // Its process has exited.
   void Forget(ActuatorIndex actuator);
 
  private:
   HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& process_probe,
-              std::string host, Emit emit, Query query);
+              std::string host, Emit emit, Query query, OnAlive on_alive);
 
-  void OnHeartbeat(const msg::ActuatorBeat& heartbeat);
+  void OnHeartbeat(const msg::ActuatorBeat& heartbeat, transport::ParticipantId sender);
   void Act(const std::vector<HealthEvent>& events);
   void Do(const health_event::Probe& f);
   void Do(const health_event::Examine& f);
@@ -50,9 +54,14 @@ class HealthWatch {
   const std::string host_;
   const Emit emit_;
   const Query query_;
+  const OnAlive on_alive_;
   HealthMonitor monitor_;
   std::unordered_map<std::string, ActuatorIndex> index_;
-  PerActuator<pid_t> pids_;
+  struct Watched {
+    pid_t pid = 0;
+    transport::ParticipantId participant = 0;
+  };
+  PerActuator<Watched> watched_;
   std::optional<Time> armed_for_;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> heartbeats_;  // last: its callbacks use all of the above

@@ -91,4 +91,9 @@ std::optional<MachineOrigin> OriginOfProcess(pid_t pid) {
   return state_dir.empty() ? std::nullopt : LoadOrigin(state_dir);
 }
 
+std::optional<MachineOrigin> OriginHere(int domain, const std::string& name_space) {
+  return OriginOfProcess(
+      NameLock::HolderOf(NameLock::NameOf(domain, name_space, "musher/controller")).pid);
+}
+
 }  // namespace musher

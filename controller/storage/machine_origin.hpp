@@ -50,4 +50,7 @@ std::string StateDirOfProcess(pid_t pid);
 // holds none, or its open files are not visible to us.
 std::optional<MachineOrigin> OriginOfProcess(pid_t pid);
 
+// The identity of the machine whose controller runs on this host; nullopt: none does, or as above.
+std::optional<MachineOrigin> OriginHere(int domain, const std::string& name_space);
+
 }  // namespace musher

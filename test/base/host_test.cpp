@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <memory>
@@ -124,6 +125,23 @@ TEST(NameLock, IsHeldByOneAtATime) {
   }
   EXPECT_FALSE(NameLock::IsHeld(name));
   EXPECT_TRUE(NameLock::Acquire(name));
+}
+
+TEST(NameLock, HandsMessagesToItsHolder) {
+  const std::string name = UniqueName("motion");
+  const std::array<std::byte, 3> message{std::byte{1}, std::byte{0}, std::byte{2}};
+  EXPECT_FALSE(NameLock::Send(name, message)) << "no process holds it";
+  auto lock = NameLock::Acquire(name);
+  ASSERT_TRUE(lock);
+  EXPECT_FALSE(lock.value().Receive());
+  EXPECT_TRUE(NameLock::IsHeld(name)) << "which sends nothing";
+  EXPECT_TRUE(NameLock::Send(name, message));
+  EXPECT_TRUE(NameLock::Send(name, {}));
+  const auto received = lock.value().Receive();
+  ASSERT_TRUE(received);
+  EXPECT_TRUE(std::ranges::equal(*received, message));
+  ASSERT_TRUE(lock.value().Receive());
+  EXPECT_FALSE(lock.value().Receive());
 }
 
 TEST(NameLock, KeepsOtherNamesDomainsAndNamespacesFree) {

@@ -55,6 +55,20 @@ TEST_P(Publish, ReachesASubscriberInTheSameNode) {
   EXPECT_THAT(received, ElementsAre("hello"));
 }
 
+TEST_P(Publish, NamesTheParticipantOfTheSenderAsItNamesItself) {
+  const auto here = MakeNode(), there = MakeNode();
+  const std::string topic = Unique("chat");
+  ParticipantId sender = 0;
+  const auto subscription = Must(MakeSubscription<msg::String>(
+      *there, topic,
+      [&sender](const msg::String&, const SampleInfo& info) { sender = info.participant; }));
+  const auto publisher = Must(MakePublisher<msg::String>(*here, topic));
+  ASSERT_TRUE(RunUntil([&] { return publisher->MatchedReaders() == 1; }));
+  ASSERT_TRUE(publisher->Publish({"hello"}));
+  ASSERT_TRUE(RunUntil([&] { return sender != 0; }));
+  EXPECT_EQ(sender, here->participant());
+}
+
 TEST_P(Publish, GivesALatchedSampleToALateJoiner) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("status");

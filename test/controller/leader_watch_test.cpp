@@ -22,7 +22,8 @@ class LeaderWatches : public ::testing::Test {
     std::unique_ptr<transport::Publisher<msg::MachineStatus>> status;
   };
   Controller Leads(const std::string& machine, const std::string& id, std::uint64_t epoch,
-                   std::int32_t pid) {
+                   std::int32_t pid, std::uint64_t participant = 0,
+                   const std::string& host = "here") {
     Controller controller{network_.MakeNode(machine + std::to_string(pid)), nullptr};
     controller.status =
         transport::MakePublisher<msg::MachineStatus>(
@@ -33,7 +34,8 @@ class LeaderWatches : public ::testing::Test {
     status.machine_id = id;
     status.epoch = epoch;
     status.pid = pid;
-    status.host = "here";
+    status.host = host;
+    status.participant = participant;
     EXPECT_TRUE(controller.status->Publish(status));
     network_.RunFor(Milliseconds(100));
     return controller;
@@ -43,19 +45,24 @@ class LeaderWatches : public ::testing::Test {
     const auto watcher = watchers_.extract(pid);
     if (!watcher.empty()) watcher.mapped()();
   }
-  void Watch(const MachineIdentity& machine = {}) {
-    LeaderWatch::Options options{"", "here",
-                                 [this](std::int32_t pid, std::function<void()> on_end) {
-                                   watchers_[pid] = std::move(on_end);
-                                   return std::make_unique<transport::LoopHandle>();
-                                 }};
+  void Watch(const MachineIdentity& machine = {}, bool prefer_here = false) {
+    LeaderWatch::Options options{
+        "", "here",
+        [this](std::int32_t pid, std::function<void()> on_end) -> transport::LoopHandlePtr {
+          if (pid == kExited) return nullptr;
+          watchers_[pid] = std::move(on_end);
+          return std::make_unique<transport::LoopHandle>();
+        }};
     options.machine = machine;
+    options.prefer_here = prefer_here;
     watch_ = LeaderWatch::Make(
                  *desk_, options,
                  [this](const msg::MachineStatus& status) { taken_.push_back(status.pid); },
                  [](const msg::MachineStatus&, const std::string&) {})
                  .value();
   }
+
+  static constexpr std::int32_t kExited = 9;  // a process that has exited
 
   transport::sim::Network network_{1};
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
@@ -104,6 +111,34 @@ TEST_F(LeaderWatches, IgnoreAnOlderControllerOfTheirMachine) {
   const auto present = Leads("dog", "uuid-a", 7, 1);
   const auto older = Leads("dog", "uuid-a", 6, 2);
   EXPECT_THAT(taken_, ElementsAre(1));
+}
+
+TEST_F(LeaderWatches, PreferTheMachineOfTheirHostToTheFirstAndStayWithIt) {
+  Watch({}, true);
+  const auto cat = Leads("cat", "uuid-b", 9, 2, 0, "elsewhere");
+  const auto dog = Leads("dog", "uuid-a", 1, 1);
+  EXPECT_THAT(taken_, ElementsAre(2, 1));
+  ReportExit(1);
+  const auto bear = Leads("bear", "uuid-c", 3, 3, 0, "elsewhere");
+  EXPECT_THAT(taken_, ElementsAre(2, 1)) << "another robot that comes near is not theirs";
+  const auto again = Leads("dog", "uuid-a", 2, 4);
+  EXPECT_THAT(taken_, ElementsAre(2, 1, 4));
+}
+
+TEST_F(LeaderWatches, IgnoreAStatusThatAnotherParticipantRepeats) {
+  Watch();
+  const auto present = Leads("dog", "uuid-a", 7, 1);
+  const std::uint64_t recorded = 4711;  // the participant that has sent it first
+  const auto replayed = Leads("dog", "uuid-a", 8, 2, recorded);
+  EXPECT_THAT(taken_, ElementsAre(1));
+}
+
+TEST_F(LeaderWatches, KeepTheirControllerBesideTheStatusOfAProcessThatHasExited) {
+  Watch();
+  const auto present = Leads("dog", "uuid-a", 7, 1);
+  const auto of_no_process = Leads("dog", "uuid-a", 7, kExited);
+  EXPECT_THAT(taken_, ElementsAre(1));
+  EXPECT_TRUE(watch_->leader());
 }
 
 }  // namespace musher::testing::leader_watch_test

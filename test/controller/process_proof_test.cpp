@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/controller/client/latching.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
@@ -196,6 +197,39 @@ TEST_F(ProcessProof, AProcessOfAnotherUserIsReportedWithItsUser) {
               HasSubstr("of user 65534"));
   TakeDown();
   EXPECT_TRUE(arm.IsAlive());
+}
+
+class StopOfThisHost : public ProcessProof {
+ protected:
+  bool HandOver(const msg::EmergencyStop& stop) const {
+    return NameLock::Send(
+        NameLock::NameOf(transport::TestDomain(), config_.name_space, "musher/controller"),
+        msg::Encode(stop));
+  }
+  const EmergencyStopState& Emergency() const { return controller_->shell().machine().emergency; }
+};
+
+TEST_F(StopOfThisHost, ReachesTheControllerByItsNameWithoutDiscovery) {
+  msg::EmergencyStop stop = NewEmergencyStop("alice", "a person is near");
+  stop.machine = config_.name;
+  ASSERT_TRUE(HandOver(stop));
+  ASSERT_TRUE(RunUntil([&] { return Emergency().stop.has_value(); }));
+  EXPECT_EQ(Emergency().stop->id, StopId(stop.id));
+  EXPECT_EQ(Emergency().stop->by, "alice");
+}
+
+TEST_F(StopOfThisHost, OfAnotherMachineIsIgnoredAndNoReleaseIsTaken) {
+  msg::EmergencyStop other = NewEmergencyStop("alice", "");
+  other.machine = "another one";
+  ASSERT_TRUE(HandOver(other));
+  msg::EmergencyStop stop = NewEmergencyStop("bob", "");
+  ASSERT_TRUE(HandOver(stop));
+  stop.engaged = false;
+  ASSERT_TRUE(HandOver(stop));
+  ASSERT_TRUE(RunUntil([&] { return Emergency().stop.has_value(); }));
+  loop_.RunUntil([] { return false; }, loop_.Now() + Milliseconds(20));
+  ASSERT_TRUE(Emergency().stop);
+  EXPECT_EQ(Emergency().stop->by, "bob");
 }
 
 }  // namespace musher::process_proof_test

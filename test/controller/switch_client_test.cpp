@@ -263,4 +263,23 @@ TEST_F(SwitchClients, TakeTheLatchedStatusForTheLostAnswerToATearDown) {
   EXPECT_THAT(news_, IsEmpty());
 }
 
+TEST_F(SwitchClients, DoNotTakeTheLatchedStatusOfAnotherParticipantForTheAnswerToATearDown) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("TearDown"));
+  const auto node = network_.MakeNode("bridge");
+  const auto statuses = transport::MakePublisher<msg::MachineStatus>(
+      *node, transport::MachineStatusTopic(""), transport::kLatchedQos);
+  msg::MachineStatus status;
+  status.machine = config_.name;
+  status.epoch = first_.machine().epoch.value();
+  status.pid = first_.process->pid();
+  status.host = kSimHost;
+  status.phase = "stopped";
+  status.state = "TearDown";
+  ASSERT_TRUE(statuses.value()->Publish(status));
+  network_.RunFor(Milliseconds(100));
+  KillFirst();
+  EXPECT_EQ(End(std::chrono::seconds(8)).kind, Kind::kUnknown) << end_->result.outcome;
+}
+
 }  // namespace musher::testing::switch_client_test

@@ -41,7 +41,8 @@ class DdsNode : public Node {
   }
 
   EventLoop& loop() override { return loop_; }
-  dds::Participant& participant() { return *participant_; }
+  ParticipantId participant() const override { return participant_->id(); }
+  dds::Participant& dds_participant() { return *participant_; }
 
   Result<std::unique_ptr<RawWriter>> MakeRawWriter(const std::string& topic,
                                                    const std::string& type, const Qos& qos,
@@ -105,7 +106,7 @@ class DdsNode : public Node {
 
 dds::Participant* dds::ParticipantOf(Node& node) {
   auto* own = dynamic_cast<DdsNode*>(&node);
-  return own != nullptr ? &own->participant() : nullptr;
+  return own != nullptr ? &own->dds_participant() : nullptr;
 }
 
 namespace {

@@ -15,13 +15,16 @@ std::vector<EndpointId> MatchedHandles(dds_entity_t entity, GetMatched get) {
   }
 }
 
+ParticipantId ParticipantWith(const dds_guid_t& guid) {
+  return ParticipantId(Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) |
+                       1U);  // not 0, which means none
+}
+
 ParticipantId ParticipantIn(dds_builtintopic_endpoint_t* endpoint) {
   if (endpoint == nullptr) return 0;
   // Not its instance handle: that changes when a participant returns after an outage longer than
   // its lease, and an actuator that is attached to one participant would refuse it.
-  const dds_guid_t& guid = endpoint->participant_key;
-  const ParticipantId participant(Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) |
-                                  1U);  // not 0, which means none
+  const ParticipantId participant = ParticipantWith(endpoint->participant_key);
   dds_builtintopic_free_endpoint(endpoint);
   return participant;
 }

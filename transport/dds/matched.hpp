@@ -20,6 +20,9 @@ using ListenerPtr = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 using GetMatched = dds_return_t (*)(dds_entity_t, dds_instance_handle_t*, std::size_t);
 std::vector<EndpointId> MatchedHandles(dds_entity_t entity, GetMatched get);
 
+// The id of the participant with that GUID.
+ParticipantId ParticipantWith(const dds_guid_t& guid);
+
 // The participant of an endpoint from `get`, which is freed; 0 if it was lost meanwhile.
 ParticipantId ParticipantIn(dds_builtintopic_endpoint_t* endpoint);
 

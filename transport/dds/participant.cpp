@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "musher/transport/dds/log_sink.hpp"
+#include "musher/transport/dds/matched.hpp"
 #include "musher/transport/dds/qos.hpp"
 #include "musher/transport/dds/security.hpp"
 
@@ -112,6 +113,12 @@ Result<Participant*> Join(int domain_id, const std::string& settings,
 }
 
 }  // namespace
+
+ParticipantId Participant::IdOf(dds_entity_t participant) {
+  dds_guid_t guid{};
+  return dds_get_guid(participant, &guid) == DDS_RETCODE_OK ? ParticipantWith(guid)
+                                                            : ParticipantId(0);
+}
 
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
                                                      const std::optional<Credentials>& credentials,

@@ -23,10 +23,12 @@ class Participant {
               RosDistro distro)
       : domain_(std::move(domain)),
         participant_(std::move(participant)),
+        id_(IdOf(participant_.get())),
         credentials_(std::move(credentials)),
         graph_(participant_.get(), distro) {}
 
   dds_entity_t get() const { return participant_.get(); }
+  ParticipantId id() const { return id_; }
   const std::optional<Credentials>& credentials() const { return credentials_; }
 
   // The nodes as ROS 2 lists them.
@@ -36,8 +38,11 @@ class Participant {
   int NextNode() { return next_node_++; }
 
  private:
+  static ParticipantId IdOf(dds_entity_t participant);
+
   Entity domain_;  // its configuration; none if the user provides it
   Entity participant_;
+  const ParticipantId id_;
   const std::optional<Credentials> credentials_;
   NodeGraph graph_;
   std::atomic<int> next_node_ = 0;

@@ -18,6 +18,7 @@ class SimNode : public Node {
   ~SimNode() override { network_.scheduler_.Kill(process_); }
 
   EventLoop& loop() override { return loop_; }
+  ParticipantId participant() const override { return participant_; }
   Result<std::unique_ptr<RawWriter>> MakeRawWriter(const std::string& topic,
                                                    const std::string& type, const Qos& qos,
                                                    WriterCallbacks callbacks) override;
@@ -26,7 +27,6 @@ class SimNode : public Node {
                                                    ReaderCallbacks callbacks) override;
 
   ProcessId process() const { return process_; }
-  ParticipantId participant() const { return participant_; }
 
  private:
   void FillIn(End& end, const Qos& qos) const;

@@ -78,8 +78,9 @@ Result<> Ending::Open() {
       node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
-  heartbeat_ = {machine_.name, epoch_.value(),           NewIncarnation(), HostId(),
-                getpid(),      kHeartbeatPeriod.count(), HostName(),       machine_.id};
+  heartbeat_ = {machine_.name, epoch_.value(), NewIncarnation(),
+                HostId(),      getpid(),       kHeartbeatPeriod.count(),
+                HostName(),    machine_.id,    node_.participant().value()};
   if (auto published = heartbeats_->Publish(heartbeat_); !published) return published;
   timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
   return Ok();
@@ -113,7 +114,10 @@ void Ending::Check(Target& target, const Actuators& running) {
 void Ending::CommandTearDown(Target& target, const Actuators& running) {
   const auto found = running.find(target.outcome.name);
   if (target.commanded || found == running.end() || !found->second.has_status) return;
-  if (!target.commands->Ready()) return;
+  // An actuator of another machine may have the same name: only this process is commanded.
+  const transport::ParticipantId participant = found->second.participant;
+  const std::vector<transport::ParticipantId> servers = target.commands->Servers();
+  if (std::find(servers.begin(), servers.end(), participant) == servers.end()) return;
   const msg::ActuatorStatus& status = found->second.status;
   const Time now = node_.loop().Now();
   target.commanded = true;
@@ -129,7 +133,7 @@ void Ending::CommandTearDown(Target& target, const Actuators& running) {
   request.incarnation = status.incarnation;
   request.machine = machine_.name;
   request.machine_id = machine_.id;
-  target.commands->Call(request, deadline_ - now, [this, &target](const auto& reply) {
+  const auto on_reply = [this, &target](const auto& reply) {
     target.commanded = false;  // commanded again if it was refused
     if (!reply) return;
     const bool done = reply.value().verdict == msg::ActuatorCommand::kVerdictDone;
@@ -137,7 +141,8 @@ void Ending::CommandTearDown(Target& target, const Actuators& running) {
     if (!done || target.outcome.torn_down) return;
     target.outcome.torn_down = true;
     target.torn_down_at = node_.loop().Now();
-  });
+  };
+  target.commands->Call(request, deadline_ - now, on_reply, participant);
 }
 
 void Ending::Signal(Target& target) {

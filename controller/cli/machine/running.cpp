@@ -22,8 +22,9 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
   auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(name_space),
       [self = running.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
-        if (!transport::IsFrom(status.name, info)) return;
-        self->received_[info.writer] = {status, true, self->loop_.Now(), info.writer, std::nullopt};
+        if (!transport::IsFrom(status, info)) return;
+        self->received_[info.writer] = {status, true, self->loop_.Now(), info.participant,
+                                        std::nullopt};
       },
       qos, std::move(events));
   // The permissions of an observer from an earlier version do not allow it: the list stays empty.

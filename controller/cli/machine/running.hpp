@@ -21,11 +21,11 @@ namespace musher::cli {
 class Running {
  public:
   struct Actuator {
-    msg::ActuatorStatus status;  // only name and pid if no status was received
-    bool has_status = true;      // its status was received
-    Time at{};                   // when the status was received
-    transport::EndpointId writer = 0;
-    std::optional<ChildProcess> child;  // started by a controller; it holds no name
+    msg::ActuatorStatus status;                // only name and pid if no status was received
+    bool has_status = true;                    // its status was received
+    Time at{};                                 // when the status was received
+    transport::ParticipantId participant = 0;  // of the process
+    std::optional<ChildProcess> child;         // started by a controller; it holds no name
   };
 
   // Subscribes to the statuses. The node must outlive it.
