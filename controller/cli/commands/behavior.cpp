@@ -136,7 +136,7 @@ std::optional<Failure> Send(Link& link, const GlobalOptions& global,
 }
 
 ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   if (options.tree) {
     return ShowTree(*link.value(), global,

@@ -29,7 +29,7 @@ Failure Unknown(const std::string& name, const msg::Capabilities& known) {
 
 ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& global,
                       Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto answer =
       link.value()->Call<msg::GetCapabilities>("get_capabilities", {}, std::chrono::seconds(5));

@@ -253,7 +253,7 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& of_caller
   if (files == nullptr && !options.config.empty()) return console.Fail(std::get<Failure>(found));
   GlobalOptions global = of_caller;
   if (!options.config.empty()) global.name_space = files->config->name_space;
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());

@@ -72,7 +72,7 @@ Result<std::string> TextOf(const msg::MachineStatus& running) {
 
 ExitCode CompareWithRunning(const MachineConfig& after, const GlobalOptions& global,
                             Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   if (auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());

@@ -3,13 +3,17 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <variant>
 
+#include "musher/base/host.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/switch_request.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/ending.hpp"
 #include "musher/controller/cli/machine/link.hpp"
+#include "musher/controller/cli/machine/machine_files.hpp"
 #include "musher/controller/cli/machine/running.hpp"
 #include "musher/controller/cli/machine/silent_controller.hpp"
 #include "musher/controller/cli/render/json.hpp"
@@ -25,39 +29,48 @@ struct DownOptions {
 
 constexpr Duration kTearDownTime = std::chrono::seconds(10);
 
-// Only the actuators of one machine are stopped: of the named one, else of this host's. Without
-// either, of the only one.
-std::optional<Failure> ChooseActuatorsOf(Link& link, Running& running,
-                                         const GlobalOptions& global) {
-  MachineIdentity chosen{global.machine, ""};
-  if (chosen.name.empty()) {
-    const std::vector<MachineIdentity> here = running.Machines(true);
-    const std::vector<MachineIdentity> elsewhere = running.Machines(false);
-    if (here.empty() && elsewhere.size() > 1) {
-      return Failure{ExitCode::kUsage,
-                     {kCodeTargetBusy,
-                      "actuators of several machines run in " + NamespaceText(global.name_space) +
-                          ": " + MachineText(elsewhere[0]) + ", " + MachineText(elsewhere[1]) +
-                          ". Nothing was done; --machine NAME chooses one"}};
-    }
-    if (!here.empty()) chosen = here.front();
-    if (here.empty() && !elsewhere.empty()) chosen = elsewhere.front();
+// The machine whose actuators are stopped: that of this host, by its actuators or its files.
+// Without either, the only one.
+std::variant<MachineIdentity, Failure> MachineToEnd(const Link& link, const Running& running,
+                                                    const GlobalOptions& global) {
+  if (!global.machine.empty()) return MachineIdentity{global.machine, ""};
+  const std::vector<MachineIdentity> here = running.Machines(true);
+  if (!here.empty()) return here.front();
+  const std::vector<MachineIdentity> elsewhere = running.Machines(false);
+  if (const auto of_files = MachineOfFilesHere(global)) {
+    const bool its_own = std::any_of(elsewhere.begin(), elsewhere.end(), [&](const auto& machine) {
+      return SameMachine(machine, *of_files);
+    });
+    const auto actuators = running.Now();
+    const bool any_here = std::any_of(actuators.begin(), actuators.end(), [](const auto& one) {
+      return one.second.status.host == HostId();
+    });
+    if (its_own || elsewhere.empty() || any_here) return *of_files;
+    return link.NotHere(*of_files, "actuators of " + MachineText(elsewhere.front()));
   }
-  running.OnlyOf(chosen);
-  link.Choose(chosen);
-  return std::nullopt;
+  if (elsewhere.empty()) return MachineIdentity{};
+  if (elsewhere.size() == 1) return elsewhere.front();
+  return Failure{
+      ExitCode::kUsage,
+      {kCodeTargetBusy, "actuators of several machines run in " + NamespaceText(global.name_space) +
+                            ": " + MachineText(elsewhere[0]) + ", " + MachineText(elsewhere[1]) +
+                            ". Nothing was done; --machine NAME chooses one"}};
 }
 
 ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
-  link.value()->RunUntil([&] { return link.value()->HasMachine(); }, link.value()->discovery());
-  if (const auto open = ChooseActuatorsOf(*link.value(), *running.value(), global)) {
-    return console.Fail(*open);
-  }
+  // The controller of another machine says nothing about the actuators of this one.
+  const bool led_here = link.value()->LeaderHere() != 0;
+  link.value()->RunUntil([&] { return led_here && link.value()->HasMachine(); },
+                         link.value()->discovery());
+  const auto machine = MachineToEnd(*link.value(), *running.value(), global);
+  if (const auto* open = std::get_if<Failure>(&machine)) return console.Fail(*open);
+  running.value()->OnlyOf(std::get<MachineIdentity>(machine));
+  link.value()->Choose(std::get<MachineIdentity>(machine));
   const pid_t leader = link.value()->LeaderHere();
   if (link.value()->HasMachine() || leader != 0) {
     std::string message = "a controller leads the actuators of " + NamespaceText(global.name_space);

@@ -16,6 +16,7 @@
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/link.hpp"
+#include "musher/controller/cli/machine/machine_files.hpp"
 #include "musher/controller/cli/machine/silent_controller.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -44,14 +45,17 @@ std::string Me() {
          HostName();
 }
 
-// Stops the machine of --machine, else the one whose controller runs here; what is not known stops
-// every machine that receives it. It waits for no discovery.
+// Stops the machine of --machine, else the one whose controller runs here. Without a controller
+// here, actuators of this host may belong to any machine: then every machine that receives the stop
+// stops. Where nothing runs here, the machine of the files of this host is meant. It waits for no
+// discovery.
 MachineIdentity MachineToStop(const GlobalOptions& global) {
   if (!global.machine.empty()) return {global.machine, ""};
-  const std::string controller =
-      NameLock::NameOf(transport::DomainId({}).value(), global.name_space, "musher/controller");
-  const auto origin = OriginOfProcess(NameLock::HolderOf(controller).pid);
-  return origin ? MachineIdentity{origin->name, origin->id} : MachineIdentity{};
+  const int domain = transport::DomainId({}).value();
+  if (const auto led = OriginHere(domain, global.name_space)) return {led->name, led->id};
+  const std::string here = NameLock::NameOf(domain, global.name_space, "");
+  if (NameLock::IsHeld(here + "musher/controller") || !NameLock::HeldBelow(here).empty()) return {};
+  return MachineOfFilesHere(global).value_or(MachineIdentity{});
 }
 
 msg::EmergencyStop NewStop(const std::vector<std::string>& reason, const MachineIdentity& machine) {
@@ -59,6 +63,15 @@ msg::EmergencyStop NewStop(const std::vector<std::string>& reason, const Machine
   stop.machine = machine.name;
   stop.machine_id = machine.id;
   return stop;
+}
+
+// Hands the stop to the controller of this host, which publishes it: long before this process has
+// discovered an actuator where the host is busy.
+void HandOver(const msg::EmergencyStop& stop, const GlobalOptions& global) {
+  const auto domain = transport::DomainId({});
+  if (!domain) return;
+  NameLock::Send(NameLock::NameOf(domain.value(), global.name_space, "musher/controller"),
+                 msg::Encode(stop));
 }
 
 // Publishes the stop for a minute. Without the signals and the terminal of the command.
@@ -169,10 +182,15 @@ class Confirmation {
     const Time end = link_.loop().Now() + timeout;
     const auto left = [&] { return end - link_.loop().Now(); };
     const auto led = [this] { return Report().controller && Report().settled(); };
-    if (link_.RunUntil(led, lan_ ? timeout : std::min(link_.discovery(), timeout))) return;
+    if (link_.RunUntil(led, std::min(link_.discovery(), timeout))) return;
     if (link_.interrupted()) return;
-    if (Report().controller || HasController()) {
-      link_.RunUntil(led, left());
+    const bool none = !HasController() && Report().actuators.empty();
+    if (none && link_.HasOtherMachine()) return;  // which is not meant
+    if (lan_ || Report().controller || HasController()) {
+      // An actuator that does not stop is reported in time.
+      if (HasController()) link_.RunPatiently([this] { return Report().controller; }, left());
+      const bool late = left() < -kShortageWindow / 2;  // it was waited for longer
+      link_.RunUntil(led, late ? link_.discovery() : left());
     } else if (!Report().actuators.empty()) {
       link_.RunUntil([this] { return Report().settled(); }, left());
     }
@@ -195,8 +213,9 @@ class Confirmation {
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
   const MachineIdentity machine = MachineToStop(global);
   const msg::EmergencyStop stop = NewStop(options.reason, machine);
+  HandOver(stop, global);
   DetachedPublisher detached(global, stop);
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto latching =
       Latching::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
@@ -242,7 +261,7 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
 }
 
 ExitCode Release(const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto answer =
       link.value()->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kStopTimeout);

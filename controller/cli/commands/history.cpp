@@ -151,8 +151,9 @@ void Show(const Entries& history, bool csv, bool first, Console& console) {
 ExitCode Follow(Link& link, Selection selection, std::uint64_t last, std::int64_t since, bool csv,
                 Console& console) {
   link.EndWithReader();
+  if (const auto followed = link.FollowStatus({}); !followed) return console.Fail(followed.error());
   while (!link.interrupted() && console.HasReader()) {
-    link.RunUntil([] { return false; }, kFollowPeriod);
+    link.RunUntil([&link] { return link.LeaderIsLost(); }, kFollowPeriod);
     if (link.interrupted()) break;
     auto read = FromController(link, since, kAll);
     if (const auto* failure = std::get_if<Failure>(&read)) {
@@ -184,7 +185,7 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   const Selection& wanted = selection.value();
   std::unique_ptr<Link> link;
   if (options.journal.empty()) {
-    auto opened = Link::Open(global);
+    auto opened = Link::Open(global, &console);
     if (!opened) return console.Fail(opened.error());
     link = std::move(opened).value();
   }

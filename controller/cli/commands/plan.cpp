@@ -16,7 +16,7 @@ struct PlanOptions {
 };
 
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto answer = link.value()->Call<msg::GetPlan>(
       "get_plan", {options.state, options.actuator}, std::chrono::seconds(5));

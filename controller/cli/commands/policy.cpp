@@ -36,7 +36,7 @@ struct PolicyCommand {
 ExitCode Request(const PolicyCommand& policy,
                  const std::function<std::string(const std::string&)>& done,
                  const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto answer = link.value()->CallLeader<msg::RequestPolicy>("request_policy", policy.request,
                                                                    kPolicyTimeout);

@@ -32,7 +32,7 @@ Failure WithHint(Failure failure, const std::string& actuator) {
 }
 
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto answer = link.value()->CallLeader<msg::RestartActuator>(
       "restart_actuator", {options.actuator}, kRestartTimeout);

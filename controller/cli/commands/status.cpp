@@ -113,7 +113,7 @@ ExitCode Watch(Link& link, Console& console) {
 }
 
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   if (options.watch) return Watch(*link.value(), console);
   const auto running =

@@ -40,12 +40,14 @@ Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
   return failure;
 }
 
-// Reports running actuators of an earlier config, or ones that the TearDown did not reach.
-void ReportLeftBehind(std::map<std::string, Running::Actuator> running, Console& console) {
+// Reports running actuators of an earlier config, or ones that the TearDown did not reach. Returns
+// whether there are any.
+bool ReportLeftBehind(std::map<std::string, Running::Actuator> running, Console& console) {
   std::erase_if(running, [](const auto& one) { return !one.second.has_status; });
-  if (running.empty()) return;
+  if (running.empty()) return false;
   console.PrintError(RunningNames(running) + (running.size() == 1 ? " still runs" : " still run") +
                      " in this namespace; `musher down --without-controller` stops what is left");
+  return true;
 }
 
 // The time limits of a switch, by its plan. They are shown only, so nothing waits for the plan.
@@ -83,9 +85,11 @@ class SwitchLimits {
 
 ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
                        const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global);
+  const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
-  if (const auto open = link.value()->ChooseMachine()) return console.Fail(*open);
+  if (const auto open = link.value()->ChooseMachine(Link::Purpose::kAct)) {
+    return console.Fail(*open);
+  }
   SwitchLimits limits(*link.value(), global);
   SwitchProgress progress(link.value()->loop(), console,
                           [&limits](const std::string& name, const std::string& state) {
@@ -102,7 +106,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   SwitchClient::Options options;
   options.leader = {global.name_space, HostId(), WatchByPidfd(link.value()->loop())};
   options.leader.machine = link.value()->machine();
-  options.timeout = timeout + std::chrono::minutes(1);  // Await() has the better error message
+  options.timeout = timeout + Link::kAfterAwait;  // Await() has the better error message
   options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
   std::optional<SwitchEnd> end;
   const auto client = SwitchClient::Make(
@@ -131,8 +135,8 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   }
   console.Print(console.mode().json ? SwitchJson(result)
                                     : SwitchText(result, console.mode().colour));
-  if (down) ReportLeftBehind(running.value()->Now(), console);
-  if (result.outcome == "done") return ExitCode::kDone;
+  const bool left = down && ReportLeftBehind(running.value()->Now(), console);
+  if (result.outcome == "done") return left ? ExitCode::kNotDone : ExitCode::kDone;
   console.PrintError(SwitchError(result));
   return ExitCode::kNotDone;
 }

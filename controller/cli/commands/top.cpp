@@ -237,7 +237,7 @@ class TopScreen {
 };
 
 ExitCode Top(const TopOptions& options, const GlobalOptions& global, Console& console) {
-  const auto opened = Link::Open(global);
+  const auto opened = Link::Open(global, &console);
   if (!opened) return console.Fail(opened.error());
   Link& link = *opened.value();
   TopWatch watch(link, global);

@@ -10,6 +10,7 @@
 #include "musher/base/scheduling.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/console/output_reader.hpp"
+#include "musher/controller/cli/machine/machine_files.hpp"
 #include "musher/controller/cli/machine/silent_controller.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
@@ -29,14 +30,15 @@ bool IsOfThisBoot(const msg::MachineInfo& info) {
 
 }  // namespace
 
-Link::Link(const GlobalOptions& global) : global_(global), signals_(TakeEndSignals()) {
+Link::Link(const GlobalOptions& global, Console* console)
+    : global_(global), console_(console), signals_(TakeEndSignals()) {
   signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
     if (NextSignal(signals_) != 0) interrupted_ = true;
   });
 }
 
-Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
-  std::unique_ptr<Link> link(new Link(global));
+Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global, Console* console) {
+  std::unique_ptr<Link> link(new Link(global, console));
   if (auto joined = link->Join(); !joined) return joined.error();
   return link;
 }
@@ -68,27 +70,19 @@ Result<> Link::Join() {
 Result<> Link::FollowStatus(OnStatus on_change) {
   if (const auto failure = ChooseMachine()) return failure->error;
   on_status_ = std::move(on_change);
-  const auto take = [this](std::optional<msg::MachineStatus> status, transport::EndpointId writer) {
-    status_ = std::move(status);
-    if (status_) last_leader_ = status_;
-    status_writer_ = writer;
+  LeaderWatch::Options leader{global_.name_space, HostId(), WatchByPidfd(loop_)};
+  leader.machine = machine_;
+  const auto take = [this](const msg::MachineStatus& last, bool leads) {
+    last_leader_ = last;
+    status_.reset();
+    if (leads) status_ = last;
     if (on_status_) on_status_(status_);
   };
-  transport::SubscriptionEvents events;
-  // A successor may publish before its predecessor is reported lost.
-  events.on_writer_lost = [this, take](transport::EndpointId writer) {
-    if (writer == status_writer_) take(std::nullopt, 0);
-  };
-  auto subscription = transport::MakeSubscription<msg::MachineStatus>(
-      *node_, transport::MachineStatusTopic(global_.name_space),
-      [this, take](const msg::MachineStatus& status, const transport::SampleInfo& info) {
-        const MachineIdentity theirs{status.machine, status.machine_id};
-        const bool older = status_ && status.epoch < status_->epoch;
-        if (Speaks(theirs) && !older) take(status, info.writer);
-      },
-      transport::kLatchedFromManyQos, std::move(events));
-  if (!subscription) return subscription.error();
-  machine_status_ = std::move(subscription).value();
+  auto watch = LeaderWatch::Make(
+      *node_, std::move(leader), [take](const msg::MachineStatus& status) { take(status, true); },
+      [take](const msg::MachineStatus& status, const std::string&) { take(status, false); });
+  if (!watch) return watch.error();
+  leader_ = std::move(watch).value();
   return Ok();
 }
 
@@ -97,7 +91,7 @@ void Link::Choose(MachineIdentity machine) {
   chosen_ = true;
 }
 
-std::optional<Failure> Link::ChooseMachine() {
+std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
   if (chosen_) return std::nullopt;
   chosen_ = true;
   const Duration limit = global_.timeout.value_or(std::chrono::hours(1));
@@ -119,7 +113,7 @@ std::optional<Failure> Link::ChooseMachine() {
   };
   // Machines of other hosts are discovered one after the other.
   if (!here()) RunUntil(here, std::min(kOthersWithin, limit));
-  return ChooseOf(Candidates());
+  return ChooseOf(Candidates(), purpose);
 }
 
 // A controller of this host leads, so no other machine is meant, even while it does not answer. The
@@ -138,7 +132,7 @@ void Link::ChooseHere(Duration limit) {
   };
   if (RunUntil(found, std::min(kOthersWithin, limit))) return;
   proven = false;
-  if (RunUntil(found, limit)) return;
+  if (RunPatiently(found, limit)) return;
   searched_ = true;
   const auto origin = OriginOfProcess(LeaderHere());
   machine_ = {origin ? origin->name : "of this host", origin ? origin->id : ""};
@@ -160,7 +154,7 @@ std::optional<Failure> Link::ChooseNamed() {
 }
 
 // Of several machines the one of this host; without a controller here, that of the actuators here.
-std::optional<Failure> Link::ChooseOf(const std::vector<Found>& candidates) {
+std::optional<Failure> Link::ChooseOf(const std::vector<Found>& candidates, Purpose purpose) {
   if (candidates.empty()) return std::nullopt;
   for (const Found& one : candidates) {
     if (one.info.host != HostId()) continue;
@@ -186,8 +180,30 @@ std::optional<Failure> Link::ChooseOf(const std::vector<Found>& candidates) {
                                         ", none of them on this host");
     }
   }
-  machine_ = candidates.front().machine();
+  return ChooseElsewhere(candidates, purpose);
+}
+
+// Nothing of a machine runs on this host. A robot whose controller has ended is still the one that
+// a command on it means.
+std::optional<Failure> Link::ChooseElsewhere(const std::vector<Found>& candidates,
+                                             Purpose purpose) {
+  const MachineIdentity other = candidates.front().machine();
+  const auto here = MachineOfFilesHere(global_);
+  const bool another = here && !SameMachine(*here, other);
+  if (another && purpose == Purpose::kAct) return NotHere(*here, TextOf(candidates));
+  machine_ = other;
+  if (another && console_ != nullptr) {
+    console_->PrintError("the machine of this host, " + MachineText(*here) +
+                         ", does not run; this is " + TextOf(candidates));
+  }
   return std::nullopt;
+}
+
+Failure Link::NotHere(const MachineIdentity& here, const std::string& others) const {
+  return {ExitCode::kNoController,
+          {kCodeNetError, "the machine of this host, " + MachineText(here) + ", does not run in " +
+                              NamespaceText(global_.name_space) + "; found " + others +
+                              ". Nothing was done; --machine NAME speaks to another machine"}};
 }
 
 // Of the actuators whose processes run on this host; an empty one if they send no status; nullopt
@@ -209,7 +225,7 @@ std::optional<MachineIdentity> Link::MachineOfActuatorsHere() {
   return machine ? machine : MachineIdentity{};
 }
 
-Failure Link::OpenChoice(const std::vector<Found>& candidates, const std::string& what) const {
+std::string Link::TextOf(const std::vector<Found>& candidates) {
   std::string found;
   for (const Found& one : candidates) {
     const std::string text =
@@ -217,9 +233,13 @@ Failure Link::OpenChoice(const std::vector<Found>& candidates, const std::string
                     one.info.host == HostId() ? "this host" : "another host");
     if (found.find(text) == std::string::npos) found += (found.empty() ? "" : "; ") + text;
   }
+  return found;
+}
+
+Failure Link::OpenChoice(const std::vector<Found>& candidates, const std::string& what) {
   return {ExitCode::kUsage,
-          {kCodeTargetBusy,
-           what + ": " + found + ". Nothing was done; --machine NAME speaks to one of them"}};
+          {kCodeTargetBusy, what + ": " + TextOf(candidates) +
+                                ". Nothing was done; --machine NAME speaks to one of them"}};
 }
 
 std::vector<Link::Found> Link::Candidates() const {
@@ -256,7 +276,8 @@ const std::optional<msg::MachineStatus>& Link::StatusTowards(const std::string& 
 
 std::optional<Failure> Link::AwaitStatus() {
   const auto received = [this] { return status_.has_value(); };
-  return Await(received, received, global_.timeout.value_or(discovery()));
+  const Duration limit = LeaderHere() != 0 ? discovery_of_one_here() : discovery();
+  return Await(received, received, global_.timeout.value_or(limit));
 }
 
 bool Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
@@ -276,6 +297,41 @@ bool Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
 bool Link::RunUntil(const std::function<bool()>& done, Duration timeout) {
   loop_.RunUntil([&] { return done() || interrupted_; }, loop_.Now() + timeout);
   return done();
+}
+
+pid_t Link::SpokenToHere() const {
+  for (const Found& one : Candidates()) {
+    if (Speaks(one.machine())) return one.info.host == HostId() ? one.info.pid : 0;
+  }
+  return global_.machine.empty() ? LeaderHere() : 0;
+}
+
+bool Link::RunPatiently(const std::function<bool()>& done, Duration timeout) {
+  const Duration unwatched = std::max(timeout - kShortageWindow, Duration{});
+  if (RunUntil(done, unwatched) || interrupted_) return done();
+  const Time latest = loop_.Now() + kShortageWindow + kLongestShortage;
+  const pid_t controller = SpokenToHere();
+  ShortageSample before = SampleShortage(controller, loop_.Now());
+  Duration window = std::min(timeout, kShortageWindow);
+  while (!RunUntil(done, window)) {
+    if (interrupted_ || global_.timeout || controller == 0 || loop_.Now() >= latest) return false;
+    ShortageSample after = SampleShortage(controller, loop_.Now());
+    const CpuShortage shortage = FindShortage(before, after);
+    if (shortage == CpuShortage::kNone) return false;
+    ReportShortage(controller, shortage);
+    before = std::move(after);
+    window = kShortageWindow;
+  }
+  return true;
+}
+
+void Link::ReportShortage(pid_t controller, CpuShortage shortage) {
+  if (console_ == nullptr || std::exchange(shortage_reported_, true)) return;
+  console_->PrintError(
+      shortage == CpuShortage::kOfController
+          ? fmt::format("the controller (pid {}) is short of CPU time; waiting", controller)
+          : fmt::format("this host is short of CPU time; waiting for the controller (pid {})",
+                        controller));
 }
 
 void Link::RunUntilInterrupted(const Console& console) {
@@ -300,13 +356,24 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
   const Duration search = searched_ ? Duration{} : discovery();
   loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(search, timeout));
   if (!met() && !searched_ && LeaderHere() != 0) {
-    loop_.RunUntil(met, begin + std::min(discovery_of_one_here(), timeout));
+    RunPatiently(met, begin + std::min(discovery_of_one_here(), timeout) - loop_.Now());
   }
   if (!met()) return NotFound("controller");
-  loop_.RunUntil(ended, begin + timeout);
+  RunPatiently(answered, begin + timeout - loop_.Now());
   if (answered()) return std::nullopt;
   if (interrupted_) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
-  return NoAnswer(timeout);
+  return NoAnswer(
+      std::max<Duration>(timeout, std::chrono::floor<std::chrono::seconds>(loop_.Now() - begin)));
+}
+
+bool Link::LeaderIsLost() const {
+  return last_leader_ && !status_;
+}
+
+Failure Link::LostBeforeItAnswered() const {
+  return {ExitCode::kNoController,
+          {kCodeNetError, fmt::format("the controller (pid {}) was lost before it answered",
+                                      last_leader_ ? last_leader_->pid : 0)}};
 }
 
 bool Link::HasMachine() const {
@@ -315,12 +382,22 @@ bool Link::HasMachine() const {
                      [this](const Found& found) { return Speaks(found.machine()); });
 }
 
+bool Link::HasOtherMachine() const {
+  const std::vector<Found> candidates = Candidates();
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [this](const Found& found) { return !Speaks(found.machine()); });
+}
+
 Failure Link::NotFound(const std::string& what) const {
   std::string message = "no " + what + " in " + NamespaceText(global_.name_space);
   if (!global_.machine.empty())
     message = "no " + what + " of machine " + global_.machine + " in " +
               NamespaceText(global_.name_space);
   const pid_t holder = global_.machine.empty() ? LeaderHere() : 0;
+  if (global_.machine.empty() && holder == 0 && !machine_.name.empty()) {
+    message =
+        "no " + what + " of " + MachineText(machine_) + " in " + NamespaceText(global_.name_space);
+  }
   if (holder != 0 && !HasMachine()) {
     message += fmt::format(" of DDS domain {} answers: ", transport::DomainId({}).value()) +
                WhySilent(ExamineSilent(holder, global_), global_);

@@ -132,6 +132,14 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
                    HiddenFilesNote())}};
 }
 
+std::optional<MachineIdentity> MachineOfFilesHere(const GlobalOptions& global) {
+  const auto found = FindMachineFiles("", global);
+  const auto* files = std::get_if<MachineFiles>(&found);
+  if (files == nullptr) return std::nullopt;
+  const auto origin = LoadOrigin(files->state_dir);
+  return origin ? MachineIdentity{origin->name, origin->id} : MachineIdentity{files->name, ""};
+}
+
 std::string StateDirOf(const MachineOrigin& machine, const std::string& by_user,
                        const std::string& service_place) {
   const fs::path by_service = fs::path(service_place) / fs::path(by_user).filename();

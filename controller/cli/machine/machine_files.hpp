@@ -19,6 +19,7 @@
 #include "musher/controller/cli/console/options.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 
 namespace musher::cli {
 
@@ -33,6 +34,9 @@ struct MachineFiles {
 // `config`: of --config; empty: not given. Fails with kNoController where no machine is found.
 std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
                                                      const GlobalOptions& global);
+
+// The machine that they belong to, whether or not it runs; nullopt: this host has files of none.
+std::optional<MachineIdentity> MachineOfFilesHere(const GlobalOptions& global);
 
 // Where a machine whose config has no state_dir was last started: `by_user`, or the folder of that
 // name in `service_place`, that of systemd's unit.

@@ -26,8 +26,9 @@ constexpr int kUsage = 2;  // its exit code for a wrong option
 std::vector<std::string> ViewCommand(const MachineConfig& config) {
   const ViewConfig& view = *config.view;
   std::vector<std::string> command = {
-      kViewProgram, "--port", std::to_string(view.port),  "--bind",
-      view.bind,    "--logs", config.state_dir + "/logs", "--no-link"};
+      kViewProgram, "--port",   std::to_string(view.port),  "--bind",
+      view.bind,    "--logs",   config.state_dir + "/logs", "--no-link",
+      "--machine",  config.name};
   if (!config.name_space.empty()) {
     command.insert(command.end(), {"--namespace", config.name_space});
   }

@@ -16,6 +16,7 @@
 
 namespace musher::testing::two_machines_test {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -158,8 +159,41 @@ TEST_F(TwoMachines, TheRestOfAKilledMachineIsStoppedAndNothingOfTheOther) {
   const nlohmann::json before = cat_->Status();
   const Ended down = dog_->Run({"down", "--without-controller"});
   EXPECT_EQ(down.exit, 0) << down.out << down.err;
+  EXPECT_THAT(down.out, Not(HasSubstr("without TearDown"))) << "each answers for itself";
   EXPECT_EQ(before["actuators"], cat_->Status()["actuators"]);
   EXPECT_EQ(before["epoch"], cat_->Status()["epoch"]);
+}
+
+TEST_F(TwoMachines, WhereNothingOfAHostsMachineRunsACommandActsOnNoOtherMachine) {
+  ASSERT_TRUE(Met());
+  const auto run = [this](std::vector<std::string> words) {
+    std::vector<std::string> in_folder = {"sh", "-c", "cd '" + folder_.path() + "' && exec \"$@\"",
+                                          "sh"};
+    for (std::string& word : Command(std::move(words))) in_folder.push_back(std::move(word));
+    return dog_->Do(std::move(in_folder));
+  };
+  ASSERT_EQ(run({"down"}).exit, 0);
+  const nlohmann::json before = cat_->Status();
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"set", "LowPower"},
+                                             {"down"},
+                                             {"down", "--without-controller"},
+                                             {"restart", "legs"},
+                                             {"estop"},
+                                             {"estop", "--release"},
+                                             {"wake"}}) {
+    const Ended ended = run(words);
+    EXPECT_EQ(ended.exit, 3) << words[0] << ": " << ended.out << ended.err;
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("dog"), HasSubstr("cat"), HasSubstr("--machine")));
+  }
+  const nlohmann::json after = cat_->Status();
+  for (const char* what : {"state", "epoch", "switch", "actuators", "emergency_stop"}) {
+    EXPECT_EQ(before[what], after[what]);
+  }
+  const Ended status = run({"status"});
+  EXPECT_EQ(status.exit, 0);
+  EXPECT_THAT(status.err, AllOf(HasSubstr("the machine of this host, dog"), HasSubstr("cat")));
+  EXPECT_EQ(run({"set", "LowPower", "--machine", "cat"}).exit, 0);
 }
 
 TEST_F(TwoMachines, AnEmergencyStopStopsTheMachineOfItsHost) {

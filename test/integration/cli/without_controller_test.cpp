@@ -116,7 +116,7 @@ TEST_F(WithoutController, AnActuatorThatTheConfigHasNoLongerIsNamedUntilItIsEnde
   EXPECT_EQ(Status()["unlisted"]["eyes"]["state"], "Active");
   EXPECT_THAT(Musher({"history"}).out, HasSubstr("does not list it: it is not controlled"));
   const Ended down = Musher({"down"});
-  EXPECT_EQ(down.exit, 0);
+  EXPECT_EQ(down.exit, 1);
   EXPECT_THAT(down.err, HasSubstr(ProcessOf("eyes") + " still runs in this namespace"));
   EXPECT_EQ(Musher({"down", "--without-controller"}).exit, 0);
   EXPECT_TRUE(AwaitNoChildren());
