@@ -25,6 +25,7 @@ namespace {
 
 struct ViewOptions {
   std::string name_space;
+  std::string machine;        // empty: that of this host, else the first
   std::optional<int> domain;  // none: ROS_DOMAIN_ID, else 0
   std::uint16_t port = 8765;
   std::string bind = "127.0.0.1";
@@ -113,6 +114,7 @@ int Serve(const ViewOptions& options, const std::string& token) {
   live.http.port = options.port;
   live.http.hosts = options.hosts;
   live.name_space = options.name_space;
+  live.machine = options.machine;
   live.token = token;
   live.logs = options.logs;
   live.docs = [&options] { return options.docs.empty() ? FindDocs() : options.docs; };
@@ -156,6 +158,8 @@ int Main(int argc, char** argv) {
   options.name_space = FromEnvironment("MUSHER_NAMESPACE");
   app.add_option("--namespace", options.name_space,
                  "Namespace of the machine; default $MUSHER_NAMESPACE, else none");
+  app.add_option("--machine", options.machine,
+                 "Name of the machine; default: that of this host, else the first that answers");
   app.add_option("--domain", options.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(0, 232).description(""));
   app.add_option("--port", options.port, "Default 8765; 0: any that is free")

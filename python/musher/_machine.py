@@ -4,7 +4,7 @@ import dataclasses
 import datetime
 import os
 import time
-from typing import Any, Iterator, List, Optional
+from typing import Any, Iterator, List, Optional, Tuple
 
 from musher import _native
 from musher._errors import Failure
@@ -17,6 +17,8 @@ _NEWS, _END = range(2)  # as in native/client.cpp
 _STOPPED = 1  # key of the items of an emergency stop beside those of the status
 _TIMEOUT = 107  # Robot (100) + TIMEOUT
 _NET_ERROR = 105
+_TARGET_BUSY = 111
+_OTHERS_S = 0.3  # machines of other hosts are found one after the other
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,14 +68,19 @@ class Machine:
             machine.set("Active")
 
     `config`: its state config, which has the namespace; or pass the namespace itself. The defaults are those of
-    the `musher` program: $MUSHER_NAMESPACE, $ROS_DOMAIN_ID, $MUSHER_KEYS.
+    the `musher` program: $MUSHER_NAMESPACE, $ROS_DOMAIN_ID, $MUSHER_KEYS. It is the machine of that config, or of
+    the name `machine`; without either, the one whose controller runs on this host, else the only one that answers.
     """
 
     def __init__(self, config: "str | os.PathLike[str]" = "", *, namespace: Optional[str] = None,
-                 domain: Optional[int] = None, keys: str = "", identity: str = "") -> None:
+                 domain: Optional[int] = None, keys: str = "", identity: str = "", machine: str = "") -> None:
         path = os.fspath(config)
-        if path and namespace is None:
-            namespace = _native.read_machine(path)[0]
+        if path:
+            of_config, name = _native.read_machine(path)
+            namespace = of_config if namespace is None else namespace
+            machine = machine or name
+        self._domain = domain
+        self._machine = (machine, "")  # name and id; empty: not chosen
         self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity)
         self._status_topic = "/" + _native.machine_status_topic(self.node.namespace)
         self._find_s = 4.0 if keys or os.environ.get("MUSHER_KEYS") else 1.2
@@ -81,25 +88,30 @@ class Machine:
     def status(self) -> MachineStatus:
         """Raises musher.Failure if no controller is found."""
         with _Closing(self._watch()) as statuses:
-            found: Optional[MachineStatus] = statuses.take(self._find_s)
+            found = self._next(statuses, self._meant(), self._find_s)
         if found is None:
             raise self._not_found()
         return found
 
     def watch(self) -> Iterator[MachineStatus]:
         """Each new status of the machine, the present one first."""
+        meant = self._meant()
         with _Closing(self._watch()) as statuses:
-            yield from statuses
+            while True:
+                status = self._next(statuses, meant, None)
+                if status is not None:
+                    yield status
 
     def wait_until(self, condition: Any, timeout_s: float = 60.0) -> MachineStatus:
         """The first status for which condition(status) holds; or pass the name of a state that it is in."""
         end = time.monotonic() + timeout_s
         holds = (lambda status: status.state == condition) if isinstance(condition, str) else condition
         last: Optional[MachineStatus] = None
+        meant = self._meant()
         with _Closing(self._watch()) as statuses:
             while True:
                 left = end - time.monotonic()
-                status: Optional[MachineStatus] = statuses.take(left) if left > 0 else None
+                status = self._next(statuses, meant, left) if left > 0 else None
                 if status is None:
                     if last is None:
                         raise self._not_found()
@@ -123,7 +135,7 @@ class Machine:
                 raise TypeError(f"a state and an actuator are names, not {given!r}")
         mailbox = _native.Mailbox()
         switch = _native.Switch(self._native(), state, actuator, by or default_by(), timeout_s,
-                                min(self._find_s, timeout_s), mailbox)
+                                min(self._find_s, timeout_s), mailbox, *self._meant())
         try:
             while True:
                 item = mailbox.pop(None)
@@ -163,8 +175,10 @@ class Machine:
         """Engages the emergency stop, with or without a controller. Returns the actuators that have stopped;
         raises musher.Failure if one has not confirmed it in time. The stop stays engaged in any case."""
         end = time.monotonic() + timeout_s
+        meant = self._known()  # a stop waits for no discovery
         with _Closing(self._watch()) as statuses, \
-                _Closing(_native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED)) as stop:
+                _Closing(_native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED,
+                                      *meant)) as stop:
             status: Optional[bytes] = None
             while True:
                 settled, actuators = stop.report(status)
@@ -174,7 +188,7 @@ class Machine:
                 item = statuses._mailbox.pop(left)  # of the machine, or of an actuator
                 if item is not None and item.key != _STOPPED:
                     new = statuses._decode(item)
-                    status = new.to_bytes() if new is not None else status
+                    status = new.to_bytes() if new is not None and _is_of(new, meant) else status
         missing = [f"{name} ({trouble})" if trouble else name for name, stopped, _, trouble in actuators if not stopped]
         if missing:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
@@ -204,22 +218,72 @@ class Machine:
         return self.node._native
 
     def _watch(self) -> "Subscription[MachineStatus]":
-        return self.node.subscribe(self._status_topic, MachineStatus, latched=True, depth=1)
+        return self.node.subscribe(self._status_topic, MachineStatus, latched=True, depth=0)
+
+    def _next(self, statuses: "Subscription[MachineStatus]", meant: Tuple[str, str],
+              timeout_s: Optional[float]) -> Optional[MachineStatus]:
+        """The newest status of that machine that was not taken yet; none after this time without one."""
+        end = None if timeout_s is None else time.monotonic() + timeout_s
+        newest: Optional[MachineStatus] = None
+        while True:
+            left = None if end is None else max(end - time.monotonic(), 0.0)
+            status = statuses.take(0.0 if newest is not None else left)
+            if status is None:
+                return newest
+            if _is_of(status, meant):
+                newest = status
+
+    def _known(self) -> Tuple[str, str]:
+        """Name and id of the machine that is meant, without waiting; empty: not known."""
+        if self._machine[0]:
+            return self._machine
+        return _native.machine_here(self.node.namespace, self._domain)
+
+    def _meant(self) -> Tuple[str, str]:
+        """Name and id of the machine that is meant. Raises musher.Failure where the choice is open."""
+        known = self._known()
+        if known[0]:
+            return known
+        found: List[Tuple[str, str]] = []
+        with _Closing(self._watch()) as statuses:
+            end = time.monotonic() + self._find_s
+            while (left := end - time.monotonic()) > 0:
+                status = statuses.take(left)
+                if status is None:
+                    break
+                if not any(_is_of(status, machine) for machine in found):
+                    found.append((status.machine, status.machine_id))
+                if len(found) == 1:
+                    end = min(end, time.monotonic() + _OTHERS_S)
+        if len(found) > 1:
+            names = ", ".join(f"{name} (id {id[:8]})" if id else name for name, id in found)
+            raise Failure(_TARGET_BUSY, f"several machines answer, none of them on this host: {names}. Nothing was "
+                                        "done; Machine(machine=NAME) chooses one")
+        if found:
+            self._machine = found[0]
+        return self._machine
 
     def _leads(self) -> bool:
         with _Closing(self._watch()) as statuses:
-            return statuses.take(self._find_s) is not None
+            return self._next(statuses, self._known(), self._find_s) is not None
 
     def _call(self, name: str, service: Any, request: Any, timeout_s: float = 5.0) -> Any:
         with _Closing(self.node.client("/" + _native.machine_service(self.node.namespace, name), service)) as client:
             if not client.wait_until_ready(self._find_s):
                 raise self._not_found()
+            request.machine, request.machine_id = self._meant()
             return client.call(request, timeout_s)
 
     def _not_found(self, what: str = "no controller") -> Failure:
         place = f"namespace '{self.node.namespace}'" if self.node.namespace else "the default namespace"
         return Failure(_NET_ERROR, f"{what} in {place}; is the machine up "
                                    "(`musher up robot.toml`), and are namespace and ROS_DOMAIN_ID right?")
+
+
+def _is_of(status: MachineStatus, machine: Tuple[str, str]) -> bool:
+    """As SameMachine() in lifecycle/machine/machine_identity.hpp: what is empty is not known."""
+    theirs = (status.machine, status.machine_id)
+    return all(not a or not b or a == b for a, b in zip(machine, theirs))
 
 
 class _Closing:

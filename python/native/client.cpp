@@ -3,8 +3,10 @@
 #include "musher/base/host.hpp"
 #include "musher/controller/client/latching.hpp"
 #include "musher/controller/client/switch_client.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/python/native/node.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::python {
@@ -17,10 +19,12 @@ enum SwitchKind : int { kSwitchNews, kSwitchEnd };  // of items; musher/_machine
 class Switch : public OnLoop<SwitchClient> {
  public:
   Switch(const PyNodePtr& node, const std::string& target, const std::string& actuator,
-         const std::string& by, double timeout_s, double find_s, const MailboxPtr& mailbox)
+         const std::string& by, double timeout_s, double find_s, const MailboxPtr& mailbox,
+         const std::string& machine, const std::string& machine_id)
       : OnLoop(node, [&](transport::Node& on) {
           SwitchClient::Options options;
           options.leader = {node->name_space, HostId(), WatchByPidfd(on.loop())};
+          options.leader.machine = {machine, machine_id};
           options.by = by;
           options.timeout = Seconds(timeout_s);
           options.find = Seconds(find_s);
@@ -47,9 +51,13 @@ class Stop : public OnLoop<Latching> {
  public:
   // An item of `key` goes into the mailbox when the report has changed.
   Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
-       const MailboxPtr& mailbox, std::int64_t key)
+       const MailboxPtr& mailbox, std::int64_t key, const std::string& machine,
+       const std::string& machine_id)
       : OnLoop(node, [&](transport::Node& on) {
-          return Latching::Begin(on, node->name_space, NewEmergencyStop(by, reason),
+          msg::EmergencyStop stop = NewEmergencyStop(by, reason);
+          stop.machine = machine;
+          stop.machine_id = machine_id;
+          return Latching::Begin(on, node->name_space, stop,
                                  node->thread->credentials().has_value(), [mailbox, key] {
                                    Item item;
                                    item.key = key;
@@ -84,19 +92,33 @@ std::pair<std::string, std::string> ReadMachine(const std::string& file) {
   return {config.value().name_space, config.value().name};
 }
 
+// (name, id) of the machine whose controller runs on this host; empty: none.
+std::pair<std::string, std::string> FindMachineHere(const std::string& name_space,
+                                                    std::optional<int> domain) {
+  const auto origin = WithoutGil([&]() -> std::optional<MachineOrigin> {
+    transport::DdsOptions options;
+    options.domain_id = domain;
+    const auto id = transport::DomainId(options);
+    return id ? OriginHere(id.value(), name_space) : std::nullopt;
+  });
+  if (!origin) return {};
+  return {origin->name, origin->id};
+}
+
 }  // namespace
 
 void AddClient(py::module_& native) {
   native.def("read_machine", &ReadMachine);
+  native.def("machine_here", &FindMachineHere);
   native.def("machine_service", &transport::MachineService);
   native.def("machine_status_topic", &transport::MachineStatusTopic);
   py::class_<Switch>(native, "Switch")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const std::string&,
-                    double, double, const MailboxPtr&>())
+                    double, double, const MailboxPtr&, const std::string&, const std::string&>())
       .def("close", &Switch::Close);
   py::class_<Stop>(native, "Stop")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
-                    std::int64_t>())
+                    std::int64_t, const std::string&, const std::string&>())
       .def("report", &Stop::Report)
       .def("close", &Stop::Close);
 }

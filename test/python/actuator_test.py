@@ -8,6 +8,7 @@ import unittest
 
 import musher
 from musher.example_interfaces.action import Fibonacci
+from musher.musher_msgs.msg import MachineStatus
 from musher.std_msgs.msg import String
 from robot import DEADLINE_S, DOMAIN, Robot, run_python
 
@@ -93,6 +94,22 @@ class Actuators(unittest.TestCase):
         switch.join(DEADLINE_S)
         self.assertEqual(outcome[0].outcome, "done")
         client.release_estop()
+
+    def test_a_client_speaks_to_its_machine_beside_another_one(self):
+        robot, machine = self.start(program())
+        other = musher.Node("other")
+        self.addCleanup(other.close)
+        cat = other.publisher("/musher/machine_status", MachineStatus, latched=True, depth=1)
+        cat.publish(MachineStatus(machine="cat", machine_id="c4f3", state="OTA", epoch=99))
+        self.assertEqual(machine.status().machine, "robot")
+        with musher.Machine() as of_this_host:
+            self.assertEqual(of_this_host.status().machine, "robot")
+            self.assertTrue(of_this_host.set("LowPower").done)
+        with musher.Machine(machine="cat") as named:
+            self.assertEqual(named.status().state, "OTA")
+        robot.run("down")
+        with musher.Machine() as left:
+            self.assertEqual(left.status().machine, "cat", "the only one that answers")
 
     def test_with_keys_an_emergency_stop_is_confirmed_too(self):
         robot = Robot({"a": program()}, config='\n[security]\nkeys = "keys"\n')

@@ -57,8 +57,9 @@ Result<> LiveServer::Open() {
   events.on_status = [this] { requests_->OnStatus(); };
   requests_ = std::make_unique<RobotRequests>(
       node_, RobotRequests::Options{options_.name_space, host, options_.with_keys},
-      [this]() -> const std::optional<msg::MachineStatus>& { return feed_->status(); });
-  auto feed = MachineFeed::Make(node_, {options_.name_space, host}, std::move(events));
+      [this]() -> const LeaderWatch& { return feed_->leader(); });
+  auto feed =
+      MachineFeed::Make(node_, {options_.name_space, host, options_.machine}, std::move(events));
   if (!feed) return feed.error();
   feed_ = std::move(feed).value();
   MetricsWatch::Options metrics;
@@ -66,6 +67,7 @@ Result<> LiveServer::Open() {
   metrics.with_keys = options_.with_keys;
   metrics.began_wall_ns = WallMilliseconds() * 1'000'000;
   metrics.host = host;
+  metrics.machine = [this] { return feed_->leader().machine(); };
   metrics_ = std::make_unique<MetricsWatch>(node_, std::move(metrics));
   foxglove_ = std::make_unique<foxglove::FoxgloveServer>(
       node_, table_,

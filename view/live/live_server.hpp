@@ -39,6 +39,7 @@ class LiveServer {
   struct Options {
     http::Options http;
     std::string name_space;
+    std::string machine;     // its name; empty: that of this host, else the first that is found
     bool with_keys = false;  // the machine has [security]
     std::string token;       // of ReadOrMakeToken()
     std::string logs;        // folder of the actuators' logs; empty: as the machine's config says

@@ -16,6 +16,7 @@ using FeedJson = nlohmann::ordered_json;
 constexpr std::uint32_t kQueriedEntries = 400;
 constexpr Duration kQueryDelay = Milliseconds(50);  // the records of a change come together
 constexpr Duration kAnswerTime = std::chrono::seconds(3);
+constexpr std::size_t kMostControllers = 64;
 constexpr int kSecondsOfProcesses = 2;
 constexpr int kSecondsOfHistory = 5;  // beside each change of the status
 
@@ -66,15 +67,19 @@ Result<> MachineFeed::Open() {
   get_history_ = std::move(client).value();
   auto capabilities = transport::MakeSubscription<msg::Capabilities>(
       node_, transport::CapabilitiesTopic(options_.name_space),
-      [this](const msg::Capabilities& latest, const transport::SampleInfo&) {
-        Publish(capabilities_topic_, latest);
+      [this](const msg::Capabilities& latest, const transport::SampleInfo& info) {
+        if (latest_capabilities_.size() >= kMostControllers) latest_capabilities_.clear();
+        latest_capabilities_[info.participant] = latest;
+        if (leader_ && info.participant == leader_->participant()) PublishCapabilities();
       },
-      transport::kLatchedQos);
+      transport::kLatchedFromManyQos);
   if (!capabilities) return capabilities.error();
   capabilities_ = std::move(capabilities).value();
+  LeaderWatch::Options watch{options_.name_space, options_.host, WatchByPidfd(node_.loop())};
+  watch.machine.name = options_.machine;
+  watch.prefer_here = true;
   auto leader = LeaderWatch::Make(
-      node_, {options_.name_space, options_.host, WatchByPidfd(node_.loop())},
-      [this](const msg::MachineStatus& status) { OnStatus(status); },
+      node_, std::move(watch), [this](const msg::MachineStatus& status) { OnStatus(status); },
       [this](const msg::MachineStatus&, const std::string&) { OnEnd(); });
   if (!leader) return leader.error();
   leader_ = std::move(leader).value();
@@ -100,8 +105,16 @@ void MachineFeed::Keep(const std::string& key, const SharedText& message) {
   events_.on_message(key, message);
 }
 
+void MachineFeed::PublishCapabilities() {
+  const auto latest = latest_capabilities_.find(leader_->participant());
+  if (latest != latest_capabilities_.end()) Publish(capabilities_topic_, latest->second);
+}
+
 void MachineFeed::OnStatus(const msg::MachineStatus& status) {
   last_ = status;
+  if (std::exchange(followed_, leader_->participant()) != leader_->participant()) {
+    PublishCapabilities();
+  }
   events_.on_status();
   QueryHistorySoon();
   if (status_timer_) {
@@ -121,6 +134,7 @@ void MachineFeed::PublishStatus() {
 
 // The page keeps the last messages, marked as old.
 void MachineFeed::OnEnd() {
+  followed_ = 0;
   if (std::exchange(status_waits_, false)) Publish(status_topic_, *last_);
   for (const std::string& topic : {status_topic_, capabilities_topic_}) {
     events_.on_message("latest " + topic, GoneMessage(topic));
@@ -169,10 +183,13 @@ void MachineFeed::QueryHistory() {
     query_again_ = true;
     return;
   }
-  if (!get_history_->Ready()) return;
+  if (!status() || !get_history_->Ready()) return;
   querying_ = true;
-  get_history_->Call({cursor_.since_ns(), kQueriedEntries}, kAnswerTime,
-                     [this](const Result<msg::GetHistory::Response>& answer) { OnAnswer(answer); });
+  const MachineIdentity& machine = leader_->machine();
+  get_history_->Call(
+      {cursor_.since_ns(), kQueriedEntries, machine.name, machine.id}, kAnswerTime,
+      [this](const Result<msg::GetHistory::Response>& answer) { OnAnswer(answer); },
+      leader_->participant());
 }
 
 void MachineFeed::OnAnswer(const Result<msg::GetHistory::Response>& answer) {

@@ -33,7 +33,8 @@ class MachineFeed {
 
   struct Options {
     std::string name_space;
-    std::string host;  // HostId()
+    std::string host;     // HostId()
+    std::string machine;  // its name; empty: that of this host, else the first that is found
   };
   struct Events {
     std::function<void(const std::string& key, const SharedText& message)> on_message;
@@ -52,6 +53,7 @@ class MachineFeed {
   // The newest kKeptEntries.
   SharedText History() const;
 
+  const LeaderWatch& leader() const { return *leader_; }
   const std::optional<msg::MachineStatus>& status() const { return leader_->leader(); }
   // Status of the last controller, also of one that has ended.
   const std::optional<msg::MachineStatus>& last_status() const { return last_; }
@@ -62,6 +64,7 @@ class MachineFeed {
   template <class M>
   void Publish(const std::string& topic, const M& message);
   void OnStatus(const msg::MachineStatus& status);
+  void PublishCapabilities();
   void PublishStatus();
   void OnEnd();
   void QueryHistorySoon();
@@ -77,6 +80,9 @@ class MachineFeed {
   const std::string capabilities_topic_;
   MessageJson json_;
   std::optional<msg::MachineStatus> last_;
+  // By the controller's participant: those of another machine may be received, too.
+  std::map<transport::ParticipantId, msg::Capabilities> latest_capabilities_;
+  transport::ParticipantId followed_ = 0;  // the leader whose capabilities were published
   std::vector<std::pair<std::string, SharedText>> latest_;
   std::deque<SharedText> entries_;
   JournalCursor cursor_{0};

@@ -43,8 +43,8 @@ std::string NotStopped(const EstopReport& report) {
 
 }  // namespace
 
-RobotRequests::RobotRequests(transport::Node& node, Options options, Status status)
-    : node_(node), options_(std::move(options)), status_(std::move(status)) {}
+RobotRequests::RobotRequests(transport::Node& node, Options options, Leader leader)
+    : node_(node), options_(std::move(options)), leader_(std::move(leader)) {}
 
 template <msg::Service S>
 void RobotRequests::Answer(const http::Respond& respond, const typename S::Response& response) {
@@ -53,21 +53,21 @@ void RobotRequests::Answer(const http::Respond& respond, const typename S::Respo
   RespondJson(respond, std::move(text).value());
 }
 
-LeaderWatch::Options RobotRequests::Leader() {
+LeaderWatch::Options RobotRequests::LeaderOptions() {
   LeaderWatch::Options leader{options_.name_space, options_.host, WatchByPidfd(node_.loop())};
-  if (status_()) leader.machine = {status_()->machine, status_()->machine_id};
+  leader.machine = leader_().machine();
   return leader;
 }
 
 bool RobotRequests::HasController(const http::Respond& respond) {
-  if (status_()) return true;
+  if (status()) return true;
   respond(http::ErrorResponse(503, kCodeNetError, "no controller leads the machine"));
   return false;
 }
 
 bool RobotRequests::HasActuator(const std::string& actuator, const http::Respond& respond) {
   if (!HasController(respond)) return false;
-  const auto& actuators = status_()->actuators;
+  const auto& actuators = status()->actuators;
   const bool known = std::any_of(actuators.begin(), actuators.end(),
                                  [&](const auto& each) { return each.name == actuator; });
   if (known) return true;
@@ -81,8 +81,8 @@ void RobotRequests::Call(const std::string& service, const typename S::Request& 
                          Duration timeout, const http::Respond& respond) {
   if (!HasController(respond)) return;
   typename S::Request meant = request;
-  meant.machine = status_()->machine;
-  meant.machine_id = status_()->machine_id;
+  meant.machine = leader_().machine().name;
+  meant.machine_id = leader_().machine().id;
   std::shared_ptr<void>& kept = clients_[service];
   if (!kept) {
     auto made =
@@ -91,11 +91,15 @@ void RobotRequests::Call(const std::string& service, const typename S::Request& 
     kept = std::shared_ptr<transport::Client<S>>(std::move(made).value());
   }
   static_cast<transport::Client<S>*>(kept.get())
-      ->Call(meant, timeout, [this, respond](const Result<typename S::Response>& answer) {
-        if (answer) return Answer<S>(respond, answer.value());
-        respond(http::ErrorResponse(504, answer.error().code,
+      ->Call(
+          meant, timeout,
+          [this, respond](const Result<typename S::Response>& answer) {
+            if (answer) return Answer<S>(respond, answer.value());
+            respond(
+                http::ErrorResponse(504, answer.error().code,
                                     "the controller has not answered: " + answer.error().message));
-      });
+          },
+          leader_().participant());
 }
 
 void RobotRequests::Plan(const std::string& target, const std::string& actuator,
@@ -108,7 +112,7 @@ void RobotRequests::Set(const std::string& by, const std::string& target,
   if (!HasController(respond)) return;
   std::erase_if(switches_, [](const Switch& each) { return each.ended; });
   SwitchClient::Options options;
-  options.leader = Leader();
+  options.leader = LeaderOptions();
   options.by = by;
   options.timeout = kSwitchTime;
   options.find = kAnswerTime;
@@ -135,7 +139,7 @@ void RobotRequests::Restart(const std::string& by, const std::string& actuator,
   std::erase_if(restarts_, [](const Restarting& each) { return each.ended; });
   Restarting& one = restarts_.emplace_back();
   auto call = LeaderCall<msg::RestartActuator>::Make(
-      node_, Leader(), "restart_actuator", {actuator, by}, kRestartTime,
+      node_, LeaderOptions(), "restart_actuator", {actuator, by}, kRestartTime,
       [this, &one, respond](const Result<msg::RestartActuator::Response>& answer) {
         one.ended = true;
         if (answer) return Answer<msg::RestartActuator>(respond, answer.value());
@@ -154,8 +158,11 @@ void RobotRequests::Release(const std::string& by, const http::Respond& respond)
 
 void RobotRequests::Stop(const std::string& by, const std::string& reason,
                          const http::Respond& respond) {
-  auto latching =
-      Latching::Begin(node_, options_.name_space, NewEmergencyStop(by, reason), options_.with_keys);
+  // The machine that the page shows; before one was found, every machine that receives it.
+  msg::EmergencyStop stop = NewEmergencyStop(by, reason);
+  stop.machine = leader_().machine().name;
+  stop.machine_id = leader_().machine().id;
+  auto latching = Latching::Begin(node_, options_.name_space, stop, options_.with_keys);
   if (!latching) {
     return respond(
         http::ErrorResponse(500, latching.error().code,
@@ -174,7 +181,7 @@ void RobotRequests::LookAtStops() {
   const Time now = node_.loop().Now();
   for (Stopping& stop : stops_) {
     if (!stop.respond) continue;
-    const EstopReport report = stop.latching->Report(status_());
+    const EstopReport report = stop.latching->Report(status());
     const bool found = report.controller || !report.actuators.empty();
     const bool over = now >= stop.answer_by;
     if (!over && !(found && report.settled())) continue;
@@ -203,19 +210,22 @@ void RobotRequests::History(std::uint32_t limit, const http::Respond& respond) {
     kept = std::shared_ptr<transport::Client<msg::GetHistory>>(std::move(made).value());
   }
   static_cast<transport::Client<msg::GetHistory>*>(kept.get())
-      ->Call({0, limit}, kAnswerTime, [respond](const Result<msg::GetHistory::Response>& answer) {
-        if (!answer) {
-          return respond(http::ErrorResponse(504, answer.error().code, answer.error().message));
-        }
-        const msg::GetHistory::Response& history = answer.value();
-        std::string text = R"({"error":)" + http::JsonText(history.error) + R"(,"entries":[)";
-        for (std::size_t i = 0; i < history.entries.size(); ++i) {
-          const bool named = i < history.events.size();
-          text +=
-              (i > 0 ? "," : "") + EntryJson(history.entries[i], named ? history.events[i] : "");
-        }
-        RespondJson(respond, text + "]}");
-      });
+      ->Call(
+          {0, limit, leader_().machine().name, leader_().machine().id}, kAnswerTime,
+          [respond](const Result<msg::GetHistory::Response>& answer) {
+            if (!answer) {
+              return respond(http::ErrorResponse(504, answer.error().code, answer.error().message));
+            }
+            const msg::GetHistory::Response& history = answer.value();
+            std::string text = R"({"error":)" + http::JsonText(history.error) + R"(,"entries":[)";
+            for (std::size_t i = 0; i < history.entries.size(); ++i) {
+              const bool named = i < history.events.size();
+              text += (i > 0 ? "," : "") +
+                      EntryJson(history.entries[i], named ? history.events[i] : "");
+            }
+            RespondJson(respond, text + "]}");
+          },
+          leader_().participant());
 }
 
 template <msg::Service S>

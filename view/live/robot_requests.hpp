@@ -36,11 +36,11 @@ class RobotRequests {
     std::string host;        // HostId()
     bool with_keys = false;  // the machine has [security]
   };
-  // The status of the leading controller; none: none leads.
-  using Status = std::function<const std::optional<msg::MachineStatus>&()>;
+  // The leading controller, and the machine that is shown.
+  using Leader = std::function<const LeaderWatch&()>;
 
   // The node must outlive it.
-  RobotRequests(transport::Node& node, Options options, Status status);
+  RobotRequests(transport::Node& node, Options options, Leader leader);
 
   void Plan(const std::string& target, const std::string& actuator, const http::Respond& respond);
   // `by`: the person, for the history.
@@ -85,14 +85,15 @@ class RobotRequests {
                        const typename S::Request& request, const http::Respond& respond);
   template <msg::Service S>
   void Answer(const http::Respond& respond, const typename S::Response& response);
-  LeaderWatch::Options Leader();
+  const std::optional<msg::MachineStatus>& status() const { return leader_().leader(); }
+  LeaderWatch::Options LeaderOptions();
   bool HasController(const http::Respond& respond);
   bool HasActuator(const std::string& actuator, const http::Respond& respond);
   void LookAtStops();
 
   transport::Node& node_;
   const Options options_;
-  const Status status_;
+  const Leader leader_;
   MessageJson json_;
   std::map<std::string, std::shared_ptr<void>> clients_;  // of the controller's services
   std::map<std::string, std::unique_ptr<transport::Client<msg::GetBehavior>>> behaviors_;

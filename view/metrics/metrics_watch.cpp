@@ -48,6 +48,9 @@ Result<> MetricsWatch::Subscribe() {
   auto statuses = transport::MakeSubscription<msg::MachineStatus>(
       node_, transport::MachineStatusTopic(options_.name_space),
       [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+        const MachineIdentity theirs{status.machine, status.machine_id};
+        const MachineIdentity shown = options_.machine ? options_.machine() : MachineIdentity{};
+        if (!transport::IsOwn(status.participant, info) || !SameMachine(shown, theirs)) return;
         OnStatus(status, info.writer);
       },
       transport::kLatchedFromManyQos,

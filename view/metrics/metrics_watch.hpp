@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
@@ -32,6 +33,7 @@ class MetricsWatch {
     std::int64_t began_wall_ns = 0;  // when musher-view began; earlier history does not count
     std::string host;                // HostId(); processes of other hosts can't be examined
     std::function<std::optional<ProcessUsage>(pid_t)> usage_of;  // empty: UsageOf()
+    std::function<MachineIdentity()> machine;                    // that is shown; empty: any
   };
   using Respond = std::function<void(Result<std::string>)>;
 
