@@ -39,7 +39,7 @@ struct Disk {
     std::function<void()> end;
   };
   std::vector<Write> writes;  // that wait for the end of the stall
-  // The last save of each value. A controller whose files are lost saves them anew.
+  // The last save of each value. A controller whose files are lost saves them again.
   std::map<const void*, Write> last_saves;
   std::size_t durable = 0;      // rows of the recording when the stall began
   bool gap = false;             // a row was lost

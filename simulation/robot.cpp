@@ -251,7 +251,7 @@ void SimRobot::LoseFiles() {
   }
 }
 
-void SimRobot::SaveAnew() {
+void SimRobot::SaveAgain() {
   for (Disk& disk : disks_) {
     if (disk.full || disk.stalled) continue;
     for (const auto& [stored, save] : disk.last_saves) save.end();

@@ -124,7 +124,7 @@ class SimRobot {
   // The files of the controllers are removed, also those that a controller has open.
   void LoseFiles();
   // The controllers that run have noticed that, and save what they have again.
-  void SaveAnew();
+  void SaveAgain();
   // Changes the wall clocks of the controllers.
   void JumpWallClock(Duration by);
 

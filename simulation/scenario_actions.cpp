@@ -200,7 +200,7 @@ void Scenario::ApplyAround(const Injection& injection) {
     case InjectionKind::kLostFiles:
       checker_.OnControllersBlocked(true);
       robot_.LoseFiles();
-      return Later(std::chrono::seconds(1), [this] { robot_.SaveAnew(); });
+      return Later(std::chrono::seconds(1), [this] { robot_.SaveAgain(); });
     case InjectionKind::kBridge:
       bridge_ = std::make_unique<Bridge>(robot_.network(), config_, injection.random);
       return Later(injection.lasts, [this] { bridge_.reset(); });
