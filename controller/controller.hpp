@@ -114,7 +114,7 @@ class Controller {
   std::unique_ptr<Ros2Tools> ros2_tools_;                       // null unless this controller leads
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   transport::LoopHandlePtr begin_later_;
-  transport::LoopHandlePtr stops_here_;  // of processes of this host
+  transport::LoopHandlePtr stops_here_;    // of processes of this host
   bool folder_fails_ = false;              // files that were removed cannot be saved again
   transport::LoopHandlePtr check_folder_;  // periodically, from the beginning of the machine on
   std::vector<transport::LoopHandlePtr> kill_later_;  // for processes that the config does not list

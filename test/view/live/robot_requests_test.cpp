@@ -25,11 +25,13 @@ class RequestsOfAPage : public ::testing::Test {
         transport::MakePublisher<msg::MachineStatus>(
             *controller.node, transport::MachineStatusTopic(""), transport::kLatchedQos)
             .value();
-    controller.history = transport::MakeServer<msg::GetHistory>(
-                             *controller.node, transport::MachineService("", "get_history"),
-                             transport::Server<msg::GetHistory>::Handler(
-                                 [machine](const auto&, auto reply) { reply({machine, {}}); }))
-                             .value();
+    controller.history =
+        transport::MakeServer<msg::GetHistory>(
+            *controller.node, transport::MachineService("", "get_history"),
+            transport::Server<msg::GetHistory>::Handler([machine](const auto&, auto reply) {
+              reply({machine, {}});
+            }))
+            .value();
     msg::MachineStatus status;
     status.machine = machine;
     status.machine_id = id;
@@ -50,9 +52,8 @@ class RequestsOfAPage : public ::testing::Test {
           *desk_, {"", "desk", {}}, [](const msg::MachineStatus&) {},
           [](const msg::MachineStatus&, const std::string&) {})
           .value();
-  RobotRequests requests_{*desk_, {"", "desk", false}, [this]() -> const LeaderWatch& {
-                            return *leader_;
-                          }};
+  RobotRequests requests_{
+      *desk_, {"", "desk", false}, [this]() -> const LeaderWatch& { return *leader_; }};
 };
 
 TEST_F(RequestsOfAPage, StopTheMachineThatItShows) {
