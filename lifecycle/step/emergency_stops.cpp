@@ -189,8 +189,7 @@ void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
 void EmergencyStops::CompareOldest(const ActuatorReport& report, ActuatorIndex i) {
   const StopId id = report.emergency_stop;
   if (IsReleased(id)) {
-    const bool repeats = machine_.emergency.release.has_value();
-    if (!machine_.emergency.stop && !repeats) {
+    if (!machine_.emergency.stop) {
       Do(action::PublishEmergencyStop{{id, "", ""}, false});
     }
     return;

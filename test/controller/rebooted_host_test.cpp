@@ -56,7 +56,8 @@ class RebootedHost : public ::testing::Test {
         config_(MakeConfig()),
         hosts_(network_, layout_.hosts),
         processes_(network_, config_, hosts_, layout_),
-        controller_(network_, "controller", 0, hosts_, config_, processes_, disk_, {}) {}
+        controller_(network_, "controller", 0, hosts_, config_, layout_.machine_id, processes_,
+                    disk_, {}) {}
 
   static MachineConfig MakeConfig() {
     MachineConfig config = testing::MachineOf(1);

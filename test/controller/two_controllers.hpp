@@ -44,7 +44,7 @@ class TwoControllers : public ::testing::Test {
   // `disk`: of the other one, where both are of one host.
   void Open(Controller& controller, const std::string& endpoint, simulation::Disk* disk = nullptr) {
     controller.process = std::make_unique<simulation::ControllerProcess>(
-        network_, endpoint, 0, hosts_, config_, processes_,
+        network_, endpoint, 0, hosts_, config_, layout_.machine_id, processes_,
         disk == nullptr ? controller.disk : *disk, simulation::ControllerProcess::Hooks{});
   }
   void BringUpFirst() {
