@@ -36,7 +36,8 @@ msg::ActuatorStatus Filled() {
 
 TEST(LifecycleWire, PassesEveryFieldOfAStatusToTheCoreAndBack) {
   msg::ActuatorStatus status = Filled();
-  // Its shell adds the machine, which is the same for each report.
+  // Its shell adds the machine and the participant, which are the same for each report.
+  status.participant = 0;
   status.machine.clear();
   status.machine_id.clear();
   EXPECT_EQ(ToMessage(status.name, FromMessage(status)), status);

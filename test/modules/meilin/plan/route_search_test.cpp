@@ -28,7 +28,8 @@ BoxMap Map(std::array<std::array<int, kCols>, kRows> boxes, Side side = Side::kB
 void ExpectSound(const BoxMap& map, const Route& route) {
   PlanRules rules;
   rules.grid.side = map.side;
-  const PlanReading reading = ReadActionSequence(ToActionSequence(route.steps), rules, {});
+  const PlanStart entrance{.cell = {0, 1}};
+  const PlanReading reading = ReadActionSequence(ToActionSequence(route.steps), rules, entrance);
   RC_ASSERT(reading.message() == "");
   std::set<std::pair<int, int>> taken;
   int kfs1 = 0;
