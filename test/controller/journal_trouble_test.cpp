@@ -228,7 +228,10 @@ TEST_F(JournalTrouble, OfARemovedFileIsNoticedWithoutAnEntry) {
   journal.Append(Entry(1));
   ASSERT_TRUE(journal.Flush(kFlushTimeout));
   fs::remove(path_);  // and what stands beside it is left
-  testing::Until([&] { return fs::exists(path_) && !Read().empty(); });
+  testing::Until([&] {  // while it is being made it is no journal yet
+    const auto reading = ReadJournal(path_, 0, kAll);
+    return reading && !reading.value().entries.empty();
+  });
   journal.Append(Entry(2));
   ASSERT_TRUE(journal.Flush(kFlushTimeout));
   EXPECT_THAT(Read(), SizeIs(2));
