@@ -5,8 +5,8 @@
 //   MUSHER_SEEDS=1000000 [MUSHER_FIRST=200000] …
 //     runs that many, optionally from the given one on; the gate runs 1,400, scripts/test --nightly
 //     10,000
-//   MUSHER_BRIDGES=1 …
-//     adds bridges that repeat old samples of actuators
+//   MUSHER_BRIDGES=0 …
+//     without bridges that repeat old samples of actuators
 
 #include <gmock/gmock.h>
 
@@ -34,11 +34,15 @@ std::string Environment(const char* name, const std::string& otherwise) {
   return value == nullptr ? otherwise : value;
 }
 
+bool HasBridges() {
+  return Environment("MUSHER_BRIDGES", "1") != "0";
+}
+
 ScenarioOptions OptionsFor(const MachineConfig& config) {
   ScenarioOptions options = simulation::UsualOptions(config);
   options.provided = false;  // a sampled robot may run without any of its actuators
   options.shared_processes = true;
-  options.bridges = !Environment("MUSHER_BRIDGES", "").empty();
+  options.bridges = HasBridges();
   return options;
 }
 
@@ -55,8 +59,9 @@ std::string Command(const ScenarioId& id) {
   for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
     only += (only.empty() ? " MUSHER_ONLY=" : ",") + std::to_string(number);
   }
-  return (id.bridges ? "MUSHER_BRIDGES=1 " : "") + ("MUSHER_SEED=" + std::to_string(id.seed)) +
-         only + " simulation_test --gtest_filter='*HoldEvery*/0'";
+  return std::string(id.bridges ? "" : "MUSHER_BRIDGES=0 ") +
+         ("MUSHER_SEED=" + std::to_string(id.seed)) + only +
+         " simulation_test --gtest_filter='*HoldEvery*/0'";
 }
 
 // Every thirtieth scenario is also replayed from its journal, except with profile lan: the journal
@@ -87,7 +92,7 @@ TEST_P(Scenarios, HoldEveryInvariant) {
   const std::string only = Environment("MUSHER_SEED", "");
   if (!only.empty()) {
     if (GetParam() != 0) GTEST_SKIP();
-    ScenarioId id{std::stoull(only), std::nullopt, !Environment("MUSHER_BRIDGES", "").empty()};
+    ScenarioId id{std::stoull(only), std::nullopt, HasBridges()};
     if (const std::string numbers = Environment("MUSHER_ONLY", ""); !numbers.empty()) {
       std::istringstream text(numbers);
       id.only.emplace();
