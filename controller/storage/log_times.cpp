@@ -131,7 +131,7 @@ Result<> LogMarker::Rewrite() {
   marked_ = LiveEnd(marks_);
   std::string text;
   for (const LogMark& mark : marks_) text += LineOf(mark);
-  const Result<> replaced = ReplaceFile(path_, text, {.synced = false});
+  Result<> replaced = ReplaceFile(path_, text, {.synced = false});
   damaged_ = !replaced.ok();
   return replaced;
 }
