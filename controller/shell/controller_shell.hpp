@@ -180,10 +180,10 @@ class ControllerShell {
   // State of each actuator beside the machine's own record.
   struct Peer {
     std::unique_ptr<ActuatorLink> link;
-    std::vector<Process> processes;         // in the order of their last status
-    std::optional<Time> unproven_recorded;  // when an unproven pid was last recorded
-    bool hash_recorded = false;             // a different config was recorded
-    std::optional<Time> alive_since;        // heartbeats of its process, which counts as lost
+    std::vector<Process> processes;          // in the order of their last status
+    std::optional<Time> unproven_recorded;   // when an unproven pid was last recorded
+    bool hash_recorded = false;              // a different config was recorded
+    std::optional<Time> alive_since;         // heartbeats of its process, which counts as lost
     transport::ParticipantId looked_at = 0;  // of a program of another protocol; see WatchProgram()
   };
 

@@ -227,7 +227,7 @@ TEST_F(JournalTrouble, OfARemovedFileIsNoticedWithoutAnEntry) {
   Journal journal(path_, options);
   journal.Append(Entry(1));
   ASSERT_TRUE(journal.Flush(kFlushTimeout));
-  fs::remove(path_);  // and what stands beside it is left
+  fs::remove(path_);    // and what stands beside it is left
   testing::Until([&] {  // while it is being made it is no journal yet
     const auto reading = ReadJournal(path_, 0, kAll);
     return reading && !reading.value().entries.empty();
