@@ -28,6 +28,7 @@ BoxMap Map(std::array<std::array<int, kCols>, kRows> boxes, Side side = Side::kB
 void ExpectSound(const BoxMap& map, const Route& route) {
   PlanRules rules;
   rules.grid.side = map.side;
+  // From the middle no way to the first cell crosses another one, which the search does not check.
   const PlanStart entrance{.cell = {0, 1}};
   const PlanReading reading = ReadActionSequence(ToActionSequence(route.steps), rules, entrance);
   RC_ASSERT(reading.message() == "");
