@@ -26,7 +26,7 @@ file(GLOB packages RELATIVE ${PROJECT_SOURCE_DIR}/messages ${PROJECT_SOURCE_DIR}
 list(TRANSFORM packages REPLACE "/.*" "")
 list(REMOVE_DUPLICATES packages)
 foreach(package ${packages})
-  install(DIRECTORY ${MUSHER_INCLUDE_DIR}/musher/messages/${package}
+  install(DIRECTORY ${MUSHER_GENERATED_DIR}/musher/messages/${package}
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/messages)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/messages/${package} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/idl)
 endforeach()

@@ -1,14 +1,9 @@
 # How every library and program of Musher is built: one target a folder, an alias, the same warnings.
 
-# Sources are included as "musher/<folder>/<file>.hpp", in this tree as in an installed one: the
-# build tree has a folder "musher" of links to the source folders, and of messages/, whose headers are generated.
-set(MUSHER_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
-file(MAKE_DIRECTORY ${MUSHER_INCLUDE_DIR}/musher)
-foreach(folder base lifecycle wire transport actuator controller cyberdog simulation behavior application navigation modules view python test)
-  if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/${folder})
-    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${MUSHER_INCLUDE_DIR}/musher/${folder} SYMBOLIC)
-  endif()
-endforeach()
+# Sources are included as "musher/<folder>/<file>.hpp", in this tree as in an installed one: include/musher has a
+# link to each folder of sources, the build tree the headers of messages/, which are generated.
+set(MUSHER_GENERATED_DIR ${PROJECT_BINARY_DIR}/include)
+set(MUSHER_INCLUDE_DIR ${PROJECT_SOURCE_DIR}/include ${MUSHER_GENERATED_DIR})
 
 find_program(CCACHE ccache)
 if(CCACHE)
@@ -70,7 +65,7 @@ function(musher_library name)
   add_library(musher::${name} ALIAS ${target})
   target_compile_features(${target} ${scope} cxx_std_20)
   target_include_directories(${target} ${scope}
-    $<BUILD_INTERFACE:${MUSHER_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    "$<BUILD_INTERFACE:${MUSHER_INCLUDE_DIR}>" $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} ${scope} ${ARG_DEPENDS})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   set_property(GLOBAL APPEND PROPERTY MUSHER_INSTALLED_TARGETS ${target})

@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "musher/test/application/show.hpp"
-#include "musher/test/controller/cli/program.hpp"
+#include "musher/test/cli/program.hpp"
 #include "musher/test/support/musher.hpp"
 #include "musher/test/support/paths.hpp"
 

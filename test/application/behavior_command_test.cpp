@@ -9,7 +9,7 @@
 #include "musher/behavior/fsm/graph.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/application/show.hpp"
-#include "musher/test/controller/cli/program.hpp"
+#include "musher/test/cli/program.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 

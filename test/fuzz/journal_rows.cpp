@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "musher/controller/cli/render/json.hpp"
+#include "musher/cli/render/json.hpp"
 #include "musher/controller/journal/replay.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 #include "musher/test/fuzz/fuzz.hpp"

@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "musher/controller/cli/machine/why.hpp"
-#include "musher/controller/cli/render/json.hpp"
-#include "musher/controller/cli/render/log_lines.hpp"
-#include "musher/controller/cli/render/skill.hpp"
-#include "musher/controller/cli/render/text.hpp"
-#include "musher/controller/cli/render/tree.hpp"
+#include "musher/cli/machine/why.hpp"
+#include "musher/cli/render/json.hpp"
+#include "musher/cli/render/log_lines.hpp"
+#include "musher/cli/render/skill.hpp"
+#include "musher/cli/render/text.hpp"
+#include "musher/cli/render/tree.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
 
 namespace musher::cli {

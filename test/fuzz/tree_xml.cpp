@@ -4,7 +4,7 @@
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/behavior/tree/build.hpp"
 #include "musher/behavior/tree/models.hpp"
-#include "musher/controller/cli/config/tree_file.hpp"
+#include "musher/cli/config/tree_file.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

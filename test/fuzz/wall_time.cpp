@@ -1,6 +1,6 @@
 // The argument of `--since`: an invalid time gives an error, a valid one can be written again.
 
-#include "musher/controller/cli/console/wall_time.hpp"
+#include "musher/cli/console/wall_time.hpp"
 
 #include "musher/test/fuzz/fuzz.hpp"
 

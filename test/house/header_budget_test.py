@@ -29,18 +29,18 @@ BUDGET_LINES = {
 }
 
 
-def lines_of(header, compiler, folder):
+def lines_of(header, compiler, folders):
     source = f'#include "musher/{header}"\n'
-    run = subprocess.run([compiler, "-std=c++20", "-E", "-P", "-I", folder, "-x", "c++", "-"], input=source,
+    run = subprocess.run([compiler, "-std=c++20", "-E", "-P", *("-I" + folder for folder in folders), "-x", "c++", "-"], input=source,
                          capture_output=True, text=True, check=True)
     return run.stdout.count("\n")
 
 
 def main():
-    compiler, folder = sys.argv[1:]
+    compiler, *folders = sys.argv[1:]
     exceeded = 0
     for header, budget in BUDGET_LINES.items():
-        lines = lines_of(header, compiler, folder)
+        lines = lines_of(header, compiler, folders)
         print(f"{lines:7,} of {budget:7,} lines: {header}")
         if lines > budget:
             exceeded += 1

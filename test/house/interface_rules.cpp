@@ -25,8 +25,8 @@ Names StringsOf(const std::vector<SourceFile>& tree) {
   Names names;
   for (const SourceFile& file : tree) {
     const bool program =
-        file.IsCpp() && (file.In("controller/") || file.In("cyberdog/") || file.In("actuator/") ||
-                         file.In("transport/") || file.In("modules/"));
+        file.IsCpp() && (file.In("cli/") || file.In("controller/") || file.In("cyberdog/") ||
+                         file.In("actuator/") || file.In("transport/") || file.In("modules/"));
     const bool config = file.In("config/") && file.Is(".toml");
     const bool module_names = file.In("cyberdog/codes/");
     if (program && !module_names) Collect(WithoutComments(file.text), quoted, names);

@@ -33,7 +33,7 @@ struct ModuleCodes {
 };
 constexpr ModuleCodes kModuleCodes[] = {
     {"base/code.hpp", "KeyCode", 100},
-    {"controller/ota/fault.hpp", "Fault", 5700},
+    {"ota/fault.hpp", "Fault", 5700},
     {"modules/audio/audio_code.hpp", "AudioKey", 5000},
     {"modules/device/led.hpp", "LedKey", 1100},
     {"modules/motion/motion_code.hpp", "MotionKey", 3000},

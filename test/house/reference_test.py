@@ -4,7 +4,7 @@
 
 The options are those of `PROGRAM --help` and of the help of its commands. They stand in the section "## The
 `PROGRAM` program", or in what that links: a part of the reference or another page. The commands of `musher` are
-compared by test/controller/cli/reference_test.cpp.
+compared by test/cli/reference_test.cpp.
 """
 
 import functools

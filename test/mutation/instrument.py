@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Writes copies of C++ sources in which many small changes can each be switched on at run time.
 
-  instrument.py --include DIR --out DIR --count N --seed N SOURCE...
+  instrument.py --include DIR... --out DIR --count N --seed N SOURCE...
 
 Each change is a mutant with a number. The copies go to --out beside mutants.json, which says what
 each one changes: file, line, function, kind, the code as it is and as it would be.
@@ -264,13 +264,13 @@ class Source:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--include", required=True)
+    parser.add_argument("--include", required=True, nargs="+")
     parser.add_argument("--out", required=True)
     parser.add_argument("--count", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("sources", nargs="+")
     options = parser.parse_args()
-    arguments = ["-x", "c++", "-std=c++20", "-I" + options.include]
+    arguments = ["-x", "c++", "-std=c++20", *("-I" + folder for folder in options.include)]
     random.seed(options.seed)
     sources = [Source(path, arguments) for path in options.sources]
     for source in sources:

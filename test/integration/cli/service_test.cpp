@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "musher/test/controller/cli/notify_socket.hpp"
+#include "musher/test/cli/notify_socket.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 #include "musher/test/support/paths.hpp"
 

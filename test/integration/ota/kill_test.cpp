@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "musher/controller/ota/posix_disk.hpp"
+#include "musher/ota/posix_disk.hpp"
 #include "musher/test/integration/ota/root.hpp"
 
 namespace musher::testing::kill_test {

@@ -1,0 +1,287 @@
+// musher estop [REASON...]: engages an emergency stop, with or without a controller, and prints
+// which actuators have stopped. A stop that not every actuator has confirmed stays published after
+// the command's end. musher estop --release: releases it; that alone moves nothing.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+
+#include "musher/base/host.hpp"
+#include "musher/cli/commands/commands.hpp"
+#include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/link.hpp"
+#include "musher/cli/machine/machine_files.hpp"
+#include "musher/cli/machine/silent_controller.hpp"
+#include "musher/cli/render/json.hpp"
+#include "musher/cli/render/text.hpp"
+#include "musher/controller/client/latching.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct EstopOptions {
+  std::vector<std::string> reason;  // words
+  bool release = false;
+};
+
+constexpr Duration kStopTimeout = std::chrono::seconds(5);
+constexpr Duration kLanStopTimeout = std::chrono::seconds(10);  // a bad link delays discovery
+constexpr Duration kFirstTry = std::chrono::seconds(1);  // then the other process publishes, too
+constexpr Duration kSaved = std::chrono::seconds(1);     // a save takes less on a disk that works
+constexpr Duration kKeptPublished = std::chrono::minutes(1);
+
+// Stops the machine of --machine, else the one whose controller runs here. Without a controller
+// here, actuators of this host may belong to any machine: then every machine that receives the stop
+// stops. Where nothing runs here, the machine of the files of this host is meant. It waits for no
+// discovery.
+MachineIdentity MachineToStop(const GlobalOptions& global) {
+  if (!global.machine.empty()) return {global.machine, ""};
+  const int domain = transport::DomainId({}).value();
+  if (const auto led = OriginHere(domain, global.name_space)) return {led->name, led->id};
+  const std::string here = NameLock::NameOf(domain, global.name_space, "");
+  if (NameLock::IsHeld(here + "musher/controller") || !NameLock::HeldBelow(here).empty()) return {};
+  return MachineOfFilesHere(global).value_or(MachineIdentity{});
+}
+
+msg::EmergencyStop NewStop(const std::vector<std::string>& reason, const MachineIdentity& machine) {
+  msg::EmergencyStop stop =
+      NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(reason, " ")));
+  stop.machine = machine.name;
+  stop.machine_id = machine.id;
+  return stop;
+}
+
+// Hands the stop to the controller of this host, which publishes it: long before this process has
+// discovered an actuator where the host is busy. With credentials the stop goes by DDS only, which
+// knows what they permit: an observer may look, and nothing else.
+void HandOver(const msg::EmergencyStop& stop, const GlobalOptions& global) {
+  if (!global.keys.empty()) return;
+  const auto domain = transport::DomainId({});
+  if (!domain) return;
+  NameLock::Send(NameLock::NameOf(domain.value(), global.name_space, "musher/controller"),
+                 msg::Encode(stop));
+}
+
+// Publishes the stop for a minute. Without the signals and the terminal of the command.
+[[noreturn]] void PublishForAMinute(const GlobalOptions& global, const msg::EmergencyStop& stop) {
+  const auto link = Link::Open(global);
+  if (!link) _exit(1);
+  const auto latching =
+      Latching::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
+  if (!latching) _exit(1);
+  link.value()->RunUntil([] { return false; }, kKeptPublished);
+  _exit(0);
+}
+
+// A process of its own that publishes the stop for a minute once this one asks for it, or has ended
+// in any way: on Ctrl-C, with its terminal, or killed.
+class DetachedPublisher {
+ public:
+  // To be called before the process has a second thread.
+  DetachedPublisher(const GlobalOptions& global, const msg::EmergencyStop& stop) {
+    int ends[2] = {-1, -1};
+    if (pipe2(ends, O_CLOEXEC) != 0) return;
+    UniqueFd read_end(ends[0]);
+    UniqueFd write_end(ends[1]);
+    pid_ = fork();
+    if (pid_ == 0) {
+      write_end = {};
+      Wait(read_end.get(), global, stop);
+    }
+    if (pid_ > 0) pipe_ = std::move(write_end);
+  }
+  DetachedPublisher(const DetachedPublisher&) = delete;
+  DetachedPublisher& operator=(const DetachedPublisher&) = delete;
+  // Unless it was cancelled, the process goes on.
+  ~DetachedPublisher() = default;
+
+  void Begin() { Send('p'); }
+  // Every actuator has confirmed the stop.
+  void Cancel() {
+    Send('c');
+    pipe_ = {};
+    if (pid_ <= 0) return;
+    if (begun_) {
+      kill(pid_, SIGTERM);
+    } else {
+      waitpid(pid_, nullptr, 0);
+    }
+  }
+  pid_t pid() const { return std::max(pid_, 0); }
+
+ private:
+  [[noreturn]] static void Wait(int fd, const GlobalOptions& global,
+                                const msg::EmergencyStop& stop) {
+    setsid();
+    const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
+    char word = 0;
+    ssize_t size = 0;
+    do {
+      size = read(fd, &word, 1);
+    } while (size < 0 && errno == EINTR);
+    if (size == 1 && word == 'c') _exit(0);
+    PublishForAMinute(global, stop);
+  }
+  void Send(char word) {
+    if (!pipe_.valid() || begun_) return;
+    begun_ = write(pipe_.get(), &word, 1) == 1 && word == 'p';
+  }
+
+  UniqueFd pipe_;
+  pid_t pid_ = -1;
+  bool begun_ = false;
+};
+
+// Waits until every actuator of the machine has latched the stop.
+class Confirmation {
+ public:
+  Confirmation(Link& link, const Latching& latching, const GlobalOptions& global)
+      : link_(link),
+        latching_(latching),
+        lan_(IsLan()),
+        leader_here_(link.LeaderHere()),
+        running_here_(NameLock::HeldBelow(
+            NameLock::NameOf(transport::DomainId({}).value(), global.name_space, ""))) {}
+
+  Duration DefaultTimeout() const { return lan_ ? kLanStopTimeout : kStopTimeout; }
+
+  EstopReport Report() const {
+    return latching_.Report({link_.status(), HasController(), lan_, running_here_});
+  }
+
+  // The controller saves the stop after it has published it.
+  void AwaitSaved() {
+    if (!Report().complete()) return;
+    link_.RunUntil([this] { return Report().not_on_disk.empty(); }, kSaved);
+  }
+
+  void Await(Duration timeout) {
+    const Time end = link_.loop().Now() + timeout;
+    const auto left = [&] { return end - link_.loop().Now(); };
+    const auto led = [this] { return Report().controller && Report().settled(); };
+    if (link_.RunUntil(led, std::min(link_.discovery(), timeout))) return;
+    if (link_.interrupted()) return;
+    const bool none = !HasController() && Report().actuators.empty();
+    if (none && link_.HasOtherMachine()) return;  // which is not meant
+    if (lan_ || Report().controller || HasController()) {
+      // An actuator that does not stop is reported in time.
+      if (HasController()) link_.RunPatiently([this] { return Report().controller; }, left());
+      const bool late = left() < -kShortageWindow / 2;  // it was waited for longer
+      link_.RunUntil(led, late ? link_.discovery() : left());
+    } else if (!Report().actuators.empty()) {
+      link_.RunUntil([this] { return Report().settled(); }, left());
+    }
+  }
+
+ private:
+  static bool IsLan() {
+    const auto profile = transport::Profile({});
+    return !profile || profile.value() == TransportProfile::kLan;
+  }
+  bool HasController() const { return link_.HasMachine() || leader_here_ != 0; }
+
+  Link& link_;
+  const Latching& latching_;
+  const bool lan_;
+  const pid_t leader_here_;
+  const std::vector<std::string> running_here_;
+};
+
+ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
+  const MachineIdentity machine = MachineToStop(global);
+  const msg::EmergencyStop stop = NewStop(options.reason, machine);
+  HandOver(stop, global);
+  DetachedPublisher detached(global, stop);
+  const auto link = Link::Open(global, &console);
+  if (!link) return console.Fail(link.error());
+  const auto latching =
+      Latching::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
+  if (!latching) return console.Fail(latching.error());
+  const auto second_try =
+      link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] { detached.Begin(); });
+  link.value()->Choose(machine);
+  if (const auto followed = link.value()->FollowStatus({}); !followed) {
+    return console.Fail(followed.error());
+  }
+  Confirmation confirmation(*link.value(), *latching.value(), global);
+  confirmation.Await(global.timeout.value_or(confirmation.DefaultTimeout()));
+  confirmation.AwaitSaved();
+  EstopReport report = confirmation.Report();
+  if (const pid_t silent = report.controller ? 0 : link.value()->LeaderHere(); silent != 0) {
+    report.silent_controller = WhySilent(ExamineSilent(silent, global), global);
+  }
+  const bool none = !report.controller && report.actuators.empty();
+  if (!none) {
+    console.Print(console.mode().json ? EstopJson(report)
+                                      : EstopText(report, console.mode().colour));
+  }
+  if (!none && report.complete()) {
+    detached.Cancel();
+    if (!report.not_on_disk.empty()) {
+      console.PrintError("not on disk: " + report.not_on_disk +
+                         "; the stop is lost if the controller and the actuators end");
+    }
+    return ExitCode::kDone;
+  }
+  detached.Begin();
+  const std::string kept =
+      detached.pid() == 0
+          ? ""
+          : fmt::format("; the stop stays published for a minute (pid {})", detached.pid());
+  if (none) {
+    Failure failure = link.value()->NotFound("controller or actuator");
+    failure.error.message += kept;
+    return console.Fail(failure);
+  }
+  console.PrintError(EstopError(report) + kept);
+  return link.value()->interrupted() ? ExitCode::kInterrupted : ExitCode::kNotDone;
+}
+
+ExitCode Release(const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global, &console);
+  if (!link) return console.Fail(link.error());
+  const auto answer = link.value()->Call<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                                                    {UserAtHost()}, kStopTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) {
+    Failure with_hint = *failure;
+    if (failure->exit == ExitCode::kNoController) {
+      with_hint.error.message += "; only a controller can release an emergency stop";
+    }
+    return console.Fail(with_hint);
+  }
+  const auto& released = std::get<msg::ReleaseEmergencyStop::Response>(answer);
+  if (released.code != kCodeOk) {
+    return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
+  }
+  const auto status = link.value()->Call<msg::GetStatus>("get_status", {}, kStopTimeout);
+  if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
+  const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
+  console.Print(console.mode().json ? ReleaseJson(machine)
+                                    : ReleaseText(machine, console.mode().colour));
+  return ExitCode::kDone;
+}
+
+ExitCode Estop(const EstopOptions& options, const GlobalOptions& global, Console& console) {
+  return options.release ? Release(global, console) : Engage(options, global, console);
+}
+
+}  // namespace
+
+void AddEstop(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("estop", "Emergency stop; works without a controller, too", Estop);
+  auto* reason =
+      app.add_option("REASON", options.reason, "Why; `musher status` shows it")->type_name("");
+  app.add_flag("--release", options.release, "Release it; needs the controller, changes no state")
+      ->excludes(reason);
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,301 @@
+// musher history: past events and their causes, from the controller, or from the journal of one
+// that has exited.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/base/suggest.hpp"
+#include "musher/cli/commands/commands.hpp"
+#include "musher/cli/console/wall_time.hpp"
+#include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/link.hpp"
+#include "musher/cli/machine/machine_files.hpp"
+#include "musher/cli/machine/why.hpp"
+#include "musher/cli/render/json.hpp"
+#include "musher/cli/render/text.hpp"
+#include "musher/controller/journal/journal_gap.hpp"
+#include "musher/controller/journal/journal_reader.hpp"
+#include "musher/controller/shell/wire.hpp"
+#include "musher/lifecycle/event_name.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct HistoryOptions {
+  std::string since;     // empty: all
+  std::string until;     // empty: all
+  std::string actuator;  // empty: of all, and of the machine
+  std::string event;     // empty: all
+  std::string journal;   // empty: query the controller; without one, that of its machine
+  std::string level = "info";
+  bool boot = false;      // only since the host has booted
+  unsigned limit = 1000;  // 0: no limit
+  bool csv = false;
+  bool follow = false;             // then print new entries
+  std::optional<std::string> why;  // explain this state instead; empty: the current one
+};
+
+using Entries = msg::GetHistory::Response;
+
+constexpr unsigned kAll = UINT32_MAX;
+constexpr const char* kErrorLevel = "error";
+constexpr Duration kFollowPeriod = Milliseconds(300);
+
+std::variant<Entries, Failure> FromFile(const std::string& path, std::int64_t since,
+                                        unsigned limit) {
+  const auto read = ReadJournal(path, since, limit);
+  const auto gap = ReadGap(path);
+  const std::string missing =
+      gap ? "the journal lacks the newest entries: it is not on disk since " + gap->Text() : "";
+  const auto with_gap = [&missing](const std::string& trouble) {
+    return trouble + (trouble.empty() || missing.empty() ? "" : "; ") + missing;
+  };
+  if (!read) {
+    return Failure{ExitCode::kUsage, {read.error().code, with_gap(read.error().message)}};
+  }
+  msg::GetHistory::Response history = ToMessage(read.value().entries);
+  history.error = with_gap(read.value().damage);
+  return history;
+}
+
+// A controller of an older version sends no events.
+Entries WithEvents(Entries history) {
+  history.events.resize(history.entries.size());
+  return history;
+}
+
+// Keeps the entries, and their events, for which `keep` is true.
+template <class Keep>
+void KeepOnly(Entries& history, const Keep& keep) {
+  Entries kept;
+  kept.error = std::move(history.error);
+  for (std::size_t i = 0; i < history.entries.size(); ++i) {
+    if (!keep(history.entries[i], history.events[i])) continue;
+    kept.entries.push_back(std::move(history.entries[i]));
+    kept.events.push_back(std::move(history.events[i]));
+  }
+  history = std::move(kept);
+}
+
+std::variant<Entries, Failure> FromController(Link& link, std::int64_t since, unsigned limit) {
+  const auto answer =
+      link.Call<msg::GetHistory>("get_history", {since, limit}, std::chrono::seconds(5));
+  if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
+  const auto& response = std::get<msg::GetHistory::Response>(answer);
+  if (!response.error.empty() && response.entries.empty()) {
+    return Failure{ExitCode::kNotDone, {kCodeFailed, response.error}};
+  }
+  return WithEvents(response);
+}
+
+// Which entries are requested.
+struct Selection {
+  std::int64_t since = 0;
+  std::int64_t until = INT64_MAX;
+  std::string actuator;
+  std::string event;
+  bool failures_only = false;
+  unsigned limit = 0;  // 0: all
+
+  // The limit counts matching entries only.
+  unsigned ReadLimit() const {
+    const bool filters = until != INT64_MAX || !actuator.empty() || !event.empty() || failures_only;
+    return limit == 0 || filters ? kAll : limit;
+  }
+  void Apply(Entries& history) const {
+    KeepOnly(history, [this](const msg::HistoryEntry& entry, const std::string& of_entry) {
+      return entry.wall_ns <= until && (actuator.empty() || entry.actuator == actuator) &&
+             (event.empty() || of_entry == event) && (!failures_only || entry.code != kCodeOk);
+    });
+    const std::size_t count = history.entries.size();
+    std::size_t left_out = limit == 0 || count <= limit ? 0 : count - limit;
+    KeepOnly(history, [&](const auto&, const auto&) { return left_out == 0 || left_out-- == 0; });
+  }
+};
+
+Result<Selection> Select(const HistoryOptions& options) {
+  Selection selection;
+  selection.actuator = options.actuator;
+  selection.event = options.event;
+  selection.failures_only = options.level == kErrorLevel;
+  selection.limit = options.limit;
+  if (!options.since.empty()) {
+    const auto since = ParseSince(options.since, WallNow());
+    if (!since) return since.error();
+    selection.since = since.value();
+  }
+  if (!options.until.empty()) {
+    const auto until = ParseSince(options.until, WallNow());
+    if (!until) return until.error();
+    selection.until = until.value();
+  }
+  if (options.boot) selection.since = std::max(selection.since, BootWallNs());
+  return selection;
+}
+
+void Show(const Entries& history, bool csv, bool first, Console& console) {
+  if (csv) {
+    console.Print(HistoryCsv(history.entries, first));
+  } else if (console.mode().json) {
+    console.Print(HistoryJson(history));
+  } else if (first || !history.entries.empty()) {
+    console.Print(HistoryText(history.entries, console.mode().colour));
+  }
+}
+
+// Prints the entries after `last`, until Ctrl-C or until the controller exits.
+ExitCode Follow(Link& link, Selection selection, std::uint64_t last, std::int64_t since, bool csv,
+                Console& console) {
+  link.EndWithReader();
+  if (const auto followed = link.FollowStatus({}); !followed) return console.Fail(followed.error());
+  while (!link.interrupted() && console.HasReader()) {
+    link.RunUntil([&link] { return link.LeaderIsLost(); }, kFollowPeriod);
+    if (link.interrupted()) break;
+    auto read = FromController(link, since, kAll);
+    if (const auto* failure = std::get_if<Failure>(&read)) {
+      return link.interrupted() ? ExitCode::kDone : console.Fail(*failure);
+    }
+    auto& history = std::get<Entries>(read);
+    KeepOnly(history, [last](const auto& entry, const auto&) { return entry.id > last; });
+    if (history.entries.empty()) continue;
+    last = history.entries.back().id;
+    since = history.entries.back().wall_ns;
+    selection.limit = 0;
+    selection.Apply(history);
+    if (!history.entries.empty()) Show(history, csv, false, console);
+  }
+  return ExitCode::kDone;
+}
+
+ExitCode Explain(const Entries& history, const State& state, Console& console) {
+  const auto why = FindWhy(history, state);
+  if (!why) return console.Fail({ExitCode::kNotDone, why.error()});
+  console.Print(console.mode().json ? WhyJson(why.value())
+                                    : WhyText(why.value(), console.mode().colour));
+  return ExitCode::kDone;
+}
+
+// The journal on disk of a machine of this host that no controller leads; else `failure`.
+std::variant<Entries, Failure> FromDisk(const Failure& failure, const Selection& wanted,
+                                        const GlobalOptions& global, Console& console) {
+  const auto found = FindMachineFiles("", global);
+  const auto* files = std::get_if<MachineFiles>(&found);
+  if (files == nullptr || files->led) return failure;
+  const std::string journal = files->state_dir + "/journal.sqlite";
+  if (!std::filesystem::exists(journal)) return failure;
+  console.Note("no controller leads " + files->name + " now; reading " + journal);
+  return FromFile(journal, wanted.since, wanted.ReadLimit());
+}
+
+// Why there is no actuator of that name: neither an entry nor the config knows it; empty: there is.
+std::string UnknownActuator(const std::string& name, const Entries& history,
+                            const GlobalOptions& global) {
+  std::set<std::string> known;
+  for (const msg::HistoryEntry& entry : history.entries) known.insert(entry.actuator);
+  const auto found = FindMachineFiles("", global);
+  const auto* files = std::get_if<MachineFiles>(&found);
+  if (files != nullptr && files->config) {
+    for (const ActuatorConfig& actuator : files->config->actuators) known.insert(actuator.name);
+  }
+  known.erase("");
+  return known.contains(name) ? "" : NoSuch("actuator", name, {known.begin(), known.end()});
+}
+
+ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console) {
+  const auto selection = Select(options);
+  if (!selection) return console.Fail(selection.error());
+  const Selection& wanted = selection.value();
+  std::unique_ptr<Link> link;
+  if (options.journal.empty()) {
+    auto opened = Link::Open(global, &console);
+    if (!opened) return console.Fail(opened.error());
+    link = std::move(opened).value();
+  }
+  auto read = link ? FromController(*link, wanted.since, wanted.ReadLimit())
+                   : FromFile(options.journal, wanted.since, wanted.ReadLimit());
+  const auto* missing = std::get_if<Failure>(&read);
+  if (missing != nullptr && missing->exit == ExitCode::kNoController && !options.follow) {
+    read = FromDisk(*missing, wanted, global, console);
+  }
+  if (const auto* failure = std::get_if<Failure>(&read)) return console.Fail(*failure);
+  auto& history = std::get<Entries>(read);
+  if (!history.error.empty()) console.PrintError(history.error);
+  const std::uint64_t last = history.entries.empty() ? 0 : history.entries.back().id;
+  const std::int64_t since =
+      history.entries.empty() ? wanted.since : history.entries.back().wall_ns;
+  if (options.why) return Explain(history, State(*options.why), console);
+  if (!options.actuator.empty()) {
+    const std::string unknown = UnknownActuator(options.actuator, history, global);
+    if (!unknown.empty()) {
+      return console.Fail({ExitCode::kUsage, {kCodeParametersInvalid, unknown}});
+    }
+  }
+  wanted.Apply(history);
+  Show(history, options.csv, true, console);
+  if (!options.follow) return ExitCode::kDone;
+  return Follow(*link, wanted, last, since, options.csv, console);
+}
+
+std::vector<std::string> Events() {
+  return {kEventNames.begin() + 1, kEventNames.end()};
+}
+
+// Why a name is not that of an event; empty: it is.
+std::string EventError(const std::string& name) {
+  const auto events = Events();
+  if (std::find(events.begin(), events.end(), name) != events.end()) return "";
+  const std::string hint = DidYouMean(name, events);
+  return "unknown event '" + name.substr(0, 64) + "'" +
+         (hint.empty() ? "; docs/reference.md lists them" : hint);
+}
+
+}  // namespace
+
+void AddHistory(Grammar& grammar) {
+  auto [app, options] = grammar.Add("history", "Show past events, oldest first", History);
+  app.add_option("--since", options.since, "How long ago (90s, 10m, 2h, 1d), or a date and time")
+      ->check(TimeError)
+      ->type_name("TIME");
+  app.add_option("--until", options.until, "Same format; later events are left out")
+      ->check(TimeError)
+      ->type_name("TIME");
+  grammar
+      .Offer(app.add_option("--actuator", options.actuator, "Only events of this one"),
+             Names::kActuators)
+      ->type_name("NAME");
+  grammar.Suggest(app.add_option("--event", options.event, "Only events of this name"), Events())
+      ->check(EventError)
+      ->type_name("EVENT");
+  grammar.OneOf(app.add_option("--level", options.level, "`error`: only failures"),
+                {"info", kErrorLevel});
+  app.add_flag("--boot", options.boot, "Only since this host has booted");
+  app.add_option("--limit", options.limit,
+                 "Number of newest matching entries; default 1000, 0: all")
+      ->check(CLI::Range(0U, 1'000'000U).description(""))
+      ->type_name("N");
+  app.add_flag("--csv", options.csv, "Print CSV (RFC 4180)");
+  auto* journal = grammar
+                      .Offer(app.add_option("--journal", options.journal,
+                                            "Read this file instead of calling a controller"),
+                             Names::kFiles)
+                      ->type_name("FILE");
+  auto* follow = app.add_flag("-f,--follow", options.follow, "Then print new events, until Ctrl-C");
+  follow->excludes(journal);
+  grammar
+      .Offer(app.add_option("--why", options.why,
+                            "Why the machine is in its current state, and what\n"
+                            "failed last; or why it last went to STATE"),
+             Names::kStates)
+      ->expected(0, 1)
+      ->excludes(follow)
+      ->type_name("[STATE]");
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,249 @@
+// musher logs [ACTUATOR...]: what the processes of a machine have printed, from their log files.
+
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/base/files.hpp"
+#include "musher/base/joined.hpp"
+#include "musher/base/suggest.hpp"
+#include "musher/base/words.hpp"
+#include "musher/cli/commands/commands.hpp"
+#include "musher/cli/commands/log_files_of.hpp"
+#include "musher/cli/console/output_reader.hpp"
+#include "musher/cli/console/signals.hpp"
+#include "musher/cli/console/table.hpp"
+#include "musher/cli/console/wall_time.hpp"
+#include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/machine_files.hpp"
+#include "musher/cli/render/log_lines.hpp"
+#include "musher/controller/storage/log_parts.hpp"
+#include "musher/controller/storage/log_reader.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct LogsOptions {
+  std::vector<std::string> actuators;  // empty: all, and the controller
+  bool follow = false;
+  std::string since;  // empty: no limit
+  std::optional<unsigned> lines;
+  std::string level = "debug";
+  std::string config;
+};
+
+constexpr unsigned kDefaultLines = 50;
+
+// A log that is shown.
+struct ShownLog {
+  std::string source;
+  std::string path;
+  std::int64_t end = 0;
+};
+
+class LogPrinter {
+ public:
+  LogPrinter(Console& console, LogFilter filter, const std::vector<ShownLog>& logs)
+      : console_(console), filter_(filter) {
+    if (logs.size() < 2) return;
+    for (const ShownLog& log : logs) width_ = std::max(width_, Width(log.source));
+  }
+
+  const LogFilter& filter() const { return filter_; }
+
+  void Print(const std::vector<LogEntry>& entries) {
+    std::string text;
+    for (const LogEntry& entry : entries) {
+      if (!filter_.Shows(entry)) continue;
+      text += console_.mode().json ? LogJson(entry) + '\n'
+                                   : LogText(entry, width_, console_.mode().colour);
+    }
+    if (!text.empty()) console_.Print(text);
+  }
+
+ private:
+  Console& console_;
+  LogFilter filter_;
+  std::size_t width_ = 0;
+};
+
+// Prints what is appended to the logs until Ctrl-C.
+class LogFollower {
+ public:
+  LogFollower(const std::vector<ShownLog>& logs, LogPrinter& printer, Console& console)
+      : printer_(printer),
+        console_(console),
+        signals_(TakeEndSignals()),
+        changes_(inotify_init1(IN_CLOEXEC | IN_NONBLOCK)) {
+    for (const ShownLog& log : logs) {
+      tails_.push_back({log.path, LogTail(log.path, log.end), LogLines(log.source)});
+      const std::string folder = std::filesystem::path(log.path).parent_path();
+      inotify_add_watch(changes_.get(), folder.c_str(), IN_CREATE | IN_MOVED_TO);
+    }
+    WatchFiles();
+  }
+
+  ExitCode Run() {
+    const auto end = loop_.WhenReadable(signals_.get(), [this] {
+      if (NextSignal(signals_) != 0) loop_.Stop();
+    });
+    const UniqueFd reader = TakeReaderOf(STDOUT_FILENO);
+    transport::LoopHandlePtr no_reader;
+    if (reader.valid()) no_reader = loop_.WhenReadable(reader.get(), [this] { loop_.Stop(); });
+    const auto change = loop_.WhenReadable(changes_.get(), [this] { OnChange(); });
+    OnChange();  // appended before the files were watched
+    loop_.Run();
+    return ExitCode::kDone;
+  }
+
+ private:
+  struct Tail {
+    std::string path;
+    LogTail file;
+    LogLines lines;
+  };
+
+  // Adds nothing where a file is watched already.
+  void WatchFiles() {
+    for (const Tail& tail : tails_) {
+      inotify_add_watch(changes_.get(), tail.path.c_str(), IN_MODIFY);
+    }
+  }
+
+  void OnChange() {
+    bool made = false;
+    alignas(inotify_event) std::array<char, 16 << 10> buffer{};
+    for (ssize_t got = 0; (got = read(changes_.get(), buffer.data(), buffer.size())) > 0;) {
+      for (ssize_t at = 0; at < got;) {
+        const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
+        made |= (event->mask & IN_MODIFY) == 0;
+        at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
+      }
+    }
+    if (made) WatchFiles();
+    const std::int64_t now = WallNow();
+    std::vector<std::vector<LogEntry>> logs;
+    for (Tail& tail : tails_) {
+      logs.emplace_back();
+      for (std::string& line : tail.file.Read()) {
+        logs.back().push_back(tail.lines.Take({std::move(line), now}));
+      }
+    }
+    printer_.Print(Merge(std::move(logs)));
+    if (!console_.HasReader()) loop_.Stop();
+  }
+
+  LogPrinter& printer_;
+  Console& console_;
+  UniqueFd signals_;
+  UniqueFd changes_;
+  std::vector<Tail> tails_;
+  transport::LinuxEventLoop loop_;
+};
+
+void ReportFiles(const MachineFiles& files, const std::vector<ShownLog>& logs,
+                 const std::vector<std::string>& missing, bool requested, Console& console) {
+  if (console.mode().json) return;
+  if (logs.size() == 1) {
+    const std::size_t parts = LogPartsOf(logs.front().path).size();
+    console.Note("reading " + logs.front().path +
+                 (parts == 0 ? "" : " and " + Counted(parts, "older part")));
+  } else if (!logs.empty()) {
+    console.Note("reading " + Counted(logs.size(), "log") + " of " + files.name + " in " +
+                 files.state_dir + (files.led ? "" : "; no controller of this host leads it now"));
+  }
+  if (requested || missing.empty()) return;
+  console.Note("no log here of " + Joined(missing) + ": `musher logs " + missing.front() +
+               "` gives the reason");
+}
+
+ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& console) {
+  auto found = FindMachineFiles(options.config, global);
+  if (const auto* failure = std::get_if<Failure>(&found)) return console.Fail(*failure);
+  const MachineFiles& files = std::get<MachineFiles>(found);
+  const std::vector<std::string> known = LogNamesOf(files);
+  const bool requested = !options.actuators.empty();
+  std::vector<ShownLog> logs;
+  std::vector<std::string> missing;
+  for (const std::string& name : requested ? options.actuators : known) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      return console.Fail({ExitCode::kUsage, {kCodeParametersInvalid, NoSuch("log", name, known)}});
+    }
+    const bool twice = std::any_of(logs.begin(), logs.end(),
+                                   [&](const ShownLog& log) { return log.source == name; });
+    if (twice) continue;
+    const std::string path = LogPathOf(files, name);
+    if (std::filesystem::exists(path)) {
+      logs.push_back({name, path});
+      continue;
+    }
+    missing.push_back(name);
+    if (requested) console.PrintError(WhyNoLog(files, name, path));
+  }
+  if (logs.empty()) {
+    if (requested) return ExitCode::kNotDone;
+    return console.Fail({ExitCode::kNotDone,
+                         {kCodeFailed, "no logs in " + files.state_dir + ": " + files.name +
+                                           " was never started on this host" + HiddenFilesNote()}});
+  }
+  ReportFiles(files, logs, missing, requested, console);
+
+  LogFilter filter;
+  if (!options.since.empty()) filter.since_ns = ParseSince(options.since, WallNow()).value();
+  filter.level = LogLevelNamed(options.level).value();
+  const unsigned lines = options.lines.value_or(options.since.empty() ? kDefaultLines : 0);
+  std::vector<std::vector<LogEntry>> all;
+  for (ShownLog& log : logs) {
+    auto read = ReadLog(log.source, log.path, filter, lines);
+    if (!read) return console.Fail(Failure{ExitCode::kNotDone, read.error()});
+    if (!read.value().note.empty()) console.PrintError(read.value().note);
+    log.end = read.value().end;
+    all.push_back(std::move(read.value().entries));
+  }
+  std::vector<LogEntry> entries = Merge(std::move(all));
+  std::erase_if(entries, [&](const LogEntry& entry) { return !filter.Shows(entry); });
+  if (lines != 0 && entries.size() > lines) entries.erase(entries.begin(), entries.end() - lines);
+  LogPrinter printer(console, filter, logs);
+  printer.Print(entries);
+  if (!options.follow) return ExitCode::kDone;
+  return LogFollower(logs, printer, console).Run();
+}
+
+}  // namespace
+
+void AddLogs(Grammar& grammar) {
+  auto [app, options] = grammar.Add("logs", "Show what the actuators' processes print", Logs);
+  grammar
+      .Offer(app.add_option("ACTUATOR", options.actuators,
+                            "Only of these; `controller`: its own log.\nDefault: all, by time"),
+             Names::kActuators)
+      ->type_name("");
+  app.add_flag("-f,--follow", options.follow, "Then print new lines, until Ctrl-C");
+  app.add_option("--since", options.since, "How long ago (90s, 10m, 2h, 1d), or a date and time")
+      ->check(TimeError)
+      ->type_name("TIME");
+  app.add_option("-n,--lines", options.lines,
+                 "Number of newest lines; default 50, with --since all;\n0: all")
+      ->check(CLI::Range(0U, 10'000'000U).description(""))
+      ->type_name("N");
+  grammar.OneOf(app.add_option("--level", options.level,
+                               "Only lines of this level and above; lines without\na level count "
+                               "as info"),
+                {"debug", "info", "warning", "error"});
+  grammar
+      .Offer(app.add_option("--config", options.config,
+                            "Of the machine of this config, also if it is down"),
+             Names::kConfigs)
+      ->type_name("FILE");
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,71 @@
+// musher restart ACTUATOR: restarts its process and switches it back to the machine's state.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "musher/cli/commands/commands.hpp"
+#include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/link.hpp"
+#include "musher/cli/render/json.hpp"
+#include "musher/cli/render/text.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct RestartOptions {
+  std::string actuator;
+};
+
+constexpr Duration kRestartTimeout = std::chrono::seconds(60);
+
+Failure WithHint(Failure failure, const std::string& actuator) {
+  if (failure.exit == ExitCode::kNoAnswer || failure.exit == ExitCode::kInterrupted) {
+    failure.error.message +=
+        "; the restart of " + actuator + " continues, `musher status` shows its outcome";
+  } else if (failure.exit == ExitCode::kUnknownEnd) {
+    failure.error.message +=
+        "; `musher up` with the same config takes control of what still runs, and `musher status` "
+        "then shows whether " +
+        actuator + " is back";
+  }
+  return failure;
+}
+
+ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global, &console);
+  if (!link) return console.Fail(link.error());
+  const auto answer = link.value()->CallLeader<msg::RestartActuator>(
+      "restart_actuator", {options.actuator}, kRestartTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) {
+    return console.Fail(WithHint(*failure, options.actuator));
+  }
+  const auto& restarted = std::get<msg::RestartActuator::Response>(answer);
+  if (restarted.code != kCodeOk) {
+    return console.Fail(
+        {ExitCode::kNotDone,
+         {restarted.code, "restart " + options.actuator + ": " + restarted.reason}});
+  }
+  const auto status = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
+  const auto& actuators = std::get<msg::GetStatus::Response>(status).status.actuators;
+  const auto back = std::find_if(actuators.begin(), actuators.end(), [&](const auto& actuator) {
+    return actuator.name == options.actuator;
+  });
+  if (back == actuators.end()) return ExitCode::kDone;  // another machine runs by now
+  console.Print(console.mode().json ? RestartJson(*back)
+                                    : RestartText(*back, console.mode().colour));
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddRestart(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("restart", "End an actuator's process and start it again", Restart);
+  grammar
+      .Offer(app.add_option("ACTUATOR", options.actuator, "The one to restart"), Names::kActuators)
+      ->required()
+      ->type_name("");
+}
+
+}  // namespace musher::cli

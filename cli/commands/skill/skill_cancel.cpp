@@ -1,0 +1,145 @@
+// musher skill cancel NAME: cancels the running goals of a skill, and waits for their end.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <list>
+#include <optional>
+
+#include "musher/base/joined.hpp"
+#include "musher/cli/commands/commands.hpp"
+#include "musher/cli/commands/skill/skill_commands.hpp"
+#include "musher/cli/commands/skill/skill_goal.hpp"
+#include "musher/cli/machine/skill_offers.hpp"
+#include "musher/cli/machine/skill_request.hpp"
+#include "musher/cli/render/skill.hpp"
+
+namespace musher::cli {
+namespace {
+
+using SkillClient = transport::ActionClient<msg::SkillExecution>;
+
+constexpr Duration kCancelEnd = std::chrono::seconds(15);  // a skill may take 5 s to end in order
+
+struct SkillCancelOptions {
+  std::string name;
+  std::string actuator;  // empty: every one that runs the skill
+};
+
+// A goal that is cancelled.
+struct Cancelled {
+  SkillEnd end;
+  bool known = false;  // how it ended
+  std::unique_ptr<SkillClient> client;
+};
+
+bool SkillRuns(const msg::SkillFeedback& feedback) {
+  return feedback.state != "IDLE" && feedback.status == msg::SkillFeedback::kStatusProcessing;
+}
+
+Result<> CancelGoalOf(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
+                      const transport::GoalId& id, Duration timeout, Cancelled& cancelled) {
+  auto client = transport::MakeActionClient<msg::SkillExecution>(
+      link.node(), transport::ResolveName(global.name_space, skill.action));
+  if (!client) return client.error();
+  cancelled.client = std::move(client).value();
+  cancelled.client->Cancel(
+      id, timeout, [&cancelled](const Result<msg::CancelGoal::Response>& reply) {
+        if (!reply || reply.value().return_code != msg::CancelGoal::kErrorRejected) return;
+        cancelled.end.outcome = SkillOutcome::kRunning;
+        cancelled.end.message = cancelled.end.actuator + " refuses the cancellation";
+        cancelled.known = true;
+      });
+  cancelled.client->GetOutcome(id, timeout, [&cancelled](const auto& outcome) {
+    if (!outcome || cancelled.known) return;
+    FillSkillEnd(outcome.value(), true, cancelled.end);
+    cancelled.known = true;
+  });
+  return Ok();
+}
+
+// Queries an actuator for the goal of the skill, and cancels it. Nothing if the skill does not run.
+std::optional<Failure> CancelOn(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
+                                Duration timeout, std::list<Cancelled>& all) {
+  const auto answer = QuerySkill(link, global, skill.actuator, {skill.offer.skill, ""});
+  if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
+  const msg::SkillFeedback& feedback = std::get<msg::GetSkill::Response>(answer).feedback;
+  if (!SkillRuns(feedback)) return std::nullopt;
+  const auto id = ReadGoalId(feedback.goal_id);
+  if (!id) {
+    return Failure{ExitCode::kNotDone,
+                   {kCodeUnSupport, skill.offer.skill + " of " + skill.actuator +
+                                        " was not started by a goal, so that no goal can be "
+                                        "cancelled"}};
+  }
+  Cancelled& one = all.emplace_back();
+  one.end = {
+      skill.offer.skill, skill.actuator, SkillOutcome::kTimeout, "its cancellation was requested",
+      feedback.progress, std::nullopt,   feedback.goal_id};
+  if (const auto sent = CancelGoalOf(link, global, skill, *id, timeout, one); !sent) {
+    return Failure{ExitCode::kUsage, sent.error()};
+  }
+  return std::nullopt;
+}
+
+ExitCode ReportCancelled(const std::list<Cancelled>& all, Console& console) {
+  std::vector<SkillEnd> ends;
+  ExitCode exit = ExitCode::kDone;
+  for (const Cancelled& one : all) {
+    ends.push_back(one.end);
+    const bool good = one.end.outcome == SkillOutcome::kCancelled;
+    if (!good) exit = one.known ? ExitCode::kNotDone : ExitCode::kNoAnswer;
+    if (!good) {
+      console.PrintError(SkillEndText(one.end));
+    } else if (!console.mode().json) {
+      console.Print(SkillEndText(one.end));
+    }
+  }
+  if (console.mode().json) console.Print(SkillCancelJson(ends));
+  return exit;
+}
+
+ExitCode CancelSkill(const SkillCancelOptions& options, const GlobalOptions& global,
+                     Console& console) {
+  const auto opened = Link::Open(global);
+  if (!opened) return console.Fail(opened.error());
+  Link& link = *opened.value();
+  const auto offers = SkillOffers::Begin(link, global);
+  if (!offers) return console.Fail(offers.error());
+  if (const auto failure = offers.value()->Await(options.actuator)) return console.Fail(*failure);
+  const auto found = FindSkill(offers.value()->all(), options.name, options.actuator);
+  if (!found) return console.Fail(Failure{ExitCode::kNotDone, found.error()});
+  const Duration timeout = global.timeout.value_or(kCancelEnd);
+  std::list<Cancelled> all;
+  std::vector<std::string> actuators;
+  std::optional<Failure> failure;
+  for (const OfferedSkill& skill : found.value()) {
+    actuators.push_back(skill.actuator);
+    if (auto trouble = CancelOn(link, global, skill, timeout, all)) failure = std::move(trouble);
+  }
+  if (all.empty() && failure) return console.Fail(*failure);
+  if (all.empty()) {
+    return console.Fail(Failure{
+        ExitCode::kNotDone,
+        {kCodeStateInvalid, options.name + " is not running; offered by " + Joined(actuators)}});
+  }
+  link.RunUntil(
+      [&all] {
+        return std::all_of(all.begin(), all.end(), [](const auto& one) { return one.known; });
+      },
+      timeout);
+  const ExitCode exit = ReportCancelled(all, console);
+  if (failure) console.PrintError(failure->error.message);
+  if (link.interrupted()) return ExitCode::kInterrupted;
+  return failure ? failure->exit : exit;
+}
+
+}  // namespace
+
+void AddSkillCancel(Grammar& grammar, CLI::App& family) {
+  auto [app, options] =
+      grammar.Add("cancel", "Cancel a running skill and wait for its end", CancelSkill, &family);
+  AddSkillName(grammar, app, options.name, "The skill, of every actuator that runs it").required();
+  AddSkillActuator(grammar, app, options.actuator);
+}
+
+}  // namespace musher::cli

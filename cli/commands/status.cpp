@@ -1,0 +1,150 @@
+// musher status [--watch]: the machine's status now, or every change of it.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "musher/base/host.hpp"
+#include "musher/cli/commands/commands.hpp"
+#include "musher/cli/console/error_json.hpp"
+#include "musher/cli/console/wall_time.hpp"
+#include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/link.hpp"
+#include "musher/cli/machine/running.hpp"
+#include "musher/cli/render/json.hpp"
+#include "musher/cli/render/text.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct StatusOptions {
+  bool watch = false;
+};
+
+constexpr Duration kStatusTime = Milliseconds(300);
+constexpr const char* kRedraw = "\x1b[H\x1b[2J";  // from the top of an empty screen
+
+void Show(const std::optional<msg::MachineStatus>& status, Console& console) {
+  const Failure gone{ExitCode::kNoController, {kCodeNetError, "controller lost"}};
+  if (console.mode().json) {
+    console.Print(status ? StatusJson(*status) : FailureJson(gone));
+  } else if (console.mode().terminal) {
+    console.Print(kRedraw + (status ? StatusText(*status, console.mode().colour)
+                                    : gone.error.message + "; waiting for another one\n"));
+  } else {
+    console.Print(status ? StatusLine(*status, WallNow())
+                         : LocalTime(WallNow()) + "  " + gone.error.message);
+  }
+}
+
+// With [security] an actuator that the controller did not start may run here but be unreachable: it
+// then has no credentials, or other ones.
+void AddCredentialHints(msg::MachineStatus& status, const GlobalOptions& global) {
+  if (global.keys.empty() || status.host != HostId()) return;
+  const int domain = transport::DomainId({}).value();
+  for (msg::ActuatorInfo& actuator : status.actuators) {
+    if (actuator.presence != PresenceName(Presence::kAbsent)) continue;
+    const std::string name = NameLock::NameOf(domain, status.name_space, actuator.name);
+    const pid_t holder = NameLock::HolderOf(name).pid;
+    if (holder == 0) continue;
+    actuator.message = "process " + std::to_string(holder) +
+                       " runs but publishes no status: check that it has the keys of this machine" +
+                       (actuator.message.empty() ? "" : " " + actuator.message);
+  }
+}
+
+using Uncontrolled = std::map<std::string, Running::Actuator>;
+
+// The actuators with a status that the machine does not list. A process that only holds a name on
+// this host may be an actuator that is still starting.
+Uncontrolled NotIn(const msg::MachineStatus& status, Uncontrolled running) {
+  std::erase_if(running, [&](const auto& one) {
+    return !one.second.has_status ||
+           std::any_of(status.actuators.begin(), status.actuators.end(),
+                       [&](const auto& actuator) { return actuator.name == one.first; });
+  });
+  return running;
+}
+
+// Actuators latch their status as the controller does, so all statuses arrive at about the same
+// time.
+Uncontrolled AwaitUnlisted(Link& link, const Running& running, const msg::MachineStatus& status) {
+  const auto all_received = [&] {
+    const Uncontrolled here = running.Now();  // a name held here is found before its status arrives
+    const auto received = [](const auto& one) { return one.second.has_status; };
+    if (!std::all_of(here.begin(), here.end(), received)) return false;
+    return std::all_of(status.actuators.begin(), status.actuators.end(), [&](const auto& actuator) {
+      return actuator.protocol != ProtocolName(Protocol::kMusher) ||
+             actuator.presence != PresenceName(Presence::kPresent) ||
+             running.HasStatusOf(actuator.name);
+    });
+  };
+  link.RunUntil(all_received, kStatusTime);
+  return NotIn(status, running.Now());
+}
+
+// `led`: a controller leads them here, but cannot be reached.
+ExitCode WithoutController(Failure failure, const Uncontrolled& running, bool led,
+                           Console& console) {
+  if (failure.exit != ExitCode::kNoController || running.empty()) return console.Fail(failure);
+  if (!led) {
+    failure.error.message += "; " + RunningNames(running) +
+                             (running.size() == 1 ? " runs" : " run") +
+                             " without one: `musher up` with their config takes control of them, "
+                             "`musher down --without-controller` stops them";
+  }
+  console.Print(console.mode().json ? RunningJson(failure, running)
+                                    : RunningText(running, console.mode().colour));
+  console.PrintError(failure.error.message);
+  return failure.exit;
+}
+
+ExitCode Watch(Link& link, Console& console) {
+  link.EndWithReader();
+  const auto followed =
+      link.FollowStatus([&console](const auto& status) { Show(status, console); });
+  if (!followed) return console.Fail(followed.error());
+  if (const auto failure = link.AwaitStatus()) return console.Fail(*failure);
+  link.RunUntilInterrupted(console);
+  return ExitCode::kDone;
+}
+
+ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global, &console);
+  if (!link) return console.Fail(link.error());
+  if (options.watch) return Watch(*link.value(), console);
+  const auto running =
+      Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
+  if (!running) return console.Fail(running.error());
+  const auto answer = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  if (const auto* failure = std::get_if<Failure>(&answer)) {
+    return WithoutController(*failure, running.value()->Now(), link.value()->LeaderHere() != 0,
+                             console);
+  }
+  msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
+  running.value()->OnlyOf({status.machine, status.machine_id});
+  AddCredentialHints(status, global);
+  const Uncontrolled unlisted = AwaitUnlisted(*link.value(), *running.value(), status);
+  console.Print(console.mode().json ? StatusJson(status, unlisted)
+                                    : StatusText(status, console.mode().colour));
+  if (!unlisted.empty()) {
+    console.PrintError(RunningNames(unlisted) + (unlisted.size() == 1 ? " runs" : " run") +
+                       " in this namespace and " + (unlisted.size() == 1 ? "is" : "are") +
+                       " not in " + status.config_file +
+                       ": they run without a controller. `musher down` and "
+                       "then `musher down --without-controller` stop them");
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddStatus(Grammar& grammar) {
+  auto [app, options] = grammar.Add("status", "Show the machine and its actuators", Status);
+  app.add_flag("-w,--watch", options.watch, "Show every change as it happens");
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,103 @@
+// musher times [CONFIG]: what the states of actuators have taken, from journals, and limits for
+// `times` of the config. Needs no robot.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/cli/commands/commands.hpp"
+#include "musher/cli/config/config_file.hpp"
+#include "musher/cli/console/wall_time.hpp"
+#include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/machine_files.hpp"
+#include "musher/cli/render/times.hpp"
+#include "musher/controller/journal/journal_reader.hpp"
+#include "musher/lifecycle/event_name.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct TimesOptions {
+  std::string config;                 // empty: that of the machine of this host
+  std::vector<std::string> journals;  // empty: that of the machine
+  std::string since;                  // empty: all
+  LearningOptions learning;
+};
+
+// The command of an entry of such an event; nullopt: it names none.
+std::optional<CommandTime> CommandOf(const JournalEntry& entry) {
+  const bool overdue = entry.event == NameOf(EventName::kCommandOverdue);
+  if (!overdue && entry.event != NameOf(EventName::kCommandDone)) return std::nullopt;
+  const auto data = nlohmann::json::parse(entry.data, nullptr, false);
+  const auto arguments = data.is_object() ? data.find("arguments") : data.end();
+  if (arguments == data.end() || !arguments->is_object()) return std::nullopt;
+  const auto target = arguments->find("target");
+  const auto took = arguments->find("took_ms");
+  if (target == arguments->end() || !target->is_string()) return std::nullopt;
+  if (took == arguments->end() || !took->is_number()) return std::nullopt;
+  return CommandTime{entry.actuator, State(target->get<std::string>()), entry.wall_ns,
+                     took->get<double>(), overdue};
+}
+
+ExitCode Times(const TimesOptions& options, const GlobalOptions& global, Console& console) {
+  std::int64_t since_ns = 0;
+  if (!options.since.empty()) since_ns = ParseSince(options.since, WallNow()).value();
+  std::string config_file = options.config;
+  std::vector<std::string> journals = options.journals;
+  if (config_file.empty() || journals.empty()) {
+    const auto found = FindMachineFiles(config_file, global);
+    if (const auto* failure = std::get_if<Failure>(&found)) return console.Fail(*failure);
+    const MachineFiles& files = std::get<MachineFiles>(found);
+    if (config_file.empty()) config_file = files.config_file;
+    if (journals.empty()) journals.push_back(files.state_dir + "/journal.sqlite");
+  }
+  const auto config = LoadConfig(config_file, console);
+  if (!config) return ExitCode::kUsage;
+  std::vector<CommandTime> commands;
+  for (const std::string& file : journals) {
+    const auto read = ReadJournal(file, since_ns, SIZE_MAX);
+    if (!read) return console.Fail(read.error());
+    if (!read.value().damage.empty()) console.PrintError(file + ": " + read.value().damage);
+    for (const JournalEntry& entry : read.value().entries) {
+      if (auto command = CommandOf(entry)) commands.push_back(*std::move(command));
+    }
+  }
+  const auto rows = LearnTimes(commands, *config, options.learning);
+  console.Print(console.mode().json ? TimesJson(rows)
+                                    : TimesText(rows, *config, console.mode().colour));
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddTimes(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("times", "Show what states have taken, and propose limits for `times`", Times);
+  grammar
+      .Offer(app.add_option("CONFIG", options.config,
+                            "State config; default: of the machine of this host"),
+             Names::kConfigs)
+      ->type_name("");
+  grammar
+      .Offer(app.add_option("--journal", options.journals,
+                            "Journals to read, also of other robots of this config;\n"
+                            "default: of the machine of this host"),
+             Names::kFiles)
+      ->type_name("FILE");
+  app.add_option("--since", options.since, "How long ago (90s, 10m, 2h, 1d), or a date and time")
+      ->check(TimeError)
+      ->type_name("TIME");
+  app.add_option("--least", options.learning.least_commands,
+                 "Commands that a proposal needs; default 100")
+      ->check(CLI::Range(1U, 1'000'000U).description(""))
+      ->type_name("N");
+  app.add_option("--margin", options.learning.margin,
+                 "Proposed limit, as a multiple of the 99.9th percentile;\ndefault 1.5")
+      ->check(Between(1, 100, "times"))
+      ->type_name("FACTOR");
+}
+
+}  // namespace musher::cli

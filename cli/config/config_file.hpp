@@ -1,0 +1,16 @@
+#pragma once
+// Reads and validates a command's config and prints the diagnostics.
+
+#include <optional>
+#include <string>
+
+#include "musher/cli/console/console.hpp"
+#include "musher/lifecycle/config/config.hpp"
+
+namespace musher::cli {
+
+// Reads the config `file`. Diagnostics go to stderr; in JSON mode errors also become the result
+// document. nullopt: the config is invalid and everything is already printed.
+std::optional<MachineConfig> LoadConfig(const std::string& file, Console& console);
+
+}  // namespace musher::cli

@@ -1,0 +1,141 @@
+#include "musher/cli/config/learned_times.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace musher::cli {
+namespace {
+
+constexpr double kQuantile = 0.999;
+constexpr double kLeastMarginMs = 100;      // of a limit above the 99.9th percentile
+constexpr double kWorthChanging = 0.2;      // of the limit
+constexpr double kDriftFactor = 1.5;        // or its inverse
+constexpr std::size_t kLeastForDrift = 40;  // commands
+
+// The smallest value that is not exceeded by that part of the values.
+double Quantile(const std::vector<double>& sorted, double part) {
+  const auto rank = static_cast<std::size_t>(std::ceil(part * static_cast<double>(sorted.size())));
+  return sorted[std::max<std::size_t>(rank, 1) - 1];
+}
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return Quantile(values, 0.5);
+}
+
+// Up to two digits that are not zero: 1,234 → 1,300.
+double RoundedUp(double ms) {
+  const double step = std::pow(10, std::max(0.0, std::floor(std::log10(ms)) - 1));
+  return std::ceil(ms / step) * step;
+}
+
+// Of commands by the time of their end.
+std::optional<Drift> DriftOf(const std::vector<const CommandTime*>& done) {
+  if (done.size() < kLeastForDrift) return std::nullopt;
+  const std::size_t newest = done.size() - done.size() / 4;
+  std::vector<double> before;
+  std::vector<double> after;
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    (i < newest ? before : after).push_back(done[i]->took_ms);
+  }
+  const double factor = Median(after) / std::max(Median(before), 1e-3);
+  if (factor < kDriftFactor && factor > 1 / kDriftFactor) return std::nullopt;
+  return Drift{factor, done[newest]->wall_ns};
+}
+
+std::optional<double> Proposed(const LearnedTime& row, const LearningOptions& options) {
+  if (row.missing != 0 || !row.limit_ms) return std::nullopt;
+  double limit = RoundedUp(std::max(row.p999_ms * options.margin, row.p999_ms + kLeastMarginMs));
+  if (row.overdue > 0) limit = std::max(limit, *row.limit_ms);
+  if (std::abs(limit - *row.limit_ms) <= kWorthChanging * *row.limit_ms) return std::nullopt;
+  return limit;
+}
+
+LearnedTime RowOf(const std::vector<const CommandTime*>& all, const MachineConfig& config,
+                  const LearningOptions& options) {
+  LearnedTime row{all.front()->actuator, all.front()->state};
+  std::vector<const CommandTime*> done;
+  std::vector<double> took;
+  for (const CommandTime* command : all) {
+    row.overdue += command->overdue ? 1 : 0;
+    if (command->overdue) continue;
+    done.push_back(command);
+    took.push_back(command->took_ms);
+  }
+  row.commands = took.size();
+  row.missing = options.least_commands - std::min(options.least_commands, took.size());
+  if (const auto index = config.IndexOf(row.actuator)) {
+    const auto limit = config.actuators[*index].TimeFor(row.state);
+    if (limit) row.limit_ms = static_cast<double>(ToMilliseconds(*limit));
+  }
+  if (took.empty()) return row;
+  std::sort(took.begin(), took.end());
+  row.median_ms = Quantile(took, 0.5);
+  row.p999_ms = Quantile(took, kQuantile);
+  row.longest_ms = took.back();
+  row.proposed_ms = Proposed(row, options);
+  row.drift = DriftOf(done);
+  return row;
+}
+
+// Where the config lists the state; behind all where it does not.
+std::size_t PlaceOf(const LearnedTime& row, const MachineConfig& config) {
+  const auto index = config.IndexOf(row.actuator);
+  if (!index) return SIZE_MAX;
+  const auto& states = config.actuators[*index].states;
+  return static_cast<std::size_t>(std::find(states.begin(), states.end(), row.state) -
+                                  states.begin());
+}
+
+std::string Line(const std::vector<std::int64_t>& times_ms) {
+  return fmt::format("times = [{}]", fmt::join(times_ms, ", "));
+}
+
+}  // namespace
+
+std::vector<LearnedTime> LearnTimes(const std::vector<CommandTime>& commands,
+                                    const MachineConfig& config, const LearningOptions& options) {
+  std::map<std::pair<std::string, State>, std::vector<const CommandTime*>> by_state;
+  for (const CommandTime& command : commands) {
+    by_state[{command.actuator, command.state}].push_back(&command);
+  }
+  std::vector<LearnedTime> rows;
+  for (auto& [of, all] : by_state) {
+    std::stable_sort(all.begin(), all.end(),
+                     [](const auto* a, const auto* b) { return a->wall_ns < b->wall_ns; });
+    rows.push_back(RowOf(all, config, options));
+  }
+  std::stable_sort(rows.begin(), rows.end(), [&](const LearnedTime& a, const LearnedTime& b) {
+    return std::pair(a.actuator, PlaceOf(a, config)) < std::pair(b.actuator, PlaceOf(b, config));
+  });
+  return rows;
+}
+
+std::string ProposedTimes(const ActuatorConfig& actuator, const std::vector<LearnedTime>& learned) {
+  std::vector<std::int64_t> times;
+  bool differs = false;
+  for (std::size_t i = 0; i < actuator.states.size(); ++i) {
+    const auto row = std::find_if(learned.begin(), learned.end(), [&](const LearnedTime& one) {
+      return one.actuator == actuator.name && one.state == actuator.states[i] && one.proposed_ms;
+    });
+    const bool proposed = row != learned.end();
+    differs = differs || proposed;
+    times.push_back(proposed ? static_cast<std::int64_t>(*row->proposed_ms)
+                             : ToMilliseconds(actuator.times[i]));
+  }
+  return differs ? Line(times) : "";
+}
+
+std::string TimesLine(const ActuatorConfig& actuator) {
+  std::vector<std::int64_t> times;
+  times.reserve(actuator.times.size());
+  for (const Duration time : actuator.times) times.push_back(ToMilliseconds(time));
+  return Line(times);
+}
+
+}  // namespace musher::cli

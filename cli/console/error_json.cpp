@@ -1,0 +1,42 @@
+#include "musher/cli/console/error_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "musher/cli/console/json_line.hpp"
+
+namespace musher::cli {
+namespace {
+
+Json Of(const Diagnostic& d) {
+  return {{"file", d.file},
+          {"line", d.line},
+          {"column", d.column},
+          {"severity", SeverityName(d.severity)},
+          {"message", d.message}};
+}
+
+Json Of(const std::vector<Diagnostic>& diagnostics) {
+  Json list = Json::array();
+  for (const Diagnostic& d : diagnostics) list.push_back(Of(d));
+  return list;
+}
+
+}  // namespace
+
+std::string FailureJson(const Failure& failure) {
+  Json json = {{"error", failure.error.message}, {"code", failure.error.code}};
+  if (failure.switch_number != 0) json["switch"] = failure.switch_number.value();
+  return JsonLine(json);
+}
+
+std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {
+  return JsonLine({{"valid", !HasError(diagnostics)}, {"diagnostics", Of(diagnostics)}});
+}
+
+std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics) {
+  return JsonLine({{"error", file + " is not a valid state config"},
+                   {"code", kCodeParametersInvalid},
+                   {"diagnostics", Of(diagnostics)}});
+}
+
+}  // namespace musher::cli

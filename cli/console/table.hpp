@@ -1,0 +1,33 @@
+#pragma once
+// Rows of cells, aligned in columns.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/cli/console/console.hpp"
+
+namespace musher::cli {
+
+// The number of terminal columns of a UTF-8 text, one for each character.
+std::size_t Width(std::string_view text);
+
+class Table {
+ public:
+  struct Cell {
+    std::string text;
+    Style style = Style::kPlain;
+  };
+
+  explicit Table(std::vector<std::string> header);
+
+  void Add(std::vector<Cell> row) { rows_.push_back(std::move(row)); }
+
+  // Two spaces between columns, no trailing spaces.
+  std::string Text(bool colour) const;
+
+ private:
+  std::vector<std::vector<Cell>> rows_;
+};
+
+}  // namespace musher::cli

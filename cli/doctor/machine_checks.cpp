@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "musher/base/date_text.hpp"
+#include "musher/base/joined.hpp"
+#include "musher/base/words.hpp"
+#include "musher/cli/doctor/checks.hpp"
+#include "musher/transport/security/key_folder.hpp"
+
+namespace musher::cli {
+namespace {
+
+using enum CheckStatus;
+
+constexpr std::chrono::days kExpiresSoon(30);
+constexpr unsigned int kGroupAndOthers = 077;  // permissions of the group and of others
+
+DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
+  DoctorCheck check{"keys"};
+  if (!facts.config || facts.config->keys.empty())
+    return NotApplicable(check,
+                         facts.config ? "the config has no [security]" : "no config was given");
+  const auto command = [&](const std::string& identity) {
+    return fmt::format("musher keys add {} --force --keys {}", identity,
+                       ShellWord(facts.config->keys));
+  };
+  for (const KeyFacts& key : facts.keys) {
+    check.health = kError;
+    if (!key.error.empty()) {
+      check.reason = key.identity + ": " + key.error;
+      check.fix = facts.keys_made
+                      ? command(key.identity)
+                      : fmt::format("musher keys init {}", ShellWord(facts.config->file));
+      return check;
+    }
+    if ((key.mode & kGroupAndOthers) != 0) {
+      check.reason = fmt::format(
+          "{} has the permissions {:o}: other users can read the private key", key.file, key.mode);
+      check.fix = "chmod 600 " + ShellWord(key.file);
+      return check;
+    }
+  }
+  check.health = kOk;
+  if (facts.keys.empty()) return check;
+  const auto first =
+      std::min_element(facts.keys.begin(), facts.keys.end(),
+                       [](const auto& a, const auto& b) { return a.until < b.until; });
+  check.reason =
+      fmt::format("{}, the first expires on {} ({})", Counted(facts.keys.size(), "certificate"),
+                  FormatUtc(first->until), first->identity);
+  if (first->until < facts.now + kExpiresSoon) {
+    check.health = kWarning;
+    check.reason += ": within 30 days; the process loses its connection then";
+    check.fix = command(first->identity);
+  }
+  return check;
+}
+
+DoctorCheck CheckCommands(const DoctorFacts& facts) {
+  DoctorCheck check{"programs"};
+  if (!facts.config) return NotApplicable(check, "no config was given");
+  if (facts.programs.empty()) {
+    const auto started =
+        std::count_if(facts.config->actuators.begin(), facts.config->actuators.end(),
+                      [](const auto& a) { return !a.command.empty(); });
+    check.reason = fmt::format("{} found and accepted", Counted(started, "command"));
+    return check;
+  }
+  // On the robot a missing program is an error, unlike in `musher check` on another computer.
+  check.health = kError;
+  check.reason = FormatDiagnostic(facts.programs.front());
+  if (facts.programs.size() > 1) {
+    check.reason += fmt::format(" (and {} more)", facts.programs.size() - 1);
+  }
+  check.fix = "musher check " + ShellWord(facts.config->file);
+  return check;
+}
+
+DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
+  DoctorCheck check{"machine"};
+  if (!facts.controllers_error.empty()) return NotApplicable(check, facts.controllers_error);
+  if (facts.controllers.empty()) {
+    check.reason =
+        fmt::format("none runs in {} of domain {}", NamespaceText(facts.name_space), facts.domain);
+    return check;
+  }
+  if (!facts.controllers.front().reachable) {
+    check.health = kWarning;
+    check.reason = fmt::format(
+        "process {} leads a machine in {} of domain {} on this host, but does not answer in this "
+        "environment",
+        facts.controllers.front().pid, NamespaceText(facts.name_space), facts.domain);
+    check.fix = "use its CYCLONEDDS_URI, --transport and --keys";
+    return check;
+  }
+  std::vector<std::string> running;
+  for (const ControllerFacts& one : facts.controllers) {
+    running.push_back(fmt::format("{} (pid {}{})", one.machine, one.pid,
+                                  one.host.empty() ? "" : " on another host"));
+  }
+  check.reason = fmt::format("{} {} already in {} of domain {}", Joined(running),
+                             running.size() == 1 ? "runs" : "run", NamespaceText(facts.name_space),
+                             facts.domain);
+  const bool other = facts.config && facts.controllers.front().machine != facts.config->name;
+  if (!facts.config || (!other && facts.controllers.size() == 1)) return check;
+  check.health = kError;
+  check.reason += other ? fmt::format(": {} cannot start there", facts.config->name)
+                        : std::string(": only one of them can lead");
+  check.fix =
+      "musher down, or give this machine a namespace in [controller] or a ROS_DOMAIN_ID of "
+      "its own";
+  return check;
+}
+
+DoctorCheck CheckVersionOfController(const DoctorFacts& facts) {
+  DoctorCheck check{"version"};
+  check.reason = "musher " + facts.version;
+  for (const ControllerFacts& one : facts.controllers) {
+    if (one.version.empty() || one.version == facts.version) continue;
+    check.health = kWarning;
+    check.reason = fmt::format("the controller (pid {}) is musher {}, this program is {}", one.pid,
+                               one.version, facts.version);
+    check.fix = one.config_file.empty()
+                    ? "musher up --takeover with its config"
+                    : "musher up --detach --takeover " + ShellWord(one.config_file);
+  }
+  return check;
+}
+
+}  // namespace
+
+std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts) {
+  return {CheckKeyFiles(facts), CheckCommands(facts), CheckOtherMachines(facts),
+          CheckVersionOfController(facts)};
+}
+
+std::vector<DoctorCheck> Diagnose(const DoctorFacts& facts) {
+  std::vector<DoctorCheck> all;
+  for (auto checks :
+       {CheckNetwork(facts), CheckHost(facts), CheckStorage(facts), CheckMachine(facts)}) {
+    all.insert(all.end(), checks.begin(), checks.end());
+  }
+  return all;
+}
+
+CheckStatus Worst(const std::vector<DoctorCheck>& checks) {
+  CheckStatus worst = kNotApplicable;
+  for (const DoctorCheck& check : checks) worst = std::max(worst, check.health);
+  return worst;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,178 @@
+#include "musher/cli/machine/ending.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <utility>
+
+#include "musher/base/host.hpp"
+#include "musher/lifecycle/state.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::cli {
+namespace {
+
+constexpr Duration kPeriod = Milliseconds(50);
+constexpr Duration kExitGrace = Milliseconds(1000);  // a process that is torn down exits by itself
+constexpr Duration kTerminateTime = Milliseconds(2000);
+constexpr Duration kKillTime = Milliseconds(1000);
+constexpr Duration kHeartbeatPeriod = Milliseconds(200);
+
+bool HasEnded(const UniqueFd& process) {
+  pollfd ended{process.get(), POLLIN, 0};
+  return poll(&ended, 1, 0) == 1;
+}
+
+// Signals its whole process group if it leads one other than that of this process.
+void Send(const UniqueFd& process, pid_t pid, int signal) {
+  if (!SendSignal(process.get(), signal)) return;
+  if (getpgid(pid) == pid && pid != getpgrp()) kill(-pid, signal);
+}
+
+}  // namespace
+
+Ending::Ending(transport::Node& node, std::string name_space, const Running& running,
+               Duration timeout)
+    : node_(node),
+      name_space_(std::move(name_space)),
+      running_(running),
+      deadline_(node.loop().Now() + timeout) {}
+
+Result<std::unique_ptr<Ending>> Ending::Begin(transport::Node& node, const std::string& name_space,
+                                              const Running& running, Duration timeout) {
+  std::unique_ptr<Ending> ending(new Ending(node, name_space, running, timeout));
+  if (auto opened = ending->Open(); !opened) return opened.error();
+  return ending;
+}
+
+Result<> Ending::Open() {
+  const int domain = transport::DomainId({}).value();
+  for (const auto& [name, actuator] : running_.Now()) {
+    Target& target = targets_[name];
+    target.outcome.name = name;
+    target.outcome.pid = actuator.status.pid;
+    epoch_ = std::max(epoch_, Epoch(actuator.status.epoch) + 1);
+    if (actuator.status.host == HostId()) {
+      const std::string lock = NameLock::NameOf(domain, name_space_, name);
+      auto process = OpenPidfd(actuator.status.pid);
+      // Opens the pidfd first, then checks it: a pid in a status is unproven.
+      const bool proven = actuator.child ? IsRunning(*actuator.child)
+                                         : NameLock::CheckHolder(lock, actuator.status.pid).ok();
+      target.here = process && proven;
+      if (target.here) target.process = std::move(process).value();
+    }
+    if (!actuator.has_status) {
+      target.outcome.trouble = "its process publishes no status";
+      continue;
+    }
+    machine_ = {actuator.status.machine, actuator.status.machine_id};
+    auto commands = transport::MakeClient<msg::ActuatorCommand>(
+        node_, transport::CommandService(name_space_, name));
+    if (!commands) return commands.error();
+    target.commands = std::move(commands).value();
+  }
+  auto heartbeats = transport::MakePublisher<msg::ControllerBeat>(
+      node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
+  if (!heartbeats) return heartbeats.error();
+  heartbeats_ = std::move(heartbeats).value();
+  heartbeat_ = {machine_.name, epoch_.value(), NewIncarnation(),
+                HostId(),      getpid(),       kHeartbeatPeriod.count(),
+                HostName(),    machine_.id,    node_.participant().value()};
+  if (auto published = heartbeats_->Publish(heartbeat_); !published) return published;
+  timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
+  return Ok();
+}
+
+void Ending::Advance() {
+  const Time now = node_.loop().Now();
+  const auto running = running_.Now();
+  for (auto& [name, target] : targets_) {
+    Check(target, running);
+    if (target.outcome.ended) continue;
+    const bool torn_down = target.outcome.torn_down;
+    if (!torn_down && now < deadline_ && target.commands) {
+      CommandTearDown(target, running);
+    } else if (!torn_down || now >= *target.torn_down_at + kExitGrace) {
+      Signal(target);
+    }
+  }
+}
+
+void Ending::Check(Target& target, const Actuators& running) {
+  const bool runs = running.contains(target.outcome.name);
+  if (!runs && !target.outcome.torn_down && running_.HasStatusOf(target.outcome.name)) {
+    target.outcome.torn_down = true;
+    target.torn_down_at = node_.loop().Now();
+  }
+  target.outcome.ended =
+      target.here ? HasEnded(target.process) : !running_.HasStatusOf(target.outcome.name);
+}
+
+void Ending::CommandTearDown(Target& target, const Actuators& running) {
+  const auto found = running.find(target.outcome.name);
+  if (target.commanded || found == running.end() || !found->second.has_status) return;
+  // An actuator of another machine may have the same name: only this process is commanded.
+  const transport::ParticipantId participant = found->second.participant;
+  const std::vector<transport::ParticipantId> servers = target.commands->Servers();
+  if (std::find(servers.begin(), servers.end(), participant) == servers.end()) return;
+  const msg::ActuatorStatus& status = found->second.status;
+  const Time now = node_.loop().Now();
+  target.commanded = true;
+  static_cast<void>(heartbeats_->Publish(heartbeat_));  // it obeys only an announced controller
+  msg::ActuatorCommand::Request request;
+  request.kind = msg::ActuatorCommand::kKindSwitch;
+  request.epoch = epoch_.value();
+  request.number = status.number + 1;
+  request.target = State(kTearDown);
+  request.budget_ns = Duration(deadline_ - now).count();
+  request.status_stamp_ns = status.stamp_ns;
+  request.since_status_ns = Duration(now - found->second.at).count();
+  request.incarnation = status.incarnation;
+  request.machine = machine_.name;
+  request.machine_id = machine_.id;
+  const auto on_reply = [this, &target](const auto& reply) {
+    target.commanded = false;  // commanded again if it was refused
+    if (!reply) return;
+    const bool done = reply.value().verdict == msg::ActuatorCommand::kVerdictDone;
+    target.outcome.trouble = done ? "" : reply.value().message;
+    if (!done || target.outcome.torn_down) return;
+    target.outcome.torn_down = true;
+    target.torn_down_at = node_.loop().Now();
+  };
+  target.commands->Call(request, deadline_ - now, on_reply, participant);
+}
+
+void Ending::Signal(Target& target) {
+  const Time now = node_.loop().Now();
+  if (!target.here) return;
+  if (!target.terminated_at) {
+    target.terminated_at = now;
+    target.outcome.signal = "SIGTERM";
+    Send(target.process, target.outcome.pid, SIGTERM);
+    Send(target.process, target.outcome.pid, SIGCONT);  // a stopped one handles SIGTERM only then
+  } else if (!target.killed && now >= *target.terminated_at + kTerminateTime) {
+    target.killed = true;
+    target.outcome.signal = "SIGKILL";
+    Send(target.process, target.outcome.pid, SIGKILL);
+  }
+}
+
+bool Ending::Ended() const {
+  return std::all_of(targets_.begin(), targets_.end(),
+                     [](const auto& one) { return one.second.outcome.ended; });
+}
+
+bool Ending::OutOfTime() const {
+  return node_.loop().Now() >= deadline_ + kExitGrace + kTerminateTime + kKillTime;
+}
+
+std::vector<Ending::Outcome> Ending::Outcomes() const {
+  std::vector<Outcome> outcomes;
+  for (const auto& [name, target] : targets_) outcomes.push_back(target.outcome);
+  return outcomes;
+}
+
+}  // namespace musher::cli

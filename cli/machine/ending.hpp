@@ -1,0 +1,82 @@
+#pragma once
+// Stops actuators that run without a controller: each gets TearDown, as a controller would command
+// it; a process of this host that does not exit by itself gets SIGTERM, then SIGKILL.
+//
+//   commanded ──torn down, 1 s──▶ SIGTERM ──2 s──▶ SIGKILL
+//       └──not torn down in time────▲
+//
+// All stop at the same time: their order is in the config, which this class does not read.
+//
+// Threads: loop thread only.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/base/unique_fd.hpp"
+#include "musher/cli/machine/running.hpp"
+#include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::cli {
+
+class Ending {
+ public:
+  // The result for one actuator.
+  struct Outcome {
+    std::string name;
+    std::int32_t pid = 0;
+    bool torn_down = false;
+    bool ended = false;
+    std::string signal;   // the last signal sent to its process: "SIGTERM", "SIGKILL"
+    std::string trouble;  // why it was not torn down, if it says so
+  };
+
+  // `timeout`: for the TearDowns. The node and `running` must outlive it.
+  static Result<std::unique_ptr<Ending>> Begin(transport::Node& node, const std::string& name_space,
+                                               const Running& running, Duration timeout);
+
+  bool Ended() const;
+  // The time for all attempts is over.
+  bool OutOfTime() const;
+  std::vector<Outcome> Outcomes() const;
+
+ private:
+  struct Target {
+    Outcome outcome;
+    bool here = false;  // a process of this host, proven to hold the actuator's name
+    bool commanded = false;
+    std::unique_ptr<transport::Client<msg::ActuatorCommand>> commands;
+    UniqueFd process;
+    std::optional<Time> torn_down_at;
+    std::optional<Time> terminated_at;
+    bool killed = false;
+  };
+
+  using Actuators = std::map<std::string, Running::Actuator>;
+
+  Ending(transport::Node& node, std::string name_space, const Running& running, Duration timeout);
+  Result<> Open();
+  void Advance();
+  void Check(Target& target, const Actuators& running);
+  void CommandTearDown(Target& target, const Actuators& running);
+  void Signal(Target& target);
+
+  transport::Node& node_;
+  const std::string name_space_;
+  const Running& running_;
+  const Time deadline_;
+  Epoch epoch_ = 1;
+  MachineIdentity machine_;  // of the actuators
+  msg::ControllerBeat heartbeat_;
+  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
+  std::map<std::string, Target> targets_;
+  transport::LoopHandlePtr timer_;
+};
+
+}  // namespace musher::cli

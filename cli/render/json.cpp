@@ -1,0 +1,349 @@
+#include "musher/cli/render/json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "musher/base/date_text.hpp"
+#include "musher/cli/console/json_line.hpp"
+#include "musher/cli/console/wall_time.hpp"
+
+namespace musher {
+
+// The library finds it by its argument.
+template <typename Kind>
+void to_json(cli::Json& json, StrongNumber<Kind> number) {
+  json = number.value();
+}
+
+}  // namespace musher
+
+namespace musher::cli {
+namespace {
+
+Json Of(const msg::ActuatorInfo& a) {
+  return {{"state", a.state},       {"pid", a.pid},
+          {"target", a.target},     {"presence", a.presence},
+          {"stage", a.stage},       {"critical", a.critical},
+          {"held", a.held},         {"degraded", a.degraded},
+          {"code", a.code},         {"message", a.message},
+          {"host", a.host},         {"health", a.health},
+          {"restarts", a.restarts}, {"restarting", a.restarting}};
+}
+
+Json Of(const msg::Capability& c) {
+  return {{"name", c.name},    {"description", c.description}, {"allowed", c.allowed},
+          {"code", c.code},    {"reason", c.reason},           {"actuators", c.actuators},
+          {"states", c.states}};
+}
+
+Json Of(const std::map<std::string, Running::Actuator>& running) {
+  Json actuators = Json::object();
+  for (const auto& [name, actuator] : running) {
+    const msg::ActuatorStatus& s = actuator.status;
+    actuators[name] = {{"state", s.state},
+                       {"pid", s.pid},
+                       {"target", s.target},
+                       {"host", s.host},
+                       {"heard", actuator.has_status},
+                       {"code", s.outcome_code},
+                       {"message", s.outcome_message},
+                       {"emergency_stop", s.emergency_stop != 0},
+                       {"emergency_stop_by", s.emergency_stop_by},
+                       {"emergency_stop_reason", s.emergency_stop_reason}};
+  }
+  return actuators;
+}
+
+std::string EventOf(const std::vector<std::string>& events, std::size_t i) {
+  return i < events.size() ? events[i] : "";
+}
+
+// The arguments of an entry's sentence, from its data; empty: it has none.
+Json ArgumentsIn(const std::string& data) {
+  if (!data.starts_with('{')) return Json::object();
+  const Json json = Json::parse(data, nullptr, false);
+  const auto found = json.is_object() ? json.find("arguments") : json.end();
+  return found != json.end() && found->is_object() ? *found : Json::object();
+}
+
+// An entry of the journal or of the wire.
+template <class Entry>
+Json OfEntry(const Entry& e, const std::string& event) {
+  return {{"time", UtcText(e.wall_ns)},
+          {"epoch", e.epoch},
+          {"switch", e.switch_number},
+          {"kind", e.kind},
+          {"event", event},
+          {"actuator", e.actuator},
+          {"code", e.code},
+          {"message", e.message},
+          {"id", e.id},
+          {"cause", e.cause},
+          {"new_state", e.state},
+          {"data", e.data},
+          {"arguments", ArgumentsIn(e.data)}};
+}
+
+const char* MarkName(recording::ReplayLine::Mark mark) {
+  switch (mark) {
+    case recording::ReplayLine::Mark::kRecorded:
+      return "-";
+    case recording::ReplayLine::Mark::kNew:
+      return "+";
+    case recording::ReplayLine::Mark::kSame:
+      break;
+  }
+  return "=";
+}
+
+Json Of(const msg::PolicyInfo& p) {
+  return {{"battery", p.battery < 0 ? Json() : Json(p.battery)},
+          {"charging", p.charging},
+          {"battery_silent", p.battery_silent},
+          {"ceiling", p.ceiling},
+          {"ceiling_reason", p.ceiling_reason},
+          {"kept", p.kept},
+          {"keep_s", p.keep_s},
+          {"low_power_switch", p.low_power_switch},
+          {"power", p.power}};
+}
+
+}  // namespace
+
+std::string StatusJson(const msg::MachineStatus& status,
+                       const std::map<std::string, Running::Actuator>& unlisted) {
+  Json actuators = Json::object();
+  for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = Of(a);
+  return JsonLine({{"machine", status.machine},
+                   {"pid", status.pid},
+                   {"state", status.state},
+                   {"degraded", status.degraded},
+                   {"actuators", actuators},
+                   {"unlisted", Of(unlisted)},
+                   {"phase", status.phase},
+                   {"target", status.target},
+                   {"epoch", status.epoch},
+                   {"switch", status.switch_number},
+                   {"namespace", status.name_space},
+                   {"config", status.config_file},
+                   {"config_hash", status.config_hash},
+                   {"host", status.host},
+                   {"emergency_stop",
+                    {{"engaged", status.emergency_stop},
+                     {"by", status.emergency_stop_by},
+                     {"reason", status.emergency_stop_reason}}},
+                   {"held_by_stop", status.held_by_stop},
+                   {"not_on_disk", status.not_on_disk},
+                   {"policy", status.policy.active ? Of(status.policy) : Json()},
+                   {"machine_id", status.machine_id},
+                   {"other_machines", status.other_machines},
+                   {"other_vendors", status.other_vendors},
+                   {"requested_by", status.requested_by}});
+}
+
+std::string SwitchJson(const msg::SetState::Response& result) {
+  Json actuators = Json::object();
+  for (const msg::ActuatorOutcome& a : result.actuators) {
+    actuators[a.name] = {{"outcome", a.outcome},
+                         {"code", a.code},
+                         {"message", a.message},
+                         {"duration_ms", a.duration_ms},
+                         {"state", a.state}};
+  }
+  return JsonLine({{"switch", result.switch_number},
+                   {"target", result.target},
+                   {"actuator", result.actuator},
+                   {"outcome", result.outcome},
+                   {"code", result.code},
+                   {"reason", result.reason},
+                   {"state", result.state},
+                   {"degraded", result.degraded},
+                   {"actuators", actuators}});
+}
+
+std::string EstopJson(const EstopReport& report) {
+  Json actuators = Json::object();
+  for (const EstopReport::Actuator& a : report.actuators) {
+    actuators[a.name] = {{"stopped", a.stopped},
+                         {"before", a.before},
+                         {"after_ms", std::chrono::duration<double, std::milli>(a.after).count()},
+                         {"trouble", a.trouble}};
+  }
+  Json earlier;  // null
+  if (report.earlier) earlier = {{"by", report.earlier->by}, {"reason", report.earlier->reason}};
+  return JsonLine({{"engaged", true},
+                   {"by", report.by},
+                   {"reason", report.reason},
+                   {"complete", report.complete()},
+                   {"controller", report.controller},
+                   {"earlier", earlier},
+                   {"actuators", actuators}});
+}
+
+std::string ReleaseJson(const msg::MachineStatus& machine) {
+  return JsonLine({{"engaged", machine.emergency_stop},
+                   {"machine", machine.machine},
+                   {"state", machine.state},
+                   {"phase", machine.phase}});
+}
+
+std::string PolicyJson(const msg::RequestPolicy::Request& request,
+                       const msg::RequestPolicy::Response& response) {
+  return JsonLine({{"request", request.request}, {"state", response.state}});
+}
+
+std::string RestartJson(const msg::ActuatorInfo& actuator) {
+  Json json = {{"actuator", actuator.name}};
+  json.update(Of(actuator));
+  return JsonLine(json);
+}
+
+std::string CapabilitiesJson(const msg::Capabilities& all) {
+  Json list = Json::array();
+  for (const msg::Capability& c : all.capabilities) list.push_back(Of(c));
+  return JsonLine({{"capabilities", list}});
+}
+
+std::string CapabilityJson(const msg::Capability& one) {
+  return JsonLine(Of(one));
+}
+
+std::string PlanJson(const msg::GetPlan::Response& plan) {
+  Json steps = Json::array();
+  for (const msg::PlanStep& s : plan.steps) {
+    steps.push_back({{"actuator", s.name},
+                     {"wave", s.wave},
+                     {"from", s.from},
+                     {"to", s.to},
+                     {"deadline_ms", s.deadline_ms},
+                     {"note", s.note}});
+  }
+  return JsonLine({{"target", plan.target},
+                   {"actuator", plan.actuator},
+                   {"allowed", plan.allowed},
+                   {"code", plan.code},
+                   {"reason", plan.reason},
+                   {"direction", plan.direction},
+                   {"state", plan.state},
+                   {"steps", steps}});
+}
+
+std::string HistoryJson(const msg::GetHistory::Response& history) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < history.entries.size(); ++i) {
+    list.push_back(OfEntry(history.entries[i], EventOf(history.events, i)));
+  }
+  return JsonLine({{"entries", list}, {"damage", history.error}});
+}
+
+std::string WhyJson(const Why& why) {
+  const auto entries_of = [](const CauseChain& chain) {
+    Json entries = Json::array();
+    for (std::size_t i = 0; i < chain.entries.size(); ++i) {
+      entries.push_back(OfEntry(chain.entries[i], EventOf(chain.events, i)));
+    }
+    return entries;
+  };
+  return JsonLine({{"state", why.state},
+                   {"chain", entries_of(why.change)},
+                   {"complete", why.change.complete},
+                   {"failure", entries_of(why.failure)},
+                   {"damage", why.damage}});
+}
+
+std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage) {
+  Json lines = Json::array();
+  for (const recording::ReplayLine& line : report.lines) {
+    Json json = {{"mark", MarkName(line.mark)}};
+    json.update(OfEntry(line.entry, line.entry.event));
+    if (!line.input.empty()) json["input"] = Json::parse(line.input);
+    lines.push_back(json);
+  }
+  return JsonLine({{"equal", report.equal()},
+                   {"inputs", report.inputs},
+                   {"decisions", report.decisions},
+                   {"differences", report.differences},
+                   {"not_replayed", report.not_replayed},
+                   {"recorded_state", report.recorded_state},
+                   {"replayed_state", report.replayed_state},
+                   {"lines", lines},
+                   {"notes", report.notes},
+                   {"damage", damage}});
+}
+
+std::string KeysJson(const std::string& folder,
+                     const std::vector<transport::keys::Identity>& identities) {
+  Json all = Json::object();
+  for (const transport::keys::Identity& identity : identities) {
+    all[identity.name] = {{"role", identity.role ? Json(RoleName(*identity.role)) : Json()},
+                          {"valid_until", FormatUtc(identity.not_after)},
+                          {"revoked", identity.revoked},
+                          {"has_key", identity.has_key}};
+  }
+  return JsonLine({{"folder", folder}, {"identities", all}});
+}
+
+std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Response& report) {
+  Json changes = Json::array();
+  for (const msg::BehaviorChange& change : report.history) {
+    changes.push_back({{"time_s", change.time_s},
+                       {"tick", change.tick},
+                       {"from", change.from},
+                       {"to", change.to},
+                       {"cause", change.cause},
+                       {"command", change.command}});
+  }
+  return JsonLine({{"name", name},
+                   {"running", report.running},
+                   {"ticking", report.ticking},
+                   {"held_by_stop", report.held_by_stop},
+                   {"state", report.current_state},
+                   {"mode", report.operating_mode},
+                   {"ticks", report.iter_count},
+                   {"safety_triggered", report.safety_triggered},
+                   {"unsafe", report.unsafe},
+                   {"time_s", report.time_s},
+                   {"time_in_state_s", report.time_in_state_s},
+                   {"last_fault", report.last_fault},
+                   {"history", changes}});
+}
+
+std::string BehaviorSentJson(const std::string& name, const std::string& command) {
+  return JsonLine({{"name", name}, {"sent", command}});
+}
+
+std::string GraphJson(const std::string& format, const std::string& drawing) {
+  return JsonLine({{"format", format}, {"graph", drawing}});
+}
+
+std::string GraphFileJson(const std::string& format, const std::string& file) {
+  return JsonLine({{"format", format}, {"output", file}});
+}
+
+std::string ProgressJson(const Progress& progress) {
+  return JsonLine({{"time", UtcText(progress.wall_ns)},
+                   {"kind", progress.kind},
+                   {"actuator", progress.actuator},
+                   {"switch", progress.switch_number},
+                   {"code", progress.code},
+                   {"message", progress.message}});
+}
+
+std::string RunningJson(const Failure& failure,
+                        const std::map<std::string, Running::Actuator>& running) {
+  return JsonLine(
+      {{"error", failure.error.message}, {"code", failure.error.code}, {"actuators", Of(running)}});
+}
+
+std::string EndingJson(const std::vector<Ending::Outcome>& outcomes) {
+  Json actuators = Json::object();
+  for (const Ending::Outcome& o : outcomes) {
+    actuators[o.name] = {{"pid", o.pid},
+                         {"ended", o.ended},
+                         {"torn_down", o.torn_down},
+                         {"signal", o.signal},
+                         {"message", o.trouble}};
+  }
+  return JsonLine({{"actuators", actuators}});
+}
+
+}  // namespace musher::cli

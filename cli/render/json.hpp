@@ -1,0 +1,76 @@
+#pragma once
+// The JSON documents of `--json`, each on one line. Their keys are a contract: keys may be added,
+// none is renamed or removed.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/cli/console/exit_code.hpp"
+#include "musher/cli/machine/ending.hpp"
+#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/why.hpp"
+#include "musher/cli/start/progress.hpp"
+#include "musher/controller/client/latching.hpp"
+#include "musher/controller/journal/replay.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/musher_msgs/policy_request.hpp"
+#include "musher/ota/manifest.hpp"
+#include "musher/ota/slots.hpp"
+#include "musher/wire/security/authority.hpp"
+
+namespace musher::cli {
+
+// `unlisted`: running actuators of the namespace that are not in the machine's config.
+std::string StatusJson(const msg::MachineStatus& status,
+                       const std::map<std::string, Running::Actuator>& unlisted = {});
+// A failure, and the actuators that run without a controller.
+std::string RunningJson(const Failure& failure,
+                        const std::map<std::string, Running::Actuator>& running);
+std::string EndingJson(const std::vector<Ending::Outcome>& outcomes);
+std::string SwitchJson(const msg::SetState::Response& result);
+std::string EstopJson(const EstopReport& report);
+std::string ReleaseJson(const msg::MachineStatus& machine);
+std::string PolicyJson(const msg::RequestPolicy::Request& request,
+                       const msg::RequestPolicy::Response& response);
+std::string RestartJson(const msg::ActuatorInfo& actuator);
+std::string CapabilitiesJson(const msg::Capabilities& all);
+std::string CapabilityJson(const msg::Capability& one);
+std::string PlanJson(const msg::GetPlan::Response& plan);
+std::string HistoryJson(const msg::GetHistory::Response& history);
+std::string WhyJson(const Why& why);
+std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage);
+std::string KeysJson(const std::string& folder,
+                     const std::vector<transport::keys::Identity>& identities);
+// The upgrade state of a robot for `musher ota status`.
+struct OtaRobot {
+  struct SlotInfo {
+    std::string slot;
+    std::string role;
+    std::string version;  // empty: none that can be started
+    std::string fault;    // why not
+  };
+  std::string robot;
+  std::string root;
+  int pid = 0;  // of its controller; 0: not running
+  std::optional<ota::TrialBootEnd> last;
+  std::vector<SlotInfo> slots;
+};
+std::string OtaStatusJson(const OtaRobot& robot);
+std::string OtaStepJson(const std::string& step, std::uint64_t bytes);
+// `outcome`: "kept", "gone back", or "waiting" for the next start.
+std::string OtaResultJson(const std::string& version, const std::string& outcome,
+                          const std::string& reason);
+std::string OtaKeysJson(const std::string& secret, const std::string& open);
+std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& where);
+std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Response& report);
+std::string BehaviorSentJson(const std::string& name, const std::string& command);
+std::string GraphJson(const std::string& format, const std::string& drawing);
+std::string GraphFileJson(const std::string& format, const std::string& file);
+std::string ProgressJson(const Progress& progress);  // a line of `up --json`
+
+}  // namespace musher::cli

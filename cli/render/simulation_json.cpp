@@ -1,0 +1,72 @@
+#include <nlohmann/json.hpp>
+
+#include "musher/cli/render/simulation.hpp"
+
+namespace musher::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json ScenarioOf(const simulation::ScenarioId& id) {
+  ordered_json json = {{"seed", id.seed}};
+  if (id.only) json["only"] = *id.only;
+  return json;
+}
+
+ordered_json CoverageOf(const simulation::Coverage& coverage) {
+  ordered_json json;
+  for (std::size_t kind = 0; kind < simulation::kInjectionKinds; ++kind) {
+    const auto injection = static_cast<simulation::InjectionKind>(kind);
+    ordered_json& row = json[std::string(KindName(injection))];
+    for (std::size_t phase = 0; phase < simulation::kMachinePhases; ++phase) {
+      const auto when = static_cast<simulation::MachinePhase>(phase);
+      row[std::string(MachinePhaseName(when))] = coverage.Of(injection, when);
+    }
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string SimulationJson(const SimulationReport& report, const std::string& failing_scenario) {
+  const simulation::Summary& s = report.summary;
+  ordered_json json = {{"file", report.file},
+                       {"scenarios", s.scenarios},
+                       {"passed", s.good()},
+                       {"simulated_s", ToSeconds(s.simulated)},
+                       {"took_s", ToSeconds(report.took)},
+                       {"checks", s.checks},
+                       {"bound_s", ToSeconds(report.options.bound)}};
+  for (std::size_t i = 0; i < s.switches.size(); ++i) {
+    json["switches"][std::string(OutcomeName(static_cast<SwitchOutcome>(i)))] = s.switches[i];
+  }
+  if (!s.rests.empty()) {
+    json["settled_s"] = {{"median", ToSeconds(s.rests[s.rests.size() / 2])},
+                         {"longest", ToSeconds(s.rests.back())}};
+  }
+  json["injected_events"] = CoverageOf(s.coverage);
+  for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
+    json["invariants"].push_back(
+        {{"invariant", InvariantText(static_cast<simulation::Invariant>(i))},
+         {"violated_by", s.bad[i]}});
+  }
+  if (report.worst) {
+    json["shortest_failing_scenario"] = ScenarioOf(*report.worst);
+    json["shortest_failing_scenario"]["text"] = failing_scenario;
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
+                         const std::string& text) {
+  ordered_json json = ScenarioOf(id);
+  json["passed"] = !ending.violation.has_value();
+  if (ending.violation) {
+    json["violated"] = InvariantText(ending.violation->invariant);
+    json["what"] = ending.violation->what;
+  }
+  json["text"] = text;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,70 @@
+#pragma once
+// Text output: the messages of json.hpp as lines and tables for people.
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "musher/cli/console/console.hpp"
+#include "musher/cli/machine/ending.hpp"
+#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/why.hpp"
+#include "musher/cli/start/progress.hpp"
+#include "musher/controller/client/latching.hpp"
+#include "musher/controller/journal/replay.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+
+namespace musher::cli {
+
+// The colour of a state, from good to bad.
+Style StyleOfState(std::string_view state);
+
+std::string StatusText(const msg::MachineStatus& status, bool colour);
+// The status on one line, for output that is not a terminal.
+std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
+
+// Actuators that run without a controller; RunningNames(): "legs (pid 7), …".
+std::string RunningText(const std::map<std::string, Running::Actuator>& running, bool colour);
+std::string RunningNames(const std::map<std::string, Running::Actuator>& running);
+std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour);
+
+std::string SwitchText(const msg::SetState::Response& result, bool colour);
+// Why a switch is not done, as one sentence.
+std::string SwitchError(const msg::SetState::Response& result);
+
+std::string EstopText(const EstopReport& report, bool colour);
+// The actuators that have not stopped, as one sentence.
+std::string EstopError(const EstopReport& report);
+// The machine's state after the release of an emergency stop.
+std::string ReleaseText(const msg::MachineStatus& machine, bool colour);
+std::string RestartText(const msg::ActuatorInfo& actuator, bool colour);
+
+std::string CapabilitiesText(const msg::Capabilities& all, bool colour);
+std::string CapabilityText(const msg::Capability& one, bool colour);
+
+std::string BehaviorText(const std::string& name, const msg::GetBehavior::Response& report,
+                         bool colour);
+// The state changes, one line each.
+std::string BehaviorLines(const msg::GetBehavior::Response& report, std::int64_t wall_ns,
+                          bool colour);
+
+// Of a plan that would be refused.
+std::string PlanError(const msg::GetPlan::Response& plan);
+std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
+// "the machine went to ...", then a line "because ..." for each cause.
+std::string WhyText(const Why& why, bool colour);
+std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour);
+// The entries as CSV (RFC 4180); `head`: with a header line.
+std::string HistoryCsv(const std::vector<msg::HistoryEntry>& entries, bool head);
+// A timeline; "-" marks decisions that are only recorded, "+" new ones.
+std::string ReplayText(const recording::ReplayReport& report, bool colour);
+std::string ProgressText(const Progress& progress, bool colour);
+
+// "7 actuators, 9 states, 2 stages"
+std::string ConfigSummary(const MachineConfig& config);
+
+}  // namespace musher::cli

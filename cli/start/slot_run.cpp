@@ -1,0 +1,190 @@
+#include "musher/cli/start/slot_run.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
+
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/program_path.hpp"
+#include "musher/cli/config/config_file.hpp"
+#include "musher/controller/end_controller.hpp"
+#include "musher/ota/files.hpp"
+#include "musher/ota/posix_disk.hpp"
+#include "musher/ota/root.hpp"
+#include "musher/ota/trial_boot.hpp"
+
+namespace musher::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Duration kCheckEvery = Milliseconds(100);
+constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
+constexpr Duration kRunKillTime = Milliseconds(2000);
+
+// Slots are replaced by upgrades: the controller's own files must be outside of them.
+std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
+  const std::string slot = run.Folder() + "/";
+  return path.starts_with(slot) ? run.root + "/" + path.substr(slot.size()) : path;
+}
+
+// The processes whose state config is in `folder`, and their children.
+std::vector<pid_t> ProcessesOf(const std::string& folder) {
+  std::vector<pid_t> pids;
+  const std::string wanted = "MUSHER_CONFIG=" + folder + "/";
+  for (const fs::path& process : EntriesOf("/proc")) {
+    const std::string name = process.filename();
+    pid_t pid = 0;
+    const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), pid);
+    if (bad != std::errc() || end != name.data() + name.size() || pid == getpid()) continue;
+    const std::string variables = ReadFile(process / "environ");
+    const std::size_t found = variables.find(wanted);
+    if (found == 0 || (found != std::string::npos && variables[found - 1] == '\0')) {
+      pids.push_back(pid);
+    }
+  }
+  return pids;
+}
+
+// Sends the signal to all and waits until they exit.
+void SignalAll(std::vector<UniqueFd>& processes, int signal, Duration timeout) {
+  for (const auto& process : processes) SendSignal(process.get(), signal);
+  const Time deadline = std::chrono::steady_clock::now() + timeout;
+  while (!processes.empty()) {
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    pollfd ended{processes.back().get(), POLLIN, 0};
+    if (left.count() <= 0 || poll(&ended, 1, static_cast<int>(left.count())) != 1) return;
+    processes.pop_back();
+  }
+}
+
+}  // namespace
+
+std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover,
+                                     Console& console) {
+  ota::PosixDisk disk;
+  const auto fail = [&](const Error& error) {
+    console.Fail(error);
+    return std::nullopt;
+  };
+  const auto root = ota::Root::Open(disk, fs::canonical(root_path));
+  if (!root) return fail(root.error());
+  const int holder = ota::HolderOf(root.value().RunLock());
+  if (holder != 0 && !takeover) {
+    return fail({kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}",
+                                              holder, root.value().path(), HowToReplace(holder))});
+  }
+  std::string abandoned;  // why a version was abandoned
+  while (true) {
+    const auto boot = root.value().Boot();
+    if (!boot) return fail(boot.error());
+    const ota::Boot& b = boot.value();
+    ChosenSlot chosen{{root.value().path(), b.start, b.on_trial_boot, b.version.text,
+                       root.value().config().trial, abandoned.empty() ? b.reason : abandoned},
+                      {}};
+    auto config = LoadConfig(root.value().ConfigFile(b.start), console);
+    if (config) {
+      chosen.config = std::move(*config);
+      chosen.config.state_dir = OutsideOfSlot(chosen.config.state_dir, chosen.run);
+      chosen.config.log = OutsideOfSlot(chosen.config.log, chosen.run);
+      return chosen;
+    }
+    if (!b.on_trial_boot) return std::nullopt;
+    const auto ended = EndTrialBoot(chosen.run, Error{kCodeFailed, "its state config is invalid"});
+    if (!ended) return fail(ended.error());
+    abandoned = "version " + b.version.text + " abandoned: its state config is invalid";
+  }
+}
+
+Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome) {
+  ota::PosixDisk disk;
+  const auto root = ota::Root::Open(disk, run.root);
+  return root ? root.value().EndTrialBoot(run.version, outcome) : Result<>(root.error());
+}
+
+void PutSlotFirstInPath(const SlotRun& run) {
+  PutFirstInPath(run.Folder() + "/" + ota::kProgramFolder);
+}
+
+void EndOtherSlot(const SlotRun& run) {
+  SlotRun other = run;
+  other.slot = ota::Other(run.slot);
+  std::vector<UniqueFd> processes;
+  for (const pid_t pid : ProcessesOf(other.Folder())) {
+    auto process = OpenPidfd(pid);
+    if (process) processes.push_back(std::move(process).value());
+  }
+  SignalAll(processes, SIGTERM, kTermTime);
+  SignalAll(processes, SIGKILL, kRunKillTime);
+}
+
+Result<> RootLock::Take(const std::string& root_path) {
+  disk_ = std::make_unique<ota::PosixDisk>();
+  const auto root = ota::Root::Open(*disk_, root_path);
+  if (!root) return root.error();
+  auto lock = disk_->Take(root.value().RunLock(), /*wait=*/false);
+  if (!lock) return lock.error();
+  lock_ = std::move(lock).value();
+  return Ok();
+}
+
+TrialBoot::TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, const SlotRun& run,
+                     const MachineConfig& config, std::function<const Machine*()> machine,
+                     OnEnd on_end)
+    : loop_(loop),
+      disk_(disk),
+      run_(run),
+      config_(config),
+      machine_(std::move(machine)),
+      on_end_(std::move(on_end)),
+      evaluation_(loop.Every(kCheckEvery, [this] { Evaluate(); })) {
+  ExpectEnd();
+}
+
+// The time counts once no emergency stop is engaged any more.
+void TrialBoot::ExpectEnd() {
+  deadline_ = loop_.At(loop_.Now() + run_.trial, [this] {
+    const Machine* machine = machine_();
+    if (machine != nullptr && machine->emergency.stop) return ExpectEnd();
+    Fail({kCodeTimeout, fmt::format("it was not up within {:g} s", ToSeconds(run_.trial))});
+  });
+}
+
+void TrialBoot::Evaluate() {
+  const Machine* machine = machine_();
+  if (machine == nullptr || ending_) return;
+  held_ |= machine->phase == Phase::kFailed && machine->emergency.stop;
+  if (const auto verdict = ota::EvaluateTrialBoot(config_, *machine, held_)) End(*verdict);
+}
+
+void TrialBoot::Fail(const Error& why) {
+  if (!ending_) End(why);
+}
+
+// If "kept" cannot be saved, the version is rolled back: the next start would do so anyway.
+void TrialBoot::End(const Result<>& outcome) {
+  ending_ = true;
+  const auto saved = std::make_shared<Result<>>();
+  disk_.Do(
+      "trial",
+      [run = run_, outcome, saved] {
+        *saved = EndTrialBoot(run, outcome);
+        return Ok();  // no retry
+      },
+      [this, outcome, saved](const Result<>&) {
+        under_way_ = false;
+        if (!outcome || *saved) return on_end_(outcome);
+        const Error& why = saved->error();
+        on_end_(Error{why.code, "its outcome cannot be saved: " + why.message});
+      });
+}
+
+}  // namespace musher::cli

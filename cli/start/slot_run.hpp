@@ -1,0 +1,101 @@
+#pragma once
+// `musher up ROOT`: chooses a version of the robot's software from one of the two slots of an
+// upgrade root (ota). The controller then evaluates a version on trial boot once it is
+// up, and keeps it or rolls back.
+//
+// Threads: loop thread only. The end of a trial boot is saved on the disk thread.
+
+#include <csignal>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "musher/cli/console/console.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
+#include "musher/ota/disk.hpp"
+#include "musher/ota/slots.hpp"
+#include "musher/transport/disk_writer.hpp"
+#include "musher/transport/event_loop.hpp"
+
+namespace musher::cli {
+
+// With this signal the controller of a machine that was started from a root takes the machine down
+// and restarts it from the slot that is then due.
+inline constexpr int kStartAgainSignal = SIGUSR2;
+
+struct SlotRun {
+  std::string root;  // absolute
+  ota::Slot slot = ota::Slot::kA;
+  bool on_trial_boot = false;
+  std::string version;
+  Duration trial{};    // time limit of a trial boot
+  std::string reason;  // why this slot was chosen
+
+  std::string Folder() const { return root + "/slots/" + std::string(ota::SlotName(slot)); }
+};
+
+struct ChosenSlot {
+  SlotRun run;
+  MachineConfig config;
+};
+
+// Chooses the slot of a root and saves the choice. A version on trial boot with a faulty config is
+// abandoned for the previous one. Prints the error and returns nullopt if there is no version to
+// start, or if the machine of this root already runs and `takeover` is false.
+std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, Console& console);
+
+// Saves the outcome of the trial boot: the version is kept, or why not.
+Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);
+
+// Makes this process and the processes that it starts find the slot's programs first.
+void PutSlotFirstInPath(const SlotRun& run);
+
+// Stops the processes that a crashed controller left running from the other slot: otherwise two
+// versions of a module would run. Waits for them, some seconds at most.
+void EndOtherSlot(const SlotRun& run);
+
+// Marks, while it exists, that a machine runs from this root.
+class RootLock {
+ public:
+  // Report an Error and continue: `musher ota` then cannot find this machine.
+  Result<> Take(const std::string& root);
+
+ private:
+  std::unique_ptr<ota::Disk> disk_;
+  std::unique_ptr<ota::Disk::Lock> lock_;
+};
+
+// The trial boot of a version.
+class TrialBoot {
+ public:
+  // `outcome`: the version is kept, or why not. Called on the loop once the outcome is on disk.
+  using OnEnd = std::function<void(const Result<>& outcome)>;
+  TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, const SlotRun& run,
+            const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end);
+
+  bool under_way() const { return under_way_; }
+  // Ends the trial boot for a reason that the machine does not show. No effect if it has ended.
+  void Fail(const Error& why);
+  // An emergency stop has refused the start-up, perhaps one that is released by now.
+  void Hold() { held_ = true; }
+
+ private:
+  void Evaluate();
+  void ExpectEnd();
+  void End(const Result<>& outcome);
+
+  transport::EventLoop& loop_;
+  transport::DiskWriter& disk_;
+  const SlotRun& run_;
+  const MachineConfig& config_;
+  std::function<const Machine*()> machine_;
+  OnEnd on_end_;
+  bool under_way_ = true;
+  bool ending_ = false;  // its outcome is being saved
+  bool held_ = false;    // an emergency stop has kept the machine from starting
+  transport::LoopHandlePtr evaluation_;
+  transport::LoopHandlePtr deadline_;
+};
+
+}  // namespace musher::cli

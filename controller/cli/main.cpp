@@ -1,9 +1,0 @@
-#include <unistd.h>
-
-#include <iostream>
-
-#include "musher/controller/cli/run.hpp"
-
-int main(int argc, char** argv) {
-  return musher::cli::Run(argc, argv, std::cout, std::cerr, isatty(STDOUT_FILENO) == 1);
-}

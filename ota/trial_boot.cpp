@@ -1,0 +1,41 @@
+#include "musher/ota/trial_boot.hpp"
+
+#include <algorithm>
+
+#include "musher/base/code.hpp"
+
+namespace musher::ota {
+namespace {
+
+// The actuator is in the machine's state, or has a fault.
+bool Settled(const MachineConfig& config, const Machine& machine, ActuatorIndex actuator) {
+  const ActuatorRecord& record = machine.actuators[actuator];
+  if (record.fault || record.held) return true;
+  if (record.presence != Presence::kPresent || record.report.busy() || record.command) return false;
+  return record.state() == machine.state || !config.actuators[actuator].Lists(machine.state);
+}
+
+std::string Why(const MachineConfig& config, ActuatorIndex actuator, const Error& fault) {
+  return "critical " + config.actuators[actuator].name + ": " + WithCode(fault.message, fault.code);
+}
+
+}  // namespace
+
+std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine,
+                                          bool held) {
+  if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) return std::nullopt;
+  bool settled = machine.phase == Phase::kRunning && !machine.current;
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
+    const auto& fault = machine.actuators[i].fault;
+    const bool coming_back = machine.actuators[i].restart.at.has_value();
+    if (fault && config.actuators[i].critical && !coming_back) {
+      return Result<>(Error{fault->code, Why(config, i, *fault)});
+    }
+    settled = settled && !coming_back && Settled(config, machine, i);
+  }
+  if (machine.phase == Phase::kFailed && held) return std::nullopt;
+  if (machine.phase == Phase::kFailed) return Result<>(Error{kCodeFailed, "the start-up failed"});
+  return settled ? std::optional(Ok()) : std::nullopt;
+}
+
+}  // namespace musher::ota

@@ -1,0 +1,414 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <limits>
+
+#include "musher/cli/doctor/checks.hpp"
+#include "musher/cli/doctor/host_facts.hpp"
+#include "musher/cli/doctor/in_child.hpp"
+#include "musher/cli/render/doctor.hpp"
+#include "musher/test/cli/robot.hpp"
+#include "musher/test/support/temp_folder.hpp"
+
+namespace musher::cli::doctor_test {
+
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kNow = 1'790'000'000;
+
+// A computer without a fault, with a robot that needs keys.
+DoctorFacts Healthy() {
+  DoctorFacts facts;
+  facts.config = RobotConfig();
+  facts.config->keys = "/etc/keys";
+  facts.interfaces = {{"lo", true, true, false, {"127.0.0.1"}},
+                      {"eth0", true, false, true, {"192.168.1.7"}}};
+  facts.rmem_max = facts.wmem_max = 8 << 20;
+  facts.dds = {"", Milliseconds(20), Milliseconds(1)};
+  facts.clock = {"", true, Milliseconds(5), "tsc", kNow, kNow - 10};
+  facts.state_dir =
+      FolderFacts{"/state", "/state", "", true, true, false, 4ll << 30, 9ll << 30, 9999};
+  facts.log_dirs = {*facts.state_dir};
+  facts.log_dirs[0].path = facts.log_dirs[0].existing = "/state/logs";
+  facts.lock = LockFacts{"/state/controller.lock", "dog", true, 0};
+  facts.limits = {1024, 4096, "gdb", 0, false};
+  facts.core = {1 << 20, 1 << 20, "core"};
+  facts.cpu = {4, std::nullopt, {}};
+  facts.version = "1.2.3";
+  facts.now = transport::keys::WallTime(std::chrono::seconds(kNow));
+  facts.keys = {{"controller", "", facts.now + std::chrono::days(300), "/etc/keys/c.key", 0600}};
+  return facts;
+}
+
+DoctorCheck Check(const DoctorFacts& facts, const std::string& name) {
+  const auto all = Diagnose(facts);
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const auto& check) { return check.name == name; });
+  if (found != all.end()) return *found;
+  ADD_FAILURE() << "no check '" << name << "'";
+  return {};
+}
+
+struct Planted {
+  const char* test;
+  const char* check;
+  CheckStatus health;
+  const char* reason;
+  const char* fix;
+  void (*plant)(DoctorFacts&);
+};
+
+void Uri(DoctorFacts& facts, const std::string& xml) {
+  facts.environment["CYCLONEDDS_URI"] = facts.uri_text = xml;
+}
+
+const Planted kPlanted[] = {
+    {"ABadDomain", "DDS environment", CheckStatus::kError, "ROS_DOMAIN_ID is 999",
+     "unset ROS_DOMAIN_ID", [](DoctorFacts& f) { f.domain_error = "ROS_DOMAIN_ID is 999"; }},
+    {"ABadProfile", "DDS environment", CheckStatus::kError, "MUSHER_TRANSPORT is wan",
+     "unset MUSHER_TRANSPORT", [](DoctorFacts& f) { f.profile_error = "MUSHER_TRANSPORT is wan"; }},
+    {"AnUnknownInterfaceInTheUri", "CYCLONEDDS_URI", CheckStatus::kError,
+     "names the interface eth7, which does not exist; interfaces are lo, eth0",
+     "unset CYCLONEDDS_URI",
+     [](DoctorFacts& f) { Uri(f, "<Interfaces><NetworkInterface name=\"eth7\"/></Interfaces>"); }},
+    {"AnInterfaceOfTheUriThatIsDown", "CYCLONEDDS_URI", CheckStatus::kError, "is down",
+     "sudo ip link set eth0 up",
+     [](DoctorFacts& f) {
+       f.interfaces[1].up = false;
+       Uri(f, "<NetworkInterfaceAddress>192.168.1.7</NetworkInterfaceAddress>");
+     }},
+    {"AMissingFileOfTheUri", "CYCLONEDDS_URI", CheckStatus::kError, "missing or empty",
+     "unset CYCLONEDDS_URI",
+     [](DoctorFacts& f) {
+       f.environment["CYCLONEDDS_URI"] = "file:///x.xml";
+       f.uri_error = "it names the file /x.xml, which is missing or empty";
+     }},
+    {"ATruncatedUri", "CYCLONEDDS_URI", CheckStatus::kWarning, "not closed", "unset CYCLONEDDS_URI",
+     [](DoctorFacts& f) { Uri(f, "<CycloneDDS><Domain>"); }},
+    {"NoLoopback", "network interface", CheckStatus::kError, "no loopback interface",
+     "ip link set lo up", [](DoctorFacts& f) { f.interfaces.erase(f.interfaces.begin()); }},
+    {"NoNetworkForLan", "network interface", CheckStatus::kError,
+     "but no interface to other hosts: eth0 (it is down)", "ip link set eth0 up",
+     [](DoctorFacts& f) {
+       f.profile = TransportProfile::kLan;
+       f.interfaces[1].up = false;
+     }},
+    {"NoMulticastForLan", "network interface", CheckStatus::kError, "; eth0 is without multicast",
+     "ip link set eth0 multicast on",
+     [](DoctorFacts& f) {
+       f.profile = TransportProfile::kLan;
+       f.interfaces[1].multicast = false;
+     }},
+    {"AnInterfaceThatCameAfterTheStart", "interfaces in use", CheckStatus::kWarning,
+     "the controller (pid 7) not eth0 with 192.168.1.7, legs (pid 8) not eth0",
+     "musher up --detach --takeover ",
+     [](DoctorFacts& f) {
+       f.profile = TransportProfile::kLan;
+       f.members = {{"", 7, {"127.0.0.1"}},
+                    {"legs", 8, {"127.0.0.1", "192.168.1.2"}},
+                    {"eyes", 9, {"127.0.0.1", "192.168.1.7"}},
+                    {"lidar", 10, {}}};
+     }},
+    {"NoDds", "DDS exchange", CheckStatus::kError, "was not discovered", "firewall",
+     [](DoctorFacts& f) { f.dds.error = "the other process was not discovered"; }},
+    {"SlowDds", "DDS exchange", CheckStatus::kWarning, "takes 120.00 ms, more than 50 ms", "top -H",
+     [](DoctorFacts& f) { f.dds.exchange = Milliseconds(120); }},
+    {"ASmallReceiveBuffer", "net.core.rmem_max", CheckStatus::kWarning,
+     "212992 bytes; the transport requests 4194304", "sysctl --system",
+     [](DoctorFacts& f) { f.rmem_max = 212992; }},
+    {"ASmallSendBuffer", "net.core.wmem_max", CheckStatus::kWarning, "4096 bytes",
+     "sysctl --system", [](DoctorFacts& f) { f.wmem_max = 4096; }},
+    {"RosOnLocalhost", "ROS 2 environment", CheckStatus::kWarning, "ROS_LOCALHOST_ONLY is 1",
+     "unset ROS_LOCALHOST_ONLY", [](DoctorFacts& f) { f.environment["ROS_LOCALHOST_ONLY"] = "1"; }},
+    {"AnotherRmw", "ROS 2 environment", CheckStatus::kWarning, "rmw_fastrtps_cpp",
+     "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp",
+     [](DoctorFacts& f) { f.environment["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"; }},
+    {"ANodeOnFastDds", "ROS 2 environment", CheckStatus::kWarning,
+     "process 812 of host dog1 runs Fast DDS", "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp",
+     [](DoctorFacts& f) { f.other_vendors = {"process 812 of host dog1 runs Fast DDS"}; }},
+    {"AClockOf1970", "clock", CheckStatus::kError, "1970-01-01 00:01:40",
+     "timedatectl set-ntp true", [](DoctorFacts& f) { f.clock.wall_s = 100; }},
+    {"AClockThatWasSetBack", "clock", CheckStatus::kWarning, "3600 s from now", "timedatectl",
+     [](DoctorFacts& f) { f.clock.newest_file_s = f.clock.wall_s + 3600; }},
+    {"AFileOfAYearBeyondTheCalendar", "clock", CheckStatus::kWarning,
+     "a file of @9223372036854775807, ", "timedatectl",
+     [](DoctorFacts& f) { f.clock.newest_file_s = std::numeric_limits<std::int64_t>::max(); }},
+    {"AClockWithoutNtp", "clock", CheckStatus::kWarning, "not synchronised",
+     "timedatectl set-ntp true", [](DoctorFacts& f) { f.clock.synchronised = false; }},
+    {"ACoarseClock", "steady clock", CheckStatus::kWarning, "jiffies", "available_clocksource",
+     [](DoctorFacts& f) { f.clock.source = "jiffies"; }},
+    {"AnUnwritableStateFolder", "state folder", CheckStatus::kError,
+     "/ is not writable for this user, and", "sudo install -d -o",
+     [](DoctorFacts& f) {
+       f.state_dir->existing = "/";
+       f.state_dir->writable = false;
+     }},
+    {"AHungDisk", "state folder", CheckStatus::kError, "did not answer within", "a local disk",
+     [](DoctorFacts& f) { f.state_dir->error = "the disk did not answer within 2000 ms"; }},
+    {"AStateFolderThatCannotBeWritten", "state folder", CheckStatus::kError,
+     "writing to /state fails, 4 KiB free: No space left", "du -xh /state",
+     [](DoctorFacts& f) {
+       f.state_dir->free_bytes = 4 << 10;
+       f.state_dir->write_error = "No space left on device";
+     }},
+    {"AStateFolderThatAnotherUserCanChange", "state folder", CheckStatus::kError,
+     "belongs to user 1001", "chown -R",
+     [](DoctorFacts& f) { f.state_dir->untrusted = "/state belongs to user 1001"; }},
+    {"AFileForAStateFolder", "state folder", CheckStatus::kError, "is not a folder",
+     "another state_dir", [](DoctorFacts& f) { f.state_dir->is_folder = false; }},
+    {"AFullDisk", "disk", CheckStatus::kError, "5 of 9216 MiB free", "du -xh /state",
+     [](DoctorFacts& f) { f.state_dir->free_bytes = 5 << 20; }},
+    {"LittleDisk", "disk", CheckStatus::kWarning, "100 of 9216 MiB free", "du -xh",
+     [](DoctorFacts& f) { f.state_dir->free_bytes = 100 << 20; }},
+    {"LessDiskThanTheLogsMayTake", "disk", CheckStatus::kWarning, "logs_size_mb permit 564",
+     "lower logs_size_mb", [](DoctorFacts& f) { f.state_dir->free_bytes = 400 << 20; }},
+    {"NoInodes", "disk", CheckStatus::kWarning, "only 3 more files", "du -xh",
+     [](DoctorFacts& f) { f.state_dir->free_inodes = 3; }},
+    {"AStateFolderInMemory", "disk", CheckStatus::kWarning, "tmpfs", "set state_dir",
+     [](DoctorFacts& f) { f.state_dir->in_memory = true; }},
+    {"FewFiles", "open files", CheckStatus::kError, "64 permitted, 272 needed", "ulimit -n 272",
+     [](DoctorFacts& f) { f.limits.files = 64; }},
+    {"FewFilesByTheHardLimit", "open files", CheckStatus::kError, "64 permitted",
+     "limits.d/musher.conf", [](DoctorFacts& f) { f.limits.files = f.limits.files_hard = 64; }},
+    {"ARealTimePriorityThatIsNotPermitted", "real-time priority", CheckStatus::kError,
+     "none permitted, legs requests 80 (chrt): its process cannot start", "LimitRTPRIO=80",
+     [](DoctorFacts& f) {
+       f.config->actuators[0].command = {"chrt", "-f", "80", "legs"};
+     }},
+    {"ARealTimePriorityAboveTheLimit", "real-time priority", CheckStatus::kError,
+     "up to 50 permitted, legs requests 60", "rtprio 60",
+     [](DoctorFacts& f) {
+       f.limits.real_time = 50;
+       f.config->actuators[0].command = {"/usr/bin/chrt", "--rr", "60", "legs"};
+     }},
+    {"NoCoreDumps", "core dumps", CheckStatus::kWarning,
+     "the limit is 0 bytes; they would go to the program /usr/bin/apport", "ulimit -c unlimited",
+     [](DoctorFacts& f) {
+       f.core = {0, 1, "|/usr/bin/apport %p %s"};
+     }},
+    {"NoCoreDumpsByTheHardLimit", "core dumps", CheckStatus::kWarning,
+     "to the working directory of the process, as core", "limits.d/musher-core.conf",
+     [](DoctorFacts& f) { f.core.limit = f.core.limit_hard = 0; }},
+    {"NoProgramForCoreDumps", "core dumps", CheckStatus::kWarning,
+     "to the program /x/apport, at most 1048576 bytes: it does not exist",
+     "core_pattern=core.%e.%p",
+     [](DoctorFacts& f) {
+       f.core.pattern = "|/x/apport %p";
+       f.core.obstacle = "it does not exist";
+     }},
+    {"NoFolderForCoreDumps", "core dumps", CheckStatus::kWarning,
+     "to /var/cores/%e.%p, at most 1048576 bytes: the folder does not exist",
+     "sudo install -d -m 1777 /var/cores",
+     [](DoctorFacts& f) {
+       f.core.pattern = "/var/cores/%e.%p";
+       f.core.obstacle = "the folder does not exist";
+     }},
+    {"ALockOfAnotherUser", "lock file", CheckStatus::kError,
+     "/state/controller.lock belongs to root: this user cannot start the machine",
+     "sudo chown -R \"$USER\" /state",
+     [](DoctorFacts& f) {
+       f.lock->owner = "root";
+       f.lock->writable = false;
+     }},
+    {"AStateFolderOfAnotherMachine", "lock file", CheckStatus::kError,
+     "/state belongs to another machine, cat of /cat.toml", "a name or a state_dir of its own",
+     [](DoctorFacts& f) { f.lock->belongs_to = "cat of /cat.toml"; }},
+    {"AnUnwritableLogFolder", "log folder", CheckStatus::kError,
+     "/state/logs is not writable for this user", "sudo chown \"$USER\" /state/logs",
+     [](DoctorFacts& f) { f.log_dirs[0].writable = false; }},
+    {"AFileForALogFolder", "log folder", CheckStatus::kError, "/state/logs is not a folder",
+     "mv /state/logs", [](DoctorFacts& f) { f.log_dirs[0].is_folder = false; }},
+    {"AHungDiskOfTheLog", "log folder", CheckStatus::kError, "did not answer", "set log in",
+     [](DoctorFacts& f) { f.log_dirs[0].error = "the disk did not answer within 2000 ms"; }},
+    {"AFullDiskOfTheLog", "log folder", CheckStatus::kError, "/logs: 5 of 9216 MiB free",
+     "du -xh /state/logs",
+     [](DoctorFacts& f) {
+       f.log_dirs[0].device = 7;
+       f.log_dirs[0].free_bytes = 5 << 20;
+     }},
+    {"LogsOfAnotherUser", "log folder", CheckStatus::kError,
+     "/state/logs/legs.log belongs to root: what its process prints is lost (and 1 more)",
+     "sudo chown -R \"$USER\" /state/logs",
+     [](DoctorFacts& f) {
+       f.unwritable_logs = {{"/state/logs/legs.log", "root"}, {"/state/logs/eyes.log", "root"}};
+     }},
+    {"NoTracer", "backtraces", CheckStatus::kWarning, "neither eu-stack nor gdb",
+     "install elfutils", [](DoctorFacts& f) { f.limits.tracer.clear(); }},
+    {"NoPermissionToTrace", "backtraces", CheckStatus::kWarning, "ptrace_scope is 1",
+     "sysctl -w kernel.yama.ptrace_scope=0", [](DoctorFacts& f) { f.limits.ptrace_scope = 1; }},
+    {"ACpuQuota", "CPU", CheckStatus::kWarning, "limited to 0.5 by the cgroup", "CPUQuota",
+     [](DoctorFacts& f) { f.cpu.quota = 0.5; }},
+    {"AMissingCertificate", "keys", CheckStatus::kError, "legs: there is no certificate",
+     "musher keys add legs --force --keys /etc/keys",
+     [](DoctorFacts& f) {
+       f.keys.push_back({"legs", "there is no certificate", {}, "", 0});
+     }},
+    {"NoKeysAtAll", "keys", CheckStatus::kError, "controller: there is no certificate",
+     "musher keys init dog.toml",
+     [](DoctorFacts& f) {
+       f.keys[0].error = "there is no certificate";
+       f.keys_made = false;
+     }},
+    {"AReadableKey", "keys", CheckStatus::kError, "has the permissions 644",
+     "chmod 600 /etc/keys/c.key", [](DoctorFacts& f) { f.keys[0].mode = 0644; }},
+    {"ACertificateThatExpiresSoon", "keys", CheckStatus::kWarning, "within 30 days",
+     "musher keys add controller", [](DoctorFacts& f) { f.keys[0].until = f.now; }},
+    {"AMissingProgram", "programs", CheckStatus::kError, "dog.toml:3:1: warning: no such program",
+     "musher check dog.toml",
+     [](DoctorFacts& f) {
+       f.programs = {{"dog.toml", 3, 1, Severity::kWarning, "no such program"}};
+     }},
+    {"AnotherMachineInTheNamespace", "machine", CheckStatus::kError,
+     "cat (pid 7) runs already in the default namespace of domain 0: dog cannot start there",
+     "musher down",
+     [](DoctorFacts& f) {
+       f.controllers = {{"cat", "", 7, "", ""}};
+     }},
+    {"AControllerThatDoesNotAnswer", "machine", CheckStatus::kWarning, "process 7 leads a machine",
+     "CYCLONEDDS_URI, --transport and --keys",
+     [](DoctorFacts& f) {
+       f.controllers = {{"", "", 7, {}, {}, false}};
+     }},
+    {"AControllerOfAnotherVersion", "version", CheckStatus::kWarning,
+     "the controller (pid 7) is musher 1.2.2, this program is 1.2.3",
+     "musher up --detach --takeover /dog.toml",
+     [](DoctorFacts& f) {
+       f.controllers = {{"dog", "", 7, "1.2.2", "/dog.toml"}};
+     }},
+};
+
+class PlantedFault : public ::testing::TestWithParam<Planted> {};
+
+TEST_P(PlantedFault, IsFoundWithItsNumbersAndAFix) {
+  DoctorFacts facts = Healthy();
+  GetParam().plant(facts);
+  const DoctorCheck check = Check(facts, GetParam().check);
+  EXPECT_EQ(check.health, GetParam().health);
+  EXPECT_THAT(check.reason, HasSubstr(GetParam().reason));
+  EXPECT_THAT(check.fix, HasSubstr(GetParam().fix));
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, PlantedFault, ::testing::ValuesIn(kPlanted),
+                         [](const auto& planted) { return std::string(planted.param.test); });
+
+TEST(Diagnose, AComputerWithoutAFaultHasNothingToFix) {
+  for (const DoctorCheck& check : Diagnose(Healthy())) {
+    EXPECT_LE(check.health, CheckStatus::kOk) << check.name << ": " << check.reason;
+    EXPECT_EQ(check.fix, "") << check.name;
+    EXPECT_NE(check.reason, "") << check.name;
+  }
+}
+
+TEST(Diagnose, WhatIsNotKnownOrNotUsedDoesNotCount) {
+  DoctorFacts facts = Healthy();
+  facts.config.reset();
+  facts.state_dir.reset();
+  facts.log_dirs.clear();
+  facts.lock.reset();
+  facts.core.pattern.clear();
+  facts.keys.clear();
+  facts.rmem_max.reset();
+  facts.clock.error = "adjtimex: Operation not permitted";
+  for (const char* name :
+       {"state folder", "disk", "lock file", "log folder", "core dumps", "keys", "programs",
+        "net.core.rmem_max", "clock", "CYCLONEDDS_URI", "ROS 2 environment"}) {
+    EXPECT_EQ(Check(facts, name).health, CheckStatus::kNotApplicable) << name;
+  }
+  EXPECT_EQ(Worst(Diagnose(facts)), CheckStatus::kOk);
+}
+
+TEST(Diagnose, NamesOneCauseOnlyWhereTheEnvironmentIsInvalid) {
+  DoctorFacts facts = Healthy();
+  facts.domain_error = "ROS_DOMAIN_ID is 999";
+  EXPECT_EQ(Check(facts, "DDS exchange").health, CheckStatus::kNotApplicable);
+}
+
+TEST(Diagnose, TheMachineItselfMayRun) {
+  DoctorFacts facts = Healthy();
+  facts.controllers = {{"dog", "", 7, "1.2.3", "/dog.toml"}};
+  EXPECT_EQ(Worst(Diagnose(facts)), CheckStatus::kOk);
+}
+
+TEST(Diagnose, ARealTimePriorityNeedsAPermissionOnlyWhereItIsRequested) {
+  DoctorFacts facts = Healthy();
+  EXPECT_THAT(Check(facts, "real-time priority").reason,
+              HasSubstr("none permitted, none requested by a command (chrt)"));
+  facts.config->actuators[0].command = {"chrt", "--idle", "0", "legs"};
+  EXPECT_EQ(Check(facts, "real-time priority").health, CheckStatus::kOk);
+  facts.config->actuators[0].command = {"chrt", "80", "legs"};
+  facts.limits.may_real_time = true;
+  EXPECT_THAT(Check(facts, "real-time priority").reason,
+              HasSubstr("up to 99 permitted, legs requests 80 (chrt)"));
+  EXPECT_EQ(Check(facts, "real-time priority").health, CheckStatus::kOk);
+}
+
+TEST(Diagnose, AFullDiskOfLogsAndStateHasOneCause) {
+  DoctorFacts facts = Healthy();
+  facts.state_dir->free_bytes = facts.log_dirs[0].free_bytes = 5 << 20;
+  EXPECT_EQ(Check(facts, "disk").health, CheckStatus::kError);
+  EXPECT_EQ(Check(facts, "log folder").health, CheckStatus::kOk);
+}
+
+TEST(Diagnose, AnUnsynchronisedClockMattersBetweenHostsOnly) {
+  DoctorFacts facts = Healthy();
+  facts.keys.clear();
+  facts.clock.synchronised = false;
+  EXPECT_EQ(Check(facts, "clock").health, CheckStatus::kOk);
+}
+
+TEST(DoctorText, HasTheFixBelowItsCheck) {
+  const std::vector<DoctorCheck> checks = {{"clock", CheckStatus::kOk, "synchronised", ""},
+                                           {"disk", CheckStatus::kError, "full\x1b[2J", "rm x"}};
+  EXPECT_EQ(DoctorText(checks, false),
+            "CHECK  RESULT  REASON\n"
+            "clock  ok      synchronised\n"
+            "disk   error   full [2J\n"
+            "       fix:    rm x\n"
+            "1 error, 0 warnings\n");
+  EXPECT_EQ(DoctorJson({checks[0]}),
+            R"({"result":"ok","checks":[{"check":"clock","result":"ok","reason":"synchronised",)"
+            R"("fix":""}]})");
+}
+
+TEST(StateFolder, ThatIsADanglingLinkIsAnError) {
+  const TempFolder folder;
+  std::filesystem::create_symlink("/gone", folder / "state");
+  std::int64_t newest_file_s = 0;
+  const FolderFacts facts =
+      ReadFolder(folder / "state/robot", std::chrono::minutes(1), newest_file_s);
+  EXPECT_EQ(facts.error, (folder / "state") + " is a link to /gone, which does not exist");
+}
+
+TEST(InChild, ReturnsWhatTheFunctionReturns) {
+  auto child = InChild::Start([] { return std::string(100'000, 'x'); });
+  ASSERT_TRUE(child);
+  const auto text = child.value().Await(std::chrono::steady_clock::now() + std::chrono::minutes(1));
+  ASSERT_TRUE(text) << text.error().message;
+  EXPECT_EQ(text.value().size(), 100'000U);
+}
+
+TEST(InChild, IsGivenUpAtItsDeadline) {
+  auto child = InChild::Start([]() -> std::string {
+    for (;;) pause();
+  });
+  ASSERT_TRUE(child);
+  const auto text = child.value().Await(std::chrono::steady_clock::now() + Milliseconds(20));
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().code, kCodeTimeout);
+}
+
+TEST(InChild, ThatCrashesIsReported) {
+  auto child = InChild::Start([]() -> std::string { _exit((kill(getpid(), SIGKILL), 1)); });
+  ASSERT_TRUE(child);
+  const auto text = child.value().Await(std::chrono::steady_clock::now() + std::chrono::minutes(1));
+  ASSERT_FALSE(text);
+  EXPECT_THAT(text.error().message, HasSubstr("crashed"));
+}
+
+}  // namespace musher::cli::doctor_test

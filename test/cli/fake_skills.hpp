@@ -1,0 +1,135 @@
+#pragma once
+// An actuator that offers skills, as the network sees it: what `musher skill` uses of one.
+//
+//   rise     feedback, then success
+//   fail     feedback, then failure
+//   refuse   is not started
+//   wait     runs until it is cancelled, or until Finish()
+//   deaf     the same, and rejects every cancellation
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "musher/cli/commands/skill/skill_goal.hpp"
+#include "musher/messages/musher_msgs/skill_feedback.hpp"
+#include "musher/messages/plan_msgs/skill.hpp"
+#include "musher/transport/dds/node_thread.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::cli {
+
+class FakeSkills {
+ public:
+  using Goal = transport::ServerGoal<msg::SkillExecution>;
+
+  explicit FakeSkills(std::string actuator, const std::string& name_space = "")
+      : actuator_(std::move(actuator)), thread_(transport::NodeThread::Start().value()) {
+    thread_->RunOnLoop([&] { Open(name_space); });
+  }
+  ~FakeSkills() {
+    thread_->RunOnLoop([this] {
+      endpoints_.reset();
+      goal_.reset();
+    });
+  }
+  FakeSkills(const FakeSkills&) = delete;
+  FakeSkills& operator=(const FakeSkills&) = delete;
+
+  // Ends the running goal.
+  void Finish() {
+    thread_->RunOnLoop([this] {
+      if (goal_) goal_->Succeed({true, "completed: Waited (100%)"});
+      goal_.reset();
+    });
+  }
+  void Publish(msg::SkillFeedback feedback) {
+    feedback.actuator = actuator_;
+    thread_->RunOnLoop([&] { publish_(feedback); });
+  }
+  // The last requested parameters: "altitude=2 ".
+  std::string requested() {
+    std::string requested;
+    thread_->RunOnLoop([&] { requested = requested_; });
+    return requested;
+  }
+  int goals() {
+    int goals = 0;
+    thread_->RunOnLoop([&] { goals = goals_; });
+    return goals;
+  }
+
+ private:
+  void Open(const std::string& name_space) {
+    endpoints_ = std::make_unique<transport::Endpoints>(thread_->node(), name_space);
+    transport::ActionHandlers<msg::SkillExecution> handlers;
+    handlers.start = [this](const Goal& goal) { Start(goal); };
+    handlers.may_cancel = [](const Goal& goal) { return SkillOf(goal) != "deaf"; };
+    handlers.cancel = [this](Goal goal) {
+      goal.Canceled({false, "cancelled: by its client (10%)"});
+      goal_.reset();
+    };
+    endpoints_->ServeAction<msg::SkillExecution>(actuator_ + "/skill_execution", handlers);
+    endpoints_->Serve<msg::GetSkill>(
+        actuator_ + "/get_skill",
+        [this](const auto& request, const auto& reply) { reply(Answer(request)); });
+    publish_ = endpoints_->PublishFunction<msg::SkillFeedback>("skill_feedback");
+    msg::SkillOffers offers{
+        actuator_,
+        "/" + (name_space.empty() ? "" : name_space + "/") + actuator_ + "/skill_execution",
+        {}};
+    offers.skills.push_back({"rise",
+                             "rises to an altitude",
+                             {"altitude: a number, default 1 (m above the ground)",
+                              "text: a text, default (what it says)"}});
+    for (const char* name : {"fail", "refuse", "wait", "deaf"}) {
+      offers.skills.push_back({name, "", {}});
+    }
+    endpoints_->PublishFunction<msg::SkillOffers>("skills", transport::kLatchedQos)(offers);
+  }
+
+  static std::string SkillOf(const Goal& goal) {
+    return goal.goal().skill_request.skill_list.at(0).skill;
+  }
+  void Start(Goal goal) {
+    ++goals_;
+    const std::string skill = SkillOf(goal);
+    requested_.clear();
+    for (const auto& parameter : goal.goal().skill_request.skill_list[0].params) {
+      requested_ += parameter.key + "=" + parameter.value + " ";
+    }
+    if (skill == "refuse") {
+      goal.Abort({false, "refuse is running already"});
+      return;
+    }
+    goal.Execute();
+    goal.PublishFeedback({"processing: Skill " + skill + " started (10%)"});
+    if (skill == "rise") goal.Succeed({true, "completed: Reached altitude (100%)"});
+    if (skill == "fail") goal.Abort({false, "failed: no path (40%)"});
+    if (skill == "wait" || skill == "deaf") goal_ = goal;
+  }
+  msg::GetSkill::Response Answer(const msg::GetSkill::Request& request) const {
+    msg::GetSkill::Response answer;
+    answer.stepping = true;
+    answer.feedback.skill = request.skill;
+    answer.feedback.state = "IDLE";
+    if (goal_ && SkillOf(*goal_) == request.skill) {
+      answer.feedback.state = "WAITING";
+      answer.feedback.progress = 10;
+      answer.feedback.goal_id = GoalIdText(goal_->id());
+    }
+    if (!request.format.empty()) answer.graph = request.format + " of " + request.skill + "\n";
+    return answer;
+  }
+
+  const std::string actuator_;
+  std::shared_ptr<transport::NodeThread> thread_;
+  std::optional<Goal> goal_;  // that runs
+  std::string requested_;
+  int goals_ = 0;
+  std::function<void(const msg::SkillFeedback&)> publish_;
+  std::unique_ptr<transport::Endpoints> endpoints_;
+};
+
+}  // namespace musher::cli

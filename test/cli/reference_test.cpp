@@ -1,0 +1,116 @@
+// docs/reference.md lists every command with each argument and option, and none that is not there.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "musher/cli/command_line.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::cli::reference_test {
+
+using ::testing::Contains;
+using ::testing::IsEmpty;
+
+// Of "## The `musher` program" in the reference: by its first words the rows of each command, and
+// the text around the table.
+struct Reference {
+  std::map<std::string, std::string> commands;  // what is typed, of all its rows
+  std::string rest;
+};
+
+const std::regex kLeadingWords("([a-z][a-z0-9-]*)( [a-z][a-z0-9-]*)?");
+
+Reference ReadReference(const std::set<std::string>& commands) {
+  std::ifstream file(SourceDir() + "/docs/reference.md");
+  Reference reference;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("## ")) inside = line == "## The `musher` program";
+    if (line.starts_with("### ")) inside = false;
+    if (!inside) continue;
+    if (!line.starts_with("| `")) {
+      reference.rest += line + "\n";
+      continue;
+    }
+    const std::string typed = line.substr(3, line.find("` |") - 3);
+    std::smatch words;
+    if (!std::regex_search(typed, words, kLeadingWords)) continue;
+    const std::string two = words.str();
+    reference.commands[commands.contains(two) ? two : words[1].str()] += " " + typed + " ";
+  }
+  return reference;
+}
+
+std::set<std::string> Found(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::set<std::string> found;
+  for (std::sregex_iterator i(text.begin(), text.end(), regex), end; i != end; ++i) {
+    found.insert(i->str());
+  }
+  return found;
+}
+
+// Command -> its arguments and options; "" has those of every command.
+std::map<std::string, std::set<std::string>> ReadGrammar() {
+  std::map<std::string, std::set<std::string>> grammar;
+  for (const std::string& line : GrammarLines()) {
+    const std::size_t last = line.rfind(' ');
+    const std::string word = last == std::string::npos ? line : line.substr(last + 1);
+    const bool is_option = word.starts_with("--");
+    const bool is_argument = !Found(word, "^([A-Z]+|on.off)$").empty();
+    const std::string command = last == std::string::npos ? "" : line.substr(0, last);
+    if (is_option || is_argument) {
+      grammar[command].insert(word);
+    } else {
+      grammar[line];
+    }
+  }
+  return grammar;
+}
+
+TEST(Reference, ListsEveryCommandWithEachOfItsArgumentsAndOptions) {
+  const auto grammar = ReadGrammar();
+  ASSERT_GT(grammar.size(), 25U);
+  std::set<std::string> commands;
+  for (const auto& [command, words] : grammar) commands.insert(command);
+  const Reference reference = ReadReference(commands);
+  for (const auto& [command, words] : grammar) {
+    if (command.empty()) continue;
+    const auto row = reference.commands.find(command);
+    ASSERT_NE(row, reference.commands.end()) << "there is no row of `" << command << "`";
+    const auto options = Found(row->second, "--[a-z-]+");
+    for (const std::string& word : words) {
+      if (word.starts_with("--")) {
+        EXPECT_THAT(options, Contains(word)) << "of `" << command << "`";
+      } else if (word == "on|off") {
+        EXPECT_NE(row->second.find("on\\|off"), std::string::npos) << row->second;
+      } else {
+        EXPECT_THAT(Found(row->second, "[A-Z]+"), Contains(word)) << "of `" << command << "`";
+      }
+    }
+    for (const std::string& option : options) {
+      EXPECT_THAT(words, Contains(option)) << "`" << command << "` has no such option";
+    }
+  }
+  const auto general = Found(reference.rest, "--[a-z-]+");
+  for (const std::string& option : grammar.at("")) EXPECT_THAT(general, Contains(option));
+}
+
+TEST(Reference, ListsNoCommandThatIsNotThere) {
+  const auto grammar = ReadGrammar();
+  std::set<std::string> commands;
+  for (const auto& [command, words] : grammar) commands.insert(command);
+  std::vector<std::string> unknown;
+  for (const auto& [command, typed] : ReadReference(commands).commands) {
+    if (command != "help" && !commands.contains(command)) unknown.push_back(command);
+  }
+  EXPECT_THAT(unknown, IsEmpty());
+}
+
+}  // namespace musher::cli::reference_test

@@ -1,0 +1,189 @@
+// musher simulate: valid configs, and configs with a planted flaw.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "musher/base/files.hpp"
+#include "musher/test/cli/program.hpp"
+#include "musher/test/support/paths.hpp"
+#include "musher/test/support/temp_folder.hpp"
+
+namespace musher::cli::simulate_test {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+// legs are critical; the voice is restarted, or given up.
+std::string Robot(const std::string& of_the_voice, const std::string& more = "") {
+  return R"([controller]
+actuators = ["legs", "voice"]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive", "LowPower", "OTA", "Error"]
+default_time = 1000
+default_state = "Uninitialized"
+
+[actuator.legs]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive", "LowPower", "OTA", "Error"]
+times = [1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000]
+command = ["legs"]
+critical = true
+
+[actuator.voice]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive", "LowPower", "OTA", "Error"]
+times = [1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000]
+command = ["voice"]
+restart_limit = 2
+restart_prevent_exit_codes = []
+)" + of_the_voice +
+         "\n" + more;
+}
+
+constexpr const char* kProvided = "on_lost = \"Active\"";
+
+class Simulating : public ::testing::Test {
+ protected:
+  std::string Config(const std::string& text) const {
+    std::ofstream(folder_ / "robot.toml") << text;
+    return folder_ / "robot.toml";
+  }
+  std::string Read(const std::string& file) const {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Simulating, AValidRobotPassesEveryScenario) {
+  const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", "300"});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("VIOLATED")),
+                             HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
+}
+
+// No manager is simulated.
+TEST_F(Simulating, ARobotThatAManagerStartsIsStartedByItsController) {
+  const Ran ran = RunProgram(
+      {"simulate", Config(Robot(kProvided, "[ros2]\nstart = \"manager\"\n")), "--seeds", "300"});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("VIOLATED")),
+                             HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
+}
+
+TEST_F(Simulating, EveryShippedConfigIsValid) {
+  int configs = 0;
+  for (const auto& path : EntriesOf(SourceDir() + "/config")) {
+    if (path.extension() != ".toml") continue;
+    ++configs;
+    const Ran ran = RunProgram({"check", path.string()});
+    EXPECT_EQ(ran.exit, 0) << path << ran.out << ran.err;
+  }
+  EXPECT_GE(configs, 7);
+}
+
+TEST_F(Simulating, TheShippedConfigsPassEveryScenario) {
+  for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml", "programs.toml"}) {
+    const Ran ran = RunProgram({"simulate", SourceDir() + "/config/" + name, "--seeds", "300"});
+    EXPECT_EQ(ran.exit, 0) << ran.out;
+  }
+}
+
+TEST_F(Simulating, ARestartLimitWithoutOnLostIsFoundAndShrunkToTheFewestCrashes) {
+  const std::string config = Config(Robot(""));
+  const Ran ran = RunProgram({"simulate", config, "--seeds", "300", "--json"});
+  EXPECT_EQ(ran.exit, 1);
+  const auto json = nlohmann::json::parse(ran.out);
+  EXPECT_FALSE(json["passed"]);
+  const auto& scenario = json["shortest_failing_scenario"];
+  EXPECT_THAT(scenario["text"].get<std::string>(),
+              AllOf(HasSubstr("⚡"), HasSubstr("without voice, which"),
+                    HasSubstr("it has no on_lost (\"Active\" if the machine may run without it)")));
+  EXPECT_LE(scenario["only"].size(), 3U);  // no more than the crashes that two restarts take
+}
+
+TEST_F(Simulating, AWrongConfigWithoutOnLostIsFoundAndTakesOneInjection) {
+  std::string robot = Robot("");
+  const std::string key = "restart_prevent_exit_codes = []\n";
+  robot.erase(robot.find(key), key.size());
+  const Ran ran = RunProgram({"simulate", Config(robot), "--seeds", "300", "--json"});
+  EXPECT_EQ(ran.exit, 1);
+  const auto scenario = nlohmann::json::parse(ran.out)["shortest_failing_scenario"];
+  EXPECT_THAT(scenario["text"].get<std::string>(),
+              AllOf(HasSubstr("the configuration of voice is wrong"),
+                    HasSubstr("without voice, which is not restarted after its exit code")));
+  EXPECT_EQ(scenario["only"].size(), 1U);
+}
+
+TEST_F(Simulating, AFlowWithNoTransitionBackFromOtaIsFoundAndDrawn) {
+  const std::string config = Config(Robot(kProvided, R"(
+[[transition]]
+from = ["Active", "Protected", "DeActive", "LowPower"]
+to = ["Active", "Protected", "DeActive", "LowPower", "OTA"]
+)"));
+  const std::string svg = folder_ / "scenario.svg";
+  const Ran ran = RunProgram({"simulate", config, "--seeds", "100", "--svg", svg});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.out, HasSubstr("the machine is in OTA, from where no switch leads to Active"));
+  EXPECT_THAT(Read(svg), AllOf(StartsWith("<svg"), HasSubstr("the operator requests OTA"),
+                               HasSubstr("from where no switch leads to Active")));
+}
+
+// A fallback to a less active state ignores the flow.
+TEST_F(Simulating, AFlowThatForbidsTheFallbackToOnLostIsNoViolation) {
+  const std::string config = Config(Robot(kProvided, R"(
+[[transition]]
+from = ["Active", "LowPower", "Protected", "OTA", "DeActive"]
+to = ["Active", "LowPower"]
+)"));
+  const Ran ran = RunProgram({"simulate", config, "--seeds", "300"});
+  EXPECT_THAT(ran.out, Not(HasSubstr("without legs, whose on_lost is Protected")));
+}
+
+// The battery falls in the same step in which the switch back up ends: what it has lowered then may
+// be raised again.
+TEST_F(Simulating, ALoweringThatBeginsAsARaiseEndsIsRememberedByTheCheck) {
+  const Ran ran = RunProgram(
+      {"simulate", SourceDir() + "/config/robot.toml", "--seed", "1135", "--only", "2,6,8,9"});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+}
+
+TEST_F(Simulating, TheCommandItPrintsReplaysTheSameScenario) {
+  const std::string config = Config(Robot(""));
+  const auto report =
+      nlohmann::json::parse(RunProgram({"simulate", config, "--seeds", "300", "--json"}).out);
+  const auto& scenario = report["shortest_failing_scenario"];
+  std::string only;
+  for (const auto& number : scenario["only"]) {
+    only += (only.empty() ? "" : ",") + std::to_string(number.get<int>());
+  }
+  const Ran replayed = RunProgram(
+      {"simulate", config, "--seed", std::to_string(scenario["seed"].get<int>()), "--only", only});
+  EXPECT_EQ(replayed.exit, 1);
+  EXPECT_THAT(replayed.out, StartsWith(scenario["text"].get<std::string>()));
+}
+
+TEST_F(Simulating, InvalidInputIsReportedAndNothingIsSimulated) {
+  const std::string config = Config(Robot(kProvided));
+  const auto error_of = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"simulate", config});
+    const Ran ran = RunProgram(arguments);
+    EXPECT_EQ(ran.exit, 2);
+    EXPECT_EQ(ran.out, "");
+    return ran.err;
+  };
+  EXPECT_THAT(error_of({"--seeds", "0"}), HasSubstr("--seeds"));
+  EXPECT_THAT(error_of({"--seeds", "many"}), HasSubstr("--seeds"));
+  EXPECT_THAT(error_of({"--only", "3"}), HasSubstr("--only requires --seed"));
+  EXPECT_THAT(error_of({"--seed", "1", "--only", "3,x"}),
+              HasSubstr("'3,x' is not a list of numbers"));
+  EXPECT_THAT(error_of({"--seed", "1", "--only", "99"}), HasSubstr("and no 99"));
+  EXPECT_THAT(error_of({"--home", "Actve"}), HasSubstr("did you mean 'Active'?"));
+  EXPECT_THAT(error_of({"--bound", "-1"}), HasSubstr("--bound"));
+}
+
+}  // namespace musher::cli::simulate_test

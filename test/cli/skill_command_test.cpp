@@ -1,0 +1,277 @@
+// `musher skill` and `musher graph --skill` with actuators that offer skills.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/cli/fake_skills.hpp"
+#include "musher/test/cli/program.hpp"
+#include "musher/test/support/domain.hpp"
+#include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
+#include "musher/test/support/wait.hpp"
+
+namespace musher::cli::skill_command_test {
+
+using ::testing::AllOf;
+using testing::Ended;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+using testing::Process;
+
+const std::string kMusher = BinDir() + "/musher";
+
+class SkillCommand : public ::testing::Test {
+ protected:
+  SkillCommand() { setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1); }
+  static nlohmann::json Json(const std::string& text) {
+    return nlohmann::json::parse(text, nullptr, false);
+  }
+};
+
+TEST_F(SkillCommand, ListsTheSkillsOfEveryActuatorAndTheParametersOfOne) {
+  const FakeSkills zero("cf2x_0");
+  const FakeSkills one("cf2x_1");
+  const Ran ran = RunProgram({"skill", "list"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_THAT(ran.out,
+              AllOf(HasSubstr("cf2x_0  /cf2x_0/skill_execution\n"
+                              "  rise    rises to an altitude\n"),
+                    HasSubstr("\n  wait\n"), HasSubstr("cf2x_1  "), Not(HasSubstr("altitude: "))));
+  const Ran rise = RunProgram({"skill", "list", "rise", "--actuator", "cf2x_1"});
+  EXPECT_THAT(rise.out, HasSubstr("cf2x_1  /cf2x_1/skill_execution\n"
+                                  "  rise  rises to an altitude\n"
+                                  "      altitude: a number, default 1 (m above the ground)\n"));
+  EXPECT_THAT(rise.out, AllOf(Not(HasSubstr("wait")), Not(HasSubstr("cf2x_0"))));
+  const Ran unknown = RunProgram({"skill", "list", "ries"});
+  EXPECT_EQ(unknown.exit, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean 'rise'?"));
+  const Ran of_one = RunProgram({"--json", "skill", "list", "--actuator", "cf2x_1"});
+  const auto json = Json(of_one.out)["actuators"];
+  EXPECT_EQ(json.size(), 1U) << of_one.out;
+  EXPECT_EQ(json["cf2x_1"]["skills"][0]["parameters"][0]["key"], "altitude");
+}
+
+TEST_F(SkillCommand, RunsASkillWithItsParametersAndPrintsItsProgress) {
+  FakeSkills robot("cf2x_0");
+  const Ran ran = RunProgram({"skill", "run", "rise", "altitude=[1, 2]", "text=two words"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("rise of cf2x_0 completed in "));
+  EXPECT_THAT(ran.out, HasSubstr(": Reached altitude\n"));
+  EXPECT_EQ(robot.requested(), "altitude=[1, 2] text=two words ");
+}
+
+TEST_F(SkillCommand, PrintsOneJsonDocumentForARun) {
+  const FakeSkills robot("cf2x_0");
+  const Ran ran = RunProgram({"--json", "skill", "run", "fail"});
+  EXPECT_EQ(ran.exit, 1);
+  const auto json = Json(ran.out);
+  EXPECT_EQ(json["outcome"], "failed") << ran.out;
+  EXPECT_EQ(json["message"], "no path");
+  EXPECT_EQ(json["progress"], 40);
+  EXPECT_EQ(json["actuator"], "cf2x_0");
+  EXPECT_EQ(json["goal_id"].get<std::string>().size(), 32U);
+}
+
+TEST_F(SkillCommand, PrintsWhyASkillWasRefused) {
+  const FakeSkills robot("cf2x_0");
+  const Ran ran = RunProgram({"skill", "run", "refuse"});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_EQ(ran.err, "musher: refuse of cf2x_0 was refused: refuse is running already\n");
+}
+
+TEST_F(SkillCommand, SendsNothingForAnUnknownSkillOrKey) {
+  FakeSkills robot("cf2x_0");
+  const Ran skill = RunProgram({"skill", "run", "rize"});
+  EXPECT_EQ(skill.exit, 1);
+  EXPECT_THAT(skill.err, HasSubstr("there is no skill 'rize'; did you mean 'rise'?"));
+  const Ran key = RunProgram({"skill", "run", "rise", "altitud=2"});
+  EXPECT_EQ(key.exit, 1);
+  EXPECT_THAT(key.err, HasSubstr("did you mean 'altitude'?"));
+  EXPECT_EQ(robot.goals(), 0);
+}
+
+TEST_F(SkillCommand, RequiresAnActuatorWhereSeveralOfferTheSkill) {
+  FakeSkills zero("cf2x_0");
+  FakeSkills one("cf2x_1");
+  const Ran ran = RunProgram({"skill", "run", "rise"});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_EQ(ran.err,
+            "musher: rise is offered by cf2x_0, cf2x_1; choose one of them with --actuator NAME\n");
+  EXPECT_EQ(RunProgram({"skill", "run", "rise", "--actuator", "cf2x_1"}).exit, 0);
+  EXPECT_EQ(zero.goals(), 0);
+  EXPECT_EQ(one.goals(), 1);
+  const Ran other = RunProgram({"skill", "run", "rise", "--actuator", "cf2x_2"});
+  EXPECT_EQ(other.exit, 3);
+  EXPECT_THAT(other.err,
+              HasSubstr("no actuator 'cf2x_2' in the default namespace; did you mean 'cf2x_0'?"));
+}
+
+TEST_F(SkillCommand, ReportsThatNothingRuns) {
+  for (const char* command : {"list", "run", "cancel", "watch"}) {
+    std::vector<std::string> words = {"--namespace", "nowhere", "skill", command};
+    if (command == std::string("run") || command == std::string("cancel"))
+      words.emplace_back("rise");
+    const Ran ran = RunProgram(words);
+    EXPECT_EQ(ran.exit, 3);
+    EXPECT_THAT(ran.err, HasSubstr("no actuator in namespace 'nowhere'"));
+  }
+}
+
+TEST_F(SkillCommand, ReportsThatTheActuatorsThatRunOfferNoSkills) {
+  const testing::RobotFile file({"lamp"}, {"SetUp"});
+  MachineActuator lamp("lamp");
+  lamp.RegisterStateCallback("SetUp", [] { return kCodeOk; });
+  ASSERT_TRUE(lamp.Init(file.path()).ok());
+  ASSERT_TRUE(lamp.Start().ok());
+  const std::string here = testing::RobotFile::name_space();
+  const Ran any = RunProgram({"--namespace", here, "skill", "list"});
+  EXPECT_EQ(any.exit, 1);
+  EXPECT_EQ(any.err,
+            "musher: no actuator in namespace '" + here + "' offers skills; running: lamp\n");
+  const Ran one = RunProgram({"--namespace", here, "skill", "run", "go", "--actuator", "lamp"});
+  EXPECT_EQ(one.exit, 1);
+  EXPECT_EQ(one.err, "musher: lamp runs but offers no skills\n");
+}
+
+TEST_F(SkillCommand, FindsTheSkillsOfItsNamespaceOnly) {
+  const FakeSkills robot("cf2x_0", "fleet");
+  EXPECT_EQ(RunProgram({"--namespace", "fleet", "skill", "run", "rise"}).exit, 0);
+  EXPECT_EQ(RunProgram({"skill", "run", "rise"}).exit, 3);
+}
+
+TEST_F(SkillCommand, CancelsTheSkillOnCtrlCAndWaitsForItsEnd) {
+  const FakeSkills robot("cf2x_0");
+  Process run({kMusher, "skill", "run", "wait"});
+  ASSERT_NE(run.LineWith("10 %  Skill wait started"), "");
+  run.Signal(SIGINT);
+  const Ended ended = run.Wait();
+  EXPECT_EQ(ended.exit, 130);
+  EXPECT_THAT(ended.err, HasSubstr("wait of cf2x_0 was cancelled after "));
+}
+
+TEST_F(SkillCommand, LeavesASkillThatIsNotCancelledAtTheSecondCtrlC) {
+  FakeSkills robot("cf2x_0");
+  Process run({kMusher, "--json", "skill", "run", "deaf"});
+  ASSERT_TRUE(testing::Until([&] { return robot.goals() > 0; }));
+  run.Signal(SIGINT);
+  ASSERT_TRUE(run.AwaitError("refuses the cancellation of deaf"));
+  run.Signal(SIGINT);
+  const Ended ended = run.Wait();
+  EXPECT_EQ(ended.exit, 130);
+  EXPECT_THAT(ended.err,
+              HasSubstr("deaf of cf2x_0 goes on: `musher skill cancel deaf` cancels it"));
+  EXPECT_EQ(Json(ended.out)["outcome"], "running");
+}
+
+TEST_F(SkillCommand, CancelsASkillThatDoesNotEndWithinItsTimeout) {
+  const FakeSkills robot("cf2x_0");
+  const Ran ran = RunProgram({"--json", "skill", "run", "wait", "--timeout", "0.5"});
+  EXPECT_EQ(ran.exit, 4);
+  EXPECT_EQ(Json(ran.out)["outcome"], "timeout");
+  EXPECT_THAT(ran.err, MatchesRegex("musher: wait of cf2x_0 has not ended within 0.5 s: cancelled "
+                                    "after [0-9.]+ s\n"));
+}
+
+TEST_F(SkillCommand, ReportsASkillWhoseActuatorIsLost) {
+  auto robot = std::make_unique<FakeSkills>("cf2x_0");
+  Process run({kMusher, "skill", "run", "wait"});
+  ASSERT_NE(run.LineWith("10 %  Skill wait started"), "");
+  robot.reset();
+  const Ended ended = run.Wait();
+  EXPECT_EQ(ended.exit, 5);
+  EXPECT_THAT(ended.err, HasSubstr("wait of cf2x_0 is lost after "));
+}
+
+TEST_F(SkillCommand, CancelsTheRunOfAnotherClient) {
+  const FakeSkills robot("cf2x_0");
+  const FakeSkills other("cf2x_1");
+  Process run({kMusher, "skill", "run", "wait", "--actuator", "cf2x_0"});
+  ASSERT_NE(run.LineWith("10 %  Skill wait started"), "");
+  const Ran ran = RunProgram({"skill", "cancel", "wait"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_EQ(ran.out, "wait of cf2x_0 was cancelled: by its client\n");
+  EXPECT_EQ(run.Wait().exit, 1);
+  const Ran again = RunProgram({"skill", "cancel", "wait"});
+  EXPECT_EQ(again.exit, 1);
+  EXPECT_EQ(again.err, "musher: wait is not running; offered by cf2x_0, cf2x_1\n");
+}
+
+TEST_F(SkillCommand, ReportsACancellationThatIsRejected) {
+  FakeSkills robot("cf2x_0");
+  Process run({kMusher, "skill", "run", "deaf"});
+  ASSERT_NE(run.LineWith("10 %  Skill deaf started"), "");
+  const Ran ran = RunProgram({"--json", "skill", "cancel", "deaf"});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_EQ(Json(ran.out)["runs"][0]["outcome"], "running") << ran.out;
+  EXPECT_EQ(ran.err, "musher: deaf of cf2x_0 goes on: cf2x_0 refuses the cancellation\n");
+  robot.Finish();
+  EXPECT_EQ(run.Wait().exit, 0);
+}
+
+TEST_F(SkillCommand, FollowsEveryChangeUntilItIsInterrupted) {
+  auto robot = std::make_unique<FakeSkills>("cf2x_0");
+  Process text({kMusher, "skill", "watch", "rise"});
+  Process json({kMusher, "--json", "skill", "watch"});
+  msg::SkillFeedback feedback;
+  feedback.skill = "rise";
+  feedback.state = "RISING";
+  feedback.progress = 20;
+  feedback.message = "Rising";
+  feedback.details = {{"height_m", "0.4"}};
+  std::atomic<bool> seen = false;
+  std::thread publisher([&] {
+    while (!seen) {
+      robot->Publish(feedback);
+      std::this_thread::yield();
+    }
+  });
+  EXPECT_THAT(text.LineWith("RISING"),
+              HasSubstr("  cf2x_0  rise   20 %  RISING  Rising  height_m 0.4"));
+  const auto line = Json(json.LineWith("RISING"));
+  seen = true;
+  publisher.join();
+  EXPECT_EQ(line["status"], "processing");
+  EXPECT_EQ(line["details"]["height_m"], "0.4");
+  robot.reset();
+  EXPECT_NE(text.LineWith("cf2x_0 is lost"), "");
+  text.Signal(SIGINT);
+  EXPECT_EQ(text.Wait().exit, 0);
+}
+
+TEST_F(SkillCommand, DrawsASkill) {
+  const FakeSkills robot("cf2x_0");
+  EXPECT_EQ(RunProgram({"graph", "--skill", "rise"}).out, "dot of rise\n");
+  EXPECT_EQ(
+      RunProgram({"graph", "--skill", "rise", "--actuator", "cf2x_0", "--format", "mermaid"}).out,
+      "mermaid of rise\n");
+  EXPECT_EQ(RunProgram({"graph", "--skill", "rice"}).exit, 1);
+  EXPECT_EQ(RunProgram({"graph", "--skill", "rise", "--behavior", "show"}).exit, 2);
+  EXPECT_EQ(RunProgram({"graph", "--actuator", "cf2x_0"}).exit, 2);
+}
+
+TEST_F(SkillCommand, IsCompletedBySkillsActuatorsAndKeys) {
+  const FakeSkills zero("cf2x_0");
+  const FakeSkills one("cf2x_1");
+  EXPECT_EQ(RunProgram({"complete", "skill", "run", "r"}).out,
+            "refuse\t\nrise\trises to an altitude\n");
+  EXPECT_EQ(RunProgram({"complete", "skill", "run", "rise", "a"}).out,
+            "altitude=\ta number, default 1 (m above the ground)\n");
+  EXPECT_EQ(RunProgram({"complete", "skill", "run", "rise", "altitude", "=", ""}).out, "");
+  EXPECT_EQ(RunProgram({"complete", "skill", "run", "rise", "altitude", "=", "2", "t"}).out,
+            "text=\ta text, default (what it says)\n");
+  EXPECT_EQ(RunProgram({"complete", "skill", "run", "rise", "--actuator", ""}).out,
+            "cf2x_0\t\ncf2x_1\t\n");
+  EXPECT_EQ(RunProgram({"complete", "graph", "--skill", "wa"}).out, "wait\t\n");
+}
+
+}  // namespace musher::cli::skill_command_test

@@ -1,0 +1,84 @@
+// Why a machine is as it is, and what failed last, from entries as a controller sends them.
+
+#include "musher/cli/machine/why.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <ctime>
+
+#include "musher/cli/render/json.hpp"
+#include "musher/cli/render/text.hpp"
+
+namespace musher::cli::why_test {
+
+using ::testing::IsEmpty;
+
+constexpr std::int32_t kTimeout = 107;
+
+class Explaining : public ::testing::Test {
+ protected:
+  Explaining() {
+    setenv("TZ", "UTC", 1);
+    tzset();
+  }
+  void Add(std::uint64_t cause, const std::string& message, std::int32_t code = 0,
+           const std::string& state = "", const std::string& data = "") {
+    const std::uint64_t id = history_.entries.size() + 1;
+    history_.entries.push_back({id, static_cast<std::int64_t>(id) * 1'000'000, 1, 0, "switch", "",
+                                code, message, cause, state, data});
+  }
+  std::string Text(const State& state = State("")) const {
+    return WhyText(FindWhy(history_, state).value(), false);
+  }
+
+  msg::GetHistory::Response history_;
+};
+
+// After an undone switch it explained the change of state before it, and left the failure out.
+TEST_F(Explaining, AStateNamesTheFailureAfterItFirst) {
+  Add(0, "switch to Active requested");
+  Add(1, "the machine is Active", 0, "Active");
+  Add(0, "switch to LowPower requested");
+  Add(3, "legs did not answer", kTimeout);
+  Add(4, "switch 2 is undone", kTimeout);
+  EXPECT_EQ(Text(),
+            "1970-01-01 00:00:00.005  last failure: switch 2 is undone (107 (Robot: Timeout))\n"
+            "1970-01-01 00:00:00.004    because legs did not answer (107 (Robot: Timeout))\n"
+            "1970-01-01 00:00:00.003    because switch to LowPower requested\n"
+            "1970-01-01 00:00:00.002  the machine went to Active\n"
+            "1970-01-01 00:00:00.001    because switch to Active requested\n");
+}
+
+TEST_F(Explaining, AStateNamesTheFailureBeforeItLast) {
+  Add(0, "eyes did not start", kTimeout);
+  Add(0, "switch to Active requested");
+  Add(2, "the machine is Active", 0, "Active");
+  EXPECT_EQ(Text(),
+            "1970-01-01 00:00:00.003  the machine went to Active\n"
+            "1970-01-01 00:00:00.002    because switch to Active requested\n"
+            "1970-01-01 00:00:00.001  last failure: eyes did not start (107 (Robot: Timeout))\n");
+}
+
+TEST_F(Explaining, AFailureThatIsTheCauseOfTheStateIsNamedOnce) {
+  Add(0, "legs crashed", kTimeout);
+  Add(1, "falling back to Protected", 0, "Protected");
+  EXPECT_THAT(FindWhy(history_, State("")).value().failure.entries, IsEmpty());
+}
+
+TEST_F(Explaining, AStateThatWasNamedLeavesOtherFailuresOut) {
+  Add(0, "the machine is Active", 0, "Active");
+  Add(0, "legs crashed", kTimeout);
+  EXPECT_EQ(Text(State("Active")), "1970-01-01 00:00:00.001  the machine went to Active\n");
+}
+
+TEST_F(Explaining, ABacktraceIsFolded) {
+  Add(0, "the machine is Active", 0, "Active");
+  Add(0, "legs hung", kTimeout, "", "TID 7:\n#0  read\n#1  main\n");
+  EXPECT_THAT(Text(), ::testing::StartsWith("1970-01-01 00:00:00.002  last failure: legs hung "
+                                            "(107 (Robot: Timeout))  "
+                                            "[3 lines in `musher history`]\n"));
+}
+
+}  // namespace musher::cli::why_test
