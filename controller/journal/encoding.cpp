@@ -104,11 +104,6 @@ class Writer {
   void Add(Json& json, const T& value, const Base<B>& /*base*/) const {
     AddFields(json, static_cast<const B&>(value));
   }
-  template <class T, class M, std::size_t kFlags>
-  void Add(Json& json, const T& value, const Flags<T, M, kFlags>& flags) const {
-    const auto number = static_cast<std::size_t>(value.*flags.member);
-    if (number > 0) json[flags.names.at(number - 1)] = true;
-  }
 
   template <class T, class Items>
   Json ListOf(const Items& items) const {
@@ -165,19 +160,6 @@ class Reader {
   template <class T, class B>
   void TakeOne(const Json& json, T& value, const Base<B>& /*base*/) const {
     TakeFields(json, static_cast<B&>(value));
-  }
-  // Of several flags the last one counts.
-  template <class T, class M, std::size_t kFlags>
-  void TakeOne(const Json& json, T& value, const Flags<T, M, kFlags>& flags) const {
-    for (std::size_t i = 0; i < kFlags; ++i) {
-      bool set = false;
-      TakeOne(json, set, flags.names[i]);
-      if (set) value.*flags.member = static_cast<M>(i + 1);
-    }
-  }
-  void TakeOne(const Json& json, bool& value, const char* name) const {
-    const auto found = json.find(name);
-    if (found != json.end()) At(name).Read(*found, value);
   }
 
   void Read(const Json& json, bool& value) const {

@@ -31,16 +31,7 @@ Part(M T::*) -> Part<T, M>;
 template <class B>
 struct Base {};
 
-// An enumeration that is recorded as flags: a flag for each value but the first.
-template <class T, class M, std::size_t kFlags>
-struct Flags {
-  M T::*member;
-  std::array<const char*, kFlags> names;  // of the values from 1 on
-};
-template <class T, class M, std::size_t kFlags>
-Flags(M T::*, std::array<const char*, kFlags>) -> Flags<T, M, kFlags>;
-
-// The fields of a struct, as a tuple of Field, Part, Base and Flags.
+// The fields of a struct, as a tuple of Field, Part and Base.
 template <class T>
 inline constexpr auto kFields = nullptr;
 template <class T>

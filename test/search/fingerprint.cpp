@@ -132,8 +132,8 @@ void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
             r.failed_checks.at, r.held, r.due, r.set_again, r.fault ? r.fault->code : 0,
             r.fault ? r.fault->event : EventName::kNone, r.tolerated.has_value(), r.command,
             r.health, r.restart.count, r.restart.at, r.restart.reset_at, r.restart.given_up,
-            r.restart.requested, r.process.termination, r.suspended, r.control.outbid_at, r.free_by,
-            r.elsewhere);
+            r.restart.requested, r.process.termination, r.suspended, r.control.rival_until,
+            r.free_by, r.elsewhere);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 
