@@ -4,23 +4,35 @@
 #include <optional>
 #include <vector>
 
-#include "musher/controller/journal/fields.hpp"
+#include "musher/lifecycle/fields/machine_fields.hpp"
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::tuple kFields<recording::ConfigText> = {
+    Field{"file", &recording::ConfigText::file},
+    Field{"hash", &recording::ConfigText::hash},
+    Field{"text", &recording::ConfigText::text},
+};
+template <>
+inline constexpr std::tuple kFields<recording::Snapshot> = {
+    Field{"config_hash", &recording::Snapshot::config_hash},
+    Field{"machine", &recording::Snapshot::machine},
+};
+
+}  // namespace musher::fields
 
 namespace musher::recording {
-
-template <>
-inline constexpr std::tuple kFields<ConfigText> = {
-    Field{"file", &ConfigText::file},
-    Field{"hash", &ConfigText::hash},
-    Field{"text", &ConfigText::text},
-};
-template <>
-inline constexpr std::tuple kFields<Snapshot> = {
-    Field{"config_hash", &Snapshot::config_hash},
-    Field{"machine", &Snapshot::machine},
-};
-
 namespace {
+
+using fields::Base;
+using fields::Field;
+using fields::kEventName;
+using fields::kFields;
+using fields::kIsComplete;
+using fields::kValueNames;
+using fields::Part;
+using fields::Struct;
 
 using Json = nlohmann::ordered_json;  // keys in the order they are written here
 
@@ -85,7 +97,7 @@ class Writer {
 
   template <Struct T>
   void AddFields(Json& json, const T& value) const {
-    static_assert(kIsComplete<T>, "fields.hpp has to name every member");
+    static_assert(kIsComplete<T>, "lifecycle/fields has to name every member");
     std::apply([&](const auto&... fields) { (Add(json, value, fields), ...); }, kFields<T>);
   }
 

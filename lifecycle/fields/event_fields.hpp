@@ -1,10 +1,10 @@
 #pragma once
 // The recorded fields of every Event, and of the types that Machine shares with them.
 
-#include "musher/controller/journal/field.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
+#include "musher/lifecycle/fields/field.hpp"
 
-namespace musher::recording {
+namespace musher::fields {
 
 template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<Verdict> = {"done", "refused",
@@ -324,4 +324,4 @@ inline constexpr std::string_view kEventName<event::TimePassed> = "TimePassed";
 template <>
 inline constexpr std::tuple<> kFields<event::TimePassed> = {};
 
-}  // namespace musher::recording
+}  // namespace musher::fields

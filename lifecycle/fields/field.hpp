@@ -1,6 +1,7 @@
 #pragma once
-// Lists the fields of a struct and the names of an enumeration's values for a recording. A missing
-// field is a compile error (MemberCount).
+// Lists the fields of a struct and the names of an enumeration's values, once for all that go
+// through them: the journal, and the search that tells states apart. A missing field is a compile
+// error (MemberCount).
 
 #include <array>
 #include <cstddef>
@@ -9,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace musher::recording {
+namespace musher::fields {
 
 template <class T, class M>
 struct Field {
@@ -62,4 +63,4 @@ template <Struct T>
 inline constexpr bool kIsComplete = std::tuple_size_v<std::remove_const_t<decltype(kFields<T>)>> ==
                                     MemberCount<T>();
 
-}  // namespace musher::recording
+}  // namespace musher::fields

@@ -4,10 +4,10 @@
 //
 // Units: times and durations in nanoseconds.
 
-#include "musher/controller/journal/event_fields.hpp"
-#include "musher/controller/journal/field.hpp"
+#include "musher/lifecycle/fields/event_fields.hpp"
+#include "musher/lifecycle/fields/field.hpp"
 
-namespace musher::recording {
+namespace musher::fields {
 
 template <>
 inline constexpr std::tuple kFields<PendingCommand> = {
@@ -182,8 +182,6 @@ inline constexpr std::tuple kFields<Stopping> = {
     Field{"requests", &Stopping::requests},
 };
 
-static_assert(static_cast<int>(Stopping::Signal::kKill) == 2, "each value has its flag");
-
 template <>
 inline constexpr std::tuple kFields<Keep> = {
     Field{"state", &Keep::state},
@@ -309,4 +307,4 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"policy", &Machine::policy},
 };
 
-}  // namespace musher::recording
+}  // namespace musher::fields
