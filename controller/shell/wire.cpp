@@ -95,7 +95,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     const bool may_run =
         record.presence != Presence::kAbsent && record.process.dead != record.report.incarnation;
     info.pid = record.process.pid != 0 ? record.process.pid : may_run ? record.report.pid : 0;
-    // Of one that is out of reach since before this controller began, what its disk says.
+    // If it was out of reach before this controller began: what the disk says.
     info.host = record.report.host.empty() ? record.elsewhere.value_or("") : record.report.host;
     info.stage = config.actuators[i].stage;
     info.critical = config.actuators[i].critical;

@@ -1,8 +1,8 @@
 #pragma once
 // The recorded fields of every Event, and of the types that Machine shares with them.
 
-#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/fields/field.hpp"
+#include "musher/lifecycle/step/event.hpp"
 
 namespace musher::fields {
 

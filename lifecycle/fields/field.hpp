@@ -1,6 +1,6 @@
 #pragma once
-// Lists the fields of a struct and the names of an enumeration's values, once for all that go
-// through them: the journal, and the search that tells states apart. A missing field is a compile
+// Lists the fields of a struct and the names of an enumeration's values, once for what goes
+// through them: the journal, and the search that distinguishes states. A missing field is a compile
 // error (MemberCount).
 
 #include <array>

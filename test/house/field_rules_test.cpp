@@ -42,7 +42,7 @@ TEST(FieldRules, ReportAFieldOfEachFormWithoutAComment) {
                           "a.idl:7: Battery.cell has no comment behind or above it"));
 }
 
-TEST(FieldRules, ACommentIsThatOfOneFieldOnly) {
+TEST(FieldRules, ACommentBelongsToOneFieldOnly) {
   EXPECT_THAT(ViolationsIn("Battery",
                            "    // V\n"
                            "    float voltage;\n"

@@ -141,11 +141,13 @@ bool IsHeavy(const std::string& library) {
 }
 
 // Whether another folder may include that one's headers. None may include those of programs on top
-// of everything, of modules (of which none includes another) and of test/.
+// of everything, of modules (of which none includes another) and of test/. Those of the command
+// line are for its own hundred sources.
 bool IsSharedFolder(const std::string& folder) {
-  return std::any_of(MayInclude().begin(), MayInclude().end(), [&](const auto& row) {
-    return row.first.substr(0, row.first.find('/')) != folder && row.second.contains(folder);
-  });
+  return folder == "cli" ||
+         std::any_of(MayInclude().begin(), MayInclude().end(), [&](const auto& row) {
+           return row.first.substr(0, row.first.find('/')) != folder && row.second.contains(folder);
+         });
 }
 
 // "exec" of "modules/exec/child.hpp".
