@@ -39,7 +39,7 @@ class Switching : StepPart {
     std::optional<EndedSwitch> ended = {};
   };
   Progress Advance();
-  // What follows is in switch_end.cpp. Ends the current switch after the end of all its legs.
+  // Ends the current switch after the end of all its legs.
   EndedSwitch End();
   // Ends the current switch without rollback. Running callbacks finish; the newest command waits
   // behind them at the actuator.
