@@ -22,7 +22,7 @@ class StartUp : StepPart {
   // Each returns whether something changed.
   bool StartProcesses();
   bool Advance();
-  // Gives up actuators that were not set up in time (set_up_deadlines.cpp).
+  // Gives up actuators that were not set up in time.
   void CheckDeadlines();
 
  private:
