@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
-#include "musher/lifecycle/switch/tear_down_share.hpp"
 
 namespace musher {
 namespace {
@@ -32,6 +31,61 @@ Requester RequesterOf(Purpose purpose) {
 void Explain(Leg& leg, const RecordText& text) {
   leg.message = text.message;
   leg.event = text.event;
+}
+
+// The legs in an order in which each stands before those that it needs.
+class Order {
+ public:
+  Order(const MachineConfig& config, const std::vector<Leg>& legs)
+      : legs_(config.actuators.size(), nullptr), seen_(config.actuators.size(), false) {
+    for (const Leg& leg : legs) legs_[leg.actuator] = &leg;
+    for (const Leg& leg : legs) Visit(leg);
+    std::reverse(sorted_.begin(), sorted_.end());
+  }
+
+  const std::vector<const Leg*>& sorted() const { return sorted_; }
+
+ private:
+  void Visit(const Leg& leg) {
+    if (seen_[leg.actuator]) return;
+    seen_[leg.actuator] = true;
+    for (const ActuatorIndex needed : leg.needs) {
+      if (legs_[needed] != nullptr) Visit(*legs_[needed]);
+    }
+    sorted_.push_back(&leg);
+  }
+
+  PerActuator<const Leg*> legs_;
+  PerActuator<bool> seen_;
+  std::vector<const Leg*> sorted_;
+};
+
+// How the actuators of a TearDown share its time. Where their times do not fit into what is left,
+// those that are torn down one after another each get a part in proportion to their time: an
+// actuator that hangs does not use the time of those that are torn down after it. Where the times
+// fit, each has all of its own.
+
+// For each actuator with a leg, the longest time that it and those that wait for it, one after
+// another, may take.
+PerActuator<Duration> ChainTimes(const MachineConfig& config, const std::vector<Leg>& legs) {
+  PerActuator<Duration> chains(config.actuators.size(), Duration{});
+  const Order order(config, legs);
+  for (const Leg* leg : order.sorted()) {
+    // So far the longest chain behind it: those that wait for it came before.
+    Duration& chain = chains[leg->actuator];
+    chain += config.TimeFor(leg->actuator, leg->target);
+    for (const ActuatorIndex needed : leg->needs) {
+      chains[needed] = std::max(chains[needed], chain);
+    }
+  }
+  return chains;
+}
+
+// The part of `left` for an actuator that may take `time`, in a chain that may take `chain`.
+Duration ShareOf(Duration left, Duration time, Duration chain) {
+  if (chain <= left) return time;
+  const double part = static_cast<double>(time.count()) / static_cast<double>(chain.count());
+  return Duration(static_cast<Duration::rep>(static_cast<double>(left.count()) * part));
 }
 
 }  // namespace
