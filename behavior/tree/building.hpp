@@ -1,5 +1,5 @@
 #pragma once
-// The build of one tree; only for build.cpp, setup.cpp and warnings.cpp.
+// The build of one tree; only for build.cpp, warnings.cpp and setup.cpp.
 
 #include <map>
 #include <memory>
