@@ -26,8 +26,6 @@ constexpr Duration kReceivedAfter = std::chrono::seconds(2);
 // A controller may react so long to a fault of a process, or of its link, that is over.
 constexpr Duration kReactsFor = std::chrono::seconds(30);
 
-// The clocks of two hosts are compared by the report with the shortest transit time.
-constexpr Duration kCommandClockSlack = Milliseconds(100);
 // A client's process notices within this that a controller has ended: the missed heartbeats, and a
 // grace for a reply under way.
 constexpr Duration kNotifiedWithin = std::chrono::seconds(4);
@@ -865,7 +863,7 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
                           std::get<1>(next->first) == *config_.IndexOf(name);
   if (newer_sent || IsGivenUp(sent->first)) return;
   const Duration age = robot_.network().now() - sent->second.sent;
-  if (age + kCommandClockSlack >= sent->second.budget) return;
+  if (age + kClockSlack >= sent->second.budget) return;
   ReportViolation(Invariant::kNoCommandDropped,
                   name + " drops the accepted command to " + command.target + " after " +
                       std::to_string(ToMilliseconds(age)) + " of " +
