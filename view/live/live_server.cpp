@@ -4,31 +4,25 @@
 #include <charconv>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "musher/base/host.hpp"
 #include "musher/base/version.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/view/http/assets.hpp"
 #include "musher/view/http/reply.hpp"
+#include "musher/view/json/json.hpp"
 #include "musher/view/live/log_text.hpp"
 #include "musher/view/page/files.hpp"
 
 namespace musher::view {
 namespace {
 
-using LiveJson = nlohmann::ordered_json;
-
 constexpr const char* kSubprotocol = "musher.view.v1";
 constexpr Duration kTopicsDelay = Milliseconds(100);  // what is discovered comes together
 constexpr unsigned kPolicyViolation = 1008;
 
-SharedText Dumped(const LiveJson& json) {
-  return std::make_shared<const std::string>(
-      json.dump(-1, ' ', false, LiveJson::error_handler_t::replace));
+SharedText Share(const OrderedJson& json) {
+  return std::make_shared<const std::string>(Dumped(json));
 }
-
-using RequestJson = nlohmann::json;
 
 constexpr const char* kCookie = "musher_view";
 constexpr unsigned kNormalClosure = 1000;
@@ -49,7 +43,7 @@ std::int64_t NumberIn(const http::Request& request, const std::string& name,
 }
 
 // The text of a field of a JSON object; "" where it is missing.
-std::string TextIn(const RequestJson& body, const char* name) {
+std::string TextIn(const Json& body, const char* name) {
   const auto found = body.find(name);
   return found != body.end() && found->is_string() ? found->get<std::string>() : "";
 }
@@ -126,7 +120,7 @@ Result<> LiveServer::Open() {
   if (!watch) return watch.error();
   topic_watch_ = std::move(watch).value();
   every_second_ = node_.loop().Every(std::chrono::seconds(1), [this] {
-    SendAll("time", Dumped({{"op", "time"}, {"time_ms", WallMilliseconds()}}));
+    SendAll("time", Share({{"op", "time"}, {"time_ms", WallMilliseconds()}}));
   });
   http::Options http = options_.http;
   http.subprotocols = {kSubprotocol, foxglove::kSubprotocol};
@@ -190,13 +184,13 @@ http::WebSocketHandlers LiveServer::OnWebSocket(const std::shared_ptr<http::WebS
 
 void LiveServer::Greet(Page& page) {
   const std::string person = PersonOf(page.socket->request());
-  page.socket->Send(Dumped({{"op", "hello"},
-                            {"version", Version()},
-                            {"namespace", options_.name_space},
-                            {"may_act", !person.empty()},
-                            {"may_stop", !person.empty() || !options_.stop_needs_login},
-                            {"who", person},
-                            {"time_ms", WallMilliseconds()}}),
+  page.socket->Send(Share({{"op", "hello"},
+                           {"version", Version()},
+                           {"namespace", options_.name_space},
+                           {"may_act", !person.empty()},
+                           {"may_stop", !person.empty() || !options_.stop_needs_login},
+                           {"who", person},
+                           {"time_ms", WallMilliseconds()}}),
                     false);
   page.socket->Send(TopicsMessage(), false);
   page.socket->Send(feed_->History(), false);
@@ -204,14 +198,14 @@ void LiveServer::Greet(Page& page) {
 }
 
 void LiveServer::OnPageMessage(Page& page, const std::string& text) {
-  const LiveJson message = LiveJson::parse(text, nullptr, false);
-  if (!message.is_object() || message.value("op", LiveJson()) != "watch" ||
+  const Json message = Json::parse(text, nullptr, false);
+  if (!message.is_object() || message.value("op", Json()) != "watch" ||
       !message.contains("topics") || !message["topics"].is_array()) {
     return page.socket->Close(kPolicyViolation,
                               R"(a page sends {"op":"watch","topics":[...]}, nothing else)");
   }
   page.watched.clear();
-  for (const LiveJson& topic : message["topics"]) {
+  for (const Json& topic : message["topics"]) {
     if (topic.is_string() && page.watched.size() < kMostWatched) {
       page.watched.insert(topic.get<std::string>());
     }
@@ -263,14 +257,14 @@ void LiveServer::OnTopicsChanged() {
 }
 
 SharedText LiveServer::TopicsMessage() const {
-  LiveJson topics = LiveJson::array();
+  OrderedJson topics = OrderedJson::array();
   for (const ListedTopic& topic : table_.List()) {
     topics.push_back({{"name", topic.name},
                       {"type", topic.type},
                       {"publishers", topic.publishers},
                       {"subscribers", topic.subscribers}});
   }
-  return Dumped({{"op", "topics"}, {"topics", std::move(topics)}});
+  return Share({{"op", "topics"}, {"topics", std::move(topics)}});
 }
 
 // --- the requests of a page: files, API, login ---
@@ -346,7 +340,7 @@ void LiveServer::OnGet(const http::Request& request, const http::Respond& respon
 }
 
 void LiveServer::OnPost(const http::Request& request, const http::Respond& respond) {
-  const RequestJson body = RequestJson::parse(request.body, nullptr, false);
+  const Json body = Json::parse(request.body, nullptr, false);
   if (!body.is_object()) {
     return respond(
         http::ErrorResponse(400, kCodeParametersInvalid, "the body has to be a JSON object"));
@@ -411,7 +405,7 @@ void LiveServer::OnLogout(const http::Request& request, const http::Respond& res
 
 // For `musher view --link`, which has read the token file.
 void LiveServer::OnLink(const http::Request& request, const http::Respond& respond) {
-  const RequestJson body = RequestJson::parse(request.body, nullptr, false);
+  const Json body = Json::parse(request.body, nullptr, false);
   if (request.method != "POST" || !body.is_object()) {
     return respond(http::ErrorResponse(400, kCodeParametersInvalid,
                                        R"(POST {"token":"...","name":"..."} gives a link)"));

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <chrono>
 
-#include <nlohmann/json.hpp>
-
 #include "musher/base/version.hpp"
 #include "musher/lifecycle/event_name.hpp"
 #include "musher/lifecycle/state.hpp"
+#include "musher/view/json/json.hpp"
 
 namespace musher::view {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr std::size_t kMostEpochs = 16;
 constexpr std::size_t kMostBegun = 64;  // one switch of the machine runs at a time
