@@ -110,7 +110,7 @@ Result<> Controller::Open() {
 
 // On a slow link an actuator may have been discovered only now; its controller may follow.
 void Controller::BeginAfter(Duration listen) {
-  const auto first_status_at = shell_->first_status_at();
+  const auto first_status_at = shell_->peers().first_status_at();
   const bool settled = shell_->rival() || !first_status_at;
   const Time until = settled ? Time{} : *first_status_at + listen;
   const auto begin = [this] { BeginOnceReceived(node_.loop().Now() + kStatusWithin); };
@@ -121,7 +121,7 @@ void Controller::BeginAfter(Duration listen) {
 // Waits for the statuses of running actuators: they contain the hash of their config.
 void Controller::BeginOnceReceived(Time deadline) {
   const bool checks_configs = !options_.adopt && !options_.restarted;
-  if (!checks_configs || shell_->ActuatorsBeforeBegin() >= held_ ||
+  if (!checks_configs || shell_->peers().received_before_begin() >= held_ ||
       node_.loop().Now() >= deadline) {
     return Begin();
   }
@@ -357,7 +357,7 @@ void Controller::Begin() {
     }
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
-  if (const std::string others = shell_->RunningWithAnotherConfig(last_config_hash_);
+  if (const std::string others = shell_->peers().RunningWithAnotherConfig(last_config_hash_);
       !others.empty() && !options_.adopt && !options_.restarted) {
     return shell_->Refuse(
         {kCodeTargetBusy, others + " already, with a different config than " + config_.file +
@@ -414,7 +414,7 @@ void Controller::TakeIdentity() {
   if (!store_ || !store_->machine_id().empty()) return;
   std::string id;
   if (const auto& rival = shell_->rival()) id = rival->machine.id;
-  for (const auto& [actuator, status] : shell_->statuses_before_begin()) {
+  for (const auto& [actuator, status] : shell_->peers().statuses_before_begin()) {
     // One that this host starts belongs here; elsewhere a process of its name is another machine's.
     const bool belongs = status.host == HostId() || config_.actuators[actuator].command.empty();
     if (id.empty() && belongs && status.machine == config_.name) id = status.machine_id;
@@ -491,7 +491,7 @@ pid_t Controller::HolderOf(ActuatorIndex i) {
 }
 
 // Stops a process that no controller controls any more. A process that holds its name is reported
-// instead, see ControllerShell::RecordUnlisted.
+// instead, see ActuatorPeers::RecordUnlisted.
 void Controller::EndUnlisted(const ChildProcess& child) {
   if (NameLock::IsHeld(LockOf(child.actuator))) return;
   if (!processes_.Adopt(child.pid, child.start_time, nullptr)) return;
