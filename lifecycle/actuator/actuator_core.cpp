@@ -57,9 +57,9 @@ std::optional<State> SafeState(const MachineConfig& config, ActuatorIndex index,
 }
 
 // One event's decision: the arguments of Step() and the actions so far.
-class Deciding {
+class Decision {
  public:
-  Deciding(const MachineConfig& config, ActuatorIndex index, ActuatorCore& core, Time now)
+  Decision(const MachineConfig& config, ActuatorIndex index, ActuatorCore& core, Time now)
       : machine_(config),
         config_(config.actuators[index]),
         index_(index),
@@ -437,7 +437,7 @@ class Deciding {
 
 std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex index,
                                  ActuatorCore& core, const ActuatorEvent& event, Time now) {
-  Deciding deciding(config, index, core, now);
+  Decision deciding(config, index, core, now);
   std::visit([&](const auto& e) { deciding.On(e); }, event);
   return std::move(deciding).Take();
 }

@@ -24,7 +24,7 @@ void StartUp::Begin(const event::Begin& begin) {
   machine_.epoch = begin.epoch + 1;
   machine_.start_up.finishing = begin.stop_intent && begin.restarted;
   machine_.start_up.restarted = begin.restarted && begin.epoch > 0;
-  saving_.Save(Stored::kEpoch);
+  saver_.Save(Stored::kEpoch);
   for (const ActuatorIndex i : begin.running.Indices()) {
     if (begin.running[i]) Of(i).process.launch = Launch::kFoundRunning;
   }
@@ -36,7 +36,7 @@ void StartUp::Begin(const event::Begin& begin) {
   if (machine_.start_up.finishing) {
     RecordMachine(kCodeOk, texts::TearDownResumedBySupervisor(), kBegun);
   } else if (begin.stop_intent) {
-    saving_.Save(Stored::kStopIntent);  // clears the intent
+    saver_.Save(Stored::kStopIntent);  // clears the intent
   }
   StartStage(machine_.start_up.by_hand || machine_.start_up.finishing ? LastStage(config_) : 1,
              kBegun);
@@ -135,8 +135,8 @@ void StartUp::EndFirstStage() {
         recorded);
   }
   if (!config_.HasState(kSelfCheck)) return Activate(recorded);
-  switching_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
-                   recorded);
+  switches_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
+                  recorded);
 }
 
 void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>& missing,
@@ -195,7 +195,7 @@ void StartUp::Activate(RecordId cause) {
   }
   const Plan plan = MakePlan(config_, machine_, target);
   if (plan.refusal) return Fail(plan.refusal->message, cause);
-  switching_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
+  switches_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
 }
 
 void StartUp::Fail(const std::string& why, RecordId cause) {

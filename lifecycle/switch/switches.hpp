@@ -23,9 +23,9 @@ struct EndedSwitch {
   RecordId record = 0;  // of its end
 };
 
-class Switching : StepPart {
+class Switches : StepPart {
  public:
-  Switching(StepContext& step, PolicyMemory& memory, Commands& commands)
+  Switches(StepContext& step, PolicyMemory& memory, Commands& commands)
       : StepPart(step), memory_(memory), commands_(commands) {}
 
   // Returns the number of the switch. `by`: of one that was requested.

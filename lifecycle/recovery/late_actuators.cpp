@@ -1,4 +1,4 @@
-#include "musher/lifecycle/recovery/joining.hpp"
+#include "musher/lifecycle/recovery/late_actuators.hpp"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 
 namespace musher {
 
-bool Joining::DriveLateOnes() {
+bool LateActuators::DriveLateOnes() {
   if (machine_.current || machine_.waiting) return false;
   if (machine_.phase != Phase::kRunning) return LowerLateOnes();
   bool changed = false;
@@ -41,7 +41,7 @@ bool Joining::DriveLateOnes() {
 
 // Whether it has had no self-check yet, or one has failed and is to be repeated: not while it works
 // in the state of the machine.
-bool Joining::IsToBeChecked(ActuatorIndex i) {
+bool LateActuators::IsToBeChecked(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   std::optional<Time>& again = record.failed_checks.at;
   if (again && now_ >= *again) {
@@ -54,7 +54,7 @@ bool Joining::IsToBeChecked(ActuatorIndex i) {
   return !record.checked && !record.join_tried && (before || failed);
 }
 
-bool Joining::IsFree(ActuatorIndex i) const {
+bool LateActuators::IsFree(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   return record.presence == Presence::kPresent && !record.command && !record.report.busy() &&
          record.health != Health::kHung && !record.restart.given_up && !record.restart.requested;
@@ -62,7 +62,7 @@ bool Joining::IsFree(ActuatorIndex i) const {
 
 // The machine is not usable yet, or its start has failed. The rollback has not reached an actuator
 // that was busy or out of reach.
-bool Joining::LowerLateOnes() {
+bool LateActuators::LowerLateOnes() {
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const bool late = machine_.start_up.set_up && Of(i).due && !Of(i).held && IsFree(i);
@@ -73,7 +73,7 @@ bool Joining::LowerLateOnes() {
 
 // The machine is in a step of a start: the actuator goes where a rollback leads. Returns whether it
 // is more active than that.
-bool Joining::Lower(ActuatorIndex i) {
+bool LateActuators::Lower(ActuatorIndex i) {
   if (!IsAbovePlace(i)) return false;
   Of(i).due = false;
   const State rest = RestOf(i);
@@ -88,7 +88,7 @@ bool Joining::Lower(ActuatorIndex i) {
 
 // Whether an emergency stop is between the actuator and the state of the machine, another one that
 // is as active. The release starts no callback on the same level: only a requested switch does.
-bool Joining::StoppedOnTheLevel(ActuatorIndex i) const {
+bool LateActuators::StoppedOnTheLevel(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   const State place = PlaceOf(i);
   const bool level =
@@ -100,11 +100,11 @@ bool Joining::StoppedOnTheLevel(ActuatorIndex i) const {
 }
 
 // Its command could overtake the release on the way to it: its own report counts, too.
-bool Joining::IsStopped(ActuatorIndex i) const {
+bool LateActuators::IsStopped(ActuatorIndex i) const {
   return machine_.emergency.stop.has_value() || Of(i).report.emergency_stop != 0;
 }
 
-void Joining::Hold(ActuatorIndex i) {
+void LateActuators::Hold(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   record.due = false;
   // A failure that its own callback has reported is kept.
@@ -116,7 +116,7 @@ void Joining::Hold(ActuatorIndex i) {
 }
 
 // Whether the actuators in its `after` are present, for a self-check, or up, for going up itself.
-bool Joining::MayJoin(ActuatorIndex i, std::optional<RecordText>& blocker) const {
+bool LateActuators::MayJoin(ActuatorIndex i, std::optional<RecordText>& blocker) const {
   const ActuatorRecord& record = Of(i);
   const auto own = config_.RankOf(record.state());
   const State place = PlaceOf(i);
@@ -135,7 +135,7 @@ bool Joining::MayJoin(ActuatorIndex i, std::optional<RecordText>& blocker) const
                                  });
 }
 
-void Joining::Join(ActuatorIndex i) {
+void LateActuators::Join(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   if (!record.due) {
     return commands_.Issue(i, machine_.number + 1, State(kSelfCheck),

@@ -8,7 +8,7 @@
 
 namespace musher {
 
-class Saving : StepPart {
+class Saver : StepPart {
  public:
   using StepPart::StepPart;
 

@@ -9,9 +9,9 @@
 
 namespace musher {
 
-class Joining : StepPart {
+class LateActuators : StepPart {
  public:
-  Joining(StepContext& step, Commands& commands) : StepPart(step), commands_(commands) {}
+  LateActuators(StepContext& step, Commands& commands) : StepPart(step), commands_(commands) {}
 
   // Returns whether a change may let other actuators proceed.
   bool DriveLateOnes();

@@ -1,10 +1,10 @@
-#include "musher/lifecycle/step/saving.hpp"
+#include "musher/lifecycle/step/saver.hpp"
 
 #include <algorithm>
 
 namespace musher {
 
-void Saving::Save(Stored what) {
+void Saver::Save(Stored what) {
   const SaveNumber save = ++machine_.saves.last;
   auto& unsaved = machine_.saves.unsaved;
   const auto found = std::find_if(unsaved.begin(), unsaved.end(),
@@ -30,7 +30,7 @@ void Saving::Save(Stored what) {
   }
 }
 
-std::vector<RemoteActuator> Saving::RemoteActuators() const {
+std::vector<RemoteActuator> Saver::RemoteActuators() const {
   std::vector<RemoteActuator> remote;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (Of(i).elsewhere) remote.push_back({ConfigOf(i).name, *Of(i).elsewhere});
@@ -40,7 +40,7 @@ std::vector<RemoteActuator> Saving::RemoteActuators() const {
 
 // Whether it runs on another host, by its last status. A process whose protocol does not name its
 // host may be on another one with profile lan only.
-bool Saving::IsElsewhere(ActuatorIndex i) const {
+bool Saver::IsElsewhere(ActuatorIndex i) const {
   const ActuatorReport& report = Of(i).report;
   if (Of(i).process.pid != 0 || report.incarnation == Of(i).process.dead ||
       report.state == kTearDown) {
@@ -54,7 +54,7 @@ bool Saving::IsElsewhere(ActuatorIndex i) const {
   return !machine_.host.empty() && report.host != machine_.host;
 }
 
-void Saving::NoteHosts() {
+void Saver::NoteHosts() {
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
@@ -69,7 +69,7 @@ void Saving::NoteHosts() {
   if (changed) Save(Stored::kRemoteActuators);
 }
 
-void Saving::On(const event::SaveEnded& ended) {
+void Saver::On(const event::SaveEnded& ended) {
   auto& unsaved = machine_.saves.unsaved;
   auto found = std::find_if(unsaved.begin(), unsaved.end(), [&](const Unsaved& one) {
     return one.what == ended.what && one.save == ended.save;

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/switch/switching.hpp"
+#include "musher/lifecycle/switch/switches.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -95,8 +95,8 @@ std::string Describe(const MachineConfig& config, const State& target,
   return (only ? "of " + config.actuators[*only].name + " to " : "to ") + target;
 }
 
-CommandNumber Switching::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
-                               RecordId cause, const Requester& by) {
+CommandNumber Switches::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
+                              RecordId cause, const Requester& by) {
   Switch s;
   static_cast<SwitchGoal&>(s) = plan;
   s.number = machine_.last_switch = ++machine_.number;
@@ -116,7 +116,7 @@ CommandNumber Switching::Begin(const Plan& plan, Purpose purpose, std::vector<Re
   return machine_.current->number;
 }
 
-void Switching::NoteRequester(const Switch& s, const Requester& by) {
+void Switches::NoteRequester(const Switch& s, const Requester& by) {
   if (s.only) return;
   machine_.requested_by = by.name;
   // A check changes no state, and a TearDown cannot be switched up from.
@@ -124,7 +124,7 @@ void Switching::NoteRequester(const Switch& s, const Requester& by) {
   if (stays && !by.manager) machine_.standing = StandingRequest{s.target, by.name, s.number};
 }
 
-void Switching::AddLeg(Switch& s, const PlanStep& step) {
+void Switches::AddLeg(Switch& s, const PlanStep& step) {
   if (step.driven()) {
     Leg leg;
     static_cast<ActuatorGoal&>(leg) = step;
@@ -153,14 +153,14 @@ void Switching::AddLeg(Switch& s, const PlanStep& step) {
   s.others.push_back(other);
 }
 
-void Switching::PermitSwitchingOn(const Switch& s) {
+void Switches::PermitSwitchingOn(const Switch& s) {
   if (machine_.emergency.stop) return;
   for (const Leg& leg : s.legs) {
     if (SwitchesOnAgain(config_, leg.from, leg.target)) Of(leg.actuator).set_again = true;
   }
 }
 
-Switching::Progress Switching::Advance() {
+Switches::Progress Switches::Advance() {
   if (!machine_.current) return {};
   Switch& s = *machine_.current;
   std::vector<Leg>& legs = s.driven_legs();
@@ -176,7 +176,7 @@ Switching::Progress Switching::Advance() {
 }
 
 // Begins the legs whose needs have ended. Returns whether anything changed without an event.
-bool Switching::StartLegs(std::vector<Leg>& legs) {
+bool Switches::StartLegs(std::vector<Leg>& legs) {
   Switch& s = *machine_.current;
   const bool give_up = !s.rollback.under_way && Failed(s);
   const bool strict = !s.rollback.under_way && s.direction == Direction::kUp;
@@ -224,7 +224,7 @@ bool Switching::StartLegs(std::vector<Leg>& legs) {
 
 // Why nothing can be sent for `leg` any more: its actuator was present when the switch was planned,
 // and was lost or restarted meanwhile, or stopped.
-std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
+std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
   const ActuatorRecord& record = Of(leg.actuator);
   if (record.presence != Presence::kPresent) {
     return CommandResult{ActuatorOutcome::kLost, kCodeNetError, texts::NoLongerAvailable(), false};
@@ -249,7 +249,7 @@ std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
 }
 
 // A leg that `leg` needs and that has ended otherwise than done; null when there is none.
-const Leg* Switching::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const {
+const Leg* Switches::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const {
   const auto found = std::find_if(legs.begin(), legs.end(), [&](const Leg& other) {
     return other.failed() &&
            std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
@@ -259,7 +259,7 @@ const Leg* Switching::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) 
 
 // Nothing is sent for `leg`. The leg that has failed decides whether the switch is undone, unless
 // this one is critical.
-void Switching::SkipLeg(Leg& leg, const Leg* blocker) {
+void Switches::SkipLeg(Leg& leg, const Leg* blocker) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = ActuatorOutcome::kSkipped;
   leg.code = kCodeStatusError;
@@ -270,14 +270,14 @@ void Switching::SkipLeg(Leg& leg, const Leg* blocker) {
 
 // Whether an emergency stop has ended a switch of the machine to another state that is as active:
 // it would switch on again what the stop has switched off.
-bool Switching::StoppedOnTheLevel(const Switch& s) const {
+bool Switches::StoppedOnTheLevel(const Switch& s) const {
   const bool level = s.direction == Direction::kLevel && s.from != s.target && !s.only;
   return s.stopped && level && SwitchesOnAgain(config_, s.from, s.target);
 }
 
 // Whether the switch has to be undone: on the way up, all actuators or none. During start-up, only
 // critical ones count.
-bool Switching::Failed(const Switch& s) const {
+bool Switches::Failed(const Switch& s) const {
   const bool starting = s.purpose == Purpose::kStartUpActivate;
   if (StoppedOnTheLevel(s)) return true;
   if (s.direction != Direction::kUp) return false;
@@ -287,7 +287,7 @@ bool Switching::Failed(const Switch& s) const {
   });
 }
 
-void Switching::BeginRollback(Switch& s) {
+void Switches::BeginRollback(Switch& s) {
   s.rollback.under_way = true;
   s.rollback.number = ++machine_.number;
   for (const Leg& leg : s.legs) {
@@ -332,7 +332,7 @@ void Switching::BeginRollback(Switch& s) {
 // actuator cannot stay, the state of the machine, or the nearest of DeActive and LowPower. Empty
 // when there is none. An actuator that was above the machine does not go up again; nor does one
 // that was above its target while the machine was in a step of a start.
-State Switching::WayBack(const Leg& leg) const {
+State Switches::WayBack(const Leg& leg) const {
   const auto from = config_.RankOf(leg.from);
   const auto place = config_.RankOf(machine_.state);
   const auto target = config_.RankOf(leg.target);
@@ -365,7 +365,7 @@ SwitchResult Refusal(const State& target, const std::string& actuator, const Sta
   return result;
 }
 
-EndedSwitch Switching::End() {
+EndedSwitch Switches::End() {
   const Switch s = *machine_.current;
   machine_.current.reset();
   // Where the only actuator did not switch, nothing was done.
@@ -395,14 +395,14 @@ EndedSwitch Switching::End() {
 }
 
 // An emergency stop has undone the switch: after its release a manager may not request it again.
-void Switching::StandStill(const Switch& s) {
+void Switches::StandStill(const Switch& s) {
   const auto& stop = machine_.emergency.stop;
   const std::string by = stop && !stop->by.empty() ? " of " + stop->by : "";
   machine_.standing = StandingRequest{s.from, "the emergency stop" + by, s.number};
 }
 
 // The effects of a switch without rollback, or of the forward part of a switch.
-void Switching::Apply(const Switch& s, bool undone) {
+void Switches::Apply(const Switch& s, bool undone) {
   const bool check = s.direction == Direction::kCheck;
   for (const Leg& leg : s.legs) {
     ActuatorRecord& record = Of(leg.actuator);
@@ -437,14 +437,14 @@ void Switching::Apply(const Switch& s, bool undone) {
 }
 
 // After a switch up those that it has left out for their failed self-check have another one.
-void Switching::CheckAgain() {
+void Switches::CheckAgain() {
   for (ActuatorRecord& record : machine_.actuators) {
     if (!record.checked && record.failed_checks.count > 0) record.failed_checks.at = now_;
   }
 }
 
 // Drives the actuators that were being driven on their own while the switch ran.
-void Switching::DriveTheRest(const Switch& s) {
+void Switches::DriveTheRest(const Switch& s) {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     const bool had_a_leg = std::any_of(s.legs.begin(), s.legs.end(),
@@ -459,7 +459,7 @@ void Switching::DriveTheRest(const Switch& s) {
 }
 
 // The effects of a rollback.
-void Switching::SettleBack(const Switch& s) {
+void Switches::SettleBack(const Switch& s) {
   for (const Leg& leg : s.rollback.legs) {
     ActuatorRecord& record = Of(leg.actuator);
     const bool present = record.presence == Presence::kPresent;
@@ -483,7 +483,7 @@ void Switching::SettleBack(const Switch& s) {
 
 // The effect on an actuator that is not driven back during an emergency stop. It stays where it is
 // also after the release, which starts no callback, until the next switch.
-void Switching::SettleHeld(const Switch& s, const Leg& back) {
+void Switches::SettleHeld(const Switch& s, const Leg& back) {
   const ActuatorRecord& record = Of(back.actuator);
   const auto forward = std::ranges::find(s.legs, back.actuator, &Leg::actuator);
   if (record.report.busy()) {
@@ -499,7 +499,7 @@ void Switching::SettleHeld(const Switch& s, const Leg& back) {
 
 // Ends the switch under way without rollback. Running callbacks finish; the newest command waits
 // behind them at the actuator.
-void Switching::Supersede(CommandNumber by, const State& target, RecordId cause) {
+void Switches::Supersede(CommandNumber by, const State& target, RecordId cause) {
   const Switch& s = *machine_.current;
   SwitchResult result = conclusion().Conclude(s, false);
   result.outcome = SwitchOutcome::kSuperseded;
@@ -516,9 +516,9 @@ void Switching::Supersede(CommandNumber by, const State& target, RecordId cause)
   machine_.current.reset();
 }
 
-void Switching::Refuse(const State& target, std::optional<ActuatorIndex> only,
-                       const std::vector<RequestId>& requests, const State& state, const Error& why,
-                       RecordId cause) {
+void Switches::Refuse(const State& target, std::optional<ActuatorIndex> only,
+                      const std::vector<RequestId>& requests, const State& state, const Error& why,
+                      RecordId cause) {
   SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);
   result.degraded = Degraded(config_, machine_);
   RecordSwitch(only, 0, why.code,
@@ -528,14 +528,14 @@ void Switching::Refuse(const State& target, std::optional<ActuatorIndex> only,
 }
 
 // Ends it without beginning the switch: nothing was sent for it.
-void Switching::EndWaiting(const Error& why, RecordId cause) {
+void Switches::EndWaiting(const Error& why, RecordId cause) {
   if (!machine_.waiting) return;
   const WaitingSwitch waiting = *std::exchange(machine_.waiting, std::nullopt);
   const State state = waiting.only ? Of(*waiting.only).state() : machine_.state;
   Refuse(waiting.target, waiting.only, waiting.requests, state, why, cause);
 }
 
-void Switching::Answer(const std::vector<RequestId>& requests, const SwitchResult& result) {
+void Switches::Answer(const std::vector<RequestId>& requests, const SwitchResult& result) {
   for (const RequestId request : requests) {
     if (std::erase(machine_.policy.calls, request) == 0) {
       Do(action::AnswerSetState{request, result});
