@@ -72,9 +72,9 @@ constexpr const char* kInTick = "a state or a listener cannot change the machine
 // --- the build: states, events, checks and the chart of all that they declare ---
 
 // Collects the declarations of one state.
-class Machine::Declaring : public Transitions {
+class Machine::Declaration : public Transitions {
  public:
-  Declaring(Machine& machine, StateId state) : machine_(machine), state_(state) {}
+  Declaration(Machine& machine, StateId state) : machine_(machine), state_(state) {}
 
   StateId To(std::string_view target, std::string_view when) override {
     const auto found = machine_.FindState(target);
@@ -155,7 +155,7 @@ void Machine::DeclareStates() {
   declared_.assign(nodes_.size() * row_, 0);
   chart_ = {.name = options_.name, .states = {}, .transitions = {}, .start = kNoState};
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    Declaring transitions(*this, static_cast<StateId>(i));
+    Declaration transitions(*this, static_cast<StateId>(i));
     try {
       nodes_[i].state->Declare(transitions);
     } catch (const std::exception& thrown) {

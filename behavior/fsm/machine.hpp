@@ -176,8 +176,8 @@ class Machine {
     std::string name;
     std::function<void(Archive&)> persist;
   };
-  class Declaring;
-  class Restoring;
+  class Declaration;
+  class Restorer;
 
   void DeclareStates();
   void CheckAll(std::string_view start);

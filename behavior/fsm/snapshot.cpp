@@ -85,9 +85,9 @@ Result<Snapshot> Machine::Save() const {
 // all of it is valid takes over the rest ---
 
 // Checks a snapshot against a machine, and restores it.
-class Machine::Restoring {
+class Machine::Restorer {
  public:
-  Restoring(Machine& machine, const Snapshot& saved, std::string prefix, Faults& faults)
+  Restorer(Machine& machine, const Snapshot& saved, std::string prefix, Faults& faults)
       : machine_(machine), saved_(saved), prefix_(std::move(prefix)), faults_(faults) {}
 
   void Validate() {
@@ -125,7 +125,7 @@ class Machine::Restoring {
     const auto present = machine_.FindState(saved_.state);
     const Machine* const runs =
         present ? machine_.nodes_[Index(*present)].state->inside() : nullptr;
-    ForInside([&](Restoring& inside) {
+    ForInside([&](Restorer& inside) {
       inside.Validate();
       if (present || saved_.state.empty()) inside.EvaluateRunning(&inside.machine_ == runs);
     });
@@ -138,13 +138,13 @@ class Machine::Restoring {
       GivePart("states", saved_.states, node.name,
                [&](Archive& archive) { node.state->Persist(archive); });
     }
-    ForInside([](Restoring& inside) { inside.RestoreParts(); });
+    ForInside([](Restorer& inside) { inside.RestoreParts(); });
   }
 
   void Become(Time now) {
     machine_.Become(saved_, now);
     // The clock of a machine inside is the machine time of the one around it.
-    ForInside([&](Restoring& inside) { inside.Become(Time(saved_.time)); });
+    ForInside([&](Restorer& inside) { inside.Become(Time(saved_.time)); });
   }
 
  private:
@@ -247,7 +247,7 @@ class Machine::Restoring {
       const bool is_saved = saved != saved_.inside.end();
       const std::string local = SnapshotKey("inside", node.name);
       if (machine != nullptr && is_saved) {
-        Restoring inside(*machine, saved->machine, SnapshotKey(prefix_, local), faults_);
+        Restorer inside(*machine, saved->machine, SnapshotKey(prefix_, local), faults_);
         act(inside);
       } else if (machine != nullptr) {
         Fail(local, "is missing");
@@ -272,18 +272,18 @@ std::vector<SnapshotFault> Machine::Restore(const Snapshot& saved, Time now) {
     return {{"", name() + ": can be restored once it is built, and between ticks"}};
   }
   Faults faults;
-  Restoring restoring(*this, saved, "", faults);
-  restoring.Validate();
+  Restorer restorer(*this, saved, "", faults);
+  restorer.Validate();
   if (!faults.empty()) return faults;
   const Result<Snapshot> before = Save();
   if (!before) return {{"", before.error().message}};
-  restoring.RestoreParts();
+  restorer.RestoreParts();
   if (faults.empty()) {
-    restoring.Become(now);
+    restorer.Become(now);
     return faults;
   }
   Faults none;  // undoes what was restored
-  Restoring(*this, before.value(), "", none).RestoreParts();
+  Restorer(*this, before.value(), "", none).RestoreParts();
   return faults;
 }
 

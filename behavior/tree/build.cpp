@@ -6,7 +6,7 @@
 
 #include "musher/base/suggest.hpp"
 #include "musher/base/words.hpp"
-#include "musher/behavior/tree/building.hpp"
+#include "musher/behavior/tree/builder.hpp"
 #include "musher/behavior/tree/conditions.hpp"
 
 namespace musher::tree {
@@ -81,7 +81,7 @@ std::string PortText(const PortModel& model) {
 
 }  // namespace
 
-Building::Building(const Document& document, const Factory& factory)
+Builder::Builder(const Document& document, const Factory& factory)
     : document_(document), factory_(factory) {
   for (const Document::File& file : document.files) {
     std::vector<std::uint32_t>& begins = lines_.emplace_back(1, 0U);
@@ -92,25 +92,25 @@ Building::Building(const Document& document, const Factory& factory)
   }
 }
 
-bool Building::failed() const {
+bool Builder::failed() const {
   if (!unknown_.empty()) return true;
   return std::ranges::any_of(
       found_, [](const auto& one) { return std::get<Severity>(one) == Severity::kError; });
 }
 
-void Building::ReportScript(const Attribute& attribute, const Script::Finding& finding) {
+void Builder::ReportScript(const Attribute& attribute, const Script::Finding& finding) {
   Report(document_.Inside(attribute, finding.at),
          finding.error ? Severity::kError : Severity::kWarning,
          "script in " + attribute.name + ": " + finding.what);
 }
 
-void Building::NoteUnset(const Element& element, const std::string& port) {
+void Builder::NoteUnset(const Element& element, const std::string& port) {
   Unset& unset = unset_[ClassOf(element)];
   unset.places.insert(element.at);
   unset.ports.insert(port);
 }
 
-std::vector<Diagnostic> Building::Take() && {
+std::vector<Diagnostic> Builder::Take() && {
   std::vector<std::string> names = factory_.Names();
   names.emplace_back("SubTree");
   for (const auto& [id, places] : unknown_) {
@@ -141,7 +141,7 @@ std::vector<Diagnostic> Building::Take() && {
   return diagnostics;
 }
 
-std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t history) {
+std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t history) {
   tree_ = std::unique_ptr<Tree>(new Tree(main.id, history));
   tree_->enums_ = factory_.shared_enums();
   for (const Document::File& file : document_.files) tree_->files_.push_back(file.path);
@@ -162,7 +162,7 @@ std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t his
   return failed() ? nullptr : std::move(tree_);
 }
 
-Node* Building::MakeContent(const Document::Tree& tree, const Around& around) {
+Node* Builder::MakeContent(const Document::Tree& tree, const Around& around) {
   used_.push_back(tree.id);
   if (tree.content.children.size() != 1) {
     Report(tree.content.at, Severity::kError,
@@ -179,7 +179,7 @@ Node* Building::MakeContent(const Document::Tree& tree, const Around& around) {
   return root;
 }
 
-Node* Building::MakeNode(const Element& element, const Around& around) {
+Node* Builder::MakeNode(const Element& element, const Around& around) {
   if (tree_->nodes_.size() >= kMostNodes || around.depth > kDeepestTree) {
     if (!too_large_) {
       Report(element.at, Severity::kError,
@@ -222,7 +222,7 @@ Node* Building::MakeNode(const Element& element, const Around& around) {
   return MakeRegistered(element, id, *registered, around);
 }
 
-void Building::UnknownNode(Place place, std::string_view id) {
+void Builder::UnknownNode(Place place, std::string_view id) {
   if (document_.Find(id) != nullptr) {
     Report(place, Severity::kError,
            Quoted(id) + " is a tree; write <SubTree ID=\"" + std::string(id) + "\"/>");
@@ -233,7 +233,7 @@ void Building::UnknownNode(Place place, std::string_view id) {
 }
 
 // The names from the root, as patterns of test nodes have them.
-std::string Building::PlainPath(NodeId id) const {
+std::string Builder::PlainPath(NodeId id) const {
   std::string path;
   for (NodeId at = id; at != kNoNode; at = tree_->infos_[at].parent) {
     path = "/" + tree_->infos_[at].name + path;
@@ -241,8 +241,8 @@ std::string Building::PlainPath(NodeId id) const {
   return tree_->name() + path;
 }
 
-NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind kind,
-                         const Around& around) {
+NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind kind,
+                        const Around& around) {
   const Attribute* name = element.Find("name");
   const std::vector<std::uint32_t>& begins = lines_[element.at.file];
   const auto line = std::ranges::upper_bound(begins, element.at.at);
@@ -260,15 +260,15 @@ NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind k
   return static_cast<NodeId>(tree_->nodes_.size() - 1);
 }
 
-Node* Building::Keep(NodeId id, std::unique_ptr<Node> node) {
+Node* Builder::Keep(NodeId id, std::unique_ptr<Node> node) {
   node->id_ = id;
   Node* kept = node.get();
   tree_->nodes_[id] = std::move(node);
   return kept;
 }
 
-Node* Building::MakeRegistered(const Element& element, std::string_view id,
-                               const Factory::Registered& registered, const Around& around) {
+Node* Builder::MakeRegistered(const Element& element, std::string_view id,
+                              const Factory::Registered& registered, const Around& around) {
   const NodeId node_id = Reserve(element, id, registered.kind, around);
   tree_->infos_[node_id].takes_time = registered.takes_time;
   Board& board = *tree_->boards_[around.board];
@@ -302,7 +302,7 @@ Node* Building::MakeRegistered(const Element& element, std::string_view id,
   return node;
 }
 
-void Building::MakeChildren(const Element& element, Node* node, NodeId id, const Around& around) {
+void Builder::MakeChildren(const Element& element, Node* node, NodeId id, const Around& around) {
   auto* control = dynamic_cast<Control*>(node);
   auto* decorator = dynamic_cast<Decorator*>(node);
   for (const Element& child : element.children) {
@@ -316,7 +316,7 @@ void Building::MakeChildren(const Element& element, Node* node, NodeId id, const
   }
 }
 
-void Building::CheckChildren(const Element& element, const Node& node, std::string_view id) {
+void Builder::CheckChildren(const Element& element, const Node& node, std::string_view id) {
   const std::size_t count = element.children.size();
   std::size_t least = 0;
   std::size_t most = 0;
@@ -335,7 +335,7 @@ void Building::CheckChildren(const Element& element, const Node& node, std::stri
              expected);
 }
 
-Node* Building::MakeSubtree(const Element& element, const Around& around) {
+Node* Builder::MakeSubtree(const Element& element, const Around& around) {
   const Attribute* attribute = element.Find("ID");
   if (attribute == nullptr) {
     Report(element.at, Severity::kError, "<SubTree> needs the attribute 'ID', the name of a tree");
@@ -366,10 +366,10 @@ Node* Building::MakeSubtree(const Element& element, const Around& around) {
 }
 
 Built Build(const Document& document, const Factory& factory, const BuildOptions& options) {
-  Building building(document, factory);
+  Builder builder(document, factory);
   const auto fail = [&](Place place, std::string message) -> Built {
-    building.Report(place, Severity::kError, std::move(message));
-    return {nullptr, std::move(building).Take()};
+    builder.Report(place, Severity::kError, std::move(message));
+    return {nullptr, std::move(builder).Take()};
   };
   if (document.trees.empty()) return fail({}, "there is no <BehaviorTree>");
   std::string name = options.tree;
@@ -386,19 +386,19 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
     return fail(options.tree.empty() && document.main ? document.main->value_at : Place{},
                 "there is no tree " + Quoted(name) + DidYouMean(name, TreeNames(document)));
   }
-  std::unique_ptr<Tree> tree = building.Make(*main, options.history);
+  std::unique_ptr<Tree> tree = builder.Make(*main, options.history);
   // Trees that nothing uses are checked, too.
   for (const Document::Tree* other : trees) {
-    const auto& used = building.used();
-    if (std::ranges::find(used, other->id) == used.end()) building.Make(*other, 0);
+    const auto& used = builder.used();
+    if (std::ranges::find(used, other->id) == used.end()) builder.Make(*other, 0);
   }
-  if (building.failed()) tree = nullptr;
-  return {std::move(tree), std::move(building).Take()};
+  if (builder.failed()) tree = nullptr;
+  return {std::move(tree), std::move(builder).Take()};
 }
 
 // --- attributes and entries of blackboards: ports, conditions, remapping ---
 
-Setup::Connection Building::Connect(const Element& element, Board& board, const PortModel& model) {
+Setup::Connection Builder::Connect(const Element& element, Board& board, const PortModel& model) {
   const Attribute* attribute = element.Find(model.name);
   if (attribute == nullptr) {
     if (model.required) {
@@ -430,7 +430,7 @@ Setup::Connection Building::Connect(const Element& element, Board& board, const 
   return {nullptr, attribute};
 }
 
-void Building::Unify(Entry& entry, const Attribute& attribute, const PortModel& model) {
+void Builder::Unify(Entry& entry, const Attribute& attribute, const PortModel& model) {
   if (model.type == nullptr) return;
   // Everything that is a text or a number can be read as a text.
   if (model.direction == Direction::kIn && model.type == TypeOf<std::string>()) {
@@ -456,7 +456,7 @@ void Building::Unify(Entry& entry, const Attribute& attribute, const PortModel& 
              std::to_string(at.column));
 }
 
-void Building::NoteScript(const Script& script, Place place) {
+void Builder::NoteScript(const Script& script, Place place) {
   for (const Entry* entry : script.reads()) NoteRead(*entry, place);
   for (const Entry* entry : script.writes()) {
     writes_.emplace(entry, place);
@@ -465,7 +465,7 @@ void Building::NoteScript(const Script& script, Place place) {
   for (const Entry* entry : script.needs()) needed_.emplace_back(entry, place);
 }
 
-void Building::CheckAttributes(const Element& element, const Setup& setup) {
+void Builder::CheckAttributes(const Element& element, const Setup& setup) {
   for (const PortModel& port : setup.ports()) {
     if (port.name != "name" && port.name != "ID" && !port.name.starts_with('_')) continue;
     Report(element.at, Severity::kError,
@@ -486,7 +486,7 @@ void Building::CheckAttributes(const Element& element, const Setup& setup) {
   }
 }
 
-void Building::SetConditions(const Element& element, Node& node, Board& board) {
+void Builder::SetConditions(const Element& element, Node& node, Board& board) {
   for (std::size_t i = 0; i < kConditionNames.size(); ++i) {
     const Attribute* attribute = element.Find(kConditionNames[i]);
     if (attribute == nullptr) continue;
@@ -502,8 +502,8 @@ void Building::SetConditions(const Element& element, Node& node, Board& board) {
 }
 
 // The board of a subtree, with the keys that the element and the model of the subtree give it.
-std::uint32_t Building::MakeBoard(const Element& element, std::string_view id,
-                                  std::uint32_t outer_id) {
+std::uint32_t Builder::MakeBoard(const Element& element, std::string_view id,
+                                 std::uint32_t outer_id) {
   Board& outer = *tree_->boards_[outer_id];
   const Attribute* auto_attribute = element.Find("_autoremap");
   bool autoremap = element.name == "SubTreePlus";
@@ -555,7 +555,7 @@ std::uint32_t Building::MakeBoard(const Element& element, std::string_view id,
 
 // Fixed texts of subtrees become values once the types of their entries are known: a number where
 // the whole text is one, as in BehaviorTree.CPP.
-void Building::SetConstants() {
+void Builder::SetConstants() {
   for (const Constant& constant : constants_) {
     Result<> set;
     const Result<double> number = Convert<double>::FromText(constant.text);

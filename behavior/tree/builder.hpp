@@ -14,9 +14,9 @@
 
 namespace musher::tree {
 
-class Building {
+class Builder {
  public:
-  Building(const Document& document, const Factory& factory);
+  Builder(const Document& document, const Factory& factory);
 
   // Null: the tree has errors.
   std::unique_ptr<Tree> Make(const Document::Tree& main, std::size_t history);
