@@ -36,7 +36,7 @@ class Builder;
 
 class Setup {
  public:
-  // Set-up of a tree's node; without `building`, only to learn the ports.
+  // Set-up of a tree's node; without `builder`, only to learn the ports.
   Setup(Builder* builder, const Element& element, Board& board, const Enums& enums);
   Setup(const Setup&) = delete;
   Setup& operator=(const Setup&) = delete;

@@ -59,9 +59,9 @@ std::string Shown(const Json& value) {
 }
 
 // Writes one message. The first error ends it; a value that is null as a pointer is not given.
-class Writing {
+class Encoder {
  public:
-  explicit Writing(const MessageLayout& layout) : layout_(layout) {}
+  explicit Encoder(const MessageLayout& layout) : layout_(layout) {}
 
   void Write(const Json& object) {
     if (layout_.envelope) writer_.Put(msg::RequestId{});
@@ -224,12 +224,12 @@ Result<msg::Bytes> MessageJson::FromJson(std::string_view dds_type, std::string_
   }
   const Result<Json> object = Parse(text);
   if (!object) return Error{object.error().code, what + ": " + object.error().message};
-  Writing writing(*layout);
-  writing.Write(object.value());
-  if (!writing.error().empty()) {
-    return Error{kCodeParametersInvalid, what + ": " + writing.error()};
+  Encoder encoder(*layout);
+  encoder.Write(object.value());
+  if (!encoder.error().empty()) {
+    return Error{kCodeParametersInvalid, what + ": " + encoder.error()};
   }
-  return std::move(writing).Take();
+  return std::move(encoder).Take();
 }
 
 }  // namespace musher::view

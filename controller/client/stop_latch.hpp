@@ -70,17 +70,17 @@ struct StopView {
   std::vector<std::string> running_here = {};  // names of the actuators on this host
 };
 
-class Latching {
+class StopLatch {
  public:
   // Publishes the stop at once and, while this object exists, to actuators that join later. `node`
   // must outlive it.
   // `with_keys`: the machine has [security], and so has `node`. `on_change`: an actuator's part of
   // the report has changed.
-  static Result<std::unique_ptr<Latching>> Begin(transport::Node& node,
-                                                 const std::string& name_space,
-                                                 const msg::EmergencyStop& stop,
-                                                 bool with_keys = false,
-                                                 std::function<void()> on_change = {});
+  static Result<std::unique_ptr<StopLatch>> Begin(transport::Node& node,
+                                                  const std::string& name_space,
+                                                  const msg::EmergencyStop& stop,
+                                                  bool with_keys = false,
+                                                  std::function<void()> on_change = {});
 
   // The actuators whose status was received, and those that the controller's status lists as
   // present, in its order. `expected`: names of actuators that run, whether or not their status was
@@ -97,7 +97,7 @@ class Latching {
     Duration after{};
   };
 
-  Latching(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
+  StopLatch(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   void NoteMachine(const MachineIdentity& machine);
   EstopReport::Actuator& Take(EstopReport& report, const std::string& name,

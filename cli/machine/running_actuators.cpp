@@ -1,4 +1,4 @@
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -10,9 +10,10 @@
 
 namespace musher::cli {
 
-Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
-                                                const std::string& name_space, bool with_keys) {
-  std::unique_ptr<Running> running(new Running(node.loop(), name_space));
+Result<std::unique_ptr<RunningActuators>> RunningActuators::Begin(transport::Node& node,
+                                                                  const std::string& name_space,
+                                                                  bool with_keys) {
+  std::unique_ptr<RunningActuators> running(new RunningActuators(node.loop(), name_space));
   transport::SubscriptionEvents events;
   events.on_writer_lost = [self = running.get()](transport::EndpointId writer) {
     self->received_.erase(writer);
@@ -34,7 +35,7 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
   return running;
 }
 
-void Running::FindChildrenHere() {
+void RunningActuators::FindChildrenHere() {
   const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
   for (const MarkedProcess& process : FindMarked()) {
     if (process.pid != process.started || !process.mark.starts_with(prefix)) continue;
@@ -45,11 +46,11 @@ void Running::FindChildrenHere() {
   }
 }
 
-void Running::OnlyOf(const MachineIdentity& machine) {
+void RunningActuators::OnlyOf(const MachineIdentity& machine) {
   machine_ = machine;
 }
 
-std::vector<MachineIdentity> Running::Machines(bool here) const {
+std::vector<MachineIdentity> RunningActuators::Machines(bool here) const {
   std::vector<MachineIdentity> machines;
   for (const auto& [writer, actuator] : received_) {
     const msg::ActuatorStatus& status = actuator.status;
@@ -62,7 +63,7 @@ std::vector<MachineIdentity> Running::Machines(bool here) const {
   return machines;
 }
 
-std::map<std::string, Running::Actuator> Running::Received() const {
+std::map<std::string, RunningActuators::Actuator> RunningActuators::Received() const {
   std::map<std::string, Actuator> received;
   for (const auto& [writer, actuator] : received_) {
     const msg::ActuatorStatus& status = actuator.status;
@@ -72,7 +73,7 @@ std::map<std::string, Running::Actuator> Running::Received() const {
   return received;
 }
 
-std::map<std::string, Running::Actuator> Running::Now() const {
+std::map<std::string, RunningActuators::Actuator> RunningActuators::Now() const {
   std::map<std::string, Actuator> running;
   const std::map<std::string, Actuator> received = Received();
   for (const auto& [name, actuator] : received) {

@@ -1,9 +1,9 @@
 #pragma once
 // A servo motion by frames, 20 a second of the link's clock, until the speeds end.
 //
-//   Streaming ── Open() ── Run(next) ──▶ nothing: it came to its end
-//                    └──────────┴──────▶ the exit code, the reason on stderr; the body has
-//                                        received a stop
+//   SpeedStream ── Open() ── Run(next) ──▶ nothing: it came to its end
+//                      └──────────┴──────▶ the exit code, the reason on stderr; the body has
+//                                          received a stop
 
 #include <functional>
 #include <memory>
@@ -18,14 +18,14 @@ namespace musher::motion::tool {
 
 inline constexpr Duration kStandingUp = std::chrono::seconds(20);  // before the first step
 
-class Streaming {
+class SpeedStream {
  public:
   // The speed of the next frame; nothing: the end.
   using Next = std::function<std::optional<SpeedLimit>()>;
 
-  static std::variant<std::unique_ptr<Streaming>, ExitCode> Open(const GlobalOptions& global,
-                                                                 std::int32_t id,
-                                                                 std::int32_t source);
+  static std::variant<std::unique_ptr<SpeedStream>, ExitCode> Open(const GlobalOptions& global,
+                                                                   std::int32_t id,
+                                                                   std::int32_t source);
 
   // Streams for at most `longest` of steady time. `what` names it in messages.
   std::optional<ExitCode> Run(Next next, Duration longest, const std::string& what);
@@ -34,7 +34,7 @@ class Streaming {
   bool moving() const { return stream_->moving(); }
 
  private:
-  Streaming() = default;
+  SpeedStream() = default;
   void Frame(const Next& next);
 
   std::unique_ptr<program::ToolLink> link_;

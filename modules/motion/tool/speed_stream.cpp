@@ -1,4 +1,4 @@
-#include "musher/modules/motion/tool/streaming.hpp"
+#include "musher/modules/motion/tool/speed_stream.hpp"
 
 #include <utility>
 
@@ -16,18 +16,18 @@ ExitCode Interrupted() {
 
 }  // namespace
 
-std::variant<std::unique_ptr<Streaming>, ExitCode> Streaming::Open(const GlobalOptions& global,
-                                                                   std::int32_t id,
-                                                                   std::int32_t source) {
+std::variant<std::unique_ptr<SpeedStream>, ExitCode> SpeedStream::Open(const GlobalOptions& global,
+                                                                       std::int32_t id,
+                                                                       std::int32_t source) {
   auto link = program::ToolLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
-  auto stream = ServoStream::Open(*link.value(), id, source);
-  if (!stream) return Fail(ExitCode::kUsage, stream.error());
-  std::unique_ptr<Streaming> streaming(new Streaming());
-  streaming->link_ = std::move(link).value();
-  streaming->stream_ = std::move(stream).value();
-  program::ToolLink& found = *streaming->link_;
-  if (!found.RunUntil([&] { return streaming->stream_->Ready(); }, found.discovery())) {
+  auto frames = ServoStream::Open(*link.value(), id, source);
+  if (!frames) return Fail(ExitCode::kUsage, frames.error());
+  std::unique_ptr<SpeedStream> stream(new SpeedStream());
+  stream->link_ = std::move(link).value();
+  stream->stream_ = std::move(frames).value();
+  program::ToolLink& found = *stream->link_;
+  if (!found.RunUntil([&] { return stream->stream_->Ready(); }, found.discovery())) {
     return found.TakeInterrupt() ? Interrupted()
                                  : Fail(ExitCode::kNotDone, found.NotFound("motion manager"));
   }
@@ -36,10 +36,10 @@ std::variant<std::unique_ptr<Streaming>, ExitCode> Streaming::Open(const GlobalO
                ? Interrupted()
                : Fail(ExitCode::kNotDone, {kCodeNetError, "no publisher of /clock"});
   }
-  return streaming;
+  return stream;
 }
 
-std::optional<ExitCode> Streaming::Run(Next next, Duration longest, const std::string& what) {
+std::optional<ExitCode> SpeedStream::Run(Next next, Duration longest, const std::string& what) {
   Frame(next);
   const auto timer = link_->clock().Every(kFrame, [&] { Frame(next); });
   const auto over = [&] { return over_ || stream_->refusal().has_value(); };
@@ -55,7 +55,7 @@ std::optional<ExitCode> Streaming::Run(Next next, Duration longest, const std::s
   return std::nullopt;
 }
 
-void Streaming::Frame(const Next& next) {
+void SpeedStream::Frame(const Next& next) {
   if (over_ || stream_->refusal()) return;
   if (const auto speed = next()) return stream_->Send(*speed);
   over_ = true;

@@ -1,4 +1,4 @@
-#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 
 #include <algorithm>
 #include <random>
@@ -59,24 +59,25 @@ msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason) {
   return stop;
 }
 
-Latching::Latching(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change)
+StopLatch::StopLatch(transport::Node& node, msg::EmergencyStop stop,
+                     std::function<void()> on_change)
     : loop_(node.loop()),
       stop_(std::move(stop)),
       on_change_(std::move(on_change)),
       begun_(loop_.Now()) {}
 
-Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
-                                                  const std::string& name_space,
-                                                  const msg::EmergencyStop& stop, bool with_keys,
-                                                  std::function<void()> on_change) {
-  std::unique_ptr<Latching> latching(new Latching(node, stop, std::move(on_change)));
+Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
+                                                    const std::string& name_space,
+                                                    const msg::EmergencyStop& stop, bool with_keys,
+                                                    std::function<void()> on_change) {
+  std::unique_ptr<StopLatch> latch(new StopLatch(node, stop, std::move(on_change)));
   auto stops = transport::MakePublisher<msg::EmergencyStop>(
       node, transport::EmergencyStopTopic(name_space), transport::kLatchedQos);
   if (!stops) return stops.error();
-  latching->stops_ = std::move(stops).value();
-  if (auto published = latching->stops_->Publish(stop); !published) return published.error();
+  latch->stops_ = std::move(stops).value();
+  if (auto published = latch->stops_->Publish(stop); !published) return published.error();
   transport::SubscriptionEvents events;
-  events.on_writer_lost = [self = latching.get()](transport::EndpointId writer) {
+  events.on_writer_lost = [self = latch.get()](transport::EndpointId writer) {
     std::erase_if(self->received_,
                   [writer](const auto& received) { return received.second.writer == writer; });
     if (self->on_change_) self->on_change_();
@@ -85,17 +86,16 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
   qos.partition = transport::ReaderPartition(with_keys);
   auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(name_space),
-      [self = latching.get()](const msg::ActuatorStatus& status,
-                              const transport::SampleInfo& info) {
+      [self = latch.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
         if (transport::IsFrom(status, info)) self->OnStatus(status, info);
       },
       qos, std::move(events));
   if (!statuses) return statuses.error();
-  latching->statuses_ = std::move(statuses).value();
-  return latching;
+  latch->statuses_ = std::move(statuses).value();
+  return latch;
 }
 
-void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
   const MachineIdentity theirs{status.machine, status.machine_id};
   if (!SameMachine({stop_.machine, stop_.machine_id}, theirs)) return;
   NoteMachine(theirs);
@@ -107,7 +107,7 @@ void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::Samp
   if (on_change_) on_change_();
 }
 
-void Latching::NoteMachine(const MachineIdentity& machine) {
+void StopLatch::NoteMachine(const MachineIdentity& machine) {
   const auto same = std::find_if(machines_.begin(), machines_.end(),
                                  [&](const auto& known) { return SameMachine(known, machine); });
   if (same == machines_.end()) {
@@ -118,8 +118,8 @@ void Latching::NoteMachine(const MachineIdentity& machine) {
   if (same->name.empty()) same->name = machine.name;
 }
 
-EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller,
-                             const std::vector<std::string>& expected) const {
+EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controller,
+                              const std::vector<std::string>& expected) const {
   EstopReport report;
   report.by = stop_.by;
   report.reason = stop_.reason;
@@ -166,7 +166,7 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
 
 // A controller reports which actuators belong to the machine. Without one those count whose
 // processes run on this host, and whose status is received; on other hosts there may be more.
-EstopReport Latching::Report(const StopView& view) const {
+EstopReport StopLatch::Report(const StopView& view) const {
   EstopReport report =
       Report(view.controller, view.controller ? std::vector<std::string>() : view.running_here);
   if (machines_.size() > 1) {
@@ -185,8 +185,8 @@ EstopReport Latching::Report(const StopView& view) const {
   return report;
 }
 
-EstopReport::Actuator& Latching::Take(EstopReport& report, const std::string& name,
-                                      const std::string& trouble) const {
+EstopReport::Actuator& StopLatch::Take(EstopReport& report, const std::string& name,
+                                       const std::string& trouble) const {
   EstopReport::Actuator& actuator = report.actuators.emplace_back();
   actuator.name = name;
   actuator.trouble = trouble;

@@ -18,7 +18,7 @@
 
 namespace musher::cli {
 
-class Running {
+class RunningActuators {
  public:
   struct Actuator {
     msg::ActuatorStatus status;                // only name and pid if no status was received
@@ -29,8 +29,9 @@ class Running {
   };
 
   // Subscribes to the statuses. The node must outlive it.
-  static Result<std::unique_ptr<Running>> Begin(transport::Node& node,
-                                                const std::string& name_space, bool with_keys);
+  static Result<std::unique_ptr<RunningActuators>> Begin(transport::Node& node,
+                                                         const std::string& name_space,
+                                                         bool with_keys);
 
   // From now on only actuators of this machine count.
   void OnlyOf(const MachineIdentity& machine);
@@ -41,7 +42,7 @@ class Running {
   bool HasStatusOf(const std::string& actuator) const { return Received().contains(actuator); }
 
  private:
-  Running(transport::EventLoop& loop, std::string name_space)
+  RunningActuators(transport::EventLoop& loop, std::string name_space)
       : loop_(loop), name_space_(std::move(name_space)) {}
 
   void FindChildrenHere();

@@ -1,6 +1,6 @@
 // Which actuators have latched an emergency stop, from the statuses of actuators and controller.
 
-#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 
 #include <gmock/gmock.h>
 
@@ -10,7 +10,7 @@
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
-namespace musher::cli::latching_test {
+namespace musher::cli::stop_latch_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -54,11 +54,11 @@ class Listener {
 class Stop : public ::testing::Test {
  protected:
   void Engage() {
-    latching_ = Latching::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke"}).value();
+    latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke"}).value();
   }
   EstopReport AfterASecond(const std::optional<msg::MachineStatus>& controller = {}) {
     network_.RunFor(std::chrono::seconds(1));
-    return latching_->Report(controller);
+    return latch_->Report(controller);
   }
   // A controller that has both actuators and has taken the stop.
   static msg::MachineStatus Controller() {
@@ -78,7 +78,7 @@ class Stop : public ::testing::Test {
   const std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
   std::optional<Listener> eyes_{std::in_place, *dog_, "eyes"};
   std::optional<Listener> legs_{std::in_place, *dog_, "legs"};
-  std::unique_ptr<Latching> latching_;
+  std::unique_ptr<StopLatch> latch_;
 };
 
 TEST_F(Stop, ReachesAllActuatorsWithoutAController) {
@@ -169,11 +169,11 @@ TEST_F(Stop, ThatDoesNotNameItsMachineIsNotConfirmedBesideASecondMachine) {
   legs_->BelongTo("dog");
   eyes_->BelongTo("dog");
   AfterASecond();
-  EXPECT_TRUE(latching_->Report(StopView{}).complete());
+  EXPECT_TRUE(latch_->Report(StopView{}).complete());
   Listener others(*dog_, "legs");
   others.BelongTo("cat");
   network_.RunFor(std::chrono::seconds(1));
-  const EstopReport report = latching_->Report(StopView{});
+  const EstopReport report = latch_->Report(StopView{});
   EXPECT_FALSE(report.complete());
   EXPECT_THAT(report.unknown, HasSubstr("several machines have received the stop (dog, cat)"));
 }
@@ -265,4 +265,4 @@ TEST_F(Stop, IsPrintedAsJson) {
             R"("eyes":{"stopped":false,"before":false,"after_ms":0.0,"trouble":""}}})");
 }
 
-}  // namespace musher::cli::latching_test
+}  // namespace musher::cli::stop_latch_test
