@@ -151,14 +151,15 @@ void RobotMetrics::OnFault(const msg::HistoryEntry& entry, std::string_view even
   actuator->hung = verdict == "hung";
 }
 
-void RobotMetrics::On(const msg::ActuatorBeat& beat, Time now) {
+void RobotMetrics::On(const msg::ActuatorHeartbeat& heartbeat, Time now) {
   if (!status_) return;
-  Actuator* actuator = Find(beat.name);
+  Actuator* actuator = Find(heartbeat.name);
   if (!actuator) {
     ++dropped_actuators_;
     return;
   }
-  actuator->beat = Beat{now, Duration(std::clamp<std::int64_t>(beat.period_ns, 0, kFarthestNs))};
+  actuator->heartbeat =
+      Heartbeat{now, Duration(std::clamp<std::int64_t>(heartbeat.period_ns, 0, kFarthestNs))};
 }
 
 void RobotMetrics::OnProcess(std::string_view name, const std::optional<ProcessUsage>& usage) {
@@ -315,21 +316,21 @@ void RobotMetrics::WriteFaults(Exposition& text) const {
 
 void RobotMetrics::WriteHeartbeats(Exposition& text, Time now) const {
   const auto has_heartbeat = [](const Actuator& actuator) {
-    return actuator.beat && actuator.info.presence == kPresent;
+    return actuator.heartbeat && actuator.info.presence == kPresent;
   };
-  text.BeginGauge({"musher_actuator_beat_age_seconds",
+  text.BeginGauge({"musher_actuator_heartbeat_age_seconds",
                    "Time since the last heartbeat that musher-view received, of an actuator that "
                    "is present.",
                    "seconds"});
   for (const Actuator& actuator : actuators_) {
     if (!has_heartbeat(actuator)) continue;
-    text.Add(ToSeconds(now - actuator.beat->received), {{"actuator", actuator.info.name}});
+    text.Add(ToSeconds(now - actuator.heartbeat->received), {{"actuator", actuator.info.name}});
   }
-  text.BeginGauge({"musher_actuator_beat_period_seconds",
+  text.BeginGauge({"musher_actuator_heartbeat_period_seconds",
                    "Period of the heartbeats, as the last one gives it.", "seconds"});
   for (const Actuator& actuator : actuators_) {
     if (!has_heartbeat(actuator)) continue;
-    text.Add(ToSeconds(actuator.beat->period), {{"actuator", actuator.info.name}});
+    text.Add(ToSeconds(actuator.heartbeat->period), {{"actuator", actuator.info.name}});
   }
 }
 
