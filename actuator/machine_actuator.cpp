@@ -14,7 +14,6 @@
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/actuator/callback_harness.hpp"
 #include "musher/actuator/capability_gate.hpp"
-#include "musher/actuator/degraded_report.hpp"
 #include "musher/actuator/state_callbacks.hpp"
 #include "musher/base/check.hpp"
 #include "musher/base/code.hpp"
@@ -37,6 +36,25 @@ Result<> FromCode(std::int32_t code) {
 // See machine_actuator.hpp for what the calls do.
 class MachineActuator::Impl {
  public:
+  // Passes a self-check's report of a failed part from its thread to the loop. Threads: any.
+  class DegradedReport {
+   public:
+    // The last one counts.
+    void Put(const Error& why) {
+      const std::lock_guard lock(mutex_);
+      why_ = why;
+    }
+    // The report put since the last call; code 0: none.
+    Error Take() {
+      const std::lock_guard lock(mutex_);
+      return std::exchange(why_, Error{kCodeOk, ""});
+    }
+
+   private:
+    std::mutex mutex_;
+    Error why_{kCodeOk, ""};
+  };
+
   Impl(std::string name, std::function<void()> on_emergency_stop)
       : name_(std::move(name)), on_emergency_stop_(std::move(on_emergency_stop)) {}
   ~Impl() { Shutdown(); }
