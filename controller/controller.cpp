@@ -217,7 +217,31 @@ Result<> Controller::OpenShell() {
   dependencies.processes = &processes_;
   dependencies.process_probe = &process_probe_;
   dependencies.journal = journal_.get();
-  using OnSaved = ControllerShell::Dependencies::OnSaved;
+  AddSaves(dependencies);
+  dependencies.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
+  dependencies.output = [this](const std::string& name) {
+    return logs_ ? logs_->Output(name) : nullptr;
+  };
+  for (const ControllerExtension& extension : options_.extensions) {
+    dependencies.links.insert(extension.links.begin(), extension.links.end());
+  }
+  dependencies.wall_ns = WallNanoseconds;
+  dependencies.config_text = TextOf(config_);
+  dependencies.host = HostId();
+  dependencies.host_name = HostName();
+  dependencies.pid = getpid();
+  dependencies.incarnation = incarnation_;
+  if (store_) dependencies.machine_id = store_->machine_id();
+  auto shell = ControllerShell::Make(std::move(dependencies), config_, ShellHooks());
+  if (!shell) return shell.error();
+  shell_ = std::move(shell).value();
+  if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
+  return Ok();
+}
+
+// What has to survive this controller is written by the disk thread.
+void Controller::AddSaves(ShellDependencies& dependencies) {
+  using OnSaved = ShellDependencies::OnSaved;
   using Write = std::function<Result<>(StateStore&)>;
   const auto save = [this](Stored what, Write write, OnSaved done) {
     if (!store_) return done(NoFolder());
@@ -260,20 +284,9 @@ Result<> Controller::OpenShell() {
       disk_.Do("processes", write, std::move(done));
     };
   }
-  dependencies.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
-  dependencies.output = [this](const std::string& name) {
-    return logs_ ? logs_->Output(name) : nullptr;
-  };
-  for (const ControllerExtension& extension : options_.extensions) {
-    dependencies.links.insert(extension.links.begin(), extension.links.end());
-  }
-  dependencies.wall_ns = WallNanoseconds;
-  dependencies.config_text = TextOf(config_);
-  dependencies.host = HostId();
-  dependencies.host_name = HostName();
-  dependencies.pid = getpid();
-  dependencies.incarnation = incarnation_;
-  if (store_) dependencies.machine_id = store_->machine_id();
+}
+
+ControllerShell::Hooks Controller::ShellHooks() {
   ControllerShell::Hooks hooks = options_.hooks;
   hooks.open_services = [this] { return OpenServices(); };
   hooks.holds_answers = [this] {
@@ -289,11 +302,7 @@ Result<> Controller::OpenShell() {
     if (ros2_tools_) ros2_tools_->OnRecord(record);
     if (options_.hooks.on_record) options_.hooks.on_record(record);
   };
-  auto shell = ControllerShell::Make(std::move(dependencies), config_, std::move(hooks));
-  if (!shell) return shell.error();
-  shell_ = std::move(shell).value();
-  if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
-  return Ok();
+  return hooks;
 }
 
 // A command of this host hands its emergency stop over by the name of the controller: that takes no
