@@ -59,7 +59,7 @@ class CourseSearch {
       : entry_(entry), options_(options), out_(out) {}
 
   Result<> LookAt(const std::string& file) {
-    auto detector = entry_.making.make();
+    auto detector = entry_.factory.make();
     if (!detector) return detector.error();
     if (IsFilm(file)) return LookAtFilm(file, *detector.value());
     cv::Mat mat = cv::imread(file, cv::IMREAD_COLOR);
@@ -138,7 +138,7 @@ std::string SightText(const CourseSight& sight) {
 Result<> LookAtCourse(const CourseEntry& entry, const LookOptions& options, std::ostream& out) {
   // Errors of a file are reported here, not by OpenCV.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  if (Result<> able = entry.making.check(); !able) return able;
+  if (Result<> able = entry.factory.check(); !able) return able;
   CourseSearch search(entry, options, out);
   for (const std::string& file : options.pictures) {
     try {

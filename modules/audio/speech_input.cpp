@@ -1,4 +1,4 @@
-#include "musher/modules/audio/listening.hpp"
+#include "musher/modules/audio/speech_input.hpp"
 
 #include <utility>
 
@@ -9,17 +9,18 @@ namespace musher::audio {
 namespace {
 
 Result<> CheckName(const std::string& what, const std::string& name) {
-  const bool good = !name.empty() && name.size() <= Listening::kLongestName && CharactersIn(name) &&
-                    HasSomethingToSay(name);
+  const bool good = !name.empty() && name.size() <= SpeechInput::kLongestName &&
+                    CharactersIn(name) && HasSomethingToSay(name);
   if (good) return Ok();
   return Error{
       AudioCode(KeyCode::kParametersInvalid),
-      what + " must be UTF-8 of 1 to " + std::to_string(Listening::kLongestName) + " bytes"};
+      what + " must be UTF-8 of 1 to " + std::to_string(SpeechInput::kLongestName) + " bytes"};
 }
 
 }  // namespace
 
-Listening::Listening(transport::Endpoints& endpoints, std::function<bool()> microphone_on, Log log)
+SpeechInput::SpeechInput(transport::Endpoints& endpoints, std::function<bool()> microphone_on,
+                         Log log)
     : microphone_on_(std::move(microphone_on)),
       log_(std::move(log)),
       board_(endpoints.Advertise<msg::UInt8>("audio_board_state")),
@@ -42,16 +43,16 @@ Listening::Listening(transport::Endpoints& endpoints, std::function<bool()> micr
   });
 }
 
-void Listening::SetSpeaking(bool speaking) {
+void SpeechInput::SetSpeaking(bool speaking) {
   if (std::exchange(speaking_, speaking) == speaking) return;
   Publish(speaking ? BoardState::kSpeaking : BoardState::kSaid);
 }
 
-void Listening::Publish(BoardState state) {
+void SpeechInput::Publish(BoardState state) {
   static_cast<void>(board_->Publish({static_cast<std::uint8_t>(state)}));
 }
 
-void Listening::OnText(const std::string& text) {
+void SpeechInput::OnText(const std::string& text) {
   if (!microphone_on_()) return;
   if (text.empty()) return;  // many recognisers send an empty text for silence
   const bool bad = text.size() > kLongestText || !CharactersIn(text) || !HasSomethingToSay(text);
@@ -66,7 +67,7 @@ void Listening::OnText(const std::string& text) {
   if (text.find(wake_name) != std::string::npos) static_cast<void>(wake_up_->Publish({true}));
 }
 
-Result<> Listening::SetNames(const msg::AudioNickName::Request& names) {
+Result<> SpeechInput::SetNames(const msg::AudioNickName::Request& names) {
   if (Result<> good = CheckName("nick_name", names.nick_name); !good) return good;
   if (Result<> good = CheckName("wake_name", names.wake_name); !good) return good;
   nick_name_ = names.nick_name;

@@ -20,7 +20,7 @@
 
 namespace musher::audio {
 
-class Listening {
+class SpeechInput {
  public:
   static constexpr const char* kNickName = "铁蛋";      // CyberDog's
   static constexpr const char* kWakeName = "铁蛋铁蛋";  // the same
@@ -31,9 +31,9 @@ class Listening {
 
   // Its topics and services are kept in `endpoints`, which is dropped first and has the error if
   // one could not be opened. `microphone_on` is called for each text.
-  Listening(transport::Endpoints& endpoints, std::function<bool()> microphone_on, Log log);
-  Listening(const Listening&) = delete;
-  Listening& operator=(const Listening&) = delete;
+  SpeechInput(transport::Endpoints& endpoints, std::function<bool()> microphone_on, Log log);
+  SpeechInput(const SpeechInput&) = delete;
+  SpeechInput& operator=(const SpeechInput&) = delete;
 
   // Whether there is sound; a change is published on `audio_board_state`.
   void SetSpeaking(bool speaking);
