@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/base/result.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 
 namespace musher {
