@@ -22,7 +22,7 @@ set(MUSHER_ALSO_PUBLIC
   behavior/tree/build.hpp
   behavior/tree/models.hpp
   behavior/tree/xml/tree_xml.hpp
-  controller/client/latching.hpp
+  controller/client/stop_latch.hpp
   cyberdog/codes/module_codes.hpp
   cyberdog/extension.hpp
   cyberdog/machine.hpp

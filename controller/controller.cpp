@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <utility>
 
@@ -45,6 +46,11 @@ constexpr Duration kStatusWithin = Milliseconds(1000);
 constexpr Duration kStatusPollPeriod = Milliseconds(5);
 // As often as the logs.
 constexpr Duration kCheckFolderPeriod = Milliseconds(1000);
+
+// A process that an earlier controller has started and the config does not list gets SIGKILL after
+// this time.
+constexpr Duration kUnlistedEndsWithin = Milliseconds(2000);
+
 }  // namespace
 
 Controller::Controller(transport::Node& node, int domain_id, const MachineConfig& config,
@@ -104,7 +110,7 @@ Result<> Controller::Open() {
 
 // On a slow link an actuator may have been discovered only now; its controller may follow.
 void Controller::BeginAfter(Duration listen) {
-  const auto first_status_at = shell_->first_status_at();
+  const auto first_status_at = shell_->peers().first_status_at();
   const bool settled = shell_->rival() || !first_status_at;
   const Time until = settled ? Time{} : *first_status_at + listen;
   const auto begin = [this] { BeginOnceReceived(node_.loop().Now() + kStatusWithin); };
@@ -115,7 +121,7 @@ void Controller::BeginAfter(Duration listen) {
 // Waits for the statuses of running actuators: they contain the hash of their config.
 void Controller::BeginOnceReceived(Time deadline) {
   const bool checks_configs = !options_.adopt && !options_.restarted;
-  if (!checks_configs || shell_->ActuatorsBeforeBegin() >= held_ ||
+  if (!checks_configs || shell_->peers().received_before_begin() >= held_ ||
       node_.loop().Now() >= deadline) {
     return Begin();
   }
@@ -211,7 +217,31 @@ Result<> Controller::OpenShell() {
   dependencies.processes = &processes_;
   dependencies.process_probe = &process_probe_;
   dependencies.journal = journal_.get();
-  using OnSaved = ControllerShell::Dependencies::OnSaved;
+  AddSaves(dependencies);
+  dependencies.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
+  dependencies.output = [this](const std::string& name) {
+    return logs_ ? logs_->Output(name) : nullptr;
+  };
+  for (const ControllerExtension& extension : options_.extensions) {
+    dependencies.links.insert(extension.links.begin(), extension.links.end());
+  }
+  dependencies.wall_ns = WallNanoseconds;
+  dependencies.config_text = TextOf(config_);
+  dependencies.host = HostId();
+  dependencies.host_name = HostName();
+  dependencies.pid = getpid();
+  dependencies.incarnation = incarnation_;
+  if (store_) dependencies.machine_id = store_->machine_id();
+  auto shell = ControllerShell::Make(std::move(dependencies), config_, ShellHooks());
+  if (!shell) return shell.error();
+  shell_ = std::move(shell).value();
+  if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
+  return Ok();
+}
+
+// What has to survive this controller is written by the disk thread.
+void Controller::AddSaves(ShellDependencies& dependencies) {
+  using OnSaved = ShellDependencies::OnSaved;
   using Write = std::function<Result<>(StateStore&)>;
   const auto save = [this](Stored what, Write write, OnSaved done) {
     if (!store_) return done(NoFolder());
@@ -254,20 +284,9 @@ Result<> Controller::OpenShell() {
       disk_.Do("processes", write, std::move(done));
     };
   }
-  dependencies.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
-  dependencies.output = [this](const std::string& name) {
-    return logs_ ? logs_->Output(name) : nullptr;
-  };
-  for (const ControllerExtension& extension : options_.extensions) {
-    dependencies.links.insert(extension.links.begin(), extension.links.end());
-  }
-  dependencies.wall_ns = WallNanoseconds;
-  dependencies.config_text = TextOf(config_);
-  dependencies.host = HostId();
-  dependencies.host_name = HostName();
-  dependencies.pid = getpid();
-  dependencies.incarnation = incarnation_;
-  if (store_) dependencies.machine_id = store_->machine_id();
+}
+
+ControllerShell::Hooks Controller::ShellHooks() {
   ControllerShell::Hooks hooks = options_.hooks;
   hooks.open_services = [this] { return OpenServices(); };
   hooks.holds_answers = [this] {
@@ -283,11 +302,7 @@ Result<> Controller::OpenShell() {
     if (ros2_tools_) ros2_tools_->OnRecord(record);
     if (options_.hooks.on_record) options_.hooks.on_record(record);
   };
-  auto shell = ControllerShell::Make(std::move(dependencies), config_, std::move(hooks));
-  if (!shell) return shell.error();
-  shell_ = std::move(shell).value();
-  if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
-  return Ok();
+  return hooks;
 }
 
 // A command of this host hands its emergency stop over by the name of the controller: that takes no
@@ -351,7 +366,7 @@ void Controller::Begin() {
     }
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
-  if (const std::string others = shell_->RunningWithAnotherConfig(last_config_hash_);
+  if (const std::string others = shell_->peers().RunningWithAnotherConfig(last_config_hash_);
       !others.empty() && !options_.adopt && !options_.restarted) {
     return shell_->Refuse(
         {kCodeTargetBusy, others + " already, with a different config than " + config_.file +
@@ -408,7 +423,7 @@ void Controller::TakeIdentity() {
   if (!store_ || !store_->machine_id().empty()) return;
   std::string id;
   if (const auto& rival = shell_->rival()) id = rival->machine.id;
-  for (const auto& [actuator, status] : shell_->statuses_before_begin()) {
+  for (const auto& [actuator, status] : shell_->peers().statuses_before_begin()) {
     // One that this host starts belongs here; elsewhere a process of its name is another machine's.
     const bool belongs = status.host == HostId() || config_.actuators[actuator].command.empty();
     if (id.empty() && belongs && status.machine == config_.name) id = status.machine_id;
@@ -436,6 +451,88 @@ bool Controller::Flush(Duration timeout) {
   const Duration left = deadline - std::chrono::steady_clock::now();
   return (file_journal_ == nullptr || file_journal_->Flush(std::max(left, Milliseconds(1)))) &&
          saved;
+}
+
+// --- the processes of the actuators that already run, and their logs ---
+
+// Finds the actuators' processes that already run on this host, started by an earlier controller or
+// by hand; returns those that a controller has started. Only trusted ones are watched and stopped
+// with the machine.
+std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
+  std::vector<ChildProcess> stored;
+  for (const std::string& folder : {store_ ? config_.state_dir : std::string(), taken_from_}) {
+    if (folder.empty()) continue;
+    const auto more = StateStore::LoadChildren(folder, HostId());
+    stored.insert(stored.end(), more.begin(), more.end());
+  }
+  std::vector<MarkedActuator> marked;
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    const std::string name = LockOf(actuator.name);
+    begin.running.push_back(NameLock::IsHeld(name));
+    begin.processes.push_back(0);
+    if (!actuator.command.empty()) marked.push_back({actuator.name, name, begin.running.back()});
+  }
+  std::vector<ChildProcess> children = FindChildren(marked, stored);
+  for (const ChildProcess& child : children) {
+    const ActuatorIndex i = *config_.IndexOf(child.actuator);
+    begin.running[i] = true;
+    begin.processes[i] = child.pid;
+  }
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    if (begin.running[i] && begin.processes[i] == 0) begin.processes[i] = HolderOf(i);
+  }
+  for (const ChildProcess& child : stored) {
+    const auto i = config_.IndexOf(child.actuator);
+    if ((!i || config_.actuators[*i].command.empty()) && IsRunning(child)) EndUnlisted(child);
+  }
+  return children;
+}
+
+pid_t Controller::HolderOf(ActuatorIndex i) {
+  const std::string& actuator = config_.actuators[i].name;
+  const auto holder = NameLock::HolderOf(LockOf(actuator));
+  if (holder.trusted) return holder.pid;
+  shell_->Remark(kCodePermissionDenied,
+                 holder.Text() + " holds the name of " + actuator +
+                     " but belongs neither to root nor to user " + std::to_string(geteuid()) +
+                     ": it is not watched or signalled, and " + actuator + " is not started");
+  return 0;
+}
+
+// Stops a process that no controller controls any more. A process that holds its name is reported
+// instead, see ActuatorPeers::RecordUnlisted.
+void Controller::EndUnlisted(const ChildProcess& child) {
+  if (NameLock::IsHeld(LockOf(child.actuator))) return;
+  if (!processes_.Adopt(child.pid, child.start_time, nullptr)) return;
+  shell_->Remark(kCodeStateInvalid, child.actuator + " (pid " + std::to_string(child.pid) +
+                                        ") was started by an earlier controller, and " +
+                                        config_.file + " does not start it: it is stopped");
+  static_cast<void>(processes_.Signal(child.pid, SIGTERM).ok());
+  kill_later_.push_back(node_.loop().At(node_.loop().Now() + kUnlistedEndsWithin, [this, child] {
+    static_cast<void>(processes_.Signal(child.pid, SIGKILL).ok());
+  }));
+}
+
+// Without a log the process is started anyway, and its output is lost.
+void Controller::OpenLogs() {
+  LogFilesOptions options;
+  options.max_total_bytes = config_.logs_size_bytes;
+  options.on_trouble = [this](const std::string& message) { Trouble(message); };
+  const auto add = [&](const std::string& name, std::int64_t bytes) {
+    options.logs.push_back({name, store_->LogFile(name), bytes});
+  };
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    if (!actuator.command.empty()) add(actuator.name, actuator.log_size_bytes);
+  }
+  if (config_.view) add("musher-view", config_.log_size_bytes);
+  if (config_.policy) {
+    const PowerPolicy& power = config_.policy->power;
+    if (!power.off_command.empty()) add("power_off", config_.log_size_bytes);
+    if (!power.reboot_command.empty()) add("reboot", config_.log_size_bytes);
+  }
+  options.logs.push_back(
+      {"the controller", ControllerLogFile(config_), config_.log_size_bytes, /*open=*/false});
+  logs_ = std::make_unique<LogFiles>(node_.loop(), std::move(options));
 }
 
 }  // namespace musher

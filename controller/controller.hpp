@@ -72,6 +72,8 @@ class Controller {
   Result<> OpenStore();
   Result<> TakeName();
   Result<> OpenShell();
+  void AddSaves(ShellDependencies& dependencies);
+  ControllerShell::Hooks ShellHooks();
   Result<> OpenServices();
   Result<> OpenExtensions();
   void CheckFolder();

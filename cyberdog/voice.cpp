@@ -28,9 +28,9 @@ std::string Shortened(std::string text) {
   return text;
 }
 
-class Speaking {
+class VoiceDecision {
  public:
-  Speaking(const MachineConfig& config, VoiceState& voice, Time now)
+  VoiceDecision(const MachineConfig& config, VoiceState& voice, Time now)
       : config_(config), rules_(VoiceOf(*config.policy)), voice_(voice), now_(now) {}
 
   void On(const voice_event::MachineSeen& seen);
@@ -71,7 +71,7 @@ class Speaking {
 };
 
 // The zero of /clock changes when the world restarts, and with its first sample.
-void Speaking::FollowClock() {
+void VoiceDecision::FollowClock() {
   if (voice_.now == Time{} || now_ < voice_.now) {
     const Duration jump = now_ - voice_.now;
     for (auto& waiting : voice_.waiting) waiting.until += jump;
@@ -83,7 +83,7 @@ void Speaking::FollowClock() {
   voice_.now = now_;
 }
 
-void Speaking::On(const voice_event::MachineSeen& seen) {
+void VoiceDecision::On(const voice_event::MachineSeen& seen) {
   voice_.machine = seen.machine;
   switch (seen.machine.phase) {
     case Phase::kFailed:
@@ -103,7 +103,7 @@ void Speaking::On(const voice_event::MachineSeen& seen) {
   }
 }
 
-void Speaking::AnnounceStart() {
+void VoiceDecision::AnnounceStart() {
   const MachineView& machine = voice_.machine;
   if (!std::exchange(voice_.start_announced, true)) {
     if (machine.adopted) {
@@ -123,7 +123,7 @@ void Speaking::AnnounceStart() {
   if (staged) Say(Occasion::kStart, {Play::kStarted, ""});
 }
 
-void Speaking::AnnounceFaults() {
+void VoiceDecision::AnnounceFaults() {
   for (const MachineView::Fault& fault : voice_.machine.faults) {
     auto& announced = voice_.faults_announced;
     if (std::find(announced.begin(), announced.end(), fault) != announced.end()) continue;
@@ -139,7 +139,7 @@ void Speaking::AnnounceFaults() {
 }
 
 // 0: nothing to announce.
-int Speaking::BatteryUrgency() const {
+int VoiceDecision::BatteryUrgency() const {
   const MachineView& machine = voice_.machine;
   if (!machine.battery) return 0;
   switch (machine.level) {
@@ -158,7 +158,7 @@ int Speaking::BatteryUrgency() const {
 }
 
 // An announcement that is not permitted now is not marked as done: it follows later if still true.
-void Speaking::AnnounceBattery() {
+void VoiceDecision::AnnounceBattery() {
   const int urgency = BatteryUrgency();
   if (urgency > voice_.battery_announced) {
     if (voice_.machine.charging || !May(Occasion::kBattery)) return;
@@ -168,7 +168,7 @@ void Speaking::AnnounceBattery() {
 }
 
 // Before the machine is running, the start has announcements of its own.
-void Speaking::On(const voice_event::Recorded& recorded) {
+void VoiceDecision::On(const voice_event::Recorded& recorded) {
   const action::Record& record = recorded.record;
   if (record.kind == "switch") return AnnounceSwitch(record);
   const bool announced = record.kind == "policy" && record.code != kCodeOk &&
@@ -176,7 +176,7 @@ void Speaking::On(const voice_event::Recorded& recorded) {
   if (announced) SaySentence(Occasion::kRefusal, record.message);
 }
 
-void Speaking::AnnounceSwitch(const action::Record& record) {
+void VoiceDecision::AnnounceSwitch(const action::Record& record) {
   const bool begins = record.switch_number != 0 && record.switch_number != voice_.switch_number;
   if (begins) {
     voice_.switch_number = record.switch_number;
@@ -195,7 +195,7 @@ void Speaking::AnnounceSwitch(const action::Record& record) {
   SaySentence(Occasion::kSwitch, record.message);
 }
 
-void Speaking::On(const voice_event::DoubleTapped&) {
+void VoiceDecision::On(const voice_event::DoubleTapped&) {
   const MachineView& machine = voice_.machine;
   if (machine.phase != Phase::kRunning) return;
   if (voice_.tapped && now_ < *voice_.tapped + kTapPause) return;
@@ -206,7 +206,7 @@ void Speaking::On(const voice_event::DoubleTapped&) {
   SayFirst({static_cast<std::uint16_t>(Play::kBatteryLevel + *machine.battery), ""});
 }
 
-void Speaking::On(const voice_event::AppConnected&) {
+void VoiceDecision::On(const voice_event::AppConnected&) {
   const MachineView& machine = voice_.machine;
   const bool awake = machine.state == kActive || machine.state == kProtected;
   if (machine.phase != Phase::kRunning || !awake || machine.charging) return;
@@ -218,36 +218,36 @@ void Speaking::On(const voice_event::AppConnected&) {
   }
 }
 
-void Speaking::On(const voice_event::PlayerMatched& matched) {
+void VoiceDecision::On(const voice_event::PlayerMatched& matched) {
   voice_.player = matched.available;
   if (!matched.available && voice_.playing) End();
 }
 
-void Speaking::On(const voice_event::PlayReported& reported) {
+void VoiceDecision::On(const voice_event::PlayReported& reported) {
   voice_.busy_until = reported.playing ? now_ + kReportLasts : now_;
 }
 
-void Speaking::On(const voice_event::PlayEnded& ended) {
+void VoiceDecision::On(const voice_event::PlayEnded& ended) {
   if (!voice_.playing || ended.number != voice_.number) return;  // its deadline is over
   End();
 }
 
-bool Speaking::May(Occasion occasion) const {
+bool VoiceDecision::May(Occasion occasion) const {
   const bool asleep = voice_.machine.state == kLowPower;
   return rules_.Announces(occasion) &&
          (!asleep || !rules_.quiet_asleep || occasion == Occasion::kTouch);
 }
 
-void Speaking::Say(Occasion occasion, Utterance utterance) {
+void VoiceDecision::Say(Occasion occasion, Utterance utterance) {
   if (May(occasion)) Queue({std::move(utterance), now_ + kVoiceTimeout}, false);
 }
 
 // A person waits for the answer to a double tap.
-void Speaking::SayFirst(Utterance utterance) {
+void VoiceDecision::SayFirst(Utterance utterance) {
   if (May(Occasion::kTouch)) Queue({std::move(utterance), now_ + kVoiceTimeout}, true);
 }
 
-void Speaking::SaySentence(Occasion occasion, const std::string& sentence) {
+void VoiceDecision::SaySentence(Occasion occasion, const std::string& sentence) {
   auto& said = voice_.sentences;
   std::erase_if(said, [&](const auto& s) { return now_ >= s.said + kSameSentence; });
   const std::string text = Shortened(sentence);
@@ -258,7 +258,7 @@ void Speaking::SaySentence(Occasion occasion, const std::string& sentence) {
   Say(occasion, {0, text});
 }
 
-void Speaking::Queue(VoiceState::Waiting waiting, bool first) {
+void VoiceDecision::Queue(VoiceState::Waiting waiting, bool first) {
   auto& all = voice_.waiting;
   const bool waits = std::any_of(all.begin(), all.end(),
                                  [&](const auto& w) { return w.utterance == waiting.utterance; });
@@ -267,27 +267,27 @@ void Speaking::Queue(VoiceState::Waiting waiting, bool first) {
   all.insert(first ? all.begin() : all.end(), std::move(waiting));
 }
 
-void Speaking::End() {
+void VoiceDecision::End() {
   const bool stand_up = voice_.playing->stand_up;
   voice_.playing.reset();
   voice_.busy_until = now_;
   if (stand_up) actions_.emplace_back(voice_action::StandUp{});
 }
 
-void Speaking::Settle() {
+void VoiceDecision::Settle() {
   if (voice_.playing && now_ >= voice_.playing->until) End();
   if (!voice_.player) DropWithoutPlayer();
   if (voice_.player && !voice_.playing) PlayNext();
 }
 
-void Speaking::DropWithoutPlayer() {
+void VoiceDecision::DropWithoutPlayer() {
   const auto dropped =
       std::erase_if(voice_.waiting, [&](const auto& w) { return now_ >= w.until; });
   if (dropped == 0 || std::exchange(voice_.silence_announced, true)) return;
   actions_.emplace_back(voice_action::LogDropped{});
 }
 
-void Speaking::PlayNext() {
+void VoiceDecision::PlayNext() {
   if (voice_.waiting.empty()) return;
   VoiceState::Waiting next = voice_.waiting.front();
   if (now_ < std::min(voice_.busy_until, next.until)) return;
@@ -320,11 +320,11 @@ MachineView ViewOf(const MachineConfig& config, const Machine& machine) {
 
 std::vector<VoiceAction> Speak(const MachineConfig& config, VoiceState& voice,
                                const VoiceEvent& event, Time now) {
-  Speaking speaking(config, voice, now);
-  speaking.FollowClock();
-  std::visit([&](const auto& what) { speaking.On(what); }, event);
-  speaking.Settle();
-  return std::move(speaking).Take();
+  VoiceDecision decision(config, voice, now);
+  decision.FollowClock();
+  std::visit([&](const auto& what) { decision.On(what); }, event);
+  decision.Settle();
+  return std::move(decision).Take();
 }
 
 std::optional<Time> NextVoiceDeadline(const VoiceState& voice) {

@@ -124,25 +124,25 @@ class Checker {
   bool MayRise(const Machine& machine, const State& target) const;
   void CheckDeadline(const ControllerProcess& controller, Seen& seen);
   void CheckChange(const Machine& machine, Seen& seen);
-  // host_invariants.cpp
+  // Hosts and the processes on them.
   void CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name);
   void CheckRunsOnce(const std::string& name);
   void CheckProgramRunsOnce(const ControllerProcess& controller, const std::string& name);
   void CheckKill(const ControllerProcess& controller, std::int32_t pid);
   bool IsWell(const ControllerProcess& controller, const std::string& name) const;
   void CheckSignal(const ControllerProcess& controller, std::int32_t pid);
-  // authority_invariants.cpp
+  // Authority: the newest word of a person counts, and nothing rises without one.
   void NoteWord(const ControllerProcess& controller, bool restarted);
   void CheckRaised(const ControllerProcess& controller, Seen& seen, Epoch before);
   void CheckFollows(const std::string& name, std::size_t host, const ActuatorReport& report);
   void NoteReasons(const ControllerProcess& controller, const action::Record& record);
   void CheckReason(const ControllerProcess& controller, const State& before);
   bool HasReason(std::uint64_t controller, const State& from, const State& to) const;
-  // other_machine_invariants.cpp
+  // Two machines in one network.
   void CheckMeant(const action::Record& record);
   void CheckFence(const ControllerProcess& controller, const action::Record& record);
   void CheckControllerOf(const std::string& name, Sender controller);
-  // stop_invariants.cpp
+  // Emergency stops, and an accepted TearDown.
   void OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop);
   bool ReleasedElsewhere() const;
   enum class Open { kNo, kMaybe, kYes };
@@ -159,7 +159,7 @@ class Checker {
   bool IsKnown(const ControllerProcess& controller, ActuatorIndex i, std::size_t host,
                const ActuatorReport& report) const;
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
-  // command_invariants.cpp
+  // Commands that wait at an actuator, clients' calls, and outcomes of switches.
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
   void NoteGivenUp(Epoch epoch, ActuatorIndex i);
   bool IsGivenUp(const CommandKey& command) const;
@@ -168,7 +168,7 @@ class Checker {
   void CheckClientsAtRest();
   void CheckNotDegraded(const Machine& machine, const SwitchResult& result);
   bool IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const;
-  // policy_invariants.cpp
+  // The policy, by the samples of the battery alone.
   void CheckCeiling(const Machine& machine, bool at_rest);
   void CheckPolicyChange(const Machine& machine, const Seen& seen);
   void ForgetEndedPolicySwitches(const Machine& machine);
@@ -181,7 +181,7 @@ class Checker {
   bool ByPolicy(const State& state) const;
   void NoteLowering(const State& from);
 
-  // rest_invariants.cpp
+  // A stable state.
   void CheckLoss(const Machine& machine, ActuatorIndex i, bool provided);
   void CheckPlace(const Machine& machine, ActuatorIndex i);
   void CheckPlaceInStart(const Machine& machine, ActuatorIndex i);

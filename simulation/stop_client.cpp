@@ -30,14 +30,14 @@ StopClient::StopClient(transport::sim::Network& network, Hosts& hosts, Options o
   stop.by = options_.endpoint;
   stop.machine = options_.machine.name;
   stop.machine_id = options_.machine.id;
-  latching_ = Latching::Begin(*node_, options_.name_space, stop, false, [this] { Look(); }).value();
+  latch_ = StopLatch::Begin(*node_, options_.name_space, stop, false, [this] { Look(); }).value();
   Follow();
   transport::EventLoop& loop = node_->loop();
   timer_ = loop.At(loop.Now() + (view_.lan ? kLanTimeout : kFirstWait), [this] {
     if (view_.lan) return End();
     Look();
     if (ended_) return;
-    const bool waits = view_.has_controller || !latching_->Report(view_).actuators.empty();
+    const bool waits = view_.has_controller || !latch_->Report(view_).actuators.empty();
     if (!waits) return End();
     transport::EventLoop& later = node_->loop();
     timer_ = later.At(later.Now() + kTimeout - kFirstWait, [this] { End(); });
@@ -47,7 +47,7 @@ StopClient::StopClient(transport::sim::Network& network, Hosts& hosts, Options o
 // With exit code 0 it leaves the network properly; what stays for a minute just ends.
 StopClient::~StopClient() {
   if (confirmed_) {
-    latching_ = nullptr;
+    latch_ = nullptr;
     statuses_ = nullptr;
     machines_ = nullptr;
   }
@@ -97,15 +97,15 @@ void StopClient::Take(std::optional<msg::MachineStatus> status, transport::Endpo
 }
 
 void StopClient::Look() {
-  if (ended_ || !latching_) return;
-  const EstopReport report = latching_->Report(view_);
+  if (ended_ || !latch_) return;
+  const EstopReport report = latch_->Report(view_);
   const bool alone = !view_.lan && !view_.has_controller && !report.actuators.empty();
   if ((report.controller || alone) && report.settled()) End();
 }
 
 void StopClient::End() {
   if (std::exchange(ended_, true)) return;
-  const EstopReport report = latching_->Report(view_);
+  const EstopReport report = latch_->Report(view_);
   const bool none = !report.controller && report.actuators.empty();
   confirmed_ = !none && report.complete();
   transport::EventLoop& loop = node_->loop();

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/simulation/hosts.hpp"
@@ -60,7 +60,7 @@ class StopClient {
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Subscription> machines_;
   std::unique_ptr<transport::Subscription> statuses_;
-  std::unique_ptr<Latching> latching_;
+  std::unique_ptr<StopLatch> latch_;
   transport::LoopHandlePtr timer_;
 };
 

@@ -8,9 +8,9 @@
 namespace musher::fsm {
 namespace {
 
-class Checking {
+class ChartCheck {
  public:
-  explicit Checking(const Chart& chart) : chart_(chart), leads_on_(chart.states.size()) {
+  explicit ChartCheck(const Chart& chart) : chart_(chart), leads_on_(chart.states.size()) {
     for (const ChartTransition& transition : chart_.transitions) {
       if (transition.from != transition.to) leads_on_[Index(transition.from)] = true;
     }
@@ -114,7 +114,7 @@ std::vector<Problem> Check(const Chart& chart) {
   if (Index(chart.start) >= chart.states.size()) {
     return {{Severity::kError, chart.name, "has no start state"}};
   }
-  return Checking(chart).Run();
+  return ChartCheck(chart).Run();
 }
 
 }  // namespace musher::fsm

@@ -33,9 +33,9 @@
 
 #include "musher/base/result.hpp"
 #include "musher/behavior/fsm/chart.hpp"
-#include "musher/behavior/fsm/history.hpp"
 #include "musher/behavior/fsm/listener.hpp"
 #include "musher/behavior/fsm/state.hpp"
+#include "musher/behavior/recent.hpp"
 
 namespace musher::fsm {
 
@@ -43,6 +43,8 @@ enum class Mode : std::uint8_t { kNormal, kTransitioning, kSafeStop };
 std::string_view Name(Mode mode);  // NORMAL, TRANSITIONING, SAFE_STOP
 
 enum class Urgency : std::uint8_t { kNormal, kUrgent };
+
+using History = Recent<Change>;  // the last changes
 
 // Counters of a machine since it was built.
 struct Counts {
@@ -176,8 +178,8 @@ class Machine {
     std::string name;
     std::function<void(Archive&)> persist;
   };
-  class Declaring;
-  class Restoring;
+  class Declaration;
+  class Restorer;
 
   void DeclareStates();
   void CheckAll(std::string_view start);

@@ -28,15 +28,15 @@ class Comparison : public Listener {
   std::vector<std::string> changes_;
 };
 
-class Replaying {
+class Replayer {
  public:
-  Replaying(const Recording& recording, Machine& machine, const ApplyInput& apply)
+  Replayer(const Recording& recording, Machine& machine, const ApplyInput& apply)
       : recording_(recording), machine_(machine), apply_(apply) {
     machine_.Listen(&comparison_);
   }
-  ~Replaying() { machine_.Forget(&comparison_); }
-  Replaying(const Replaying&) = delete;
-  Replaying& operator=(const Replaying&) = delete;
+  ~Replayer() { machine_.Forget(&comparison_); }
+  Replayer(const Replayer&) = delete;
+  Replayer& operator=(const Replayer&) = delete;
 
   Result<Replayed> Run() {
     std::vector<const Line*> expected;
@@ -138,7 +138,7 @@ Result<Replayed> Replay(const Recording& recording, Machine& machine, const Appl
                                              ":1: error: it was recorded from machine " +
                                              recording.machine + ", not from " + machine.name()};
   }
-  return Replaying(recording, machine, apply).Run();
+  return Replayer(recording, machine, apply).Run();
 }
 
 }  // namespace musher::fsm

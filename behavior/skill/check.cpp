@@ -7,9 +7,9 @@
 namespace musher::skill {
 namespace {
 
-class TableChecking {
+class TableCheck {
  public:
-  explicit TableChecking(const Table& table) : table_(table), chart_(table.chart()) {}
+  explicit TableCheck(const Table& table) : table_(table), chart_(table.chart()) {}
 
   std::vector<Problem> Run() && {
     for (const std::string& error : table_.errors()) {
@@ -72,7 +72,7 @@ class TableChecking {
 }  // namespace
 
 std::vector<Problem> Check(const Table& table) {
-  return TableChecking(table).Run();
+  return TableCheck(table).Run();
 }
 
 Result<> CheckErrors(const std::string& skill, const Table& table) {

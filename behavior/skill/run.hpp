@@ -109,7 +109,7 @@ class Run {
   Result<Snapshot> Save() const;
 
  private:
-  friend class Restoring;
+  friend class Restorer;
 
   Tick MakeTick(Duration step);
   Next Decide(Tick& tick);

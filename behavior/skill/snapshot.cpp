@@ -52,9 +52,9 @@ Result<Snapshot> Run::Save() const {
 }
 
 // Restores a run that has not begun, and adds what is invalid to the faults.
-class Restoring {
+class Restorer {
  public:
-  Restoring(Run& run, const Snapshot& saved, std::string prefix, std::vector<SnapshotFault>& faults)
+  Restorer(Run& run, const Snapshot& saved, std::string prefix, std::vector<SnapshotFault>& faults)
       : run_(run), saved_(saved), prefix_(std::move(prefix)), faults_(faults) {}
 
   void Restore() {
@@ -158,7 +158,7 @@ class Restoring {
     }
     for (std::size_t i = 0; i < saved_.inside.size(); ++i) {
       const std::string key = "inside[" + std::to_string(i) + "]";
-      Restoring inside(*run_.inside_[i], saved_.inside[i], fsm::SnapshotKey(prefix_, key), faults_);
+      Restorer inside(*run_.inside_[i], saved_.inside[i], fsm::SnapshotKey(prefix_, key), faults_);
       inside.Restore();
       if (!run_.running() && run_.inside_[i]->running()) {
         Fail(key, "runs, but " + run_.name() + " does not");
@@ -204,7 +204,7 @@ std::vector<SnapshotFault> Manager::Restore(const ManagerSnapshot& saved) {
       continue;
     }
     Run& made = *run.value();
-    Restoring(made, saved.runs[i], key, faults).Restore();
+    Restorer(made, saved.runs[i], key, faults).Restore();
     const Result<> free = Free(made);
     if (made.running() && !free) faults.push_back({key + ".skill", free.error().message});
     if (Find(made.name()) != nullptr) {

@@ -3,7 +3,7 @@
 namespace musher::skill {
 namespace {
 
-class Waiting : public Skill {
+class WaitSkill : public Skill {
  public:
   void Declare(Table& table) override {
     table.Does("Waits for a time");
@@ -26,7 +26,7 @@ class Waiting : public Skill {
 }  // namespace
 
 Factory Wait() {
-  return [] { return std::make_unique<Waiting>(); };
+  return [] { return std::make_unique<WaitSkill>(); };
 }
 
 }  // namespace musher::skill

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 
 #include "musher/base/suggest.hpp"
 #include "musher/base/words.hpp"
-#include "musher/behavior/tree/building.hpp"
+#include "musher/behavior/tree/builder.hpp"
 #include "musher/behavior/tree/conditions.hpp"
 
 namespace musher::tree {
@@ -62,9 +63,25 @@ std::vector<const Document::Tree*> RootsFirst(const Document& document) {
   return trees;
 }
 
+bool IsCondition(std::string_view name) {
+  return std::ranges::find(kConditionNames, name) != kConditionNames.end();
+}
+
+// Attributes of every element that are no ports.
+bool IsReserved(std::string_view name) {
+  return name == "name" || name == "ID" || name == "_description" || name == "_autoremap" ||
+         name == "_collapsed" || name == "_uid" || name == "_fullpath" || name == "_fullPath" ||
+         name == "__shared_blackboard";
+}
+
+std::string PortText(const PortModel& model) {
+  return "port '" + model.name + "'" +
+         (model.type == nullptr ? "" : " (" + std::string(model.type->name) + ")");
+}
+
 }  // namespace
 
-Building::Building(const Document& document, const Factory& factory)
+Builder::Builder(const Document& document, const Factory& factory)
     : document_(document), factory_(factory) {
   for (const Document::File& file : document.files) {
     std::vector<std::uint32_t>& begins = lines_.emplace_back(1, 0U);
@@ -75,25 +92,25 @@ Building::Building(const Document& document, const Factory& factory)
   }
 }
 
-bool Building::failed() const {
+bool Builder::failed() const {
   if (!unknown_.empty()) return true;
   return std::ranges::any_of(
       found_, [](const auto& one) { return std::get<Severity>(one) == Severity::kError; });
 }
 
-void Building::ReportScript(const Attribute& attribute, const Script::Finding& finding) {
+void Builder::ReportScript(const Attribute& attribute, const Script::Finding& finding) {
   Report(document_.Inside(attribute, finding.at),
          finding.error ? Severity::kError : Severity::kWarning,
          "script in " + attribute.name + ": " + finding.what);
 }
 
-void Building::NoteUnset(const Element& element, const std::string& port) {
+void Builder::NoteUnset(const Element& element, const std::string& port) {
   Unset& unset = unset_[ClassOf(element)];
   unset.places.insert(element.at);
   unset.ports.insert(port);
 }
 
-std::vector<Diagnostic> Building::Take() && {
+std::vector<Diagnostic> Builder::Take() && {
   std::vector<std::string> names = factory_.Names();
   names.emplace_back("SubTree");
   for (const auto& [id, places] : unknown_) {
@@ -124,7 +141,7 @@ std::vector<Diagnostic> Building::Take() && {
   return diagnostics;
 }
 
-std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t history) {
+std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t history) {
   tree_ = std::unique_ptr<Tree>(new Tree(main.id, history));
   tree_->enums_ = factory_.shared_enums();
   for (const Document::File& file : document_.files) tree_->files_.push_back(file.path);
@@ -145,7 +162,7 @@ std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t his
   return failed() ? nullptr : std::move(tree_);
 }
 
-Node* Building::MakeContent(const Document::Tree& tree, const Around& around) {
+Node* Builder::MakeContent(const Document::Tree& tree, const Around& around) {
   used_.push_back(tree.id);
   if (tree.content.children.size() != 1) {
     Report(tree.content.at, Severity::kError,
@@ -162,7 +179,7 @@ Node* Building::MakeContent(const Document::Tree& tree, const Around& around) {
   return root;
 }
 
-Node* Building::MakeNode(const Element& element, const Around& around) {
+Node* Builder::MakeNode(const Element& element, const Around& around) {
   if (tree_->nodes_.size() >= kMostNodes || around.depth > kDeepestTree) {
     if (!too_large_) {
       Report(element.at, Severity::kError,
@@ -205,7 +222,7 @@ Node* Building::MakeNode(const Element& element, const Around& around) {
   return MakeRegistered(element, id, *registered, around);
 }
 
-void Building::UnknownNode(Place place, std::string_view id) {
+void Builder::UnknownNode(Place place, std::string_view id) {
   if (document_.Find(id) != nullptr) {
     Report(place, Severity::kError,
            Quoted(id) + " is a tree; write <SubTree ID=\"" + std::string(id) + "\"/>");
@@ -216,7 +233,7 @@ void Building::UnknownNode(Place place, std::string_view id) {
 }
 
 // The names from the root, as patterns of test nodes have them.
-std::string Building::PlainPath(NodeId id) const {
+std::string Builder::PlainPath(NodeId id) const {
   std::string path;
   for (NodeId at = id; at != kNoNode; at = tree_->infos_[at].parent) {
     path = "/" + tree_->infos_[at].name + path;
@@ -224,8 +241,8 @@ std::string Building::PlainPath(NodeId id) const {
   return tree_->name() + path;
 }
 
-NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind kind,
-                         const Around& around) {
+NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind kind,
+                        const Around& around) {
   const Attribute* name = element.Find("name");
   const std::vector<std::uint32_t>& begins = lines_[element.at.file];
   const auto line = std::ranges::upper_bound(begins, element.at.at);
@@ -243,15 +260,15 @@ NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind k
   return static_cast<NodeId>(tree_->nodes_.size() - 1);
 }
 
-Node* Building::Keep(NodeId id, std::unique_ptr<Node> node) {
+Node* Builder::Keep(NodeId id, std::unique_ptr<Node> node) {
   node->id_ = id;
   Node* kept = node.get();
   tree_->nodes_[id] = std::move(node);
   return kept;
 }
 
-Node* Building::MakeRegistered(const Element& element, std::string_view id,
-                               const Factory::Registered& registered, const Around& around) {
+Node* Builder::MakeRegistered(const Element& element, std::string_view id,
+                              const Factory::Registered& registered, const Around& around) {
   const NodeId node_id = Reserve(element, id, registered.kind, around);
   tree_->infos_[node_id].takes_time = registered.takes_time;
   Board& board = *tree_->boards_[around.board];
@@ -285,7 +302,7 @@ Node* Building::MakeRegistered(const Element& element, std::string_view id,
   return node;
 }
 
-void Building::MakeChildren(const Element& element, Node* node, NodeId id, const Around& around) {
+void Builder::MakeChildren(const Element& element, Node* node, NodeId id, const Around& around) {
   auto* control = dynamic_cast<Control*>(node);
   auto* decorator = dynamic_cast<Decorator*>(node);
   for (const Element& child : element.children) {
@@ -299,7 +316,7 @@ void Building::MakeChildren(const Element& element, Node* node, NodeId id, const
   }
 }
 
-void Building::CheckChildren(const Element& element, const Node& node, std::string_view id) {
+void Builder::CheckChildren(const Element& element, const Node& node, std::string_view id) {
   const std::size_t count = element.children.size();
   std::size_t least = 0;
   std::size_t most = 0;
@@ -318,7 +335,7 @@ void Building::CheckChildren(const Element& element, const Node& node, std::stri
              expected);
 }
 
-Node* Building::MakeSubtree(const Element& element, const Around& around) {
+Node* Builder::MakeSubtree(const Element& element, const Around& around) {
   const Attribute* attribute = element.Find("ID");
   if (attribute == nullptr) {
     Report(element.at, Severity::kError, "<SubTree> needs the attribute 'ID', the name of a tree");
@@ -349,10 +366,10 @@ Node* Building::MakeSubtree(const Element& element, const Around& around) {
 }
 
 Built Build(const Document& document, const Factory& factory, const BuildOptions& options) {
-  Building building(document, factory);
+  Builder builder(document, factory);
   const auto fail = [&](Place place, std::string message) -> Built {
-    building.Report(place, Severity::kError, std::move(message));
-    return {nullptr, std::move(building).Take()};
+    builder.Report(place, Severity::kError, std::move(message));
+    return {nullptr, std::move(builder).Take()};
   };
   if (document.trees.empty()) return fail({}, "there is no <BehaviorTree>");
   std::string name = options.tree;
@@ -369,14 +386,193 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
     return fail(options.tree.empty() && document.main ? document.main->value_at : Place{},
                 "there is no tree " + Quoted(name) + DidYouMean(name, TreeNames(document)));
   }
-  std::unique_ptr<Tree> tree = building.Make(*main, options.history);
+  std::unique_ptr<Tree> tree = builder.Make(*main, options.history);
   // Trees that nothing uses are checked, too.
   for (const Document::Tree* other : trees) {
-    const auto& used = building.used();
-    if (std::ranges::find(used, other->id) == used.end()) building.Make(*other, 0);
+    const auto& used = builder.used();
+    if (std::ranges::find(used, other->id) == used.end()) builder.Make(*other, 0);
   }
-  if (building.failed()) tree = nullptr;
-  return {std::move(tree), std::move(building).Take()};
+  if (builder.failed()) tree = nullptr;
+  return {std::move(tree), std::move(builder).Take()};
+}
+
+// --- attributes and entries of blackboards: ports, conditions, remapping ---
+
+Setup::Connection Builder::Connect(const Element& element, Board& board, const PortModel& model) {
+  const Attribute* attribute = element.Find(model.name);
+  if (attribute == nullptr) {
+    if (model.required) {
+      Report(element.at, Severity::kError,
+             "<" + element.name + "> needs " + PortText(model) +
+                 (model.doc.empty() ? "" : ": " + model.doc));
+    }
+    return {};
+  }
+  MarkUsed(*attribute);
+  if (model.direction == Direction::kText) return {nullptr, attribute};
+  const auto key = KeyOf(attribute->value, model.name);
+  if (key) {
+    Entry& entry = board.At(*key);
+    entry.declared = true;
+    Unify(entry, *attribute, model);
+    if (model.direction != Direction::kOut) NoteRead(entry, attribute->value_at);
+    if (model.direction != Direction::kIn) NoteWrite(entry, attribute->value_at);
+    return {&entry, nullptr};
+  }
+  if (model.direction == Direction::kInOut) {
+    Report(attribute->value_at, Severity::kWarning,
+           PortText(model) + " is a fixed text: what is written to it is lost");
+  } else if (model.direction == Direction::kOut) {
+    Report(attribute->value_at, Severity::kError,
+           PortText(model) + " is written; expected an entry, such as \"{" + model.name + "}\"");
+    return {};
+  }
+  return {nullptr, attribute};
+}
+
+void Builder::Unify(Entry& entry, const Attribute& attribute, const PortModel& model) {
+  if (model.type == nullptr) return;
+  // Everything that is a text or a number can be read as a text.
+  if (model.direction == Direction::kIn && model.type == TypeOf<std::string>()) {
+    read_as_text_.insert(&entry);
+    return;
+  }
+  const auto [first, is_first] =
+      types_.try_emplace(&entry, FirstUse{model.type, attribute.value_at});
+  if (is_first) {
+    entry.type = model.type;
+    return;
+  }
+  const Type* known = first->second.type;
+  if (entry.type == nullptr || known == model.type) return;
+  if (known == TypeOf<std::string>() || model.type == TypeOf<std::string>()) {
+    entry.type = nullptr;
+    return;
+  }
+  const Diagnostic at = document_.At(first->second.place, Severity::kNote, "");
+  Report(attribute.value_at, Severity::kError,
+         PortText(model) + " uses '" + entry.key + "', which is of type " +
+             std::string(known->name) + " at " + at.file + ":" + std::to_string(at.line) + ":" +
+             std::to_string(at.column));
+}
+
+void Builder::NoteScript(const Script& script, Place place) {
+  for (const Entry* entry : script.reads()) NoteRead(*entry, place);
+  for (const Entry* entry : script.writes()) {
+    writes_.emplace(entry, place);
+    if (std::ranges::find(script.needs(), entry) == script.needs().end()) made_.insert(entry);
+  }
+  for (const Entry* entry : script.needs()) needed_.emplace_back(entry, place);
+}
+
+void Builder::CheckAttributes(const Element& element, const Setup& setup) {
+  for (const PortModel& port : setup.ports()) {
+    if (port.name != "name" && port.name != "ID" && !port.name.starts_with('_')) continue;
+    Report(element.at, Severity::kError,
+           "node '" + element.name + "' has a port '" + port.name +
+               "', which is reserved; give the port another name");
+  }
+  for (const Attribute& attribute : element.attributes) {
+    if (IsReserved(attribute.name) || IsCondition(attribute.name)) continue;
+    if (std::ranges::find(used_attributes_, &attribute) != used_attributes_.end()) continue;
+    std::vector<std::string> known = {"name"};
+    for (const PortModel& port : setup.ports()) known.push_back(port.name);
+    const bool special = attribute.name.starts_with('_');
+    if (special) known.assign(kConditionNames.begin(), kConditionNames.end());
+    Report(attribute.at, special ? Severity::kWarning : Severity::kError,
+           (special ? "attribute '" + attribute.name + "' has no meaning"
+                    : "<" + element.name + "> has no port '" + attribute.name + "'") +
+               DidYouMean(attribute.name, known));
+  }
+}
+
+void Builder::SetConditions(const Element& element, Node& node, Board& board) {
+  for (std::size_t i = 0; i < kConditionNames.size(); ++i) {
+    const Attribute* attribute = element.Find(kConditionNames[i]);
+    if (attribute == nullptr) continue;
+    std::vector<Script::Finding> findings;
+    Script script =
+        Script::Parse(attribute->value, board, factory_.enums(), i < kConditionsBefore, findings);
+    for (const Script::Finding& finding : findings) ReportScript(*attribute, finding);
+    NoteScript(script, attribute->value_at);
+    if (node.conditions_ == nullptr) node.conditions_ = std::make_unique<Conditions>();
+    node.conditions_->scripts[i] = std::move(script);
+    node.special_ = true;
+  }
+}
+
+// The board of a subtree, with the keys that the element and the model of the subtree give it.
+std::uint32_t Builder::MakeBoard(const Element& element, std::string_view id,
+                                 std::uint32_t outer_id) {
+  Board& outer = *tree_->boards_[outer_id];
+  const Attribute* auto_attribute = element.Find("_autoremap");
+  bool autoremap = element.name == "SubTreePlus";
+  if (auto_attribute != nullptr) {
+    const Result<bool> value = Convert<bool>::FromText(auto_attribute->value);
+    if (!value) Report(auto_attribute->value_at, Severity::kError, value.error().message);
+    autoremap = value && value.value();
+  }
+  tree_->boards_.push_back(std::make_unique<Board>(outer, autoremap));
+  const auto board_id = static_cast<std::uint32_t>(tree_->boards_.size() - 1);
+  Board& board = *tree_->boards_.back();
+  const auto give = [&](const std::string& name, const std::string& value, Place place,
+                        const Attribute* attribute) {
+    if (const auto key = KeyOf(value, name)) {
+      board.Remap(name, *key);
+    } else {
+      constants_.push_back({&board.Own(name), attribute, value, place});
+    }
+  };
+  std::vector<std::string> given;
+  for (const Attribute& attribute : element.attributes) {
+    if (attribute.name == "ID" || attribute.name == "name" || attribute.name.starts_with('_')) {
+      if (!IsReserved(attribute.name) && !IsCondition(attribute.name)) {
+        Report(attribute.at, Severity::kWarning,
+               "attribute '" + attribute.name + "' has no meaning");
+      }
+      continue;
+    }
+    give(attribute.name, attribute.value, attribute.value_at, &attribute);
+  }
+  for (const Element& model : document_.models) {
+    const Attribute* model_id = model.Find("ID");
+    if (model.name != "SubTree" || model_id == nullptr || model_id->value != id) continue;
+    for (const Element& port : model.children) {
+      const Attribute* name = port.Find("name");
+      if (name == nullptr || element.Find(name->value) != nullptr || autoremap) continue;
+      const Attribute* value = port.Find("default");
+      if (value != nullptr) {
+        give(name->value, value->value, value->value_at, value);
+      } else {
+        Report(element.at, Severity::kError,
+               "<SubTree ID=\"" + std::string(id) + "\"> needs '" + name->value +
+                   "', which <TreeNodesModel> declares without a default");
+      }
+    }
+  }
+  return board_id;
+}
+
+// Fixed texts of subtrees become values once the types of their entries are known: a number where
+// the whole text is one, as in BehaviorTree.CPP.
+void Builder::SetConstants() {
+  for (const Constant& constant : constants_) {
+    Result<> set;
+    const Result<double> number = Convert<double>::FromText(constant.text);
+    const auto known = factory_.enums().find(constant.text);
+    if (known != factory_.enums().end() && constant.entry->type != TypeOf<std::string>()) {
+      set = constant.entry->AssignNumber(known->second);
+    } else if (constant.entry->type == nullptr && !read_as_text_.contains(constant.entry) &&
+               number) {
+      set = constant.entry->AssignNumber(number.value());
+    } else {
+      set = constant.entry->AssignText(constant.text);
+    }
+    if (!set) {
+      Report(constant.place, Severity::kError,
+             "'" + constant.entry->key + "': " + set.error().message);
+    }
+  }
 }
 
 }  // namespace musher::tree

@@ -83,7 +83,7 @@ class Node {
   virtual void OnHalt(Tick&) {}  // only while it runs
 
  private:
-  friend class Building;
+  friend class Builder;
   friend class Tree;
 
   Status Run(Tick& tick) {
@@ -167,7 +167,7 @@ class Decorator : public Node {
   void OnHalt(Tick& tick) override { child_->Reset(tick); }
 
  private:
-  friend class Building;
+  friend class Builder;
   Node* child_ = nullptr;
 };
 
@@ -190,7 +190,7 @@ class Control : public Node {
   }
 
  private:
-  friend class Building;
+  friend class Builder;
   std::size_t least_;
   std::size_t most_;
   std::vector<Node*> children_;

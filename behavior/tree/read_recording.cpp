@@ -30,9 +30,9 @@ Status StatusFrom(RecordingLine& line) {
   return *found;
 }
 
-class TreeReading {
+class TreeRecordingReader {
  public:
-  TreeReading(std::string_view text, const std::string& file) : text_(text) {
+  TreeRecordingReader(std::string_view text, const std::string& file) : text_(text) {
     recording_.file = file;
   }
 
@@ -175,7 +175,7 @@ class TreeReading {
 
 Result<Recording> ReadRecording(std::string_view text, const std::string& file) {
   try {
-    return TreeReading(text, file).Read();
+    return TreeRecordingReader(text, file).Read();
   } catch (Error& fault) {
     return std::move(fault);
   }

@@ -2,7 +2,7 @@
 
 #include <cctype>
 
-#include "musher/behavior/tree/building.hpp"
+#include "musher/behavior/tree/builder.hpp"
 
 namespace musher::tree {
 
@@ -13,15 +13,15 @@ std::optional<std::string_view> KeyOf(std::string_view value, std::string_view n
   return key == "=" ? name : key;
 }
 
-Setup::Setup(Building* building, const Element& element, Board& board, const Enums& enums)
-    : building_(building), element_(element), board_(board), enums_(enums) {
+Setup::Setup(Builder* builder, const Element& element, Board& board, const Enums& enums)
+    : builder_(builder), element_(element), board_(board), enums_(enums) {
   const Attribute* name = element.Find("name");
   name_ = name != nullptr ? name->value : element.name;
 }
 
 Setup::Connection Setup::Connect(PortModel model) {
   Connection connection;
-  if (building_ != nullptr) connection = building_->Connect(element_, board_, model);
+  if (builder_ != nullptr) connection = builder_->Connect(element_, board_, model);
   ports_.push_back(std::move(model));
   return connection;
 }
@@ -29,10 +29,10 @@ Setup::Connection Setup::Connect(PortModel model) {
 Entry* Setup::Key(std::string_view name, std::string_view doc) {
   const Connection connection =
       Connect({std::string(name), Direction::kText, nullptr, true, std::string(doc)});
-  if (connection.text == nullptr) return building_ == nullptr ? nullptr : connection.entry;
+  if (connection.text == nullptr) return builder_ == nullptr ? nullptr : connection.entry;
   const std::string_view value = connection.text->value;
   Entry& entry = board_.At(KeyOf(value, name).value_or(Trimmed(value)));
-  if (name == "output_key") building_->NoteWrite(entry, connection.text->value_at);
+  if (name == "output_key") builder_->NoteWrite(entry, connection.text->value_at);
   return &entry;
 }
 
@@ -56,10 +56,10 @@ std::optional<Script> Setup::ScriptOf(std::string_view name, bool is_condition) 
   bool failed = false;
   for (Script::Finding& finding : findings) {
     failed |= finding.error;
-    building_->ReportScript(*connection.text, finding);
+    builder_->ReportScript(*connection.text, finding);
   }
   if (failed) return std::nullopt;
-  building_->NoteScript(script, connection.text->value_at);
+  builder_->NoteScript(script, connection.text->value_at);
   return script;
 }
 
@@ -79,13 +79,13 @@ std::string Setup::EnumNames() const {
 }
 
 void Setup::NoteUnset(const std::string& port) {
-  if (building_ != nullptr) building_->NoteUnset(element_, port);
+  if (builder_ != nullptr) builder_->NoteUnset(element_, port);
 }
 
 void Setup::Report(std::string_view attribute, Severity severity, std::string what) {
-  if (building_ == nullptr) return;
+  if (builder_ == nullptr) return;
   const Attribute* found = element_.Find(attribute);
-  building_->Report(found != nullptr ? found->value_at : element_.at, severity, std::move(what));
+  builder_->Report(found != nullptr ? found->value_at : element_.at, severity, std::move(what));
 }
 
 }  // namespace musher::tree

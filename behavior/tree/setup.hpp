@@ -32,12 +32,12 @@ struct PortModel {
   std::string otherwise{};  // the default value as a text; empty: there is none
 };
 
-class Building;
+class Builder;
 
 class Setup {
  public:
-  // Set-up of a tree's node; without `building`, only to learn the ports.
-  Setup(Building* building, const Element& element, Board& board, const Enums& enums);
+  // Set-up of a tree's node; without `builder`, only to learn the ports.
+  Setup(Builder* builder, const Element& element, Board& board, const Enums& enums);
   Setup(const Setup&) = delete;
   Setup& operator=(const Setup&) = delete;
 
@@ -144,7 +144,7 @@ class Setup {
   static bool IsName(std::string_view text);  // begins with a letter
   std::string EnumNames() const;              // "BLUE (2), RED (1)"
 
-  Building* building_;
+  Builder* builder_;
   const Element& element_;
   Board& board_;
   const Enums& enums_;

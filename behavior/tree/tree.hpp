@@ -97,7 +97,7 @@ class Tree {
   Board& board(NodeId id) { return *boards_.at(infos_.at(id).board); }
 
  private:
-  friend class Building;
+  friend class Builder;
   Tree(std::string name, std::size_t history);
   Error Fault(NodeId id, const std::string& what) const;
   std::string NameAmongSiblings(NodeId id) const;

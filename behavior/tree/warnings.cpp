@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "musher/base/suggest.hpp"
-#include "musher/behavior/tree/building.hpp"
+#include "musher/behavior/tree/builder.hpp"
 
 namespace musher::tree {
 namespace {
@@ -19,7 +19,7 @@ std::optional<double> FixedNumber(const Element& element, std::string_view name)
 
 }  // namespace
 
-void Building::Warn() {
+void Builder::Warn() {
   // A node takes time if it or one below may return RUNNING: children have higher ids.
   std::vector<NodeInfo>& infos = tree_->infos_;
   std::vector<std::vector<NodeId>> children(infos.size());
@@ -42,7 +42,7 @@ void Building::Warn() {
   WarnOfUnmade();
 }
 
-void Building::WarnOfReactive(NodeId id, const std::vector<NodeId>& children) {
+void Builder::WarnOfReactive(NodeId id, const std::vector<NodeId>& children) {
   const NodeInfo& info = tree_->infos_[id];
   if (info.id != "ReactiveSequence" && info.id != "ReactiveFallback") return;
   for (const NodeId child : children) {
@@ -55,7 +55,7 @@ void Building::WarnOfReactive(NodeId id, const std::vector<NodeId>& children) {
   }
 }
 
-void Building::WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool unsure) {
+void Builder::WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool unsure) {
   const NodeInfo& info = tree_->infos_[id];
   const Element& element = *elements_[id];
   const bool at_once = children.size() == 1 && !tree_->infos_[children[0]].takes_time && !unsure;
@@ -81,7 +81,7 @@ void Building::WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool u
   }
 }
 
-void Building::WarnOfParallel(NodeId id, std::size_t children) {
+void Builder::WarnOfParallel(NodeId id, std::size_t children) {
   const NodeInfo& info = tree_->infos_[id];
   const Element& element = *elements_[id];
   for (const std::string_view port : {"success_count", "failure_count", "max_failures"}) {
@@ -95,7 +95,7 @@ void Building::WarnOfParallel(NodeId id, std::size_t children) {
 }
 
 // An entry that is read and never set is often misspelt.
-void Building::WarnOfUnset() {
+void Builder::WarnOfUnset() {
   std::vector<std::string> written;
   for (const auto& [entry, key] : writes_) written.push_back(entry->key);
   std::ranges::sort(written);
@@ -111,7 +111,7 @@ void Building::WarnOfUnset() {
 }
 
 // An assignment with '=' ends the tick where the entry does not exist.
-void Building::WarnOfUnmade() {
+void Builder::WarnOfUnmade() {
   for (const auto& [entry, place] : needed_) {
     if (entry->declared || !entry->value.empty() || made_.contains(entry)) continue;
     Report(place, Severity::kWarning,

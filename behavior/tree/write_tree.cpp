@@ -36,9 +36,9 @@ std::string Quoted(std::string_view text) {
   return quoted + "\"";
 }
 
-class Writing {
+class TreeWriter {
  public:
-  Writing(const Tree& tree, const Document& document, const WriteOptions& options)
+  TreeWriter(const Tree& tree, const Document& document, const WriteOptions& options)
       : tree_(tree), options_(options), paths_(SubtreePaths(tree)) {
     for (const Document::Tree& each : document.trees) Note(each.content);
   }
@@ -178,7 +178,7 @@ std::map<NodeId, std::string> SubtreePaths(const Tree& tree) {
 }
 
 std::string WriteTree(const Tree& tree, const Document& document, const WriteOptions& options) {
-  return Writing(tree, document, options).Write();
+  return TreeWriter(tree, document, options).Write();
 }
 
 }  // namespace musher::tree

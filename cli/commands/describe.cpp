@@ -19,7 +19,7 @@
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/machine_files.hpp"
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/render/description.hpp"
 #include "musher/controller/journal/journal_reader.hpp"
 #include "musher/controller/shell/wire.hpp"
@@ -256,7 +256,7 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& of_caller
   const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto running =
-      Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
+      RunningActuators::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
   const auto answer = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   std::optional<msg::MachineStatus> status;

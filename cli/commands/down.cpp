@@ -14,7 +14,7 @@
 #include "musher/cli/machine/ending.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/machine_files.hpp"
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/silent_controller.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
@@ -31,7 +31,8 @@ constexpr Duration kTearDownTime = std::chrono::seconds(10);
 
 // The machine whose actuators are stopped: that of this host, by its actuators or its files.
 // Without either, the only one.
-std::variant<MachineIdentity, Failure> MachineToEnd(const Link& link, const Running& running,
+std::variant<MachineIdentity, Failure> MachineToEnd(const Link& link,
+                                                    const RunningActuators& running,
                                                     const GlobalOptions& global) {
   if (!global.machine.empty()) return MachineIdentity{global.machine, ""};
   const std::vector<MachineIdentity> here = running.Machines(true);
@@ -61,7 +62,7 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto running =
-      Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
+      RunningActuators::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
   // The controller of another machine says nothing about the actuators of this one.
   const bool led_here = link.value()->LeaderHere() != 0;

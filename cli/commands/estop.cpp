@@ -19,7 +19,7 @@
 #include "musher/cli/machine/silent_controller.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
-#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
@@ -73,9 +73,9 @@ void HandOver(const msg::EmergencyStop& stop, const GlobalOptions& global) {
 [[noreturn]] void PublishForAMinute(const GlobalOptions& global, const msg::EmergencyStop& stop) {
   const auto link = Link::Open(global);
   if (!link) _exit(1);
-  const auto latching =
-      Latching::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
-  if (!latching) _exit(1);
+  const auto latch =
+      StopLatch::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
+  if (!latch) _exit(1);
   link.value()->RunUntil([] { return false; }, kKeptPublished);
   _exit(0);
 }
@@ -143,9 +143,9 @@ class DetachedPublisher {
 // Waits until every actuator of the machine has latched the stop.
 class Confirmation {
  public:
-  Confirmation(Link& link, const Latching& latching, const GlobalOptions& global)
+  Confirmation(Link& link, const StopLatch& latch, const GlobalOptions& global)
       : link_(link),
-        latching_(latching),
+        latch_(latch),
         lan_(IsLan()),
         leader_here_(link.LeaderHere()),
         running_here_(NameLock::HeldBelow(
@@ -154,7 +154,7 @@ class Confirmation {
   Duration DefaultTimeout() const { return lan_ ? kLanStopTimeout : kStopTimeout; }
 
   EstopReport Report() const {
-    return latching_.Report({link_.status(), HasController(), lan_, running_here_});
+    return latch_.Report({link_.status(), HasController(), lan_, running_here_});
   }
 
   // The controller saves the stop after it has published it.
@@ -189,7 +189,7 @@ class Confirmation {
   bool HasController() const { return link_.HasMachine() || leader_here_ != 0; }
 
   Link& link_;
-  const Latching& latching_;
+  const StopLatch& latch_;
   const bool lan_;
   const pid_t leader_here_;
   const std::vector<std::string> running_here_;
@@ -202,16 +202,16 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
   DetachedPublisher detached(global, stop);
   const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
-  const auto latching =
-      Latching::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
-  if (!latching) return console.Fail(latching.error());
+  const auto latch =
+      StopLatch::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
+  if (!latch) return console.Fail(latch.error());
   const auto second_try =
       link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] { detached.Begin(); });
   link.value()->Choose(machine);
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());
   }
-  Confirmation confirmation(*link.value(), *latching.value(), global);
+  Confirmation confirmation(*link.value(), *latch.value(), global);
   confirmation.Await(global.timeout.value_or(confirmation.DefaultTimeout()));
   confirmation.AwaitSaved();
   EstopReport report = confirmation.Report();

@@ -11,7 +11,7 @@
 #include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
@@ -56,7 +56,7 @@ void AddCredentialHints(msg::MachineStatus& status, const GlobalOptions& global)
   }
 }
 
-using Uncontrolled = std::map<std::string, Running::Actuator>;
+using Uncontrolled = std::map<std::string, RunningActuators::Actuator>;
 
 // The actuators with a status that the machine does not list. A process that only holds a name on
 // this host may be an actuator that is still starting.
@@ -71,7 +71,8 @@ Uncontrolled NotIn(const msg::MachineStatus& status, Uncontrolled running) {
 
 // Actuators latch their status as the controller does, so all statuses arrive at about the same
 // time.
-Uncontrolled AwaitUnlisted(Link& link, const Running& running, const msg::MachineStatus& status) {
+Uncontrolled AwaitUnlisted(Link& link, const RunningActuators& running,
+                           const msg::MachineStatus& status) {
   const auto all_received = [&] {
     const Uncontrolled here = running.Now();  // a name held here is found before its status arrives
     const auto received = [](const auto& one) { return one.second.has_status; };
@@ -117,7 +118,7 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   if (!link) return console.Fail(link.error());
   if (options.watch) return Watch(*link.value(), console);
   const auto running =
-      Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
+      RunningActuators::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
   const auto answer = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) {

@@ -7,7 +7,7 @@
 #include "musher/base/host.hpp"
 #include "musher/cli/commands/switch_progress.hpp"
 #include "musher/cli/machine/link.hpp"
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/controller/client/switch_client.hpp"
@@ -42,7 +42,7 @@ Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
 
 // Reports running actuators of an earlier config, or ones that the TearDown did not reach. Returns
 // whether there are any.
-bool ReportLeftBehind(std::map<std::string, Running::Actuator> running, Console& console) {
+bool ReportLeftBehind(std::map<std::string, RunningActuators::Actuator> running, Console& console) {
   std::erase_if(running, [](const auto& one) { return !one.second.has_status; });
   if (running.empty()) return false;
   console.PrintError(RunningNames(running) + (running.size() == 1 ? " still runs" : " still run") +
@@ -99,7 +99,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   if (const auto r = link.value()->FollowStatus(follow); !r) return console.Fail(r.error());
   if (progress.on()) limits.Request(target, actuator);
   const auto running =
-      Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
+      RunningActuators::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
   running.value()->OnlyOf(link.value()->machine());
   const Duration timeout = global.timeout.value_or(kSwitchTimeout);

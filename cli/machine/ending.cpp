@@ -34,7 +34,7 @@ void Send(const UniqueFd& process, pid_t pid, int signal) {
 
 }  // namespace
 
-Ending::Ending(transport::Node& node, std::string name_space, const Running& running,
+Ending::Ending(transport::Node& node, std::string name_space, const RunningActuators& running,
                Duration timeout)
     : node_(node),
       name_space_(std::move(name_space)),
@@ -42,7 +42,7 @@ Ending::Ending(transport::Node& node, std::string name_space, const Running& run
       deadline_(node.loop().Now() + timeout) {}
 
 Result<std::unique_ptr<Ending>> Ending::Begin(transport::Node& node, const std::string& name_space,
-                                              const Running& running, Duration timeout) {
+                                              const RunningActuators& running, Duration timeout) {
   std::unique_ptr<Ending> ending(new Ending(node, name_space, running, timeout));
   if (auto opened = ending->Open(); !opened) return opened.error();
   return ending;

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "musher/base/unique_fd.hpp"
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
@@ -39,7 +39,7 @@ class Ending {
 
   // `timeout`: for the TearDowns. The node and `running` must outlive it.
   static Result<std::unique_ptr<Ending>> Begin(transport::Node& node, const std::string& name_space,
-                                               const Running& running, Duration timeout);
+                                               const RunningActuators& running, Duration timeout);
 
   bool Ended() const;
   // The time for all attempts is over.
@@ -58,9 +58,10 @@ class Ending {
     bool killed = false;
   };
 
-  using Actuators = std::map<std::string, Running::Actuator>;
+  using Actuators = std::map<std::string, RunningActuators::Actuator>;
 
-  Ending(transport::Node& node, std::string name_space, const Running& running, Duration timeout);
+  Ending(transport::Node& node, std::string name_space, const RunningActuators& running,
+         Duration timeout);
   Result<> Open();
   void Advance();
   void Check(Target& target, const Actuators& running);
@@ -69,7 +70,7 @@ class Ending {
 
   transport::Node& node_;
   const std::string name_space_;
-  const Running& running_;
+  const RunningActuators& running_;
   const Time deadline_;
   Epoch epoch_ = 1;
   MachineIdentity machine_;  // of the actuators

@@ -19,7 +19,7 @@ Result<std::unique_ptr<SkillOffers>> SkillOffers::Begin(
     Link& link, const GlobalOptions& global,
     std::function<void(const std::string& actuator)> on_lost) {
   std::unique_ptr<SkillOffers> offers(new SkillOffers(link, global, std::move(on_lost)));
-  auto running = Running::Begin(link.node(), global.name_space, !global.keys.empty());
+  auto running = RunningActuators::Begin(link.node(), global.name_space, !global.keys.empty());
   if (!running) return running.error();
   offers->running_ = std::move(running).value();
   transport::SubscriptionEvents events;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "musher/cli/machine/link.hpp"
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 
 namespace musher::cli {
@@ -52,7 +52,7 @@ class SkillOffers {
   };
   std::map<std::string, Offer> offers_;  // by actuator, of its latest process
   bool changed_ = false;
-  std::unique_ptr<Running> running_;
+  std::unique_ptr<RunningActuators> running_;
   std::unique_ptr<transport::Subscription> subscription_;  // last: uses all of the above
 };
 

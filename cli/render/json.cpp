@@ -35,7 +35,7 @@ Json Of(const msg::Capability& c) {
           {"states", c.states}};
 }
 
-Json Of(const std::map<std::string, Running::Actuator>& running) {
+Json Of(const std::map<std::string, RunningActuators::Actuator>& running) {
   Json actuators = Json::object();
   for (const auto& [name, actuator] : running) {
     const msg::ActuatorStatus& s = actuator.status;
@@ -110,7 +110,7 @@ Json Of(const msg::PolicyInfo& p) {
 }  // namespace
 
 std::string StatusJson(const msg::MachineStatus& status,
-                       const std::map<std::string, Running::Actuator>& unlisted) {
+                       const std::map<std::string, RunningActuators::Actuator>& unlisted) {
   Json actuators = Json::object();
   for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = Of(a);
   return JsonLine({{"machine", status.machine},
@@ -329,7 +329,7 @@ std::string ProgressJson(const Progress& progress) {
 }
 
 std::string RunningJson(const Failure& failure,
-                        const std::map<std::string, Running::Actuator>& running) {
+                        const std::map<std::string, RunningActuators::Actuator>& running) {
   return JsonLine(
       {{"error", failure.error.message}, {"code", failure.error.code}, {"actuators", Of(running)}});
 }

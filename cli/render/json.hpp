@@ -10,10 +10,10 @@
 #include "musher/base/diagnostic.hpp"
 #include "musher/cli/console/exit_code.hpp"
 #include "musher/cli/machine/ending.hpp"
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/why.hpp"
 #include "musher/cli/start/progress.hpp"
-#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/journal/replay.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
@@ -27,10 +27,10 @@ namespace musher::cli {
 
 // `unlisted`: running actuators of the namespace that are not in the machine's config.
 std::string StatusJson(const msg::MachineStatus& status,
-                       const std::map<std::string, Running::Actuator>& unlisted = {});
+                       const std::map<std::string, RunningActuators::Actuator>& unlisted = {});
 // A failure, and the actuators that run without a controller.
 std::string RunningJson(const Failure& failure,
-                        const std::map<std::string, Running::Actuator>& running);
+                        const std::map<std::string, RunningActuators::Actuator>& running);
 std::string EndingJson(const std::vector<Ending::Outcome>& outcomes);
 std::string SwitchJson(const msg::SetState::Response& result);
 std::string EstopJson(const EstopReport& report);

@@ -8,7 +8,7 @@
 namespace musher::cli {
 namespace {
 
-std::string NoteOf(const Running::Actuator& actuator) {
+std::string NoteOf(const RunningActuators::Actuator& actuator) {
   if (!actuator.has_status) return "its process publishes no status";
   const msg::ActuatorStatus status = Printable(actuator.status);
   std::string note;
@@ -26,7 +26,8 @@ std::string NoteOf(const Running::Actuator& actuator) {
 
 }  // namespace
 
-std::string RunningText(const std::map<std::string, Running::Actuator>& running, bool colour) {
+std::string RunningText(const std::map<std::string, RunningActuators::Actuator>& running,
+                        bool colour) {
   Table table({"ACTUATOR", "STATE", "PID", "NOTE"});
   for (const auto& [name, actuator] : running) {
     const std::string state = actuator.has_status ? Printable(actuator.status.state) : "-";
@@ -38,7 +39,7 @@ std::string RunningText(const std::map<std::string, Running::Actuator>& running,
   return table.Text(colour);
 }
 
-std::string RunningNames(const std::map<std::string, Running::Actuator>& running) {
+std::string RunningNames(const std::map<std::string, RunningActuators::Actuator>& running) {
   std::string names;
   for (const auto& [name, actuator] : running) {
     names += fmt::format("{}{} (pid {})", names.empty() ? "" : ", ", Printable(name),

@@ -8,10 +8,10 @@
 
 #include "musher/cli/console/console.hpp"
 #include "musher/cli/machine/ending.hpp"
-#include "musher/cli/machine/running.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/why.hpp"
 #include "musher/cli/start/progress.hpp"
-#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/journal/replay.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
@@ -28,8 +28,9 @@ std::string StatusText(const msg::MachineStatus& status, bool colour);
 std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 
 // Actuators that run without a controller; RunningNames(): "legs (pid 7), …".
-std::string RunningText(const std::map<std::string, Running::Actuator>& running, bool colour);
-std::string RunningNames(const std::map<std::string, Running::Actuator>& running);
+std::string RunningText(const std::map<std::string, RunningActuators::Actuator>& running,
+                        bool colour);
+std::string RunningNames(const std::map<std::string, RunningActuators::Actuator>& running);
 std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour);
 
 std::string SwitchText(const msg::SetState::Response& result, bool colour);

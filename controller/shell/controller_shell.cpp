@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/controller/journal/record_data.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
 namespace {
 
-constexpr std::size_t kSwitchEntriesKept = 128;        // two for each switch: begin and end
 constexpr Duration kLastAnswers = Milliseconds(3000);  // a client's discovery may be incomplete
 constexpr Duration kHeldPeriod = Milliseconds(5);
-constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung process is killed
 
 }  // namespace
 
@@ -23,13 +20,15 @@ ControllerShell::ControllerShell(Dependencies dependencies, const MachineConfig&
       config_(config),
       hooks_(std::move(hooks)),
       machine_(MakeMachine(config)),
+      records_(dependencies_.node->loop(), *dependencies_.journal, dependencies_.wall_ns, config,
+               machine_, hooks_.on_record),
+      context_{dependencies_, config, machine_, records_,
+               [this](const Event& event) { Handle(event); }},
       recorder_(*dependencies_.journal, config),
-      peers_(config.actuators.size()) {
-  for (const ActuatorIndex i : config.actuators.Indices()) index_[config.actuators[i].name] = i;
-}
+      peers_(std::make_unique<ActuatorPeers>(context_)) {}
 
 ControllerShell::~ControllerShell() {
-  dependencies_.node->SetOnPeerFault({});
+  peers_->Unsubscribe();  // before what its callbacks use
 }
 
 Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(Dependencies dependencies,
@@ -43,44 +42,31 @@ Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(Dependencies depe
 
 Result<> ControllerShell::Open() {
   transport::Node& node = *dependencies_.node;
-  node.SetOnPeerFault([this](const transport::PeerFault& fault) { RecordPeerFault(fault); });
-  for (const ActuatorIndex i : peers_.Indices()) {
-    auto link = MakeLink(
-        node, config_, i, [this](const Event& event) { OnLinkEvent(event); }, dependencies_.links);
-    if (!link) return link.error();
-    peers_[i].link = std::move(link).value();
-    peers_[i].link->OnMachine({config_.name, dependencies_.machine_id});
-  }
+  if (auto opened = peers_->OpenLinks(); !opened) return opened;
   auto presence = ControllerPresence::Make(
       node, config_,
       {dependencies_.incarnation, dependencies_.pid, dependencies_.host, dependencies_.host_name,
        dependencies_.machine_id},
-      [this](const Event& event) { Handle(event); },
-      [this](const ControllerPresence::Rival* other) { OnOtherMachine(other); });
+      context_.handle, [this](const ControllerPresence::Rival* other) { OnOtherMachine(other); });
   if (!presence) return presence.error();
   presence_ = std::move(presence).value();
+  board_ = std::make_unique<MachineBoard>(context_, *presence_);
   auto health = HealthWatch::Make(
-      node, config_, *dependencies_.process_probe, dependencies_.host,
-      [this](const Event& event) { Handle(event); },
+      node, config_, *dependencies_.process_probe, dependencies_.host, context_.handle,
       [this](ActuatorIndex i) {
-        LinkTo(i).Query({machine_.epoch, 0, false});  // this query fences nothing
+        peers_->LinkTo(i).Query({machine_.epoch, 0, false});  // this query fences nothing
       },
-      [this](ActuatorIndex i, Incarnation incarnation) { OnAlive(i, incarnation); });
+      [this](ActuatorIndex i, Incarnation incarnation) { peers_->OnAlive(i, incarnation); });
   if (!health) return health.error();
   health_ = std::move(health).value();
-  auto inputs = PolicyInputs::Make(node, config_, [this](const Event& event) { Handle(event); });
+  processes_ = std::make_unique<ActuatorProcesses>(context_, *presence_, *health_, *peers_);
+  auto inputs = PolicyInputs::Make(node, config_, context_.handle);
   if (!inputs) return inputs.error();
   policy_inputs_ = std::move(inputs).value();
-  transport::Qos status_qos = transport::kLatchedFromManyQos;
-  status_qos.partition = transport::ReaderPartition(!config_.keys.empty());
-  auto subscription = transport::MakeSubscription<msg::ActuatorStatus>(
-      node, transport::ActuatorStatusTopic(config_.name_space),
-      [this](const msg::ActuatorStatus& s, const transport::SampleInfo& i) { OnStatus(s, i); },
-      status_qos, {[this](transport::EndpointId writer) { OnWriterLost(writer); }, nullptr});
-  if (!subscription) return subscription.error();
-  actuator_status_ = std::move(subscription).value();
-  return Ok();
+  return peers_->Subscribe(*health_);
 }
+
+// --- the begin of the machine, and its clients ---
 
 void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>& children) {
   if (const auto opened = OpenToClients(); !opened) return Refuse(opened.error());
@@ -88,50 +74,44 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   begin.host = dependencies_.host;
   begin.stops = Merge(begin.stops, std::exchange(stops_before_begin_, {}));
   // Actuators of another host are only known by their status.
-  begin.running.resize(peers_.size());
-  for (const auto& [actuator, seen] : before_begin_) {
-    if (Runs(config_, seen.report) || SharesItsProcess(seen.report)) begin.running[actuator] = true;
+  begin.running.resize(config_.actuators.size());
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    if (peers_->RanBeforeBegin(i)) begin.running[i] = true;
   }
-  for (const ActuatorIndex i : begin.processes.Indices()) {
-    const pid_t pid = begin.processes[i];
-    const auto child = std::find_if(children.begin(), children.end(), [&](const ChildProcess& c) {
-      return c.pid == pid && c.actuator == config_.actuators[i].name;
-    });
-    const bool is_child = child != children.end();
-    if (WatchFound(i, pid, is_child ? &*child : nullptr)) continue;
-    begin.processes[i] = 0;
-    const auto seen = before_begin_.find(i);
-    const bool reported = seen != before_begin_.end() && (Runs(config_, seen->second.report) ||
-                                                          SharesItsProcess(seen->second.report));
-    const bool exited =
-        is_child && dependencies_.process_probe->StartTimeOf(pid) != child->start_time;
-    if (exited && !reported) begin.running[i] = false;
-  }
+  processes_->TakeOver(begin, children);
   Handle(begin);
-  for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {
-    Handle(seen);
-    const ActuatorReport& taken = machine_.actuators[actuator].report;
-    if (taken.incarnation == seen.report.incarnation) {
-      health_->OnReport(actuator, taken, SenderOf(actuator, taken));
-    }
-  }
+  peers_->Begin();
   if (policy_inputs_) policy_inputs_->Begin();
   if (journal_at_begin_) OnJournalWritten(*journal_at_begin_);
   if (const auto after = std::exchange(tear_down_at_begin_, std::nullopt)) TearDown(*after);
 }
 
-// Whether another actuator runs in the process of `report`. That process does not exit, even if
-// this actuator is torn down, and a second one would start the other actuator twice.
-bool ControllerShell::SharesItsProcess(const ActuatorReport& report) const {
-  return std::any_of(before_begin_.begin(), before_begin_.end(), [&](const auto& other) {
-    const ActuatorReport& running = other.second.report;
-    return running.pid != 0 && running.pid == report.pid && running.host == report.host &&
-           Runs(config_, running);
-  });
+Result<> ControllerShell::OpenToClients() {
+  if (auto opened = board_->Open(); !opened) return opened;
+  if (hooks_.open_services) {
+    if (auto opened = hooks_.open_services(); !opened) return opened;
+  }
+  return board_->Announce();
 }
 
-void ControllerShell::CheckThread() const {
-  dependencies_.node->loop().CheckThread();
+// Requests that still wait for an answer get `why` first.
+void ControllerShell::CloseToClients(const Error& why) {
+  for (auto& [request, done] : std::exchange(waiting_for_answer_, {})) done(why);
+  for (auto& [request, done] : std::exchange(waiting_for_result_, {})) {
+    if (done) done(Refusal(why));
+  }
+  board_->Close();
+  if (hooks_.close_services) hooks_.close_services();
+}
+
+void ControllerShell::CloseOnceAnswered(Time deadline) {
+  const Time now = dependencies_.node->loop().Now();
+  const bool holds = hooks_.holds_answers && hooks_.holds_answers() && now < deadline;
+  const auto next = [this, deadline, holds] {
+    if (holds) return CloseOnceAnswered(deadline);
+    CloseToClients({kCodeStateInvalid, "the machine is stopped; only a new start brings it back"});
+  };
+  close_later_ = dependencies_.node->loop().At(holds ? now + kHeldPeriod : now, next);
 }
 
 void ControllerShell::Refuse(const Error& why) {
@@ -146,6 +126,45 @@ void ControllerShell::ReleaseControl(const std::string& rival) {
         {kCodePermissionDenied, "another controller, " + rival + ", takes the machine over"});
   }
   Handle(event::RivalSeen{machine_.epoch + 1, rival, true});
+}
+
+void ControllerShell::SetMachineId(const std::string& id) {
+  presence_->SetMachineId(id);
+  peers_->SetMachine(machine_identity());
+}
+
+bool ControllerShell::IsOtherMachine(const MachineIdentity& machine) const {
+  if (SameMachine(machine_identity(), machine)) return false;
+  const std::vector<ControllerPresence::Rival> others = presence_->OtherMachines();
+  return std::any_of(others.begin(), others.end(), [&](const ControllerPresence::Rival& other) {
+    return SameMachine(other.machine, machine);
+  });
+}
+
+void ControllerShell::OnOtherMachine(const ControllerPresence::Rival* other) {
+  if (other != nullptr) {
+    records_.WriteOwn(
+        "machine", std::nullopt, kCodeParametersInvalid,
+        texts::OtherMachineSeen(MachineText(other->machine), other->process, config_.name_space));
+  }
+  board_->PublishSoon();
+}
+
+// --- requests ---
+
+RequestId ControllerShell::NewAnswer(OnAnswer done) {
+  const RequestId request = next_request_++;
+  waiting_for_answer_[request] = std::move(done);
+  return request;
+}
+
+SwitchResult ControllerShell::Refusal(const Error& why) const {
+  SwitchResult result;
+  result.outcome = SwitchOutcome::kRefused;
+  result.code = why.code;
+  result.reason = why.message;
+  result.state = machine_.state;
+  return result;
 }
 
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,
@@ -169,46 +188,49 @@ void ControllerShell::TearDown(AfterTearDown after) {
 void ControllerShell::AwaitSetUp(OnAnswer done) {
   CheckThread();
   if (refused_) return done(*refused_);
-  const RequestId request = next_request_++;
-  waiting_for_answer_[request] = std::move(done);
-  Handle(event::SetUpAwaited{request});
+  Handle(event::SetUpAwaited{NewAnswer(std::move(done))});
 }
 
 void ControllerShell::Restart(const std::string& actuator, OnAnswer done) {
   CheckThread();
   if (refused_) return done(*refused_);
-  const RequestId request = next_request_++;
-  waiting_for_answer_[request] = std::move(done);
-  Handle(event::RestartRequested{request, actuator});
+  Handle(event::RestartRequested{NewAnswer(std::move(done)), actuator});
 }
 
 void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done) {
   CheckThread();
   if (refused_) return done(*refused_);
-  const RequestId request = next_request_++;
-  waiting_for_answer_[request] = std::move(done);
-  Handle(event::ReleaseRequested{request, by});
+  Handle(event::ReleaseRequested{NewAnswer(std::move(done)), by});
 }
 
 void ControllerShell::SendPolicyRequest(event::PolicyRequested requested, OnAnswer done) {
   CheckThread();
   if (refused_) return done(*refused_);
-  requested.request = next_request_++;
-  waiting_for_answer_[requested.request] = std::move(done);
+  requested.request = NewAnswer(std::move(done));
   Handle(requested);
 }
 
 void ControllerShell::Remark(std::int32_t code, const std::string& message) {
   CheckThread();
-  RecordHere("machine", std::nullopt, code, {EventName::kControllerRemark, message});
+  records_.Remark(code, message);
 }
 
-void ControllerShell::RecordHere(const std::string& kind, std::optional<ActuatorIndex> actuator,
-                                 std::int32_t code, const RecordText& text) {
-  action::Record record{kind, actuator, 0, code, text.message};
-  record.event = text.event;
-  record.arguments = text.arguments;
-  Do(record);
+// --- events and actions ---
+
+void ControllerShell::CheckThread() const {
+  dependencies_.node->loop().CheckThread();
+}
+
+// Keeps events from before Begin(), which nothing would repeat.
+bool ControllerShell::KeepForBegin(const Event& event) {
+  if (machine_.phase != Phase::kIdle) return false;
+  if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {
+    const StoredStops over{{}, {stop->stop.id}};
+    stops_before_begin_ =
+        Merge(stops_before_begin_, stop->engaged ? StoredStops{{stop->stop}, {}} : over);
+    return true;
+  }
+  return peers_->KeepForBegin(event);
 }
 
 // Handles events one after the other: a callback that gets an answer may send a new request.
@@ -223,9 +245,7 @@ void ControllerShell::Handle(const Event& event) {
   HandleQueued();
   handling_ = false;
   ArmTimer();
-  PublishSoon();
-  PublishWhileUnsaved();
-  if (capabilities_) capabilities_->Refresh();
+  board_->Refresh();
 }
 
 void ControllerShell::HandleQueued() {
@@ -254,48 +274,20 @@ void ControllerShell::ArmTimer() {
   });
 }
 
-// The link to the process whose report is current; the previous process may still be matched.
-ActuatorLink& ControllerShell::LinkTo(ActuatorIndex actuator) {
-  Peer& peer = peers_[actuator];
-  for (const Process& process : peer.processes) {
-    if (process.participant != 0 && process.Is(machine_.actuators[actuator].report)) {
-      peer.link->OnPeer(process.participant);
-    }
-  }
-  return *peer.link;
-}
-
-void ControllerShell::SetMachineId(const std::string& id) {
-  presence_->SetMachineId(id);
-  for (Peer& peer : peers_) peer.link->OnMachine(machine_identity());
-}
-
-bool ControllerShell::IsOtherMachine(const MachineIdentity& machine) const {
-  if (SameMachine(machine_identity(), machine)) return false;
-  const std::vector<ControllerPresence::Rival> others = presence_->OtherMachines();
-  return std::any_of(others.begin(), others.end(), [&](const ControllerPresence::Rival& other) {
-    return SameMachine(other.machine, machine);
-  });
-}
-
-void ControllerShell::OnOtherMachine(const ControllerPresence::Rival* other) {
-  if (other != nullptr) {
-    RecordHere(
-        "machine", std::nullopt, kCodeParametersInvalid,
-        texts::OtherMachineSeen(MachineText(other->machine), other->process, config_.name_space));
-  }
-  PublishSoon();
-}
-
 void ControllerShell::Do(const action::SendSwitch& a) {
   if (hooks_.on_send) hooks_.on_send(a);
-  LinkTo(a.actuator).Switch(a.command);
+  peers_->LinkTo(a.actuator).Switch(a.command);
 }
 
 void ControllerShell::Do(const action::SendQuery& a) {
   // A new actuator obeys only a controller whose heartbeat it has received.
   if (machine_.actuators[a.actuator].presence != Presence::kPresent) presence_->Repeat();
-  LinkTo(a.actuator).Query(a.command);
+  peers_->LinkTo(a.actuator).Query(a.command);
+}
+
+void ControllerShell::Do(const action::RunPowerCommand& a) {
+  if (hooks_.on_power) hooks_.on_power(a.reboot);
+  processes_->Do(a);
 }
 
 void ControllerShell::Do(const action::AnswerSetState& a) {
@@ -306,17 +298,6 @@ void ControllerShell::Do(const action::AnswerSetState& a) {
 void ControllerShell::Do(const action::AnswerCall& a) {
   const auto waiting = waiting_for_answer_.extract(a.request);
   if (!waiting.empty()) waiting.mapped()(a.result);
-}
-
-void ControllerShell::Do(const action::TakeBacktrace& a) {
-  const bool own = config_.actuators[a.actuator].protocol == Protocol::kMusher;
-  const pid_t traced = own ? a.pid : dependencies_.process_probe->WorkerOf(a.pid);
-  dependencies_.process_probe->TakeBacktrace(
-      traced, kBacktraceTimeout, [this, a](Result<std::string> stacks) {
-        Handle(event::BacktraceTaken{
-            a.actuator, a.pid,
-            stacks ? stacks.value() : "no backtrace: " + stacks.error().message});
-      });
 }
 
 void ControllerShell::Do(const action::PublishEmergencyStop& a) {
@@ -360,33 +341,10 @@ void ControllerShell::Do(const action::SaveRemoteActuators& a) {
 }
 
 void ControllerShell::Do(const action::Fenced& a) {
-  starts_later_.clear();
+  processes_->CancelStarts();
   presence_->FallSilent();
   CloseToClients({kCodePermissionDenied, a.message});
   if (hooks_.on_fenced) hooks_.on_fenced(a.message);
-}
-
-void ControllerShell::Do(const action::Record& a) {
-  JournalEntry entry;
-  entry.wall_ns = dependencies_.wall_ns();
-  entry.steady_ns = transport::ToNanoseconds(dependencies_.node->loop().Now());
-  entry.epoch = machine_.epoch;
-  entry.switch_number = a.switch_number;
-  entry.kind = a.kind;
-  if (a.actuator) entry.actuator = config_.actuators[*a.actuator].name;
-  entry.code = a.code;
-  entry.message = a.message;
-  entry.data = DataOf(a);
-  entry.id = a.id;
-  entry.cause = a.cause;
-  entry.state = a.state;
-  entry.event = NameOf(a.event);
-  if (a.of_switch) {
-    if (switches_.size() == kSwitchEntriesKept) switches_.erase(switches_.begin());
-    switches_.push_back(entry);
-  }
-  dependencies_.journal->Append(std::move(entry));
-  if (hooks_.on_record) hooks_.on_record(a);
 }
 
 void ControllerShell::Do(const action::StartUpEnded& a) {
@@ -399,16 +357,6 @@ void ControllerShell::Do(const action::Stopped&) {
   presence_->FallSilent();
   CloseOnceAnswered(dependencies_.node->loop().Now() + kLastAnswers);
   if (hooks_.on_stopped) hooks_.on_stopped();
-}
-
-void ControllerShell::CloseOnceAnswered(Time deadline) {
-  const Time now = dependencies_.node->loop().Now();
-  const bool holds = hooks_.holds_answers && hooks_.holds_answers() && now < deadline;
-  const auto next = [this, deadline, holds] {
-    if (holds) return CloseOnceAnswered(deadline);
-    CloseToClients({kCodeStateInvalid, "the machine is stopped; only a new start brings it back"});
-  };
-  close_later_ = dependencies_.node->loop().At(holds ? now + kHeldPeriod : now, next);
 }
 
 }  // namespace musher

@@ -4,8 +4,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
-#include "musher/lifecycle/actuator/command_age.hpp"
-#include "musher/lifecycle/actuator/safe_state.hpp"
+#include "musher/base/result.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 
 namespace musher {
@@ -25,10 +24,43 @@ constexpr std::size_t kReleasedKept = 256;
 constexpr std::size_t kMostStops = 64;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
+// No process of a robot runs for longer.
+constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
+
+std::string Quantity(Duration d) {
+  return std::to_string(ToMilliseconds(d)) + " ms";
+}
+
+// Why `command` may not begin at `now`, by the clock of the actuator that it is meant for: it is
+// older than its budget (Timeout), or its times are invalid (ParametersInvalid); nullopt where it
+// may.
+std::optional<Error> CheckAge(const SwitchCommand& command, Time now) {
+  // The times of an unknown sender may be arbitrary: invalid ones are not used.
+  const bool possible = command.status_stamp <= now && command.status_stamp >= now - kLongestRun &&
+                        command.since_status >= Duration::zero() &&
+                        command.since_status <= kLongestRun;
+  if (!possible) return Error{kCodeParametersInvalid, "the command carries no valid age"};
+  const Duration age = now - command.status_stamp - command.since_status;
+  if (age <= command.budget) return std::nullopt;
+  return Error{kCodeTimeout, "the command is " + Quantity(age) + " old and was good for " +
+                                 Quantity(command.budget)};
+}
+
+// The state of an actuator that has lost its controller: `on_controller_lost` of the config. None:
+// it stays where it is, as it is at or below that state.
+std::optional<State> SafeState(const MachineConfig& config, ActuatorIndex index,
+                               const ActuatorCore& core) {
+  const State& safe = config.actuators[index].on_controller_lost;
+  const auto own = config.RankOf(core.report.state);
+  const auto rank = config.RankOf(safe);
+  if (!own || !rank || *rank >= *own) return std::nullopt;
+  return safe;
+}
+
 // One event's decision: the arguments of Step() and the actions so far.
-class Deciding {
+class Decision {
  public:
-  Deciding(const MachineConfig& config, ActuatorIndex index, ActuatorCore& core, Time now)
+  Decision(const MachineConfig& config, ActuatorIndex index, ActuatorCore& core, Time now)
       : machine_(config),
         config_(config.actuators[index]),
         index_(index),
@@ -406,7 +438,7 @@ class Deciding {
 
 std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex index,
                                  ActuatorCore& core, const ActuatorEvent& event, Time now) {
-  Deciding deciding(config, index, core, now);
+  Decision deciding(config, index, core, now);
   std::visit([&](const auto& e) { deciding.On(e); }, event);
   return std::move(deciding).Take();
 }

@@ -59,7 +59,7 @@ void Arrivals::FoundTornDown(ActuatorIndex i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
   if (record.report.incarnation == 0 && record.elsewhere == report.host) {
     record.elsewhere.reset();  // another controller has torn it down
-    saving_.Save(Stored::kRemoteActuators);
+    saver_.Save(Stored::kRemoteActuators);
   }
   const bool same = report.incarnation == record.report.incarnation;
   const bool awaited =

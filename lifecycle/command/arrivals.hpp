@@ -9,10 +9,10 @@ namespace musher {
 
 class Arrivals : StepPart {
  public:
-  Arrivals(StepContext& step, Saving& saving, Processes& processes, Commands& commands,
+  Arrivals(StepContext& step, Saver& saver, Processes& processes, Commands& commands,
            Control& control)
       : StepPart(step),
-        saving_(saving),
+        saver_(saver),
         processes_(processes),
         commands_(commands),
         control_(control) {}
@@ -32,7 +32,7 @@ class Arrivals : StepPart {
   bool IsImpostor(ActuatorIndex i, const ActuatorReport& report);
   void EvaluateFoundBusy(ActuatorIndex i);
 
-  Saving& saving_;
+  Saver& saver_;
   Processes& processes_;
   Commands& commands_;
   Control& control_;

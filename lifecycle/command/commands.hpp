@@ -40,8 +40,7 @@ class Commands : StepPart {
   CommandResult EvaluateReport(ActuatorIndex i, const PendingCommand& command) const;
   // The actuator reports that the command is done; its own status may contradict that.
   CommandResult DoneUnlessContradicted(ActuatorIndex i, const std::string& message) const;
-  // What follows is in command_end.cpp. Ends the command under way, and the leg of the switch that
-  // waits for it.
+  // Ends the command under way, and the leg of the switch that waits for it.
   void End(ActuatorIndex i, const CommandResult& given);
 
   void Lose(ActuatorIndex i, const RecordText& how, RecordId cause = 0,

@@ -75,7 +75,7 @@ void Control::RaiseEpoch() {
   }
   machine_.epoch = Of(*highest).report.epoch + 1;
   machine_.start_up.raised = true;
-  saving_.Save(Stored::kEpoch);
+  saver_.Save(Stored::kEpoch);
   memory_.Lower(std::nullopt);  // that controller may have changed the state of the machine
   RecordMachine(kCodeOk, texts::EpochRaised(machine_.epoch, ConfigOf(*highest).name));
   for (const ActuatorIndex i : machine_.actuators.Indices()) {

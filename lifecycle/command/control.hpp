@@ -26,8 +26,8 @@ inline constexpr Duration kSecuredRivalGrace = Milliseconds(4000);
 
 class Control : StepPart {
  public:
-  Control(StepContext& step, Saving& saving, PolicyMemory& memory, Processes& processes)
-      : StepPart(step), saving_(saving), memory_(memory), processes_(processes) {}
+  Control(StepContext& step, Saver& saver, PolicyMemory& memory, Processes& processes)
+      : StepPart(step), saver_(saver), memory_(memory), processes_(processes) {}
 
   // Takes control of an actuator that has published its status. The answer has its status and a
   // fresh stamp, from which the actuator later computes the age of a command.
@@ -45,7 +45,7 @@ class Control : StepPart {
   void LeaveToOther(ActuatorIndex i);
   void RaiseEpoch();
 
-  Saving& saving_;
+  Saver& saver_;
   PolicyMemory& memory_;
   Processes& processes_;
 };

@@ -41,20 +41,20 @@ void Authority::Release(const std::string& rival, Epoch epoch) {
   const Error fenced{kCodePermissionDenied, why};
   const RecordId recorded =
       RecordMachine(fenced.code, texts::ControllerFenced(machine_.epoch, why));
-  switching_.EndWaiting(fenced, recorded);
+  switches_.EndWaiting(fenced, recorded);
   if (machine_.current) {
     SwitchResult result = SwitchConclusion(config_, machine_).Conclude(*machine_.current, false);
     result.outcome = SwitchOutcome::kSuperseded;
     result.code = fenced.code;
     result.reason = fenced.message;
     RecordEnd(*machine_.current, result, recorded);
-    switching_.Answer(machine_.current->requests, result);
+    switches_.Answer(machine_.current->requests, result);
     if (machine_.stopping) machine_.stopping->result = result;
     machine_.current.reset();
   }
   if (machine_.stopping) {
     const SwitchResult result = tear_down_.Conclude(fenced.code, rival);
-    switching_.Answer(machine_.stopping->requests, result);
+    switches_.Answer(machine_.stopping->requests, result);
   }
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, fenced});

@@ -12,8 +12,8 @@ namespace musher {
 
 class Authority : StepPart {
  public:
-  Authority(StepContext& step, Control& control, Switching& switching, TearDown& tear_down)
-      : StepPart(step), control_(control), switching_(switching), tear_down_(tear_down) {}
+  Authority(StepContext& step, Control& control, Switches& switches, TearDown& tear_down)
+      : StepPart(step), control_(control), switches_(switches), tear_down_(tear_down) {}
 
   void On(const event::RivalSeen& rival);
   // Releases control if the report is of an actuator that this controller has taken control of, and
@@ -27,7 +27,7 @@ class Authority : StepPart {
   void Release(const std::string& rival, Epoch epoch);
 
   Control& control_;
-  Switching& switching_;
+  Switches& switches_;
   TearDown& tear_down_;
 };
 

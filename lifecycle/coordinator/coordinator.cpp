@@ -9,7 +9,7 @@
 #include "musher/lifecycle/policy/policy.hpp"
 #include "musher/lifecycle/recovery/binding.hpp"
 #include "musher/lifecycle/recovery/fallback.hpp"
-#include "musher/lifecycle/recovery/joining.hpp"
+#include "musher/lifecycle/recovery/late_actuators.hpp"
 #include "musher/lifecycle/recovery/recovery.hpp"
 #include "musher/lifecycle/rules/policy_requests.hpp"
 #include "musher/lifecycle/startup/start_up.hpp"
@@ -43,26 +43,26 @@ class Coordinator : StepPart {
   bool AdvanceSwitch();
 
   StepContext& step_;
-  Saving saving_{step_};
-  EmergencyStops stops_{step_, saving_};
-  PolicyMemory memory_{step_, saving_};
+  Saver saver_{step_};
+  EmergencyStops stops_{step_, saver_};
+  PolicyMemory memory_{step_, saver_};
   Power power_{step_};
   Processes processes_{step_};
   Commands commands_{step_, stops_, processes_};
-  Control control_{step_, saving_, memory_, processes_};
-  Arrivals arrivals_{step_, saving_, processes_, commands_, control_};
-  Switching switching_{step_, memory_, commands_};
-  TearDown tear_down_{step_, saving_, power_, commands_, switching_};
-  Requests requests_{step_, switching_, tear_down_};
-  StartUp start_up_{step_, saving_, switching_, tear_down_};
+  Control control_{step_, saver_, memory_, processes_};
+  Arrivals arrivals_{step_, saver_, processes_, commands_, control_};
+  Switches switches_{step_, memory_, commands_};
+  TearDown tear_down_{step_, saver_, power_, commands_, switches_};
+  Requests requests_{step_, switches_, tear_down_};
+  StartUp start_up_{step_, saver_, switches_, tear_down_};
   Recovery recovery_{step_, processes_, commands_, control_};
   Binding binding_{step_};
-  Joining joining_{step_, commands_};
-  Fallback fallback_{step_, memory_, switching_};
-  PolicyRules rules_{step_, memory_, power_, switching_, tear_down_};
-  PolicyRequests policy_requests_{step_,      saving_,    memory_,   power_,
-                                  switching_, tear_down_, requests_, rules_};
-  Authority authority_{step_, control_, switching_, tear_down_};
+  LateActuators late_{step_, commands_};
+  Fallback fallback_{step_, memory_, switches_};
+  PolicyRules rules_{step_, memory_, power_, switches_, tear_down_};
+  PolicyRequests policy_requests_{step_,     saver_,     memory_,   power_,
+                                  switches_, tear_down_, requests_, rules_};
+  Authority authority_{step_, control_, switches_, tear_down_};
 };
 
 template <typename... Handlers>
@@ -100,7 +100,7 @@ void Coordinator::Handle(const Event& event) {
                  [&](const event::InputSilent& e) { rules_.On(e); },
                  [&](const event::ClockReceived& e) { rules_.On(e); },
                  [&](const event::PolicyRequested& e) { policy_requests_.On(e); },
-                 [&](const event::SaveEnded& e) { saving_.On(e); },
+                 [&](const event::SaveEnded& e) { saver_.On(e); },
                  [](const event::TimePassed&) {},
              },
              event);
@@ -122,7 +122,7 @@ void Coordinator::Settle() {
   recovery_.CheckDeadlines();
   stops_.CheckRelease();
   Advance();
-  saving_.NoteHosts();
+  saver_.NoteHosts();
 }
 
 // Each can make the next one possible; the loop ends when all of them wait for an event.
@@ -141,14 +141,14 @@ void Coordinator::Advance() {
       changed |= fallback_.Begin();
       changed |= rules_.Advance();
       // Last: what comes before may take the machine to another state.
-      if (!changed) changed = joining_.DriveLateOnes();
+      if (!changed) changed = late_.DriveLateOnes();
     }
   }
 }
 
 bool Coordinator::AdvanceSwitch() {
   if (tear_down_.WaitsForIntent()) return false;
-  const Switching::Progress progress = switching_.Advance();
+  const Switches::Progress progress = switches_.Advance();
   if (const auto& ended = progress.ended) {
     if (ended->purpose == Purpose::kStop) {
       tear_down_.OnTornDown(ended->result);

@@ -34,10 +34,10 @@ Direction DirectionOf(const MachineConfig& config, const State& from, const Stat
   return *to_rank > *from_rank ? Direction::kUp : Direction::kDown;
 }
 
-class Planning {
+class Planner {
  public:
-  Planning(const MachineConfig& config, const Machine& machine, const State& target,
-           std::optional<ActuatorIndex> only, bool for_safety)
+  Planner(const MachineConfig& config, const Machine& machine, const State& target,
+          std::optional<ActuatorIndex> only, bool for_safety)
       : config_(config), machine_(machine), for_safety_(for_safety) {
     plan_.target = target;
     plan_.only = only;
@@ -226,7 +226,7 @@ class Planning {
       leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
     } else if (record.restart.requested && plan_.target != kTearDown) {
       leave_out("is being restarted", kCodeTargetBusy, false);
-    } else if (Joining(record)) {
+    } else if (LateActuators(record)) {
       leave_out("is still starting", kCodeTargetBusy, false);
     } else if (!actuator.Lists(plan_.target)) {
       step.part = PlanStep::Part::kUnsupported;
@@ -253,7 +253,7 @@ class Planning {
   }
 
   // A late actuator in its first self-check is left out, unless the machine is ended.
-  bool Joining(const ActuatorRecord& record) const {
+  bool LateActuators(const ActuatorRecord& record) const {
     return record.command && record.command->target == kSelfCheck && !machine_.current &&
            plan_.target != kTearDown && plan_.target != kError;
   }
@@ -391,11 +391,11 @@ bool IsUnconfigured(const MachineConfig& config, ActuatorIndex actuator,
 
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
               std::optional<ActuatorIndex> only) {
-  return Planning(config, machine, target, only, false).Make();
+  return Planner(config, machine, target, only, false).Make();
 }
 
 Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target) {
-  return Planning(config, machine, target, std::nullopt, true).Make();
+  return Planner(config, machine, target, std::nullopt, true).Make();
 }
 
 }  // namespace musher

@@ -34,7 +34,7 @@ void PolicyMemory::SetLevel(BatteryLevel level) {
   PolicyState& policy = machine_.policy;
   policy.level = level;
   const BatteryLevel kept = std::min(level, BatteryLevel::kLowPower);  // powers nothing off
-  if (std::exchange(policy.stored.level, kept) != kept) saving_.Save(Stored::kPolicy);
+  if (std::exchange(policy.stored.level, kept) != kept) saver_.Save(Stored::kPolicy);
 }
 
 void PolicyMemory::Lower(std::optional<Lowering> lowering) {
@@ -42,7 +42,7 @@ void PolicyMemory::Lower(std::optional<Lowering> lowering) {
   if (lowering) lowering->epoch = machine_.epoch;
   if (stored.lowering == lowering) return;
   stored.lowering = lowering;
-  saving_.Save(Stored::kPolicy);
+  saver_.Save(Stored::kPolicy);
 }
 
 void PolicyMemory::LowerAtMostTo(const State& most) {

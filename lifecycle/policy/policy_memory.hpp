@@ -6,13 +6,13 @@
 #include <optional>
 #include <string>
 
-#include "musher/lifecycle/step/saving.hpp"
+#include "musher/lifecycle/step/saver.hpp"
 
 namespace musher {
 
 class PolicyMemory : StepPart {
  public:
-  PolicyMemory(StepContext& step, Saving& saving) : StepPart(step), saving_(saving) {}
+  PolicyMemory(StepContext& step, Saver& saver) : StepPart(step), saver_(saver) {}
 
   // Restores what an earlier controller stored about the battery.
   void ResumeLowering();
@@ -30,7 +30,7 @@ class PolicyMemory : StepPart {
   void OnSuperseded(const Switch& s);
 
  private:
-  Saving& saving_;
+  Saver& saver_;
 };
 
 }  // namespace musher

@@ -21,7 +21,7 @@ bool Fallback::Begin() {
   }
   const RecordId recorded =
       RecordMachine(kCodeOk, texts::FallbackStarted(target), machine_.fallback.cause);
-  switching_.Begin(plan, Purpose::kFallback, {}, recorded);
+  switches_.Begin(plan, Purpose::kFallback, {}, recorded);
   return true;
 }
 

@@ -19,7 +19,7 @@ class Recovery : StepPart {
   void On(const event::ProcessEnded& ended);
   void On(const event::HealthChanged& changed);
   void On(const event::BacktraceTaken& taken);
-  void On(const event::RestartRequested& requested);  // restart_requests.cpp
+  void On(const event::RestartRequested& requested);
 
   void CheckDeadlines();
 

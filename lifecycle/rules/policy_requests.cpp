@@ -155,7 +155,7 @@ std::optional<Error> PolicyRequests::HandleLowPowerSwitch(const Requested& reque
   policy.low_power = requested.enable;
   if (requested.what == PolicyRequest::kLowPowerStore) {
     policy.stored.low_power = requested.enable;
-    saving_.Save(Stored::kPolicy);
+    saver_.Save(Stored::kPolicy);
   }
   // Off also wakes up a machine that is in LowPower for another reason than the battery.
   const bool wakes = off && machine_.state == kLowPower && !policy.stored.lowering &&
@@ -222,8 +222,8 @@ std::optional<Error> PolicyRequests::BeginRequested(const Requested& requested, 
     tear_down_.Begin(plan, {requested.request}, request_record, AfterTearDown::kStaysDown,
                      ByPolicyRequest());
   } else {
-    switching_.Begin(plan, Purpose::kRequested, {requested.request}, request_record,
-                     ByPolicyRequest());
+    switches_.Begin(plan, Purpose::kRequested, {requested.request}, request_record,
+                    ByPolicyRequest());
   }
   return std::nullopt;
 }

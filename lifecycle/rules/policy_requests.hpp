@@ -12,14 +12,14 @@ namespace musher {
 
 class PolicyRequests : StepPart {
  public:
-  PolicyRequests(StepContext& step, Saving& saving, PolicyMemory& memory, Power& power,
-                 Switching& switching, TearDown& tear_down, Requests& requests,
+  PolicyRequests(StepContext& step, Saver& saver, PolicyMemory& memory, Power& power,
+                 Switches& switches, TearDown& tear_down, Requests& requests,
                  const PolicyRules& rules)
       : StepPart(step),
-        saving_(saving),
+        saver_(saver),
         memory_(memory),
         power_(power),
-        switching_(switching),
+        switches_(switches),
         tear_down_(tear_down),
         requests_(requests),
         rules_(rules) {}
@@ -41,10 +41,10 @@ class PolicyRequests : StepPart {
   std::optional<Error> KeptOrBusy() const;
   bool InLowPower() const;
 
-  Saving& saving_;
+  Saver& saver_;
   PolicyMemory& memory_;
   Power& power_;
-  Switching& switching_;
+  Switches& switches_;
   TearDown& tear_down_;
   Requests& requests_;
   const PolicyRules& rules_;

@@ -298,7 +298,7 @@ bool PolicyRules::BeginByPolicy(const Plan& plan, const RecordText& why, RecordI
     memory_.BackOff();
     return false;
   }
-  switching_.Begin(plan, Purpose::kPolicy, {}, RecordPolicy(kCodeOk, why, cause));
+  switches_.Begin(plan, Purpose::kPolicy, {}, RecordPolicy(kCodeOk, why, cause));
   return true;
 }
 

@@ -13,12 +13,12 @@ namespace musher {
 
 class PolicyRules : StepPart {
  public:
-  PolicyRules(StepContext& step, PolicyMemory& memory, Power& power, Switching& switching,
+  PolicyRules(StepContext& step, PolicyMemory& memory, Power& power, Switches& switches,
               TearDown& tear_down)
       : StepPart(step),
         memory_(memory),
         power_(power),
-        switching_(switching),
+        switches_(switches),
         tear_down_(tear_down) {}
 
   void Begin(const StoredPolicy& stored);
@@ -51,7 +51,7 @@ class PolicyRules : StepPart {
 
   PolicyMemory& memory_;
   Power& power_;
-  Switching& switching_;
+  Switches& switches_;
   TearDown& tear_down_;
 };
 

@@ -24,7 +24,7 @@ void StartUp::Begin(const event::Begin& begin) {
   machine_.epoch = begin.epoch + 1;
   machine_.start_up.finishing = begin.stop_intent && begin.restarted;
   machine_.start_up.restarted = begin.restarted && begin.epoch > 0;
-  saving_.Save(Stored::kEpoch);
+  saver_.Save(Stored::kEpoch);
   for (const ActuatorIndex i : begin.running.Indices()) {
     if (begin.running[i]) Of(i).process.launch = Launch::kFoundRunning;
   }
@@ -36,7 +36,7 @@ void StartUp::Begin(const event::Begin& begin) {
   if (machine_.start_up.finishing) {
     RecordMachine(kCodeOk, texts::TearDownResumedBySupervisor(), kBegun);
   } else if (begin.stop_intent) {
-    saving_.Save(Stored::kStopIntent);  // clears the intent
+    saver_.Save(Stored::kStopIntent);  // clears the intent
   }
   StartStage(machine_.start_up.by_hand || machine_.start_up.finishing ? LastStage(config_) : 1,
              kBegun);
@@ -135,8 +135,8 @@ void StartUp::EndFirstStage() {
         recorded);
   }
   if (!config_.HasState(kSelfCheck)) return Activate(recorded);
-  switching_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
-                   recorded);
+  switches_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
+                  recorded);
 }
 
 void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>& missing,
@@ -195,7 +195,7 @@ void StartUp::Activate(RecordId cause) {
   }
   const Plan plan = MakePlan(config_, machine_, target);
   if (plan.refusal) return Fail(plan.refusal->message, cause);
-  switching_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
+  switches_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
 }
 
 void StartUp::Fail(const std::string& why, RecordId cause) {
@@ -264,6 +264,51 @@ void StartUp::AnswerSetUpRequests() {
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, answer});
   }
+}
+
+// --- actuators that are not set up in time, and why ---
+
+void StartUp::CheckDeadlines() {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    ActuatorRecord& record = Of(i);
+    if (!record.set_up_by || *record.set_up_by > now_ || record.presence == Presence::kPresent) {
+      continue;
+    }
+    record.set_up_by.reset();
+    if (record.fault && record.presence != Presence::kStarting)
+      continue;  // the known fault says more
+    if (machine_.start_up.finishing)
+      continue;  // an actuator that does not run need not be torn down
+    // The reason of a failed SetUp says more as well.
+    const ActuatorReport& report = record.report;
+    const bool failed = record.fault && report.incarnation != record.process.dead &&
+                        report.state == config_.default_state && report.outcome_code != kCodeOk;
+    if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
+    FallBack(i);
+  }
+}
+
+// Why it is not set up by its deadline.
+RecordText StartUp::NotSetUp(ActuatorIndex i) const {
+  const ActuatorConfig& actuator = ConfigOf(i);
+  const ActuatorRecord& record = Of(i);
+  const Duration within = config_.TimeFor(i, kSetUp);
+  const bool announced =
+      record.report.incarnation != 0 && record.report.incarnation != record.process.dead;
+  if (actuator.protocol == Protocol::kRos2Lifecycle && !announced) {
+    const std::string folder = config_.name_space.empty() ? "/" : "/" + config_.name_space + "/";
+    return texts::NodeNotDiscovered(folder + actuator.name, within, record.process.pid);
+  }
+  if (record.process.pid == 0 || announced || actuator.protocol != Protocol::kMusher) {
+    return texts::SetUpTimeout(within);
+  }
+  for (const ActuatorIndex other : machine_.actuators.Indices()) {
+    const bool shared = Of(other).process.pid == record.process.pid;  // `i` itself is not present
+    if (!shared || Of(other).presence != Presence::kPresent) continue;
+    return texts::NotAnnouncedBeside(actuator.name, ConfigOf(other).name, within,
+                                     record.process.pid);
+  }
+  return texts::NotAnnounced(actuator.name, actuator.command, within, record.process.pid);
 }
 
 }  // namespace musher

@@ -12,8 +12,8 @@ namespace musher {
 
 class StartUp : StepPart {
  public:
-  StartUp(StepContext& step, Saving& saving, Switching& switching, TearDown& tear_down)
-      : StepPart(step), saving_(saving), switching_(switching), tear_down_(tear_down) {}
+  StartUp(StepContext& step, Saver& saver, Switches& switches, TearDown& tear_down)
+      : StepPart(step), saver_(saver), switches_(switches), tear_down_(tear_down) {}
 
   void Begin(const event::Begin& begin);
   void On(const event::SetUpAwaited& awaited);
@@ -22,7 +22,7 @@ class StartUp : StepPart {
   // Each returns whether something changed.
   bool StartProcesses();
   bool Advance();
-  // Gives up actuators that were not set up in time (set_up_deadlines.cpp).
+  // Gives up actuators that were not set up in time.
   void CheckDeadlines();
 
  private:
@@ -38,8 +38,8 @@ class StartUp : StepPart {
   std::string FirstTrouble() const;
   RecordText NotSetUp(ActuatorIndex i) const;
 
-  Saving& saving_;
-  Switching& switching_;
+  Saver& saver_;
+  Switches& switches_;
   TearDown& tear_down_;
 };
 

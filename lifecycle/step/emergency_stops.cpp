@@ -68,7 +68,7 @@ void EmergencyStops::Begin(const StoredStops& stops) {
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
   }
-  if (stops != StoredStops{}) saving_.Save(Stored::kEmergencyStops);
+  if (stops != StoredStops{}) saver_.Save(Stored::kEmergencyStops);
 }
 
 // Only the controller that leads releases a stop; the releases that other controllers published
@@ -106,7 +106,7 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
   emergency.release = PendingRelease{
       {requested.request}, requested.by, last, now_ + kReleaseRepeat, now_ + kReleaseTime};
   PublishReleased();
-  saving_.Save(Stored::kEmergencyStops);
+  saver_.Save(Stored::kEmergencyStops);
 }
 
 // Also those that newer stops replaced: an actuator may have latched them.
@@ -229,7 +229,7 @@ bool EmergencyStops::IsReleased(StopId id) const {
 // controller. It is published first and saved after.
 void EmergencyStops::Engage(const EmergencyStop& stop) {
   Do(action::PublishEmergencyStop{stop, true});
-  saving_.Save(Stored::kEmergencyStops);
+  saver_.Save(Stored::kEmergencyStops);
   const RecordId recorded =
       RecordMachine(kCodeProtectedError, texts::EmergencyStopEngaged(stop.by, stop.reason),
                     machine_.emergency.others.empty() ? 0 : machine_.emergency.cause);

@@ -3,13 +3,13 @@
 // published first and saved after; one release ends all of them, and is over once every actuator
 // has confirmed it.
 
-#include "musher/lifecycle/step/saving.hpp"
+#include "musher/lifecycle/step/saver.hpp"
 
 namespace musher {
 
 class EmergencyStops : StepPart {
  public:
-  EmergencyStops(StepContext& step, Saving& saving) : StepPart(step), saving_(saving) {}
+  EmergencyStops(StepContext& step, Saver& saver) : StepPart(step), saver_(saver) {}
 
   // Continues those that were stored, or received from other controllers and panels.
   void Begin(const StoredStops& stops);
@@ -31,7 +31,7 @@ class EmergencyStops : StepPart {
   std::vector<std::string> Unconfirmed(StopId last) const;
   void EndRelease(const Result<>& result);
 
-  Saving& saving_;
+  Saver& saver_;
 };
 
 }  // namespace musher

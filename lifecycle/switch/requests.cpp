@@ -41,8 +41,8 @@ void Requests::On(const event::SetStateRequested& requested) {
     if (!only) {
       const Error unknown{kCodeParametersInvalid, NoSuchActuator(*requested.actuator, config_)};
       // An unknown actuator has no state.
-      return switching_.Answer({requested.request},
-                               Refusal(requested.target, *requested.actuator, "", unknown));
+      return switches_.Answer({requested.request},
+                              Refusal(requested.target, *requested.actuator, "", unknown));
     }
   }
   const State target = requested.target.Shortened();
@@ -52,23 +52,23 @@ void Requests::On(const event::SetStateRequested& requested) {
   const auto overridden =
       requested.by.manager && !only ? RefusalOfManager(config_, machine_, target) : std::nullopt;
   if (overridden) {
-    return switching_.Refuse(requested.target, only, {requested.request}, machine_.state,
-                             *overridden, request_record);
+    return switches_.Refuse(requested.target, only, {requested.request}, machine_.state,
+                            *overridden, request_record);
   }
   if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))
     return;
   const Plan plan = MakePlan(config_, machine_, requested.target, only);
   if (plan.free_by) return Await(plan, requested, request_record);
   if (plan.refusal) {
-    return switching_.Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal,
-                             request_record);
+    return switches_.Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal,
+                            request_record);
   }
   if (requested.target == kTearDown && !only) {
     return tear_down_.Begin(plan, {requested.request}, request_record, requested.after,
                             requested.by);
   }
-  if (machine_.current) switching_.Supersede(machine_.number + 1, requested.target, request_record);
-  switching_.Begin(plan, Purpose::kRequested, {requested.request}, request_record, requested.by);
+  if (machine_.current) switches_.Supersede(machine_.number + 1, requested.target, request_record);
+  switches_.Begin(plan, Purpose::kRequested, {requested.request}, request_record, requested.by);
 }
 
 // One switch at a time: the same request joins the switch under way. A more urgent one may take
@@ -87,8 +87,8 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
       tear_down_.Join(requested);
     } else {
       s.requests.push_back(requested.request);
-      switching_.PermitSwitchingOn(s);
-      if (!requested.by.manager) switching_.NoteRequester(s, requested.by);
+      switches_.PermitSwitchingOn(s);
+      if (!requested.by.manager) switches_.NoteRequester(s, requested.by);
     }
     return true;
   }
@@ -96,8 +96,8 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
   if (concerns_all && Urgency(requested.target) > Urgency(s.target)) return false;
   const Error busy{kCodeTargetBusy, "switch " + ToString(s.number) + " (" +
                                         Describe(config_, s.target, s.only) + ") is under way"};
-  switching_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
-                    request_record);
+  switches_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
+                   request_record);
   return true;
 }
 
@@ -116,8 +116,8 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
   const auto left = std::to_string(ToMilliseconds(waiting.until - now_));
   const Error busy{kCodeTargetBusy, "switch " + Describe(config_, waiting.target, waiting.only) +
                                         " is waiting to start; retry in " + left + " ms"};
-  switching_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
-                    request_record);
+  switches_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
+                   request_record);
   return true;
 }
 
@@ -138,11 +138,11 @@ bool Requests::BeginWaiting() {
   const Plan plan = MakePlan(config_, machine_, machine_.waiting->target, machine_.waiting->only);
   if (plan.free_by && now_ < machine_.waiting->until) return false;
   if (plan.refusal) {
-    switching_.EndWaiting(*plan.refusal, machine_.waiting->cause);
+    switches_.EndWaiting(*plan.refusal, machine_.waiting->cause);
     return true;
   }
   const WaitingSwitch waiting = *std::exchange(machine_.waiting, std::nullopt);
-  switching_.Begin(plan, Purpose::kRequested, waiting.requests, waiting.cause, waiting.by);
+  switches_.Begin(plan, Purpose::kRequested, waiting.requests, waiting.cause, waiting.by);
   return true;
 }
 

@@ -19,8 +19,8 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
 
 class Requests : StepPart {
  public:
-  Requests(StepContext& step, Switching& switching, TearDown& tear_down)
-      : StepPart(step), switching_(switching), tear_down_(tear_down) {}
+  Requests(StepContext& step, Switches& switches, TearDown& tear_down)
+      : StepPart(step), switches_(switches), tear_down_(tear_down) {}
 
   void On(const event::SetStateRequested& requested);
   // Begins the waiting switch, when it need not wait any more. Returns whether a change may let
@@ -34,7 +34,7 @@ class Requests : StepPart {
                    RecordId request_record);
   void Await(const Plan& plan, const event::SetStateRequested& requested, RecordId request_record);
 
-  Switching& switching_;
+  Switches& switches_;
   TearDown& tear_down_;
 };
 

@@ -13,7 +13,7 @@ constexpr Duration kIntentTime = Milliseconds(500);
 
 void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId cause,
                      AfterTearDown after, const Requester& by) {
-  if (machine_.current) switching_.Supersede(machine_.number + 1, plan.target, cause);
+  if (machine_.current) switches_.Supersede(machine_.number + 1, plan.target, cause);
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
   }
@@ -31,7 +31,7 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
   if (after != AfterTearDown::kStartsAgain &&
       !machine_.start_up.finishing) {  // then it is on disk already
     machine_.stopping->intent_by = now_ + std::min(kIntentTime, budget / 10);
-    saving_.Save(Stored::kStopIntent);
+    saver_.Save(Stored::kStopIntent);
   }
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
@@ -47,7 +47,7 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
     if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
   }
   ListSurvivors();
-  switching_.Begin(plan, Purpose::kStop, {}, cause, by);
+  switches_.Begin(plan, Purpose::kStop, {}, cause, by);
 }
 
 // Of several TearDown requests, the one counts that keeps the machine down.
@@ -57,7 +57,7 @@ void TearDown::Join(const event::SetStateRequested& requested) {
   if (requested.after >= stopping.after) return;
   const bool saved = stopping.after != AfterTearDown::kStartsAgain || machine_.start_up.finishing;
   stopping.after = requested.after;
-  if (!saved) saving_.Save(Stored::kStopIntent);
+  if (!saved) saver_.Save(Stored::kStopIntent);
 }
 
 bool TearDown::WaitsForIntent() {
@@ -94,11 +94,11 @@ void TearDown::Advance() {
   const SwitchResult result = Conclude(kCodeTimeout, std::nullopt);
   machine_.phase = Phase::kStopped;
   if (stopping.after == AfterTearDown::kMayStart)
-    saving_.Save(Stored::kStopIntent);  // there is none now
+    saver_.Save(Stored::kStopIntent);  // there is none now
   RecordMachine(result.code,
                 texts::MachineStopped(now_ - stopping.begun,
                                       result.done() ? std::nullopt : std::optional(result.reason)));
-  switching_.Answer(stopping.requests, result);
+  switches_.Answer(stopping.requests, result);
   if (machine_.policy.power) power_.Command(true);
   Do(action::Stopped{});
 }
@@ -113,7 +113,7 @@ void TearDown::EndUnfinished() {
     if (leg.progress != Leg::Progress::kWaiting) continue;
     EndLeg(leg, {ActuatorOutcome::kSkipped, kCodeTimeout, texts::BudgetUsedUp(), false}, now_);
   }
-  OnTornDown(switching_.End().result);
+  OnTornDown(switches_.End().result);
 }
 
 // The result of TearDown after the processes have had their time. An actuator that was lost only

@@ -20,19 +20,14 @@
 
 #include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/power.hpp"
-#include "musher/lifecycle/switch/switching.hpp"
+#include "musher/lifecycle/switch/switches.hpp"
 
 namespace musher {
 
 class TearDown : StepPart {
  public:
-  TearDown(StepContext& step, Saving& saving, Power& power, Commands& commands,
-           Switching& switching)
-      : StepPart(step),
-        saving_(saving),
-        power_(power),
-        commands_(commands),
-        switching_(switching) {}
+  TearDown(StepContext& step, Saver& saver, Power& power, Commands& commands, Switches& switches)
+      : StepPart(step), saver_(saver), power_(power), commands_(commands), switches_(switches) {}
 
   void Begin(const Plan& plan, std::vector<RequestId> requests, RecordId cause,
              AfterTearDown after = AfterTearDown::kStaysDown, const Requester& by = {});
@@ -58,10 +53,10 @@ class TearDown : StepPart {
   void SignalProcesses(bool kill);
   void EndUnfinished();
 
-  Saving& saving_;
+  Saver& saver_;
   Power& power_;
   Commands& commands_;
-  Switching& switching_;
+  Switches& switches_;
 };
 
 }  // namespace musher

@@ -19,7 +19,7 @@ AudioShell::AudioShell(const Dependencies& dependencies, const AudioConfig& conf
   OpenPlay();
   OpenAction();
   OpenCues();
-  listening_ = std::make_unique<Listening>(
+  speech_input_ = std::make_unique<SpeechInput>(
       endpoints_, [this] { return !player_.microphone_off && player_.state != kTearDown; },
       dependencies_.log);
   OpenSettings();
@@ -163,7 +163,7 @@ void AudioShell::Do(const play_action::Answer& action) {
 
 void AudioShell::Do(const play_action::Report& action) {
   static_cast<void>(report_->Publish({action.sounds}));  // the next one follows
-  listening_->SetSpeaking(action.sounds);
+  speech_input_->SetSpeaking(action.sounds);
   if (player_.current && player_.current->sounding) {
     speech_action_->OnSounding(player_.current->token);
   }

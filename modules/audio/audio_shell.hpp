@@ -15,11 +15,11 @@
 #include "musher/messages/std_srvs/empty.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/modules/audio/listening.hpp"
 #include "musher/modules/audio/output.hpp"
 #include "musher/modules/audio/player.hpp"
 #include "musher/modules/audio/sound_maker.hpp"
 #include "musher/modules/audio/speech_action.hpp"
+#include "musher/modules/audio/speech_input.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -75,7 +75,7 @@ class AudioShell {
   std::map<CallToken, AnswerCode> calls_;
   transport::LoopHandlePtr timer_;
   transport::Publisher<msg::Bool>* report_ = nullptr;
-  std::unique_ptr<Listening> listening_;
+  std::unique_ptr<SpeechInput> speech_input_;
   std::unique_ptr<SpeechAction> speech_action_;
   transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };

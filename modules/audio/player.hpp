@@ -24,7 +24,7 @@
 //     topic: they are outdated. An unknown cue is logged once.
 //   - A stop ends what plays and drops all that waits.
 //   - A refused request changes nothing that plays, and is answered with a code.
-//   - The state of microphone and voice control is kept and answered; listening.hpp uses the
+//   - The state of microphone and voice control is kept and answered; speech_input.hpp uses the
 //     former.
 
 #include <cstddef>

@@ -14,18 +14,18 @@ Error Failed(const std::string& why) {
   return {AudioCode(AudioKey::kVoice), "espeak-ng: " + why};
 }
 
-struct Making {
+struct Synthesis {
   Sound sound;
   const std::function<bool()>& given_up;
 };
 
 // The library's callback: 0 to continue, 1 to stop.
 int Take(short* samples, int count, espeak_EVENT* events) {
-  auto& making = *static_cast<Making*>(events->user_data);
+  auto& synthesis = *static_cast<Synthesis*>(events->user_data);
   if (samples != nullptr) {
-    making.sound.samples.insert(making.sound.samples.end(), samples, samples + count);
+    synthesis.sound.samples.insert(synthesis.sound.samples.end(), samples, samples + count);
   }
-  return making.given_up() ? 1 : 0;
+  return synthesis.given_up() ? 1 : 0;
 }
 
 // The library is initialised once a process and never terminated: after a second initialisation
@@ -53,11 +53,11 @@ Result<> Voice::Choose(Language language) {
 Result<Sound> Voice::Speak(const std::string& text, Language language,
                            const std::function<bool()>& given_up) {
   if (Result<> chosen = Choose(language); !chosen) return chosen.error();
-  Making making{{rate_hz_.value(), {}}, given_up};
+  Synthesis synthesis{{rate_hz_.value(), {}}, given_up};
   const espeak_ERROR error = espeak_Synth(text.c_str(), text.size() + 1, 0, POS_CHARACTER, 0,
-                                          espeakCHARS_UTF8, nullptr, &making);
+                                          espeakCHARS_UTF8, nullptr, &synthesis);
   if (error != EE_OK) return Failed("error " + std::to_string(error));
-  return std::move(making.sound);
+  return std::move(synthesis.sound);
 }
 
 Result<> Voice::Check() {

@@ -33,9 +33,9 @@ void Forward(std::string_view text) {
 }
 
 // A running command.
-class Running {
+class RunningCommand {
  public:
-  Running(Child child, UniqueFd output, Duration stop_time)
+  RunningCommand(Child child, UniqueFd output, Duration stop_time)
       : child_(std::move(child)), output_(std::move(output)), stop_time_(stop_time) {}
 
   CommandEnd Finish(const std::function<Wanted()>& wanted) {
@@ -105,7 +105,7 @@ Result<CommandEnd> RunCommand(const ChildSpec& spec, const Reaper& reaper, Durat
   auto child = Child::Start(spec, reaper, writer.get());
   if (!child) return child.error();
   writer = UniqueFd();  // so that only the command holds the write end
-  return Running(std::move(child).value(), std::move(reader), stop_time).Finish(wanted);
+  return RunningCommand(std::move(child).value(), std::move(reader), stop_time).Finish(wanted);
 }
 
 void LastLine::Add(std::string_view text) {

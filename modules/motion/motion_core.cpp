@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
-
-#include "musher/modules/motion/motion_decision.hpp"
 
 namespace musher::motion {
 namespace {
@@ -20,10 +19,100 @@ std::string NameOf(const Motion& motion) {
   return std::to_string(motion.id) + " (" + motion.name + ")";
 }
 
+// These do not end in WALK_STAND: force control holds the body in its place, and a body that lies
+// down or is switched off does not stand up for it.
+bool EndsStanding(const BodyCommand& last, const std::optional<State>& closed) {
+  if (last.id == kForceControl) return false;
+  return !closed || (*closed != kTearDown && *closed != kOta);
+}
+
+// Short motions such as flips and jumps run to their end: that is safer than an interruption.
+constexpr Duration kShortMotion = Milliseconds(8000);
+
+bool IsTransitioning(const BodyReport& body) {
+  return body.switch_status == static_cast<std::int8_t>(SwitchStatus::kTransitioning);
+}
+
+// One step of the decision.
+class Decision {
+ public:
+  Decision(const MotionRules& rules, MotionCore& core, Time now)
+      : rules_(rules), core_(core), now_(now) {}
+
+  void Take(const motion_event::BoardReported& event);
+  void Take(const motion_event::ServoArrived& event);
+  void Take(const motion_event::PlayArrived& event);
+  void Take(const motion_event::LieDown& event);
+  void Take(const motion_event::Cancelled& event);
+  void Take(const motion_event::Closed& event);
+  void Take(const motion_event::Opened& event);
+  void Take(const motion_event::EmergencyStop& event);
+  void Take(const motion_event::WorldRestarted& event);
+  void Take(const motion_event::TimePassed& event);
+
+  MotionActions Actions() && { return std::move(actions_); }
+
+ private:
+  bool LooksAgain();
+
+  // Checks.
+  Result<> MayRun(const Motion& motion, const std::string& capability) const;
+  Result<> CheckRequest(const MotionRequest& requested) const;
+  Result<> CheckPlay(const motion_event::PlayArrived& event) const;
+  Result<> CheckServo(const ServoCommand& command) const;
+  Result<> CheckPriority(const ServoCommand& command) const;
+  bool Dancing() const;
+
+  // Servo.
+  void EndServo(const ServoCommand& command);
+  void FollowServo(const ServoCommand& command, const Motion& motion);
+  void BeginServo();
+  void StopServo(const std::string& why);
+  void WatchServo();
+  void ReportServo();
+  void RefuseServo(const ServoCommand& command, const Error& error);
+
+  // Jobs.
+  void BeginEmergencyStop(RequestToken token);
+  void BeginJob(Job job);
+  void BeginMotion();
+  std::vector<std::int32_t> WayTo(const Motion& motion) const;
+  std::int32_t CodeOfRefusal() const;
+  void AdvanceJob(bool time_passed);
+  bool AdvanceWait(bool time_passed);
+  void EndMotion();
+  void EndJob(std::int32_t code, const std::string& message);
+  void FailMotion(std::int32_t code, const std::string& message);
+  void DropJob(std::int32_t code, const std::string& message);
+  void HaltBody(const JobMotion& motion);
+  bool Lies() const;
+
+  // The board.
+  void WatchBoard();
+  const Motion* Present() const;
+  bool Taken() const;
+  JobMotion MotionOf(const Motion& motion, const MotionArguments& arguments) const;
+  void Command(const BodyCommand& command, bool at_once);
+  void Stand(const BodyCommand& last);
+  void Quiet();
+  void Transmit();
+  void TransmitIfDue();
+
+  void Answer(RequestToken token, std::int32_t motion_id, std::int32_t code,
+              const std::string& message);
+  void Log(std::int32_t code, const std::string& text);
+  void ReportMotors(const BodyReport& before);
+  void ReportEmergencyStop();
+
+  const MotionRules& rules_;
+  MotionCore& core_;
+  const Time now_;
+  MotionActions actions_;
+};
+
 }  // namespace
 
-// --- Checks
-// --------------------------------------------------------------------------------------
+// --- checks ---
 
 Result<> Decision::MayRun(const Motion& motion, const std::string& capability) const {
   if (motion.id == kEmergencyStop) return Ok();
@@ -89,7 +178,7 @@ bool Decision::Dancing() const {
   return std::find(kDances.begin(), kDances.end(), id) != kDances.end();
 }
 
-// --- Events --------------------------------------------------------------------------------------
+// --- events ---
 
 void Decision::Take(const motion_event::BoardReported& event) {
   const BodyReport before = core_.body.value_or(BodyReport{});
@@ -207,7 +296,7 @@ bool Decision::LooksAgain() {
   return true;
 }
 
-// --- The board -----------------------------------------------------------------------------------
+// --- the board ---
 
 void Decision::WatchBoard() {
   if (core_.body && now_ - core_.body_reported_at >= rules_.config.board_silent) {
@@ -277,8 +366,7 @@ void Decision::TransmitIfDue() {
   if (link.active && due) Transmit();
 }
 
-// --- Answers and logs
-// ----------------------------------------------------------------------------
+// --- answers and logs ---
 
 void Decision::Answer(RequestToken token, std::int32_t motion_id, std::int32_t code,
                       const std::string& message) {
@@ -318,8 +406,372 @@ void Decision::ReportEmergencyStop() {
   actions_.emplace_back(motion_action::ReportError{code});
 }
 
-// --- Interface
-// -----------------------------------------------------------------------------------
+// --- servo commands ---
+
+void Decision::Take(const motion_event::ServoArrived& event) {
+  const ServoCommand& command = event.command;
+  if (command.type == ServoCommand::kEnd) return EndServo(command);
+  if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
+  FollowServo(command, *rules_.table.Find(command.requested.id));
+}
+
+Result<> Decision::CheckServo(const ServoCommand& command) const {
+  const MotionRequest& requested = command.requested;
+  const auto invalid = [](const std::string& what) {
+    return Error{MotionCode(KeyCode::kParametersInvalid), what};
+  };
+  const Motion* motion = rules_.table.Find(requested.id);
+  if (motion == nullptr || motion->servo.empty()) {
+    return Error{MotionCode(KeyCode::kUnSupport),
+                 "unknown servo motion " + std::to_string(requested.id)};
+  }
+  if (core_.emergency_stop) {
+    return Error{MotionCode(Key::kEstop), MotionCodeText(MotionCode(Key::kEstop))};
+  }
+  if (auto may = MayRun(*motion, motion->servo); !may) return may;
+  if (command.type != ServoCommand::kStart && command.type != ServoCommand::kData) {
+    return invalid("cmd_type must be 0, 1 or 2, it is " + std::to_string(command.type));
+  }
+  if (!AllFinite(requested.arguments)) return invalid("a value is NaN or infinite");
+  if (const auto wrong = WrongLength(requested.arguments)) return invalid(*wrong);
+  if (auto priority = CheckPriority(command); !priority) return priority;
+  const bool resumes = core_.job && core_.job->way_of == command.source;
+  if (core_.job && !core_.servo && !resumes) {
+    return Error{MotionCode(KeyCode::kTargetBusy),
+                 "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
+  }
+  if (!core_.servo && core_.BoardSilent()) {
+    return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
+  }
+  return Ok();
+}
+
+Result<> Decision::CheckPriority(const ServoCommand& command) const {
+  const Priorities& priorities = rules_.config.priorities;
+  const auto priority = priorities.find(command.source);
+  if (priority == priorities.end()) {
+    return Error{MotionCode(KeyCode::kParametersInvalid), "unknown " + SourceName(command.source)};
+  }
+  if (core_.servo && priority->second > priorities.at(core_.servo->source)) {
+    return Error{MotionCode(KeyCode::kFailed),
+                 SourceName(core_.servo->source) + " controls the body and has priority"};
+  }
+  return Ok();
+}
+
+// A stop is always taken, except from a source with lower priority than the controlling one.
+void Decision::EndServo(const ServoCommand& command) {
+  if (const auto priority = CheckPriority(command); !priority) {
+    return RefuseServo(command, priority.error());
+  }
+  if (core_.servo) return StopServo("");
+  actions_.emplace_back(
+      motion_action::ServoResponse{command.requested.id, core_.servo_commands, 0, 0, true});
+}
+
+void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
+  const bool begins = !core_.servo;
+  const bool changes = begins || core_.servo->command.id != motion.id;
+  if (begins) {
+    core_.servo.emplace();
+    core_.servo->next_report = now_;
+  }
+  if (core_.job) {  // the body stands up for this stream, maybe before it stalled
+    core_.job->way_of = command.source;
+    core_.job->for_servo = true;
+  }
+  Servo& servo = *core_.servo;
+  servo.source = command.source;
+  servo.command = MakeCommand(motion, command.requested.arguments);
+  servo.last_frame = now_;
+  ++core_.servo_commands;
+  if (TooFast(motion, command.requested.arguments) && !std::exchange(servo.limit_logged, true)) {
+    Log(kCodeOk, "servo motion " + std::to_string(motion.id) + " of " + SourceName(command.source) +
+                     " is limited to its maximum speed");
+  }
+  if (changes && !core_.job) {
+    if (const auto way = WayTo(motion); !way.empty()) {
+      servo.moving = false;
+      Job job;
+      job.motion_id = motion.id;
+      job.way_of = command.source;
+      job.for_servo = true;
+      for (const std::int32_t id : way) {
+        job.todo.push_back(MotionOf(*rules_.table.Find(id), {}));
+        job.todo.back().requested = false;
+      }
+      BeginJob(std::move(job));
+    } else {
+      servo.moving = true;
+      Command(servo.command, true);
+    }
+  } else if (servo.moving) {
+    Command(servo.command, false);
+  }
+  ReportServo();
+}
+
+// The body is free.
+void Decision::BeginServo() {
+  Servo& servo = *core_.servo;
+  const Motion& motion = *rules_.table.Find(servo.command.id);
+  if (const auto may = MayRun(motion, motion.servo); !may) {
+    ServoCommand command;
+    command.requested.id = motion.id;
+    core_.servo.reset();
+    Quiet();
+    return RefuseServo(command, may.error());
+  }
+  servo.moving = true;
+  Command(servo.command, true);
+}
+
+void Decision::StopServo(const std::string& why) {
+  const Servo servo = *std::exchange(core_.servo, std::nullopt);
+  if (core_.job && core_.job->for_servo) core_.job->for_servo = false;  // it finishes standing up
+  if (servo.moving) {
+    if (EndsStanding(servo.command, core_.closed)) {
+      Stand(servo.command);
+    } else {
+      Quiet();
+    }
+  }
+  if (!why.empty()) {
+    Log(MotionCode(KeyCode::kStatusError), "the servo motion " + std::to_string(servo.command.id) +
+                                               " of " + SourceName(servo.source) +
+                                               " is stopped: " + why);
+  }
+  actions_.emplace_back(motion_action::ServoResponse{
+      PresentMotion(rules_, core_), core_.servo_commands,
+      core_.body ? core_.body->bar : std::int8_t{-1},
+      core_.body ? core_.body->switch_status : std::int8_t{-1}, why.empty(), kCodeOk});
+}
+
+void Decision::WatchServo() {
+  if (!core_.servo || now_ - core_.servo->last_frame < kServoWatchdog) return;
+  StopServo("no frame for 200 ms");
+}
+
+// The streaming source gets the board's feedback periodically.
+void Decision::ReportServo() {
+  if (!core_.servo || now_ < core_.servo->next_report) return;
+  core_.servo->next_report = now_ + kBoardPeriod;
+  motion_action::ServoResponse response;
+  response.cmd_id = core_.servo_commands;
+  if (core_.BoardSilent()) {
+    response.code = MotionCode(Key::kBoardSilent);
+  } else {
+    response.motion_id = PresentMotion(rules_, core_);
+    response.bar = core_.body->bar;
+    response.status = core_.body->switch_status;
+    response.code = CodeOfStatus(core_.body->switch_status);
+    response.result = response.code == kCodeOk;
+  }
+  if (!response.result) {
+    Log(response.code, "servo motion " + std::to_string(core_.servo->command.id) + ": " +
+                           MotionCodeText(response.code));
+  }
+  actions_.emplace_back(response);
+}
+
+void Decision::RefuseServo(const ServoCommand& command, const Error& error) {
+  Log(error.code, "servo motion " + std::to_string(command.requested.id) + " of " +
+                      SourceName(command.source) + " is refused: " + error.message);
+  actions_.emplace_back(motion_action::ServoResponse{
+      command.requested.id, core_.servo_commands, 0,
+      core_.body ? core_.body->switch_status : std::int8_t{-1}, false, error.code});
+}
+
+// --- jobs: motions executed to their end ---
+
+void Decision::BeginEmergencyStop(RequestToken token) {
+  const std::int32_t code = MotionCode(Key::kEstop);
+  if (core_.job) DropJob(code, "interrupted by emergency stop");
+  if (core_.servo) {
+    core_.servo.reset();
+    actions_.emplace_back(
+        motion_action::ServoResponse{kNoMotion, core_.servo_commands, 0, 0, false, code});
+  }
+  if (!std::exchange(core_.emergency_stop, true)) {
+    actions_.emplace_back(motion_action::Log{"emergency stop"});
+    ReportEmergencyStop();
+  }
+  Job job;
+  job.token = token;
+  job.motion_id = kEmergencyStop;
+  job.own = true;
+  job.todo.push_back(MotionOf(*rules_.table.Find(kEmergencyStop), {}));
+  BeginJob(std::move(job));
+}
+
+void Decision::BeginJob(Job job) {
+  core_.job = std::move(job);
+  BeginMotion();
+}
+
+void Decision::BeginMotion() {
+  Job& job = *core_.job;
+  const Motion& motion = *rules_.table.Find(job.todo.front().command.id);
+  if (!job.own && job.todo.front().requested) {
+    if (const auto may = MayRun(motion, motion.capability); !may) {
+      return EndJob(may.error().code, may.error().message);
+    }
+  }
+  if (!std::exchange(job.todo.front().prepared, true)) {
+    std::vector<JobMotion> before;
+    for (const std::int32_t id : WayTo(motion)) {
+      before.push_back(MotionOf(*rules_.table.Find(id), {}));
+      before.back().requested = false;
+      before.back().prepared = true;
+    }
+    job.todo.insert(job.todo.begin(), before.begin(), before.end());
+  }
+  Command(job.todo.front().command, true);
+  job.wait = Job::Wait::kFeedback;
+  job.wait_end = now_ + rules_.config.board_feedback;
+}
+
+// The motions needed before it from the body's present motion: none, or to stand up.
+std::vector<std::int32_t> Decision::WayTo(const Motion& motion) const {
+  if (motion.id == kEmergencyStop || motion.id == kRecoveryStand) return {};
+  const Motion* present = Present();
+  if (present != nullptr && present->MayGoTo(motion.mode)) return {};
+  if (motion.id != kFromGroundStand) return {kRecoveryStand};
+  const bool direct = present != nullptr && present->MayGoTo(rules_.table.Find(kGroundStand)->mode);
+  if (direct) return {kGroundStand};
+  return {kRecoveryStand, kGroundStand};
+}
+
+// Why the board has not taken a command: its reported status, or a timeout if it reports none.
+std::int32_t Decision::CodeOfRefusal() const {
+  const bool reported = core_.body && core_.body_reported_at > core_.link.begun_at;
+  const std::int32_t code = reported ? CodeOfStatus(core_.body->switch_status) : kCodeOk;
+  return code != kCodeOk ? code : MotionCode(Key::kBoardSilent);
+}
+
+// A report of the board does not end a wait: a newer one may be queued behind it.
+void Decision::AdvanceJob(bool time_passed) {
+  while (core_.job && AdvanceWait(time_passed)) {
+  }
+}
+
+// Returns whether the job made progress.
+bool Decision::AdvanceWait(bool time_passed) {
+  Job& job = *core_.job;
+  const bool over = time_passed && now_ >= job.wait_end;
+  const auto go_on = [&](Job::Wait wait, Duration time) {
+    job.wait = wait;
+    job.wait_end = now_ + time;
+    return true;
+  };
+  const auto fail = [&](std::int32_t code) {
+    FailMotion(code, MotionCodeText(code));
+    return true;
+  };
+  if (job.wait == Job::Wait::kRetry) {
+    if (!over) return false;
+    if (Lies()) {
+      EndJob(kCodeOk, "");
+    } else {
+      BeginMotion();
+    }
+    return true;
+  }
+  if (job.wait == Job::Wait::kFeedback) {
+    if (Taken()) return go_on(Job::Wait::kSettle, kSettleTime);
+    return over && fail(CodeOfRefusal());
+  }
+  if (job.wait == Job::Wait::kSettle) {
+    return over && go_on(Job::Wait::kTransition, kTransitionTime);
+  }
+  const BodyCommand& command = job.todo.front().command;
+  const std::int32_t code = CodeOfStatus(core_.body->switch_status);
+  if (code != kCodeOk && command.id != kEmergencyStop) return fail(code);
+  if (job.wait == Job::Wait::kTransition) {
+    if (!IsTransitioning(*core_.body)) {
+      return go_on(Job::Wait::kExecution, job.todo.front().time);
+    }
+    return over && fail(MotionCode(Key::kTransitionTimeout));
+  }
+  const Motion* present = Present();
+  if (present != nullptr && present->id == command.id && core_.body->bar > kDoneBar) {
+    EndMotion();
+    return true;
+  }
+  return over && fail(MotionCode(Key::kExecuteTimeout));
+}
+
+void Decision::EndMotion() {
+  Job& job = *core_.job;
+  if (job.todo.size() == 1) return EndJob(kCodeOk, "");
+  job.todo.pop_front();
+  BeginMotion();
+}
+
+// A lie-down is retried as often as permitted.
+void Decision::FailMotion(std::int32_t code, const std::string& message) {
+  Job& job = *core_.job;
+  const std::string what = "motion " + std::to_string(job.todo.front().command.id) + ": " + message;
+  if (!job.tries || *job.tries == 1) return EndJob(code, what);
+  Log(code, what + "; retrying");
+  if (*job.tries > 1) --*job.tries;
+  job.todo.erase(job.todo.begin(), std::prev(job.todo.end()));
+  job.todo.front().prepared = false;
+  job.wait = Job::Wait::kRetry;
+  job.wait_end = now_ + kLieDownPause;
+  Quiet();
+}
+
+void Decision::EndJob(std::int32_t code, const std::string& message) {
+  const Job job = *std::exchange(core_.job, std::nullopt);
+  const BodyCommand& last = job.todo.front().command;
+  const Motion& motion = *rules_.table.Find(last.id);
+  if (last.id == kEmergencyStop && !Taken()) {
+    core_.link.until = Time::max();  // repeated until the board takes it
+  } else if (motion.limit) {
+    Stand(last);  // no walk continues after its command has ended
+  } else {
+    Quiet();
+  }
+  if (code != kCodeOk) Log(code, message);
+  if (!job.for_servo) return Answer(job.token, job.motion_id, code, message);
+  if (code == kCodeOk) return BeginServo();
+  ServoCommand command;
+  command.source = core_.servo->source;
+  command.requested.id = core_.servo->command.id;
+  core_.servo.reset();
+  RefuseServo(command, {code, message});
+}
+
+// Ends the job for a more urgent request, which commands the board next.
+void Decision::DropJob(std::int32_t code, const std::string& message) {
+  const Job job = *std::exchange(core_.job, std::nullopt);
+  Quiet();
+  Answer(job.token, job.motion_id, code, message);
+}
+
+// Ends a motion that was dropped. If the body lies down next, only a walk is stopped before.
+void Decision::HaltBody(const JobMotion& motion) {
+  const State& state = *core_.closed;
+  const bool passes = state == kOta || state == kTearDown;
+  const bool lies_down = passes || state == kLowPower;
+  const bool ends_itself = motion.time <= kShortMotion || motion.command.id == kRecoveryStand;
+  if (rules_.table.Find(motion.command.id)->limit) {
+    if (!passes) Stand(motion.command);
+  } else if (!ends_itself && !lies_down) {
+    Command(MotionOf(*rules_.table.Find(kRecoveryStand), {}).command, true);
+    core_.link.until = now_ + kStopRepeat;
+  }
+}
+
+bool Decision::Lies() const {
+  const Motion* present = Present();
+  if (present == nullptr || core_.BoardSilent()) return false;
+  if (present->id == kEmergencyStop) return true;
+  return present->id == kGetDown && core_.body->bar > kDoneBar;
+}
+
+// --- interface ---
 
 MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent& event, Time now) {
   Decision decision(rules, core, now);

@@ -42,9 +42,9 @@ bool Holds(const TransitionRule& transition, const Case& at) {
          (!transition.at_least || count >= *transition.at_least);
 }
 
-class Checking {
+class CourseCheck {
  public:
-  explicit Checking(Reading& reading) : reading_(reading), course_(reading.course) {}
+  explicit CourseCheck(Reading& reading) : reading_(reading), course_(reading.course) {}
 
   void Run() {
     CheckNumbers();
@@ -274,7 +274,7 @@ class Checking {
 }  // namespace
 
 void CheckStates(Reading& reading) {
-  Checking(reading).Run();
+  CourseCheck(reading).Run();
 }
 
 }  // namespace parts

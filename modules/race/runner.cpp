@@ -1,8 +1,25 @@
 #include "musher/modules/race/runner.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "musher/base/suggest.hpp"
+#include "musher/modules/race/printable.hpp"
 
 namespace musher::race {
+namespace {
+
+// Phases of a step; 0: it has not begun.
+constexpr int kLook = 1;
+constexpr int kCorrect = 2;
+constexpr int kRetry = 2;
+
+std::string Steps(int count) {
+  return std::to_string(count) + (count == 1 ? " step" : " steps");
+}
+
+}  // namespace
 
 Runner::Runner(const Course& course, RaceOutputs& outputs)
     : course_(course),
@@ -148,6 +165,286 @@ std::optional<Index> Runner::ChooseTransition() {
     }
   }
   return Fail("none of its transitions can be taken" + known);
+}
+
+// --- the steps of a state ---
+
+Runner::Outcome Runner::Advance(Duration now, Time time) {
+  if (Blind()) {
+    locomotion_.Wait();
+    return Outcome::kRunning;
+  }
+  if (locomotion_.Advance(now, time)) return Outcome::kDone;
+  if (!StoppedByLight(now)) return Outcome::kRunning;
+  interrupted_ = Interrupted{state_, previous_, at_, locomotion_.Halt(time)};
+  light_stops_ = true;
+  target_ = course_.light->state;
+  Say("a yellow light: it stops with " +
+      Steps(static_cast<int>(interrupted_->walk.left() / course_.step)) + " left");
+  return Outcome::kTarget;
+}
+
+bool Runner::WatchesLight() const {
+  return light_ && rule().light && locomotion_.ahead();
+}
+
+bool Runner::Blind() {
+  const bool before = std::exchange(blind_, false);
+  if (!WatchesLight()) return false;
+  const Index detector = course_.light->detector;
+  blind_ = perception_.SilentFor(detector) >= course_.light->blind;
+  if (!blind_) return false;
+  perception_.Want(detector);
+  if (!before) {
+    Say("no picture for the detector " + course_.detectors[detector].name + " for " +
+        std::to_string(ToMilliseconds(course_.light->blind)) + " ms: it stands until one comes");
+  }
+  return true;
+}
+
+bool Runner::StoppedByLight(Duration now) {
+  if (!WatchesLight()) return false;
+  perception_.Want(course_.light->detector);
+  return light_->Stops(perception_.SightingSince(course_.light->detector, Time::min()), now);
+}
+
+// Where only one line is seen its middle is not known: straight on.
+void Runner::Steer(const std::optional<Index>& keep, Time time) {
+  if (!keep) return;
+  const Keep& rule = course_.keeps[*keep];
+  perception_.Want(rule.detector);
+  const Lines* lines = perception_.LinesSince(rule.detector, time - rule.fresh);
+  const bool between =
+      lines != nullptr && lines->contours >= 2 && std::isfinite(lines->middle_offset);
+  const double yaw_rad_s = between ? -rule.yaw_rad_s * lines->middle_offset : 0;
+  locomotion_.Steer(std::clamp(yaw_rad_s, -rule.most_rad_s, rule.most_rad_s));
+}
+
+bool Runner::WalkEndsSoon() const {
+  return locomotion_.walk() && locomotion_.walk()->left() <= course_.check.open;
+}
+
+// A detector needs a moment to start.
+void Runner::WantNext() {
+  const Index next = at_.step + 1;
+  if (next >= rule().steps.size()) return;
+  const Step& step = rule().steps[next];
+  if (const auto* check = std::get_if<CheckStep>(&step)) {
+    perception_.Want(course_.checks[check->check].detector);
+  } else if (const auto* wait = std::get_if<WaitStep>(&step)) {
+    if (const auto detector = course_.waits[wait->wait].detector) perception_.Want(*detector);
+  } else if (const auto* until = std::get_if<UntilStep>(&step)) {
+    perception_.Want(course_.untils[until->until].detector);
+  }
+}
+
+Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
+  const bool walks = course_.movements[step.movement].walks;
+  if (at_.phase == 0) {
+    const int made = step.less ? memory_.Count(*step.less) : 0;
+    if (walks && step.count <= made) {
+      Say(course_.movements[step.movement].name + " " + std::to_string(step.count) + " - " +
+          std::to_string(made) + ": no step is left");
+      return Outcome::kSkipped;
+    }
+    if (walks) {
+      locomotion_.Walk({step.movement, step.count - made});
+    } else {
+      locomotion_.Move(step.movement, now);
+    }
+    Phase(1, now);
+  }
+  Steer(step.keep, time);
+  const Outcome outcome = Advance(now, time);
+  // Also in its last tick: a detector that is closed for a tick has to start once more.
+  if (walks && (outcome == Outcome::kDone || WalkEndsSoon())) WantNext();
+  return outcome;
+}
+
+Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
+  const Check& check = course_.checks[step.check];
+  if (at_.phase == 0) {
+    at_.after = std::max(at_.after, locomotion_.walked_until() + course_.check.settle);
+    Phase(kLook, now);
+  }
+  perception_.Want(check.detector);
+  if (at_.phase == kLook) return Look(check, step.after_turn, now, time);
+  const Outcome outcome = Advance(now, time);
+  if (outcome != Outcome::kDone) return outcome;
+  at_.after = locomotion_.walked_until() + course_.check.settle;
+  Phase(kLook, now);
+  return Outcome::kRunning;
+}
+
+// By a picture that is new enough; nothing where it shows no line, or not the thing.
+std::optional<LineWord> Runner::Word(const Check& check) const {
+  if (check.by == Check::By::kBox) {
+    const Sighting* sighting = perception_.SightingSince(check.detector, at_.after);
+    if (sighting == nullptr || !sighting->seen) return std::nullopt;
+    if (!std::isfinite(sighting->offset)) return std::nullopt;  // it does not say where
+    if (sighting->offset > check.threshold) return LineWord::kLeft;
+    return sighting->offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
+  }
+  const Lines* lines = perception_.LinesSince(check.detector, at_.after);
+  if (lines == nullptr || lines->contours == 0) return std::nullopt;
+  return check.by == Check::By::kDy ? lines->dy : lines->ycy;
+}
+
+Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, Time /*time*/) {
+  const CheckRules& rules = course_.check;
+  const std::optional<LineWord> word = Word(check);
+  if (!word) {
+    if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
+    Say("check " + check.name + ": no picture of it within " +
+        std::to_string(ToMilliseconds(rules.picture)) + " ms; it continues");
+    return Outcome::kDone;
+  }
+  if (*word == LineWord::kCenter) return Outcome::kDone;
+  const Corrections& corrections = after_turn ? check.after_turn : check.usual;
+  const auto& correction = corrections.at(static_cast<std::size_t>(*word));
+  if (!correction) return Outcome::kDone;
+  const std::string found = "check " + check.name + ": " + std::string(Name(*word));
+  if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
+    Say(found + " after " + std::to_string(at_.tries) + " corrections; it continues");
+    return Outcome::kDone;
+  }
+  ++at_.tries;
+  Say(found + ", correction " + std::to_string(at_.tries) + ": " +
+      course_.movements[correction->movement].name + " " + std::to_string(correction->count));
+  locomotion_.Walk(*correction);
+  Phase(kCorrect, now);
+  return Outcome::kRunning;
+}
+
+Runner::Outcome Runner::Run(const WaitStep& step, Duration now, Time time) {
+  const Wait& wait = course_.waits[step.wait];
+  if (!wait.detector) {
+    return now - at_.since >= wait.limit ? Outcome::kDone : Outcome::kRunning;
+  }
+  return FindResult(wait, now, time);
+}
+
+Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
+  const ResultRule& result = course_.results[wait.result];
+  if (at_.phase == 0) {
+    at_.after = std::max(at_.after, time);
+    Phase(kLook, now);
+  }
+  if (at_.phase == kRetry) {
+    perception_.Want(*wait.detector);
+    const Outcome outcome = Advance(now, time);
+    if (outcome != Outcome::kDone) return outcome;
+    if (wait.adds) memory_.SetCount(*wait.adds, memory_.Count(*wait.adds) + wait.retry.count);
+    at_.after = time;
+    Phase(kLook, now);
+  }
+  if (memory_.Value(wait.result)) return Outcome::kSkipped;  // also by a command meanwhile
+  perception_.Want(*wait.detector);
+  const Sighting* sighting = perception_.SightingSince(*wait.detector, at_.after);
+  if (sighting != nullptr && sighting->seen) {
+    const auto value = std::ranges::find(result.values, sighting->text);
+    if (value != result.values.end()) {
+      memory_.Set(wait.result, static_cast<Index>(value - result.values.begin()));
+      Say(result.name + " is " + sighting->text);
+      return Outcome::kDone;
+    }
+    ReportUnknown(wait, sighting->text);
+  }
+  if (now - at_.since < wait.limit) return Outcome::kRunning;
+  const std::string none =
+      "no " + result.name + " within " + std::to_string(ToMilliseconds(wait.limit)) + " ms";
+  if (at_.tries < wait.retries) {
+    ++at_.tries;
+    Say(none + ", retry " + std::to_string(at_.tries) + " of " + std::to_string(wait.retries));
+    locomotion_.Walk(wait.retry);
+    Phase(kRetry, now);
+    return Outcome::kRunning;
+  }
+  if (wait.otherwise.kind != Otherwise::Kind::kDefault) return GiveUp(wait.otherwise, none);
+  memory_.Set(wait.result, *result.by_default);
+  Say(none + ": its default " + result.values[*result.by_default]);
+  return Outcome::kDone;
+}
+
+void Runner::ReportUnknown(const Wait& wait, const std::string& text) {
+  constexpr std::size_t kMostReported = 5;
+  const bool known = std::ranges::find(unknown_, text) != unknown_.end();
+  if (text.empty() || known || unknown_.size() >= kMostReported) return;
+  unknown_.push_back(text);
+  const ResultRule& result = course_.results[wait.result];
+  const std::string shown = Printable(text);
+  Say("the detector " + course_.detectors[*wait.detector].name + " reads '" + shown + "'; " +
+      NoSuch(result.name, shown, result.values));
+}
+
+Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
+  const Until& until = course_.untils[step.until];
+  if (at_.phase == 0) {
+    locomotion_.Walk(until.most);
+    at_.after = time;
+    Phase(1, now);
+  }
+  perception_.Want(until.detector);
+  Steer(step.keep, time);
+  const auto store = [&](int made) {
+    if (step.stores) memory_.SetCount(*step.stores, made);
+  };
+  const Sighting* sighting = perception_.SightingSince(until.detector, at_.after);
+  if (sighting != nullptr && sighting->phase == until.phase) {
+    const Duration made = locomotion_.Halt(time).made;
+    const int steps = static_cast<int>((made + course_.step / 2) / course_.step);
+    store(steps);
+    Say(until.name + " after " + Steps(steps));
+    return Outcome::kDone;
+  }
+  const Outcome outcome = Advance(now, time);
+  if (outcome != Outcome::kDone) return outcome;
+  store(until.most.count);
+  return GiveUp(until.otherwise, "no " + until.name + " within " + Steps(until.most.count));
+}
+
+Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
+  if (at_.phase == 0) {
+    lane_walker_.Begin(step.walk);
+    Phase(1, now);
+    if (locomotion_.Rise(now)) return Outcome::kRunning;
+  }
+  std::string reason;
+  const LaneWalker::End end = lane_walker_.Advance(now, reason);
+  if (end == LaneWalker::End::kNone) return Outcome::kRunning;
+  lane_walker_.Stop();
+  if (end == LaneWalker::End::kGood) return Outcome::kDone;
+  if (end == LaneWalker::End::kOther) return GiveUp(course_.walks[step.walk].otherwise, reason);
+  fault_ = reason;
+  return Outcome::kRunning;
+}
+
+Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
+  if (at_.phase == 0) {
+    voice_.Begin(step.speech, memory_, now);
+    Phase(1, now);
+  }
+  return voice_.Advance(now) ? Outcome::kDone : Outcome::kRunning;
+}
+
+Runner::Outcome Runner::Run(const CountStep& step, Duration /*now*/, Time /*time*/) {
+  const int before = step.adds ? memory_.Count(step.counter) : 0;
+  memory_.SetCount(step.counter, before + step.number);
+  return Outcome::kSkipped;
+}
+
+Runner::Outcome Runner::GiveUp(const Otherwise& otherwise, const std::string& what) {
+  if (otherwise.kind != Otherwise::Kind::kState) {
+    Say(what + "; it continues");
+    return Outcome::kDone;
+  }
+  if (otherwise.state == course_.error) {
+    fault_ = what;
+    return Outcome::kRunning;
+  }
+  Say(what);
+  target_ = otherwise.state;
+  return Outcome::kTarget;
 }
 
 }  // namespace musher::race

@@ -1,7 +1,7 @@
 #include "musher/python/native/client.hpp"
 
 #include "musher/base/host.hpp"
-#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/client/switch_client.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -47,7 +47,7 @@ class Switch : public OnLoop<SwitchClient> {
 };
 
 // An emergency stop that is published as long as this exists.
-class Stop : public OnLoop<Latching> {
+class Stop : public OnLoop<StopLatch> {
  public:
   // An item of `key` goes into the mailbox when the report has changed.
   Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
@@ -57,12 +57,12 @@ class Stop : public OnLoop<Latching> {
           msg::EmergencyStop stop = NewEmergencyStop(by, reason);
           stop.machine = machine;
           stop.machine_id = machine_id;
-          return Latching::Begin(on, node->name_space, stop,
-                                 node->thread->credentials().has_value(), [mailbox, key] {
-                                   Item item;
-                                   item.key = key;
-                                   mailbox->PushLatest(std::move(item));
-                                 });
+          return StopLatch::Begin(on, node->name_space, stop,
+                                  node->thread->credentials().has_value(), [mailbox, key] {
+                                    Item item;
+                                    item.key = key;
+                                    mailbox->PushLatest(std::move(item));
+                                  });
         }) {}
 
   // Which actuators are stopped: (all that can have latched it, [(name, stopped, after_s,
@@ -75,7 +75,7 @@ class Stop : public OnLoop<Latching> {
       status = msg::Decode<msg::MachineStatus>(std::as_bytes(std::span(bytes)));
     }
     EstopReport report;
-    Run([&](Latching& latching) { report = latching.Report(status); });
+    Run([&](StopLatch& latch) { report = latch.Report(status); });
     Actuators actuators;
     for (const EstopReport::Actuator& one : report.actuators) {
       actuators.emplace_back(one.name, one.stopped,

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"

@@ -72,7 +72,7 @@ TEST(IncludeRules, LetTheCodesOfCyberdogIncludeOnlyTheBase) {
 }
 
 TEST(IncludeRules, KeepTheRoomsOfAFolderInTheirLayers) {
-  const std::string switching = "\"musher/lifecycle/switch/switching.hpp\"";
+  const std::string switching = "\"musher/lifecycle/switch/switches.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/coordinator/a.cpp", switching)), IsEmpty());
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/switch/a.cpp", switching)), IsEmpty());
   EXPECT_THAT(

@@ -15,9 +15,9 @@ bool Expects(const World& world, const SimActuator& actuator) {
   });
 }
 
-class Listing {
+class ChoiceList {
  public:
-  Listing(const Model& model, const World& world) : model_(model), world_(world) {}
+  ChoiceList(const Model& model, const World& world) : model_(model), world_(world) {}
 
   std::vector<Choice> Make() && {
     if (!world_.outbox.empty()) {
@@ -134,7 +134,7 @@ class Listing {
 }  // namespace
 
 std::vector<Choice> Choices(const Model& model, const World& world) {
-  return Listing(model, world).Make();
+  return ChoiceList(model, world).Make();
 }
 
 bool IsQuiet(const World& world, const std::vector<Choice>& choices) {

@@ -90,9 +90,9 @@ void Tidy(Harness& harness) {
   }
 }
 
-class Making {
+class ChoiceMaker {
  public:
-  Making(Harness& harness, const Choice& choice)
+  ChoiceMaker(Harness& harness, const Choice& choice)
       : harness_(harness), world_(harness.world()), choice_(choice), i_(choice.which()) {}
 
   void Make() {
@@ -311,7 +311,7 @@ class Making {
 
 void Make(const Model& model, World& world, const Choice& choice, Notes& notes) {
   Harness harness(model, world, notes);
-  Making(harness, choice).Make();
+  ChoiceMaker(harness, choice).Make();
   Tidy(harness);
 }
 

@@ -2,12 +2,11 @@
 
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
+
+#include "musher/view/json/json.hpp"
 
 namespace musher::view::foxglove {
 namespace {
-
-using FoxJson = nlohmann::ordered_json;
 
 constexpr std::uint8_t kMessageData = 1;         // both ways
 constexpr std::uint8_t kServiceCallRequest = 2;  // from a client
@@ -18,12 +17,8 @@ Error Malformed(const std::string& what) {
   return {kCodeParametersInvalid, "malformed message: " + what};
 }
 
-std::string DumpedFox(const FoxJson& json) {
-  return json.dump(-1, ' ', false, FoxJson::error_handler_t::replace);
-}
-
 // The numbers of a JSON message, with what is missing or wrong as an Error.
-Result<std::uint32_t> NumberOf(const FoxJson& object, const char* name) {
+Result<std::uint32_t> NumberOf(const Json& object, const char* name) {
   const auto found = object.is_object() ? object.find(name) : object.end();
   if (!object.is_object() || found == object.end() || !found->is_number_unsigned() ||
       found->get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
@@ -32,7 +27,7 @@ Result<std::uint32_t> NumberOf(const FoxJson& object, const char* name) {
   return found->get<std::uint32_t>();
 }
 
-Result<std::string> TextOf(const FoxJson& object, const char* name) {
+Result<std::string> TextOf(const Json& object, const char* name) {
   const auto found = object.is_object() ? object.find(name) : object.end();
   if (!object.is_object() || found == object.end() || !found->is_string()) {
     return Malformed("'" + std::string(name) + "' has to be a text");
@@ -40,7 +35,7 @@ Result<std::string> TextOf(const FoxJson& object, const char* name) {
   return found->get<std::string>();
 }
 
-Result<FoxJson> ListOf(const FoxJson& object, const char* name) {
+Result<Json> ListOf(const Json& object, const char* name) {
   const auto found = object.find(name);
   if (found == object.end() || !found->is_array() || found->size() > kMostItems) {
     return Malformed("'" + std::string(name) + "' has to be a list of at most " +
@@ -49,11 +44,11 @@ Result<FoxJson> ListOf(const FoxJson& object, const char* name) {
   return *found;
 }
 
-Result<std::vector<std::uint32_t>> NumbersOf(const FoxJson& object, const char* name) {
+Result<std::vector<std::uint32_t>> NumbersOf(const Json& object, const char* name) {
   const auto list = ListOf(object, name);
   if (!list) return list.error();
   std::vector<std::uint32_t> numbers;
-  for (const FoxJson& item : list.value()) {
+  for (const Json& item : list.value()) {
     if (!item.is_number_unsigned() ||
         item.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
       return Malformed("'" + std::string(name) + "' has to be a list of integers of 32 bits");
@@ -63,11 +58,11 @@ Result<std::vector<std::uint32_t>> NumbersOf(const FoxJson& object, const char* 
   return numbers;
 }
 
-Result<FromClient> ReadSubscribe(const FoxJson& message) {
+Result<FromClient> ReadSubscribe(const Json& message) {
   const auto list = ListOf(message, "subscriptions");
   if (!list) return list.error();
   Subscribe subscribe;
-  for (const FoxJson& item : list.value()) {
+  for (const Json& item : list.value()) {
     const auto id = NumberOf(item, "id");
     const auto channel = NumberOf(item, "channelId");
     if (!id) return id.error();
@@ -77,11 +72,11 @@ Result<FromClient> ReadSubscribe(const FoxJson& message) {
   return FromClient(std::move(subscribe));
 }
 
-Result<FromClient> ReadAdvertise(const FoxJson& message) {
+Result<FromClient> ReadAdvertise(const Json& message) {
   const auto list = ListOf(message, "channels");
   if (!list) return list.error();
   ClientAdvertise advertise;
-  for (const FoxJson& item : list.value()) {
+  for (const Json& item : list.value()) {
     const auto id = NumberOf(item, "id");
     const auto topic = TextOf(item, "topic");
     const auto encoding = TextOf(item, "encoding");
@@ -113,7 +108,7 @@ void Append(std::string& text, std::span<const std::byte> bytes) {
   text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-FoxJson Schema(const std::string& type, std::string_view schema) {
+OrderedJson Schema(const std::string& type, std::string_view schema) {
   return {
       {"encoding", kCdr}, {"schemaName", type}, {"schemaEncoding", "ros2msg"}, {"schema", schema}};
 }
@@ -121,7 +116,7 @@ FoxJson Schema(const std::string& type, std::string_view schema) {
 }  // namespace
 
 Result<FromClient> ReadText(std::string_view text) {
-  const FoxJson message = FoxJson::parse(text, nullptr, false);
+  const Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) return Malformed("it is not a JSON object");
   const auto op = TextOf(message, "op");
   if (!op) return op.error();
@@ -162,36 +157,36 @@ Result<FromClient> ReadBinary(std::span<const std::byte> bytes) {
 }
 
 std::string ServerInfo(std::string_view name, std::string_view session) {
-  return DumpedFox({{"op", "serverInfo"},
-                    {"name", name},
-                    {"capabilities", {"clientPublish", "services"}},
-                    {"supportedEncodings", {kCdr}},
-                    {"metadata", {{"ROS_DISTRO", "jazzy"}}},
-                    {"sessionId", session}});
+  return Dumped({{"op", "serverInfo"},
+                 {"name", name},
+                 {"capabilities", {"clientPublish", "services"}},
+                 {"supportedEncodings", {kCdr}},
+                 {"metadata", {{"ROS_DISTRO", "jazzy"}}},
+                 {"sessionId", session}});
 }
 
 std::string Status(StatusLevel level, std::string_view message, std::string_view id) {
-  FoxJson status = {{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}};
+  OrderedJson status = {{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}};
   if (!id.empty()) status["id"] = id;
-  return DumpedFox(status);
+  return Dumped(status);
 }
 
 std::string Advertise(const std::vector<Channel>& channels) {
-  FoxJson list = FoxJson::array();
+  OrderedJson list = OrderedJson::array();
   for (const Channel& channel : channels) {
-    FoxJson one = {{"id", channel.id}, {"topic", channel.topic}};
+    OrderedJson one = {{"id", channel.id}, {"topic", channel.topic}};
     one.update(Schema(channel.schema_name, channel.schema));
     list.push_back(std::move(one));
   }
-  return DumpedFox({{"op", "advertise"}, {"channels", std::move(list)}});
+  return Dumped({{"op", "advertise"}, {"channels", std::move(list)}});
 }
 
 std::string Unadvertise(const std::vector<std::uint32_t>& channels) {
-  return DumpedFox({{"op", "unadvertise"}, {"channelIds", channels}});
+  return Dumped({{"op", "unadvertise"}, {"channelIds", channels}});
 }
 
 std::string AdvertiseServices(const std::vector<Service>& services) {
-  FoxJson list = FoxJson::array();
+  OrderedJson list = OrderedJson::array();
   for (const Service& service : services) {
     list.push_back({{"id", service.id},
                     {"name", service.name},
@@ -202,15 +197,15 @@ std::string AdvertiseServices(const std::vector<Service>& services) {
                     {"requestSchema", service.request},
                     {"responseSchema", service.response}});
   }
-  return DumpedFox({{"op", "advertiseServices"}, {"services", std::move(list)}});
+  return Dumped({{"op", "advertiseServices"}, {"services", std::move(list)}});
 }
 
 std::string UnadvertiseServices(const std::vector<std::uint32_t>& services) {
-  return DumpedFox({{"op", "unadvertiseServices"}, {"serviceIds", services}});
+  return Dumped({{"op", "unadvertiseServices"}, {"serviceIds", services}});
 }
 
 std::string ServiceCallFailure(std::uint32_t service, std::uint32_t call, std::string_view why) {
-  return DumpedFox(
+  return Dumped(
       {{"op", "serviceCallFailure"}, {"serviceId", service}, {"callId", call}, {"message", why}});
 }
 

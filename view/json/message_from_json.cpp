@@ -3,22 +3,19 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "musher/messages/cdr.hpp"
+#include "musher/view/json/json.hpp"
 #include "musher/view/json/message_json.hpp"
 #include "musher/view/json/message_layout.hpp"
 
 namespace musher::view {
 namespace {
 
-// Its objects are sorted, so that many keys cost no quadratic time.
-using Given = nlohmann::json;
-
 template <class T>
-std::optional<T> IntegerOf(const Given& value) {
+std::optional<T> IntegerOf(const Json& value) {
   if (value.is_number_unsigned()) {
     const auto number = value.get<std::uint64_t>();
     return std::in_range<T>(number) ? std::optional(static_cast<T>(number)) : std::nullopt;
@@ -36,7 +33,7 @@ std::optional<T> IntegerOf(const Given& value) {
 }
 
 template <class T>
-std::optional<T> RealOf(const Given& value) {
+std::optional<T> RealOf(const Json& value) {
   if (value.is_null()) return std::numeric_limits<T>::quiet_NaN();
   if (!value.is_number()) return std::nullopt;
   const auto number = value.get<double>();
@@ -51,7 +48,7 @@ std::optional<T> RealOf(const Given& value) {
 }
 
 // The beginning of a value, for a sentence.
-std::string Shown(const Given& value) {
+std::string Shown(const Json& value) {
   constexpr std::size_t kMostShown = 40;
   if (value.is_array()) return "an array of " + std::to_string(value.size());
   if (value.is_object()) return "an object";
@@ -62,11 +59,11 @@ std::string Shown(const Given& value) {
 }
 
 // Writes one message. The first error ends it; a value that is null as a pointer is not given.
-class Writing {
+class Encoder {
  public:
-  explicit Writing(const MessageLayout& layout) : layout_(layout) {}
+  explicit Encoder(const MessageLayout& layout) : layout_(layout) {}
 
-  void Write(const Given& object) {
+  void Write(const Json& object) {
     if (layout_.envelope) writer_.Put(msg::RequestId{});
     Message(0, &object);
   }
@@ -75,7 +72,7 @@ class Writing {
 
  private:
   bool failed() const { return !error_.empty(); }
-  void Refuse(const Given& value, const std::string& expected) {
+  void Refuse(const Json& value, const std::string& expected) {
     if (failed()) return;
     error_ =
         (path_.empty() ? "the message" : path_) + " is " + Shown(value) + "; expected " + expected;
@@ -90,7 +87,7 @@ class Writing {
     if (!failed()) writer_.Put(value);
   }
 
-  void Message(std::size_t type, const Given* value) {
+  void Message(std::size_t type, const Json* value) {
     const std::vector<MessageField>& fields = layout_.types[type];
     if (value != nullptr && !value->is_object()) return Refuse(*value, "an object");
     if (value != nullptr) RefuseUnknown(fields, *value);
@@ -104,20 +101,20 @@ class Writing {
       path_.resize(outer);
     }
   }
-  void RefuseUnknown(const std::vector<MessageField>& fields, const Given& object) {
+  void RefuseUnknown(const std::vector<MessageField>& fields, const Json& object) {
     for (const auto& [name, unused] : object.items()) {
       if (std::ranges::find(fields, name, &MessageField::name) != fields.end()) continue;
       std::string names;
       for (const MessageField& field : fields) names += (names.empty() ? "" : ", ") + field.name;
       if (!failed()) {
-        error_ = (path_.empty() ? "the message" : path_) + " has no field " + Shown(Given(name)) +
+        error_ = (path_.empty() ? "the message" : path_) + " has no field " + Shown(Json(name)) +
                  "; its fields: " + (names.empty() ? "none" : names);
       }
       return;
     }
   }
 
-  void Field(const MessageField& field, const Given* value) {
+  void Field(const MessageField& field, const Json* value) {
     if (!field.sequence && field.length == 0) return One(field, value);
     if (value != nullptr && !value->is_array()) {
       const bool cut = value->is_object() && value->contains("bytes");
@@ -139,7 +136,7 @@ class Writing {
   }
 
   template <class T>
-  void Integer(const Given* value) {
+  void Integer(const Json* value) {
     if (value == nullptr) return Put(T{0});
     const std::optional<T> number = IntegerOf<T>(*value);
     if (number) return Put(*number);
@@ -147,24 +144,24 @@ class Writing {
                        std::to_string(std::numeric_limits<T>::max()));
   }
   template <class T>
-  void Real(const Given* value) {
+  void Real(const Json* value) {
     if (value == nullptr) return Put(T{0});
     const std::optional<T> number = RealOf<T>(*value);
     if (number) return Put(*number);
     Refuse(*value,
            sizeof(T) == sizeof(float) ? "a number of a float32, or null" : "a number or null");
   }
-  void Bool(const Given* value) {
+  void Bool(const Json* value) {
     if (value == nullptr) return Put(false);
     if (!value->is_boolean()) return Refuse(*value, "true or false");
     Put(value->get<bool>());
   }
-  void Text(const Given* value) {
+  void Text(const Json* value) {
     if (value == nullptr) return Put(std::string());
     if (!value->is_string()) return Refuse(*value, "a text");
     Put(value->get_ref<const std::string&>());
   }
-  void One(const MessageField& field, const Given* value) {
+  void One(const MessageField& field, const Json* value) {
     switch (field.kind) {
       case FieldKind::kBool:
         return Bool(value);
@@ -203,13 +200,13 @@ class Writing {
 };
 
 // The parser's exceptions know where the text ends to be JSON.
-Result<Given> Parse(std::string_view text) {
+Result<Json> Parse(std::string_view text) {
   try {
-    return Given::parse(text);
-  } catch (const Given::parse_error& error) {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
     return Error{kCodeParametersInvalid,
                  "the text is not JSON at byte " + std::to_string(error.byte)};
-  } catch (const Given::exception&) {
+  } catch (const Json::exception&) {
     return Error{kCodeParametersInvalid, "the text has a number that is too large"};
   }
 }
@@ -225,14 +222,14 @@ Result<msg::Bytes> MessageJson::FromJson(std::string_view dds_type, std::string_
                                              " bytes as JSON; at most " +
                                              std::to_string(kMostText) + " are read"};
   }
-  const Result<Given> object = Parse(text);
+  const Result<Json> object = Parse(text);
   if (!object) return Error{object.error().code, what + ": " + object.error().message};
-  Writing writing(*layout);
-  writing.Write(object.value());
-  if (!writing.error().empty()) {
-    return Error{kCodeParametersInvalid, what + ": " + writing.error()};
+  Encoder encoder(*layout);
+  encoder.Write(object.value());
+  if (!encoder.error().empty()) {
+    return Error{kCodeParametersInvalid, what + ": " + encoder.error()};
   }
-  return std::move(writing).Take();
+  return std::move(encoder).Take();
 }
 
 }  // namespace musher::view

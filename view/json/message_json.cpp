@@ -4,18 +4,16 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "musher/messages/cdr.hpp"
+#include "musher/view/json/json.hpp"
 #include "musher/view/json/message_layout.hpp"
 
 namespace musher::view {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 template <class T>
-Json JsonOf(T value) {
+OrderedJson JsonOf(T value) {
   if constexpr (std::is_same_v<T, float>) {
     if (!std::isfinite(value)) return nullptr;
     // 0.1, not 0.10000000149011612
@@ -41,10 +39,10 @@ class Conversion {
   Conversion(const MessageLayout& layout, std::span<const std::byte> cdr)
       : layout_(layout), reader_(cdr) {}
 
-  Json Read() {
+  OrderedJson Read() {
     if (layout_.envelope) Skip<msg::RequestId>();
     const std::vector<MessageField>& fields = layout_.types.front();
-    Json object = Json::object();
+    OrderedJson object = OrderedJson::object();
     if (fields.empty() && !layout_.envelope) Skip<std::uint8_t>();
     for (std::size_t i = 0; i < fields.size() && ok(); ++i) {
       if (i + layout_.appended >= fields.size() && AtEnd(fields[i])) break;
@@ -101,26 +99,26 @@ class Conversion {
     return probe.ok();
   }
 
-  Json Value(const MessageField& field) {
+  OrderedJson Value(const MessageField& field) {
     if (!field.sequence && field.length == 0) return One(field);
     if (field.sequence && (field.kind == FieldKind::kUint8 || field.kind == FieldKind::kInt8)) {
       return Block(field.kind == FieldKind::kInt8);
     }
     const std::size_t count = field.sequence ? Get<std::uint32_t>() : field.length;
-    Json items = Json::array();
+    OrderedJson items = OrderedJson::array();
     for (std::size_t i = 0; i < count && ok(); ++i) items.push_back(One(field));
     return items;
   }
-  Json Block(bool is_signed) {
+  OrderedJson Block(bool is_signed) {
     const auto bytes = Get<std::vector<std::uint8_t>>();
     if (bytes.size() > MessageJson::kMostBytes) return {{"bytes", bytes.size()}};
-    Json items = Json::array();
+    OrderedJson items = OrderedJson::array();
     for (const std::uint8_t byte : bytes) {
       items.push_back(is_signed ? static_cast<std::int8_t>(byte) : int{byte});
     }
     return items;
   }
-  Json One(const MessageField& field) {
+  OrderedJson One(const MessageField& field) {
     switch (field.kind) {
       case FieldKind::kBool:
         return Get<bool>();
@@ -151,9 +149,9 @@ class Conversion {
     }
     return nullptr;
   }
-  Json Nested(std::size_t type) {
+  OrderedJson Nested(std::size_t type) {
     const std::vector<MessageField>& fields = layout_.types[type];
-    Json object = Json::object();
+    OrderedJson object = OrderedJson::object();
     if (fields.empty()) Skip<std::uint8_t>();
     for (const MessageField& field : fields) {
       if (!ok()) break;
@@ -190,7 +188,7 @@ Result<std::string> MessageJson::ToJson(std::string_view dds_type, std::span<con
   const MessageLayout* layout = LayoutOf(dds_type);
   if (layout == nullptr) return UnknownType(dds_type);
   Conversion conversion(*layout, cdr);
-  const Json object = conversion.Read();
+  const OrderedJson object = conversion.Read();
   const auto too_long = [&] {
     return Error{kCodeParametersInvalid, "a message " + std::string(dds_type) + " of more than " +
                                              std::to_string(kMostText) +
@@ -201,7 +199,7 @@ Result<std::string> MessageJson::ToJson(std::string_view dds_type, std::span<con
     return Error{kCodeParametersInvalid,
                  std::to_string(cdr.size()) + " bytes are not a message " + std::string(dds_type)};
   }
-  std::string text = object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = Dumped(object);
   if (text.size() > kMostText) return too_long();
   return text;
 }

@@ -1,25 +1,58 @@
 #include "musher/view/live/live_server.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <charconv>
 #include <utility>
 
 #include "musher/base/host.hpp"
 #include "musher/base/version.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/view/http/assets.hpp"
 #include "musher/view/http/reply.hpp"
+#include "musher/view/json/json.hpp"
+#include "musher/view/live/log_text.hpp"
+#include "musher/view/page/files.hpp"
 
 namespace musher::view {
 namespace {
-
-using LiveJson = nlohmann::ordered_json;
 
 constexpr const char* kSubprotocol = "musher.view.v1";
 constexpr Duration kTopicsDelay = Milliseconds(100);  // what is discovered comes together
 constexpr unsigned kPolicyViolation = 1008;
 
-SharedText Dumped(const LiveJson& json) {
-  return std::make_shared<const std::string>(
-      json.dump(-1, ' ', false, LiveJson::error_handler_t::replace));
+SharedText Share(const OrderedJson& json) {
+  return std::make_shared<const std::string>(Dumped(json));
+}
+
+constexpr const char* kCookie = "musher_view";
+constexpr unsigned kNormalClosure = 1000;
+constexpr std::uint32_t kMostHistory = 10'000;
+constexpr std::int32_t kNeedsLogin = kCodePermissionDenied;
+
+std::string Parameter(const http::Request& request, const std::string& name) {
+  const auto found = request.query.find(name);
+  return found == request.query.end() ? "" : found->second;
+}
+
+std::int64_t NumberIn(const http::Request& request, const std::string& name,
+                      std::int64_t otherwise) {
+  const std::string text = Parameter(request, name);
+  std::int64_t number = otherwise;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
+  return read.ec == std::errc() ? number : otherwise;
+}
+
+// The text of a field of a JSON object; "" where it is missing.
+std::string TextIn(const Json& body, const char* name) {
+  const auto found = body.find(name);
+  return found != body.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+http::Response Redirect(const std::string& path) {
+  http::Response response;
+  response.status = 303;
+  response.headers.emplace_back("Location", path);
+  return response;
 }
 
 }  // namespace
@@ -87,7 +120,7 @@ Result<> LiveServer::Open() {
   if (!watch) return watch.error();
   topic_watch_ = std::move(watch).value();
   every_second_ = node_.loop().Every(std::chrono::seconds(1), [this] {
-    SendAll("time", Dumped({{"op", "time"}, {"time_ms", WallMilliseconds()}}));
+    SendAll("time", Share({{"op", "time"}, {"time_ms", WallMilliseconds()}}));
   });
   http::Options http = options_.http;
   http.subprotocols = {kSubprotocol, foxglove::kSubprotocol};
@@ -151,13 +184,13 @@ http::WebSocketHandlers LiveServer::OnWebSocket(const std::shared_ptr<http::WebS
 
 void LiveServer::Greet(Page& page) {
   const std::string person = PersonOf(page.socket->request());
-  page.socket->Send(Dumped({{"op", "hello"},
-                            {"version", Version()},
-                            {"namespace", options_.name_space},
-                            {"may_act", !person.empty()},
-                            {"may_stop", !person.empty() || !options_.stop_needs_login},
-                            {"who", person},
-                            {"time_ms", WallMilliseconds()}}),
+  page.socket->Send(Share({{"op", "hello"},
+                           {"version", Version()},
+                           {"namespace", options_.name_space},
+                           {"may_act", !person.empty()},
+                           {"may_stop", !person.empty() || !options_.stop_needs_login},
+                           {"who", person},
+                           {"time_ms", WallMilliseconds()}}),
                     false);
   page.socket->Send(TopicsMessage(), false);
   page.socket->Send(feed_->History(), false);
@@ -165,14 +198,14 @@ void LiveServer::Greet(Page& page) {
 }
 
 void LiveServer::OnPageMessage(Page& page, const std::string& text) {
-  const LiveJson message = LiveJson::parse(text, nullptr, false);
-  if (!message.is_object() || message.value("op", LiveJson()) != "watch" ||
+  const Json message = Json::parse(text, nullptr, false);
+  if (!message.is_object() || message.value("op", Json()) != "watch" ||
       !message.contains("topics") || !message["topics"].is_array()) {
     return page.socket->Close(kPolicyViolation,
                               R"(a page sends {"op":"watch","topics":[...]}, nothing else)");
   }
   page.watched.clear();
-  for (const LiveJson& topic : message["topics"]) {
+  for (const Json& topic : message["topics"]) {
     if (topic.is_string() && page.watched.size() < kMostWatched) {
       page.watched.insert(topic.get<std::string>());
     }
@@ -224,14 +257,207 @@ void LiveServer::OnTopicsChanged() {
 }
 
 SharedText LiveServer::TopicsMessage() const {
-  LiveJson topics = LiveJson::array();
+  OrderedJson topics = OrderedJson::array();
   for (const ListedTopic& topic : table_.List()) {
     topics.push_back({{"name", topic.name},
                       {"type", topic.type},
                       {"publishers", topic.publishers},
                       {"subscribers", topic.subscribers}});
   }
-  return Dumped({{"op", "topics"}, {"topics", std::move(topics)}});
+  return Share({{"op", "topics"}, {"topics", std::move(topics)}});
+}
+
+// --- the requests of a page: files, API, login ---
+
+std::string LiveServer::PersonOf(const http::Request& request) {
+  const auto cookie = request.cookies.find(kCookie);
+  if (cookie == request.cookies.end()) return "";
+  return login_.Find(cookie->second, node_.loop().Now()).value_or("");
+}
+
+bool LiveServer::HasToken(const http::Request& request) {
+  const std::string token = Parameter(request, "token");
+  return !token.empty() && login_.MayMakeLinks(token, request.peer, node_.loop().Now()).ok();
+}
+
+bool LiveServer::MayLook(const http::Request& request) {
+  return request.local || !PersonOf(request).empty();
+}
+
+void LiveServer::OnRequest(const http::Request& request, const http::Respond& respond) {
+  if (request.path == "/login") return OnLogin(request, respond);
+  if (request.path == "/api/link") return OnLink(request, respond);
+  // The page's files tell nothing of the robot, and show how to log in.
+  if (request.method == "GET") {
+    if (auto file = http::AssetResponse(PageFiles(), request)) return respond(*std::move(file));
+    if (auto file = docs_.Respond(request)) return respond(*std::move(file));
+  }
+  // A person who sees a robot do harm has no time to log in.
+  const bool stop = request.method == "POST" && request.path == "/api/estop";
+  if (stop && !options_.stop_needs_login) return OnPost(request, respond);
+  if (!MayLook(request)) {
+    return respond(http::ErrorResponse(
+        401, kNeedsLogin, "looking from another host needs a login: musher view --link"));
+  }
+  return request.method == "GET" ? OnGet(request, respond) : OnPost(request, respond);
+}
+
+void LiveServer::OnGet(const http::Request& request, const http::Respond& respond) {
+  const std::string& path = request.path;
+  if (path == "/api/history") {
+    const auto limit = std::clamp<std::int64_t>(NumberIn(request, "limit", 1000), 1, kMostHistory);
+    return requests_->History(static_cast<std::uint32_t>(limit), respond);
+  }
+  if (path == "/api/behavior") {
+    return requests_->Behavior(Parameter(request, "name"), Parameter(request, "format"), respond);
+  }
+  if (path == "/api/tree") return requests_->Tree(Parameter(request, "name"), respond);
+  if (path == "/api/log") return OnLog(request, respond);
+  if (path == "/api/topics") {
+    http::Response response;
+    response.body = TopicsMessage();
+    return respond(std::move(response));
+  }
+  if (path == "/camera") {
+    const auto width = std::clamp<std::int64_t>(NumberIn(request, "width", 0), 0, 4096);
+    return cameras_.Get(Parameter(request, "topic"), NumberIn(request, "after_ms", 0),
+                        static_cast<int>(width), respond);
+  }
+  if (path == "/metrics") {
+    const auto accept = request.headers.find("accept");
+    const MetricsFormat format = FormatFor(accept == request.headers.end() ? "" : accept->second);
+    return metrics_->Scrape(format, [format, respond](const Result<std::string>& text) {
+      if (!text) {
+        return respond(http::ErrorResponse(503, text.error().code, text.error().message));
+      }
+      http::Response response;
+      response.content_type = ContentTypeOf(format);
+      response.body = std::make_shared<const std::string>(text.value());
+      respond(std::move(response));
+    });
+  }
+  respond(http::ErrorResponse(404, kCodeParametersInvalid, "there is nothing at " + path));
+}
+
+void LiveServer::OnPost(const http::Request& request, const http::Respond& respond) {
+  const Json body = Json::parse(request.body, nullptr, false);
+  if (!body.is_object()) {
+    return respond(
+        http::ErrorResponse(400, kCodeParametersInvalid, "the body has to be a JSON object"));
+  }
+  const std::string target = TextIn(body, "target");
+  const std::string actuator = TextIn(body, "actuator");
+  if (request.path == "/api/plan") return requests_->Plan(target, actuator, respond);
+  if (request.path == "/api/logout") return OnLogout(request, respond);
+  std::string person = PersonOf(request);
+  if (person.empty() && request.path == "/api/estop" && !options_.stop_needs_login) {
+    person = "a person without a login (" + request.peer + ")";
+  }
+  if (person.empty()) {
+    return respond(http::ErrorResponse(
+        403, kNeedsLogin, "acting needs a login; `musher view --link` prints a link for one"));
+  }
+  if (request.path == "/api/set") return requests_->Set(person, target, actuator, respond);
+  if (request.path == "/api/estop") {
+    return requests_->Stop(person, TextIn(body, "reason"), respond);
+  }
+  if (request.path == "/api/release") return requests_->Release(person, respond);
+  if (request.path == "/api/restart") return requests_->Restart(person, actuator, respond);
+  respond(http::ErrorResponse(404, kCodeParametersInvalid, "there is nothing at " + request.path));
+}
+
+// Opens a session; the code is in the link only.
+void LiveServer::OnLogin(const http::Request& request, const http::Respond& respond) {
+  auto session = login_.Redeem(Parameter(request, "code"), request.peer, node_.loop().Now());
+  if (!session) {
+    const unsigned status = session.error().code == kCodeTargetBusy ? 429 : 403;
+    return respond(http::ErrorResponse(
+        status, session.error().code,
+        session.error().message + "; `musher view --link` prints another link"));
+  }
+  http::Response response = Redirect("/");
+  response.headers.emplace_back("Set-Cookie", std::string(kCookie) + "=" + session.value() +
+                                                  "; HttpOnly; SameSite=Strict; Path=/");
+  respond(std::move(response));
+}
+
+// Ends the session, also of its other pages: they look on without the login, where they may.
+void LiveServer::OnLogout(const http::Request& request, const http::Respond& respond) {
+  http::Response response;
+  response.body = std::make_shared<const std::string>("{}");
+  response.headers.emplace_back(
+      "Set-Cookie", std::string(kCookie) + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
+  const auto cookie = request.cookies.find(kCookie);
+  if (cookie == request.cookies.end()) return respond(std::move(response));
+  login_.End(cookie->second);
+  std::vector<std::shared_ptr<http::WebSocket>> sockets;
+  for (const Page& page : pages_) sockets.push_back(page.socket);
+  for (const auto& acting : acting_) {
+    if (auto socket = acting.lock()) sockets.push_back(std::move(socket));
+  }
+  for (const auto& socket : sockets) {
+    const auto own = socket->request().cookies.find(kCookie);
+    const bool same = own != socket->request().cookies.end() && own->second == cookie->second;
+    if (same) socket->Close(kNormalClosure, "the login has ended");
+  }
+  respond(std::move(response));
+}
+
+// For `musher view --link`, which has read the token file.
+void LiveServer::OnLink(const http::Request& request, const http::Respond& respond) {
+  const Json body = Json::parse(request.body, nullptr, false);
+  if (request.method != "POST" || !body.is_object()) {
+    return respond(http::ErrorResponse(400, kCodeParametersInvalid,
+                                       R"(POST {"token":"...","name":"..."} gives a link)"));
+  }
+  const Time now = node_.loop().Now();
+  const auto permitted = login_.MayMakeLinks(TextIn(body, "token"), request.peer, now);
+  if (!permitted) {
+    const unsigned status = permitted.error().code == kCodeTargetBusy ? 429 : 403;
+    return respond(http::ErrorResponse(status, permitted.error().code, permitted.error().message));
+  }
+  http::Response response;
+  response.body = std::make_shared<const std::string>(
+      R"({"path":)" + http::JsonText(NewLink(TextIn(body, "name"))) + "}");
+  respond(std::move(response));
+}
+
+Result<std::string> LiveServer::LogFileOf(const std::string& actuator) {
+  const std::optional<msg::MachineStatus>& status = feed_->last_status();
+  if (!status) return Error{kCodeNetError, "no controller has led since this page is served"};
+  const auto& actuators = status->actuators;
+  const bool known = actuator == "controller" ||
+                     std::any_of(actuators.begin(), actuators.end(),
+                                 [&](const auto& each) { return each.name == actuator; });
+  if (!known) {
+    return Error{kCodeParametersInvalid, "the machine has no actuator '" + actuator + "'"};
+  }
+  std::string folder = options_.logs;
+  std::string of_controller = folder + "/../controller.log";
+  if (folder.empty()) {
+    if (status->host != HostId()) {
+      return Error{kCodeUnSupport, "the logs are on the host of the controller"};
+    }
+    const auto config = ReadValidConfig(status->config_file);
+    if (!config) return config.error();
+    folder = config.value().state_dir + "/logs";
+    of_controller = config.value().log.empty() ? config.value().state_dir + "/controller.log"
+                                               : config.value().log;
+  }
+  return actuator == "controller" ? of_controller : folder + "/" + actuator + ".log";
+}
+
+void LiveServer::OnLog(const http::Request& request, const http::Respond& respond) {
+  const auto file = LogFileOf(Parameter(request, "actuator"));
+  if (!file) return respond(http::ErrorResponse(404, file.error().code, file.error().message));
+  const auto piece = ReadLog(file.value(), NumberIn(request, "from", -kMostLogBytes));
+  if (!piece) return respond(http::ErrorResponse(404, piece.error().code, piece.error().message));
+  http::Response response;
+  response.body = std::make_shared<const std::string>(
+      R"({"from":)" + std::to_string(piece.value().from) + R"(,"to":)" +
+      std::to_string(piece.value().to) + R"(,"size":)" + std::to_string(piece.value().size) +
+      R"(,"text":)" + http::JsonText(piece.value().text) + "}");
+  respond(std::move(response));
 }
 
 }  // namespace musher::view

@@ -1,17 +1,15 @@
 #include "musher/view/live/machine_feed.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "musher/view/http/reply.hpp"
+#include "musher/view/json/json.hpp"
 #include "musher/view/live/watched_topics.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::view {
 namespace {
-
-using FeedJson = nlohmann::ordered_json;
 
 constexpr std::uint32_t kQueriedEntries = 400;
 constexpr Duration kQueryDelay = Milliseconds(50);  // the records of a change come together
@@ -19,10 +17,6 @@ constexpr Duration kAnswerTime = std::chrono::seconds(3);
 constexpr std::size_t kMostControllers = 64;
 constexpr int kSecondsOfProcesses = 2;
 constexpr int kSecondsOfHistory = 5;  // beside each change of the status
-
-std::string DumpedFeed(const FeedJson& json) {
-  return json.dump(-1, ' ', false, FeedJson::error_handler_t::replace);
-}
 
 SharedText GoneMessage(const std::string& topic) {
   return std::make_shared<const std::string>(R"({"op":"gone","topic":)" + http::JsonText(topic) +
@@ -32,18 +26,18 @@ SharedText GoneMessage(const std::string& topic) {
 }  // namespace
 
 std::string EntryJson(const msg::HistoryEntry& entry, const std::string& event) {
-  return DumpedFeed({{"id", entry.id},
-                     {"wall_ns", std::to_string(entry.wall_ns)},
-                     {"epoch", entry.epoch},
-                     {"switch_number", entry.switch_number},
-                     {"kind", entry.kind},
-                     {"actuator", entry.actuator},
-                     {"code", entry.code},
-                     {"message", entry.message},
-                     {"cause", entry.cause},
-                     {"state", entry.state},
-                     {"data", entry.data},
-                     {"event", event}});
+  return Dumped({{"id", entry.id},
+                 {"wall_ns", std::to_string(entry.wall_ns)},
+                 {"epoch", entry.epoch},
+                 {"switch_number", entry.switch_number},
+                 {"kind", entry.kind},
+                 {"actuator", entry.actuator},
+                 {"code", entry.code},
+                 {"message", entry.message},
+                 {"cause", entry.cause},
+                 {"state", entry.state},
+                 {"data", entry.data},
+                 {"event", event}});
 }
 
 MachineFeed::MachineFeed(transport::Node& node, Options options, Events events)
@@ -210,7 +204,7 @@ void MachineFeed::OnAnswer(const Result<msg::GetHistory::Response>& answer) {
 
 void MachineFeed::LookAtProcesses() {
   if (!status()) return;
-  FeedJson actuators = FeedJson::array();
+  OrderedJson actuators = OrderedJson::array();
   std::map<std::string, std::pair<ProcessUsage, Time>> now;
   const Time at = node_.loop().Now();
   for (const msg::ActuatorInfo& actuator : status()->actuators) {
@@ -233,7 +227,7 @@ void MachineFeed::LookAtProcesses() {
   }
   usage_ = std::move(now);
   Keep("processes", std::make_shared<const std::string>(
-                        DumpedFeed({{"op", "processes"}, {"actuators", std::move(actuators)}})));
+                        Dumped({{"op", "processes"}, {"actuators", std::move(actuators)}})));
 }
 
 }  // namespace musher::view

@@ -162,14 +162,13 @@ void RobotRequests::Stop(const std::string& by, const std::string& reason,
   msg::EmergencyStop stop = NewEmergencyStop(by, reason);
   stop.machine = leader_().machine().name;
   stop.machine_id = leader_().machine().id;
-  auto latching = Latching::Begin(node_, options_.name_space, stop, options_.with_keys);
-  if (!latching) {
-    return respond(
-        http::ErrorResponse(500, latching.error().code,
-                            "the emergency stop could not be sent: " + latching.error().message));
+  auto latch = StopLatch::Begin(node_, options_.name_space, stop, options_.with_keys);
+  if (!latch) {
+    return respond(http::ErrorResponse(
+        500, latch.error().code, "the emergency stop could not be sent: " + latch.error().message));
   }
   const Time now = node_.loop().Now();
-  stops_.push_back({std::move(latching).value(), respond, now + kStopTime, now + kStopKept});
+  stops_.push_back({std::move(latch).value(), respond, now + kStopTime, now + kStopKept});
   if (!stop_timer_) stop_timer_ = node_.loop().Every(kStopPeriod, [this] { LookAtStops(); });
 }
 
@@ -181,7 +180,7 @@ void RobotRequests::LookAtStops() {
   const Time now = node_.loop().Now();
   for (Stopping& stop : stops_) {
     if (!stop.respond) continue;
-    const EstopReport report = stop.latching->Report(status());
+    const EstopReport report = stop.latch->Report(status());
     const bool found = report.controller || !report.actuators.empty();
     const bool over = now >= stop.answer_by;
     if (!over && !(found && report.settled())) continue;

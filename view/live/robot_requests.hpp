@@ -14,8 +14,8 @@
 #include <memory>
 #include <string>
 
-#include "musher/controller/client/latching.hpp"
 #include "musher/controller/client/leader_call.hpp"
+#include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/client/switch_client.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
@@ -70,7 +70,7 @@ class RobotRequests {
     bool ended = false;
   };
   struct Stopping {
-    std::unique_ptr<Latching> latching;
+    std::unique_ptr<StopLatch> latch;
     http::Respond respond;  // empty: it was answered
     Time answer_by;
     Time drop_at;  // until then it reaches actuators that join

@@ -5,7 +5,7 @@
 
 #include "musher/base/decimal.hpp"
 #include "musher/modules/motion/tool/commands.hpp"
-#include "musher/modules/motion/tool/streaming.hpp"
+#include "musher/modules/motion/tool/speed_stream.hpp"
 
 namespace musher::motion::tool {
 namespace {
@@ -15,14 +15,14 @@ constexpr int kSlowest = 20;  // how much slower a /clock may run
 }  // namespace
 
 ExitCode Run(const GlobalOptions& global, const ServoOptions& options) {
-  auto opened = Streaming::Open(global, options.id, options.source);
+  auto opened = SpeedStream::Open(global, options.id, options.source);
   if (const auto* exit = std::get_if<ExitCode>(&opened)) return *exit;
-  Streaming& streaming = *std::get<std::unique_ptr<Streaming>>(opened);
+  SpeedStream& stream = *std::get<std::unique_ptr<SpeedStream>>(opened);
   const auto time = FromSeconds(options.seconds);
-  transport::Clock& clock = streaming.link().clock();
+  transport::Clock& clock = stream.link().clock();
   const Time end = clock.Now() + time;
   const std::string what = "servo motion " + NameOf(global, options.id);
-  const auto exit = streaming.Run(
+  const auto exit = stream.Run(
       [&]() -> std::optional<SpeedLimit> {
         if (clock.Now() >= end) return std::nullopt;
         return options.speed;

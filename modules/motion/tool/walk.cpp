@@ -8,8 +8,8 @@
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/modules/motion/tool/commands.hpp"
 #include "musher/modules/motion/tool/odometry_watch.hpp"
+#include "musher/modules/motion/tool/speed_stream.hpp"
 #include "musher/modules/motion/tool/square_walk.hpp"
-#include "musher/modules/motion/tool/streaming.hpp"
 
 namespace musher::motion::tool {
 namespace {
@@ -17,12 +17,12 @@ namespace {
 // The state of the walk and the decision on its next speed.
 class Walker {
  public:
-  Walker(Streaming& streaming, const WalkOptions& options)
-      : streaming_(streaming), options_(options), opened_(Now()) {}
+  Walker(SpeedStream& stream, const WalkOptions& options)
+      : stream_(stream), options_(options), opened_(Now()) {}
 
   Result<> Listen() {
     auto odometry = transport::MakeSubscription<msg::Odometry>(
-        streaming_.link().node(), streaming_.link().Name("odom_out"),
+        stream_.link().node(), stream_.link().Name("odom_out"),
         [this](const msg::Odometry& message, const transport::SampleInfo&) {
           pose_ = PlanarPoseOf(FromWire(message.pose.pose));
           odometry_watch_.OnSample(Now());
@@ -34,11 +34,11 @@ class Walker {
 
   std::optional<SpeedLimit> Next() {
     if (odometry_watch_.Missing(Now())) {
-      return Fault("no odometry on " + streaming_.link().Name("odom_out"));
+      return Fault("no odometry on " + stream_.link().Name("odom_out"));
     }
     if (!walk_) {
       if (Now() - opened_ > kStandingUp) return Fault("the body does not start walking");
-      if (!streaming_.moving() || !pose_) return SpeedLimit{};  // it stands up
+      if (!stream_.moving() || !pose_) return SpeedLimit{};  // it stands up
       walk_.emplace(*pose_, options_.square_m, options_.speed);
       begun_ = Now();
     }
@@ -53,13 +53,13 @@ class Walker {
   double gap_m() const { return walk_->Gap(*pose_); }
 
  private:
-  Time Now() const { return streaming_.link().clock().Now(); }
+  Time Now() const { return stream_.link().clock().Now(); }
   std::nullopt_t Fault(const std::string& what) {
     fault_ = Error{kCodeNetError, what};
     return std::nullopt;
   }
 
-  Streaming& streaming_;
+  SpeedStream& stream_;
   const WalkOptions& options_;
   const Time opened_;
   Time begun_{};
@@ -73,16 +73,16 @@ class Walker {
 }  // namespace
 
 ExitCode Run(const GlobalOptions& global, const WalkOptions& options) {
-  auto opened = Streaming::Open(global, kUserTrot, options.source);
+  auto opened = SpeedStream::Open(global, kUserTrot, options.source);
   if (const auto* exit = std::get_if<ExitCode>(&opened)) return *exit;
-  Streaming& streaming = *std::get<std::unique_ptr<Streaming>>(opened);
-  Walker walker(streaming, options);
+  SpeedStream& stream = *std::get<std::unique_ptr<SpeedStream>>(opened);
+  Walker walker(stream, options);
   if (const auto listening = walker.Listen(); !listening) {
     return Fail(ExitCode::kUsage, listening.error());
   }
   const std::chrono::duration<double> longest(20 * options.square_m / options.speed + 60);
-  const auto exit = streaming.Run([&] { return walker.Next(); },
-                                  std::chrono::duration_cast<Duration>(longest), "the walk");
+  const auto exit = stream.Run([&] { return walker.Next(); },
+                               std::chrono::duration_cast<Duration>(longest), "the walk");
   if (exit) return *exit;
   if (walker.fault()) return Fail(ExitCode::kNotDone, *walker.fault());
   if (global.json) {

@@ -8,7 +8,7 @@ namespace musher::coverage {
 namespace {
 
 // A cell while the space is swept upwards.
-struct Growing {
+struct GrowingCell {
   std::vector<Lane> slices;
   // What has to be covered beyond the slices: the radius before a wall. The narrow cell beside a
   // wide one begins where the wide one has covered up to its wall.
@@ -47,7 +47,7 @@ class Sweep {
     for (std::size_t i = 0; i < free.size(); ++i) cells_[next[i]].slices.push_back({y_m, free[i]});
     open_ = next;
   }
-  std::vector<Growing> Take() { return std::move(cells_); }
+  std::vector<GrowingCell> Take() { return std::move(cells_); }
 
  private:
   const Lane& Last(std::size_t cell) const { return cells_[cell].slices.back(); }
@@ -87,11 +87,11 @@ class Sweep {
 
   const FreeSpace& space_;
   const double jump_m_;
-  std::vector<Growing> cells_;
+  std::vector<GrowingCell> cells_;
   std::vector<std::size_t> open_;
 };
 
-Cell WithLanes(const Growing& growing, double lane_width_m) {
+Cell WithLanes(const GrowingCell& growing, double lane_width_m) {
   const std::vector<Lane>& slices = growing.slices;
   const double low = slices.front().y_m - growing.below_m;
   const double high = slices.back().y_m + growing.above_m;
@@ -129,7 +129,7 @@ std::vector<Cell> CellsOf(const FreeSpace& space, double lane_width_m, double sl
     sweep.Add(y, space.At(y));
   }
   std::vector<Cell> cells;
-  for (const Growing& growing : sweep.Take()) {
+  for (const GrowingCell& growing : sweep.Take()) {
     Cell cell = WithLanes(growing, lane_width_m);
     if (!cell.lanes.empty()) cells.push_back(std::move(cell));
   }

@@ -75,7 +75,7 @@ class EntriesReader {
     TableReader parameter_reader(parameters == nullptr ? none : *parameters,
                                  reader.At("parameters"), path + ".parameters", findings_);
     entry.parameters = ReadCourseParameters(*kind, parameter_reader, findings_);
-    entry.making = MakingOf(entry.parameters);
+    entry.factory = FactoryOf(entry.parameters);
     parameter_reader.RefuseOthers();
     CheckOutputs(reader, entry);
     entries_.push_back(std::move(entry));

@@ -27,7 +27,7 @@ using CourseParameters = std::variant<LinesParameters, ArrowParameters, BarrierP
                                       MarkerParameters, QrParameters>;
 
 // How to make a detector with its parameters.
-struct CourseMaking {
+struct CourseFactory {
   CourseDetectorMaker make;
   std::function<Result<>()> check;  // whether it can work: what it needs is installed; may be slow
 };
@@ -52,7 +52,7 @@ struct CourseEntry {
   std::string publish;                // the text, or of a detector of lines its lines
   DetectorLimits limits;
   CourseParameters parameters;
-  CourseMaking making;  // with them
+  CourseFactory factory;  // with them
 
   std::string CameraInfoTopic() const {
     return camera_info.empty() ? picture + "/camera_info" : camera_info;

@@ -14,9 +14,9 @@ Error Named(const std::string& name, const Error& error) {
 CourseDetection::CourseDetection(const Dependencies& dependencies, const CourseEntry& entry,
                                  const DetectionEvents& events)
     : name_(entry.name),
-      check_(entry.making.check),
+      check_(entry.factory.check),
       thread_(dependencies.node.loop(),
-              [make = entry.making.make] { return CourseProcessor::Make(make); }, entry.limits,
+              [make = entry.factory.make] { return CourseProcessor::Make(make); }, entry.limits,
               {.on_result =
                    [this](const DetectionResult<CourseProcessor>& result) {
                      if (topics_) topics_->OnResult(result);

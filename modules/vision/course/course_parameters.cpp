@@ -195,30 +195,30 @@ class ParametersReader {
 };
 
 template <class Parameters>
-CourseMaking Making(const Parameters& parameters,
-                    std::unique_ptr<CourseDetector> (*make)(const Parameters&)) {
+CourseFactory FactoryWith(const Parameters& parameters,
+                          std::unique_ptr<CourseDetector> (*make)(const Parameters&)) {
   return {
       [parameters, make]() -> Result<std::unique_ptr<CourseDetector>> { return make(parameters); },
       [] { return Ok(); }};
 }
 
-struct MakingOfKind {
-  CourseMaking operator()(const LinesParameters& lines) const {
-    return Making(lines, MakeLinesDetector);
+struct FactoryOfKind {
+  CourseFactory operator()(const LinesParameters& lines) const {
+    return FactoryWith(lines, MakeLinesDetector);
   }
-  CourseMaking operator()(const ArrowParameters& arrow) const {
-    return Making(arrow, MakeArrowDetector);
+  CourseFactory operator()(const ArrowParameters& arrow) const {
+    return FactoryWith(arrow, MakeArrowDetector);
   }
-  CourseMaking operator()(const BarrierParameters& barrier) const {
-    return Making(barrier, MakeBarrierDetector);
+  CourseFactory operator()(const BarrierParameters& barrier) const {
+    return FactoryWith(barrier, MakeBarrierDetector);
   }
-  CourseMaking operator()(const MarkerParameters& marker) const {
-    return Making(marker, MakeMarkerDetector);
+  CourseFactory operator()(const MarkerParameters& marker) const {
+    return FactoryWith(marker, MakeMarkerDetector);
   }
-  CourseMaking operator()(const QrParameters& qr) const {
-    CourseMaking making = Making(qr, MakeQrDetector);
-    making.check = [qr] { return CheckLetters(qr); };
-    return making;
+  CourseFactory operator()(const QrParameters& qr) const {
+    CourseFactory factory = FactoryWith(qr, MakeQrDetector);
+    factory.check = [qr] { return CheckLetters(qr); };
+    return factory;
   }
 };
 
@@ -244,8 +244,8 @@ CourseParameters ReadCourseParameters(CourseKind kind, TableReader& reader,
   return parameters.Lines();
 }
 
-CourseMaking MakingOf(const CourseParameters& parameters) {
-  return std::visit(MakingOfKind(), parameters);
+CourseFactory FactoryOf(const CourseParameters& parameters) {
+  return std::visit(FactoryOfKind(), parameters);
 }
 
 }  // namespace musher::vision

@@ -11,6 +11,6 @@ CourseParameters ReadCourseParameters(CourseKind kind, config_toml::TableReader&
                                       config_toml::Findings& findings);
 
 // How to make the detector with them.
-CourseMaking MakingOf(const CourseParameters& parameters);
+CourseFactory FactoryOf(const CourseParameters& parameters);
 
 }  // namespace musher::vision

@@ -34,10 +34,10 @@ void Draw(const std::vector<FaceBox>& faces, cv::Mat& mat) {
   }
 }
 
-class Looking {
+class FaceSearch {
  public:
-  Looking(const VisionConfig& config, const LookOptions& options, Detector& detector,
-          std::ostream& out)
+  FaceSearch(const VisionConfig& config, const LookOptions& options, Detector& detector,
+             std::ostream& out)
       : config_(config), options_(options), detector_(detector), out_(out) {}
 
   Result<> LookAt(const std::string& file) {
@@ -102,10 +102,10 @@ Result<> Look(const VisionConfig& config, const LookOptions& options, std::ostre
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   auto detector = MakeCascadeDetector(config.cascade);
   if (!detector) return detector.error();
-  Looking looking(config, options, *detector.value(), out);
+  FaceSearch search(config, options, *detector.value(), out);
   for (const std::string& file : options.pictures) {
     try {
-      if (Result<> looked = looking.LookAt(file); !looked) return looked;
+      if (Result<> looked = search.LookAt(file); !looked) return looked;
     } catch (const std::exception& thrown) {
       const std::string why = thrown.what();
       return Error{kCodeFailed, file + ": " + why.substr(0, why.find('\n'))};

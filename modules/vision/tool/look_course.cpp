@@ -53,13 +53,13 @@ std::string SightingText(const msg::Sighting& sighting) {
                             sighting.y + sighting.height / 2, sighting.width, sighting.height);
 }
 
-class CourseLooking {
+class CourseSearch {
  public:
-  CourseLooking(const CourseEntry& entry, const LookOptions& options, std::ostream& out)
+  CourseSearch(const CourseEntry& entry, const LookOptions& options, std::ostream& out)
       : entry_(entry), options_(options), out_(out) {}
 
   Result<> LookAt(const std::string& file) {
-    auto detector = entry_.making.make();
+    auto detector = entry_.factory.make();
     if (!detector) return detector.error();
     if (IsFilm(file)) return LookAtFilm(file, *detector.value());
     cv::Mat mat = cv::imread(file, cv::IMREAD_COLOR);
@@ -138,11 +138,11 @@ std::string SightText(const CourseSight& sight) {
 Result<> LookAtCourse(const CourseEntry& entry, const LookOptions& options, std::ostream& out) {
   // Errors of a file are reported here, not by OpenCV.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  if (Result<> able = entry.making.check(); !able) return able;
-  CourseLooking looking(entry, options, out);
+  if (Result<> able = entry.factory.check(); !able) return able;
+  CourseSearch search(entry, options, out);
   for (const std::string& file : options.pictures) {
     try {
-      if (Result<> looked = looking.LookAt(file); !looked) return looked;
+      if (Result<> looked = search.LookAt(file); !looked) return looked;
     } catch (const std::exception& thrown) {
       const std::string why = thrown.what();
       return Error{kCodeFailed, file + ": " + why.substr(0, why.find('\n'))};

@@ -78,14 +78,14 @@ const std::array kMotions = {
     Plain(86, kAnyGait, Kind::kShow, 5000),
 };
 
-struct Following {
+struct Successors {
   int mode;
   int gait;
   std::vector<int> next;
 };
 // As in the robot's motion table; of one mode, entries with a gait of their own come first. From
 // standing every mode may follow.
-const std::array<Following, 24> kFollowing = {{
+const std::array<Successors, 24> kSuccessors = {{
     {0, kAnyGait, {0, 12, 7, 15}},
     {7, kAnyGait, {0, 12, 7, 80}},
     {3, kAnyGait, {0, 7, 12, 11, 21, 3}},
@@ -145,10 +145,10 @@ const Motion* FindMotion(int mode, int gait) {
 bool MayFollow(int mode, int gait, int next) {
   if (mode == kModeStand) return true;
   const auto* const row =
-      std::find_if(kFollowing.begin(), kFollowing.end(), [&](const Following& following) {
+      std::find_if(kSuccessors.begin(), kSuccessors.end(), [&](const Successors& following) {
         return following.mode == mode && (following.gait == gait || following.gait == kAnyGait);
       });
-  return row != kFollowing.end() &&
+  return row != kSuccessors.end() &&
          std::find(row->next.begin(), row->next.end(), next) != row->next.end();
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double kWalkedByM = 1;  // the walker depends on lines up to there
 
 std::unique_ptr<CourseDetector> Made(const CourseEntry& entry) {
-  if (entry.kind != CourseKind::kQr) return entry.making.make().value();
+  if (entry.kind != CourseKind::kQr) return entry.factory.make().value();
   auto parameters = std::get<QrParameters>(entry.parameters);
   parameters.thorough_every = 1;
   parameters.letters = false;  // they take a tenth of a second where there are none

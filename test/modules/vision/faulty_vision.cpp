@@ -46,8 +46,8 @@ int Run(const program::Options& options) {
   if (!reading.config) return program::kUsageError;
   VisionConfig config = *reading.config;
   for (CourseEntry& entry : config.detectors) {
-    entry.making = {[] { return std::unique_ptr<CourseDetector>(new FaultyCourseDetector); },
-                    [] { return Ok(); }};
+    entry.factory = {[] { return std::unique_ptr<CourseDetector>(new FaultyCourseDetector); },
+                     [] { return Ok(); }};
   }
   VisionManager manager(options.actuator, config,
                         [] { return std::unique_ptr<Detector>(new FaultyDetector); });

@@ -43,8 +43,8 @@ class LookAtCourse : public ::testing::Test {
  protected:
   LookAtCourse() {
     entry_.name = "sign";
-    entry_.making = {[] { return std::unique_ptr<CourseDetector>(new SecondSight); },
-                     [] { return Ok(); }};
+    entry_.factory = {[] { return std::unique_ptr<CourseDetector>(new SecondSight); },
+                      [] { return Ok(); }};
     config_.detectors = {entry_};
   }
   std::string SavePicture(const std::string& name) {
@@ -119,7 +119,7 @@ TEST_F(LookAtCourse, FailsWithAFileThatCannotBeReadOrWritten) {
   options_.pictures = {SavePicture("a.png")};
   options_.out = "/no/such/folder/out.png";
   EXPECT_EQ(Failure(), "/no/such/folder/out.png cannot be written");
-  entry_.making.check = [] { return Result<>(Error{5912, "tesseract-ocr-eng is missing"}); };
+  entry_.factory.check = [] { return Result<>(Error{5912, "tesseract-ocr-eng is missing"}); };
   EXPECT_EQ(Failure(), "tesseract-ocr-eng is missing");
 }
 

@@ -1,0 +1,116 @@
+#pragma once
+// The build of one tree; only for build.cpp, warnings.cpp and setup.cpp.
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "musher/behavior/tree/build.hpp"
+
+namespace musher::tree {
+
+class Builder {
+ public:
+  Builder(const Document& document, const Factory& factory);
+
+  // Null: the tree has errors.
+  std::unique_ptr<Tree> Make(const Document::Tree& main, std::size_t history);
+  void Report(Place place, Severity severity, std::string message) {
+    found_.emplace_back(place, severity, std::move(message));
+  }
+  bool failed() const;
+  // The diagnostics by place, each once.
+  std::vector<Diagnostic> Take() &&;
+  const std::vector<std::string>& used() const { return used_; }  // ids of trees
+
+  // An input that neither the element nor its model sets: one warning for each class of nodes.
+  void NoteUnset(const Element& element, const std::string& port);
+
+  void ReportScript(const Attribute& attribute, const Script::Finding& finding);
+
+  // Connection of a port of the present node, for Setup.
+  Setup::Connection Connect(const Element& element, Board& board, const PortModel& model);
+  void MarkUsed(const Attribute& attribute) { used_attributes_.push_back(&attribute); }
+
+  // What a node does with an entry, for the warnings.
+  void NoteRead(const Entry& entry, Place place) { reads_.emplace_back(&entry, place); }
+  void NoteWrite(const Entry& entry, Place place) {
+    writes_.emplace(&entry, place);
+    made_.insert(&entry);
+  }
+  void NoteScript(const Script& script, Place place);
+
+ private:
+  struct Around {
+    NodeId parent = kNoNode;
+    std::uint32_t board = 0;
+    int depth = 0;
+  };
+
+  // Null: an error, which is reported.
+  Node* MakeNode(const Element& element, const Around& around);
+  Node* MakeSubtree(const Element& element, const Around& around);
+  Node* MakeRegistered(const Element& element, std::string_view id,
+                       const Factory::Registered& registered, const Around& around);
+  void MakeChildren(const Element& element, Node* node, NodeId id, const Around& around);
+  void CheckChildren(const Element& element, const Node& node, std::string_view id);
+  Node* MakeContent(const Document::Tree& tree, const Around& around);
+  std::uint32_t MakeBoard(const Element& element, std::string_view id, std::uint32_t outer);
+  void SetConditions(const Element& element, Node& node, Board& board);
+  void CheckAttributes(const Element& element, const Setup& setup);
+  void UnknownNode(Place place, std::string_view id);
+  std::string PlainPath(NodeId id) const;
+  void Unify(Entry& entry, const Attribute& attribute, const PortModel& model);
+  NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
+  Node* Keep(NodeId id, std::unique_ptr<Node> node);
+  void SetConstants();
+  void Warn();  // warnings.cpp
+  void WarnOfReactive(NodeId id, const std::vector<NodeId>& children);
+  void WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool unsure);
+  void WarnOfParallel(NodeId id, std::size_t children);
+  void WarnOfUnset();
+  void WarnOfUnmade();
+
+  const Document& document_;
+  const Factory& factory_;
+  std::unique_ptr<Tree> tree_;
+  std::vector<const Element*> elements_;  // by node
+  std::vector<std::tuple<Place, Severity, std::string>> found_;
+  std::vector<std::vector<std::uint32_t>> lines_;  // where the lines of each file begin
+  // Findings that are the same at each place of a class of nodes: reported at the first one.
+  std::map<std::string, std::set<Place>, std::less<>> unknown_;
+  struct Unset {
+    std::set<Place> places;
+    std::set<std::string> ports;
+  };
+  std::map<std::string, Unset, std::less<>> unset_;
+  std::vector<std::string> inside_;  // the trees around the present node
+  std::vector<std::string> used_;
+  std::vector<const Attribute*> used_attributes_;
+  struct FirstUse {
+    const Type* type = nullptr;
+    Place place;
+  };
+  std::map<const Entry*, FirstUse> types_;
+  std::set<const Entry*> read_as_text_;
+  struct Constant {
+    Entry* entry = nullptr;
+    const Attribute* attribute = nullptr;
+    std::string text;
+    Place place;
+  };
+  std::vector<Constant> constants_;
+  // Entries with a place that reads or sets them.
+  std::vector<std::pair<const Entry*, Place>> reads_;
+  std::map<const Entry*, Place> writes_;
+  std::set<const Entry*> made_;                         // also where they do not exist yet
+  std::vector<std::pair<const Entry*, Place>> needed_;  // by '=' in a script
+  bool too_large_ = false;
+};
+
+}  // namespace musher::tree

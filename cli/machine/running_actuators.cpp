@@ -1,0 +1,104 @@
+#include "musher/cli/machine/running_actuators.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/base/host.hpp"
+#include "musher/lifecycle/state.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::cli {
+
+Result<std::unique_ptr<RunningActuators>> RunningActuators::Begin(transport::Node& node,
+                                                                  const std::string& name_space,
+                                                                  bool with_keys) {
+  std::unique_ptr<RunningActuators> running(new RunningActuators(node.loop(), name_space));
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [self = running.get()](transport::EndpointId writer) {
+    self->received_.erase(writer);
+  };
+  transport::Qos qos = transport::kLatchedFromManyQos;
+  qos.partition = transport::ReaderPartition(with_keys);
+  auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
+      node, transport::ActuatorStatusTopic(name_space),
+      [self = running.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+        if (!transport::IsFrom(status, info)) return;
+        self->received_[info.writer] = {status, true, self->loop_.Now(), info.participant,
+                                        std::nullopt};
+      },
+      qos, std::move(events));
+  // The permissions of an observer from an earlier version do not allow it: the list stays empty.
+  if (!statuses && !with_keys) return statuses.error();
+  if (statuses) running->statuses_ = std::move(statuses).value();
+  running->FindChildrenHere();
+  return running;
+}
+
+void RunningActuators::FindChildrenHere() {
+  const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
+  for (const MarkedProcess& process : FindMarked()) {
+    if (process.pid != process.started || !process.mark.starts_with(prefix)) continue;
+    const std::string name = process.mark.substr(prefix.size());
+    if (name.find('/') == std::string::npos) {
+      children_.push_back({name, process.pid, process.start_time});
+    }
+  }
+}
+
+void RunningActuators::OnlyOf(const MachineIdentity& machine) {
+  machine_ = machine;
+}
+
+std::vector<MachineIdentity> RunningActuators::Machines(bool here) const {
+  std::vector<MachineIdentity> machines;
+  for (const auto& [writer, actuator] : received_) {
+    const msg::ActuatorStatus& status = actuator.status;
+    if ((status.host == HostId()) != here) continue;
+    const MachineIdentity machine{status.machine, status.machine_id};
+    const bool known = std::any_of(machines.begin(), machines.end(),
+                                   [&](const auto& other) { return SameMachine(machine, other); });
+    if (!known) machines.push_back(machine);
+  }
+  return machines;
+}
+
+std::map<std::string, RunningActuators::Actuator> RunningActuators::Received() const {
+  std::map<std::string, Actuator> received;
+  for (const auto& [writer, actuator] : received_) {
+    const msg::ActuatorStatus& status = actuator.status;
+    if (!SameMachine(machine_, {status.machine, status.machine_id})) continue;
+    received[status.name] = actuator;
+  }
+  return received;
+}
+
+std::map<std::string, RunningActuators::Actuator> RunningActuators::Now() const {
+  std::map<std::string, Actuator> running;
+  const std::map<std::string, Actuator> received = Received();
+  for (const auto& [name, actuator] : received) {
+    if (actuator.status.state != kTearDown) running[name] = actuator;
+  }
+  const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
+  for (const std::string& name : NameLock::HeldBelow(prefix)) {
+    if (received.contains(name)) continue;
+    Actuator& silent = running[name];
+    silent.has_status = false;
+    silent.status.name = name;
+    silent.status.pid = NameLock::HolderOf(prefix + name).pid;
+    silent.status.host = HostId();
+  }
+  for (const ChildProcess& child : children_) {
+    const bool known = received.contains(child.actuator) || running.contains(child.actuator);
+    if (known || !IsRunning(child)) continue;
+    Actuator& program = running[child.actuator];
+    program.has_status = false;
+    program.child = child;
+    program.status.name = child.actuator;
+    program.status.pid = child.pid;
+    program.status.host = HostId();
+  }
+  return running;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,59 @@
+#pragma once
+// The running actuators of a namespace, with or without a controller: from their latched status,
+// and on this host from the name that each process holds, or from the mark that a controller has
+// given to the process of another protocol.
+//
+// Threads: loop thread only.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/controller/process/child_processes.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher::cli {
+
+class RunningActuators {
+ public:
+  struct Actuator {
+    msg::ActuatorStatus status;                // only name and pid if no status was received
+    bool has_status = true;                    // its status was received
+    Time at{};                                 // when the status was received
+    transport::ParticipantId participant = 0;  // of the process
+    std::optional<ChildProcess> child;         // started by a controller; it holds no name
+  };
+
+  // Subscribes to the statuses. The node must outlive it.
+  static Result<std::unique_ptr<RunningActuators>> Begin(transport::Node& node,
+                                                         const std::string& name_space,
+                                                         bool with_keys);
+
+  // From now on only actuators of this machine count.
+  void OnlyOf(const MachineIdentity& machine);
+  // The machines of the actuators whose statuses were received: those on this host, or elsewhere.
+  std::vector<MachineIdentity> Machines(bool here) const;
+  // The actuators that are not torn down, by name.
+  std::map<std::string, Actuator> Now() const;
+  bool HasStatusOf(const std::string& actuator) const { return Received().contains(actuator); }
+
+ private:
+  RunningActuators(transport::EventLoop& loop, std::string name_space)
+      : loop_(loop), name_space_(std::move(name_space)) {}
+
+  void FindChildrenHere();
+  std::map<std::string, Actuator> Received() const;  // of the machine, by name
+
+  transport::EventLoop& loop_;
+  const std::string name_space_;
+  MachineIdentity machine_;                             // empty: any
+  std::map<transport::EndpointId, Actuator> received_;  // by the writer
+  std::vector<ChildProcess> children_;                  // marked processes, found by Begin()
+  std::unique_ptr<transport::Subscription> statuses_;   // last: its callbacks use all of the above
+};
+
+}  // namespace musher::cli

@@ -1,0 +1,201 @@
+#include "musher/controller/client/stop_latch.hpp"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/health/health.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+// Of what is known of other machines for a message.
+constexpr std::size_t kMostMachines = 8;
+constexpr std::size_t kLongestUnknownMachine = 80;
+
+// Whether it may move. A crashed actuator does not. One whose connection is lost may, unless its
+// process has ended; so may one whose process a new controller has found, or has stored as running
+// on another host, and has not taken control of yet.
+bool MayMove(const msg::ActuatorInfo& actuator) {
+  const auto is = [&](Presence presence) { return actuator.presence == PresenceName(presence); };
+  if (is(Presence::kPresent) || is(Presence::kStarting)) return true;
+  if (actuator.health == HealthName(Health::kHung) ||
+      actuator.health == HealthName(Health::kPartitioned)) {
+    return true;
+  }
+  const bool elsewhere = is(Presence::kAbsent) && !actuator.host.empty();
+  return actuator.health != HealthName(Health::kCrashed) && (actuator.pid != 0 || elsewhere);
+}
+
+}  // namespace
+
+std::vector<std::string> EstopReport::Missing() const {
+  std::vector<std::string> missing;
+  for (const Actuator& actuator : actuators) {
+    if (!actuator.stopped) missing.push_back(actuator.name);
+  }
+  return missing;
+}
+
+bool EstopReport::settled() const {
+  return controller == controller_latched && (!controller || knows_origin) &&
+         std::all_of(actuators.begin(), actuators.end(), [](const Actuator& actuator) {
+           return actuator.stopped || actuator.unsupported;
+         });
+}
+
+msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason) {
+  std::random_device random;
+  const std::uint64_t id = (std::uint64_t{random()} << 32U) | random() | 1U;  // not 0
+  msg::EmergencyStop stop;
+  stop.id = id;
+  stop.engaged = true;
+  stop.by = std::move(by);
+  stop.reason = reason.substr(0, kLongestStopReason);
+  return stop;
+}
+
+StopLatch::StopLatch(transport::Node& node, msg::EmergencyStop stop,
+                     std::function<void()> on_change)
+    : loop_(node.loop()),
+      stop_(std::move(stop)),
+      on_change_(std::move(on_change)),
+      begun_(loop_.Now()) {}
+
+Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
+                                                    const std::string& name_space,
+                                                    const msg::EmergencyStop& stop, bool with_keys,
+                                                    std::function<void()> on_change) {
+  std::unique_ptr<StopLatch> latch(new StopLatch(node, stop, std::move(on_change)));
+  auto stops = transport::MakePublisher<msg::EmergencyStop>(
+      node, transport::EmergencyStopTopic(name_space), transport::kLatchedQos);
+  if (!stops) return stops.error();
+  latch->stops_ = std::move(stops).value();
+  if (auto published = latch->stops_->Publish(stop); !published) return published.error();
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [self = latch.get()](transport::EndpointId writer) {
+    std::erase_if(self->received_,
+                  [writer](const auto& received) { return received.second.writer == writer; });
+    if (self->on_change_) self->on_change_();
+  };
+  transport::Qos qos = transport::kLatchedFromManyQos;
+  qos.partition = transport::ReaderPartition(with_keys);
+  auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
+      node, transport::ActuatorStatusTopic(name_space),
+      [self = latch.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+        if (transport::IsFrom(status, info)) self->OnStatus(status, info);
+      },
+      qos, std::move(events));
+  if (!statuses) return statuses.error();
+  latch->statuses_ = std::move(statuses).value();
+  return latch;
+}
+
+void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+  const MachineIdentity theirs{status.machine, status.machine_id};
+  if (!SameMachine({stop_.machine, stop_.machine_id}, theirs)) return;
+  NoteMachine(theirs);
+  Received& last = received_[status.name];
+  const StopId latched(status.emergency_stop);
+  const bool changed = last.writer != info.writer || last.latched != latched;
+  if (!changed) return;
+  last = {info.writer, latched, loop_.Now() - begun_};
+  if (on_change_) on_change_();
+}
+
+void StopLatch::NoteMachine(const MachineIdentity& machine) {
+  const auto same = std::find_if(machines_.begin(), machines_.end(),
+                                 [&](const auto& known) { return SameMachine(known, machine); });
+  if (same == machines_.end()) {
+    if (machines_.size() < kMostMachines) machines_.push_back(machine);
+    return;
+  }
+  if (same->id.empty()) same->id = machine.id;
+  if (same->name.empty()) same->name = machine.name;
+}
+
+EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controller,
+                              const std::vector<std::string>& expected) const {
+  EstopReport report;
+  report.by = stop_.by;
+  report.reason = stop_.reason;
+  if (controller) {
+    report.controller = true;
+    report.controller_latched = controller->emergency_stop;
+    for (const std::string& unsaved : controller->not_on_disk) {
+      if (unsaved.starts_with(StoredName(Stored::kEmergencyStops))) report.not_on_disk = unsaved;
+    }
+    for (const msg::ActuatorInfo& actuator : controller->actuators) {
+      const bool well = actuator.health == HealthName(Health::kWell);
+      if (!MayMove(actuator) && !received_.contains(actuator.name)) continue;
+      auto& taken = Take(report, actuator.name, well ? "" : actuator.health);
+      taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);
+      if (taken.unsupported) {
+        taken.trouble = "emergency stop not supported (" + actuator.protocol + ")";
+      }
+    }
+  }
+  const auto listed = [&report](const std::string& name) {
+    return std::any_of(report.actuators.begin(), report.actuators.end(),
+                       [&name](const auto& actuator) { return actuator.name == name; });
+  };
+  for (const auto& [name, received] : received_) {
+    if (!listed(name)) Take(report, name, "");
+  }
+  for (const std::string& name : expected) {
+    if (!listed(name)) Take(report, name, "");
+  }
+  const bool other = controller && !controller->emergency_stop_by.empty() &&
+                     (controller->emergency_stop_by != stop_.by ||
+                      controller->emergency_stop_reason != stop_.reason);
+  const bool before = std::any_of(report.actuators.begin(), report.actuators.end(),
+                                  [](const auto& actuator) { return actuator.before; });
+  // The controller may have learned of the stop from an actuator first. The program that engaged it
+  // must not exit before the controller has received the stop from the program itself.
+  report.knows_origin = before || (controller && !controller->emergency_stop_by.empty());
+  if (before || other) report.earlier.emplace();
+  if (report.earlier && controller) {
+    *report.earlier = {controller->emergency_stop_by, controller->emergency_stop_reason};
+  }
+  return report;
+}
+
+// A controller reports which actuators belong to the machine. Without one those count whose
+// processes run on this host, and whose status is received; on other hosts there may be more.
+EstopReport StopLatch::Report(const StopView& view) const {
+  EstopReport report =
+      Report(view.controller, view.controller ? std::vector<std::string>() : view.running_here);
+  if (machines_.size() > 1) {
+    // They may have actuators of the same names, and only one controller is followed.
+    report.unknown = "several machines have received the stop (";
+    for (const MachineIdentity& machine : machines_) {
+      if (!report.unknown.ends_with('(')) report.unknown += ", ";
+      report.unknown += MachineText(machine).substr(0, kLongestUnknownMachine);
+    }
+    report.unknown += "); `musher estop --machine NAME` stops one of them and confirms that";
+  } else if (!view.controller && view.has_controller) {
+    report.unknown = "the controller does not answer";
+  } else if (!view.controller && view.lan) {
+    report.unknown = "no controller answers, so the actuators of other hosts are not known";
+  }
+  return report;
+}
+
+EstopReport::Actuator& StopLatch::Take(EstopReport& report, const std::string& name,
+                                       const std::string& trouble) const {
+  EstopReport::Actuator& actuator = report.actuators.emplace_back();
+  actuator.name = name;
+  actuator.trouble = trouble;
+  const auto received = received_.find(name);
+  if (received == received_.end() || received->second.latched == 0) return actuator;
+  actuator.stopped = true;
+  actuator.before = received->second.latched != StopId(stop_.id);
+  if (!actuator.before) actuator.after = received->second.after;
+  return actuator;
+}
+
+}  // namespace musher

@@ -1,0 +1,116 @@
+#pragma once
+// Publishes an emergency stop and collects which actuators have latched it. Needs no controller:
+// the actuators subscribe to the stop themselves and publish in their status what they latched.
+//
+// Threads: loop thread only.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+
+// Which actuators have latched an emergency stop so far.
+struct EstopReport {
+  struct Actuator {
+    std::string name;
+    bool stopped = false;
+    bool before = false;       // by an earlier emergency stop
+    Duration after{};          // since this one was published; 0 if it was stopped before
+    std::string trouble;       // if not stopped: its health according to the controller, "hung"
+    bool unsupported = false;  // its protocol has no emergency stop
+  };
+  // An emergency stop that was already engaged. Only a controller has its origin and reason.
+  struct Earlier {
+    std::string by;
+    std::string reason;
+  };
+
+  std::string by;
+  std::string reason;
+  bool controller = false;          // a controller leads …
+  bool controller_latched = false;  // … has latched the stop and publishes it to later actuators …
+  bool knows_origin = false;  // … with its origin and reason, unless these were lost earlier
+  std::optional<Earlier> earlier;
+  std::vector<Actuator> actuators;
+  std::string silent_controller;  // of this host: why it does not answer, and what to do
+  std::string not_on_disk;        // the controller has not saved it: "emergency stop (4 s): …"
+  std::string unknown;  // why the machine may have more actuators than these; empty: it has not
+
+  std::vector<std::string> Missing() const;  // the actuators that are not stopped
+  // Every actuator that can latch the stop has: no need to wait longer.
+  bool settled() const;
+  // Every actuator of the machine has latched it.
+  bool complete() const {
+    return Missing().empty() && controller == controller_latched && unknown.empty();
+  }
+};
+
+// A stop to engage: with a random id, and the first kLongestStopReason bytes of the reason. `by`:
+// the person or program.
+inline constexpr std::size_t kLongestStopReason = 256;
+msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason);
+
+// What the program that engages a stop knows of its machine.
+struct StopView {
+  std::optional<msg::MachineStatus> controller = {};  // the controller's last status, if it answers
+  bool has_controller = false;  // it was discovered, or a controller runs on this host
+  bool lan = false;             // there may be actuators on other hosts
+  std::vector<std::string> running_here = {};  // names of the actuators on this host
+};
+
+class StopLatch {
+ public:
+  // Publishes the stop at once and, while this object exists, to actuators that join later. `node`
+  // must outlive it.
+  // `with_keys`: the machine has [security], and so has `node`. `on_change`: an actuator's part of
+  // the report has changed.
+  static Result<std::unique_ptr<StopLatch>> Begin(transport::Node& node,
+                                                  const std::string& name_space,
+                                                  const msg::EmergencyStop& stop,
+                                                  bool with_keys = false,
+                                                  std::function<void()> on_change = {});
+
+  // The actuators whose status was received, and those that the controller's status lists as
+  // present, in its order. `expected`: names of actuators that run, whether or not their status was
+  // received.
+  EstopReport Report(const std::optional<msg::MachineStatus>& controller,
+                     const std::vector<std::string>& expected = {}) const;
+  // The same, with why the machine may have more actuators.
+  EstopReport Report(const StopView& view) const;
+
+ private:
+  struct Received {
+    transport::EndpointId writer = 0;
+    StopId latched = 0;
+    Duration after{};
+  };
+
+  StopLatch(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
+  void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
+  void NoteMachine(const MachineIdentity& machine);
+  EstopReport::Actuator& Take(EstopReport& report, const std::string& name,
+                              const std::string& trouble) const;
+
+  transport::EventLoop& loop_;
+  const msg::EmergencyStop stop_;
+  const std::function<void()> on_change_;
+  const Time begun_;
+  std::map<std::string, Received> received_;
+  std::vector<MachineIdentity> machines_;  // of the received statuses; no two are the same
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
+  std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
+};
+
+}  // namespace musher

@@ -1,0 +1,145 @@
+#pragma once
+// The processes that publish as the actuators of the machine: their status, replies, heartbeats and
+// loss become events. Any participant on the network can publish as an actuator, with any pid of
+// this host: which participant and which process a status is from is proven here, and a pid that is
+// not proven reaches nothing that watches, traces or signals it.
+//
+// Threads: loop thread only.
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "musher/controller/link/actuator_link.hpp"
+#include "musher/controller/shell/health_watch.hpp"
+#include "musher/controller/shell/shell_context.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+
+class ActuatorPeers {
+ public:
+  explicit ActuatorPeers(ShellContext context);
+  ~ActuatorPeers();
+
+  // Opens a link to each actuator.
+  Result<> OpenLinks();
+  // Receives the actuators' status, until Unsubscribe(). `health` must outlive that.
+  Result<> Subscribe(HealthWatch& health);
+  void Unsubscribe();
+  // What this controller's machine is known by.
+  void SetMachine(const MachineIdentity& machine);
+  // The link to the process whose report is current; the previous process may still be matched.
+  ActuatorLink& LinkTo(ActuatorIndex actuator);
+  // A heartbeat was received. A process whose status writer was lost, but whose heartbeats are
+  // received, is taken again.
+  void OnAlive(ActuatorIndex actuator, Incarnation incarnation);
+
+  // This controller has started a process, has found one that runs, or the process has exited.
+  void OnProcess(ActuatorIndex actuator, pid_t pid) { peers_[actuator].link->OnProcess(pid); }
+  void OnProcessFound(ActuatorIndex actuator, pid_t pid) {
+    peers_[actuator].link->OnProcessFound(pid);
+  }
+  void OnProcessEnded(ActuatorIndex actuator, pid_t pid) {
+    peers_[actuator].link->OnProcessEnded(pid);
+  }
+
+  // Keeps an event from before the begin of the machine: an actuator latches its status once, so a
+  // status received before would not be received again. Returns whether it is kept.
+  bool KeepForBegin(const Event& event);
+  // The last status of each actuator that was received before the begin.
+  const std::map<ActuatorIndex, msg::ActuatorStatus>& statuses_before_begin() const {
+    return statuses_before_begin_;
+  }
+  // When the first of them was received.
+  std::optional<Time> first_status_at() const { return first_status_at_; }
+  // How many actuators have sent one and are not lost since.
+  std::size_t received_before_begin() const { return before_begin_.size(); }
+  // "legs (pid 7), eyes (pid 8) run": those of them that run on this host and use a different
+  // config than this controller and than the config with the given hash; empty: none.
+  std::string RunningWithAnotherConfig(const std::string& hash) const;
+  // Whether its kept status is of a process that runs and will not exit.
+  bool RanBeforeBegin(ActuatorIndex actuator) const;
+  // The machine has begun: the kept events are handled.
+  void Begin();
+
+ private:
+  // A process that has published as an actuator. Incarnations of different hosts, and of different
+  // boots of one host, cannot be compared.
+  struct Process {
+    std::string host;
+    Incarnation incarnation = 0;
+    transport::ParticipantId participant = 0;  // 0: not known yet
+    bool named = false;                        // its status has the participant's number
+    std::int32_t pid = 0;                      // as in its status
+    bool proven = false;                       // this pid is its own
+
+    bool Is(const ActuatorReport& report) const {
+      return host == report.host && incarnation == report.incarnation;
+    }
+  };
+  // State of each actuator beside the machine's own record.
+  struct Peer {
+    std::unique_ptr<ActuatorLink> link;
+    std::vector<Process> processes;          // in the order of their last status
+    std::optional<Time> unproven_recorded;   // when an unproven pid was last recorded
+    bool hash_recorded = false;              // a different config was recorded
+    std::optional<Time> alive_since;         // heartbeats of its process, which counts as lost
+    transport::ParticipantId looked_at = 0;  // of a program of another protocol; see WatchProgram()
+  };
+
+  void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
+  void OnLinkEvent(const Event& event);
+  void OnWriterLost(transport::EndpointId writer);
+  void CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarnation);
+
+  // The sender.
+  bool TakeSender(ActuatorIndex actuator, const msg::ActuatorStatus& status,
+                  transport::ParticipantId participant);
+  transport::ParticipantId SenderOf(ActuatorIndex actuator, const ActuatorReport& report) const;
+  Process& ProcessOf(ActuatorIndex actuator, const ActuatorReport& report);
+
+  // Its process.
+  ActuatorReport WithProvenPid(ActuatorIndex actuator, ActuatorReport report);
+  Result<> ProveAndWatch(ActuatorIndex actuator, const ActuatorReport& report);
+  void RecordUnproven(ActuatorIndex actuator, std::int32_t pid, const std::string& why);
+  void WatchProgram(ActuatorIndex actuator);
+
+  // What is not of this machine, or of another config.
+  bool SharesItsProcess(const ActuatorReport& report) const;
+  bool HoldsItsNameHere(const msg::ActuatorStatus& status) const;
+  void CompareHash(ActuatorIndex actuator, const std::string& hash);
+  void RecordUnlisted(const msg::ActuatorStatus& status);
+  void RecordOtherMachines(const msg::ActuatorStatus& status, const MachineIdentity& theirs);
+  void RecordPeerFault(const transport::PeerFault& fault);
+
+  const ShellContext context_;
+  const ShellDependencies& dependencies_;
+  const MachineConfig& config_;
+  const Machine& machine_;
+  MachineIdentity identity_;  // of this controller's machine
+  std::unordered_map<std::string, ActuatorIndex> index_;
+  struct StatusWriter {
+    ActuatorIndex actuator = 0;
+    Incarnation incarnation = 0;
+  };
+  std::unordered_map<transport::EndpointId, StatusWriter> status_writers_;
+  PerActuator<Peer> peers_;
+  std::map<ActuatorIndex, event::StatusSeen> before_begin_;  // the last one of each actuator
+  std::map<ActuatorIndex, msg::ActuatorStatus> statuses_before_begin_;
+  std::optional<Time> first_status_at_;          // of before_begin_
+  std::map<std::string, Incarnation> unlisted_;  // incarnations of actuators not in the config
+  std::set<std::pair<ActuatorIndex, std::string>> of_others_;  // recorded, with their machine
+  std::set<std::pair<transport::ParticipantId, std::string>> peer_faults_;  // recorded
+  HealthWatch* health_ = nullptr;
+  std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
+};
+
+}  // namespace musher

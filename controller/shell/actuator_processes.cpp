@@ -1,0 +1,208 @@
+#include "musher/controller/shell/actuator_processes.hpp"
+
+#include <signal.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "musher/lifecycle/record/texts.hpp"
+#include "musher/transport/network.hpp"
+#include "musher/transport/ros_environment.hpp"
+
+namespace musher {
+namespace {
+
+constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung process is killed
+
+}  // namespace
+
+ActuatorProcesses::ActuatorProcesses(ShellContext context, ControllerPresence& presence,
+                                     HealthWatch& health, ActuatorPeers& peers)
+    : context_(std::move(context)),
+      dependencies_(context_.dependencies),
+      config_(context_.config),
+      presence_(presence),
+      health_(health),
+      peers_(peers) {}
+
+void ActuatorProcesses::TakeOver(event::Begin& begin, const std::vector<ChildProcess>& children) {
+  for (const ActuatorIndex i : begin.processes.Indices()) {
+    const pid_t pid = begin.processes[i];
+    const auto child = std::find_if(children.begin(), children.end(), [&](const ChildProcess& c) {
+      return c.pid == pid && c.actuator == config_.actuators[i].name;
+    });
+    const bool is_child = child != children.end();
+    if (WatchFound(i, pid, is_child ? &*child : nullptr)) continue;
+    begin.processes[i] = 0;
+    const bool exited =
+        is_child && dependencies_.process_probe->StartTimeOf(pid) != child->start_time;
+    if (exited && !peers_.RanBeforeBegin(i)) begin.running[i] = false;
+  }
+}
+
+void ActuatorProcesses::Do(const action::StartProcess& a) {
+  // A start that waits is replaced; until this returns it is kept, since it may be what calls.
+  const auto replaced = std::exchange(starts_later_[a.actuator], nullptr);
+  const Time at = presence_.MayStartProcessesAt();
+  if (at > context_.loop().Now()) {
+    starts_later_[a.actuator] = context_.loop().At(at, [this, a] { Do(a); });
+    return;
+  }
+  ProcessSpec spec = SpecOf(a.actuator);
+  const auto output = dependencies_.output(spec.name);
+  if (output) spec.output = output->get();
+  auto pid = std::make_shared<pid_t>(0);
+  const auto started =
+      dependencies_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
+        health_.Forget(i);
+        ForgetChild(i, *pid);
+        peers_.OnProcessEnded(i, *pid);
+        if (exit.kind == ProcessExit::Kind::kNotRun) {
+          return context_.handle(event::ProcessNotStarted{i, exit.Text()});
+        }
+        context_.handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text(), exit.code()});
+      });
+  if (!started)
+    return context_.handle(event::ProcessNotStarted{a.actuator, started.error().message});
+  *pid = started.value();
+  NoteChild(a.actuator, started.value());
+  peers_.OnProcess(a.actuator, *pid);
+  context_.handle(event::ProcessStarted{a.actuator, started.value()});
+}
+
+// How its process is started; without its output.
+ProcessSpec ActuatorProcesses::SpecOf(ActuatorIndex i) const {
+  const ActuatorConfig& actuator = config_.actuators[i];
+  ProcessSpec spec;
+  spec.name = actuator.name;
+  spec.argv = actuator.command;
+  spec.cwd = actuator.cwd;
+  spec.env = actuator.env;
+  if (!config_.file.empty()) {
+    spec.env.emplace("MUSHER_CONFIG", std::filesystem::absolute(config_.file).string());
+  }
+  spec.env.emplace("MUSHER_ACTUATOR", actuator.name);
+  const MachineIdentity machine = presence_.machine();
+  spec.env.emplace("MUSHER_MACHINE", machine.name);
+  if (!machine.id.empty()) spec.env.emplace("MUSHER_MACHINE_ID", machine.id);
+  if (actuator.protocol == Protocol::kRos2Lifecycle) {
+    transport::Environment inherited = transport::OwnEnvironment();
+    for (const auto& [name, value] : actuator.env) inherited[name] = value;
+    spec.env.merge(transport::RosEnvironment(
+        config_.transport, inherited,
+        transport::OuterInterfaces(config_.transport, config_.interfaces)));
+  }
+  const bool alone =
+      context_.machine.actuators[i].process.dead != 0;  // the other actuators already run
+  if (alone) spec.env.emplace("MUSHER_FAST_DISCOVERY", "1");
+  if (dependencies_.child_mark) spec.mark = dependencies_.child_mark(actuator.name);
+  return spec;
+}
+
+void ActuatorProcesses::Do(const action::FindProcesses&) {
+  event::ProcessesFound found;
+  found.processes.resize(config_.actuators.size());
+  std::vector<ActuatorIndex> with_command;
+  std::vector<std::string> names;
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    if (config_.actuators[i].command.empty()) continue;
+    with_command.push_back(i);
+    names.push_back(config_.actuators[i].name);
+  }
+  const std::vector<pid_t> pids = dependencies_.process_probe->Find(names);
+  for (std::size_t n = 0; n < with_command.size(); ++n) {
+    const ActuatorIndex i = with_command[n];
+    if (WatchFound(i, pids[n], nullptr)) found.processes[i] = pids[n];
+  }
+  context_.handle(found);
+}
+
+void ActuatorProcesses::Do(const action::SignalProcess& a) {
+  // A process that has exited meanwhile needs no signal.
+  static_cast<void>(dependencies_.processes->Signal(a.pid, a.kill ? SIGKILL : SIGTERM).ok());
+}
+
+void ActuatorProcesses::Do(const action::TakeBacktrace& a) {
+  const bool own = config_.actuators[a.actuator].protocol == Protocol::kMusher;
+  const pid_t traced = own ? a.pid : dependencies_.process_probe->WorkerOf(a.pid);
+  dependencies_.process_probe->TakeBacktrace(
+      traced, kBacktraceTimeout, [this, a](Result<std::string> stacks) {
+        context_.handle(event::BacktraceTaken{
+            a.actuator, a.pid,
+            stacks ? stacks.value() : "no backtrace: " + stacks.error().message});
+      });
+}
+
+void ActuatorProcesses::Do(const action::RunPowerCommand& a) {
+  const PowerPolicy& power = config_.policy->power;
+  ProcessSpec spec;
+  spec.name = a.reboot ? "reboot" : "power_off";
+  spec.argv = a.reboot ? power.reboot_command : power.off_command;
+  if (spec.argv.empty()) return;
+  if (power_command_runs_) return;  // it was requested again meanwhile
+  const auto output = dependencies_.output(spec.name);
+  if (output) spec.output = output->get();
+  const auto failed = [this, name = spec.name](const std::string& how) {
+    context_.records.WriteOwn("policy", std::nullopt, kCodeFailed,
+                              texts::PowerCommandFailed(name, how));
+  };
+  const auto started =
+      dependencies_.processes->Start(spec, [this, failed](const ProcessExit& exit) {
+        power_command_runs_ = false;
+        if (!exit.clean()) failed("failed: " + exit.Text());
+      });
+  power_command_runs_ = started.ok();
+  if (!started) failed("could not be executed: " + started.error().message);
+}
+
+// Watches a process that ran before this controller and may never publish a status. A `child` was
+// started for this actuator by an earlier controller; null: it was not.
+bool ActuatorProcesses::WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child) {
+  if (pid == 0 || pid == dependencies_.pid) return false;
+  const auto on_exit = [this, actuator, pid](const ProcessExit&) {
+    health_.Forget(actuator);
+    ForgetChild(actuator, pid);
+    peers_.OnProcessEnded(actuator, pid);
+    context_.handle(event::ProcessEnded{actuator, pid, false, "exit code unknown"});
+  };
+  const bool watched = child ? dependencies_.processes->Adopt(pid, child->start_time, on_exit).ok()
+                             : dependencies_.processes->Watch(pid, on_exit).ok();
+  if (!watched) return false;
+  if (child) NoteChild(actuator, pid);
+  peers_.OnProcessFound(actuator, pid);
+  return true;
+}
+
+// Saves what the next controller needs to find the process again.
+void ActuatorProcesses::NoteChild(ActuatorIndex actuator, pid_t pid) {
+  children_[actuator] = {config_.actuators[actuator].name, pid,
+                         dependencies_.process_probe->StartTimeOf(pid)};
+  SaveChildren();
+}
+
+void ActuatorProcesses::ForgetChild(ActuatorIndex actuator, pid_t pid) {
+  const auto child = children_.find(actuator);
+  if (child == children_.end() || child->second.pid != pid) return;
+  children_.erase(child);
+  SaveChildren();
+}
+
+// If this controller exits before they are saved, the next one finds them by their marks.
+void ActuatorProcesses::SaveChildren() {
+  if (!dependencies_.save_children) return;
+  std::vector<ChildProcess> children;
+  children.reserve(children_.size());
+  for (const auto& [actuator, child] : children_) children.push_back(child);
+  dependencies_.save_children(children, [this](const Result<>& saved) {
+    if (!saved && !std::exchange(children_unsaved_, true)) {
+      context_.records.Remark(saved.error().code,
+                              "the list of processes is not saved: " + saved.error().message +
+                                  "; the next controller finds them by their environment only");
+    }
+    if (saved) children_unsaved_ = false;
+  });
+}
+
+}  // namespace musher

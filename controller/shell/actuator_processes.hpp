@@ -1,0 +1,56 @@
+#pragma once
+// Starts, finds, watches and signals the processes of the actuators, and saves what the next
+// controller needs to find them again.
+//
+// Threads: loop thread only.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "musher/controller/shell/actuator_peers.hpp"
+#include "musher/controller/shell/controller_presence.hpp"
+#include "musher/controller/shell/health_watch.hpp"
+#include "musher/controller/shell/shell_context.hpp"
+
+namespace musher {
+
+class ActuatorProcesses {
+ public:
+  // All must outlive it.
+  ActuatorProcesses(ShellContext context, ControllerPresence& presence, HealthWatch& health,
+                    ActuatorPeers& peers);
+
+  // Watches the processes in `begin`, and clears those that do not run any more. `children`: those
+  // that an earlier controller has started.
+  void TakeOver(event::Begin& begin, const std::vector<ChildProcess>& children);
+
+  void Do(const action::StartProcess& a);
+  void Do(const action::FindProcesses& a);
+  void Do(const action::SignalProcess& a);
+  void Do(const action::TakeBacktrace& a);
+  // The command survives this controller, which is about to exit.
+  void Do(const action::RunPowerCommand& a);
+  // Forgets the starts that wait: another controller leads.
+  void CancelStarts() { starts_later_.clear(); }
+
+ private:
+  ProcessSpec SpecOf(ActuatorIndex actuator) const;
+  bool WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child);
+  void NoteChild(ActuatorIndex actuator, pid_t pid);
+  void ForgetChild(ActuatorIndex actuator, pid_t pid);
+  void SaveChildren();
+
+  const ShellContext context_;
+  const ShellDependencies& dependencies_;
+  const MachineConfig& config_;
+  ControllerPresence& presence_;
+  HealthWatch& health_;
+  ActuatorPeers& peers_;
+  std::map<ActuatorIndex, ChildProcess> children_;  // the running ones
+  bool children_unsaved_ = false;                   // the last save failed, which was reported
+  bool power_command_runs_ = false;                 // the command of power-off or reboot
+  std::map<ActuatorIndex, transport::LoopHandlePtr> starts_later_;
+};
+
+}  // namespace musher

@@ -1,0 +1,94 @@
+#include "musher/lifecycle/step/saver.hpp"
+
+#include <algorithm>
+
+namespace musher {
+
+void Saver::Save(Stored what) {
+  const SaveNumber save = ++machine_.saves.last;
+  auto& unsaved = machine_.saves.unsaved;
+  const auto found = std::find_if(unsaved.begin(), unsaved.end(),
+                                  [what](const Unsaved& one) { return one.what == what; });
+  if (found == unsaved.end()) {
+    unsaved.push_back({what, save, now_, {}});
+  } else {
+    found->save = save;
+  }
+  switch (what) {
+    case Stored::kEpoch:
+      return Do(action::SaveEpoch{machine_.epoch, save});
+    case Stored::kEmergencyStops:
+      return Do(action::SaveEmergencyStops{StopsOf(machine_), save});
+    case Stored::kPolicy:
+      return Do(action::SavePolicy{machine_.policy.stored, save});
+    case Stored::kStopIntent:
+      return Do(action::SaveStopIntent{machine_.phase == Phase::kStopping, save});
+    case Stored::kRemoteActuators:
+      return Do(action::SaveRemoteActuators{RemoteActuators(), save});
+    case Stored::kJournal:
+      break;
+  }
+}
+
+std::vector<RemoteActuator> Saver::RemoteActuators() const {
+  std::vector<RemoteActuator> remote;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (Of(i).elsewhere) remote.push_back({ConfigOf(i).name, *Of(i).elsewhere});
+  }
+  return remote;
+}
+
+// Whether it runs on another host, by its last status. A process whose protocol does not name its
+// host may be on another one with profile lan only.
+bool Saver::IsElsewhere(ActuatorIndex i) const {
+  const ActuatorReport& report = Of(i).report;
+  if (Of(i).process.pid != 0 || report.incarnation == Of(i).process.dead ||
+      report.state == kTearDown) {
+    return false;
+  }
+  // A Musher actuator exits after a failed SetUp.
+  const bool not_set_up = report.state == config_.default_state && !report.busy();
+  const bool exits = ConfigOf(i).protocol == Protocol::kMusher && report.outcome_code != kCodeOk;
+  if (not_set_up && exits) return false;
+  if (report.host.empty()) return config_.transport == TransportProfile::kLan;
+  return !machine_.host.empty() && report.host != machine_.host;
+}
+
+void Saver::NoteHosts() {
+  bool changed = false;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    ActuatorRecord& record = Of(i);
+    if (record.report.incarnation == 0) continue;  // what an earlier controller has stored counts
+    const bool elsewhere = IsElsewhere(i);
+    const bool known = record.elsewhere.has_value() == elsewhere &&
+                       (!elsewhere || *record.elsewhere == record.report.host);
+    if (known) continue;
+    record.elsewhere = elsewhere ? std::optional(record.report.host) : std::nullopt;
+    changed = true;
+  }
+  if (changed) Save(Stored::kRemoteActuators);
+}
+
+void Saver::On(const event::SaveEnded& ended) {
+  auto& unsaved = machine_.saves.unsaved;
+  auto found = std::find_if(unsaved.begin(), unsaved.end(), [&](const Unsaved& one) {
+    return one.what == ended.what && one.save == ended.save;
+  });
+  if (found == unsaved.end() && ended.what == Stored::kJournal && !ended.ok) {
+    found = unsaved.insert(found, Unsaved{ended.what, ended.save, now_, {}});
+  }
+  if (found == unsaved.end()) return;  // a newer save of the same counts
+  const bool failed_before = !found->why.empty();
+  if (ended.ok) {
+    unsaved.erase(found);
+    if (failed_before) RecordMachine(kCodeOk, texts::SaveRecovered(StoredName(ended.what)));
+  } else {
+    found->why = ended.why.empty() ? "failed" : ended.why;
+    if (!failed_before) {
+      RecordMachine(kCodeFailed, texts::SaveFailed(StoredName(ended.what), found->why));
+    }
+  }
+  if (ended.what == Stored::kStopIntent && machine_.stopping) machine_.stopping->intent_by.reset();
+}
+
+}  // namespace musher

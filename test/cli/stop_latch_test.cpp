@@ -1,0 +1,268 @@
+// Which actuators have latched an emergency stop, from the statuses of actuators and controller.
+
+#include "musher/controller/client/stop_latch.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/cli/render/json.hpp"
+#include "musher/cli/render/text.hpp"
+#include "musher/test/cli/robot.hpp"
+#include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::cli::stop_latch_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// An actuator as far as emergency stops go.
+class Listener {
+ public:
+  Listener(transport::Node& node, std::string name) {
+    status_.name = std::move(name);
+    publisher_ = transport::MakePublisher<msg::ActuatorStatus>(
+                     node, transport::ActuatorStatusTopic("pack"), transport::kLatchedQos)
+                     .value();
+    static_cast<void>(publisher_->Publish(status_));
+    stops_ = transport::MakeSubscription<msg::EmergencyStop>(
+                 node, transport::EmergencyStopTopic("pack"),
+                 [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
+                   if (status_.emergency_stop == 0 && !deaf_) Latch(stop.id);
+                 },
+                 transport::kLatchedFromManyQos)
+                 .value();
+  }
+
+  void BelongTo(std::string machine) {
+    status_.machine = std::move(machine);
+    static_cast<void>(publisher_->Publish(status_));
+  }
+  void Latch(std::uint64_t id) {
+    status_.emergency_stop = id;
+    static_cast<void>(publisher_->Publish(status_));
+  }
+  void TurnDeaf() { deaf_ = true; }
+
+ private:
+  bool deaf_ = false;
+  msg::ActuatorStatus status_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> publisher_;
+  std::unique_ptr<transport::Subscription> stops_;
+};
+
+class Stop : public ::testing::Test {
+ protected:
+  void Engage() {
+    latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke"}).value();
+  }
+  EstopReport AfterASecond(const std::optional<msg::MachineStatus>& controller = {}) {
+    network_.RunFor(std::chrono::seconds(1));
+    return latch_->Report(controller);
+  }
+  // A controller that has both actuators and has taken the stop.
+  static msg::MachineStatus Controller() {
+    msg::MachineStatus status = RobotStatus();
+    for (msg::ActuatorInfo& actuator : status.actuators) {
+      actuator.presence = "present";
+      actuator.health = "well";
+    }
+    status.emergency_stop = true;
+    status.emergency_stop_by = "alice@desk";
+    status.emergency_stop_reason = "smoke";
+    return status;
+  }
+
+  transport::sim::Network network_{1};
+  const std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  const std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
+  std::optional<Listener> eyes_{std::in_place, *dog_, "eyes"};
+  std::optional<Listener> legs_{std::in_place, *dog_, "legs"};
+  std::unique_ptr<StopLatch> latch_;
+};
+
+TEST_F(Stop, ReachesAllActuatorsWithoutAController) {
+  Engage();
+  const EstopReport report = AfterASecond();
+  EXPECT_TRUE(report.complete());
+  EXPECT_FALSE(report.controller);
+  EXPECT_FALSE(report.earlier);
+  ASSERT_EQ(report.actuators.size(), 2U);
+  EXPECT_TRUE(report.actuators[0].stopped && report.actuators[1].stopped);
+  EXPECT_GT(report.actuators[0].after, Duration::zero());
+  EXPECT_THAT(EstopText(report, false),
+              HasSubstr("2 actuators are stopped; no controller leads here: `musher up FILE`"));
+}
+
+TEST_F(Stop, ReachesAnActuatorThatStartsLater) {
+  legs_.reset();
+  Engage();
+  EXPECT_EQ(AfterASecond().actuators.size(), 1U);
+  legs_.emplace(*dog_, "legs");
+  const EstopReport report = AfterASecond();
+  EXPECT_EQ(report.actuators.size(), 2U);
+  EXPECT_TRUE(report.complete());
+}
+
+TEST_F(Stop, NamesThoseThatDoNotLatchIt) {
+  eyes_->TurnDeaf();
+  Engage();
+  const EstopReport report = AfterASecond(Controller());
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(report.Missing(), ElementsAre("eyes"));
+  EXPECT_THAT(EstopText(report, false), HasSubstr("eyes  stop not confirmed\n"));
+  EXPECT_EQ(EstopError(report), "stop not confirmed: eyes");
+}
+
+TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatOnlyTheControllerLists) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].presence = "lost";
+  controller.actuators[0].health = "hung";
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_THAT(report.Missing(), ElementsAre("legs"));
+  EXPECT_THAT(EstopText(report, false), HasSubstr("legs  hung\n"));
+}
+
+// A regression: beside a controller that had just started, a stop that had reached no actuator yet
+// counted as confirmed by all.
+TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatANewControllerHasNotTakenControlOfYet) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].presence = "starting";
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_THAT(report.Missing(), ElementsAre("legs"));
+  EXPECT_FALSE(report.complete());
+}
+
+TEST_F(Stop, IsNotCompleteWithoutALostActuatorThatIsNotKnownToHaveEnded) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "lost";
+  legs.pid = 4711;
+  EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
+  legs.pid = 0;
+  EXPECT_THAT(AfterASecond(controller).Missing(), IsEmpty()) << "its process has ended";
+}
+
+TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatIsStoredAsRunningOnAnotherHost) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "absent";
+  legs.pid = 0;
+  legs.host = "";
+  EXPECT_THAT(AfterASecond(controller).Missing(), IsEmpty()) << "it was never there";
+  legs.host = "boot/4026531836";
+  EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
+}
+
+// A regression: of two robots with actuators of the same names the last status of a name counted,
+// so the stop was confirmed while one of them moved.
+TEST_F(Stop, ThatDoesNotNameItsMachineIsNotConfirmedBesideASecondMachine) {
+  Engage();
+  legs_->BelongTo("dog");
+  eyes_->BelongTo("dog");
+  AfterASecond();
+  EXPECT_TRUE(latch_->Report(StopView{}).complete());
+  Listener others(*dog_, "legs");
+  others.BelongTo("cat");
+  network_.RunFor(std::chrono::seconds(1));
+  const EstopReport report = latch_->Report(StopView{});
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(report.unknown, HasSubstr("several machines have received the stop (dog, cat)"));
+}
+
+// A command line that ended before left the robot with "voice had latched it" for a reason.
+TEST_F(Stop, IsNotSettledBeforeAControllerThatReceivedItFromAnActuatorReceivesItsOrigin) {
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop_by = "";
+  controller.emergency_stop_reason = "eyes had latched it";
+  EXPECT_FALSE(AfterASecond(controller).settled());
+  EXPECT_TRUE(AfterASecond(Controller()).settled());
+}
+
+TEST_F(Stop, IsSettledThoughTheOriginOfAnEarlierStopIsUnknown) {
+  eyes_->Latch(3);
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop_by = "";
+  EXPECT_TRUE(AfterASecond(controller).settled());
+}
+
+TEST_F(Stop, NamesAnActuatorWhoseProtocolHasNoStopAndDoesNotWaitForIt) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].protocol = "cyberdog";
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_TRUE(report.settled());
+  EXPECT_FALSE(report.complete()) << "it may move";
+  EXPECT_THAT(EstopText(report, false),
+              HasSubstr("legs  emergency stop not supported (cyberdog)\n"));
+}
+
+TEST_F(Stop, DoesNotWaitForACrashedActuator) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].presence = "lost";
+  controller.actuators[0].health = "crashed";
+  EXPECT_TRUE(AfterASecond(controller).complete());
+}
+
+TEST_F(Stop, ForgetsALostActuator) {
+  legs_->TurnDeaf();
+  Engage();
+  EXPECT_THAT(AfterASecond().Missing(), ElementsAre("legs"));
+  legs_.reset();
+  EXPECT_TRUE(AfterASecond().complete());
+}
+
+TEST_F(Stop, IsNotCompleteBeforeTheControllerHasTakenIt) {
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop = false;
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_THAT(report.Missing(), IsEmpty());
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(EstopError(report), HasSubstr("the controller has not latched the stop"));
+}
+
+TEST_F(Stop, ReportsTheOriginOfAnEarlierStop) {
+  legs_->Latch(3);
+  Engage();
+  EstopReport report = AfterASecond();
+  ASSERT_TRUE(report.earlier);
+  EXPECT_THAT(EstopText(report, false), HasSubstr("an emergency stop was already engaged\n"));
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop_by = "bob@dog";
+  controller.emergency_stop_reason = "a child";
+  report = AfterASecond(controller);
+  EXPECT_EQ(EstopText(report, false),
+            "an emergency stop was already engaged by bob@dog: a child\n"
+            "legs  stopped before\n"
+            "eyes  stopped after " +
+                std::to_string(ToMilliseconds(report.actuators[1].after)) +
+                " ms\n"
+                "2 actuators are stopped; no upward switch until `musher estop --release`\n");
+}
+
+TEST_F(Stop, IsPrintedAsJson) {
+  legs_->Latch(3);
+  eyes_.reset();
+  Engage();
+  EXPECT_EQ(EstopJson(AfterASecond(Controller())),
+            R"({"engaged":true,"by":"alice@desk","reason":"smoke","complete":false,)"
+            R"("controller":true,"earlier":{"by":"alice@desk","reason":"smoke"},"actuators":{)"
+            R"("legs":{"stopped":true,"before":true,"after_ms":0.0,"trouble":""},)"
+            R"("eyes":{"stopped":false,"before":false,"after_ms":0.0,"trouble":""}}})");
+}
+
+}  // namespace musher::cli::stop_latch_test
