@@ -185,6 +185,7 @@ void Checker::CheckController(const ControllerProcess& controller) {
   CheckDeadline(controller, seen);
   NoteReceived(controller, seen);
   const Epoch epoch = std::exchange(seen.epoch, machine.epoch);
+  if (epoch == 0) seen.began_with = machine.epoch;
   if (epoch != 0 && epoch != machine.epoch) {
     CheckRaised(controller, seen, epoch);
     CarryCommandsOver(controller.serial(), epoch, machine.epoch);

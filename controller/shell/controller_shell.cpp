@@ -90,7 +90,7 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   // Actuators of another host are only known by their status.
   begin.running.resize(peers_.size());
   for (const auto& [actuator, seen] : before_begin_) {
-    if (Runs(config_, seen.report) || SharesItsProcess(seen.report)) begin.running[actuator] = true;
+    if (RanBeforeBegin(actuator)) begin.running[actuator] = true;
   }
   for (const ActuatorIndex i : begin.processes.Indices()) {
     const pid_t pid = begin.processes[i];
@@ -100,19 +100,18 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
     const bool is_child = child != children.end();
     if (WatchFound(i, pid, is_child ? &*child : nullptr)) continue;
     begin.processes[i] = 0;
-    const auto seen = before_begin_.find(i);
-    const bool reported = seen != before_begin_.end() && (Runs(config_, seen->second.report) ||
-                                                          SharesItsProcess(seen->second.report));
     const bool exited =
         is_child && dependencies_.process_probe->StartTimeOf(pid) != child->start_time;
-    if (exited && !reported) begin.running[i] = false;
+    if (exited && !RanBeforeBegin(i)) begin.running[i] = false;
   }
   Handle(begin);
-  for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {
-    Handle(seen);
-    const ActuatorReport& taken = machine_.actuators[actuator].report;
-    if (taken.incarnation == seen.report.incarnation) {
-      health_->OnReport(actuator, taken, SenderOf(actuator, taken));
+  for (const auto& [actuator, all] : std::exchange(before_begin_, {})) {
+    for (const event::StatusSeen& seen : all) {
+      Handle(seen);
+      const ActuatorReport& taken = machine_.actuators[actuator].report;
+      if (taken.incarnation == seen.report.incarnation) {
+        health_->OnReport(actuator, taken, SenderOf(actuator, taken));
+      }
     }
   }
   if (policy_inputs_) policy_inputs_->Begin();
@@ -123,11 +122,22 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
 // Whether another actuator runs in the process of `report`. That process does not exit, even if
 // this actuator is torn down, and a second one would start the other actuator twice.
 bool ControllerShell::SharesItsProcess(const ActuatorReport& report) const {
-  return std::any_of(before_begin_.begin(), before_begin_.end(), [&](const auto& other) {
-    const ActuatorReport& running = other.second.report;
+  const auto is_it = [&](const event::StatusSeen& other) {
+    const ActuatorReport& running = other.report;
     return running.pid != 0 && running.pid == report.pid && running.host == report.host &&
            Runs(config_, running);
-  });
+  };
+  return std::any_of(before_begin_.begin(), before_begin_.end(),
+                     [&](const auto& others) { return std::ranges::any_of(others.second, is_it); });
+}
+
+// Whether a process of the actuator, on any host, has reported before Begin() that it runs.
+bool ControllerShell::RanBeforeBegin(ActuatorIndex actuator) const {
+  const auto found = before_begin_.find(actuator);
+  return found != before_begin_.end() &&
+         std::ranges::any_of(found->second, [this](const event::StatusSeen& seen) {
+           return Runs(config_, seen.report) || SharesItsProcess(seen.report);
+         });
 }
 
 void ControllerShell::CheckThread() const {

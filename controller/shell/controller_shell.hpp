@@ -195,6 +195,7 @@ class ControllerShell {
 
   static bool Runs(const MachineConfig& config, const ActuatorReport& report);
   bool SharesItsProcess(const ActuatorReport& report) const;
+  bool RanBeforeBegin(ActuatorIndex actuator) const;
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   ActuatorLink& LinkTo(ActuatorIndex actuator);
   void OnLinkEvent(const Event& event);
@@ -268,7 +269,8 @@ class ControllerShell {
   bool children_unsaved_ = false;                   // the last save failed, which was reported
   bool power_command_runs_ = false;                 // the command of power-off or reboot
   StoredStops stops_before_begin_;
-  std::map<ActuatorIndex, event::StatusSeen> before_begin_;  // the last one of each actuator
+  // The last one of each actuator and host, in the order of their receipt.
+  std::map<ActuatorIndex, std::vector<event::StatusSeen>> before_begin_;
   std::map<ActuatorIndex, msg::ActuatorStatus> statuses_before_begin_;
   std::map<std::string, Incarnation> unlisted_;  // incarnations of actuators not in the config
   std::set<std::pair<ActuatorIndex, std::string>> of_others_;  // recorded, with their machine

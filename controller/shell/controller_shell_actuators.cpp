@@ -205,14 +205,17 @@ void ControllerShell::RecordPeerFault(const transport::PeerFault& fault) {
 std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) const {
   std::string names;
   std::size_t count = 0;
-  for (const auto& [actuator, seen] : before_begin_) {
+  for (const auto& [actuator, all] : before_begin_) {
     const auto status = statuses_before_begin_.find(actuator);
     const std::string theirs =
         status == statuses_before_begin_.end() ? "" : status->second.config_hash;
     const bool ours = theirs.empty() || theirs == config_.hash || theirs == hash;
-    if (ours || seen.report.host != dependencies_.host || !Runs(config_, seen.report)) continue;
+    const auto here = std::ranges::find_if(all, [this](const event::StatusSeen& seen) {
+      return seen.report.host == dependencies_.host;
+    });
+    if (ours || here == all.end() || !Runs(config_, here->report)) continue;
     names += (names.empty() ? "" : ", ") + config_.actuators[actuator].name + " (pid " +
-             std::to_string(seen.report.pid) + ")";
+             std::to_string(here->report.pid) + ")";
     ++count;
   }
   return names.empty() ? names : names + (count == 1 ? " runs" : " run");
@@ -223,7 +226,12 @@ std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) c
 bool ControllerShell::KeepForBegin(const Event& event) {
   if (machine_.phase != Phase::kIdle) return false;
   if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
-    before_begin_[seen->actuator] = *seen;
+    std::vector<event::StatusSeen>& known = before_begin_[seen->actuator];
+    std::erase_if(known, [&](const event::StatusSeen& other) {
+      return other.report.host == seen->report.host;
+    });
+    if (known.size() >= kProcessesKept) known.erase(known.begin());
+    known.push_back(*seen);
     if (!first_status_at_) first_status_at_ = dependencies_.node->loop().Now();
     return true;
   }
@@ -235,9 +243,11 @@ bool ControllerShell::KeepForBegin(const Event& event) {
   }
   if (const auto* vanished = std::get_if<event::Vanished>(&event)) {
     const auto kept = before_begin_.find(vanished->actuator);
-    if (kept != before_begin_.end() && kept->second.report.incarnation == vanished->incarnation) {
-      before_begin_.erase(kept);
-    }
+    if (kept == before_begin_.end()) return true;
+    std::erase_if(kept->second, [&](const event::StatusSeen& seen) {
+      return seen.report.incarnation == vanished->incarnation;
+    });
+    if (kept->second.empty()) before_begin_.erase(kept);
     return true;
   }
   return false;

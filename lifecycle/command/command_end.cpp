@@ -46,7 +46,7 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
     const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
     if (well || command.target == kTearDown) Of(i).fault.reset();
   }
-  if (command.target == kSelfCheck) NoteCheck(i, end.outcome);
+  if (command.target == kSelfCheck) NoteCheck(i, end);
   // Driven on once it is free, unless a check is still running.
   if (end.outcome == ActuatorOutcome::kOverdue && command.target != kSelfCheck) Of(i).due = true;
   if (Leg* leg = LegUnderWay(i)) {
@@ -63,10 +63,13 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
   }
 }
 
-// A self-check may fail for a passing reason, such as load: a failed one is repeated.
-void Commands::NoteCheck(ActuatorIndex i, ActuatorOutcome outcome) {
+// A self-check may fail for a passing reason, such as load: one that has failed, or has passed as
+// degraded, is repeated.
+void Commands::NoteCheck(ActuatorIndex i, const CommandResult& end) {
   FailedChecks& failed = Of(i).failed_checks;
-  if (outcome != ActuatorOutcome::kFailed && outcome != ActuatorOutcome::kOverdue) {
+  const bool degraded = end.outcome == ActuatorOutcome::kDone && end.code != kCodeOk;
+  if (!degraded && end.outcome != ActuatorOutcome::kFailed &&
+      end.outcome != ActuatorOutcome::kOverdue) {
     failed = {};
     return;
   }
@@ -110,6 +113,7 @@ void Commands::EndOwn(ActuatorIndex i, const PendingCommand& command, const Comm
     return;
   }
   if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
+  if (command.target == kSelfCheck) record.checked = false;  // also where one has passed before
   Degrade(i, end.code, texts::CommandNotDone(command.target, end.outcome, end.text.message),
           record.cause);
   // A repeated check that fails again is no new loss: a person may have gone on without it.

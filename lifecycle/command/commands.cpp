@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/config/flow.hpp"
+
 namespace musher {
 namespace {
 
@@ -14,11 +16,28 @@ void Commands::Issue(ActuatorIndex i, CommandNumber number, const State& target,
                      bool detached) {
   machine_.number = std::max(machine_.number, number);
   ActuatorRecord& record = Of(i);
-  record.command = PendingCommand{number, target, now_, now_ + budget, 0};
+  record.command = PendingCommand{
+      number, target, now_, now_ + budget, 0, detached, record.clock_theirs - record.clock_ours};
   if (target == kSelfCheck) record.join_tried = true;
   Do(action::SendSwitch{i,
                         {machine_.epoch, number, target, budget, record.clock_theirs,
                          now_ - record.clock_ours, record.report.incarnation, detached}});
+}
+
+// A report that was late on its way makes the actuator's clock appear slow, and so a command older
+// than it is: the actuator refuses it, and its refusal brings the right clock. Nothing is sent
+// again that an emergency stop since then forbids to switch on.
+bool Commands::SendAgain(ActuatorIndex i) {
+  const ActuatorRecord& record = Of(i);
+  const PendingCommand command = *record.command;
+  const bool was_younger = record.clock_theirs - record.clock_ours > command.clock_ahead;
+  const bool stopped = machine_.emergency.stop || (machine_.current && machine_.current->stopped) ||
+                       (record.report.held_by_stop && !record.set_again);
+  const bool forbidden = stopped && MaySwitchOn(config_, record.state(), command.target);
+  if (!was_younger || forbidden || command.queries > 0 || now_ >= command.deadline) return false;
+  Issue(i, machine_.number + 1, command.target, command.deadline - now_, command.detached);
+  Of(i).command->sent = command.sent;
+  return true;
 }
 
 // Stores a newer report. A callback that ended without a command of this controller (an overdue

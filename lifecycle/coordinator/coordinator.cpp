@@ -53,7 +53,7 @@ class Coordinator : StepPart {
   Arrivals arrivals_{step_, saving_, processes_, commands_, control_};
   Switching switching_{step_, memory_, commands_};
   TearDown tear_down_{step_, saving_, power_, commands_, switching_};
-  Requests requests_{step_, switching_, tear_down_};
+  Requests requests_{step_, commands_, switching_, tear_down_};
   StartUp start_up_{step_, saving_, switching_, tear_down_};
   Recovery recovery_{step_, processes_, commands_, control_};
   Binding binding_{step_};
