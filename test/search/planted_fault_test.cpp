@@ -261,9 +261,8 @@ TEST_F(PlantedFault, FindsAnActuatorWhoseStopAnotherMachineReleases) {
 
 TEST_F(PlantedFault, FindsAControllerThatReleasesControlToALowerEpoch) {
   other_machine_ = true;
-  Search(WithEvent<event::RivalSeen>([](event::RivalSeen& rival, const Machine& machine) {
-           rival.epoch = machine.epoch;
-         }),
+  Search(WithEvent<event::RivalSeen>(
+             [](event::RivalSeen& rival, const Machine& machine) { rival.epoch = machine.epoch; }),
          "LowPower", "Active", 1);
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("none has replaced it")));

@@ -233,9 +233,10 @@ std::shared_future<Result<typename S::Response>> Observer::Call(
   auto promise = std::make_shared<std::promise<Result<typename S::Response>>>();
   std::shared_future<Result<typename S::Response>> future = promise->get_future().share();
   node_->RunOnLoop([&] {
-    client->Call(request, std::is_same_v<S, msg::GetStatus> ? kStatusReplyTimeout : kReplyTimeout,
-                 [promise](auto reply) { promise->set_value(std::move(reply)); },
-                 beside_another_ ? leader_ : transport::ParticipantId());
+    client->Call(
+        request, std::is_same_v<S, msg::GetStatus> ? kStatusReplyTimeout : kReplyTimeout,
+        [promise](auto reply) { promise->set_value(std::move(reply)); },
+        beside_another_ ? leader_ : transport::ParticipantId());
   });
   return future;
 }

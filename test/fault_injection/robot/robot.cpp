@@ -118,9 +118,8 @@ benchmark::Child::Environment Robot::OtherEnvironment() const {
 
 benchmark::Child Robot::StartOther() {
   const std::string config = folder_ / kOtherMachine / "robot.toml";
-  return benchmark::Child(
-      far_host_->There(ShellLine({"up", config, "--json"}, "up-other.jsonl")),
-      OtherEnvironment());
+  return benchmark::Child(far_host_->There(ShellLine({"up", config, "--json"}, "up-other.jsonl")),
+                          OtherEnvironment());
 }
 
 int Robot::OtherMusher(const std::vector<std::string>& words) {
