@@ -75,6 +75,7 @@ TEST_F(LateReports, ACommandIsRefusedWhereTheReplyShowsNoYoungerOne) {
   Request(State(kLowPower));
   Refuse(0);
   EXPECT_FALSE(Of(0).command);
+  Obey(1);
   EXPECT_TRUE(Of(0).fault);
 }
 

@@ -201,7 +201,8 @@ TEST_F(SelfChecked, ADegradedCheckIsRepeatedBeforeTheNextSwitchUpWhichWaitsForIt
 
 TEST_F(SelfChecked, ASwitchUpIsNotDelayedByACheckThatIsNotDueAgain) {
   DegradeB();
-  Start();
+  t.Begin();
+  t.RunFor(std::chrono::seconds(1));
   EXPECT_TRUE(t.Set("LowPower").done());
   t.ClearLog();
   EXPECT_TRUE(t.Set("Active").done());
@@ -224,6 +225,7 @@ TEST_F(SelfChecked, ADegradedActuatorIsNotCheckedDuringAnEmergencyStop) {
   DegradeB();
   Start();
   EXPECT_TRUE(t.Set("DeActive").done());
+  t.RunFor(std::chrono::seconds(1));  // it is checked, and again in 20 s
   t.StopAll(7);
   t.ClearLog();
   t.RunFor(std::chrono::minutes(1));
