@@ -360,9 +360,9 @@ std::vector<Fault> AllFaults() {
     for (const std::size_t which : {0, 1}) {
       all.push_back({Fault::kLoses, at, which});
       all.push_back({Fault::kKilled, at, which});
-      all.push_back({Fault::kCut, at, which});
+      if (at % 2 == 0) all.push_back({Fault::kCut, at, which});
     }
-    all.push_back({Fault::kHeals, at, 0});
+    if (at % 2 == 0) all.push_back({Fault::kHeals, at, 0});
   }
   return all;
 }
