@@ -35,7 +35,7 @@ bool Commands::SendAgain(ActuatorIndex i) {
                        (record.report.held_by_stop && !record.set_again);
   const bool forbidden = stopped && MaySwitchOn(config_, record.state(), command.target);
   if (!was_younger || forbidden || command.queries > 0 || now_ >= command.deadline) return false;
-  Issue(i, machine_.number + 1, command.target, command.deadline - now_, command.detached);
+  Issue(i, command.number, command.target, command.deadline - now_, command.detached);
   Of(i).command->sent = command.sent;
   return true;
 }

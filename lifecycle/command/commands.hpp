@@ -32,8 +32,8 @@ class Commands : StepPart {
 
   void Issue(ActuatorIndex i, CommandNumber number, const State& target, Duration budget,
              bool detached = false);
-  // Sends the command again, under a new number, if its actuator has refused it as too old although
-  // it was not. Returns whether it does.
+  // Sends the command again if its actuator has refused it as too old although it was not. Returns
+  // whether it does.
   bool SendAgain(ActuatorIndex i);
   // Stores a newer report.
   void Accept(ActuatorIndex i, const ActuatorReport& report);

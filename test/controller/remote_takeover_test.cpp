@@ -70,6 +70,12 @@ class RemoteTakeover : public ::testing::Test {
     shell_ = ControllerShell::Make(std::move(dependencies), config_, {}).value();
   }
 
+  // That run actuators.
+  static simulation::Layout TwoHosts() {
+    simulation::Layout layout;
+    layout.hosts = {"first", "third"};
+    return layout;
+  }
   void LookAround() { network_.RunFor(std::chrono::seconds(1)); }
   void Begin() {
     shell_->Begin({});
@@ -78,7 +84,7 @@ class RemoteTakeover : public ::testing::Test {
 
   transport::sim::Network network_;
   MachineConfig config_;
-  const simulation::Layout layout_{.hosts = {"first", "third"}};  // that run actuators
+  const simulation::Layout layout_ = TwoHosts();
   simulation::Hosts hosts_;
   simulation::Processes processes_;
   EmptyHost host_;
