@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <utility>
 
@@ -14,6 +15,8 @@
 #include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/transport/dds/settings.hpp"
+#include "musher/transport/ros_environment.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -100,12 +103,31 @@ Result<> Controller::Open() {
     if (actuator.protocol != Protocol::kMusher) continue;
     held_ += NameLock::IsHeld(LockOf(actuator.name)) ? 1 : 0;
   }
+  WatchNetwork();
   listen_for_others_ |= config_.transport == TransportProfile::kLan;
   const Duration listen = listen_for_others_ ? ListenTime(config_) : Duration{};
   // Not called directly: the hooks may use the controller, which its owner does not have yet.
   begin_later_ =
       node_.loop().At(node_.loop().Now() + listen, [this, listen] { BeginAfter(listen); });
   return Ok();
+}
+
+void Controller::WatchNetwork() {
+  const auto profile = transport::dds::ChosenProfile(config_.transport);
+  const char* uri = std::getenv("CYCLONEDDS_URI");
+  const bool own_settings = uri != nullptr && transport::ReplacesProfile(config_.transport, uri);
+  if (!profile || profile.value() != TransportProfile::kLan || own_settings) return;
+  network_watch_ = transport::NetworkWatch::Make(
+      node_.loop(), config_.interfaces, [this](const std::string& missed) {
+        shell_->Remark(kCodeNetError,
+                       missed +
+                           " has come since this controller started, which does not use it: "
+                           "other hosts do not reach it there. `musher up --detach "
+                           "--takeover " +
+                           config_.file +
+                           "` replaces the controller, and no actuator is disturbed; `musher "
+                           "doctor` names the actuators to restart");
+      });
 }
 
 // On a slow link an actuator may have been discovered only now; its controller may follow.

@@ -21,6 +21,7 @@
 #include "musher/controller/storage/log_files.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/transport/disk_writer.hpp"
+#include "musher/transport/network_watch.hpp"
 
 namespace musher {
 
@@ -90,6 +91,7 @@ class Controller {
   Epoch LoadEpoch();
   void TakeIdentity();
   void OpenLogs();
+  void WatchNetwork();
   void Trouble(const std::string& message);
 
   transport::Node& node_;
@@ -116,7 +118,8 @@ class Controller {
   std::unique_ptr<Ros2Tools> ros2_tools_;                       // null unless this controller leads
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   transport::LoopHandlePtr begin_later_;
-  transport::LoopHandlePtr stops_here_;    // of processes of this host
+  std::unique_ptr<transport::NetworkWatch> network_watch_;  // null unless the profile is lan
+  transport::LoopHandlePtr stops_here_;                     // of processes of this host
   bool folder_fails_ = false;              // files that were removed cannot be saved again
   transport::LoopHandlePtr check_folder_;  // periodically, from the beginning of the machine on
   std::vector<transport::LoopHandlePtr> kill_later_;  // for processes that the config does not list

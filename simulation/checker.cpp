@@ -220,6 +220,7 @@ void Checker::CheckController(const ControllerProcess& controller) {
   CheckDeadline(controller, seen);
   NoteReceived(controller, seen);
   const Epoch epoch = std::exchange(seen.epoch, machine.epoch);
+  if (epoch == 0) seen.began_with = machine.epoch;
   if (epoch != 0 && epoch != machine.epoch) {
     CheckRaised(controller, seen, epoch);
     CarryCommandsOver(controller.serial(), epoch, machine.epoch);
@@ -508,7 +509,10 @@ void Checker::CheckFollows(const std::string& name, std::size_t host,
   const Epoch epoch = controller->shell().machine().epoch;
   const auto known = followed.word.others.find(controller->serial());
   const bool raised = known == followed.word.others.end() || known->second != epoch;
-  if (!raised && epoch >= newer->shell().machine().epoch) return;
+  const Epoch newest = newer->shell().machine().epoch;
+  if (!raised && epoch >= newest) return;
+  // Restarted by its supervisor meanwhile: its disk has the epoch, which that person had not seen.
+  if (seen_[controller->serial()].began_with == epoch && epoch > newest) return;
   ReportViolation(Invariant::kTakeoverLasts, name + " returns to the controller on host " +
                                                  robot_.hosts().name(controller->host()) +
                                                  ", epoch " + ToString(report.epoch) +

@@ -102,6 +102,7 @@ class Checker {
     std::optional<std::pair<Time, int>> over_since;
     PerActuator<Incarnation> received;  // of each actuator, the incarnation reported last
     Epoch epoch = 0;
+    Epoch began_with = 0;
     // When it last knew a sample of the battery that permits at most LowPower, or Protected.
     std::optional<Time> low_power_at;
     std::optional<Time> protected_at;

@@ -33,12 +33,14 @@ class SteadyClock : public Clock {
 // A sample of the same writer that is this much older counts as reordered. An older one means that
 // the writer has restarted, such as a recording played in a loop.
 constexpr Duration kOvertaken = std::chrono::seconds(1);
+// A longer step between two samples is a recording that was skipped, or another world: nothing was
+// seen of that time. The second such step in a row counts: the clock has long steps.
+constexpr Duration kLongestStep = std::chrono::seconds(10);
 constexpr std::uint32_t kNanosecondsInSecond = 1'000'000'000;
 
 class TopicClock : public Clock {
  public:
-  explicit TopicClock(std::function<void()> on_jump_back)
-      : on_jump_back_(std::move(on_jump_back)) {}
+  explicit TopicClock(std::function<void()> on_jump) : on_jump_(std::move(on_jump)) {}
 
   Result<> Subscribe(Node& node) {
     auto subscription = MakeSubscription<msg::Clock>(
@@ -69,11 +71,13 @@ class TopicClock : public Clock {
     const Time time = Time{} + msg::FromStamp(stamp);
     if (writer_ == info.writer && time <= now_ && now_ - time < kOvertaken) return Report();
     const bool first = !writer_.has_value();
-    const bool back = !first && time < now_;
+    const bool skipped = time - now_ > kLongestStep && step_ <= kLongestStep;
+    const bool jump = !first && (time < now_ || skipped);
+    step_ = first ? Duration::zero() : time - now_;
     writer_ = info.writer;
-    if (first || back) timers_.Shift(time - now_);
+    if (first || jump) timers_.Shift(time - now_);
     now_ = time;
-    if (back && on_jump_back_) on_jump_back_();
+    if (jump && on_jump_) on_jump_();
     while (timers_.RunNext(now_)) {
     }
     Report();
@@ -85,8 +89,9 @@ class TopicClock : public Clock {
     static_cast<void>(reached_->Publish({Stamp()}));
   }
 
-  std::function<void()> on_jump_back_;
+  std::function<void()> on_jump_;
   Time now_{};
+  Duration step_{};                   // from the sample before the last one to the last one
   std::optional<EndpointId> writer_;  // of the last sample
   TimerQueue timers_;
   std::unique_ptr<Publisher<msg::Clock>> reached_;  // null: not permitted
@@ -99,15 +104,15 @@ std::unique_ptr<Clock> Clock::Steady(EventLoop& loop) {
   return std::make_unique<SteadyClock>(loop);
 }
 
-Result<std::unique_ptr<Clock>> Clock::FromTopic(Node& node, std::function<void()> on_jump_back) {
-  auto clock = std::make_unique<TopicClock>(std::move(on_jump_back));
+Result<std::unique_ptr<Clock>> Clock::FromTopic(Node& node, std::function<void()> on_jump) {
+  auto clock = std::make_unique<TopicClock>(std::move(on_jump));
   if (auto made = clock->Subscribe(node); !made) return made.error();
   return std::unique_ptr<Clock>(std::move(clock));
 }
 
 Result<std::unique_ptr<Clock>> Clock::Of(ClockSource source, Node& node,
-                                         std::function<void()> on_jump_back) {
-  if (source == ClockSource::kTopic) return FromTopic(node, std::move(on_jump_back));
+                                         std::function<void()> on_jump) {
+  if (source == ClockSource::kTopic) return FromTopic(node, std::move(on_jump));
   return Steady(node.loop());
 }
 

@@ -5,8 +5,9 @@
 //
 // On /clock, time is the last sample and stands still between samples: a timer fires when a sample
 // reaches it, so a world that runs five times as fast fires it five times as often. Before the
-// first sample Now() is Time{} and nothing fires. When time jumps - at the first sample, or
-// backwards because the world was restarted - every timer keeps its remaining time.
+// first sample Now() is Time{} and nothing fires. When time jumps - at the first sample, backwards
+// because the world was restarted, or forwards by more than 10 s between two samples because a
+// recording was skipped - every timer keeps its remaining time.
 //
 // Threads: loop thread only. Handles must be dropped before their clock, a clock before its node. A
 // callback may drop any handle, its own too, but not the clock.
@@ -29,12 +30,12 @@ class Clock {
 
   static std::unique_ptr<Clock> Steady(EventLoop& loop);
 
-  // `on_jump_back` runs when the world was restarted, before any timer fires at the new time.
-  static Result<std::unique_ptr<Clock>> FromTopic(Node& node,
-                                                  std::function<void()> on_jump_back = {});
+  // `on_jump` runs when the time has jumped, except at the first sample, before any timer fires at
+  // the new time.
+  static Result<std::unique_ptr<Clock>> FromTopic(Node& node, std::function<void()> on_jump = {});
 
   static Result<std::unique_ptr<Clock>> Of(ClockSource source, Node& node,
-                                           std::function<void()> on_jump_back = {});
+                                           std::function<void()> on_jump = {});
 
   // On /clock: Time{} plus the last sample.
   virtual Time Now() const = 0;

@@ -117,7 +117,29 @@ std::vector<InterfaceUse> ChooseConfigured(std::vector<NetworkInterface> present
   return uses;
 }
 
+// Cyclone sends by the first address of each.
+std::vector<std::string> UsesWithAddress(const std::vector<NetworkInterface>& present,
+                                         const std::vector<std::string>& configured) {
+  std::vector<std::string> texts;
+  for (const InterfaceUse& use : ChooseInterfaces(present, configured)) {
+    if (!use.used) continue;
+    const auto found = std::ranges::find(present, use.name, &NetworkInterface::name);
+    texts.push_back(use.name + " with " + found->addresses.front());
+  }
+  return texts;
+}
+
 }  // namespace
+
+std::vector<std::string> MissedInterfaces(const std::vector<NetworkInterface>& before,
+                                          const std::vector<NetworkInterface>& now,
+                                          const std::vector<std::string>& configured) {
+  const std::vector<std::string> known = UsesWithAddress(before, configured);
+  std::vector<std::string> missed = UsesWithAddress(now, configured);
+  std::erase_if(missed,
+                [&](const std::string& use) { return std::ranges::count(known, use) != 0; });
+  return missed;
+}
 
 std::vector<NetworkInterface> ReadInterfaces() {
   std::vector<NetworkInterface> interfaces = ReadLinks();

@@ -48,6 +48,12 @@ std::vector<InterfaceUse> ChooseInterfaces(const std::vector<NetworkInterface>& 
 std::vector<std::string> OuterInterfaces(TransportProfile profile,
                                          const std::vector<std::string>& configured);
 
+// What a process that starts now uses, and one that started with `before` does not: "wlan0 with
+// 10.0.0.7". Pure.
+std::vector<std::string> MissedInterfaces(const std::vector<NetworkInterface>& before,
+                                          const std::vector<NetworkInterface>& now,
+                                          const std::vector<std::string>& configured);
+
 // Cyclone's element for the loopback, over which the processes of a host reach each other in every
 // profile, and outer interfaces. One that is absent does not keep a process from starting.
 std::string InterfacesXml(const std::vector<std::string>& outer);

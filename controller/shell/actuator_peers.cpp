@@ -341,30 +341,40 @@ void ActuatorPeers::RecordPeerFault(const transport::PeerFault& fault) {
 
 bool ActuatorPeers::KeepForBegin(const Event& event) {
   if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
-    before_begin_[seen->actuator] = *seen;
+    std::vector<event::StatusSeen>& known = before_begin_[seen->actuator];
+    std::erase_if(known, [&](const event::StatusSeen& other) {
+      return other.report.host == seen->report.host;
+    });
+    if (known.size() >= kProcessesKept) known.erase(known.begin());
+    known.push_back(*seen);
     if (!first_status_at_) first_status_at_ = context_.loop().Now();
     return true;
   }
   const auto* vanished = std::get_if<event::Vanished>(&event);
   if (vanished == nullptr) return false;
   const auto kept = before_begin_.find(vanished->actuator);
-  if (kept != before_begin_.end() && kept->second.report.incarnation == vanished->incarnation) {
-    before_begin_.erase(kept);
-  }
+  if (kept == before_begin_.end()) return true;
+  std::erase_if(kept->second, [&](const event::StatusSeen& seen) {
+    return seen.report.incarnation == vanished->incarnation;
+  });
+  if (kept->second.empty()) before_begin_.erase(kept);
   return true;
 }
 
 std::string ActuatorPeers::RunningWithAnotherConfig(const std::string& hash) const {
   std::string names;
   std::size_t count = 0;
-  for (const auto& [actuator, seen] : before_begin_) {
+  for (const auto& [actuator, all] : before_begin_) {
     const auto status = statuses_before_begin_.find(actuator);
     const std::string theirs =
         status == statuses_before_begin_.end() ? "" : status->second.config_hash;
     const bool ours = theirs.empty() || theirs == config_.hash || theirs == hash;
-    if (ours || seen.report.host != dependencies_.host || !Runs(config_, seen.report)) continue;
+    const auto here = std::ranges::find_if(all, [this](const event::StatusSeen& seen) {
+      return seen.report.host == dependencies_.host;
+    });
+    if (ours || here == all.end() || !Runs(config_, here->report)) continue;
     names += (names.empty() ? "" : ", ") + config_.actuators[actuator].name + " (pid " +
-             std::to_string(seen.report.pid) + ")";
+             std::to_string(here->report.pid) + ")";
     ++count;
   }
   return names.empty() ? names : names + (count == 1 ? " runs" : " run");
@@ -373,26 +383,31 @@ std::string ActuatorPeers::RunningWithAnotherConfig(const std::string& hash) con
 // Whether another actuator runs in the process of `report`. That process does not exit, even if
 // this actuator is torn down, and a second one would start the other actuator twice.
 bool ActuatorPeers::SharesItsProcess(const ActuatorReport& report) const {
-  return std::any_of(before_begin_.begin(), before_begin_.end(), [&](const auto& other) {
-    const ActuatorReport& running = other.second.report;
+  const auto is_it = [&](const event::StatusSeen& other) {
+    const ActuatorReport& running = other.report;
     return running.pid != 0 && running.pid == report.pid && running.host == report.host &&
            Runs(config_, running);
-  });
+  };
+  return std::any_of(before_begin_.begin(), before_begin_.end(),
+                     [&](const auto& others) { return std::ranges::any_of(others.second, is_it); });
 }
 
 bool ActuatorPeers::RanBeforeBegin(ActuatorIndex actuator) const {
-  const auto seen = before_begin_.find(actuator);
-  if (seen == before_begin_.end()) return false;
-  const ActuatorReport& report = seen->second.report;
-  return Runs(config_, report) || SharesItsProcess(report);
+  const auto found = before_begin_.find(actuator);
+  return found != before_begin_.end() &&
+         std::ranges::any_of(found->second, [this](const event::StatusSeen& seen) {
+           return Runs(config_, seen.report) || SharesItsProcess(seen.report);
+         });
 }
 
 void ActuatorPeers::Begin() {
-  for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {
-    context_.handle(seen);
-    const ActuatorReport& taken = machine_.actuators[actuator].report;
-    if (taken.incarnation == seen.report.incarnation) {
-      health_->OnReport(actuator, taken, SenderOf(actuator, taken));
+  for (const auto& [actuator, all] : std::exchange(before_begin_, {})) {
+    for (const event::StatusSeen& seen : all) {
+      context_.handle(seen);
+      const ActuatorReport& taken = machine_.actuators[actuator].report;
+      if (taken.incarnation == seen.report.incarnation) {
+        health_->OnReport(actuator, taken, SenderOf(actuator, taken));
+      }
     }
   }
 }

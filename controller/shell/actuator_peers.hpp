@@ -132,7 +132,8 @@ class ActuatorPeers {
   };
   std::unordered_map<transport::EndpointId, StatusWriter> status_writers_;
   PerActuator<Peer> peers_;
-  std::map<ActuatorIndex, event::StatusSeen> before_begin_;  // the last one of each actuator
+  // The last one of each actuator and host, in the order of their receipt.
+  std::map<ActuatorIndex, std::vector<event::StatusSeen>> before_begin_;
   std::map<ActuatorIndex, msg::ActuatorStatus> statuses_before_begin_;
   std::optional<Time> first_status_at_;          // of before_begin_
   std::map<std::string, Incarnation> unlisted_;  // incarnations of actuators not in the config

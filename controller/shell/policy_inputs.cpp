@@ -35,7 +35,7 @@ Result<std::unique_ptr<PolicyInputs>> PolicyInputs::Make(transport::Node& node,
 
 Result<> PolicyInputs::Open(transport::Node& node) {
   by_topic_ = config_.clock == ClockSource::kTopic;
-  auto clock = transport::Clock::Of(config_.clock, node, [this] { OnWorldRestarted(); });
+  auto clock = transport::Clock::Of(config_.clock, node, [this] { OnTimeJumped(); });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
   if (by_topic_) first_time_ = clock_->At(Time{}, [this] { EmitTime(); });
@@ -64,10 +64,13 @@ Result<> PolicyInputs::Open(transport::Node& node) {
   return Ok();
 }
 
-void PolicyInputs::OnWorldRestarted() {
-  battery_input_.received = motion_input_.received = clock_->Now();
-  for (auto& [writer, source] : batteries_) source.received = clock_->Now();
-  EmitTime();
+void PolicyInputs::OnTimeJumped() {
+  const Time now = clock_->Now();
+  battery_input_.received = motion_input_.received = now;
+  for (auto& [writer, source] : batteries_) source.received = now;
+  if (!begun_) return;
+  emitted_time_ = now;
+  emit_(event::ClockReceived{now, true});
 }
 
 void PolicyInputs::Begin() {

@@ -52,7 +52,7 @@ class PolicyInputs {
 
   PolicyInputs(const MachineConfig& config, Emit emit);
   Result<> Open(transport::Node& node);
-  void OnWorldRestarted();
+  void OnTimeJumped();
   void OnBattery(const msg::BmsStatus& status, transport::EndpointId writer);
   void ForgetSilentSources();
   void ConfirmAgain();

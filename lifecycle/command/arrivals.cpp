@@ -153,6 +153,7 @@ void Arrivals::On(const event::Replied& replied) {
       return commands_.End(replied.actuator,
                            commands_.DoneUnlessContradicted(replied.actuator, replied.message));
     case Verdict::kRefused:
+      if (replied.code == kCodeTimeout && commands_.SendAgain(replied.actuator)) return;
       return commands_.End(
           replied.actuator,
           {record.command->queries > 0 ? ActuatorOutcome::kOverdue : ActuatorOutcome::kRefused,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/config/flow.hpp"
+
 namespace musher {
 namespace {
 
@@ -18,11 +20,28 @@ void Commands::Issue(ActuatorIndex i, CommandNumber number, const State& target,
                      bool detached) {
   machine_.number = std::max(machine_.number, number);
   ActuatorRecord& record = Of(i);
-  record.command = PendingCommand{number, target, now_, now_ + budget, 0};
+  record.command = PendingCommand{
+      number, target, now_, now_ + budget, 0, detached, record.clock_theirs - record.clock_ours};
   if (target == kSelfCheck) record.join_tried = true;
   Do(action::SendSwitch{i,
                         {machine_.epoch, number, target, budget, record.clock_theirs,
                          now_ - record.clock_ours, record.report.incarnation, detached}});
+}
+
+// A report that was late on its way makes the actuator's clock appear slow, and so a command older
+// than it is: the actuator refuses it, and its refusal brings the right clock. Nothing is sent
+// again that an emergency stop since then forbids to switch on.
+bool Commands::SendAgain(ActuatorIndex i) {
+  const ActuatorRecord& record = Of(i);
+  const PendingCommand command = *record.command;
+  const bool was_younger = record.clock_theirs - record.clock_ours > command.clock_ahead;
+  const bool stopped = machine_.emergency.stop || (machine_.current && machine_.current->stopped) ||
+                       (record.report.held_by_stop && !record.set_again);
+  const bool forbidden = stopped && MaySwitchOn(config_, record.state(), command.target);
+  if (!was_younger || forbidden || command.queries > 0 || now_ >= command.deadline) return false;
+  Issue(i, command.number, command.target, command.deadline - now_, command.detached);
+  Of(i).command->sent = command.sent;
+  return true;
 }
 
 // Stores a newer report. A callback that ended without a command of this controller (an overdue
@@ -187,7 +206,7 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
     const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
     if (well || command.target == kTearDown) Of(i).fault.reset();
   }
-  if (command.target == kSelfCheck) NoteCheck(i, end.outcome);
+  if (command.target == kSelfCheck) NoteCheck(i, end);
   // Driven on once it is free, unless a check is still running.
   if (end.outcome == ActuatorOutcome::kOverdue && command.target != kSelfCheck) Of(i).due = true;
   if (Leg* leg = LegUnderWay(i)) {
@@ -204,10 +223,13 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
   }
 }
 
-// A self-check may fail for a passing reason, such as load: a failed one is repeated.
-void Commands::NoteCheck(ActuatorIndex i, ActuatorOutcome outcome) {
+// A self-check may fail for a passing reason, such as load: a check that has failed, or has passed
+// as degraded, is repeated.
+void Commands::NoteCheck(ActuatorIndex i, const CommandResult& end) {
   FailedChecks& failed = Of(i).failed_checks;
-  if (outcome != ActuatorOutcome::kFailed && outcome != ActuatorOutcome::kOverdue) {
+  const bool degraded = end.outcome == ActuatorOutcome::kDone && end.code != kCodeOk;
+  if (!degraded && end.outcome != ActuatorOutcome::kFailed &&
+      end.outcome != ActuatorOutcome::kOverdue) {
     failed = {};
     return;
   }
@@ -251,6 +273,7 @@ void Commands::EndOwn(ActuatorIndex i, const PendingCommand& command, const Comm
     return;
   }
   if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
+  if (command.target == kSelfCheck) record.checked = false;  // also where one has passed before
   Degrade(i, end.code, texts::CommandNotDone(command.target, end.outcome, end.text.message),
           record.cause);
   // A repeated check that fails again is no new loss: a person may have gone on without it.

@@ -32,6 +32,9 @@ class Commands : StepPart {
 
   void Issue(ActuatorIndex i, CommandNumber number, const State& target, Duration budget,
              bool detached = false);
+  // Sends the command again if its actuator has refused it as too old although it was not. Returns
+  // whether it does.
+  bool SendAgain(ActuatorIndex i);
   // Stores a newer report.
   void Accept(ActuatorIndex i, const ActuatorReport& report);
   // The deadline of its command has passed.
@@ -60,7 +63,7 @@ class Commands : StepPart {
  private:
   void Drifted(ActuatorIndex i);
   void RecordDoubles(ActuatorIndex i, const ActuatorReport& report);
-  void NoteCheck(ActuatorIndex i, ActuatorOutcome outcome);
+  void NoteCheck(ActuatorIndex i, const CommandResult& end);
   CommandResult Tolerate(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);
   Leg* LegUnderWay(ActuatorIndex i);
   void EndOwn(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);

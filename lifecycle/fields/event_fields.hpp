@@ -299,6 +299,7 @@ inline constexpr std::string_view kEventName<event::ClockReceived> = "ClockHeard
 template <>
 inline constexpr std::tuple kFields<event::ClockReceived> = {
     Field{"clock", &event::ClockReceived::clock},
+    Field{"jumped", &event::ClockReceived::jumped},
 };
 template <>
 inline constexpr std::string_view kEventName<event::PolicyRequested> = "PolicyRequested";

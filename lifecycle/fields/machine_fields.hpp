@@ -11,9 +11,13 @@ namespace musher::fields {
 
 template <>
 inline constexpr std::tuple kFields<PendingCommand> = {
-    Field{"number", &PendingCommand::number},   Field{"target", &PendingCommand::target},
-    Field{"sent", &PendingCommand::sent},       Field{"deadline", &PendingCommand::deadline},
+    Field{"number", &PendingCommand::number},
+    Field{"target", &PendingCommand::target},
+    Field{"sent", &PendingCommand::sent},
+    Field{"deadline", &PendingCommand::deadline},
     Field{"queries", &PendingCommand::queries},
+    Field{"detached", &PendingCommand::detached},
+    Field{"clock_ahead", &PendingCommand::clock_ahead},
 };
 
 template <>

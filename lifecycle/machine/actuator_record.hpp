@@ -31,6 +31,9 @@ struct PendingCommand {
   Time sent{};
   Time deadline{};  // of the reply; once queried, of the answer
   int queries = 0;  // how often the outcome was queried
+  bool detached = false;
+  // How far the actuator's clock was ahead of ours when it was sent, as known then.
+  Duration clock_ahead{};
 
   friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
 };

@@ -252,10 +252,11 @@ class Planner {
     plan_.steps.push_back(step);
   }
 
-  // A late actuator in its first self-check is left out, unless the machine is ended.
+  // A late actuator in its first self-check is left out, unless the machine is ended. A switch up
+  // waits for an actuator that has passed before.
   bool LateActuators(const ActuatorRecord& record) const {
-    return record.command && record.command->target == kSelfCheck && !machine_.current &&
-           plan_.target != kTearDown && plan_.target != kError;
+    return record.command && record.command->target == kSelfCheck && !record.checked &&
+           !machine_.current && plan_.target != kTearDown && plan_.target != kError;
   }
 
   // It goes to Error with the others once its self-check has ended.

@@ -49,15 +49,12 @@ bool LateActuators::IsToBeChecked(ActuatorIndex i) {
     // A ROS 2 node that could not be configured waits for a person.
     if (!record.checked && !IsUnconfigured(config_, i, record)) record.join_tried = false;
   }
+  // In LowPower the robot sleeps, and a check may wake up its devices.
+  if (record.checked)
+    return record.state() == kDeActive && machine_.state == kDeActive && IsCheckDue(i);
   const bool before = !config_.RankOf(record.state());
   const bool failed = record.failed_checks.count > 0 && record.state() != machine_.state;
-  return !record.checked && !record.join_tried && (before || failed);
-}
-
-bool LateActuators::IsFree(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  return record.presence == Presence::kPresent && !record.command && !record.report.busy() &&
-         record.health != Health::kHung && !record.restart.given_up && !record.restart.requested;
+  return !record.join_tried && (before || failed);
 }
 
 // The machine is not usable yet, or its start has failed. The rollback has not reached an actuator

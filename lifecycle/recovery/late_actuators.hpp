@@ -17,7 +17,6 @@ class LateActuators : StepPart {
   bool DriveLateOnes();
 
  private:
-  bool IsFree(ActuatorIndex i) const;
   bool IsToBeChecked(ActuatorIndex i);
   bool LowerLateOnes();
   bool Lower(ActuatorIndex i);

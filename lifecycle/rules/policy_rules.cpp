@@ -178,11 +178,12 @@ void PolicyRules::On(const event::InputSilent& silent) {
   }
 }
 
-// The clock of a restarted world, or of one received for the first time, has another zero.
+// The clock of a restarted world, or of one received for the first time, has another zero. Of the
+// time that a recording has skipped, nothing was seen.
 void PolicyRules::On(const event::ClockReceived& received) {
   if (!config_.policy || config_.clock != ClockSource::kTopic) return;
   PolicyState& policy = machine_.policy;
-  if (policy.clock == Time{} || received.clock < policy.clock) {
+  if (policy.clock == Time{} || received.clock < policy.clock || received.jumped) {
     const Duration jump = received.clock - policy.clock;
     if (policy.still_since) *policy.still_since += jump;
     if (policy.keep) policy.keep->until += jump;

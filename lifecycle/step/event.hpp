@@ -163,6 +163,7 @@ struct InputSilent {
 // just before any other event.
 struct ClockReceived {
   Time clock{};
+  bool jumped = false;  // a world was restarted, or a recording skipped: no time has passed
   friend bool operator==(const ClockReceived&, const ClockReceived&) = default;
 };
 struct PolicyRequested {

@@ -13,6 +13,12 @@ bool MachineView::IsComing(ActuatorIndex i) const {
          (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
 
+bool MachineView::IsFree(ActuatorIndex i) const {
+  const ActuatorRecord& record = Of(i);
+  return record.presence == Presence::kPresent && !record.command && !record.report.busy() &&
+         record.health != Health::kHung && !record.restart.given_up && !record.restart.requested;
+}
+
 bool MachineView::MayRestart(ActuatorIndex i) const {
   return !ConfigOf(i).command.empty() && ConfigOf(i).restart.policy != RestartPolicy::kNo;
 }

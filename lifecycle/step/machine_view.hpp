@@ -19,6 +19,8 @@ class MachineView {
 
   // Whether it is starting, though it is not present yet.
   bool IsComing(ActuatorIndex i) const;
+  // Whether the controller may send it a command of its own.
+  bool IsFree(ActuatorIndex i) const;
   bool MayRestart(ActuatorIndex i) const;
   // The process that can be signalled: one that we started, or one of this host that publishes as
   // it. 0: none.

@@ -89,6 +89,17 @@ void StepPart::Degrade(ActuatorIndex i, std::int32_t code, const RecordText& tex
   Of(i).cause = RecordActuator(i, code, texts::Degraded(ConfigOf(i).name, text), cause);
 }
 
+bool StepPart::IsCheckDue(ActuatorIndex i) const {
+  const ActuatorRecord& record = Of(i);
+  const FailedChecks& failed = record.failed_checks;
+  const bool at_rest = record.state() == kDeActive || record.state() == kLowPower;
+  const bool stopped = machine_.emergency.stop || record.report.emergency_stop != 0;
+  const bool follows = record.checked && !record.fault && !record.held && !record.suspended;
+  std::optional<RecordText> blocker;
+  return follows && at_rest && !stopped && IsFree(i) && failed.count > 0 &&
+         (!failed.at || now_ >= *failed.at) && PartialFaultOf(record) && NeedsMet(i, blocker);
+}
+
 void StepPart::FallBack(ActuatorIndex i) {
   const State& on_lost = ConfigOf(i).on_lost;
   if (on_lost.empty() || machine_.phase != Phase::kRunning) return;

@@ -61,6 +61,10 @@ class StepPart : protected MachineView {
   // switch is under way. Of several the least active counts.
   void FallBack(ActuatorIndex i);
 
+  // Whether a self-check that has passed as degraded is to be repeated now: of an actuator at rest,
+  // which the check does not disturb.
+  bool IsCheckDue(ActuatorIndex i) const;
+
   Time policy_now() const { return PolicyNow(config_, machine_.policy, now_); }
 
   Machine& machine_;

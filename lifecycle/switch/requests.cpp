@@ -57,7 +57,8 @@ void Requests::On(const event::SetStateRequested& requested) {
   }
   if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))
     return;
-  const Plan plan = MakePlan(config_, machine_, requested.target, only);
+  Plan plan = MakePlan(config_, machine_, requested.target, only);
+  if (CheckDegraded(plan)) plan = MakePlan(config_, machine_, requested.target, only);
   if (plan.free_by) return Await(plan, requested, request_record);
   if (plan.refusal) {
     return switches_.Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal,
@@ -119,6 +120,21 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
   switches_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
                    request_record);
   return true;
+}
+
+// Before a switch up out of a state of rest, actuators whose last self-check has passed as degraded
+// have another one; the switch waits for it. Returns whether there is one.
+bool Requests::CheckDegraded(const Plan& plan) {
+  const bool up = !plan.refusal && !plan.only && plan.direction == Direction::kUp;
+  if (!up || machine_.current || machine_.phase != Phase::kRunning) return false;
+  bool any = false;
+  for (const PlanStep& step : plan.steps) {
+    if (!step.driven() || !IsCheckDue(step.actuator)) continue;
+    commands_.Issue(step.actuator, machine_.number + 1, State(kSelfCheck),
+                    config_.TimeFor(step.actuator, kSelfCheck));
+    any = true;
+  }
+  return any;
 }
 
 void Requests::Await(const Plan& plan, const event::SetStateRequested& requested,

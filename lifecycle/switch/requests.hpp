@@ -19,8 +19,8 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
 
 class Requests : StepPart {
  public:
-  Requests(StepContext& step, Switches& switches, TearDown& tear_down)
-      : StepPart(step), switches_(switches), tear_down_(tear_down) {}
+  Requests(StepContext& step, Commands& commands, Switches& switches, TearDown& tear_down)
+      : StepPart(step), commands_(commands), switches_(switches), tear_down_(tear_down) {}
 
   void On(const event::SetStateRequested& requested);
   // Begins the waiting switch, when it need not wait any more. Returns whether a change may let
@@ -33,7 +33,9 @@ class Requests : StepPart {
   bool JoinWaiting(const event::SetStateRequested& requested, std::optional<ActuatorIndex> only,
                    RecordId request_record);
   void Await(const Plan& plan, const event::SetStateRequested& requested, RecordId request_record);
+  bool CheckDegraded(const Plan& plan);
 
+  Commands& commands_;
   Switches& switches_;
   TearDown& tear_down_;
 };

@@ -34,7 +34,7 @@ class WalkerTopics {
   // Whether START is accepted. A walk ends with false, at once; `why` is logged.
   void Permit(bool permitted, const std::string& why);
   // The world was restarted: a walk ends.
-  void OnTimeJump() { EndWalk("the time has jumped back"); }
+  void OnTimeJump() { EndWalk("the time has jumped"); }
 
   // Subscribes to the lines for a check. Fails when that is not possible.
   Result<> SetChecked(bool checked);

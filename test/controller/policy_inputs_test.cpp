@@ -176,7 +176,19 @@ TEST_F(Inputs, TheTimeOfAWorldIsEmittedOnlyBeforeAnotherEventAndWhenDue) {
   Battery(50);
   EXPECT_THAT(TakeReceived(), ElementsAre(at(51), Event(event::BatterySeen{50, false})));
   Clock(seconds(3));  // the world begins again
-  EXPECT_THAT(TakeReceived(), ElementsAre(at(3)));
+  EXPECT_THAT(TakeReceived(), ElementsAre(Event(event::ClockReceived{Time(seconds(3)), true})));
+}
+
+// A recording that a person skips by minutes: no publisher was silent meanwhile.
+TEST_F(Inputs, NoInputIsSilentSinceTheClockHasJumpedForwards) {
+  config_.clock = ClockSource::kTopic;
+  Open();
+  inputs_->Begin();
+  Clock(seconds(40));
+  Battery(50);
+  TakeReceived();
+  Clock(seconds(640));
+  EXPECT_THAT(TakeReceived(), ElementsAre(Event(event::ClockReceived{Time(seconds(640)), true})));
 }
 
 TEST_F(Inputs, WithoutAPolicyThereAreNone) {

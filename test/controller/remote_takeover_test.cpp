@@ -70,6 +70,12 @@ class RemoteTakeover : public ::testing::Test {
     shell_ = ControllerShell::Make(std::move(dependencies), config_, {}).value();
   }
 
+  // That run actuators.
+  static simulation::Layout TwoHosts() {
+    simulation::Layout layout;
+    layout.hosts = {"first", "third"};
+    return layout;
+  }
   void LookAround() { network_.RunFor(std::chrono::seconds(1)); }
   void Begin() {
     shell_->Begin({});
@@ -78,7 +84,7 @@ class RemoteTakeover : public ::testing::Test {
 
   transport::sim::Network network_;
   MachineConfig config_;
-  const simulation::Layout layout_;
+  const simulation::Layout layout_ = TwoHosts();
   simulation::Hosts hosts_;
   simulation::Processes processes_;
   EmptyHost host_;
@@ -111,6 +117,21 @@ TEST_F(RemoteTakeover, StartsWhatHasEndedWhileItLookedAround) {
   network_.RunFor(std::chrono::minutes(1));
   Begin();
   EXPECT_THAT(host_.started, ElementsAre("b"));
+}
+
+// A regression: of two processes of one actuator only the last status was kept, and with its end
+// the other one was forgotten.
+TEST_F(RemoteTakeover, StartsNoActuatorOfWhichOneOfTwoProcessesHasEnded) {
+  processes_.Launch("a", 1);
+  processes_.Launch("b");
+  LookAround();
+  processes_.Launch("a", 0);
+  LookAround();
+  processes_.End("a", 0, {ProcessExit::Kind::kExited, 0});
+  network_.RunFor(std::chrono::minutes(1));
+  Begin();
+  EXPECT_THAT(host_.started, IsEmpty());
+  EXPECT_EQ(shell_->machine().actuators[0].presence, Presence::kPresent);
 }
 
 TEST_F(RemoteTakeover, StartsWhatIsTornDown) {

@@ -116,8 +116,9 @@ void AddOperation(std::vector<Kind>& kinds) {
 
 void AddNetwork(std::vector<Kind>& kinds) {
   using namespace network;
-  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> inject) {
-    kinds.push_back({name, "network", about, std::move(inject), Shape::kTwoHosts, Need::kNetwork});
+  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> inject,
+                       Shape shape = Shape::kTwoHosts) {
+    kinds.push_back({name, "network", about, std::move(inject), shape, Need::kNetwork});
   };
   add("loss", "2 to 50 % of packets are lost each way, and a switch", LosesPackets);
   add("delay", "5 to 100 ms each way, and switches", IsSlow);
@@ -137,6 +138,10 @@ void AddNetwork(std::vector<Kind>& kinds) {
   add("far-takeover-deaf", "the same while the other host receives nothing from this one",
       [](FaultRun& run) { IsTakenOverFromThere(run, true); });
   add("far-kill", "SIGKILL on the other host", KilledOnOtherHost);
+  add("outer-link-down", "the interface to other hosts goes down, the whole robot is here",
+      OuterLinkGoesDown, Shape::kOnLan);
+  add("other-robot", "another robot comes into range, is stopped, and is torn down",
+      OtherRobotInRange, Shape::kOnLan);
 }
 
 }  // namespace

@@ -292,10 +292,19 @@ TEST_F(Plans, UpAreRefusedForALostCriticalActuatorButNotForAStartingOne) {
 }
 
 TEST_F(Plans, LeaveOutALateActuatorInItsFirstCheckUnlessTheMachineEnds) {
+  machine_.actuators[0].checked = false;
   machine_.actuators[0].command = PendingCommand{1, State(kSelfCheck), {}, {}, 0};
   EXPECT_EQ(To(kLowPower).steps[0].note, "is still starting");
   EXPECT_EQ(To(kError).steps[0].part, Part::kDriven);
   EXPECT_EQ(To(kTearDown).steps[0].part, Part::kDriven);
+}
+
+TEST_F(Plans, UpWaitForAnActuatorWhoseSelfCheckIsRepeated) {
+  PutAllIn(kLowPower);
+  const Time deadline = Time(std::chrono::hours(1));
+  machine_.actuators[0].command = PendingCommand{1, State(kSelfCheck), {}, deadline, 0};
+  EXPECT_EQ(To(kActive).free_by, deadline);
+  EXPECT_EQ(To(kActive).steps[0].part, Part::kDriven);
 }
 
 TEST_F(Plans, DriveAnUncheckedActuatorToErrorWhileItsSelfCheckRuns) {

@@ -38,6 +38,7 @@ class ChoiceList {
       Fault(ChoiceKind::kRequestError);
       if (world_.machine.phase != Phase::kStopping) Fault(ChoiceKind::kRequestTearDown);
     }
+    if (model_.other_machine) ListOtherMachine();
     ListRelease();
     return std::move(choices_);
   }
@@ -68,6 +69,16 @@ class ChoiceList {
     if (!world_.released && world_.machine.emergency.stop) Free(ChoiceKind::kRelease);
     const bool runs = world_.machine.phase == Phase::kRunning;
     if (world_.released && world_.repeat == Repeat::kNotYet && runs) Free(ChoiceKind::kRepeat);
+  }
+
+  void ListOtherMachine() {
+    for (const ActuatorIndex i : kIndices) {
+      const SimActuator& actuator = world_.actuators[i];
+      if (!actuator.alive || !actuator.visible) continue;
+      Fault(ChoiceKind::kOtherCommand, i);
+      if (actuator.core.report.emergency_stop != 0) Fault(ChoiceKind::kOtherRelease, i);
+    }
+    if (Leads() && world_.machine.epoch > 0) Fault(ChoiceKind::kOtherHeartbeat);
   }
 
   void ListSending() {

@@ -37,7 +37,8 @@ inline constexpr std::tuple kIgnored<ActuatorReport> = {&ActuatorReport::outcome
 template <>
 inline constexpr std::tuple kIgnored<EmergencyStop> = {&EmergencyStop::by, &EmergencyStop::reason};
 template <>
-inline constexpr std::tuple kIgnored<PendingCommand> = {&PendingCommand::sent};
+inline constexpr std::tuple kIgnored<PendingCommand> = {&PendingCommand::sent,
+                                                        &PendingCommand::clock_ahead};
 template <>
 inline constexpr std::tuple kIgnored<ActuatorFault> = {&ActuatorFault::message};
 // Of the clocks only their difference counts.
@@ -216,6 +217,7 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r, ToMilliseconds(r.clock_theirs - r.clock_ours));
+  if (r.command) mixer.Add(ToMilliseconds(r.command->clock_ahead));
 }
 
 void AddLegs(Mixer& mixer, const std::vector<Leg>& legs, ActuatorIndex i) {

@@ -12,6 +12,7 @@ namespace {
 // How far each actuator's clock is ahead of its stamps.
 constexpr Duration kClockAhead = Milliseconds(1);
 constexpr StopId kStopId = 5;
+constexpr Sender kOtherMachine(99);  // more than controllers that take over
 
 }  // namespace
 
@@ -114,6 +115,27 @@ void Harness::EndCallback(ActuatorIndex i, std::int32_t code, const std::string&
 
 void Harness::ReceiveStop(ActuatorIndex i) {
   StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, true, 0});
+}
+
+void Harness::ReceiveOtherCommand(ActuatorIndex i, const State& target) {
+  const ActuatorReport& report = world_.actuators[i].core.report;
+  SwitchCommand command;
+  command.epoch = Epoch(report.epoch.value() + 1);
+  command.number = CommandNumber(report.number.value() + 1);
+  command.target = target;
+  command.budget = Milliseconds(100);
+  command.status_stamp = world_.now;
+  command.incarnation = report.incarnation;
+  const RequestToken token = TokenOf(kOtherMachine, command.number, false);
+  const ActuatorCore before = world_.actuators[i].core;
+  StepActuator(i, actuator_event::SwitchArrived{token, command, kOtherMachine});
+  CheckUnchanged(model_, world_, i, before, notes_);
+}
+
+void Harness::ReceiveOtherRelease(ActuatorIndex i) {
+  const ActuatorCore before = world_.actuators[i].core;
+  StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, kOtherMachine});
+  CheckUnchanged(model_, world_, i, before, notes_);
 }
 
 void Harness::Crash(ActuatorIndex i) {

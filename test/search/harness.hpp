@@ -28,6 +28,9 @@ class Harness : public testing::FakeRobot {
   void EndCallback(ActuatorIndex i, std::int32_t code, const std::string& text);
   void ReceiveStop(ActuatorIndex i);
   void Crash(ActuatorIndex i);
+  // What another machine sends it.
+  void ReceiveOtherCommand(ActuatorIndex i, const State& target);
+  void ReceiveOtherRelease(ActuatorIndex i);
   // All actuators but `except` receive it.
   void EngageStop(std::optional<ActuatorIndex> except = std::nullopt);
 

@@ -156,6 +156,16 @@ class ChoiceMaker {
       case ChoiceKind::kRequestTearDown:
         harness_.Log("CROSSED by a more urgent request");
         return harness_.RequestSwitch(State(kTearDown));
+      case ChoiceKind::kOtherCommand:
+        harness_.Log("FAULT: another machine commands " + name() + " to Active");
+        return harness_.ReceiveOtherCommand(i_, State(kActive));
+      case ChoiceKind::kOtherRelease:
+        harness_.Log("FAULT: another machine releases the emergency stop of " + name());
+        return harness_.ReceiveOtherRelease(i_);
+      case ChoiceKind::kOtherHeartbeat:
+        harness_.Log("FAULT: the heartbeat of another controller arrives, with a lower epoch");
+        return harness_.Feed(
+            event::RivalSeen{Epoch(world_.machine.epoch.value() - 1), "another controller", true});
       case ChoiceKind::kEngageStopLate:
         harness_.Log("CROSSED by an emergency stop; FAULT: delayed to " + name());
         actuator().late.emplace_back(StopMessage{});

@@ -20,12 +20,14 @@ class PlantedFault : public ::testing::Test {
     const Model correct(machine.config, to);
     Model model(correct.config, to, std::move(rules));
     model.releases = true;
+    model.other_machine = other_machine_;
     World root = WorldIn(correct, from);
     root.faults = root.faults_left = faults;
     searched_ = SearchAll(model, root);
     if (searched_.fault) scenario_ = ScenarioOf(model, root, searched_.fault->path);
   }
 
+  bool other_machine_ = false;
   Searched searched_;
   std::string scenario_;
 };
@@ -219,6 +221,51 @@ TEST_F(PlantedFault, FindsAnActuatorThatStaysActiveAfterItsSwitchWasUndone) {
   EXPECT_THAT(scenario_, HasSubstr("is undone: a: overdue"));
   EXPECT_THAT(searched_.fault->violations,
               Contains(HasSubstr("is in Active, the machine in SelfCheck")));
+}
+
+// The actuator obeys whoever names a higher epoch.
+TEST_F(PlantedFault, FindsAnActuatorThatObeysAnotherMachine) {
+  Rules rules;
+  rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,
+                      Time now) {
+    if (const auto* arrived = std::get_if<actuator_event::SwitchArrived>(&event)) {
+      const actuator_event::ControllerHeartbeatReceived announced{arrived->sender,
+                                                                  arrived->command.epoch};
+      Step(config, i, core, announced, now);
+    }
+    return Step(config, i, core, event, now);
+  };
+  other_machine_ = true;
+  Search(rules, "LowPower", "DeActive", 1);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("another machine commands a to Active"));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("message of another machine")));
+}
+
+TEST_F(PlantedFault, FindsAnActuatorWhoseStopAnotherMachineReleases) {
+  Rules rules;
+  rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,
+                      Time now) {
+    ActuatorEvent changed = event;
+    if (auto* stop = std::get_if<actuator_event::EmergencyStopReceived>(&changed)) {
+      stop->sender = core.controller;
+    }
+    return Step(config, i, core, changed, now);
+  };
+  other_machine_ = true;
+  Search(rules, "Active", "LowPower", 2);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("another machine releases the emergency stop of"));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("message of another machine")));
+}
+
+TEST_F(PlantedFault, FindsAControllerThatReleasesControlToALowerEpoch) {
+  other_machine_ = true;
+  Search(WithEvent<event::RivalSeen>(
+             [](event::RivalSeen& rival, const Machine& machine) { rival.epoch = machine.epoch; }),
+         "LowPower", "Active", 1);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("none has replaced it")));
 }
 
 TEST_F(PlantedFault, ReportsTheShortestScenario) {

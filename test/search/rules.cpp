@@ -229,6 +229,13 @@ void CheckStopped(const Model& model, const World& world, ActuatorIndex i,
   }
 }
 
+void CheckUnchanged(const Model& model, const World& world, ActuatorIndex i,
+                    const ActuatorCore& before, Notes& notes) {
+  if (world.actuators[i].core == before) return;
+  notes.violations.push_back(model.config.actuators[i].name +
+                             " is changed by a message of another machine");
+}
+
 void CheckCommand(const Model& model, const World& world, const action::SendSwitch& send,
                   Notes& notes) {
   CheckOrder(model, world, send, notes);
@@ -277,6 +284,9 @@ void CheckStep(const Model& model, const World& world, const Before& before, Not
   const Machine& machine = world.machine;
   const std::string broken = BrokenInvariant(config, machine);
   if (!broken.empty()) notes.violations.push_back(broken);
+  if (machine.phase == Phase::kFenced) {
+    notes.violations.emplace_back("the controller releases control, and none has replaced it");
+  }
   const auto deadline = NextDeadline(config, machine);
   if (deadline && *deadline <= world.now)
     notes.violations.emplace_back("a deadline is not in the future");

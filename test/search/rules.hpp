@@ -27,6 +27,10 @@ void CheckBegin(const Model& model, const World& world, ActuatorIndex i, const S
 void CheckStopped(const Model& model, const World& world, ActuatorIndex i,
                   const ActuatorReport& before, Notes& notes);
 
+// After a message of another machine; `before`: the actuator before it.
+void CheckUnchanged(const Model& model, const World& world, ActuatorIndex i,
+                    const ActuatorCore& before, Notes& notes);
+
 // Whether `to` is more active than `from`; false unless both have a rank.
 bool IsHigher(const MachineConfig& config, const State& to, const State& from);
 

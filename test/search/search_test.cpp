@@ -102,6 +102,23 @@ TEST(ExhaustiveSearchOfEqualRanks, FindsNoViolation) {
   }
 }
 
+// Beside another machine, or a controller that was replaced, whose messages have no identity: their
+// commands, releases and heartbeats change nothing, at any point of a switch with another fault.
+TEST(ExhaustiveSearchBesideAnotherMachine, FindsNoViolation) {
+  const std::vector<std::pair<State, State>> switches = {
+      {"LowPower", "Active"}, {"Active", "LowPower"}, {"Active", "TearDown"}};
+  for (const auto& [from, to] : switches) {
+    Model model(ScenarioNamed("Chain").config, to);
+    model.releases = model.other_machine = true;
+    World root = WorldIn(model, from);
+    root.faults = root.faults_left = FaultsOf(ScenarioNamed("Chain"));
+    const Searched searched = SearchAll(model, root);
+    EXPECT_FALSE(searched.fault) << "from " << from << " to " << to << "\n"
+                                 << ScenarioOf(model, root, searched.fault->path);
+    std::cout << from << " to " << to << ": " << searched.figures.nodes << " nodes\n";
+  }
+}
+
 // While the start leads to Active. Where b is critical, it can fail there.
 TEST(ExhaustiveSearchOfAStart, FindsNoViolation) {
   for (const Scenario& scenario : Scenarios()) {

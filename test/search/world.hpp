@@ -148,6 +148,10 @@ enum class ChoiceKind : std::uint8_t {
   kRequestTearDown,
   kEngageStop,
   kEngageStopLate,  // one actuator receives it late: two faults
+  // What another machine sends, or a controller that was replaced, where no identity betrays it.
+  kOtherCommand,    // to an actuator, with a higher epoch, unannounced
+  kOtherRelease,    // of the emergency stop, to an actuator
+  kOtherHeartbeat,  // to the controller, with a lower epoch
 };
 
 struct Choice {
@@ -180,6 +184,7 @@ struct Model {
   Rules rules;
   EachActuator<ActuatorIndex> kinds;  // equal for interchangeable actuators
   bool releases = false;              // whether kRelease and kRepeat are choices
+  bool other_machine = false;         // whether kOtherCommand and what follows it are choices
 };
 
 // The results of one choice.

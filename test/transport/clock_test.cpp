@@ -157,6 +157,31 @@ TEST_F(TopicClock, LeavesTimersTheirRestWhenTheWorldIsRestarted) {
   EXPECT_THAT(log_, ElementsAre("restarted", "once", "tick", "tick"));
 }
 
+// A recording that a person skips: nothing was seen of the time between.
+TEST_F(TopicClock, LeavesTimersTheirRestWhenARecordingIsSkipped) {
+  Show(1000);
+  const auto ticks = clock_->Every(seconds(10), Say("tick"));
+  const auto once = clock_->At(At(5000), Say("once"));
+  Show(2000);
+  Show(302'000);
+  EXPECT_EQ(clock_->Now(), At(302'000));
+  EXPECT_THAT(log_, ElementsAre("restarted"));
+  Show(304'999);
+  EXPECT_THAT(log_, ElementsAre("restarted"));
+  Show(305'000);
+  EXPECT_THAT(log_, ElementsAre("restarted", "once"));
+  Show(311'000);
+  EXPECT_THAT(log_, ElementsAre("restarted", "once", "tick"));
+}
+
+// Else nothing would ever become due.
+TEST_F(TopicClock, CountsTheStepsOfAClockThatHasLongOnesOnly) {
+  Show(0);
+  const auto once = clock_->At(At(50'000), Say("once"));
+  for (const int minute : {1, 2, 3}) Show(60'000 * minute);
+  EXPECT_THAT(log_, ElementsAre("restarted", "once"));
+}
+
 TEST_F(TopicClock, DetectsARestartedWorldByItsWriterHoweverShortTheLastRunWas) {
   Show(500);
   world_.reset();

@@ -97,6 +97,19 @@ const Host kHosts[] = {
 INSTANTIATE_TEST_SUITE_P(Of, OuterInterfaces, ::testing::ValuesIn(kHosts),
                          [](const auto& each) { return each.param.name; });
 
+TEST(AnInterfaceThatComesLate, IsMissedUnlessItOnlyComesBack) {
+  const std::vector<NetworkInterface> before = {kLoopback, Device("wlan0"), Down("eth0")};
+  const auto missed = [&](const std::vector<NetworkInterface>& now) {
+    return MissedInterfaces(before, now, {});
+  };
+  EXPECT_THAT(missed(before), ElementsAre());
+  EXPECT_THAT(missed({kLoopback, Down("wlan0"), Down("eth0")}), ElementsAre());
+  EXPECT_THAT(missed({kLoopback, Device("wlan0"), Device("eth0", "10.0.1.1")}),
+              ElementsAre("eth0 with 10.0.1.1"));
+  EXPECT_THAT(missed({kLoopback, Device("wlan0", "10.0.0.9")}), ElementsAre("wlan0 with 10.0.0.9"));
+  EXPECT_THAT(missed({kLoopback, Device("wlan0"), Virtual("docker0", "bridge")}), ElementsAre());
+}
+
 TEST(AnInterfaceThatIsNotUsed, HasAReason) {
   const auto reason = [](const NetworkInterface& one, std::vector<std::string> configured = {}) {
     const auto uses = ChooseInterfaces({kLoopback, Device("eth9"), one}, configured);

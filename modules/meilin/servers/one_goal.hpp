@@ -55,7 +55,7 @@ class OneGoalServer : public Server {
     OnPermit(permitted);
   }
   void OnTimeJump() final {
-    Interrupt("Aborted: the time has jumped back");
+    Interrupt("Aborted: the time has jumped");
     Forget();
   }
 

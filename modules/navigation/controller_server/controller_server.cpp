@@ -269,7 +269,7 @@ void ControllerServer::Permit(bool permitted, const std::string& why) {
 
 void ControllerServer::OnTimeJump() {
   for (const auto& robot : robots_) {
-    Halt(*robot, "the time has jumped back");
+    Halt(*robot, "the time has jumped");
     robot->drive.Forget();
   }
 }

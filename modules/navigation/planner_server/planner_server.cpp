@@ -164,7 +164,7 @@ void PlannerServer::OnTimeJump() {
     robot->motion.reset();
     for (ScanView& view : robot->scanners) view.Forget();
     robot->seen->Clear();
-    Drop(*robot, "the time has jumped back");
+    Drop(*robot, "the time has jumped");
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Faults of the link between two hosts: the controller on this one, all actuators on the other.
+// Faults of the link between two hosts: the controller on this one, all actuators on the other; or
+// the whole robot on this one, and another robot on the other.
 
 #include "musher/test/fault_injection/fault_run.hpp"
 
@@ -25,5 +26,10 @@ void IsRebooted(FaultRun& run);
 void IsTakenOverFromThere(FaultRun& run, bool deaf);
 // SIGKILL of an actuator there.
 void KilledOnOtherHost(FaultRun& run);
+
+// The whole robot is on this host, whose interface to the others goes down and up again.
+void OuterLinkGoesDown(FaultRun& run);
+// Another robot comes into range, is used, goes out of range and comes back, and is torn down.
+void OtherRobotInRange(FaultRun& run);
 
 }  // namespace musher::fault_injection::network

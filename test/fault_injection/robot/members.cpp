@@ -54,7 +54,7 @@ std::string Table(const Member& member, Shape shape, const std::string& folder,
              "\non_controller_lost = \"" + kOnControllerLost + "\"\n";
   }
   table += kResetKey;
-  if (shape == Shape::kHere) {
+  if (shape != Shape::kTwoHosts) {
     table += CommandKey(CommandOf(member, folder, programs)) + RestartKeys(member);
   }
   return table;
@@ -102,7 +102,8 @@ std::vector<std::string> CommandOf(const Member& member, const std::string& fold
           std::to_string(kHz)};
 }
 
-std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs) {
+std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,
+                       const std::string& machine) {
   std::string names;
   std::string tables;
   for (const Member& member : Members()) {
@@ -110,8 +111,8 @@ std::string ConfigText(Shape shape, const std::string& folder, const std::string
     names += (names.empty() ? "[\"" : ", \"") + member.name + '"';
     tables += Table(member, shape, folder, programs);
   }
-  if (shape == Shape::kTwoHosts) tables += "\n[transport]\nprofile = \"lan\"\n";
-  return std::string("[controller]\nname = \"robot\"\nnamespace = \"") + kNameSpace +
+  if (shape != Shape::kHere) tables += "\n[transport]\nprofile = \"lan\"\n";
+  return "[controller]\nname = \"" + machine + "\"\nnamespace = \"" + kNameSpace +
          "\"\nactuators = " + names + "]\nstates = " + StatesKey() +
          "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nstate_dir = \"disk/state\"\n"
          "shutdown_budget_ms = " +

@@ -11,11 +11,13 @@
 namespace musher::fault_injection {
 
 enum class Shape {
-  kHere,     // all on this host; the controller starts its actuators
-  kTwoHosts  // controller here, actuators on the other host, which starts them itself
+  kHere,      // all on this host; the controller starts its actuators
+  kTwoHosts,  // controller here, actuators on the other host, which starts them itself
+  kOnLan      // as kHere, with the profile lan; another robot on the other host
 };
 
 inline constexpr const char* kNameSpace = "fault_injection";
+inline constexpr const char* kMachine = "robot";
 
 struct Member {
   std::string name;
@@ -41,12 +43,13 @@ std::vector<std::string> CommandOf(const Member& member, const std::string& fold
                                    const std::string& programs);
 
 // The state config of a robot whose files are in `folder`.
-std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs);
+std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,
+                       const std::string& machine = kMachine);
 
 inline constexpr int kRestartLimit = 3;
 // Longer than any next controller takes to start; between two hosts shorter than a DDS lease.
 constexpr int ControllerLostMs(Shape shape) {
-  return shape == Shape::kHere ? 4000 : 1500;
+  return shape == Shape::kTwoHosts ? 1500 : 4000;
 }
 inline constexpr int kShutdownBudgetMs = 6000;
 inline constexpr int kCallbackTimeMs = 2000;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/test/fault_injection/robot/members.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::fault_injection {
@@ -37,7 +38,9 @@ void ThrowIfInterrupted() {
   if (interrupted) throw Interrupted{};
 }
 
-Observer::Observer(int domain, TransportProfile profile, const std::string& name_space) {
+Observer::Observer(int domain, TransportProfile profile, const std::string& name_space,
+                   bool beside_another)
+    : beside_another_(beside_another) {
   transport::DdsOptions options;
   options.domain_id = domain;
   options.profile = profile;
@@ -71,6 +74,7 @@ void Observer::Make(const std::string& name_space) {
   subscriptions_.push_back(Must(transport::MakeSubscription<msg::MachineStatus>(
       node, transport::MachineStatusTopic(name_space),
       [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+        if (status.machine != kMachine) return;
         leader_ = info.participant;
         OnMachine(status);
       },
@@ -78,7 +82,7 @@ void Observer::Make(const std::string& name_space) {
   subscriptions_.push_back(Must(transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(name_space),
       [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
-        OnActuator(status);
+        if (status.machine == kMachine) OnActuator(status);
       },
       transport::kLatchedFromManyQos)));
 }
@@ -229,8 +233,10 @@ std::shared_future<Result<typename S::Response>> Observer::Call(
   auto promise = std::make_shared<std::promise<Result<typename S::Response>>>();
   std::shared_future<Result<typename S::Response>> future = promise->get_future().share();
   node_->RunOnLoop([&] {
-    client->Call(request, std::is_same_v<S, msg::GetStatus> ? kStatusReplyTimeout : kReplyTimeout,
-                 [promise](auto reply) { promise->set_value(std::move(reply)); });
+    client->Call(
+        request, std::is_same_v<S, msg::GetStatus> ? kStatusReplyTimeout : kReplyTimeout,
+        [promise](auto reply) { promise->set_value(std::move(reply)); },
+        beside_another_ ? leader_ : transport::ParticipantId());
   });
   return future;
 }

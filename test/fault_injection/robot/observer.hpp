@@ -35,7 +35,9 @@ void ThrowIfInterrupted();
 
 class Observer {
  public:
-  Observer(int domain, TransportProfile profile, const std::string& name_space);
+  // Of the machine kMachine. `beside_another`: there is another one in the namespace.
+  Observer(int domain, TransportProfile profile, const std::string& name_space,
+           bool beside_another);
   ~Observer();
   Observer(const Observer&) = delete;
   Observer& operator=(const Observer&) = delete;
@@ -92,6 +94,7 @@ class Observer {
   std::shared_future<Result<typename S::Response>> Call(
       std::unique_ptr<transport::Client<S>>& client, const typename S::Request& request);
 
+  const bool beside_another_;
   std::shared_ptr<transport::NodeThread> node_;
   std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kStallFile = "disk_stalls";
+constexpr const char* kOtherMachine = "other";  // and its folder
 constexpr int kPollMs = 2;
 
 std::string Quoted(const std::string& word) {
@@ -44,10 +45,18 @@ Robot::Robot(Shape shape, fs::path folder, int domain)
   for (const Member& member : Members()) {
     boards_[member.name] = &OpenBoard(folder_ / (member.name + ".board"));
   }
-  if (shape == Shape::kTwoHosts) far_host_ = std::make_unique<FarHost>(folder_, Environment());
+  const bool beside_another = shape == Shape::kOnLan;
+  if (shape != Shape::kHere) far_host_ = std::make_unique<FarHost>(folder_, Environment());
   const auto profile = shape == Shape::kHere ? TransportProfile::kLocal : TransportProfile::kLan;
-  observer_ = std::make_unique<Observer>(domain, profile, kNameSpace);
-  if (far_host_) far_host_->Go();
+  observer_ = std::make_unique<Observer>(domain, profile, kNameSpace, beside_another);
+  if (!beside_another) {
+    if (far_host_) far_host_->Go();
+    return;
+  }
+  const fs::path other = folder_ / kOtherMachine;
+  fs::create_directories(other);
+  std::ofstream(other / "robot.toml") << ConfigText(shape, other, programs, kOtherMachine);
+  for (const Member& member : Members()) OpenBoard(other / (member.name + ".board"));
 }
 
 Robot::~Robot() {
@@ -61,7 +70,8 @@ benchmark::Child::Environment Robot::Environment() const {
   return {{"ROS_DOMAIN_ID", std::to_string(domain_)},
           {"MUSHER_NAMESPACE", kNameSpace},
           {"MUSHER_FAULT_INJECTION_ROBOT", folder_},
-          {"MUSHER_CONFIG", folder_ / "robot.toml"}};
+          {"MUSHER_CONFIG", folder_ / "robot.toml"},
+          {"MUSHER_TRANSPORT", shape_ == Shape::kHere ? "local" : "lan"}};
 }
 
 std::vector<std::string> Robot::ShellLine(const std::vector<std::string>& words,
@@ -100,8 +110,29 @@ benchmark::Child Robot::StartFarController(const std::vector<std::string>& more)
   return benchmark::Child(far_host_->There(ShellLine(words, "up-far.jsonl")), Environment());
 }
 
+benchmark::Child::Environment Robot::OtherEnvironment() const {
+  benchmark::Child::Environment environment = Environment();
+  environment["MUSHER_CONFIG"] = folder_ / kOtherMachine / "robot.toml";
+  return environment;
+}
+
+benchmark::Child Robot::StartOther() {
+  const std::string config = folder_ / kOtherMachine / "robot.toml";
+  return benchmark::Child(far_host_->There(ShellLine({"up", config, "--json"}, "up-other.jsonl")),
+                          OtherEnvironment());
+}
+
+int Robot::OtherMusher(const std::vector<std::string>& words) {
+  benchmark::Child child(far_host_->There(ShellLine(words, "cli-other.log")), OtherEnvironment());
+  return AwaitEnd(child);
+}
+
 int Robot::Musher(const std::vector<std::string>& words) {
   benchmark::Child child(ShellLine(words, "cli.log"), Environment());
+  return AwaitEnd(child);
+}
+
+int Robot::AwaitEnd(benchmark::Child& child) {
   siginfo_t ended{};
   AwaitThat(
       [&] {
@@ -154,7 +185,7 @@ void Robot::Fix() {
   if (status.value().emergency_stop) (void)observer_->ReleaseEmergencyStop();
   for (const msg::ActuatorInfo& info : status.value().actuators) {
     const bool down = info.presence != "present" && !info.restarting;
-    if (down && shape_ == Shape::kHere) (void)observer_->Restart(info.name);
+    if (down && shape_ != Shape::kTwoHosts) (void)observer_->Restart(info.name);
   }
   if (status.value().state == "Error") (void)AwaitFuture(observer_->SetState("SelfCheck"));
   GoTo("Active");
@@ -184,7 +215,7 @@ std::map<std::string, int> Robot::StartedProcesses() const {
 
 pid_t Robot::PidOf(const std::string& name) {
   pid_t pid = 0;
-  if (far_host_) {
+  if (shape_ == Shape::kTwoHosts) {
     const std::vector<pid_t> found = FindByArgument(folder_ / (name + ".board"));
     if (!found.empty()) pid = found.front();
   } else if (const auto status = observer_->Latest()) {

@@ -42,6 +42,10 @@ class Robot {
   // The same, and waits until the machine is settled in Active, or in the state in which it is
   // adopted.
   void Up();
+  // Another robot on the other host, of the same actuators, namespace and domain: starts it, and
+  // runs a command there. The child is the launcher.
+  benchmark::Child StartOther();
+  int OtherMusher(const std::vector<std::string>& words);
   // Waits until the current controller leads and the machine is settled in `state` (empty: any
   // state with a rank).
   bool AwaitSettled(const std::string& state = "");
@@ -91,6 +95,8 @@ class Robot {
 
  private:
   benchmark::Child::Environment Environment() const;
+  benchmark::Child::Environment OtherEnvironment() const;
+  static int AwaitEnd(benchmark::Child& child);
   std::vector<std::string> ShellLine(const std::vector<std::string>& words, const std::string& log,
                                      Disk disk = Disk::kWorks) const;
 

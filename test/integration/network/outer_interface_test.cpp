@@ -161,6 +161,9 @@ TEST_F(OuterInterface, IsAbsentAtTheStartAndTheRobotObeysBeforeAndAfterItAppears
   ExpectTheRobotObeys({});
   Connect();
   ExpectTheRobotObeys({});
+  EXPECT_TRUE(Until([] {
+    return Musher({"history"}).out.find("wlan7 with 10.77.0.1 has come") != std::string::npos;
+  }));
   ExpectNothingWasLost();
 }
 

@@ -197,6 +197,30 @@ TEST_F(OnClockTopic, ARestartedClockKeepsTheRemainingTime) {
   EXPECT_FALSE(policy().keep);
 }
 
+// A recording that a person skips: nobody has seen the robot lie still in the time between.
+TEST_F(OnClockTopic, AClockThatJumpsForwardsKeepsTheRemainingTime) {
+  Clock(100);
+  Motion(kLying);
+  Clock(110);
+  robot().Feed(event::ClockReceived{Time(std::chrono::seconds(710)), true});
+  robot().RunFor(Milliseconds(500));
+  EXPECT_EQ(state(), "Active");
+  Clock(729);
+  EXPECT_EQ(state(), "Active");
+  Clock(730);
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(OnClockTopic, AClockThatJumpsForwardsEndsNoKeep) {
+  Clock(100);
+  KeepAndWait("Active", 30);
+  robot().Feed(event::ClockReceived{Time(std::chrono::seconds(700)), true});
+  robot().RunFor(Milliseconds(500));
+  EXPECT_TRUE(policy().keep);
+  Clock(730);
+  EXPECT_FALSE(policy().keep);
+}
+
 TEST_F(OnClockTopic, TheFirstClockSampleDoesNotEndAKeep) {
   KeepAndWait("Active", 30);
   Clock(5000);

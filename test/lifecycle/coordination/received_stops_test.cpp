@@ -71,4 +71,21 @@ TEST_F(ReceivedStops, AReleaseCoversEveryStopThatAnActuatorHadLatched) {
               ::testing::UnorderedElementsAre(StopId(7), StopId(8), StopId(9)));
 }
 
+// A regression: an actuator that had missed an earlier release was released only with the
+// repetition of the one under way, and counted as confirmed.
+TEST_F(ReceivedStops, AReleasedStopThatAnActuatorReportsDuringAnotherReleaseIsReleasedAtOnce) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{3, "a panel", ""}});
+  Do(event::ReleaseRequested{1, "alice"});
+  ASSERT_TRUE(machine_.emergency.release) << "no actuator has confirmed it yet";
+  Forget();
+  ActuatorReport report = Of(0).report;
+  report.emergency_stop = 3;
+  report.stamp += Milliseconds(1);
+  Say(0, report);
+  ASSERT_THAT(Did<action::PublishEmergencyStop>(), SizeIs(1));
+  EXPECT_EQ(Did<action::PublishEmergencyStop>()[0].stop.id, StopId(3));
+  EXPECT_FALSE(Did<action::PublishEmergencyStop>()[0].engaged);
+}
+
 }  // namespace musher::testing::received_stops_test

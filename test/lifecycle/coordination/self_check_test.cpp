@@ -157,6 +157,81 @@ TEST_F(SelfChecked, AFailedCheckIsRepeatedAtTheNextSwitchUp) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
+// A check that has passed as degraded is repeated as well, where it disturbs no work.
+
+TEST_F(SelfChecked, ADegradedCheckIsRepeatedAtRestAndNotAtWork) {
+  DegradeB();
+  Start();
+  t.On("b", "SelfCheck") = {};
+  t.ClearLog();
+  t.RunFor(std::chrono::minutes(10));
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  EXPECT_THAT(t.log(), ElementsAre()) << "an actuator at work is not checked by itself";
+  EXPECT_TRUE(t.Set("DeActive").done());
+  t.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+}
+
+TEST_F(SelfChecked, ADegradedCheckIsRepeatedLessAndLessOften) {
+  DegradeB();
+  Start();
+  EXPECT_TRUE(t.Set("DeActive").done());
+  t.ClearLog();
+  t.RunFor(std::chrono::minutes(10));
+  const auto checks = std::count(t.log().begin(), t.log().end(), "b:SelfCheck");
+  EXPECT_GE(checks, 4);
+  EXPECT_LE(checks, 7);
+}
+
+TEST_F(SelfChecked, ADegradedCheckIsRepeatedBeforeTheNextSwitchUpWhichWaitsForIt) {
+  DegradeB();
+  Start();
+  EXPECT_TRUE(t.Set("LowPower").done());
+  t.On("b", "SelfCheck") = {};
+  t.ClearLog();
+  t.RunFor(std::chrono::minutes(1));
+  EXPECT_THAT(t.log(), ElementsAre()) << "a robot that sleeps is not checked by itself";
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.log().front(), "b:SelfCheck");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(SelfChecked, ASwitchUpIsNotDelayedByACheckThatIsNotDueAgain) {
+  DegradeB();
+  t.Begin();
+  t.RunFor(std::chrono::seconds(1));
+  EXPECT_TRUE(t.Set("LowPower").done());
+  t.ClearLog();
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(std::count(t.log().begin(), t.log().end(), "b:SelfCheck"), 0);
+}
+
+TEST_F(SelfChecked, ADegradedActuatorWhoseRepeatedCheckFailsStaysDown) {
+  DegradeB();
+  Start();
+  t.RunFor(std::chrono::minutes(1));
+  t.On("b", "SelfCheck") = {};
+  t.On("b", "SelfCheck").code = 1409;
+  EXPECT_TRUE(t.Set("DeActive").done());
+  t.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(TroubleOf(t.RecordOf("b"))->code, 1409);
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kRefused) << "it is critical";
+}
+
+TEST_F(SelfChecked, ADegradedActuatorIsNotCheckedDuringAnEmergencyStop) {
+  DegradeB();
+  Start();
+  EXPECT_TRUE(t.Set("DeActive").done());
+  t.RunFor(std::chrono::seconds(1));  // it is checked, and again in 20 s
+  t.StopAll(7);
+  t.ClearLog();
+  t.RunFor(std::chrono::minutes(1));
+  EXPECT_THAT(t.log(), ElementsAre());
+}
+
 // For modules that return only a code, the config lists the critical codes.
 
 class CriticalCodes : public ::testing::Test {
@@ -180,6 +255,19 @@ TEST_F(CriticalCodes, AFailureWithAnotherCodeIsPassedDegraded) {
   EXPECT_EQ(t.Set("SelfCheck").code, 1109);
   t.On("b", "SelfCheck") = {};
   EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(CriticalCodes, AToleratedFailureIsCheckedAgainBeforeTheNextSwitchUp) {
+  Harness t(Config());
+  t.On("b", "SelfCheck").code = 1109;
+  t.Begin();
+  t.Rest();
+  t.RunFor(std::chrono::minutes(1));
+  t.On("b", "SelfCheck") = {};
+  EXPECT_TRUE(t.Set("LowPower").done());
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  EXPECT_TRUE(t.Set("Active").done());
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 

@@ -95,6 +95,12 @@ class Robot {
       for (const auto& side : sides_) RepeatStatuses(*side);
     }
   }
+  // The link between a controller and C, in both directions.
+  void CutC(std::size_t which, bool cut) {
+    c_cut_[which] = cut;
+    if (cut) Lose(which, 2);
+    if (!cut && sides_[which]->leads()) RepeatStatuses(*sides_[which]);
+  }
   void Start(std::size_t which, bool restarted = false) {
     sides_[which]->Start(restarted);
     RepeatStatuses(*sides_[which]);
@@ -149,7 +155,8 @@ class Robot {
   friend class Side;
 
   bool Reaches(std::size_t which, ActuatorIndex i) const {
-    return !cut_ || i.value() == which || i.value() == 2;
+    if (i.value() == 2) return !c_cut_[which];
+    return !cut_ || i.value() == which;
   }
   void SetTime(Time now) {
     now_ = now;
@@ -229,6 +236,7 @@ class Robot {
   MachineConfig config_ = own_config_;
   Time now_ = Time(std::chrono::hours(1));
   bool cut_ = false;
+  std::array<bool, 2> c_cut_{};
   PerActuator<FakeActuator> actuators_ = PerActuator<FakeActuator>(3);
   std::array<std::unique_ptr<Side>, 2> sides_;
   std::multimap<Time, std::function<void()>> later_;
@@ -330,15 +338,17 @@ TEST_F(TwoLinks, NoControllerOutbidsTheOtherWhenMessagesAreLost) {
 }
 
 // Two of all faults in the first seconds of a takeover: a message to or from "c" is lost or late, a
-// controller loses "c" for a moment, or is killed and restarted by its supervisor.
+// controller loses "c" for a moment, or is killed and restarted by its supervisor; one of the three
+// links is cut for a second, or heals.
 struct Fault {
-  enum Kind { kLost, kLate, kLoses, kKilled } kind = kLost;
+  enum Kind { kLost, kLate, kLoses, kKilled, kCut, kHeals } kind = kLost;
   std::size_t at = 0;     // the number of the message, or of the period of time
   std::size_t which = 0;  // controller
 };
 constexpr std::size_t kMessages = 16;
 constexpr std::size_t kPeriods = 8;
 constexpr Duration kPeriod = Milliseconds(250);
+constexpr std::size_t kCutPeriods = 4;
 
 std::vector<Fault> AllFaults() {
   std::vector<Fault> all;
@@ -350,7 +360,9 @@ std::vector<Fault> AllFaults() {
     for (const std::size_t which : {0, 1}) {
       all.push_back({Fault::kLoses, at, which});
       all.push_back({Fault::kKilled, at, which});
+      if (at % 2 == 0) all.push_back({Fault::kCut, at, which});
     }
+    if (at % 2 == 0) all.push_back({Fault::kHeals, at, 0});
   }
   return all;
 }
@@ -383,7 +395,12 @@ std::string TakeOverUnder(const std::array<Fault, 2>& faults) {
   robot.Start(1);
   for (std::size_t period = 0; period < kPeriods + 24; ++period) {
     for (const Fault& fault : faults) {
+      if (fault.kind == Fault::kCut && fault.at + kCutPeriods == period) {
+        robot.CutC(fault.which, false);
+      }
       if (fault.at != period) continue;
+      if (fault.kind == Fault::kCut) robot.CutC(fault.which, true);
+      if (fault.kind == Fault::kHeals) robot.Cut(false);
       if (fault.kind == Fault::kLoses) robot.LoseC(fault.which);
       if (fault.kind == Fault::kKilled) robot.Restart(fault.which);
     }

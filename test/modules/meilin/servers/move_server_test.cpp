@@ -158,7 +158,7 @@ TEST_F(MoveServerTest, StandsWhenTheWorldIsRestarted) {
   const std::size_t goal = Send({3, 0, 0});
   Run(1000);
   server_->OnTimeJump();
-  ExpectEnd(goal, GoalEnd::kAborted, "Aborted: the time has jumped back");
+  ExpectEnd(goal, GoalEnd::kAborted, "Aborted: the time has jumped");
   ExpectStanding();
 }
 
