@@ -53,16 +53,16 @@ Result<> Engine::RegisterNodes(tree::Factory& factory) {
 
 void Engine::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics);
-  const auto background =
-      std::shared_ptr<Background>(new Background{topics.node().loop(), {}, {}});
+  const auto background = std::shared_ptr<Background>(new Background{topics.node().loop(), {}, {}});
   if (const Result<> added = AddNodes(background->factory, robot_); !added) Log(added.error());
   topics.Keep(background);
   background_ = background;
-  topics.Serve<msg::ManageProgram>(
-      name() + "/manage_program", [this](const auto& request, auto reply) {
-        if (request.operation == msg::ManageProgram::kAdd) return AddProgram(request, reply);
-        reply(Manage(request));
-      });
+  topics.Serve<msg::ManageProgram>(name() + "/manage_program",
+                                   [this](const auto& request, auto reply) {
+                                     if (request.operation == msg::ManageProgram::kAdd)
+                                       return AddProgram(request, reply);
+                                     reply(Manage(request));
+                                   });
   if (config_.groot2_port == 0) return;
   const Result<> served = groot2::Serve(
       topics,
@@ -82,8 +82,7 @@ void Engine::AddProgram(const msg::ManageProgram::Request& request, Reply reply)
     return reply(refused);
   }
   background->thread.Do([this, here = background_, it = background.get(), path = path.value(),
-                         program = request.program, text = request.text,
-                         reply = std::move(reply)] {
+                         program = request.program, text = request.text, reply = std::move(reply)] {
     const std::string errors = ErrorsOf(program, text, it->factory);
     const Result<> stored = errors.empty() ? Programs::Store(path, text) : Ok();
     it->loop.Post([this, here, program, text, reply, errors, stored] {

@@ -6,9 +6,9 @@
 //   A file that is wrong is invalid, with all its errors, until it is replaced.
 //
 // The states of programs that have run are kept until the process ends. At most kMostPrograms.
-// To add a program takes as long as its check and the disk, so it has three parts, of which a thread
-// may do the middle one: BeginAdd(), the check and Store(), EndAdd(). Meanwhile a program of this
-// name can not be added, run or removed.
+// To add a program takes as long as its check and the disk, so it has three parts, of which a
+// thread may do the middle one: BeginAdd(), the check and Store(), EndAdd(). Meanwhile a program of
+// this name can not be added, run or removed.
 //
 // Threads: one at a time, but for Store().
 

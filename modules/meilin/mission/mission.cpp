@@ -124,9 +124,12 @@ void Mission::Fail(const std::string& otherwise) {
   failed_ = true;
   std::string error = board_->last_error.Get();
   if (error.empty()) error = otherwise;
-  if (board_->segment_open.Get() && !progress_.plan.empty()) {
-    error = fmt::format("segment {} of {}, {}: {}", board_->segment_index.Get() + 1,
-                        progress_.plan.size(), board_->segment_name.Get(), error);
+  const QueuePtr queue = board_->queue.Get();  // of an old plan there are no steps
+  const std::size_t steps =
+      queue != nullptr && progress_.plan.empty() ? queue->total() : progress_.plan.size();
+  if (board_->segment_open.Get() && steps > 0) {
+    error = fmt::format("segment {} of {}, {}: {}", board_->segment_index.Get() + 1, steps,
+                        board_->segment_name.Get(), error);
   }
   board_->last_error.Set(error);
   board_->segment_open.Set(false);

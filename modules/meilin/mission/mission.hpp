@@ -17,8 +17,9 @@
 //                             goes on. Accepted: it replaces the queue, the action that runs ends
 //                             first, and a tree that has failed begins again. A message that was
 //                             taken before, also by an earlier process, is not taken again
-//   the tree has failed       MISSION_FAILED, the robot stands, until a plan is accepted, or Start()
-//   a pause                   PAUSED; the segment that was halted is the next one again, but after
+//   the tree has failed       MISSION_FAILED, the robot stands, until a plan is accepted, or
+//   Start() a pause                   PAUSED; the segment that was halted is the next one again,
+//   but after
 //                             a halt during a climb the mission has failed
 //
 // A plan is checked and run from one start: the end of the segment that runs; else the live pose

@@ -32,8 +32,8 @@ class DrawnForm {
     const tree::Attribute* name = child.Find("name");
     if (name == nullptr) {
       Report(type->at, Severity::kWarning,
-             "a child of <SwitchSegmentType> is chosen by its name; segment_type=\"" +
-                 type->value + "\" is read as name=\"" + type->value + "\"");
+             "a child of <SwitchSegmentType> is chosen by its name; segment_type=\"" + type->value +
+                 "\" is read as name=\"" + type->value + "\"");
       type->name = "name";
       return;
     }

@@ -140,7 +140,8 @@ void SwitchSegmentType::OnHalt(tree::Tick& tick) {
 
 ForEachSegment::ForEachSegment(tree::Setup& setup)
     : stop_type_(setup.OptionalInput<std::string>(
-          "stop_type", "the type of the segment after which it succeeds; missing: EXIT, PLAN_DONE")),
+          "stop_type",
+          "the type of the segment after which it succeeds; missing: EXIT, PLAN_DONE")),
       board_(setup.board()) {}
 
 Status ForEachSegment::OnTick(tree::Tick& tick) {

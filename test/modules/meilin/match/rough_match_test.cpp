@@ -1,5 +1,5 @@
-// A match whose robot can fall, with a crash, a hang, a stop, a pause, a reset or a failed action at
-// a random moment, then the way on that is documented.
+// A match whose robot can fall, with a crash, a hang, a stop, a pause, a reset or a failed action
+// at a random moment, then the way on that is documented.
 //
 //   MUSHER_SEEDS=500 build/dev/bin/meilin_match_test     runs so many matches
 //   MUSHER_SEED=17 …                                     runs one, and prints what happens
@@ -281,8 +281,8 @@ class RoughMatch {
     }
     const PoseFix before = *robot_.pose();
     for (int tick = 0; tick < 300; ++tick) process_->Tick();
-    const bool waits = trouble_ == Trouble::kCrash || trouble_ == Trouble::kHang ||
-                       trouble_ == Trouble::kReset;
+    const bool waits =
+        trouble_ == Trouble::kCrash || trouble_ == Trouble::kHang || trouble_ == Trouble::kReset;
     if (!waits) return;
     const PoseFix after = *robot_.pose();
     EXPECT_LT(std::hypot(after.x_m - before.x_m, after.y_m - before.y_m), 0.6)

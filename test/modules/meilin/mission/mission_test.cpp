@@ -479,7 +479,8 @@ TEST(AnOldPlan, EndsWhereAPauseHaltsItsClimb) {
   ASSERT_EQ(match.robot.Running(), 2U);
   match.Pause();
   EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
-  EXPECT_THAT(match.mission.last_error(), HasSubstr("was halted during a climb"));
+  EXPECT_THAT(match.mission.last_error(),
+              StartsWith("segment 1 of 1, CLIMB 0: SuspensionControl was halted during a climb"));
   EXPECT_TRUE(match.mission.SavedProgress().climbing);
   const std::size_t goals = match.robot.goals.size();
   match.RunFor(5);

@@ -39,7 +39,8 @@ TEST_F(MeilinNode, AnAlignDoesNotDriveOverAnotherHeightUnlessAClimbRunsBesideIt)
     return match->robot.goals.size();
   };
   EXPECT_EQ(drive("", 1.2, 2.4), 0U);
-  EXPECT_THAT(match->mission.last_error(), ::testing::HasSubstr("crosses (1, 1), which has 200 mm"));
+  EXPECT_THAT(match->mission.last_error(),
+              ::testing::HasSubstr("crosses (1, 1), which has 200 mm"));
   EXPECT_EQ(drive("", 0.2, 2.4), 0U) << "from outside of the field";
   EXPECT_EQ(drive("level=\"false\"", 1.2, 2.4), 1U);
   EXPECT_EQ(drive("", 2.3, 2.4), 1U);
