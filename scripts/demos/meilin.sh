@@ -312,16 +312,16 @@ run_demo() {
   local side sides="blue red"
   [[ $short == yes ]] && sides=red
   for side in $sides; do
-    boot $side
-    ((failures == 0)) && play $side
-    end $side
+    boot "$side"
+    ((failures == 0)) && play "$side"
+    end "$side"
   done
   # Limits that are over sooner, for what is stuck.
   sed -i 's/"dock": {"timeout_sec": 20}/"dock": {"timeout_sec": 6}/; s/"place_mid": {"timeout_sec": 15}/"place_mid": {"timeout_sec": 6}/' \
     "$scratch"/config/meilin/simulated_*.json
   for side in $sides; do
     ((failures == 0)) || return
-    break_match $side "$([[ $side == red ]] && echo "[2, 2]" || echo "[2, 0]")"
+    break_match "$side" "$([[ $side == red ]] && echo "[2, 2]" || echo "[2, 0]")"
     [[ $keep == yes && $side == red ]] || end "$side-recovered"
   done
 }
