@@ -160,7 +160,7 @@ climb() {
   if [[ ${2:-} == --keep ]]; then
     say "\$ musher-meilin send plan --keep plan.toml  # as a planner, which stays"
     musher-meilin send plan --keep "$scratch/plan.toml" > "$scratch/keep.log" 2>&1 &
-    keeper=$!
+    planner=$!
   else
     send_plan "$scratch/plan.toml"
     expect "the plan: exit code" 0 "$code"
@@ -191,8 +191,8 @@ crash() {
   goes_on meilin
   expect "the plan that is still published is taken again" no \
     "$(grep -q 'a plan that was taken before is not taken again' "$logs/meilin.log" && echo no)"
-  kill -INT "$keeper"
-  wait "$keeper" 2> /dev/null
+  kill -INT "$planner"
+  wait "$planner" 2> /dev/null
 }
 
 hang() {
