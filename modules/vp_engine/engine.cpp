@@ -30,6 +30,8 @@ std::string ErrorsOf(const std::string& name, const std::string& text,
 
 // The thread that checks and stores programs.
 struct Engine::Background {
+  explicit Background(transport::EventLoop& of) : loop(of) {}
+
   transport::EventLoop& loop;
   tree::Factory factory;  // of the thread
   WorkThread thread;      // last: it uses the rest
@@ -53,7 +55,7 @@ Result<> Engine::RegisterNodes(tree::Factory& factory) {
 
 void Engine::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics);
-  const auto background = std::shared_ptr<Background>(new Background{topics.node().loop(), {}, {}});
+  const auto background = std::make_shared<Background>(topics.node().loop());
   if (const Result<> added = AddNodes(background->factory, robot_); !added) Log(added.error());
   topics.Keep(background);
   background_ = background;
