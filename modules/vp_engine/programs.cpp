@@ -53,6 +53,7 @@ bool IsProgramName(std::string_view name) {
 }
 
 Result<> Programs::Open() {
+  adding_.clear();  // of topics that were closed
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error)
