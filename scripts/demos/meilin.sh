@@ -317,7 +317,7 @@ run_demo() {
     end "$side"
   done
   # Limits that are over sooner, for what is stuck.
-  sed -i 's/"dock": {"timeout_sec": 20}/"dock": {"timeout_sec": 6}/; s/"place_mid": {"timeout_sec": 15}/"place_mid": {"timeout_sec": 6}/' \
+  sed -i -E 's/("(dock|place_mid)": \{"timeout_sec":) [0-9]+/\1 6/' \
     "$scratch"/config/meilin/simulated_*.json
   for side in $sides; do
     ((failures == 0)) || return
