@@ -4,6 +4,7 @@
 
 #include "musher/application/groot2/groot2_server.hpp"
 #include "musher/application/load_tree.hpp"
+#include "musher/base/work_thread.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/modules/vp_engine/nodes.hpp"
 
@@ -17,7 +18,24 @@ tree::Reading ReadProgram(const std::string& name, const std::string& text) {
   });
 }
 
+std::string ErrorsOf(const std::string& name, const std::string& text,
+                     const tree::Factory& factory) {
+  const tree::Reading read = ReadProgram(name, text);
+  if (!read.ok()) return ErrorLines(read.diagnostics);
+  const tree::Built built = tree::Build(read.document, factory);
+  return built.tree == nullptr ? ErrorLines(built.diagnostics) : "";
+}
+
 }  // namespace
+
+// The thread that checks and stores programs.
+struct Engine::Background {
+  explicit Background(transport::EventLoop& of) : loop(of) {}
+
+  transport::EventLoop& loop;
+  tree::Factory factory;  // of the thread
+  WorkThread thread;      // last: it uses the rest
+};
 
 Engine::Engine(const std::string& actuator, const VpConfig& config)
     : TreeActuator(actuator,
@@ -27,7 +45,7 @@ Engine::Engine(const std::string& actuator, const VpConfig& config)
       robot_(config),
       programs_(config.folder, config.examples,
                 [this](const std::string& name, const std::string& text) {
-                  return ErrorsOf(name, text);
+                  return ErrorsOf(name, text, factory());
                 }) {}
 
 Result<> Engine::RegisterNodes(tree::Factory& factory) {
@@ -37,9 +55,16 @@ Result<> Engine::RegisterNodes(tree::Factory& factory) {
 
 void Engine::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics);
-  topics.Serve<msg::ManageProgram>(
-      name() + "/manage_program",
-      [this](const auto& request, auto reply) { reply(Manage(request)); });
+  const auto background = std::make_shared<Background>(topics.node().loop());
+  if (const Result<> added = AddNodes(background->factory, robot_); !added) Log(added.error());
+  topics.Keep(background);
+  background_ = background;
+  topics.Serve<msg::ManageProgram>(name() + "/manage_program",
+                                   [this](const auto& request, auto reply) {
+                                     if (request.operation == msg::ManageProgram::kAdd)
+                                       return AddProgram(request, reply);
+                                     reply(Manage(request));
+                                   });
   if (config_.groot2_port == 0) return;
   const Result<> served = groot2::Serve(
       topics,
@@ -50,11 +75,27 @@ void Engine::OpenTopics(transport::Endpoints& topics) {
   if (!served) Log(served.error());  // programs run without it
 }
 
-std::string Engine::ErrorsOf(const std::string& name, const std::string& text) const {
-  const tree::Reading read = ReadProgram(name, text);
-  if (!read.ok()) return ErrorLines(read.diagnostics);
-  const tree::Built built = tree::Build(read.document, factory());
-  return built.tree == nullptr ? ErrorLines(built.diagnostics) : "";
+void Engine::AddProgram(const msg::ManageProgram::Request& request, Reply reply) {
+  const Result<std::string> path = programs_.BeginAdd(request.program, request.text);
+  const auto background = background_.lock();
+  if (!path || background == nullptr) {
+    msg::ManageProgram::Response refused;
+    refused.message = path ? "its topics are closed" : path.error().message;
+    return reply(refused);
+  }
+  background->thread.Do([this, here = background_, it = background.get(), path = path.value(),
+                         program = request.program, text = request.text, reply = std::move(reply)] {
+    const std::string errors = ErrorsOf(program, text, it->factory);
+    const Result<> stored = errors.empty() ? Programs::Store(path, text) : Ok();
+    it->loop.Post([this, here, program, text, reply, errors, stored] {
+      if (here.expired()) return;
+      const Result<> done = programs_.EndAdd(program, text, errors, stored);
+      msg::ManageProgram::Response response;
+      response.success = done.ok();
+      if (!done) response.message = done.error().message;
+      reply(response);
+    });
+  });
 }
 
 msg::ManageProgram::Response Engine::Manage(const msg::ManageProgram::Request& request) {
@@ -76,9 +117,6 @@ msg::ManageProgram::Response Engine::Manage(const msg::ManageProgram::Request& r
         done = text.error();
       break;
     }
-    case Op::kAdd:
-      done = programs_.Add(request.program, request.text);
-      break;
     case Op::kDelete:
       done = programs_.Remove(request.program);
       break;

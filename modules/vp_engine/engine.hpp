@@ -4,8 +4,11 @@
 // itself.
 //
 // Interfaces: `<actuator>/manage_program` (musher_msgs/ManageProgram), and those of TreeActuator,
-// which report the program that runs, or was the last to run. Add and delete wait for the disk.
+// which report the program that runs, or was the last to run. A thread checks and stores a program
+// that is added: the loop, and with it the program that runs, goes on meanwhile.
 
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "musher/application/tree_actuator.hpp"
@@ -27,14 +30,17 @@ class Engine : public TreeActuator {
   void AfterTick(Time now, tree::Status status) override;
   void OnPause() override;
 
+  struct Background;
+  using Reply = std::function<void(const msg::ManageProgram::Response&)>;
+
+  void AddProgram(const msg::ManageProgram::Request& request, Reply reply);
   msg::ManageProgram::Response Manage(const msg::ManageProgram::Request& request);
   Result<> RunProgram(const msg::ManageProgram::Request& request);
   Result<> StopProgram(const std::string& program);
-  std::string ErrorsOf(const std::string& name, const std::string& text) const;
-
   const VpConfig config_;
   ServiceRobot robot_;
   Programs programs_;
+  std::weak_ptr<Background> background_;  // as long as its topics
 };
 
 }  // namespace musher::vp_engine

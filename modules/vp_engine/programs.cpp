@@ -53,6 +53,7 @@ bool IsProgramName(std::string_view name) {
 }
 
 Result<> Programs::Open() {
+  adding_.clear();  // of topics that were closed
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error)
@@ -82,7 +83,9 @@ std::vector<Program> Programs::List() {
   std::vector<Program> list;
   for (const auto& [name, path] : Paths()) {
     const auto text = config_toml::ReadTextFile(path, kLargestProgram);
-    std::string errors = text ? Errors(name, text.value()) : text.error().message;
+    std::string errors;
+    if (!text) errors = text.error().message;
+    if (text && !adding_.contains(name)) errors = Errors(name, text.value());
     const auto known = known_.find(name);
     if (name == running_) {
       list.push_back({name, ProgramState::kRunning, ""});
@@ -111,16 +114,30 @@ Result<std::string> Programs::Text(const std::string& name) const {
   return config_toml::ReadTextFile(found->second, kLargestProgram);
 }
 
-Result<> Programs::Add(const std::string& name, const std::string& text) {
+Result<> Programs::WhileAdding(const std::string& name) const {
+  if (!adding_.contains(name)) return Ok();
+  return Refused("program '" + name + "' is being added; wait for its reply");
+}
+
+Result<std::string> Programs::BeginAdd(const std::string& name, const std::string& text) {
   if (!IsProgramName(name)) return InvalidName(name);
   if (name == running_) return Refused("program '" + name + "' is running; stop it first");
   if (text.size() > kLargestProgram) return Refused("the program is larger than 1 MiB");
+  if (Result<> adding = WhileAdding(name); !adding) return adding.error();
   const auto paths = Paths();
-  if (paths.size() >= kMostPrograms && !paths.contains(name)) {
+  if (paths.size() + adding_.size() >= kMostPrograms && !paths.contains(name)) {
     return Refused("there are already " + std::to_string(kMostPrograms) + " programs");
   }
-  if (const std::string& errors = Errors(name, text); !errors.empty()) return Refused(errors);
-  if (Result<> replaced = ReplaceFile(PathOf(name), text); !replaced) return replaced;
+  adding_.insert(name);
+  return PathOf(name);
+}
+
+Result<> Programs::EndAdd(const std::string& name, const std::string& text,
+                          const std::string& errors, const Result<>& stored) {
+  adding_.erase(name);
+  if (!errors.empty()) return Refused(errors);
+  if (!stored) return stored;
+  checked_.insert_or_assign(name, Checked{text, ""});
   known_.erase(name);
   return Ok();
 }
@@ -130,6 +147,7 @@ Result<> Programs::Remove(const std::string& name) {
   const auto found = paths.find(name);
   if (found == paths.end()) return Unknown(name);
   if (name == running_) return Refused("program '" + name + "' is running; stop it first");
+  if (Result<> adding = WhileAdding(name); !adding) return adding;
   if (found->second != fs::path(folder_) / (name + ".xml")) {
     return Refused("program '" + name + "' is an example, which is not deleted");
   }
@@ -142,6 +160,7 @@ Result<> Programs::Remove(const std::string& name) {
 }
 
 Result<std::string> Programs::Runnable(const std::string& name) {
+  if (Result<> adding = WhileAdding(name); !adding) return adding.error();
   Result<std::string> text = Text(name);
   if (!text) return text;
   if (const std::string& errors = Errors(name, text.value()); !errors.empty()) {

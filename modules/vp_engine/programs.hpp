@@ -6,16 +6,22 @@
 //   A file that is wrong is invalid, with all its errors, until it is replaced.
 //
 // The states of programs that have run are kept until the process ends. At most kMostPrograms.
-// Threads: one at a time. Add() waits for the disk.
+// To add a program takes as long as its check and the disk, so it has three parts, of which a
+// thread may do the middle one: BeginAdd(), the check and Store(), EndAdd(). Meanwhile a program of
+// this name can not be added, run or removed.
+//
+// Threads: one at a time, but for Store().
 
 #include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "musher/base/files.hpp"
 #include "musher/base/result.hpp"
 
 namespace musher::vp_engine {
@@ -49,8 +55,16 @@ class Programs {
 
   std::vector<Program> List();  // by name
   Result<std::string> Text(const std::string& name) const;
-  // Checks it first; replaces the program of this name, at once and as a whole.
-  Result<> Add(const std::string& name, const std::string& text);
+  // The path for Store().
+  Result<std::string> BeginAdd(const std::string& name, const std::string& text);
+  // Replaces the program of this path, at once and as a whole; waits for the disk. Not where the
+  // check has found errors.
+  static Result<> Store(const std::string& path, const std::string& text) {
+    return ReplaceFile(path, text);
+  }
+  // `errors`: of the check. The result for the person.
+  Result<> EndAdd(const std::string& name, const std::string& text, const std::string& errors,
+                  const Result<>& stored);
   Result<> Remove(const std::string& name);
 
   // The text of a program that may run now.
@@ -71,6 +85,7 @@ class Programs {
 
   std::map<std::string, std::string> Paths() const;  // by name
   const std::string& Errors(const std::string& name, const std::string& text);
+  Result<> WhileAdding(const std::string& name) const;  // an error: this one is being added
   Error Unknown(const std::string& name) const;
   std::string PathOf(const std::string& name) const { return folder_ + "/" + name + ".xml"; }
 
@@ -79,6 +94,7 @@ class Programs {
   const Check check_;
   std::map<std::string, Known> known_;      // those that have run
   std::map<std::string, Checked> checked_;  // by the text that was checked last
+  std::set<std::string> adding_;
   std::string running_;
 };
 

@@ -1,9 +1,11 @@
 # shellcheck shell=bash
 # shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
 # Sourced by scripts/demo: the competition robot plays its match on a simulated field, once for each side. Then
-# the arm's server is killed during a match, refuses a goal, and a climb times out: each time the match fails
-# with the reason, and a new plan goes on. The mission is killed and the robot stopped in the middle of a climb: it
-# stands until a command, comes off the edge, and goes on.
+# everything goes wrong, on each side (with --short on the red one): the dock jams; the mission is killed, hangs and
+# is reset in the middle of a climb, while a planner keeps its plan published; an emergency stop, and wheels that are
+# stuck, break a climb; a plan leads over a pit; the robot is put on another cell; the arm's server is killed, refuses a
+# goal, and jams at the rack. Each time the robot stands, says why, and goes on by the command that is documented. The
+# world counts falls: none.
 
 journal=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/logs
@@ -23,9 +25,24 @@ await_mission() {
     sleep 0.5
   done
 }
+# await_field FILTER [SECONDS]: the same for the field; default: a minute.
+await_field() {
+  local end=$((SECONDS + ${2:-60}))
+  while ((SECONDS < end)); do
+    [[ $(field "$1") == true ]] && return
+    sleep 0.1
+  done
+}
 send_plan() {
   shown musher-meilin send plan "$1"
   say "$result"
+}
+# A person puts the robot on a cell.
+place() {
+  shown musher-world send place "$1" "$2" 0
+}
+standing() {
+  expect "bumps and falls" "0 0" "$(field '"\(.bumps) \(.falls)"')"
 }
 
 # boot SIDE
@@ -71,25 +88,41 @@ play() {
 
 # fails REASON: the match fails, and its reason has this.
 fails() {
-  await_mission '.state == "MISSION_FAILED"' 90
+  await_mission '.state == "MISSION_FAILED"' 120
   expect "the match" MISSION_FAILED "$(mission .state)"
   expect "its reason has '$1'" true "$(mission ".last_error | contains(\"$1\")")"
   say "$(mission .last_error)"
-  expect "bumps and falls" "0 0" "$(field '"\(.bumps) \(.falls)"')"
+  standing
+}
+
+# goes_on [REGION]: to the field, on four short wheels.
+goes_on() {
+  start "$@"
+  await_mission '.state == "WAITING_MF_ACTION_SEQ"' 120
+  expect "the match" WAITING_MF_ACTION_SEQ "$(mission .state)"
+  expect "its wheels are short" true "$(field '.wheels_mm | max < 70')"
+  standing
+}
+
+jam_dock() {
+  step "The dock jams three times: the match fails, and goes on at the dock"
+  start full
+  await_field '.spear | .command == 2 and .done'
+  shown musher-world send fault "spear stuck"
+  fails SpearAction
+  shown musher-world send fault none
+  goes_on
+  expect "docked" true "$(field '[.events[] | select(.what == "docked")] | length >= 1')"
 }
 
 lose_arm() {
   step "The arm's server is killed: the match fails with the reason, the robot stands, a new plan goes on"
   local process
-  start full
-  await_mission '.state == "WAITING_MF_ACTION_SEQ"' 90
+  place 1.2 1.2
   # A stuck arm stays busy until it is killed, however slowly this script looks.
   shown musher-world send fault "arm stuck"
-  send_plan "$scratch/config/meilin/plan_red.toml"
-  for _ in {1..600}; do
-    [[ $(field .arm.busy) == true ]] && break
-    sleep 0.1
-  done
+  send_plan "$scratch/config/meilin/plan_$1.toml"
+  await_field .arm.busy
   expect "the arm is busy" true "$(field .arm.busy)"
   process=$(status .actuators.arm.pid)
   say "\$ kill -KILL $process  # arm"
@@ -103,127 +136,154 @@ refuse_goal() {
   step "The arm is in DeActive and refuses a goal: the match fails with the reason"
   shown musher set DeActive arm
   expect "exit code" 0 "$code"
-  cat > "$scratch/fetch.toml" << 'END'
-side = "red"
-start = [0, 2]
-[[step]]
-move = [0, 1]
-[[step]]
-move = [1, 1]
-[[step]]
-fetch = [2, 1]
-END
-  send_plan "$scratch/fetch.toml"
+  plan_file "$1" "[1, 1]" "move = [1, 1]" "fetch = [2, 1]"
+  place 2.4 2.4
+  send_plan "$scratch/plan.toml"
   expect "the plan: exit code" 0 "$code"
   fails "Goal rejected by arm_action"
   shown musher set Active arm
   expect "exit code" 0 "$code"
 }
 
-time_out() {
-  step "The wheels are stuck, and a climb times out: the match fails with the reason"
-  shown musher-world send fault "suspension stuck"
-  cat > "$scratch/climb.toml" << 'END'
-side = "red"
-start = [1, 1]
-[[step]]
-move = [2, 1]
-END
-  send_plan "$scratch/climb.toml"
-  expect "the plan: exit code" 0 "$code"
-  fails Timeout  # the message of the suspension
-  shown musher-world send fault none
+# plan_file SIDE START STEP...: a drawn plan, $scratch/plan.toml
+plan_file() {
+  local each
+  printf 'side = "%s"\nstart = %s\n' "$1" "$2" > "$scratch/plan.toml"
+  shift 2
+  for each; do printf '[[step]]\n%s\n' "$each" >> "$scratch/plan.toml"; done
 }
 
-# await_climb: until the wheels are out
-await_climb() {
-  for _ in {1..600}; do
-    [[ $(field '.wheels_mm | max > 150') == true ]] && break
-    sleep 0.1
+# climb SIDE [OPTION]: to the middle of a climb of 200 mm, to the right
+climb() {
+  plan_file "$1" "[1, 1]" "move = [1, 1]" "move = [1, 0]"
+  place 2.4 2.4
+  if [[ ${2:-} == --keep ]]; then
+    say "\$ musher-meilin send plan --keep plan.toml  # as a planner, which stays"
+    musher-meilin send plan --keep "$scratch/plan.toml" > "$scratch/keep.log" 2>&1 &
+    planner=$!
+  else
+    send_plan "$scratch/plan.toml"
+    expect "the plan: exit code" 0 "$code"
+  fi
+  await_field '.wheels_mm | max > 150'
+}
+
+# restarted PROCESS: another process of the mission stands, and says with what it could go on.
+restarted() {
+  local end=$((SECONDS + 90))
+  while ((SECONDS < end)); do
+    [[ $(status ".actuators.meilin | .pid > 0 and .pid != $1 and .state == \"Active\"") == true ]] && break
+    sleep 0.2
   done
+  await_mission '.state == "WAITING_START"' 30
+  expect "the restarted mission" WAITING_START "$(mission .state)"
+  say "$(mission '"it could go on with \(.goes_on_with)"')"
 }
 
 crash() {
   step "The mission is killed in the middle of a climb: it stands, and comes off the edge on command"
   local process
-  cat > "$scratch/climb.toml" << 'END'
-side = "red"
-start = [1, 1]
-[[step]]
-move = [1, 1]
-[[step]]
-move = [1, 0]
-END
-  send_plan "$scratch/climb.toml"
-  expect "the plan: exit code" 0 "$code"
-  await_climb
+  climb "$1" --keep
   process=$(status .actuators.meilin.pid)
   say "\$ kill -KILL $process  # meilin"
   kill -KILL "$process"
-  await ".actuators.meilin | .pid > 0 and .pid != $process and .state == \"Active\""
+  restarted "$process"
+  goes_on meilin
+  expect "the plan that is still published is taken again" no \
+    "$(grep -q 'a plan that was taken before is not taken again' "$logs/meilin.log" && echo no)"
+  kill -INT "$planner"
+  wait "$planner" 2> /dev/null
+}
+
+hang() {
+  step "The mission hangs in the middle of a climb: it is restarted, stands, and goes on on command"
+  local process
+  climb "$1"
+  process=$(status .actuators.meilin.pid)
+  say "\$ kill -STOP $process  # meilin"
+  kill -STOP "$process"
+  restarted "$process"
+  goes_on meilin
+}
+
+reset_climb() {
+  step "A reset in the middle of a climb: the robot stands, and comes off the edge on command"
+  climb "$1"
+  shown musher-meilin send reset
   await_mission '.state == "WAITING_START"' 30
-  expect "the restarted mission" WAITING_START "$(mission .state)"
-  await_mission '.can_start | length > 0' 30  # its first pose has come
-  say "$(mission '"it could go on with \(.goes_on_with)"')"
-  start meilin
-  await_mission '.state == "WAITING_MF_ACTION_SEQ"' 120
-  expect "off the edge" WAITING_MF_ACTION_SEQ "$(mission .state)"
-  expect "its wheels" true "$(field '.wheels_mm | max < 70')"
-  expect "bumps and falls" "0 0" "$(field '"\(.bumps) \(.falls)"')"
+  expect "the match" WAITING_START "$(mission .state)"
+  goes_on meilin
 }
 
 stop_climb() {
   step "An emergency stop in the middle of a climb: the robot comes off the edge, and goes on"
-  send_plan "$scratch/climb.toml"
-  expect "the plan: exit code" 0 "$code"
-  await_climb
+  climb "$1"
   shown musher estop
   shown musher estop --release
   shown musher set Active
   expect "exit code of set Active" 0 "$code"
-  await_mission '.state == "MISSION_FAILED"' 30
-  say "$(mission .last_error)"
-  start meilin
-  await_mission '.state == "WAITING_MF_ACTION_SEQ"' 120
-  expect "off the edge" WAITING_MF_ACTION_SEQ "$(mission .state)"
-  expect "bumps and falls" "0 0" "$(field '"\(.bumps) \(.falls)"')"
+  fails "halted during a climb"
+  goes_on meilin
 }
 
-# The robot may have come off to the upper cell: for the next climb a person puts it back.
-back_to_start() {
-  shown musher-world send place 2.4 2.4 0
-}
-
-recover() {
-  step "A new plan goes on"
-  cat > "$scratch/recover.toml" << 'END'
-side = "red"
-start = [1, 1]
-[[step]]
-move = [1, 1]
-[[step]]
-fetch = [2, 1]
-[[step]]
-move = [1, 1]
-[[step]]
-move = [2, 1]
-[[step]]
-fetch = [2, 2]
-[[step]]
-move = [2, 1]
-yaw_deg = 0
-[[step]]
-move = [3, 1]
-[[step]]
-move = [4, 1]
-[[step]]
-move = [5, 1]
-END
-  send_plan "$scratch/recover.toml"
+time_out() {
+  step "The wheels are stuck, and a climb times out: the match fails with the reason"
+  shown musher-world send fault "suspension stuck"
+  plan_file "$1" "[1, 1]" "move = [2, 1]"
+  place 2.4 2.4
+  send_plan "$scratch/plan.toml"
   expect "the plan: exit code" 0 "$code"
+  fails Timeout  # the message of the suspension
+  shown musher-world send fault none
+  goes_on meilin
+}
+
+pit() {
+  step "A plan leads straight over a pit: it is refused, and nothing moves"
+  plan_file "$1" "[1, 2]" "move = [1, 2]"
+  place 2.4 1.2
+  send_plan "$scratch/plan.toml"
+  expect "the plan: exit code" 1 "$code"
+  expect "the reason" true \
+    "$(mission '.refused_plan | contains("crosses (1, 1), which has 200 mm")')"
+  standing
+}
+
+# finish SIDE THIRD: from another cell than the one that the match remembers
+finish() {
+  step "A person puts the robot on another cell: its plan is checked and run from there, and the rack jams once"
+  place 1.2 3.6
+  plan_file "$1" "[0, 2]" "fetch = [1, 2]" "move = [0, 2]" "move = [0, 1]" "move = [1, 1]" \
+    "fetch = [2, 1]" "move = [1, 1]" "move = [2, 1]" "fetch = $2" $'move = [2, 1]\nyaw_deg = 0' \
+    "move = [3, 1]" "move = [4, 1]" "move = [5, 1]"
+  local before
+  before=$(field '[.events[] | select(.what == "down")] | length')
+  send_plan "$scratch/plan.toml"
+  expect "the plan: exit code" 0 "$code"
+  await_field "([.events[] | select(.what == \"down\")] | length) >= $before + 2" 200
+  shown musher-world send fault "arm stuck"
+  fails ArmAction
+  shown musher-world send fault none
+  start
   await_mission '.state == "MISSION_SUCCESS" or .state == "MISSION_FAILED"' 150
   expect "the match" "MISSION_SUCCESS: " "$(mission '"\(.state): \(.last_error)"')"
-  expect "placed mid and high" "1 1" "$(field '"\(.placed_mid) \(.placed_high)"')"
+  expect "placed mid and high" true "$(field '.placed_mid >= 1 and .placed_high >= 1')"
+  standing
+}
+
+# break_match SIDE THIRD: everything goes wrong. THIRD: the third box
+break_match() {
+  boot "$1"
+  jam_dock
+  crash "$1"
+  hang "$1"
+  reset_climb "$1"
+  stop_climb "$1"
+  time_out "$1"
+  pit "$1"
+  lose_arm "$1"
+  refuse_goal "$1"
+  finish "$1" "$2"
 }
 
 end() {
@@ -249,21 +309,19 @@ END
 }
 
 run_demo() {
-  local side
-  for side in blue red; do
-    boot $side
-    ((failures == 0)) && play $side
-    end $side
+  local side sides="blue red"
+  [[ $short == yes ]] && sides=red
+  for side in $sides; do
+    boot "$side"
+    ((failures == 0)) && play "$side"
+    end "$side"
   done
-  ((failures == 0)) || return
-  boot red
-  lose_arm
-  refuse_goal
-  time_out
-  crash
-  back_to_start
-  stop_climb
-  back_to_start
-  recover
-  [[ $keep == yes ]] || end red-recovered
+  # Limits that are over sooner, for what is stuck.
+  sed -i -E 's/("(dock|place_mid)": \{"timeout_sec":) [0-9]+/\1 6/' \
+    "$scratch"/config/meilin/simulated_*.json
+  for side in $sides; do
+    ((failures == 0)) || return
+    break_match "$side" "$([[ $side == red ]] && echo "[2, 2]" || echo "[2, 0]")"
+    [[ $keep == yes && $side == red ]] || end "$side-recovered"
+  done
 }

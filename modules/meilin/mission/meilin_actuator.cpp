@@ -9,7 +9,8 @@
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/application/groot2/groot2_server.hpp"
-#include "musher/base/files.hpp"
+#include "musher/application/load_tree.hpp"
+#include "musher/modules/meilin/nodes/drawn_form.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
 #include "musher/modules/meilin/plan/box_map_text.hpp"
 #include "musher/modules/meilin/plan/segments_json.hpp"
@@ -18,6 +19,8 @@ namespace musher::meilin {
 namespace {
 
 constexpr Duration kAskEvery = Milliseconds(500);
+constexpr const char* kTakenBefore =
+    "a plan that was taken before is not taken again; send it once more to repeat it";
 
 MissionConfig WithSide(MissionConfig config, const MatchConfig& match) {
   if (match.side) config.settings.grid.side = *match.side;
@@ -47,6 +50,15 @@ Result<> MeilinActuator::RegisterNodes(tree::Factory& factory) {
   return meilin::RegisterNodes(factory, robot_, config_.settings);
 }
 
+Result<tree::Document> MeilinActuator::LoadTree() {
+  Result<tree::Document> document = TreeActuator::LoadTree();
+  if (!document) return document;
+  const std::vector<Diagnostic> found = AcceptDrawnForm(document.value());
+  if (HasError(found)) return Error{kCodeParametersInvalid, ErrorLines(found)};
+  for (const Diagnostic& each : found) Log(LogLevel::kWarning, FormatDiagnostic(each));
+  return document;
+}
+
 void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics, [this](const std::string& text) { Log(LogLevel::kWarning, text); });
   const transport::Qos latched = transport::kLatchedQos;
@@ -57,8 +69,13 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
   LoadProgress();  // before the first plan, which may be an old one
   SubscribePlans(topics);
   topics.Serve<msg::StartAutonomy>("start_autonomy", [this](const auto& request, auto reply) {
-    const Result<std::string> begun = Begin(request.region);
-    reply({begun.ok(), begun ? begun.value() : begun.error().message});
+    const auto answer = [this, reply](const Result<std::string>& begun) {
+      LogStart(begun);
+      reply({begun.ok(), begun ? begun.value() : begun.error().message});
+    };
+    if (const Result<> may = MayBegin(); !may) return answer(may.error());
+    mission_.StartSoon(request.region, Now(), answer);
+    Follow();
   });
   topics.Subscribe<msg::String>("meilin/command",
                                 [this](const msg::String& text) { OnCommand(text.data); });
@@ -82,8 +99,13 @@ void MeilinActuator::SubscribePlans(transport::Endpoints& topics) {
       },
       latched);
   if (plans) topics.Keep(std::shared_ptr<transport::Subscription>(std::move(plans).value()));
-  topics.Subscribe<msg::String>(
-      config_.segment_topic, [this](const msg::String& text) { OnSegments(text.data); }, latched);
+  auto segments = transport::MakeSubscription<msg::String>(
+      topics.node(), transport::ResolveName(machine_config().name_space, config_.segment_topic),
+      [this](const msg::String& text, const transport::SampleInfo& info) {
+        OnSegments(text.data, info.written_ns);
+      },
+      latched);
+  if (segments) topics.Keep(std::shared_ptr<transport::Subscription>(std::move(segments).value()));
   topics.Subscribe<msg::String>(
       config_.map_topic, [this](const msg::String& text) { OnMap(text.data); }, latched);
 }
@@ -126,21 +148,22 @@ void MeilinActuator::OnResume() {
 }
 
 Result<> MeilinActuator::OnStartCommand() {
-  const Result<std::string> begun = Begin("");
+  const Result<std::string> begun = mission_.Start("", Now());
+  LogStart(begun);
+  Follow();
   return begun ? Ok() : Result<>(begun.error());
 }
 
-Result<std::string> MeilinActuator::Begin(const std::string& region) {
-  if (!ticking()) {
-    return Error{kCodeStateInvalid, "the match begins in Active only; the robot is in " +
-                                        CurrentState() +
-                                        (HeldByStop() ? ", held by the emergency stop" : "")};
-  }
-  Result<std::string> begun = mission_.Start(region, Now());
+Result<> MeilinActuator::MayBegin() const {
+  if (ticking()) return Ok();
+  return Error{kCodeStateInvalid, "the match begins in Active only; the robot is in " +
+                                      CurrentState() +
+                                      (HeldByStop() ? ", held by the emergency stop" : "")};
+}
+
+void MeilinActuator::LogStart(const Result<std::string>& begun) {
   Log(begun ? LogLevel::kInfo : LogLevel::kWarning,
       begun ? begun.value() : "the start is refused: " + begun.error().message);
-  Follow();
-  return begun;
 }
 
 void MeilinActuator::OnMap(const std::string& text) {
@@ -150,9 +173,7 @@ void MeilinActuator::OnMap(const std::string& text) {
 }
 
 void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns) {
-  if (mission_.WasTaken(written_ns)) {
-    return Log("a plan that was taken before is not taken again; send it once more to repeat it");
-  }
+  if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
   const bool accepted = mission_.OfferPlan(plan, Now(), written_ns);
   Log(accepted ? LogLevel::kInfo : LogLevel::kWarning,
       accepted ? "plan " + mission_.plan_id() + " accepted" +
@@ -161,7 +182,8 @@ void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan, std::int64_t wri
   Follow();
 }
 
-void MeilinActuator::OnSegments(const std::string& text) {
+void MeilinActuator::OnSegments(const std::string& text, std::int64_t written_ns) {
+  if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
   SegmentsReading reading = ReadSegmentsJson(text);
   for (const std::string& warning : reading.warnings) Log(LogLevel::kWarning, warning);
   std::string why = reading.message();
@@ -170,7 +192,7 @@ void MeilinActuator::OnSegments(const std::string& text) {
           " runs no plans of this form: no node of it is PopNextSegment";
   }
   if (why.empty()) {
-    mission_.OfferSegments(std::move(reading.segments), reading.plan_id);
+    mission_.OfferSegments(std::move(reading.segments), reading.plan_id, written_ns);
   } else {
     mission_.RefusePlan(why);
     Log(LogLevel::kWarning, "plan refused: " + why);
@@ -246,12 +268,12 @@ std::string MeilinActuator::StatusText() {
 
 void MeilinActuator::LoadProgress() {
   const std::string& folder = machine_config().state_dir;
-  progress_file_ = folder.empty() ? "" : folder + "/" + name() + "_progress.toml";
+  progress_.Open(folder.empty() ? "" : folder + "/" + name() + "_progress.toml");
   std::error_code none;  // a folder that cannot be made is named when a file is written to it
   if (!folder.empty()) std::filesystem::create_directories(folder, none);
-  saved_ = progress_file_.empty() ? "" : ReadFile(progress_file_);
+  saved_ = progress_.Read();
   if (saved_.empty()) return;
-  const Result<Progress> progress = ReadProgress(saved_, progress_file_);
+  const Result<Progress> progress = ReadProgress(saved_, progress_.path());
   const Result<> restored =
       progress ? mission_.Restore(progress.value()) : Result<>(progress.error());
   if (!restored) {
@@ -262,16 +284,11 @@ void MeilinActuator::LoadProgress() {
 }
 
 void MeilinActuator::SaveProgress() {
-  if (progress_file_.empty()) return;
+  if (progress_.path().empty()) return;
   std::string text = WriteProgress(mission_.SavedProgress());
   if (text == saved_ || text.empty()) return;
   saved_ = std::move(text);
-  // Not synced: that would hold the loop. A power cut may lose the last step.
-  const Result<> written = ReplaceFile(progress_file_, saved_, {.synced = false});
-  if (!written && !save_failed_) {
-    Log(LogLevel::kWarning, "the progress is not saved: " + written.error().message);
-  }
-  save_failed_ = !written;
+  progress_.Write(saved_);
 }
 
 }  // namespace musher::meilin

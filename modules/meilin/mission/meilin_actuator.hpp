@@ -33,6 +33,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/meilin/mission/mission.hpp"
 #include "musher/modules/meilin/mission/mission_config.hpp"
+#include "musher/modules/meilin/mission/progress_file.hpp"
 #include "musher/modules/meilin/mission/ros_robot.hpp"
 
 namespace musher::meilin {
@@ -51,6 +52,7 @@ class MeilinActuator : public TreeActuator {
   };
 
   Result<> RegisterNodes(tree::Factory& factory) override;
+  Result<tree::Document> LoadTree() override;
   Result<> FillBlackboard(tree::Board& board) override { return mission_.Fill(board); }
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> SelfCheck() override;
@@ -61,10 +63,11 @@ class MeilinActuator : public TreeActuator {
 
   Result<> OnStartCommand() override;
 
-  Result<std::string> Begin(const std::string& region);
+  Result<> MayBegin() const;
+  void LogStart(const Result<std::string>& begun);
   void OnMap(const std::string& text);
   void OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns);
-  void OnSegments(const std::string& text);
+  void OnSegments(const std::string& text, std::int64_t written_ns);
   bool HasNode(const std::string& name);
   void SubscribePlans(transport::Endpoints& topics);
   void OnCommand(const std::string& command);
@@ -81,9 +84,8 @@ class MeilinActuator : public TreeActuator {
   transport::Client<msg::GetActionSeq>* plans_ = nullptr;
   Time asked_{};
   bool asking_ = false;
-  std::string progress_file_;  // empty: there is none
-  std::string saved_;          // its text
-  bool save_failed_ = false;
+  ProgressFile progress_{[this](const std::string& text) { Log(LogLevel::kWarning, text); }};
+  std::string saved_;  // its text
   std::vector<std::string> can_start_;
   Time can_start_at_{};
   std::string can_start_state_;

@@ -79,6 +79,7 @@ std::set<std::string> Mission::DoneNow() const {
 }
 
 void Mission::BeforeTick(Time now) {
+  UpdateStart(now);
   const std::optional<PoseFix> pose = robot_.pose();
   board_->pose_received.Set(pose.has_value());
   board_->arm_state.Set(robot_.arm_idle().value.value_or(false));
@@ -103,6 +104,7 @@ void Mission::AfterTick(Status status, const std::string& fault, Time now) {
     return Fail(fault.empty() ? "the tree has failed" : fault);
   }
   board_->last_error.Set("");
+  if (state() == kSegmentLoaded) board_->SetState(kMissionSuccess);  // PLAN_DONE was the last one
   const std::optional<Wheels> wheels = FreshWheels(robot_, now);
   if (wheels && LongestMm(*wheels) > std::max(kOutWheelMm, settings_.normal_height_mm + 40)) {
     return Fail("the match has come to its end with its wheels out: " + WheelsText(*wheels));
@@ -122,9 +124,12 @@ void Mission::Fail(const std::string& otherwise) {
   failed_ = true;
   std::string error = board_->last_error.Get();
   if (error.empty()) error = otherwise;
-  if (board_->segment_open.Get() && !progress_.plan.empty()) {
-    error = fmt::format("segment {} of {}, {}: {}", board_->segment_index.Get() + 1,
-                        progress_.plan.size(), board_->segment_name.Get(), error);
+  const QueuePtr queue = board_->queue.Get();  // of an old plan there are no steps
+  const std::size_t steps =
+      queue != nullptr && progress_.plan.empty() ? queue->total() : progress_.plan.size();
+  if (board_->segment_open.Get() && steps > 0) {
+    error = fmt::format("segment {} of {}, {}: {}", board_->segment_index.Get() + 1, steps,
+                        board_->segment_name.Get(), error);
   }
   board_->last_error.Set(error);
   board_->segment_open.Set(false);
@@ -133,6 +138,9 @@ void Mission::Fail(const std::string& otherwise) {
 }
 
 void Mission::OnPause() {
+  if (auto late = std::exchange(late_start_, std::nullopt)) {
+    late->done(Error{kCodeStateInvalid, "the robot left Active before the match could begin"});
+  }
   if (!board_ || !IsRunning()) return;
   const bool climb = state() == kActionFailed && board_->segment_open.Get();
   if (climb) {  // halted during a climb
@@ -181,6 +189,10 @@ std::optional<Point2> Mission::NextTarget(const std::set<std::string>& done) con
 
 // Of where the robot is, for a match that goes on behind these parts.
 std::string Mission::WhyNotThere(const std::set<std::string>& done, Time now) const {
+  if (const int sequence = robot_.suspension_state(); sequence != 0) {
+    return fmt::format("the suspension is in state {} of a sequence, which must end first",
+                       sequence);
+  }
   const std::optional<PoseFix> pose = FreshPose(robot_, settings_, now);
   const bool field =
       match_.entries.empty() || (done.count(kPrepared) > 0 && done.count(kMeilinDone) == 0);
@@ -297,7 +309,10 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
       progress_.plan.clear();
       progress_.next = 0;
     }
-    if (region == kFullRegion) board_->taken.Set(0);
+    if (region == kFullRegion) {
+      board_->taken.Set(0);
+      board_->dock_trues.Set(-1);
+    }
   }
   SetDone(DoneFor(region));
   board_->segment_index.Set(static_cast<int>(progress_.next) - 1);
@@ -306,6 +321,34 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
   begun_ = restart_ = true;
   ended_ = failed_ = stop_ = false;
   return region.empty() ? "goes on with " + goes_on : "begins with the region " + region;
+}
+
+// Why a start waits; empty: it does not.
+std::string Mission::AwaitedForStart(Time now) const {
+  if (!FreshPose(robot_, settings_, now)) return "no fresh pose";
+  return robot_.suspension_state() == 0 ? "" : "the suspension";
+}
+
+void Mission::StartSoon(const std::string& region, Time now, OnStart done) {
+  if (late_start_) {
+    return done(Error{kCodeStateInvalid, "another start waits for the first pose of the robot"});
+  }
+  late_start_ = LateStart{region, now + kStartWait, std::move(done)};
+  UpdateStart(now);
+}
+
+void Mission::UpdateStart(Time now) {
+  if (!late_start_) return;
+  const std::string awaited = AwaitedForStart(now);
+  if (!awaited.empty() && now < late_start_->until) return;
+  const LateStart late = *std::exchange(late_start_, std::nullopt);
+  Result<std::string> begun = Start(late.region, now);
+  if (!begun && !awaited.empty()) {
+    begun = Error{begun.error().code,
+                  fmt::format("{} (after {} s of waiting: {})", begun.error().message,
+                              kStartWait / std::chrono::seconds(1), awaited)};
+  }
+  late.done(begun);
 }
 
 // --- plans ---
@@ -374,8 +417,11 @@ bool Mission::OfferPlan(const msg::Float32MultiArray& plan, Time now, std::int64
   return true;
 }
 
-void Mission::OfferSegments(std::vector<Segment> segments, const std::string& plan_id) {
-  Accept(std::move(segments), plan_id);
+void Mission::OfferSegments(std::vector<Segment> segments, const std::string& plan_id,
+                            std::int64_t written_ns) {
+  Accept(std::move(segments),
+         plan_id.empty() ? fmt::format("segments_{}", progress_.plans + 1) : plan_id);
+  progress_.Take(written_ns);
 }
 
 void Mission::RefusePlan(const std::string& why) {

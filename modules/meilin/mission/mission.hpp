@@ -10,14 +10,17 @@
 //                             parts that are not done and the rest of the plan. Refused where the
 //                             way there is not flat, or where it is not certain how to come off an
 //                             edge
+//   StartSoon(region)         the same, once there is a fresh pose and the suspension rests: a
+//                             process that has just started has received neither. At most
+//                             kStartWait, then Start() decides
 //   a plan                    checked as a whole. Refused: refused_plan() says why, and what runs
 //                             goes on. Accepted: it replaces the queue, the action that runs ends
 //                             first, and a tree that has failed begins again. A message that was
 //                             taken before, also by an earlier process, is not taken again
 //   the tree has failed       MISSION_FAILED, the robot stands, until a plan is accepted, or
 //   Start() a pause                   PAUSED; the segment that was halted is the next one again,
-//   but after a
-//                             halt during a climb the mission has failed
+//   but after
+//                             a halt during a climb the mission has failed
 //
 // A plan is checked and run from one start: the end of the segment that runs; else the live pose
 // where it is fresh and inside the grid (on an edge, where the robot comes off it); else where the
@@ -25,7 +28,9 @@
 //
 // Units: those of robot.hpp. Pure: no clock, no process. Threads: one at a time, like the tree.
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -62,6 +67,10 @@ class Mission {
 
   // The word of a person. The text says what begins; an error why nothing does.
   Result<std::string> Start(const std::string& region, Time now);
+  using OnStart = std::function<void(const Result<std::string>&)>;
+  static constexpr Duration kStartWait = std::chrono::seconds(2);
+  // `done` is called once, perhaps at once.
+  void StartSoon(const std::string& region, Time now, OnStart done);
   // The regions that Start() would begin with, "" for going on.
   std::vector<std::string> CanStart(Time now) const;
   // What it would go on with: "plan mf_action_seq_3 at segment 5 of 9, fetch (1, 2)". Empty:
@@ -73,8 +82,9 @@ class Mission {
   bool OfferPlan(const msg::Float32MultiArray& plan, Time now, std::int64_t written_ns = 0);
   // Whether that message was taken before.
   bool WasTaken(std::int64_t written_ns) const { return progress_.IsTaken(written_ns); }
-  // An old plan, that is already checked.
-  void OfferSegments(std::vector<Segment> segments, const std::string& plan_id);
+  // An old plan, that is already checked. Without an id it gets one.
+  void OfferSegments(std::vector<Segment> segments, const std::string& plan_id,
+                     std::int64_t written_ns = 0);
   void RefusePlan(const std::string& why);
   // The boxes of the field, for plans.
   void SetBoxes(const BoxMap& map) { boxes_ = map; }
@@ -109,6 +119,8 @@ class Mission {
   // An error: the robot is where no plan can begin.
   Result<PlanStart> StartAt(Time now) const;
   PlanReading CheckRest(Time now) const;
+  std::string AwaitedForStart(Time now) const;
+  void UpdateStart(Time now);
   std::string WhyNot(const std::string& region, Time now) const;
   std::string WhyNotThere(const std::set<std::string>& done, Time now) const;
   std::optional<Point2> NextTarget(const std::set<std::string>& done) const;
@@ -121,6 +133,12 @@ class Mission {
   void Fail(const std::string& otherwise);
   void NoteProgress();
 
+  struct LateStart {
+    std::string region;
+    Time until{};
+    OnStart done;
+  };
+
   Robot& robot_;
   const Settings& settings_;
   const MatchConfig match_;
@@ -130,6 +148,7 @@ class Mission {
   Progress progress_;  // its place and parts are those of the blackboard
   std::optional<BoxMap> boxes_;
   std::uint64_t refusals_ = 0;
+  std::optional<LateStart> late_start_;
   bool begun_ = false;
   bool ended_ = false;   // the tree: until it begins again
   bool failed_ = false;  // with a failure

@@ -13,7 +13,7 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/multi_array.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/modules/meilin/nodes/mission_board.hpp"
+#include "musher/modules/meilin/mission/mission.hpp"
 #include "musher/modules/meilin/plan/plan_file.hpp"
 #include "musher/transport/directed_publisher.hpp"
 
@@ -109,7 +109,7 @@ void PrintState(const Watch& watch, bool json) {
             << after("\nthe run before ended with ", "last_end") << Offers(watch) << std::endl;
 }
 
-transport::ProgramMark Mission(const ToolLink& link) {
+transport::ProgramMark MissionMark(const ToolLink& link) {
   return transport::PublisherOf<msg::String>(link.Name("meilin/state"));
 }
 
@@ -117,7 +117,7 @@ transport::ProgramMark Mission(const ToolLink& link) {
 template <msg::Message M>
 std::optional<int> PublishTo(ToolLink& link, const std::string& name, const M& message,
                              std::unique_ptr<transport::DirectedPublisher<M>>& kept) {
-  auto made = transport::MakeDirectedPublisher<M>(link.node(), link.Name(name), Mission(link));
+  auto made = transport::MakeDirectedPublisher<M>(link.node(), link.Name(name), MissionMark(link));
   if (!made) return FailSend(ExitCode::kUsage, made.error().message);
   kept = std::move(made).value();
   if (!link.RunUntil([&] { return kept->Ready(); }, link.discovery())) return NoMission(link);
@@ -127,7 +127,8 @@ std::optional<int> PublishTo(ToolLink& link, const std::string& name, const M& m
   return std::nullopt;
 }
 
-int SendPlan(ToolLink& link, const std::string& file, bool json) {
+// `keep`: as a planner, which stays.
+int SendPlan(ToolLink& link, const std::string& file, bool keep, bool json) {
   const DrawnPlanReading reading = ReadPlanFile(file);
   // The mission checks it from where the robot is; here only what is no plan at all is refused.
   if (!reading.plan) {
@@ -139,7 +140,7 @@ int SendPlan(ToolLink& link, const std::string& file, bool json) {
   const std::int64_t plans = watch.Count("plans");
   const std::int64_t refusals = watch.Count("refusals");
   auto made = transport::MakeDirectedPublisher<msg::Float32MultiArray>(
-      link.node(), link.Name("mf_action_seq"), Mission(link), transport::kLatchedQos);
+      link.node(), link.Name("mf_action_seq"), MissionMark(link), transport::kLatchedQos);
   if (!made) return FailSend(ExitCode::kUsage, made.error().message);
   const auto& publisher = made.value();
   if (!link.RunUntil([&] { return publisher->Ready(); }, link.discovery())) return NoMission(link);
@@ -153,7 +154,9 @@ int SendPlan(ToolLink& link, const std::string& file, bool json) {
     return FailSend(ExitCode::kNotDone, "the mission did not answer");
   }
   PrintState(watch, json);
-  return watch.Count("plans") != plans ? 0 : static_cast<int>(ExitCode::kNotDone);
+  if (watch.Count("plans") == plans) return static_cast<int>(ExitCode::kNotDone);
+  if (keep) link.RunUntil([] { return false; }, std::chrono::hours(24));
+  return 0;
 }
 
 int SendReset(ToolLink& link) {
@@ -169,9 +172,14 @@ int StartMatch(ToolLink& link, const std::string& region, bool json) {
   const auto& service = client.value();
   if (!link.RunUntil([&] { return service->Ready(); }, link.discovery())) return NoMission(link);
   std::optional<Reply> reply;
-  service->Call({region}, link.discovery(), [&reply](const Reply& result) { reply = result; });
-  link.RunUntil([&reply] { return reply.has_value(); }, link.discovery());
-  if (!reply || !*reply) return FailSend(ExitCode::kNotDone, "the mission did not answer");
+  // It may wait for its first pose, by the machine's clock, which may be slow.
+  const Duration limit = link.discovery() + 4 * Mission::kStartWait;
+  service->Call({region}, limit, [&reply](const Reply& result) { reply = result; });
+  link.RunUntil([&reply] { return reply.has_value(); }, limit);
+  if (!reply || !*reply) {
+    return FailSend(ExitCode::kNotDone,
+                    "the mission did not answer, and may still begin: musher-meilin send state");
+  }
   if (!reply->value().success) return FailSend(ExitCode::kNotDone, reply->value().message);
   std::cout << (json ? OrderedJson({{"begun", reply->value().message}}).dump()
                      : reply->value().message)
@@ -195,6 +203,8 @@ int Send(int argc, const char* const* argv) {
   std::string file;
   CLI::App* plan = app.add_subcommand("plan", "Publishes a drawn plan");
   plan->add_option("FILE", file, "As config/meilin/plan_blue.toml")->required();
+  bool keep = false;
+  plan->add_flag("--keep", keep, "Keeps it published, as a planner does, until Ctrl-C");
   CLI::App* reset = app.add_subcommand(
       "reset", "The robot stands, and the match waits for its start, without a plan");
   app.add_subcommand("state", "Prints the state of the match");
@@ -203,7 +213,7 @@ int Send(int argc, const char* const* argv) {
   }
   const auto link = ToolLink::Open(options);
   if (!link) return FailSend(ExitCode::kUsage, link.error().message);
-  if (plan->parsed()) return SendPlan(*link.value(), file, options.json);
+  if (plan->parsed()) return SendPlan(*link.value(), file, keep, options.json);
   if (reset->parsed()) return SendReset(*link.value());
   return SendState(*link.value(), options.json);
 }

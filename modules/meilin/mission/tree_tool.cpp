@@ -14,6 +14,7 @@
 #include "musher/modules/meilin/mission/match_config.hpp"
 #include "musher/modules/meilin/mission/mission_config.hpp"
 #include "musher/modules/meilin/mission/ros_robot.hpp"
+#include "musher/modules/meilin/nodes/drawn_form.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
 
 namespace musher::meilin {
@@ -32,8 +33,10 @@ std::vector<Diagnostic> CheckTree(const std::string& file) {
   const Nodes nodes;
   tree::Reading reading = tree::ReadTreeFile(file);
   if (!reading.ok()) return std::move(reading.diagnostics);
-  tree::Built built = tree::Build(reading.document, nodes.factory);
   std::vector<Diagnostic> found = std::move(reading.diagnostics);
+  const std::vector<Diagnostic> drawn = AcceptDrawnForm(reading.document);
+  found.insert(found.end(), drawn.begin(), drawn.end());
+  tree::Built built = tree::Build(reading.document, nodes.factory);
   found.insert(found.end(), built.diagnostics.begin(), built.diagnostics.end());
   return found;
 }

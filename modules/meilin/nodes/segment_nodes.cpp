@@ -108,11 +108,12 @@ Status PopNextSegment::Do(const tree::Tick&) {
 }
 
 SwitchSegmentType::SwitchSegmentType(tree::Setup& setup)
-    : type_(setup.Input<std::string>("segment_type", "of the present segment")) {}
+    : type_(setup.OptionalInput<std::string>("segment_type", "missing: of the present segment")),
+      board_(setup.board()) {}
 
 Status SwitchSegmentType::OnTick(tree::Tick& tick) {
   if (ticked_ == nullptr || !ticked_->running()) {
-    const std::string& type = type_.Get();
+    const std::string type = type_.Or(board_.segment_type.Get());
     ticked_ = nullptr;
     for (std::size_t i = 0; i < children().size(); ++i) {
       const std::string& name = child_names()[i];
@@ -139,14 +140,19 @@ void SwitchSegmentType::OnHalt(tree::Tick& tick) {
 
 ForEachSegment::ForEachSegment(tree::Setup& setup)
     : stop_type_(setup.OptionalInput<std::string>(
-          "stop_type", "the type of the segment after which it succeeds; missing: EXIT")),
+          "stop_type",
+          "the type of the segment after which it succeeds; missing: EXIT, PLAN_DONE")),
       board_(setup.board()) {}
 
 Status ForEachSegment::OnTick(tree::Tick& tick) {
   const Status status = TickChild(tick);
   if (status != Status::kSuccess) return status;
   board_.segment_open.Set(false);
-  return board_.segment_type.Get() == stop_type_.Or("EXIT") ? Status::kSuccess : Status::kRunning;
+  const std::string type = board_.segment_type.Get();
+  const std::string* stop_type = stop_type_.Find();
+  const bool stops =
+      stop_type != nullptr ? type == *stop_type : type == "EXIT" || type == kPlanDoneType;
+  return stops ? Status::kSuccess : Status::kRunning;
 }
 
 RetrySegment::RetrySegment(tree::Setup& setup)

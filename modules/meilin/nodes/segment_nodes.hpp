@@ -8,7 +8,8 @@
 //   PopNextSegment        queue -> the fields of an old plan; an empty queue: MISSION_SUCCESS
 //   SwitchSegmentType     segment_type: ticks the child whose attribute `name` is that type, or
 //                         else the one with the name "default", to its end
-//   ForEachSegment        stop_type "EXIT": repeats its child until a segment of that type is done
+//   ForEachSegment        stop_type (missing: "EXIT" and "PLAN_DONE", with which no plan goes on):
+//                         repeats its child until a segment of that type is done
 //   RetrySegment          num_attempts 3 (negative: without end): repeats a child that fails
 //
 // A queue is a std::shared_ptr<SegmentQueue> (plan/segment_queue.hpp). A segment that was taken and
@@ -81,6 +82,7 @@ class SwitchSegmentType final : public tree::Control {
   void OnHalt(tree::Tick& tick) override;
 
   tree::InPort<std::string> type_;
+  MissionBoard board_;
   tree::Node* ticked_ = nullptr;
 };
 

@@ -48,6 +48,16 @@ void ReadCosts(TableReader& reader, StepCosts& costs) {
   reader.RefuseOthers();
 }
 
+void ReadEntrance(TableReader& root, Cell& entrance) {
+  constexpr const char* kKey = "entrance";
+  const auto cell = root.Integers(kKey, 0, kRows - 1);
+  if (!cell) return;
+  if (cell->size() == 2) entrance = {static_cast<int>(cell->at(0)), static_cast<int>(cell->at(1))};
+  if (cell->size() == 2 && entrance.row == 0 && IsInside(entrance)) return;
+  root.Fault(root.At(kKey), kKey,
+             "expected [0, column] with a column of 0 to 2: a match enters in row 0");
+}
+
 PlannerConfig ReadPlanner(const Table& table, Findings& findings) {
   PlannerConfig config;
   TableReader root(table, {1, 1}, "", findings);
@@ -61,6 +71,7 @@ PlannerConfig ReadPlanner(const Table& table, Findings& findings) {
   rules.plan.highest_wheel_mm =
       root.Number("highest_wheel_mm", 0, 1000).value_or(rules.plan.highest_wheel_mm);
   rules.plan.kfs1_blocks = root.Bool("kfs1_blocks").value_or(rules.plan.kfs1_blocks);
+  ReadEntrance(root, rules.entrance);
   if (const Table* topics = root.SubTable("topics")) {
     TableReader reader(*topics, root.At("topics"), "topics", findings);
     ReadTopics(reader, config.topics);

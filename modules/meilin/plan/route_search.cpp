@@ -27,7 +27,7 @@ class RouteSearch {
   RouteReport Run() {
     for (int col = 0; col < kCols; ++col) {
       const Cell start{0, col};
-      if (IsFree(start)) Enter(start, {.cost_s = rules_.costs.Move(0, 0)});
+      if (IsOpen(start)) Enter(start, {.cost_s = rules_.costs.Move(0, 0)});
     }
     return std::move(report_);
   }
@@ -49,6 +49,14 @@ class RouteSearch {
     if (!IsInside(cell) || map_.At(cell) == Box::kFake) return false;
     if (map_.At(cell) == Box::kKfs1 && rules_.plan.kfs1_blocks) return false;
     return map_.At(cell) != Box::kKfs2 || (taken & BitOf(cell)) != 0;
+  }
+  // The straight way there from the entrance: row 0 is flat.
+  bool IsOpen(Cell start) const {
+    const Grid& grid = rules_.plan.grid;
+    const Cell entrance = rules_.entrance;
+    return IsFree(start) &&
+           std::ranges::all_of(grid.CellsOnLine(grid.Centre(entrance), grid.Centre(start)),
+                               [&](Cell cell) { return cell == entrance || IsFree(cell); });
   }
   double MoveYaw(const State& state) const { return map_.omni ? 0 : state.yaw_rad; }
 

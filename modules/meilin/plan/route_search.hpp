@@ -1,6 +1,7 @@
 #pragma once
-// Finds the plans of a field whose boxes (KFS) are known. A plan starts in row 0, moves forward,
-// left or right, visits no cell twice, and ends in row 5. It takes up to four boxes of kind KFS2
+// Finds the plans of a field whose boxes (KFS) are known. A plan begins with the straight way from
+// the entrance to a cell of row 0, which drives over no box, moves forward, left or right, visits
+// no cell twice, and ends in row 5. It takes up to four boxes of kind KFS2
 // from the cells beside its path; it drives over no cell with a fake box, or with a KFS2 that it
 // has not taken. Boxes of kind KFS1 are the partner's: they are in the way, unless
 // PlanRules::kfs1_blocks is false; those on its way are counted then.
@@ -36,6 +37,7 @@ using Routes = std::array<RouteBucket, kMostFetched + 1>;
 
 struct RouteRules {
   PlanRules plan;  // but for the side, which the map has
+  Cell entrance;   // where the robot is before the first step; in row 0
   StepCosts costs;
   std::size_t most_routes = 10;  // of each bucket
   // Cells and fetches that the search visits; only maps full of KFS2 have more.

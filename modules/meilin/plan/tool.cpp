@@ -68,6 +68,7 @@ struct PlanOptions {
   std::string file;
   int kfs2 = -1;  // -1: what a team sends
   int index = 1;
+  int entrance = 0;
   bool json = false;
 };
 
@@ -92,7 +93,9 @@ void PrintBuckets(const RouteReport& report) {
 int PlanOfMap(const PlanOptions& options) {
   const BoxMapFileReading reading = ReadBoxMapFile(options.file);
   if (PrintDiagnostics(reading.diagnostics) != 0 || !reading.map) return kErrors;
-  const RouteReport report = FindRoutes(*reading.map);
+  RouteRules rules;
+  rules.entrance = {0, options.entrance};
+  const RouteReport report = FindRoutes(*reading.map, rules);
   if (options.json) {
     std::cout << RoutesJson(report.routes) << std::endl;
     return 0;
@@ -182,6 +185,9 @@ int RunPlanTool(int argc, const char* const* argv, const FileCheck& others) {
     app.add_option("--index", options.index, "The best with --kfs2 is 1, the next 2")
         ->check(CLI::Range(1, 10))
         ->needs("--kfs2");
+    app.add_option("--entrance", options.entrance, "Of a map: the column of row 0 to enter at")
+        ->check(CLI::Range(0, kCols - 1))
+        ->capture_default_str();
     app.add_flag("--json", options.json, "JSON: all plans of a map; the steps of a drawn plan");
   }
   try {

@@ -132,6 +132,33 @@ TEST_F(AnEngine, RefusesAWrongProgramWithAllItsErrors) {
   EXPECT_EQ(Do(Op::kList).programs.size(), 0U);
 }
 
+TEST_F(AnEngine, AnswersWhileAProgramOf20000NodesIsAdded) {
+  std::string says;
+  for (int i = 0; i < 20'000; ++i) says += "<Say text=\"a\"/>\n";
+  std::vector<std::string> replies;
+  const auto call = [&](std::uint8_t operation, const std::string& name, const std::string& text) {
+    Op::Request request;
+    request.operation = operation;
+    request.program = name;
+    request.text = text;
+    client_->Call(request, std::chrono::seconds(60), [&replies, operation](const auto& reply) {
+      replies.push_back(operation == Op::kAdd ? "added " + reply.value().message : "listed");
+    });
+  };
+  const std::string program = Sequence(says);
+  harness_.node().RunOnLoop([&] {
+    call(Op::kAdd, "long", program);
+    call(Op::kList, "", "");
+  });
+  ASSERT_TRUE(testing::Until([&] {
+    std::size_t count = 0;
+    harness_.node().RunOnLoop([&] { count = replies.size(); });
+    return count == 2;
+  }));
+  EXPECT_THAT(replies, ::testing::ElementsAre("listed", "added "));
+  EXPECT_EQ(StateOf("long"), "ready");
+}
+
 TEST_F(AnEngine, RunsProgramsInActiveOnlyAndStopsThemInEveryOtherState) {
   ASSERT_TRUE(Do(Op::kAdd, "wait", Sequence("<WaitSeconds seconds=\"100\"/>")).success);
   EXPECT_THAT(Do(Op::kRun, "wait").message, HasSubstr("runs programs in Active only"));

@@ -38,27 +38,46 @@ class ProgramsTest : public ::testing::Test {
     EXPECT_TRUE(programs_.Open());
   }
 
+  // As the actuator does it, which checks in a thread.
+  Result<> Add(const std::string& name, const std::string& text) {
+    const Result<std::string> path = programs_.BeginAdd(name, text);
+    if (!path) return path.error();
+    const std::string errors = Check(name, text);
+    return programs_.EndAdd(name, text, errors,
+                            errors.empty() ? Programs::Store(path.value(), text) : Ok());
+  }
+  static std::string Check(const std::string& name, const std::string& text) {
+    return text == "wrong" ? name + ": first\n" + name + ": second" : "";
+  }
+
   const TempFolder folder_;
-  Programs programs_{folder_ / "own", folder_ / "examples",
-                     [](const std::string& name, const std::string& text) {
-                       return text == "wrong" ? name + ": first\n" + name + ": second" : "";
-                     }};
+  Programs programs_{folder_ / "own", folder_ / "examples", Check};
 };
 
 TEST_F(ProgramsTest, AreCheckedBeforeTheyAreStoredWithAllErrorsInTheMessage) {
-  const auto wrong = programs_.Add("dance", "wrong");
+  const auto wrong = Add("dance", "wrong");
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().message, "dance: first\ndance: second");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "own/dance.xml"));
-  ASSERT_TRUE(programs_.Add("dance", "right"));
-  EXPECT_FALSE(programs_.Add("dance", "wrong"));
+  ASSERT_TRUE(Add("dance", "right"));
+  EXPECT_FALSE(Add("dance", "wrong"));
   EXPECT_EQ(programs_.Text("dance").value(), "right");
   EXPECT_EQ(Shown(programs_), "dance ready\ngreet ready\n");
 }
 
+TEST_F(ProgramsTest, ThatAreBeingAddedAreNotAddedAgainRunOrRemovedMeanwhile) {
+  ASSERT_TRUE(Add("dance", "right"));
+  ASSERT_TRUE(programs_.BeginAdd("dance", "another"));
+  EXPECT_THAT(programs_.BeginAdd("dance", "third").error().message, HasSubstr("is being added"));
+  EXPECT_FALSE(programs_.Runnable("dance"));
+  EXPECT_FALSE(programs_.Remove("dance"));
+  ASSERT_TRUE(programs_.EndAdd("dance", "another", "", Ok()));
+  EXPECT_TRUE(programs_.Runnable("dance"));
+}
+
 TEST_F(ProgramsTest, HaveNamesThatCanNotLeaveTheirFolder) {
   for (const std::string name : {"", "../greet", "a/b", ".hidden", "-x", "a b", "é"}) {
-    EXPECT_FALSE(programs_.Add(name, "right")) << name;
+    EXPECT_FALSE(Add(name, "right")) << name;
     EXPECT_FALSE(programs_.Text(name)) << name;
     EXPECT_FALSE(programs_.Remove(name)) << name;
   }
@@ -68,20 +87,20 @@ TEST_F(ProgramsTest, HaveNamesThatCanNotLeaveTheirFolder) {
 }
 
 TEST_F(ProgramsTest, KeepTheStateOfEach) {
-  ASSERT_TRUE(programs_.Add("dance", "right"));
+  ASSERT_TRUE(Add("dance", "right"));
   programs_.Started("dance");
-  EXPECT_FALSE(programs_.Add("dance", "another"));
+  EXPECT_FALSE(Add("dance", "another"));
   EXPECT_FALSE(programs_.Remove("dance"));
   EXPECT_EQ(Shown(programs_), "dance running\ngreet ready\n");
   programs_.Ended(ProgramState::kFailed, "no floor");
   EXPECT_EQ(Shown(programs_), "dance failed: no floor\ngreet ready\n");
-  ASSERT_TRUE(programs_.Add("dance", "another"));
+  ASSERT_TRUE(Add("dance", "another"));
   EXPECT_EQ(Shown(programs_), "dance ready\ngreet ready\n");
 }
 
 TEST_F(ProgramsTest, OfThePersonHideExamplesWhichAreNotDeleted) {
   EXPECT_THAT(programs_.Remove("greet").error().message, HasSubstr("is an example"));
-  ASSERT_TRUE(programs_.Add("greet", "mine"));
+  ASSERT_TRUE(Add("greet", "mine"));
   EXPECT_EQ(programs_.Text("greet").value(), "mine");
   ASSERT_TRUE(programs_.Remove("greet"));
   EXPECT_EQ(programs_.Text("greet").value(), "hello");

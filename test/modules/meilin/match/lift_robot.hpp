@@ -96,7 +96,9 @@ class LiftRobot final : public Robot {
   }
   std::optional<PoseFix> pose() const override { return fix_; }
   std::optional<Wheels> wheels() const override { return legs_; }
-  int suspension_state() const override { return static_cast<int>(suspension_.state()); }
+  int suspension_state() const override {
+    return suspension_.running() ? static_cast<int>(suspension_.state()) : 0;
+  }
   const Signal& partner_ready() const override { return partner_; }
   const Signal& arm_idle() const override { return arm_; }
   void Warn(const std::string& text) override { warnings.push_back(text); }

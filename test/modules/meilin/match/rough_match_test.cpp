@@ -1,5 +1,5 @@
-// A match whose robot can fall, with a crash, a stop, a pause or a failed action at a random
-// moment, then the way on that is documented.
+// A match whose robot can fall, with a crash, a hang, a stop, a pause, a reset or a failed action
+// at a random moment, then the way on that is documented.
 //
 //   MUSHER_SEEDS=500 build/dev/bin/meilin_match_test     runs so many matches
 //   MUSHER_SEED=17 …                                     runs one, and prints what happens
@@ -191,9 +191,9 @@ std::vector<PlanStep> PlanFrom(const Grid& grid, Cell cell, bool fetches) {
   return steps;
 }
 
-enum class Trouble { kCrash, kStop, kPause, kAction, kReset, kCount };
-constexpr std::array<const char*, 5> kTroubles = {"crash", "emergency stop", "pause",
-                                                  "failed action", "reset"};
+enum class Trouble { kCrash, kHang, kStop, kPause, kAction, kReset, kCount };
+constexpr std::array<const char*, 6> kTroubles = {"crash", "hang",          "emergency stop",
+                                                  "pause", "failed action", "reset"};
 
 class RoughMatch {
  public:
@@ -249,10 +249,14 @@ class RoughMatch {
     Say(std::string(trouble()) + " in " + process_->mission().state());
     Mission& mission = process_->mission();
     switch (trouble_) {
-      case Trouble::kCrash: {
+      case Trouble::kCrash:
+      case Trouble::kHang: {
         const Progress progress = mission.SavedProgress();
+        // Goals go on without it, also while it hangs.
+        for (int tick = Any(trouble_ == Trouble::kHang ? 1'500 : 200); tick > 0; --tick) {
+          robot_.Step();
+        }
         Begin();
-        for (int tick = Any(200); tick > 0; --tick) robot_.Step();  // goals go on without it
         robot_.StopAll("Cancelled");  // all that an earlier process has left, at the next Active
         EXPECT_TRUE(process_->mission().Restore(progress));
         break;
@@ -277,7 +281,9 @@ class RoughMatch {
     }
     const PoseFix before = *robot_.pose();
     for (int tick = 0; tick < 300; ++tick) process_->Tick();
-    if (trouble_ != Trouble::kCrash && trouble_ != Trouble::kReset) return;
+    const bool waits =
+        trouble_ == Trouble::kCrash || trouble_ == Trouble::kHang || trouble_ == Trouble::kReset;
+    if (!waits) return;
     const PoseFix after = *robot_.pose();
     EXPECT_LT(std::hypot(after.x_m - before.x_m, after.y_m - before.y_m), 0.6)
         << "only what was already moving comes to rest";
@@ -289,6 +295,7 @@ class RoughMatch {
       Say("no way on: " + process_->mission().last_error());
       return false;
     }
+    for (int tick = 0; tick < 50; ++tick) process_->Tick();  // until a person looks, it rests
     Mission& mission = process_->mission();
     const auto start = [&](const std::string& region) {
       const Result<std::string> begun = mission.Start(region, robot_.Now());
@@ -331,6 +338,8 @@ void PlayMatches(int matches) {
   const int last = only >= 0 ? only : Environment("MUSHER_SEEDS", matches) - 1;
   int won = 0;
   int by_hand = 0;
+  int falls = 0;
+  int on_wheels = 0;
   std::map<std::string, std::pair<int, int>> of;  // by trouble: matches, and those that were won
   for (int seed = first; seed <= last; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -344,8 +353,16 @@ void PlayMatches(int matches) {
     const std::string state = match.process().mission().state();
     EXPECT_TRUE(state == kMissionSuccess || state == kMissionFailed || state == kWaitingStart)
         << state;
-    EXPECT_TRUE(OnFourWheels(match.robot(), match.process().settings()));
+    const bool stands = OnFourWheels(match.robot(), match.process().settings());
+    EXPECT_TRUE(stands);
+    falls += match.robot().fallen() ? 1 : 0;
+    on_wheels += stands ? 1 : 0;
+    if (done) continue;
+    std::cout << "seed " << seed << ", " << match.trouble() << ": not to the end, " << state << ": "
+              << match.process().mission().last_error() << "\n";
   }
+  std::cout << last - first + 1 << " matches: " << falls << " falls, " << on_wheels
+            << " ended in a named state on four wheels, " << won << " to their end\n";
   for (const auto& [trouble, count] : of) {
     std::cout << trouble << ": " << count.second << " of " << count.first
               << " matches to the end\n";

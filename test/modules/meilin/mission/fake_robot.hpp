@@ -47,6 +47,7 @@ class FakeRobot final : public Robot {
   bool follows = true;         // the pose follows the drives, and is always fresh
   std::optional<Wheels> legs;  // always fresh; follow the suspension where they are set
   bool legs_follow = true;
+  int sequence = 0;  // state of the suspension
   Signal r1;
   bool r1_stays = false;  // else it is false at the end of the dock's command
   Signal arm;
@@ -66,7 +67,7 @@ class FakeRobot final : public Robot {
   GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) override;
   std::optional<PoseFix> pose() const override { return fix; }
   std::optional<Wheels> wheels() const override { return legs; }
-  int suspension_state() const override { return 0; }
+  int suspension_state() const override { return sequence; }
   const Signal& partner_ready() const override { return r1; }
   const Signal& arm_idle() const override { return arm; }
   void Warn(const std::string& text) override { warnings.push_back(text); }

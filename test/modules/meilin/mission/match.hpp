@@ -12,6 +12,7 @@
 #include "musher/behavior/tree/build.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/modules/meilin/mission/mission.hpp"
+#include "musher/modules/meilin/nodes/drawn_form.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
 #include "musher/test/modules/meilin/mission/fake_robot.hpp"
 #include "musher/test/support/paths.hpp"
@@ -57,10 +58,11 @@ struct Match {
     return settings;
   }
 
-  void Load(const tree::Reading& reading) {
+  void Load(tree::Reading reading) {
     std::string found;
     for (const Diagnostic& each : reading.diagnostics) found += FormatDiagnostic(each) + "\n";
     ASSERT_TRUE(reading.ok()) << found;
+    drawn = AcceptDrawnForm(reading.document);  // as the actuator does
     tree::Built built = tree::Build(reading.document, factory);
     for (const Diagnostic& each : built.diagnostics) found += FormatDiagnostic(each) + "\n";
     ASSERT_NE(built.tree, nullptr) << found;
@@ -141,6 +143,7 @@ struct Match {
   tree::Factory factory;
   std::unique_ptr<tree::Tree> tree;
   std::optional<MissionBoard> board;
+  std::vector<Diagnostic> drawn;
   bool rests = true;
   tree::Status last = tree::Status::kIdle;
 };

@@ -295,6 +295,27 @@ TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyOnCommand) {
   EXPECT_TRUE(AwaitPlan("mf_action_seq_1"));
 }
 
+TEST_F(MissionProcess, AStartRightAfterARestartInAClimbWaitsForTheFirstPose) {
+  suspension_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_TRUE(peer_.Until([this] { return !suspension_.goals.empty(); })) << peer_.Output();
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  ASSERT_NO_FATAL_FAILURE(StartWaiting(StageFile()));
+  const auto client =
+      Must(transport::MakeClient<msg::StartAutonomy>(peer_.node(), "start_autonomy"));
+  ASSERT_TRUE(peer_.Until([&] { return client->Ready() && poses_->MatchedReaders() > 0; }));
+  std::string reply;
+  client->Call({"meilin"}, std::chrono::seconds(20), [&reply](const auto& result) {
+    reply = result ? result.value().message : result.error().message;
+  });
+  const auto poses = peer_.node().loop().Every(Milliseconds(50), [this] { SendPose(1.2, 2.4); });
+  ASSERT_TRUE(peer_.Until([&] { return !reply.empty(); }));
+  EXPECT_EQ(reply, "begins with the region meilin");
+}
+
 TEST_F(MissionProcess, RefusesAnOldPlanThatItsTreeCannotRun) {
   ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
   ASSERT_NO_FATAL_FAILURE(Await("WAITING_MF_ACTION_SEQ"));

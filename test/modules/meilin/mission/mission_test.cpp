@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 
+#include "musher/modules/meilin/plan/segments_json.hpp"
 #include "musher/test/modules/meilin/mission/match.hpp"
 
 namespace musher::meilin::testing {
@@ -68,7 +69,7 @@ class FullMatch : public ::testing::TestWithParam<Side> {};
 
 TEST_P(FullMatch, IsPlayedToItsEnd) {
   const std::string side(SideText(GetParam()));
-  Match match("full_match.xml", MatchOf("match_" + side + ".json"), GetParam());
+  Match match("full_match.xml", MatchOf("simulated_" + side + ".json"), GetParam());
   MakeRealistic(match);
   match.Tick();
   ASSERT_TRUE(match.Offer(GoodPlan(GetParam()))) << match.mission.last_error();
@@ -343,6 +344,149 @@ TEST(ARestartedMission, IgnoresADamagedProgressAndThatOfTheOtherSide) {
   red.side = "red";
   EXPECT_FALSE(match.mission.Restore(red));
 }
+// --- a start that waits ---
+
+struct LateStart {
+  explicit LateStart(Match& of) : match(of) {}
+  void Begin(const std::string& region) {
+    match.mission.StartSoon(region, match.robot.Now(), [this](const Result<std::string>& begun) {
+      replies.push_back(begun ? begun.value() : begun.error().message);
+    });
+  }
+  Match& match;
+  std::vector<std::string> replies;
+};
+
+TEST(AStart, WaitsForTheFirstPoseOfARestartedMissionThatHasNotEndedAClimb) {
+  Match match(Match::Waiting{}, "meilin_stage.xml");
+  Progress progress;
+  progress.climbing = true;
+  ASSERT_TRUE(match.mission.Restore(progress));
+  EXPECT_THAT(match.WhyNot("meilin"), HasSubstr("there is no fresh pose"));
+  LateStart start(match);
+  start.Begin("meilin");
+  match.RunFor(1);
+  EXPECT_TRUE(start.replies.empty());
+  start.Begin("full");
+  EXPECT_THAT(start.replies, ::testing::ElementsAre(HasSubstr("another start waits")));
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.RunFor(0.1);
+  ASSERT_EQ(start.replies.size(), 2U);
+  EXPECT_EQ(start.replies[1], "begins with the region meilin");
+}
+TEST(AStart, WaitsAtMostTwoSecondsAndSaysForWhat) {
+  Match match(Match::Waiting{}, "meilin_stage.xml");
+  Progress progress;
+  progress.climbing = true;
+  ASSERT_TRUE(match.mission.Restore(progress));
+  LateStart start(match);
+  start.Begin("meilin");
+  match.RunFor(1.9);
+  EXPECT_TRUE(start.replies.empty());
+  match.RunFor(0.2);
+  EXPECT_THAT(start.replies,
+              ::testing::ElementsAre("a climb was not ended, and there is no fresh pose (after 2 s "
+                                     "of waiting: no fresh pose)"));
+  match.RunFor(5);
+  EXPECT_TRUE(match.robot.goals.empty());
+}
+TEST(AStart, IsRefusedWhereTheRobotLeavesActiveBeforeThePoseComes) {
+  Match match(Match::Waiting{}, "meilin_stage.xml");
+  LateStart start(match);
+  start.Begin("meilin");
+  match.Pause();
+  EXPECT_THAT(start.replies, ::testing::ElementsAre(HasSubstr("left Active before")));
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.RunFor(5);
+  EXPECT_FALSE(match.mission.begun());
+}
+TEST(AStart, WaitsForTheSequenceOfTheSuspensionToEnd) {
+  Match match(Match::Waiting{}, "meilin_stage.xml");
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.robot.sequence = 14;
+  EXPECT_THAT(match.WhyNot("meilin"), StartsWith("the suspension is in state 14 of a sequence"));
+  EXPECT_TRUE(match.mission.CanStart(match.robot.Now()).empty());
+  LateStart start(match);
+  start.Begin("meilin");
+  match.RunFor(0.5);
+  EXPECT_TRUE(start.replies.empty());
+  match.robot.sequence = 0;
+  match.RunFor(0.1);
+  EXPECT_THAT(start.replies, ::testing::ElementsAre("begins with the region meilin"));
+}
+
+// --- plans of the old form ---
+
+std::vector<Segment> OldPlan(const std::string& segments) {
+  const SegmentsReading reading = ReadSegmentsJson(R"({"segments": [)" + segments + "]}");
+  EXPECT_EQ(reading.message(), "");
+  return reading.segments;
+}
+constexpr const char* kDrive = R"("move_target": {"x": 2.4, "y": 2.4, "yaw": 0})";
+
+TEST(AnOldPlan, IsCarriedOutByTheShippedTree) {
+  Match match("segments.xml");
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.robot.r1_stays = true;
+  match.RunFor(1);
+  EXPECT_EQ(match.mission.state(), "WAITING_PLAN");
+  const std::string start = R"("move_target": {"x": 1.2, "y": 1.2, "yaw": 0}})";
+  match.mission.OfferSegments(
+      OldPlan(R"({"segment_type": "SPEAR_PREP", )" + start +
+              R"(, {"segment_type": "SPEAR_GRASP"}, {"segment_type": "DOCK"},
+                 {"segment_type": "ALIGN", "move_target": {"x": 1.2, "y": 2.4, "yaw": 0}},
+                 {"segment_type": "CLIMB", "climb_mode": "UP", "climb_height": 200, )" +
+              kDrive + R"(}, {"segment_type": "GRASP"}, {"segment_type": "STORE1"},
+                 {"segment_type": "EXIT", )" +
+              kDrive + R"(}, {"segment_type": "FINAL_MOVE2", )" + kDrive +
+              R"(}, {"segment_type": "PLACE_MID"}, {"segment_type": "FINISH"})"),
+      "", 7);
+  EXPECT_TRUE(match.mission.WasTaken(7)) << "another process does not carry it out again";
+  for (int i = 0; i < 5000 && !match.rests; ++i) {
+    match.Tick();
+    if (i == 100) FakeRobot::Raise(match.robot.r1, true);
+  }
+  EXPECT_EQ(match.mission.state(), "MISSION_SUCCESS") << match.mission.last_error();
+  EXPECT_EQ(match.mission.plan_id(), "segments_1");
+  EXPECT_THAT(match.robot.Texts(),
+              ::testing::ElementsAre("spear 1", "move 1.20 1.20 0", "spear 2", "spear 3", "spear 4",
+                                     "move 1.20 2.40 0", "suspension up 0 200", "move 2.40 2.40 0",
+                                     "arm 1", "arm 2", "move 2.40 2.40 0", "move 2.40 2.40 0",
+                                     "arm 5", "suspension direct 0 30"))
+      << "without the arm's 7, which it rejects";
+}
+TEST(AnOldPlan, DoesNotDriveOverAnEdge) {
+  Match match("segments.xml");
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.mission.OfferSegments(OldPlan(std::string(R"({"segment_type": "MOVE2", )") + kDrive + "}"),
+                              "p");
+  match.Run(20);
+  EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_THAT(match.mission.last_error(), HasSubstr("crosses (1, 1), which has 200 mm"));
+  EXPECT_TRUE(match.robot.goals.empty());
+}
+TEST(AnOldPlan, EndsWhereAPauseHaltsItsClimb) {
+  Match match("segments.xml");
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.robot.decide = [](const FakeGoal&) {
+    return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
+  };
+  match.mission.OfferSegments(
+      OldPlan(std::string(R"({"segment_type": "CLIMB", "climb_mode": "UP", )") + kDrive +
+              R"(, "climb_height": 200})"),
+      "p");
+  match.RunFor(0.3);
+  ASSERT_EQ(match.robot.Running(), 2U);
+  match.Pause();
+  EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_THAT(match.mission.last_error(),
+              StartsWith("segment 1 of 1, CLIMB 0: SuspensionControl was halted during a climb"));
+  EXPECT_TRUE(match.mission.SavedProgress().climbing);
+  const std::size_t goals = match.robot.goals.size();
+  match.RunFor(5);
+  EXPECT_EQ(match.robot.goals.size(), goals);
+}
+
 TEST(AMission, GoesOnBehindThePartsOfTheFinalAreaThatAreDone) {
   Match match(Match::Waiting{}, "full_match.xml", MatchOf("simulated_blue.json"));
   match.robot.fix = PoseFix{7.2, 2.4, 0, match.robot.Now()};
@@ -439,7 +583,8 @@ TEST(MeilinMission, MatchesWithRandomFaultsEndInANamedStateWithoutAGoal) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 random(seed);
     const Side side = seed % 2 == 0 ? Side::kBlue : Side::kRed;
-    Match match("full_match.xml", MatchOf("match_" + std::string(SideText(side)) + ".json"), side);
+    Match match("full_match.xml", MatchOf("simulated_" + std::string(SideText(side)) + ".json"),
+                side);
     MakeRealistic(match);
     match.robot.decide = [&random](const FakeGoal&) { return RandomOutcome(random); };
     ASSERT_TRUE(match.Offer(GoodPlan(side)));

@@ -31,6 +31,20 @@ TEST_F(MeilinNode, AlignAndMoveToPoseSendTheSameGoal) {
   EXPECT_THAT(match->robot.Texts(), ElementsAre("move 1.00 2.00 0", "move 1.00 2.00 0"));
   EXPECT_EQ(match->last, Status::kSuccess);
 }
+TEST_F(MeilinNode, AnAlignDoesNotDriveOverAnotherHeightUnlessAClimbRunsBesideIt) {
+  const auto drive = [this](const std::string& more, double x_m, double y_m) {
+    Make("<Align target_x=\"2.4\" target_y=\"2.4\" target_yaw=\"0\" " + more + "/>");
+    match->robot.fix = PoseFix{x_m, y_m, 0, match->robot.Now()};
+    match->Run(5);
+    return match->robot.goals.size();
+  };
+  EXPECT_EQ(drive("", 1.2, 2.4), 0U);
+  EXPECT_THAT(match->mission.last_error(),
+              ::testing::HasSubstr("crosses (1, 1), which has 200 mm"));
+  EXPECT_EQ(drive("", 0.2, 2.4), 0U) << "from outside of the field";
+  EXPECT_EQ(drive("level=\"false\"", 1.2, 2.4), 1U);
+  EXPECT_EQ(drive("", 2.3, 2.4), 1U);
+}
 TEST_F(MeilinNode, ArmActionThatDoesNotWaitLeavesItsGoal) {
   Make("<ArmAction command=\"2\" wait_result=\"false\"/>");
   EndAll({GoalState::kAccepted});
@@ -82,6 +96,21 @@ TEST_F(MeilinNode, WaitForR1SignalCountsAPartnerThatIsReadyWhileTheDockIsExtende
   match->Run(0.5);
   EXPECT_EQ(match->last, Status::kSuccess);
 }
+TEST_F(MeilinNode, APartnerThatStaysReadyIsReadyWhenTheDockIsTriedAgain) {
+  Make(
+      "<RetrySegment num_attempts=\"2\"><Sequence><SpearAction command=\"3\"/>"
+      "<WaitForR1Signal timeout_sec=\"1\"/><SpearAction command=\"4\"/></Sequence></RetrySegment>");
+  match->robot.r1_stays = true;
+  match->robot.decide = [this](const FakeGoal& goal) {
+    const bool first = match->robot.goals.size() < 2;
+    return goal.spear.command == 4 && first ? Outcome{GoalState::kFailed, "jammed"} : Outcome{};
+  };
+  match->Tick();
+  FakeRobot::Raise(match->robot.r1, true);  // the only message of it
+  match->Run(5);
+  EXPECT_EQ(match->last, Status::kSuccess) << match->mission.last_error();
+  EXPECT_THAT(match->robot.Texts(), ElementsAre("spear 3", "spear 4", "spear 3", "spear 4"));
+}
 TEST_F(MeilinNode, WaitForR1SignalHasALimit) {
   Play("<WaitForR1Signal timeout_sec=\"1\"/>");
   EXPECT_EQ(match->last, Status::kFailure);
@@ -123,6 +152,43 @@ TEST_F(MeilinNode, SwitchSegmentTypeTakesTheChildOfThatName) {
   EXPECT_THAT(ticked("c"), ElementsAre("spear 4"));
   Play("<SwitchSegmentType segment_type=\"c\"><SpearAction command=\"1\"/></SwitchSegmentType>");
   EXPECT_EQ(match->last, Status::kFailure);
+}
+TEST_F(MeilinNode, ATreeAsTheDocumentsDrawItRunsAPlanAndWarnsOfWhatIsMeantByName) {
+  Make(R"(<ForEachSegment><Sequence>
+    <PopNextMeilinSegment queue="{segment_queue}" segment_type="{segment_type}"
+        move_row="{move_row}" move_col="{move_col}" target_height_mm="{target_height_mm}"
+        kfs_row="{kfs_row}" kfs_col="{kfs_col}" height_diff="{height_diff}"
+        target_yaw="{target_yaw}"/>
+    <SwitchSegmentType>
+      <Move segment_type="move" move_row="{move_row}" move_col="{move_col}"
+            target_height_mm="{target_height_mm}" target_yaw="{target_yaw}"/>
+      <Fetch segment_type="fetch" kfs_row="{kfs_row}" kfs_col="{kfs_col}"
+             height_diff="{height_diff}" target_yaw="{target_yaw}"/>
+      <ForceSuccess segment_type="PLAN_DONE" />
+    </SwitchSegmentType></Sequence></ForEachSegment>)");
+  ASSERT_EQ(match->drawn.size(), 4U);
+  for (const Diagnostic& each : match->drawn) EXPECT_EQ(each.severity, Severity::kWarning);
+  EXPECT_THAT(FormatDiagnostic(match->drawn[0]),
+              ::testing::EndsWith(":7:13: warning: a child of <SwitchSegmentType> is chosen by its "
+                                  "name; segment_type=\"move\" is read as name=\"move\""));
+  ASSERT_TRUE(match->Offer({MoveStep(0, 1, 0), FetchStep(1, 1, 200)}));
+  match->Run(20);
+  EXPECT_EQ(match->last, Status::kSuccess) << match->mission.last_error();
+  EXPECT_EQ(match->mission.state(), "MISSION_SUCCESS");
+  EXPECT_EQ(match->robot.Texts().back(), "arm 1");
+}
+TEST_F(MeilinNode, ANameThatContradictsTheSegmentTypeOfAChildIsAnError) {
+  tree::Reading reading = tree::ReadTree(
+      R"(<root BTCPP_format="4"><BehaviorTree ID="Main"><SwitchSegmentType>
+           <Move name="fetch" segment_type="move"/><Move name="move" segment_type="move"/>
+         </SwitchSegmentType></BehaviorTree></root>)",
+      "t.xml");
+  ASSERT_TRUE(reading.ok());
+  const std::vector<Diagnostic> found = AcceptDrawnForm(reading.document);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].severity, Severity::kError);
+  EXPECT_THAT(found[0].message, ::testing::HasSubstr("segment_type=\"move\" contradicts it"));
+  EXPECT_EQ(found[1].severity, Severity::kWarning);
 }
 TEST_F(MeilinNode, ConditionsLookAtTexts) {
   const auto is = [this](const std::string& xml) { return Play(xml).last == Status::kSuccess; };

@@ -14,8 +14,8 @@ using testing::ConfigFile;
 
 TEST(TheCheckOfAMatch, TakesTreesMatchConfigsAndPlansInOneCommand) {
   const std::vector<std::string> files = {
-      ConfigFile("full_match.xml"), ConfigFile("meilin_stage.xml"), ConfigFile("match_red.json"),
-      ConfigFile("plan_blue.toml"), ConfigFile("boxes.toml")};
+      ConfigFile("full_match.xml"), ConfigFile("meilin_stage.xml"), ConfigFile("segments.xml"),
+      ConfigFile("match_red.json"), ConfigFile("plan_blue.toml"),   ConfigFile("boxes.toml")};
   std::vector<const char*> arguments = {"check"};
   for (const std::string& file : files) arguments.push_back(file.c_str());
   EXPECT_EQ(RunPlanTool(static_cast<int>(arguments.size()), arguments.data(), CheckTreeOrMatch), 0);

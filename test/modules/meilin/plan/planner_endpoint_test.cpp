@@ -226,6 +226,15 @@ TEST(PlannerConfig, HasItsDefaultsInTheShippedFile) {
   EXPECT_EQ(shipped.config->rules.costs.down_400_s, standard.rules.costs.down_400_s);
 }
 
+TEST(PlannerConfig, HasAnEntranceInRow0) {
+  EXPECT_EQ(ReadPlannerText("entrance = [0, 2]\n", "p.toml").config->rules.entrance, (Cell{0, 2}));
+  for (const char* text : {"entrance = [1, 0]", "entrance = [0, 3]", "entrance = [0]"}) {
+    const PlannerReading reading = ReadPlannerText(text, "p.toml");
+    ASSERT_EQ(reading.diagnostics.size(), 1U) << text;
+    EXPECT_THAT(reading.diagnostics[0].message, HasSubstr("a match enters in row 0")) << text;
+  }
+}
+
 TEST(PlannerConfig, NamesThePlaceOfAnError) {
   const PlannerReading reading = ReadPlannerText(
       "auto_sent_ms = 1\n[topics]\nmap = \"a b\"\n[costs]\nflat_s = -1\n", "p.toml");

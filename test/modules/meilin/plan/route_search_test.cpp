@@ -25,12 +25,12 @@ BoxMap Map(std::array<std::array<int, kCols>, kRows> boxes, Side side = Side::kB
 }
 
 // Whether a robot can do the plan and what it says is true of it.
-void ExpectSound(const BoxMap& map, const Route& route) {
+void ExpectSound(const BoxMap& map, const Route& route, Cell entrance) {
   PlanRules rules;
   rules.grid.side = map.side;
-  // From the middle no way to the first cell crosses another one, which the search does not check.
-  const PlanStart entrance{.cell = {0, 1}};
-  const PlanReading reading = ReadActionSequence(ToActionSequence(route.steps), rules, entrance);
+  rules.boxes = map;  // as the mission has it
+  const PlanReading reading =
+      ReadActionSequence(ToActionSequence(route.steps), rules, {.cell = entrance});
   RC_ASSERT(reading.message() == "");
   std::set<std::pair<int, int>> taken;
   int kfs1 = 0;
@@ -66,6 +66,7 @@ RC_GTEST_PROP(RouteSearch, FindsOnlyPlansThatTheRobotAccepts, ()) {
   }
   RouteRules rules;
   rules.most_visits = 200'000;
+  rules.entrance = {0, *rc::gen::inRange(0, kCols)};
   const RouteReport report = FindRoutes(map, rules);
   for (std::size_t count = 0; count < report.routes.size(); ++count) {
     const RouteBucket& bucket = report.routes.at(count);
@@ -76,7 +77,7 @@ RC_GTEST_PROP(RouteSearch, FindsOnlyPlansThatTheRobotAccepts, ()) {
       RC_ASSERT(route.kfs2_count == static_cast<int>(count));
       RC_ASSERT(route.cost_s >= last_s);
       last_s = route.cost_s;
-      ExpectSound(map, route);
+      ExpectSound(map, route, rules.entrance);
     }
   }
 }
@@ -92,6 +93,27 @@ TEST(RouteSearch, FindsEveryPathThroughAnEmptyField) {
   // Start, up 200, up 200, up 200, down 200 and down 400 in the middle.
   EXPECT_DOUBLE_EQ(best.cost_s, 1 + 2.5 + 2.5 + 2.5 + 3.5 + 5);
   EXPECT_EQ(best.steps.at(0).cell, (Cell{0, 1}));
+}
+
+TEST(RouteSearch, BeginsAtTheEntranceAndDrivesOverNoBoxOnTheWayToTheFirstCell) {
+  for (const Box box : {Box::kKfs1, Box::kFake, Box::kKfs2}) {
+    BoxMap map;
+    map.boxes[0][1] = box;
+    const auto first = [&map](int column) {
+      std::set<int> columns;
+      RouteRules rules;
+      rules.entrance = {0, column};
+      rules.most_routes = 1000;
+      const RouteReport report = FindRoutes(map, rules);
+      for (const RouteBucket& bucket : report.routes) {
+        for (const Route& route : bucket.routes) columns.insert(route.steps.front().cell.col);
+      }
+      return columns;
+    };
+    EXPECT_EQ(first(0), std::set<int>{0}) << "the box is on the way to column 2";
+    EXPECT_EQ(first(2), std::set<int>{2});
+    EXPECT_EQ(first(1), (std::set<int>{0, 2})) << "the robot is already there";
+  }
 }
 
 TEST(RouteSearch, AgreesWithTheMirroredField) {

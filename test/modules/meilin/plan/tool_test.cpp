@@ -87,6 +87,14 @@ TEST_F(PlanToolTest, PrintsThePlanOfAMapAsTableAndDrawing) {
   EXPECT_THAT(none.out, HasSubstr("\n0 KFS2, "));
 }
 
+TEST_F(PlanToolTest, PlansFromTheEntranceThatIsChosen) {
+  const std::string map = File("map.json", R"({"grid": [[0,1,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],
+      [0,0,0]], "team": "blue"})");
+  EXPECT_THAT(Run({"plan", map}).out, HasSubstr("   1  move (0, 0)"));
+  EXPECT_THAT(Run({"plan", map, "--entrance", "2"}).out, HasSubstr("   1  move (0, 2)"));
+  EXPECT_EQ(Run({"plan", map, "--entrance", "3"}).code, 2);
+}
+
 TEST_F(PlanToolTest, PrintsADrawnPlan) {
   const Ran ran = Run({"plan", plan_file_});
   EXPECT_EQ(ran.code, 0) << ran.err;
