@@ -60,11 +60,12 @@ Result<CellMap> BetweenGroundAndCeiling(const CellMap& map, double ceiling_m) {
 
 // What the scan has seen near the robot and the map does not have. For a flyer its columns: a
 // planar scan does not say how high a thing is.
-std::vector<Point> NewNearby(const Planner& planner, const PathRequest& request, bool flies) {
+std::vector<Point> NewNearby(const Planner& planner, const Pose& start,
+                             const std::vector<Point>& seen, bool flies) {
   const CellMap& map = planner.clearance().map();
   std::vector<Point> nearby;
-  for (const Point& point : request.seen) {
-    if (Distance(point, request.start.at) <= kSeenWithinM) nearby.push_back(point);
+  for (const Point& point : seen) {
+    if (Distance(point, start.at) <= kSeenWithinM) nearby.push_back(point);
   }
   nearby = NewPoints(nearby, planner.clearance(), 2 * map.resolution_m);
   if (!flies) return nearby;
@@ -143,6 +144,43 @@ std::optional<Plan> FindAround(const Planner& planner, const PathRequest& reques
   return found;
 }
 
+// The rims of the bodies of other robots, and their middles; in every layer of the map.
+std::vector<Point> BodiesOf(const std::vector<RobotIntent>& others, const CellMap& map) {
+  std::vector<Point> points;
+  for (const RobotIntent& other : others) {
+    const int around = std::max(8, static_cast<int>(2 * M_PI * other.radius_m / map.resolution_m));
+    for (int i = 0; i <= around; ++i) {
+      const double angle = 2 * M_PI * i / around, away_m = i == around ? 0 : other.radius_m;
+      Point at{other.at.x_m + away_m * std::cos(angle), other.at.y_m + away_m * std::sin(angle), 0};
+      for (int z = 0; z < map.size_z; ++z) {
+        at.z_m = map.CentreOf({0, 0, z}).z_m;
+        points.push_back(at);
+      }
+    }
+  }
+  return points;
+}
+
+// How far each cell is from the path of one robot.
+Clearance AwayFromPath(const RobotIntent& other, CellMap map) {
+  std::fill(map.blocked.begin(), map.blocked.end(), 0);
+  constexpr double kLongestM = 100;  // of the path; what is farther away does not matter yet
+  std::vector<Point> places = {other.at};
+  double left_m = kLongestM;
+  for (const Point& to : other.path) {
+    const Point from = places.back();
+    const double length_m = Distance(from, to);
+    if (length_m > left_m) break;
+    left_m -= length_m;
+    const int steps = static_cast<int>(length_m / map.resolution_m) + 1;
+    for (int i = 1; i <= steps; ++i) {
+      places.push_back(Between(from, to, static_cast<double>(i) / steps));
+    }
+  }
+  BlockPoints(places, map);
+  return Clearance(std::move(map));
+}
+
 Result<> CheckAltitude(const Pose& goal, const PlannerConfig& config) {
   if (goal.at.z_m > 0 && goal.at.z_m <= config.ceiling_m) return Ok();
   return MakeError(Fault::kGoalOutside,
@@ -203,6 +241,34 @@ Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& 
   return Planner::Make(std::move(between).value(), RulesOf(robot));
 }
 
+Result<Plan> FindRefuge(const Planner& planner, const RefugeRequest& request,
+                        const PlannerRobot& robot, const std::function<bool()>& stop) {
+  CellMap map = Around(planner.clearance().map(), {request.start}, kAroundRobotM);
+  const CellMap place = map;
+  BlockPoints(NewNearby(planner, request.start, request.seen, robot.flies), map);
+  BlockPoints(BodiesOf(request.others, map), map);
+  PlannerRules rules = RulesOf(robot);
+  rules.start_within_m += place.resolution_m;  // it stands before the other
+  const auto local = Planner::Make(std::move(map), rules, stop);
+  if (!local) return local.error();
+  struct Kept {
+    Clearance away;
+    double least_m = 0;
+  };
+  std::vector<Kept> kept;
+  for (const RobotIntent& other : request.others) {
+    if (other.path.empty()) continue;
+    const double rounding_m = place.resolution_m;
+    kept.push_back({AwayFromPath(other, place),
+                    KeptApart(robot.radius_m, other.radius_m, {}) + rounding_m});
+  }
+  const auto is_off = [&](std::size_t cell) {
+    return std::ranges::all_of(
+        kept, [&](const Kept& one) { return one.away.OfCell(cell) >= one.least_m; });
+  };
+  return local.value().FindNearest(request.start, is_off, stop);
+}
+
 PathReply FindPath(const Planner& planner, const PathRequest& request, const PlannerConfig& config,
                    const PlannerRobot& robot, const std::function<bool()>& stop) {
   if (robot.flies) {
@@ -221,7 +287,7 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
     const bool goal = !map.Has(map.CellOf(request.goal.at));
     return Refused(goal ? MakeError(Fault::kGoalOutside, plan.error().message) : plan.error());
   }
-  const std::vector<Point> seen = NewNearby(planner, request, robot.flies);
+  const std::vector<Point> seen = NewNearby(planner, request.start, request.seen, robot.flies);
   const double keep_m = robot.radius_m + robot.margin_m;
   if (IsClear(plan.value().path, seen, keep_m)) return {std::move(plan), PathCode::kNone, false};
   auto around = FindAround(planner, request, plan.value(), seen, robot, stop);

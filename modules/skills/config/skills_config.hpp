@@ -28,6 +28,8 @@ struct InterfaceNames {
   std::string controller;  // action nav2_msgs/FollowPath
   std::string hand;        // service musher_msgs/ManipulationControl
   std::string teleop;      // geometry_msgs/Twist of a person
+  std::string refuge;       // service musher_msgs/ComputeRefuge
+  std::string robot_paths;  // musher_msgs/RobotPath of all robots
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.
@@ -54,6 +56,7 @@ struct SkillsConfig {
   double radius_m = 0.25;
   std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
+  int priority = 0;  // where two robots meet; the higher one goes first
   InterfaceNames names;
   navigation::GateRules gate;  // with its scanners
   LineView line;

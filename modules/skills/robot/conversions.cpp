@@ -78,6 +78,36 @@ msg::Path ToMessage(const navigation::Path& path, const msg::Stamp& stamp) {
   return message;
 }
 
+std::optional<navigation::RobotIntent> ToIntent(const msg::RobotPath& path) {
+  const auto pose = ToPose(path.pose);
+  const std::string& frame = path.header.frame_id;
+  if (!pose || (!frame.empty() && frame != kMapFrame)) return std::nullopt;
+  navigation::RobotIntent intent;
+  intent.robot = path.robot;
+  intent.priority = path.priority;
+  intent.radius_m = path.radius_m;
+  intent.flies = path.flies;
+  intent.cornered = path.cornered;
+  intent.at = pose->at;
+  for (const msg::Point& at : path.path) intent.path.push_back({at.x, at.y, at.z});
+  return intent;
+}
+
+msg::RobotPath ToMessage(const navigation::RobotIntent& intent, const msg::Stamp& stamp) {
+  msg::RobotPath message;
+  message.header = {stamp, kMapFrame};
+  message.robot = intent.robot;
+  message.priority = intent.priority;
+  message.flies = intent.flies;
+  message.cornered = intent.cornered;
+  message.radius_m = static_cast<float>(intent.radius_m);
+  message.pose = ToMessage(navigation::Pose{intent.at, 0}, stamp).pose;
+  for (const navigation::Point& at : intent.path) {
+    message.path.push_back({at.x_m, at.y_m, at.z_m});
+  }
+  return message;
+}
+
 navigation::Velocity ToMapFrame(const msg::Twist& twist, double yaw_rad) {
   const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
   const double x = FiniteOr0(twist.linear.x), y = FiniteOr0(twist.linear.y);

@@ -30,6 +30,10 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
       std::make_unique<Navigator>(endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
                                   endpoints.OpenActionClient<msg::FollowPath>(names.controller),
                                   [this] { return clock.Stamp(); });
+  traffic = std::make_unique<Traffic>(
+      config, "/" + transport::ResolveName(name_space, config.robot),
+      Traffic::Body{[this] { return PoseNow(); }, [this] { return navigator->Drives(); }},
+      endpoints);
   std::map<std::string, std::string> topics;
   for (const auto& [camera, topic] : config.cameras) {
     topics[camera] = transport::ResolveName(name_space, topic);
@@ -38,16 +42,17 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   photos = std::make_unique<PhotoFolder>(config.photo_folder, node.loop());
   if (!config.detectors.empty()) {
     detectors = std::make_unique<DetectorFeeds>(node, clock, name_space, config.detectors,
-                                                [this]() -> std::optional<navigation::Pose> {
-                                                  const Motion* now = motion.At(Now());
-                                                  if (now == nullptr) return std::nullopt;
-                                                  return now->pose;
-                                                });
+                                                [this] { return PoseNow(); });
   }
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   Subscribe(endpoints);
   SubscribeScans(endpoints);
   if (config.flies) holds_ = clock.Every(kHoldPeriod, [this] { HoldPlace(); });
+}
+
+std::optional<navigation::Pose> RosRobot::Wire::PoseNow() const {
+  const Motion* now = motion.At(Now());
+  return now == nullptr ? std::nullopt : std::optional(now->pose);
 }
 
 void RosRobot::Wire::SubscribeScans(transport::Endpoints& endpoints) {

@@ -16,6 +16,7 @@
 #include "musher/modules/skills/robot/photo_folder.hpp"
 #include "musher/modules/skills/robot/recent_value.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
+#include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
 
 namespace musher::skills {
@@ -55,6 +56,8 @@ struct RosRobot::Wire {
   // Of each scanner; false without one.
   bool HasScan() const;
   Time Now() const { return clock.Now(); }
+  // Nullopt: no recent odometry.
+  std::optional<navigation::Pose> PoseNow() const;
 
   struct Motion {
     navigation::Pose pose;
@@ -82,6 +85,7 @@ struct RosRobot::Wire {
   FlightHold hold;
   Time active_at{};  // of the last step of the skills
   std::unique_ptr<Navigator> navigator;
+  std::unique_ptr<Traffic> traffic;
   std::unique_ptr<CameraFeeds> cameras;
   std::unique_ptr<PhotoFolder> photos;
   std::unique_ptr<DetectorFeeds> detectors;  // null: the config names none

@@ -170,6 +170,61 @@ TEST(PlannerWork, PlansByTheMapWhereNothingLeadsAroundWhatIsSeen) {
   EXPECT_FALSE(reply.around_seen);
 }
 
+class Refuge : public ::testing::Test {
+ protected:
+  static constexpr double kBayM = 5;
+
+  Result<Plan> Find(const Pose& start, const std::vector<RobotIntent>& others,
+                    const std::vector<Point>& seen = {}) {
+    return FindRefuge(planner_.value(), {start, seen, others}, Ground(), {});
+  }
+  // That drives through the corridor from its other end.
+  static RobotIntent Other(double x_m) {
+    return {.robot = "/b", .at = {x_m, 1.4, 0}, .path = {{2, 1.4, 0}, {1, 1.4, 0}}};
+  }
+
+  const Result<Planner> planner_ =
+      MakePlanner(testing::GridOf(testing::CorridorWithABay(kBayM)), {}, Ground());
+};
+
+TEST_F(Refuge, IsTheLastWidePlaceBehindTheRobot) {
+  const auto plan = Find({{7, 1.4, 0}, 0}, {Other(9)});
+  ASSERT_TRUE(plan) << plan.error().message;
+  const Pose& place = plan.value().path.back();
+  EXPECT_NEAR(place.at.x_m, kBayM, 0.3);
+  EXPECT_GT(place.at.y_m, 1.4 + 0.55);
+  EXPECT_LT(plan.value().length_m, 4);
+}
+
+TEST_F(Refuge, IsNotBeyondTheBodyOfTheOtherRobot) {
+  RobotIntent other = Other(4.5);
+  other.path = {{9, 1.4, 0}, {13, 1.4, 0}};
+  const auto plan = Find({{6.2, 1.4, 0}, M_PI}, {other});
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_GT(plan.value().path.back().at.x_m, 11.9) << "the room behind it";
+}
+
+TEST_F(Refuge, IsWhereTheRobotStandsIfItIsInNobodysWay) {
+  const auto plan = Find({{kBayM, 2.4, 0}, 0}, {Other(9)});
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_LT(plan.value().length_m, 0.2);
+}
+
+TEST_F(Refuge, IsNoneInADeadEnd) {
+  // The end of the corridor behind it is closed by what the scan sees.
+  std::vector<Point> seen;
+  for (int i = 0; i <= 20; ++i) seen.push_back({6, 0.9 + 0.05 * i, 0});
+  const auto plan = Find({{7, 1.4, 0}, 0}, {Other(9)}, seen);
+  ASSERT_FALSE(plan);
+  EXPECT_TRUE(Is(plan.error(), Fault::kWalledIn)) << plan.error().message;
+}
+
+TEST_F(Refuge, IsFoundAlsoForAPathThatEndsFarAway) {
+  RobotIntent other = Other(9);
+  other.path.push_back({1e12, 1e12, 0});
+  EXPECT_TRUE(Find({{7, 1.4, 0}, 0}, {other}));
+}
+
 TEST(PlannerWork, FliesOverAWall) {
   const auto planner = MakePlanner(CloudOf(WallOfOneMetre()), {}, Flyer());
   ASSERT_TRUE(planner) << planner.error().message;
