@@ -21,7 +21,8 @@ Result<> Verdict(const RosRobot::Missing& missing) {
 
 SkillsActuator::SkillsActuator(const std::string& actuator_name, RosRobot& robot,
                                std::vector<skill::Entry> entries)
-    : SkillActuator(actuator_name, {.action = robot.config().robot + "/skill_execution"}),
+    : SkillActuator(actuator_name, {.action = robot.config().robot + "/skill_execution",
+                                    .robot = robot.config().robot}),
       robot_(robot),
       entries_(std::move(entries)) {}
 

@@ -79,7 +79,7 @@ TEST_F(Rooms, LetAPlainClientNavigateARobot) {
   const std::string cancelled = Navigate("[4, 1.2]", {"cancel"});
   EXPECT_THAT(cancelled, HasSubstr("cancel: code 0\n"));
   EXPECT_THAT(cancelled,
-              HasSubstr("result of status 5: false cancelled: Cancelled: by its client"));
+              HasSubstr("result of status 5: false cancelled: by its client"));
 }
 
 TEST_F(Rooms, LetARobotGoFromWayPointToWayPoint) {
