@@ -95,7 +95,10 @@ class Reader {
                      prefix + "manipulation_control",
                      "",
                      prefix + "compute_refuge",
-                     "/robot_paths"};
+                     "/robot_paths",
+                     prefix + "navigate_to_pose",
+                     prefix + "navigate_through_poses",
+                     prefix + "follow_waypoints"};
   }
 
   void ReadTopics(TableReader& reader) {
@@ -111,6 +114,9 @@ class Reader {
     Topic(reader, "teleop", names.teleop, true);
     Topic(reader, "refuge", names.refuge, false);
     Topic(reader, "robot_paths", names.robot_paths, true);
+    Topic(reader, "navigate_to_pose", names.navigate_to_pose, true);
+    Topic(reader, "navigate_through_poses", names.navigate_through_poses, true);
+    Topic(reader, "follow_waypoints", names.follow_waypoints, true);
   }
 
   static void Topic(TableReader& reader, std::string_view key, std::string& name, bool optional) {

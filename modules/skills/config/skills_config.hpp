@@ -30,6 +30,10 @@ struct InterfaceNames {
   std::string teleop;      // geometry_msgs/Twist of a person
   std::string refuge;       // service musher_msgs/ComputeRefuge
   std::string robot_paths;  // musher_msgs/RobotPath of all robots
+  // Actions of nav2 that it serves.
+  std::string navigate_to_pose;
+  std::string navigate_through_poses;
+  std::string follow_waypoints;
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.
