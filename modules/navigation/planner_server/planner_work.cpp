@@ -18,6 +18,7 @@ constexpr double kSeenWithinM = 8;            // points farther from the robot d
 constexpr std::size_t kMostCopied = 4 << 20;  // cells of a map that is copied for a request
 constexpr double kAroundPathM = 10;           // the part of a larger map that is copied
 constexpr double kAroundRobotM = 25;          // if that is too large as well
+constexpr double kLocalM = 5;                 // first the part so near to the robot
 
 PlannerRules RulesOf(const PlannerRobot& robot) {
   PlannerRules rules;
@@ -126,11 +127,22 @@ Part PartOf(const CellMap& map, const Path& path, const Pose& start) {
   return {Around(map, {start}, kAroundRobotM), path[last], last + 1};
 }
 
-// A path around what is seen; nothing where there is none.
-std::optional<Plan> FindAround(const Planner& planner, const PathRequest& request, const Plan& plan,
-                               const std::vector<Point>& seen, const PlannerRobot& robot,
-                               const std::function<bool()>& stop) {
-  Part part = PartOf(planner.clearance().map(), plan.path, request.start);
+// What is around the robot, if the path has left all that is seen within it.
+std::optional<Part> LocalPartOf(const CellMap& map, const Path& path, const Pose& start,
+                                const std::vector<Point>& seen, double keep_m) {
+  std::size_t last = 0;  // pose that is well inside of the part
+  while (last + 1 < path.size() &&
+         Distance(path[last + 1].at, start.at) < kLocalM - 2 * keep_m) {
+    ++last;
+  }
+  const Path rest(path.begin() + static_cast<std::ptrdiff_t>(last), path.end());
+  if (last == 0 || !IsClear(rest, seen, keep_m)) return std::nullopt;
+  return Part{Around(map, {start}, kLocalM), path[last], last + 1};
+}
+
+std::optional<Plan> FindAroundIn(Part part, const PathRequest& request, const Plan& plan,
+                                 const std::vector<Point>& seen, const PlannerRobot& robot,
+                                 const std::function<bool()>& stop) {
   BlockPoints(seen, part.map);
   const auto blocked = Planner::Make(std::move(part.map), RulesOf(robot), stop);
   if (!blocked) return std::nullopt;
@@ -179,6 +191,21 @@ Clearance AwayFromPath(const RobotIntent& other, CellMap map) {
   }
   BlockPoints(places, map);
   return Clearance(std::move(map));
+}
+
+// A path around what is seen, near the robot if there is one there that is not much longer;
+// nothing where there is none.
+std::optional<Plan> FindAround(const Planner& planner, const PathRequest& request, const Plan& plan,
+                               const std::vector<Point>& seen, const PlannerRobot& robot,
+                               const std::function<bool()>& stop) {
+  constexpr double kMuchLonger = 1.5;
+  const CellMap& map = planner.clearance().map();
+  const double keep_m = robot.radius_m + robot.margin_m;
+  if (auto local = LocalPartOf(map, plan.path, request.start, seen, keep_m)) {
+    auto around = FindAroundIn(std::move(*local), request, plan, seen, robot, stop);
+    if (around && around->length_m < kMuchLonger * plan.length_m + kLocalM) return around;
+  }
+  return FindAroundIn(PartOf(map, plan.path, request.start), request, plan, seen, robot, stop);
 }
 
 Result<> CheckAltitude(const Pose& goal, const PlannerConfig& config) {

@@ -255,23 +255,27 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
 Error ControllerError(std::uint16_t error_code, const std::string& words) {
   using Code = msg::FollowPath;
   using navigation::Fault;
-  using navigation::MakeError;
+  // The controller knows more than its code says.
+  const auto fault_of = [&words](Fault fault, const char* text) {
+    constexpr std::size_t kLongest = 200;
+    return navigation::MakeError(fault, words.empty() ? text : words.substr(0, kLongest));
+  };
   const auto failed = [](const char* why) { return Error{kCodeFailed, why}; };
   switch (error_code) {
     case Code::kInvalidController:
       return failed("the controller has no such controller_id");
     case Code::kTfError:
-      return MakeError(Fault::kOdometry,
+      return fault_of(Fault::kOdometry,
                        "its odometry is lost, has jumped, or is in another frame than the path");
     case Code::kInvalidPath:
       return failed("the controller refuses the path");
     case Code::kPatienceExceeded:
-      return MakeError(Fault::kObstacle, "an obstacle stays in the way");
+      return fault_of(Fault::kObstacle, "an obstacle stays in the way");
     case Code::kFailedToMakeProgress:
-      return MakeError(Fault::kLate,
+      return fault_of(Fault::kLate,
                        "the robot did not arrive in time, or did not move as it was commanded");
     case Code::kNoValidControl:
-      return MakeError(Fault::kScan, "its scan is lost");
+      return fault_of(Fault::kScan, "its scan is lost");
     case Code::kControllerTimedOut:
       return failed("the controller has not answered its server in time");
     default:

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/action_msgs/goal_status.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
@@ -93,11 +94,16 @@ struct RosRobot::Wire {
  private:
   void Subscribe(transport::Endpoints& endpoints);
   void SubscribeScans(transport::Endpoints& endpoints);
+  void SubscribeDrives(transport::Endpoints& endpoints);
+  // Whether the controller drives, for a skill or for another client.
+  bool Drives() const;
   void OnTeleop(const msg::Twist& twist);
   void HoldPlace();
 
   bool holding_ = false;  // the last command is that of `hold`
   Duration odometry_stamp_{};
+  bool controller_drives_ = false;                      // by the last status of its goals
+  transport::Subscription* drives_status_ = nullptr;
   transport::LoopHandlePtr holds_;  // last: it uses the rest
 };
 
