@@ -195,8 +195,8 @@ class SkillActuator::Impl {
     const std::string& asked = goal.goal().skill_request.robot_id;
     const std::string& own = options_.robot;
     if (own.empty() || asked.empty() || asked == own || asked == owner_.name()) return Ok();
-    return Error{kCodeParametersInvalid, "the skill is for the robot '" + asked.substr(0, 80) +
-                                             "', and this is " + own};
+    return Error{kCodeParametersInvalid,
+                 "the skill is for the robot '" + asked.substr(0, 80) + "', and this is " + own};
   }
 
   void Cancel(const Goal& goal) {

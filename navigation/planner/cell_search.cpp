@@ -156,10 +156,11 @@ std::optional<CellSearch::Path> CellSearch::Search(const Cell& from, const Cell&
       [&to](const Cell& cell) { return LeastLength(cell, to); }, stop);
 }
 
-std::optional<CellSearch::Path> CellSearch::Nearest(
-    const Cell& from, const std::function<bool(std::size_t)>& wanted,
-    const std::function<bool()>& stop) const {
-  return Expand(from, wanted, [](const Cell& /*cell*/) { return 0.0F; }, stop);
+std::optional<CellSearch::Path> CellSearch::Nearest(const Cell& from,
+                                                    const std::function<bool(std::size_t)>& wanted,
+                                                    const std::function<bool()>& stop) const {
+  return Expand(
+      from, wanted, [](const Cell& /*cell*/) { return 0.0F; }, stop);
 }
 
 template <class IsEnd, class Rest>

@@ -86,14 +86,15 @@ Result<> Planner::CheckEnd(const std::string& name, const Pose& pose, double rad
   }
   const std::string place = PlaceText(pose.at, map.flat());
   if (!map.Has(map.CellOf(pose.at))) {
-    return MakeError(Fault::kOutside, fmt::format("{} {} is outside the map ({})", name, place,
-                                                  map.ExtentText()));
+    return MakeError(Fault::kOutside,
+                     fmt::format("{} {} is outside the map ({})", name, place, map.ExtentText()));
   }
   if (clearance_->Fits(pose.at, radius_m)) return Ok();
   const double room_m = clearance_->At(pose.at, radius_m);
   if (room_m == 0) return MakeError(blocked, fmt::format("{} {} is in an obstacle", name, place));
-  return MakeError(blocked, fmt::format("{} {} is {:.2f} m from an obstacle, the body needs {:.2f} m",
-                                        name, place, room_m, radius_m));
+  return MakeError(blocked,
+                   fmt::format("{} {} is {:.2f} m from an obstacle, the body needs {:.2f} m", name,
+                               place, room_m, radius_m));
 }
 
 Result<> Planner::CheckStart(const Pose& start) const {

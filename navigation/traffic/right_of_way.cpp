@@ -8,9 +8,9 @@ namespace musher::navigation {
 namespace {
 
 constexpr double kSampleM = 0.2;
-constexpr double kOpposite = -0.3;       // the cosine of two directions: more than 107 degrees
-constexpr double kThroughBodyM = 2;      // so far ahead a path through a body counts
-constexpr double kSearchedAheadM = 3;    // of a path, for the place of its robot
+constexpr double kOpposite = -0.3;     // the cosine of two directions: more than 107 degrees
+constexpr double kThroughBodyM = 2;    // so far ahead a path through a body counts
+constexpr double kSearchedAheadM = 3;  // of a path, for the place of its robot
 constexpr double kSameM = 1e-3;
 
 // A place of a path, with the direction in which the robot comes to it and how far it is.
@@ -38,8 +38,7 @@ std::vector<Sample> SamplesOf(const RobotIntent& robot, double most_m) {
     const double x = (to.x_m - from.x_m) / length_m, y = (to.y_m - from.y_m) / length_m;
     for (double along_m = 0; along_m < length_m; along_m += kSampleM) {
       if (ahead_m + along_m > most_m) return samples;
-      samples.push_back({Between(from, to, along_m / length_m), x, y,
-                         ahead_m + along_m});
+      samples.push_back({Between(from, to, along_m / length_m), x, y, ahead_m + along_m});
     }
     ahead_m += length_m;
     from = to;
@@ -82,8 +81,8 @@ std::optional<Point> MeetingOf(const RobotIntent& own, const RobotIntent& other,
       if (opposite && Apart(mine.at, its.at, flat) < keep_m) return mine.at;
     }
   }
-  const bool through = LeadsThrough(ours, other.at, keep_m, flat) &&
-                       LeadsThrough(theirs, own.at, keep_m, flat);
+  const bool through =
+      LeadsThrough(ours, other.at, keep_m, flat) && LeadsThrough(theirs, own.at, keep_m, flat);
   if (through) return Between(own.at, other.at, 0.5);
   return std::nullopt;
 }

@@ -48,8 +48,8 @@ CellMap Carved(double size_x_m, double size_y_m, double resolution_m,
   for (std::size_t i = 0; i < map.blocked.size(); ++i) {
     const Point at = map.CentreOf(map.CellAt(i));
     for (const Rectangle& part : free) {
-      const bool inside = at.x_m > part.x_m && at.x_m < part.to_x_m && at.y_m > part.y_m &&
-                          at.y_m < part.to_y_m;
+      const bool inside =
+          at.x_m > part.x_m && at.x_m < part.to_x_m && at.y_m > part.y_m && at.y_m < part.to_y_m;
       if (inside) map.blocked[i] = 0;
     }
   }

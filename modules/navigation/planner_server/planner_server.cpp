@@ -210,10 +210,9 @@ Result<> PlannerServer::CheckPlace(const Robot& robot) const {
   if (robot.motion && IsFresh(robot.motion_at)) return Ok();
   return MakeError(
       Fault::kOdometry,
-      fmt::format("the place of the robot is not known: no odometry on {} {}",
-                  robot.config->odometry,
-                  robot.motion ? fmt::format("for {:.1f} s", ToSeconds(Now() - robot.motion_at))
-                               : "yet"));
+      fmt::format(
+          "the place of the robot is not known: no odometry on {} {}", robot.config->odometry,
+          robot.motion ? fmt::format("for {:.1f} s", ToSeconds(Now() - robot.motion_at)) : "yet"));
 }
 
 Result<> PlannerServer::CheckMap(const Robot& robot) const {

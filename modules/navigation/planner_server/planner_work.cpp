@@ -131,8 +131,7 @@ Part PartOf(const CellMap& map, const Path& path, const Pose& start) {
 std::optional<Part> LocalPartOf(const CellMap& map, const Path& path, const Pose& start,
                                 const std::vector<Point>& seen, double keep_m) {
   std::size_t last = 0;  // pose that is well inside of the part
-  while (last + 1 < path.size() &&
-         Distance(path[last + 1].at, start.at) < kLocalM - 2 * keep_m) {
+  while (last + 1 < path.size() && Distance(path[last + 1].at, start.at) < kLocalM - 2 * keep_m) {
     ++last;
   }
   const Path rest(path.begin() + static_cast<std::ptrdiff_t>(last), path.end());
@@ -286,8 +285,8 @@ Result<Plan> FindRefuge(const Planner& planner, const RefugeRequest& request,
   for (const RobotIntent& other : request.others) {
     if (other.path.empty()) continue;
     const double rounding_m = place.resolution_m;
-    kept.push_back({AwayFromPath(other, place),
-                    KeptApart(robot.radius_m, other.radius_m, {}) + rounding_m});
+    kept.push_back(
+        {AwayFromPath(other, place), KeptApart(robot.radius_m, other.radius_m, {}) + rounding_m});
   }
   const auto is_off = [&](std::size_t cell) {
     return std::ranges::all_of(

@@ -51,10 +51,10 @@ Result<navigation::Pose> PlaceOf(const msg::PoseStamped& stamped) {
 
 Result<std::vector<navigation::Pose>> CheckedPlaces(const Places& places) {
   if (places.first >= places.poses.size()) {
-    return Error{kCodeParametersInvalid,
-                 places.poses.empty() ? "the goal has no poses"
-                                      : fmt::format("goal_index is {}, of {}", places.first,
-                                                    Counted(places.poses.size(), "pose"))};
+    return Error{kCodeParametersInvalid, places.poses.empty()
+                                             ? "the goal has no poses"
+                                             : fmt::format("goal_index is {}, of {}", places.first,
+                                                           Counted(places.poses.size(), "pose"))};
   }
   std::vector<navigation::Pose> checked;
   for (const msg::PoseStamped& stamped : places.poses) {

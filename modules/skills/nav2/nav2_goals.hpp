@@ -5,8 +5,8 @@
 //
 //   a newer goal of any of the three replaces the present one, which is aborted
 //   a goal while the base is used by another skill, or while no skills run, is aborted at once
-//   NavigateThroughPoses ends at the first pose that it does not reach; FollowWaypoints goes on, and
-//   its result lists what it has missed: then it is aborted
+//   NavigateThroughPoses ends at the first pose that it does not reach; FollowWaypoints goes on,
+//   and its result lists what it has missed: then it is aborted
 //
 // Threads: the loop's.
 

@@ -266,14 +266,14 @@ Error ControllerError(std::uint16_t error_code, const std::string& words) {
       return failed("the controller has no such controller_id");
     case Code::kTfError:
       return fault_of(Fault::kOdometry,
-                       "its odometry is lost, has jumped, or is in another frame than the path");
+                      "its odometry is lost, has jumped, or is in another frame than the path");
     case Code::kInvalidPath:
       return failed("the controller refuses the path");
     case Code::kPatienceExceeded:
       return fault_of(Fault::kObstacle, "an obstacle stays in the way");
     case Code::kFailedToMakeProgress:
       return fault_of(Fault::kLate,
-                       "the robot did not arrive in time, or did not move as it was commanded");
+                      "the robot did not arrive in time, or did not move as it was commanded");
     case Code::kNoValidControl:
       return fault_of(Fault::kScan, "its scan is lost");
     case Code::kControllerTimedOut:

@@ -1,7 +1,5 @@
 #include "musher/modules/skills/robot/flight_hold.hpp"
 
-#include <algorithm>
-
 namespace musher::skills {
 namespace {
 

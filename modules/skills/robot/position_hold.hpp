@@ -20,7 +20,8 @@ class PositionHold {
   static constexpr double kSpeedMps = 0.5;
   static constexpr double kYawRateRadS = 0.5;
 
-  // The seconds of a step, for a controller: a jump of the clock and the end of a pause are no wind.
+  // The seconds of a step, for a controller: a jump of the clock and the end of a pause are no
+  // wind.
   static double SecondsOf(Duration step) { return std::min(ToSeconds(step), 0.2); }
 
   // The command towards `place`, `step_s` after the last one.

@@ -102,7 +102,7 @@ struct RosRobot::Wire {
 
   bool holding_ = false;  // the last command is that of `hold`
   Duration odometry_stamp_{};
-  bool controller_drives_ = false;                      // by the last status of its goals
+  bool controller_drives_ = false;  // by the last status of its goals
   transport::Subscription* drives_status_ = nullptr;
   transport::LoopHandlePtr holds_;  // last: it uses the rest
 };

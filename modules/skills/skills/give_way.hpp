@@ -9,8 +9,8 @@
 //                       ▼
 //                   cornered: it says so, and the others give way to it
 //
-// In each phase it ends once no robot that goes first is on its way any more. Polled in the steps of
-// a skill. Frames and units of robot.hpp.
+// In each phase it ends once no robot that goes first is on its way any more. Polled in the steps
+// of a skill. Frames and units of robot.hpp.
 
 #include <cstdint>
 #include <string>

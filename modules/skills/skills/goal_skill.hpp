@@ -8,7 +8,8 @@
 //   RECOVERING    the robot has no room where it stands: one recovery of the parameter `recoveries`
 //                 after the other, and another plan after each; once all are used up, it fails
 //   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
-//   GIVING_WAY    another robot comes the other way and goes first (give_way.hpp): then PLANNING, not
+//   GIVING_WAY    another robot comes the other way and goes first (give_way.hpp): then PLANNING,
+//   not
 //                 counted; 120 s
 //   STOPPING      of a cancellation: until the robot stands
 //
@@ -33,7 +34,8 @@ inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
 
 class GoalSkill : public TravelSkill {
  public:
-  explicit GoalSkill(Robot& robot) : TravelSkill(robot), recovery_(robot), give_way_(robot, travel_) {}
+  explicit GoalSkill(Robot& robot)
+      : TravelSkill(robot), recovery_(robot), give_way_(robot, travel_) {}
 
   void Declare(skill::Table& table) final;
   skill::Next Step(skill::Tick& tick) final;

@@ -46,7 +46,7 @@ class MovingRobot : public Robot {
   std::function<std::optional<Line>(const navigation::Pose&)> see_line =
       [](const navigation::Pose&) { return std::optional<Line>(); };
   std::map<std::string, std::function<std::optional<navigation::Pose>(Time)>> targets;
-  double target_hz = 10;  // of their poses
+  double target_hz = 10;                       // of their poses
   std::vector<navigation::RobotIntent> known;  // other robots
   std::function<Result<navigation::Path>()> refuge;
 

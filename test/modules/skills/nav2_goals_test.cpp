@@ -13,10 +13,10 @@
 
 namespace musher::skills::nav2_goals_test {
 
-using testing::MovingRobot;
-using transport::GoalEnd;
 using ::testing::HasSubstr;
+using testing::MovingRobot;
 using ::testing::SizeIs;
+using transport::GoalEnd;
 
 template <class Action>
 struct Sent {

@@ -193,7 +193,8 @@ TEST(APlanCheck, RefusesTwoRobotsInOnePlaceWithBothNames) {
             "first");
   EXPECT_EQ(check({Drives({{"a", "[2, 3]"}}), Drives({{"a", "[5, 3]"}, {"b", "[2, 3]"}})}), "ok")
       << "it leaves the place";
-  EXPECT_EQ(check({Drives({{"a", "[2, 3, 0]"}, {"b", "[2, 3, 1.5]"}})}), "ok") << "a flyer above it";
+  EXPECT_EQ(check({Drives({{"a", "[2, 3, 0]"}, {"b", "[2, 3, 1.5]"}})}), "ok")
+      << "a flyer above it";
   EXPECT_EQ(check({Drives({{"a", "[2, 3]"}, {"b", "nowhere"}, {"c", "[nan, 3]"}})}), "ok")
       << "their skills refuse it";
 }

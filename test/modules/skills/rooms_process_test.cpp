@@ -78,8 +78,7 @@ TEST_F(Rooms, LetAPlainClientNavigateARobot) {
                         "for the robot: the goal (11.00, 8.00) or the start is walled in"));
   const std::string cancelled = Navigate("[4, 1.2]", {"cancel"});
   EXPECT_THAT(cancelled, HasSubstr("cancel: code 0\n"));
-  EXPECT_THAT(cancelled,
-              HasSubstr("result of status 5: false cancelled: by its client"));
+  EXPECT_THAT(cancelled, HasSubstr("result of status 5: false cancelled: by its client"));
 }
 
 TEST_F(Rooms, LetARobotGoFromWayPointToWayPoint) {

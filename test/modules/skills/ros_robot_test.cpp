@@ -179,7 +179,8 @@ TEST_F(ARosFlyer, IsNotHeldAgainstADriveOfAnotherClient) {
   Fly(1);
   robot_.StopMotion();
   Fly(2);
-  const auto client = Must(transport::MakeActionClient<msg::FollowPath>(*world_, "dog/r/follow_path"));
+  const auto client =
+      Must(transport::MakeActionClient<msg::FollowPath>(*world_, "dog/r/follow_path"));
   Run(500);
   client->SendGoal({}, Milliseconds(1000), {});
   Run(300);

@@ -1,6 +1,6 @@
-// Two robots that have to pass each other in a corridor of the width of one: planner, controller and
-// skills of both, on a simulated network, with bodies that see each other. Both arrive, and they
-// touch neither each other nor a wall.
+// Two robots that have to pass each other in a corridor of the width of one: planner, controller
+// and skills of both, on a simulated network, with bodies that see each other. Both arrive, and
+// they touch neither each other nor a wall.
 
 #include <gmock/gmock.h>
 
@@ -60,9 +60,9 @@ class Skills {
  private:
   static skills::SkillsConfig ConfigOf(const std::string& name, int priority, bool takes_part) {
     const auto reading = skills::ReadSkillsText(
-        "robot = \"" + name + "\"\nkind = \"jetbot\"\nradius_m = 0.2\npriority = " +
-            std::to_string(priority) + "\n[topics]\nobjects = \"\"\n" +
-            (takes_part ? "" : "robot_paths = \"\"\n"),
+        "robot = \"" + name +
+            "\"\nkind = \"jetbot\"\nradius_m = 0.2\npriority = " + std::to_string(priority) +
+            "\n[topics]\nobjects = \"\"\n" + (takes_part ? "" : "robot_paths = \"\"\n"),
         "/tmp/robot.toml");
     return *reading.config;
   }
@@ -94,8 +94,8 @@ class TwoRobots {
       least_gap_m_ = std::min(least_gap_m_, apart_m - 2 * kRadiusM);
     });
     StartServers();
-    map_ = Must(
-        transport::MakePublisher<msg::OccupancyGrid>(*peers_, "map", transport::kLatchedQos));
+    map_ =
+        Must(transport::MakePublisher<msg::OccupancyGrid>(*peers_, "map", transport::kLatchedQos));
     EXPECT_TRUE(map_->Publish(navigation::testing::GridOf(walls_.map())));
     a_ = std::make_unique<Skills>(*node_a_, "a", scene.priority_a, scene.takes_part);
     b_ = std::make_unique<Skills>(*node_b_, "b", scene.priority_b, scene.takes_part);
