@@ -58,9 +58,9 @@ CellMap Carved(double size_x_m, double size_y_m, double resolution_m,
 
 CellMap CorridorWithABay(double bay_m) {
   return Carved(14, 3, 0.05,
-                {{0.2, 0.6, 2, 2.2},
-                 {2, 1, 12, 1.8},
-                 {12, 0.6, 13.8, 2.2},
+                {{0.2, 0.2, 2.7, 2.8},
+                 {2.7, 1, 11.3, 1.8},
+                 {11.3, 0.2, 13.8, 2.8},
                  {bay_m - 0.5, 1.8, bay_m + 0.5, 2.8}});
 }
 
