@@ -26,8 +26,8 @@ struct Rectangle {
 CellMap Carved(double size_x_m, double size_y_m, double resolution_m,
                const std::vector<Rectangle>& free);
 
-// A corridor of 0.8 m along x, around y = 1.4, 10 m long, with a room of 1.6 m at each end and a
-// bay of 1 m at `bay_m` to its left.
+// A corridor of 0.8 m along x, around y = 1.4, from x = 2.7 to 11.3, with a room of 2.5 m at each
+// end and a bay of 1 m at `bay_m` to its left.
 CellMap CorridorWithABay(double bay_m);
 
 // A place where a body of this radius fits.

@@ -209,7 +209,7 @@ void ExpectRandomMeetings(std::uint64_t from, std::uint64_t to) {
       return std::uniform_real_distribution<double>(least, most)(random);
     };
     Scene scene;
-    scene.bay_m = between(3, 11);
+    scene.bay_m = between(3.5, 10.5);
     scene.a = {{between(0.6, 4), 1.4, 0}, between(-M_PI, M_PI)};
     scene.b = {{between(10, 13.4), 1.4, 0}, between(-M_PI, M_PI)};
     scene.priority_a = static_cast<int>(random() % 2);
