@@ -12,8 +12,9 @@
 namespace musher::navigation {
 namespace {
 
-constexpr Duration kQuietTime = std::chrono::seconds(2);  // between warnings of one kind
-constexpr const char* kPlannerId = "GridBased";           // nav2's default name
+constexpr Duration kQuietTime = std::chrono::seconds(2);      // between warnings of one kind
+constexpr Duration kGoesOnWithin = std::chrono::seconds(60);  // with the last path to a goal
+constexpr const char* kPlannerId = "GridBased";               // nav2's default name
 
 // How long a search takes is real time, also where /clock is slower or faster.
 Time SteadyNow() {
@@ -198,7 +199,7 @@ void PlannerServer::OnCancel(Robot& robot, Goal goal) {
 
 void PlannerServer::OnGoal(Robot& robot, const Goal& goal) {
   Drop(robot, "a newer goal has replaced this one");
-  robot.request.emplace(Request{goal, std::make_shared<std::atomic<bool>>(false), SteadyNow()});
+  robot.request.emplace(Request{goal, {}, std::make_shared<std::atomic<bool>>(false), SteadyNow()});
   robot.request->goal.Execute();
   if (!permitted_) return Refuse(robot, MakeError(Fault::kInput, not_permitted_));
   auto request = RequestOf(robot, goal.goal());
@@ -243,11 +244,15 @@ Result<PathRequest> PlannerServer::RequestOf(const Robot& robot, const Action::G
   }
   if (auto checked = CheckMap(robot); !checked) return checked.error();
   if (knows_place) request.seen = robot.seen->Points(Now());
+  const bool goes_on = robot.last && robot.last->planner == robot.planner &&
+                       robot.last->goal == request.goal && Now() - robot.last->at <= kGoesOnWithin;
+  if (goes_on && !goal.use_start) request.before = robot.last->path;
   return request;
 }
 
 void PlannerServer::Plan(Robot& robot, PathRequest request) {
   const auto stop = robot.request->stop;
+  robot.request->to = request.goal;
   const Time deadline = robot.request->begin + config_.limit;
   robot.background->Do([this, &robot, planner = robot.planner, request = std::move(request),
                         config = config_, of = *robot.config, stop, deadline] {
@@ -314,6 +319,7 @@ void PlannerServer::OnReply(Robot& robot, const PathReply& reply) {
   result.planning_time = {span.sec, span.nanosec};
   static_cast<void>(robot.path->Publish(result.path));  // latched; the result has it as well
   robot.request->goal.Succeed(result);
+  robot.last = Robot::LastPath{robot.planner, robot.request->to, plan.path, Now()};
   robot.request.reset();
   const Point& goal = plan.path.back().at;
   Log(LogLevel::kInfo,

@@ -50,6 +50,7 @@ class PlannerServer {
 
   struct Request {
     Goal goal;
+    Pose to{};
     std::shared_ptr<std::atomic<bool>> stop;
     Time begin;  // of the steady clock
   };
@@ -63,6 +64,13 @@ class PlannerServer {
     std::vector<ScanView> scanners;
     std::optional<LocalGrid> seen;  // by them, lately
     std::optional<Request> request;
+    struct LastPath {
+      std::shared_ptr<const Planner> planner;
+      Pose goal;
+      Path path;
+      Time at{};
+    };
+    std::optional<LastPath> last;
     transport::Publisher<msg::Path>* path = nullptr;
     std::unique_ptr<Background> background;
   };

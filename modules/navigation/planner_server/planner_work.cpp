@@ -192,19 +192,51 @@ Clearance AwayFromPath(const RobotIntent& other, CellMap map) {
   return Clearance(std::move(map));
 }
 
-// A path around what is seen, near the robot if there is one there that is not much longer;
-// nothing where there is none.
+// A path around what is seen, in the part near the robot; nothing where there is none that is not
+// much longer.
+std::optional<Plan> FindLocally(const Planner& planner, const PathRequest& request,
+                                const Plan& plan, const std::vector<Point>& seen,
+                                const PlannerRobot& robot, const std::function<bool()>& stop) {
+  constexpr double kMuchLonger = 1.5;
+  const double keep_m = robot.radius_m + robot.margin_m;
+  auto local = LocalPartOf(planner.clearance().map(), plan.path, request.start, seen, keep_m);
+  if (!local) return std::nullopt;
+  auto around = FindAroundIn(std::move(*local), request, plan, seen, robot, stop);
+  const bool longer = around && around->length_m > kMuchLonger * plan.length_m + kLocalM;
+  return longer ? std::nullopt : std::move(around);
+}
+
+// The same, also farther away.
 std::optional<Plan> FindAround(const Planner& planner, const PathRequest& request, const Plan& plan,
                                const std::vector<Point>& seen, const PlannerRobot& robot,
                                const std::function<bool()>& stop) {
-  constexpr double kMuchLonger = 1.5;
-  const CellMap& map = planner.clearance().map();
-  const double keep_m = robot.radius_m + robot.margin_m;
-  if (auto local = LocalPartOf(map, plan.path, request.start, seen, keep_m)) {
-    auto around = FindAroundIn(std::move(*local), request, plan, seen, robot, stop);
-    if (around && around->length_m < kMuchLonger * plan.length_m + kLocalM) return around;
+  auto local = FindLocally(planner, request, plan, seen, robot, stop);
+  if (local) return local;
+  return FindAroundIn(PartOf(planner.clearance().map(), plan.path, request.start), request, plan,
+                      seen, robot, stop);
+}
+
+// What is left of the earlier path, from where the robot is; nothing if the robot has left it.
+std::optional<Plan> RestOf(const PathRequest& request, const Clearance& clearance, double keep_m) {
+  constexpr double kOnPathM = 0.5;
+  double least_m = kOnPathM;
+  std::size_t nearest = request.before.size();
+  for (std::size_t i = 0; i < request.before.size(); ++i) {
+    const double away_m = Distance(request.before[i].at, request.start.at);
+    if (away_m >= least_m) continue;
+    least_m = away_m;
+    nearest = i;
   }
-  return FindAroundIn(PartOf(map, plan.path, request.start), request, plan, seen, robot, stop);
+  if (nearest + 1 >= request.before.size()) return std::nullopt;
+  Plan rest;
+  rest.path.assign(request.before.begin() + static_cast<std::ptrdiff_t>(nearest),
+                   request.before.end());
+  rest.path.front() = request.start;
+  if (!clearance.FitsAlong(rest.path[0].at, rest.path[1].at, keep_m)) return std::nullopt;
+  for (std::size_t i = 1; i < rest.path.size(); ++i) {
+    rest.length_m += Distance(rest.path[i - 1].at, rest.path[i].at);
+  }
+  return rest;
 }
 
 Result<> CheckAltitude(const Pose& goal, const PlannerConfig& config) {
@@ -307,14 +339,19 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
     return Refused(MakeError(Fault::kTimeLimit, "the request reached its time limit"));
   }
   const CellMap& map = planner.clearance().map();
+  const std::vector<Point> seen = NewNearby(planner, request.start, request.seen, robot.flies);
+  const double keep_m = robot.radius_m + robot.margin_m;
+  if (auto rest = RestOf(request, planner.clearance(), keep_m)) {
+    if (IsClear(rest->path, seen, keep_m)) return {std::move(*rest), PathCode::kNone, false};
+    auto local = FindLocally(planner, request, *rest, seen, robot, stop);
+    if (local) return {std::move(*local), PathCode::kNone, true};
+  }
   auto plan = planner.Find(request.start, request.goal, stop);
   if (!plan.ok()) {
     if (!Is(plan.error(), Fault::kOutside)) return Refused(plan.error());
     const bool goal = !map.Has(map.CellOf(request.goal.at));
     return Refused(goal ? MakeError(Fault::kGoalOutside, plan.error().message) : plan.error());
   }
-  const std::vector<Point> seen = NewNearby(planner, request.start, request.seen, robot.flies);
-  const double keep_m = robot.radius_m + robot.margin_m;
   if (IsClear(plan.value().path, seen, keep_m)) return {std::move(plan), PathCode::kNone, false};
   auto around = FindAround(planner, request, plan.value(), seen, robot, stop);
   if (!around) return {std::move(plan), PathCode::kNone, false};

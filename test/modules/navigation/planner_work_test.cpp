@@ -128,6 +128,40 @@ TEST(PlannerWork, GoesAroundWhatTheScanSeesAlsoOnALargeMap) {
   }
 }
 
+// So a new path is there within milliseconds, on maps of any size.
+TEST(PlannerWork, GoesOnWithTheLastPathAndPlansAroundWhatIsSeenNearTheRobot) {
+  const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
+  PathRequest request{{{1, 1, 0}, 0}, {{7, 1, 0}, 0}, {}, {}};
+  const PathReply first = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(first.plan);
+  request.before = first.plan.value().path;
+  request.start = request.before[request.before.size() / 2];
+  const PathReply goes_on = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(goes_on.plan);
+  EXPECT_EQ(goes_on.plan.value().path.front().at, request.start.at);
+  EXPECT_LT(goes_on.plan.value().length_m, first.plan.value().length_m);
+  EXPECT_EQ(goes_on.plan.value().path.back(), request.goal);
+  request.start = {{1, 3, 0}, 0};  // it has left the path
+  const PathReply anew = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(anew.plan);
+  EXPECT_EQ(anew.plan.value().path.front().at, request.start.at);
+}
+
+TEST(PlannerWork, PlansOnTheWholeMapWhereNothingLeadsAroundNearTheRobot) {
+  CellMap map = testing::Carved(
+      40, 8, 0.05,
+      {{0.2, 0.2, 39.8, 1.6}, {0.2, 6.4, 39.8, 7.8}, {0.2, 0.2, 1.6, 7.8}, {38.4, 0.2, 39.8, 7.8}});
+  const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
+  ASSERT_TRUE(planner);
+  PathRequest request{{{10, 0.9, 0}, 0}, {{39, 1, 0}, 0}, {}, {}};
+  request.before = FindPath(planner.value(), request, {}, Ground(), {}).plan.value().path;
+  for (int i = 0; i <= 40; ++i) request.seen.push_back({13, 0.2 + 0.04 * i, 0});
+  const PathReply around = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(around.plan);
+  EXPECT_TRUE(around.around_seen);
+  EXPECT_GT(around.plan.value().length_m, 45) << "by the other corridor";
+}
+
 TEST(PlannerWork, TakesAThingThatAFlyerSeesForAsHighAsTheRoom) {
   const auto planner = MakePlanner(CloudOf({{0, 0, 0}, {6, 3, 0}, {0, 3, 3}}), {}, Flyer());
   ASSERT_TRUE(planner) << planner.error().message;
