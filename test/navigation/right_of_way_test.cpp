@@ -98,7 +98,7 @@ TEST(PathLeft, IsWhatTheRobotHasNotPassedAlsoWhereThePathCrossesItself) {
 
 class Known : public ::testing::Test {
  protected:
-  Result<> Hear(RobotIntent intent, double stamp_s) {
+  Result<> Receive(RobotIntent intent, double stamp_s) {
     return robots_.Take(std::move(intent), FromSeconds(stamp_s), now_);
   }
   void Pass(double seconds) { now_ += FromSeconds(seconds); }
@@ -108,7 +108,7 @@ class Known : public ::testing::Test {
 };
 
 TEST_F(Known, ForgetsARobotThatHasNotSaidAnythingForTwoSeconds) {
-  EXPECT_TRUE(Hear(Robot("/dog/a", {1, 0, 0}, {}), 5));
+  EXPECT_TRUE(Receive(Robot("/dog/a", {1, 0, 0}, {}), 5));
   Pass(1.9);
   EXPECT_THAT(robots_.At(now_), SizeIs(1));
   Pass(0.2);
@@ -116,48 +116,48 @@ TEST_F(Known, ForgetsARobotThatHasNotSaidAnythingForTwoSeconds) {
 }
 
 TEST_F(Known, IgnoresCopiesAndLateSamplesOfABridge) {
-  EXPECT_TRUE(Hear(Robot("/dog/a", {1, 0, 0}, {}), 5));
-  EXPECT_TRUE(Hear(Robot("/dog/a", {2, 0, 0}, {}), 6));
-  EXPECT_TRUE(Hear(Robot("/dog/a", {1, 0, 0}, {}), 5)) << "late";
+  EXPECT_TRUE(Receive(Robot("/dog/a", {1, 0, 0}, {}), 5));
+  EXPECT_TRUE(Receive(Robot("/dog/a", {2, 0, 0}, {}), 6));
+  EXPECT_TRUE(Receive(Robot("/dog/a", {1, 0, 0}, {}), 5)) << "late";
   EXPECT_EQ(robots_.At(now_).at(0).at.x_m, 2);
   for (int i = 0; i < 30; ++i) {
     Pass(0.1);
-    EXPECT_TRUE(Hear(Robot("/dog/a", {2, 0, 0}, {}), 6)) << "doubled";
+    EXPECT_TRUE(Receive(Robot("/dog/a", {2, 0, 0}, {}), 6)) << "doubled";
   }
   EXPECT_THAT(robots_.At(now_), IsEmpty()) << "copies keep nothing alive";
 }
 
 TEST_F(Known, AcceptsARobotWhoseClockWasSetBackOnceItIsForgotten) {
-  EXPECT_TRUE(Hear(Robot("/dog/a", {1, 0, 0}, {}), 5000));
+  EXPECT_TRUE(Receive(Robot("/dog/a", {1, 0, 0}, {}), 5000));
   Pass(3);
-  EXPECT_TRUE(Hear(Robot("/dog/a", {2, 0, 0}, {}), 3));
+  EXPECT_TRUE(Receive(Robot("/dog/a", {2, 0, 0}, {}), 3));
   ASSERT_THAT(robots_.At(now_), SizeIs(1));
   EXPECT_EQ(robots_.At(now_)[0].at.x_m, 2);
 }
 
 TEST_F(Known, DoesNotKnowItself) {
-  EXPECT_TRUE(Hear(Robot("/dog/me", {1, 0, 0}, {}), 5));
+  EXPECT_TRUE(Receive(Robot("/dog/me", {1, 0, 0}, {}), 5));
   EXPECT_THAT(robots_.At(now_), IsEmpty());
-  EXPECT_TRUE(Hear(Robot("/cat/me", {1, 0, 0}, {}), 5)) << "of another machine";
+  EXPECT_TRUE(Receive(Robot("/cat/me", {1, 0, 0}, {}), 5)) << "of another machine";
   EXPECT_THAT(robots_.At(now_), SizeIs(1));
 }
 
 TEST_F(Known, RefusesNumbersThatAreNone) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(Hear(Robot("", {}, {}), 1));
-  EXPECT_FALSE(Hear(Robot("a", {kNan, 0, 0}, {}), 1));
-  EXPECT_FALSE(Hear(Robot("a", {}, {{0, kNan, 0}}), 1));
-  EXPECT_FALSE(Hear(Robot("a", {}, std::vector<Point>(KnownRobots::kMostPoints + 1)), 1));
+  EXPECT_FALSE(Receive(Robot("", {}, {}), 1));
+  EXPECT_FALSE(Receive(Robot("a", {kNan, 0, 0}, {}), 1));
+  EXPECT_FALSE(Receive(Robot("a", {}, {{0, kNan, 0}}), 1));
+  EXPECT_FALSE(Receive(Robot("a", {}, std::vector<Point>(KnownRobots::kMostPoints + 1)), 1));
   RobotIntent huge = Robot("a", {}, {});
   huge.radius_m = kNan;
-  EXPECT_FALSE(Hear(huge, 1));
+  EXPECT_FALSE(Receive(huge, 1));
   EXPECT_THAT(robots_.At(now_), IsEmpty());
 }
 
 TEST_F(Known, IsBounded) {
   for (int i = 0; i < 1000; ++i) {
     Pass(0.001);
-    EXPECT_TRUE(Hear(Robot("r" + std::to_string(i), {}, {}), 1));
+    EXPECT_TRUE(Receive(Robot("r" + std::to_string(i), {}, {}), 1));
   }
   EXPECT_THAT(robots_.At(now_), SizeIs(KnownRobots::kMost));
 }

@@ -29,7 +29,7 @@ struct PathRequest {
   std::vector<Point> seen;  // by the robot's scan
   // The last path to this goal by this map, along which the robot still drives; empty: none. Then a
   // way around what is seen is sought near the robot, and on the whole map only if there is none.
-  Path before;
+  Path before{};
 };
 
 struct PathReply {

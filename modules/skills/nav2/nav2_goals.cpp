@@ -36,7 +36,7 @@ Places PlacesOf(const msg::FollowWaypoints::Goal& goal) {
   return {goal.poses, goal.goal_index, std::min(goal.number_of_loops, kMostLoops), true};
 }
 
-// Where a robot is told to go; the orientation may be of any length above 0.
+// The place to which a robot is sent; the orientation may be of any length above 0.
 Result<navigation::Pose> PlaceOf(const msg::PoseStamped& stamped) {
   const std::string& frame = stamped.header.frame_id;
   if (!frame.empty() && frame != kMapFrame) {
@@ -101,7 +101,7 @@ class Nav2Goals::Mission {
   const Time begun;
   std::vector<std::size_t> missed;
   std::string why_missed;  // the first one
-  std::optional<Time> told_at;
+  std::optional<Time> reported_at;
   bool canceled = false;
 };
 
@@ -239,8 +239,8 @@ void Nav2Goals::Update() {
   if (run == nullptr) return End(false, "its skill was reset");
   if (run->ended()) return OnEndOfRun(*run);
   const Time now = clock_.Now();
-  if (mission_->told_at && now - *mission_->told_at < kFeedbackPeriod) return;
-  mission_->told_at = now;
+  if (mission_->reported_at && now - *mission_->reported_at < kFeedbackPeriod) return;
+  mission_->reported_at = now;
   mission_->Feedback(context_.robot, *run, now);
 }
 

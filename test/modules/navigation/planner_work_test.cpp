@@ -142,9 +142,9 @@ TEST(PlannerWork, GoesOnWithTheLastPathAndPlansAroundWhatIsSeenNearTheRobot) {
   EXPECT_LT(goes_on.plan.value().length_m, first.plan.value().length_m);
   EXPECT_EQ(goes_on.plan.value().path.back(), request.goal);
   request.start = {{1, 3, 0}, 0};  // it has left the path
-  const PathReply anew = FindPath(planner.value(), request, {}, Ground(), {});
-  ASSERT_TRUE(anew.plan);
-  EXPECT_EQ(anew.plan.value().path.front().at, request.start.at);
+  const PathReply again = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(again.plan);
+  EXPECT_EQ(again.plan.value().path.front().at, request.start.at);
 }
 
 TEST(PlannerWork, PlansOnTheWholeMapWhereNothingLeadsAroundNearTheRobot) {
@@ -238,7 +238,7 @@ TEST_F(Refuge, IsNotBeyondTheBodyOfTheOtherRobot) {
   EXPECT_GT(plan.value().path.back().at.x_m, 11.2) << "the room behind it";
 }
 
-TEST_F(Refuge, IsWhereTheRobotStandsIfItIsInNobodysWay) {
+TEST_F(Refuge, IsWhereTheRobotStandsIfItIsOffAllPaths) {
   const auto plan = Find({{kBayM, 2.4, 0}, 0}, {Other(9)});
   ASSERT_TRUE(plan) << plan.error().message;
   EXPECT_LT(plan.value().length_m, 0.2);
