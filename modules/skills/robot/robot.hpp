@@ -114,8 +114,9 @@ class Robot {
   virtual navigation::RobotIntent intent() { return {}; }
   // What other robots have said of themselves lately.
   virtual std::vector<navigation::RobotIntent> others() const { return {}; }
-  // It finds no place to give way to: for some time it says so, and others give way to it.
-  virtual void NoteCornered() {}
+  // It finds no place to give way to, or cannot give way: for so long it says so, and others give
+  // way to it.
+  virtual void NoteCornered(Duration /*time*/) {}
   // A path to the nearest place that is off the paths of the others. Fails with the reason.
   virtual skill::Future<navigation::Path> ComputeRefuge() { return {}; }
 

@@ -124,8 +124,8 @@ std::vector<navigation::RobotIntent> RosRobot::others() const {
   return wire ? wire->traffic->Others() : std::vector<navigation::RobotIntent>{};
 }
 
-void RosRobot::NoteCornered() {
-  if (const auto wire = wire_.lock()) wire->traffic->NoteCornered();
+void RosRobot::NoteCornered(Duration time) {
+  if (const auto wire = wire_.lock()) wire->traffic->NoteCornered(time);
 }
 
 skill::Future<navigation::Path> RosRobot::ComputeRefuge() {

@@ -63,7 +63,7 @@ class RosRobot final : public Robot {
   std::unique_ptr<Drive> FollowPath(const navigation::Path& path) override;
   navigation::RobotIntent intent() override;
   std::vector<navigation::RobotIntent> others() const override;
-  void NoteCornered() override;
+  void NoteCornered(Duration time) override;
   skill::Future<navigation::Path> ComputeRefuge() override;
   std::vector<navigation::Point> obstacles() const override;
   bool HasScan() const override;

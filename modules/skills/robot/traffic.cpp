@@ -1,5 +1,6 @@
 #include "musher/modules/skills/robot/traffic.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
@@ -36,6 +37,11 @@ void Traffic::Begin(const navigation::Path& path) {
   path_.Start(path);
   drove_at_ = clock_.Now();
   Publish();
+}
+
+void Traffic::NoteCornered(Duration time) {
+  const Time until = clock_.Now() + time;
+  cornered_until_ = std::max(cornered_until_.value_or(until), until);
 }
 
 navigation::RobotIntent Traffic::Intent() {

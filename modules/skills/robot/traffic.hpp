@@ -22,7 +22,6 @@ class Traffic {
   static constexpr Duration kPeriod = Milliseconds(500);
   // Between two drives of one travel a path is planned: the robot still wants to go on.
   static constexpr Duration kPathStays = std::chrono::seconds(2);
-  static constexpr Duration kCorneredTime = std::chrono::seconds(30);
 
   // What it asks of its robot.
   struct Body {
@@ -36,7 +35,7 @@ class Traffic {
 
   // A drive begins.
   void Begin(const navigation::Path& path);
-  void NoteCornered() { cornered_until_ = clock_.Now() + kCorneredTime; }
+  void NoteCornered(Duration time);
 
   navigation::RobotIntent Intent();
   std::vector<navigation::RobotIntent> Others() const { return known_.At(clock_.Now()); }

@@ -15,6 +15,7 @@ using navigation::RobotIntent;
 constexpr MeetingRules kWhileItWaits{.look_m = 40};
 constexpr Duration kFreeFor = Milliseconds(600);  // of what comes twice a second
 constexpr Duration kAgainAfter = std::chrono::seconds(2);
+constexpr Duration kCorneredFor = std::chrono::seconds(30);  // until the others have passed
 constexpr double kNearM = 2;
 
 }  // namespace
@@ -92,7 +93,7 @@ void GiveWay::Search() {
   if (found) {
     travel_.Begin(refuge_.result().value());
   } else {
-    robot_.NoteCornered();
+    robot_.NoteCornered(kCorneredFor);
   }
   refuge_.Drop();
   Enter(found ? Phase::kAside : Phase::kCornered);

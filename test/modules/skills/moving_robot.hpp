@@ -135,7 +135,7 @@ class MovingRobot : public Robot {
     return own;
   }
   std::vector<navigation::RobotIntent> others() const override { return known; }
-  void NoteCornered() override { cornered = true; }
+  void NoteCornered(Duration /*time*/) override { cornered = true; }
   skill::Future<navigation::Path> ComputeRefuge() override {
     skill::Source<navigation::Path> source;
     source.Set(refuge());
