@@ -21,7 +21,7 @@ struct Sample {
   double ahead_m = 0;
 };
 
-double Apart(const Point& a, const Point& b, bool flat) {
+double GapOf(const Point& a, const Point& b, bool flat) {
   return flat ? std::hypot(a.x_m - b.x_m, a.y_m - b.y_m) : Distance(a, b);
 }
 
@@ -49,7 +49,7 @@ std::vector<Sample> SamplesOf(const RobotIntent& robot, double most_m) {
 
 bool LeadsThrough(const std::vector<Sample>& path, const Point& body, double keep_m, bool flat) {
   return std::ranges::any_of(path, [&](const Sample& sample) {
-    return sample.ahead_m <= kThroughBodyM && Apart(sample.at, body, flat) < keep_m;
+    return sample.ahead_m <= kThroughBodyM && GapOf(sample.at, body, flat) < keep_m;
   });
 }
 
@@ -71,14 +71,14 @@ std::optional<Point> MeetingOf(const RobotIntent& own, const RobotIntent& other,
   const bool flat = !own.flies && !other.flies;
   const double keep_m = KeptApart(own.radius_m, other.radius_m, rules);
   const double reach_m = rules.look_m + keep_m;
-  if (Apart(own.at, other.at, flat) > reach_m) return std::nullopt;
+  if (GapOf(own.at, other.at, flat) > reach_m) return std::nullopt;
   const std::vector<Sample> ours = SamplesOf(own, rules.look_m);
   const std::vector<Sample> theirs = SamplesOf(other, rules.look_m);
   for (const Sample& mine : ours) {
     for (const Sample& its : theirs) {
       if (mine.ahead_m + its.ahead_m > rules.look_m) break;
       const bool opposite = mine.x * its.x + mine.y * its.y < kOpposite;
-      if (opposite && Apart(mine.at, its.at, flat) < keep_m) return mine.at;
+      if (opposite && GapOf(mine.at, its.at, flat) < keep_m) return mine.at;
     }
   }
   const bool through =
@@ -101,11 +101,12 @@ RightOfWay RightOfWayOf(const RobotIntent& own, const std::vector<RobotIntent>& 
 void PathLeft::Start(const Path& path) {
   points_.clear();
   passed_ = 0;
+  passed_m_ = 0;
   for (const Pose& pose : path) points_.push_back(pose.at);
 }
 
 std::vector<Point> PathLeft::From(const Point& at) {
-  double least_m = std::numeric_limits<double>::infinity(), searched_m = 0;
+  double least_m = std::numeric_limits<double>::infinity(), searched_m = -passed_m_;
   std::size_t next = passed_ + 1;
   for (std::size_t i = passed_ + 1; i < points_.size() && searched_m < kSearchedAheadM; ++i) {
     const Point &from = points_[i - 1], &to = points_[i];
@@ -113,17 +114,18 @@ std::vector<Point> PathLeft::From(const Point& at) {
     const double square = x * x + y * y;
     const double along = (at.x_m - from.x_m) * x + (at.y_m - from.y_m) * y;
     const double share = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0;
-    const double away_m = Apart(Between(from, to, share), at, true);
+    const double away_m = GapOf(Between(from, to, share), at, true);
     searched_m += std::sqrt(square);
     if (away_m >= least_m - kSameM) continue;
     least_m = away_m;
     next = share < 1 ? i : i + 1;
     passed_ = i - 1;
+    passed_m_ = share * std::sqrt(square);
   }
-  if (next >= points_.size()) {
-    return points_.empty() ? std::vector<Point>{} : std::vector<Point>{points_.back()};
+  if (next < points_.size()) {
+    return {points_.begin() + static_cast<std::ptrdiff_t>(next), points_.end()};
   }
-  return {points_.begin() + static_cast<std::ptrdiff_t>(next), points_.end()};
+  return points_.empty() ? std::vector<Point>{} : std::vector<Point>{points_.back()};
 }
 
 }  // namespace musher::navigation

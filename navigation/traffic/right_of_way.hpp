@@ -65,6 +65,7 @@ class PathLeft {
  private:
   std::vector<Point> points_;
   std::size_t passed_ = 0;  // the begin of the line on which the robot is
+  double passed_m_ = 0;     // of that line
 };
 
 }  // namespace musher::navigation
