@@ -12,6 +12,7 @@
 #include "musher/messages/nav2_msgs/navigate_to_pose.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::skills {
 namespace {
