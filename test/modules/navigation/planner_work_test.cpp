@@ -141,7 +141,7 @@ TEST(PlannerWork, GoesOnWithTheLastPathAndPlansAroundWhatIsSeenNearTheRobot) {
   EXPECT_EQ(goes_on.plan.value().path.front().at, request.start.at);
   EXPECT_LT(goes_on.plan.value().length_m, first.plan.value().length_m);
   EXPECT_EQ(goes_on.plan.value().path.back(), request.goal);
-  request.start = {{1, 3, 0}, 0};  // it has left the path
+  request.start = {{0.8, 2.2, 0}, 0};  // it has left the path
   const PathReply again = FindPath(planner.value(), request, {}, Ground(), {});
   ASSERT_TRUE(again.plan);
   EXPECT_EQ(again.plan.value().path.front().at, request.start.at);
@@ -231,9 +231,9 @@ TEST_F(Refuge, IsTheLastWidePlaceBehindTheRobot) {
 }
 
 TEST_F(Refuge, IsNotBeyondTheBodyOfTheOtherRobot) {
-  RobotIntent other = Other(4.5);
+  RobotIntent other = Other(5.8);
   other.path = {{9, 1.4, 0}, {13, 1.4, 0}};
-  const auto plan = Find({{6.2, 1.4, 0}, M_PI}, {other});
+  const auto plan = Find({{6.8, 1.4, 0}, M_PI}, {other});
   ASSERT_TRUE(plan) << plan.error().message;
   EXPECT_GT(plan.value().path.back().at.x_m, 11.2) << "the room behind it";
 }
