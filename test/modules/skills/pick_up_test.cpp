@@ -246,7 +246,7 @@ TEST_F(Hand, ACancelledReleaseWaitsForTheHand) {
   PickUp();
   bench_.Start("put_down");
   ASSERT_TRUE(bench_.manager().Cancel("put_down", "").ok());
-  EXPECT_EQ(bench_.RunOut().message, "Cancelled");
+  EXPECT_EQ(bench_.RunOut().message, "no reason was given");
   EXPECT_EQ(bench_.robot.Held(), "box_red");
 }
 
