@@ -167,7 +167,7 @@ class SkillActuator::Impl {
 
   void Start(const Goal& goal) {
     const Result<Request> request = RequestOf(goal);
-    Result<> started = request ? Ok() : Result<>(request.error());
+    Result<> started = request ? CheckRobot(goal) : Result<>(request.error());
     if (started && !stepping_) {
       started =
           Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + owner_.CurrentState() +
@@ -189,6 +189,14 @@ class SkillActuator::Impl {
     published_[skill] = {transport::GoalIdText(goal.id())};
     goals_.insert_or_assign(skill, Open{std::move(own), ""});
     PublishChanges();
+  }
+
+  Result<> CheckRobot(const Goal& goal) const {
+    const std::string& asked = goal.goal().skill_request.robot_id;
+    const std::string& own = options_.robot;
+    if (own.empty() || asked.empty() || asked == own || asked == owner_.name()) return Ok();
+    return Error{kCodeParametersInvalid,
+                 "the skill is for the robot '" + asked.substr(0, 80) + "', and this is " + own};
   }
 
   void Cancel(const Goal& goal) {

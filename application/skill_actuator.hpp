@@ -62,6 +62,8 @@ class SkillActuator : public MachineActuator {
     double rate_hz = 10;  // of steps; more than 0
     bool cancels_when_paused = false;
     std::string action = "skill_execution";
+    // Goals whose `robot_id` is another one, and not the actuator's name, are refused; empty: none.
+    std::string robot{};
   };
 
   explicit SkillActuator(const std::string& actuator_name)

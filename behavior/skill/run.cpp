@@ -200,8 +200,9 @@ void Run::FailByFault(const std::string& what) {
 
 void Run::End(Status status, Cause cause, std::string message) {
   const StateId from = state_;
-  if (message.empty() && status == Status::kCancelled)
-    message = WithReason("Cancelled", cancel_why_);
+  if (message.empty() && status == Status::kCancelled) {
+    message = cancel_why_.empty() ? "no reason was given" : cancel_why_;
+  }
   if (message.empty()) message = status == Status::kCompleted ? "Completed" : "Failed";
   in_step_ = true;
   const auto thrown = Thrown("OnEnd", [&] { skill_->OnEnd({status, from, message}); });

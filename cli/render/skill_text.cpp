@@ -113,7 +113,7 @@ std::string SkillOutcomeText(SkillOutcome outcome, std::optional<double> duratio
       what = "has not ended" + after("within");
       break;
     case SkillOutcome::kRunning:
-      what = "goes on";
+      what = "has not ended yet";
       break;
   }
   return what;

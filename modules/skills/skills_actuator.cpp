@@ -21,7 +21,8 @@ Result<> Verdict(const RosRobot::Missing& missing) {
 
 SkillsActuator::SkillsActuator(const std::string& actuator_name, RosRobot& robot,
                                std::vector<skill::Entry> entries)
-    : SkillActuator(actuator_name, {.action = robot.config().robot + "/skill_execution"}),
+    : SkillActuator(actuator_name, {.action = robot.config().robot + "/skill_execution",
+                                    .robot = robot.config().robot}),
       robot_(robot),
       entries_(std::move(entries)) {}
 
@@ -36,9 +37,28 @@ Result<> SkillsActuator::RegisterSkills(skill::Registry& registry) {
 
 void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics, machine_config().name_space);
+  const auto nav2 = std::make_shared<Nav2Goals>(
+      Nav2Goals::Context{robot_, manager(), [this] { return MayStart(); }}, robot_.config().names,
+      topics);
+  topics.Keep(nav2);
+  nav2_ = nav2;
   if (signals_ == nullptr) return;
   topics.Keep(std::shared_ptr<transport::LoopHandle>(
       signals_->Watch(topics.node().loop(), [this] { robot_.Rest(); })));
+}
+
+Result<> SkillsActuator::MayStart() {
+  if (stepping()) return Ok();
+  return Error{kCodeStateInvalid, name() + " runs no skills in " + CurrentState()};
+}
+
+void SkillsActuator::AfterStep(Time /*now*/) {
+  if (const auto nav2 = nav2_.lock()) nav2->Update();
+}
+
+void SkillsActuator::OnPause() {
+  if (const auto nav2 = nav2_.lock()) nav2->Update();
+  robot_.Rest();
 }
 
 Result<> SkillsActuator::SelfCheck() {

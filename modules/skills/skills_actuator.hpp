@@ -12,11 +12,13 @@
 //
 // Threads: those of SkillActuator.
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "musher/actuator/program/end_signals.hpp"
 #include "musher/application/skill_actuator.hpp"
+#include "musher/modules/skills/nav2/nav2_goals.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
 
 namespace musher::skills {
@@ -34,13 +36,16 @@ class SkillsActuator : public SkillActuator {
  private:
   Result<> RegisterSkills(skill::Registry& registry) override;
   void OpenTopics(transport::Endpoints& topics) override;
+  Result<> MayStart();
   Result<> SelfCheck() override;
   void BeforeStep(Time now) override { robot_.BeginStep(now); }
-  void OnPause() override { robot_.Rest(); }
+  void AfterStep(Time now) override;
+  void OnPause() override;
 
   RosRobot& robot_;
   const program::EndSignals* signals_ = nullptr;
   const std::vector<skill::Entry> entries_;
+  std::weak_ptr<Nav2Goals> nav2_;  // kept by the endpoints
 };
 
 }  // namespace musher::skills

@@ -77,6 +77,7 @@ void Follower::Stop() {
   progress_ = Progress::kIdle;
   reference_ = driven_ = waiting_ = Duration::zero();
   pace_ = pace_change_ = 0;
+  highest_pace_ = 1;
   slowed_ = Duration::zero();
   slowed_until_.reset();
   halting_ = false;
@@ -119,6 +120,11 @@ void Follower::NoteSlowed(Time now) {
   slowed_until_ = now + FromSeconds(to_speed_s) + kSpare;
 }
 
+double Follower::HighestPace(double planned_m_s) const {
+  constexpr double kLeast = 0.01;
+  return planned_m_s > speed_limit_m_s_ ? std::max(speed_limit_m_s_ / planned_m_s, kLeast) : 1;
+}
+
 void Follower::MoveReference(Time now, double dt_s, const Pose& pose, const Velocity& velocity,
                              const std::vector<Point>& obstacles) {
   const TrajectoryPoint at = trajectory_.At(reference_);
@@ -144,13 +150,17 @@ void Follower::MoveReference(Time now, double dt_s, const Pose& pose, const Velo
                                    : FirstObstruction(trajectory_, reference_, ahead_m, obstacles,
                                                       rules_.flat, moving);
   if (obstruction_ || passes) NoteSlowed(now);
-  const bool hold = halting_ || obstruction_ || passes || lead_m > rules_.lead_m;
+  highest_pace_ = HighestPace(planned_m_s);
+  const bool stops = halting_ || obstruction_ || passes || lead_m > rules_.lead_m;
+  const bool hold = stops || pace_ > highest_pace_;
   // The speed is the pace times that of the trajectory, so it changes with both.
   const double along_m_s2 = pace_ * pace_ * AlongTrack(at);
   const double wanted_m_s2 = hold ? -Braking(speed_m_s, passes) : rules_.limits.acceleration_m_s2;
   const double change = (wanted_m_s2 - along_m_s2) / std::max(planned_m_s, kCreep) * dt_s;
   const double before = pace_;
-  pace_ = hold ? std::clamp(pace_ + change, 0.0, pace_) : std::clamp(pace_ + change, pace_, 1.0);
+  const double least = stops ? 0 : std::min(highest_pace_, pace_);
+  pace_ = hold ? std::clamp(pace_ + change, least, pace_)
+               : std::clamp(pace_ + change, pace_, highest_pace_);
   pace_change_ = dt_s > 0 ? (pace_ - before) / dt_s : 0;
   reference_ =
       std::min(reference_ + FromSeconds(dt_s * (before + pace_) / 2), trajectory_.duration());
@@ -196,7 +206,10 @@ Velocity Follower::Control(const Pose& pose, const Velocity& velocity) {
                                        references[axis]);
   }
   Velocity command = {commands[0], commands[1], commands[2], commands[3]};
-  const double share = rules_.limits.speed_m_s / std::max(Speed(command), 1e-9);
+  const bool brakes = pace_ > highest_pace_;  // to a limit of the speed
+  const double most_m_s =
+      brakes ? rules_.limits.speed_m_s : std::min(rules_.limits.speed_m_s, speed_limit_m_s_);
+  const double share = most_m_s / std::max(Speed(command), 1e-9);
   if (share < 1) {
     command = {command.x_m_s * share, command.y_m_s * share, command.z_m_s * share,
                command.yaw_rad_s};
@@ -210,7 +223,7 @@ void Follower::CountTime(Time now, Duration passed, Duration moved, const Pose& 
   if (!waits && progress_ != Progress::kFollowing) return;
   const bool slowed = waits || (slowed_until_ && now <= *slowed_until_);
   waiting_ = waits ? waiting_ + passed : Duration::zero();
-  driven_ += slowed ? moved : passed;
+  driven_ += slowed ? moved : FromSeconds(ToSeconds(passed) * highest_pace_);
   slowed_ += slowed ? std::max(passed - moved, Duration::zero()) : Duration::zero();
   const Pose& goal = trajectory_.points.back().pose;
   if (waiting_ > rules_.give_up) {

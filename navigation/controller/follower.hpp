@@ -20,12 +20,14 @@
 //   or an obstacle in the way for `give_up` in one go, or obstacles cost more than `most_slowed`
 //   and twice the trajectory's time in all. In both the velocity is 0 and stays so. An obstacle
 //   costs time as long as it is there, and until the body has its speed again. So every drive ends.
+//   A limit of the speed makes the trajectory's time longer.
 // - `replan` of the command: the obstacle has been in the way for `replan_after`. A new
 //   trajectory, by Start(), may come at any time.
 //
 // A pose that is not finite gives velocity 0 and is no progress. Frame of the map. One thread.
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -80,6 +82,9 @@ class Follower {
   // After Halt(): the reference stands.
   bool Halted() const { return halting_ && pace_ == 0; }
 
+  // No faster than that from now on, also in later trajectories; it brakes within the limits.
+  void LimitSpeed(double speed_m_s) { speed_limit_m_s_ = speed_m_s; }
+
   // Something else than its own obstacles slows the body down, for example a gate.
   void NoteSlowed(Time now);
 
@@ -95,6 +100,8 @@ class Follower {
   Velocity Control(const Pose& pose, const Velocity& velocity);
   void MoveReference(Time now, double dt_s, const Pose& pose, const Velocity& velocity,
                      const std::vector<Point>& obstacles);
+  // The highest pace by the limit of the speed.
+  double HighestPace(double planned_m_s) const;
   double Braking(double speed_m_s, const std::optional<Obstruction>& passed) const;
   void WatchApproach(Time now, const Pose& pose, const Velocity& velocity,
                      const std::vector<Point>& obstacles);
@@ -115,6 +122,8 @@ class Follower {
   bool halting_ = false;
   double pace_ = 0;         // 1: the reference moves as the trajectory says
   double pace_change_ = 0;  // a second
+  double highest_pace_ = 1;
+  double speed_limit_m_s_ = std::numeric_limits<double>::infinity();
   std::optional<Obstruction> obstruction_;
   std::optional<Error> failure_;
   std::vector<Point> seen_;  // the last set of obstacles

@@ -150,6 +150,22 @@ std::vector<Cell> CellSearch::EntriesOf(const Point& place, double reach_m, doub
 
 std::optional<CellSearch::Path> CellSearch::Search(const Cell& from, const Cell& to,
                                                    const std::function<bool()>& stop) const {
+  const std::size_t last = map_.IndexOf(to);
+  return Expand(
+      from, [last](std::size_t at) { return at == last; },
+      [&to](const Cell& cell) { return LeastLength(cell, to); }, stop);
+}
+
+std::optional<CellSearch::Path> CellSearch::Nearest(const Cell& from,
+                                                    const std::function<bool(std::size_t)>& wanted,
+                                                    const std::function<bool()>& stop) const {
+  return Expand(
+      from, wanted, [](const Cell& /*cell*/) { return 0.0F; }, stop);
+}
+
+template <class IsEnd, class Rest>
+std::optional<CellSearch::Path> CellSearch::Expand(const Cell& from, IsEnd is_end, Rest rest_of,
+                                                   const std::function<bool()>& stop) const {
   const auto neighbours = Neighbours(map_.flat());
   constexpr std::uint8_t kFirst = 0xff;
   std::vector<float> length(map_.count(), std::numeric_limits<float>::infinity());
@@ -159,16 +175,19 @@ std::optional<CellSearch::Path> CellSearch::Search(const Cell& from, const Cell&
   const auto index = [&](const Cell& cell) {
     return static_cast<std::uint32_t>(map_.IndexOf(cell));
   };
-  const std::uint32_t last = index(to);
+  std::optional<std::uint32_t> last;
   length[index(from)] = 0;
-  open.push({LeastLength(from, to), LeastLength(from, to), index(from)});
+  open.push({rest_of(from), rest_of(from), index(from)});
   for (int visits = 1; !open.empty(); ++visits) {
     if (visits % 1024 == 0 && stop && stop()) return std::nullopt;
     const std::uint32_t at = open.top().cell;
     open.pop();
     if (closed[at]) continue;
     closed[at] = true;
-    if (at == last) break;
+    if (is_end(at)) {
+      last = at;
+      break;
+    }
     const Cell cell = map_.CellAt(at);
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
       const Cell next = Moved(cell, neighbours[i].by);
@@ -179,14 +198,14 @@ std::optional<CellSearch::Path> CellSearch::Search(const Cell& from, const Cell&
       if (!Passes(at, next_index)) continue;
       length[next_index] = so_far;
       came_by[next_index] = static_cast<std::uint8_t>(i);
-      const float rest = LeastLength(next, to);
+      const float rest = rest_of(next);
       open.push({so_far + rest, rest, next_index});
     }
   }
-  if (!closed[last]) return std::nullopt;
+  if (!last) return std::nullopt;
   Path path;
-  path.length_m = length[last] * map_.resolution_m;
-  for (Cell cell = to;;) {
+  path.length_m = length[*last] * map_.resolution_m;
+  for (Cell cell = map_.CellAt(*last);;) {
     path.cells.push_back(cell);
     const std::uint8_t by = came_by[index(cell)];
     if (by == kFirst) break;

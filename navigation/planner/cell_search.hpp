@@ -46,7 +46,15 @@ class CellSearch {
   std::optional<Path> Search(const Cell& from, const Cell& to,
                              const std::function<bool()>& stop) const;
 
+  // The shortest path to any cell whose index is `wanted`; none if there is none in the region.
+  std::optional<Path> Nearest(const Cell& from, const std::function<bool(std::size_t)>& wanted,
+                              const std::function<bool()>& stop) const;
+
  private:
+  // `rest`: the least length from a cell to the end of the path.
+  template <class IsEnd, class Rest>
+  std::optional<Path> Expand(const Cell& from, IsEnd is_end, Rest rest,
+                             const std::function<bool()>& stop) const;
   bool FindOpenCells(const std::function<bool()>& stop);
   bool LabelRegions(const std::function<bool()>& stop);
   bool Passes(std::size_t from, std::size_t to) const;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
-#include "musher/navigation/navigation_fault.hpp"
 #include "musher/navigation/place_text.hpp"
 
 namespace musher::navigation {
@@ -78,35 +78,28 @@ Result<Planner> Planner::Make(CellMap map, const PlannerRules& rules,
   return MakeError(Fault::kTimeLimit, "the distances of the map reached their time limit");
 }
 
-Result<> Planner::CheckEnds(const Pose& start, const Pose& goal) const {
+Result<> Planner::CheckEnd(const std::string& name, const Pose& pose, double radius_m,
+                           Fault blocked) const {
   const CellMap& map = clearance_->map();
-  const double start_radius_m = std::max(0.0, rules_.radius_m - rules_.start_within_m);
-  struct End {
-    const char* name;
-    const Pose& pose;
-    double radius_m;
-    Fault blocked;
-  };
-  for (const End& end : {End{"goal", goal, rules_.radius_m, Fault::kGoalBlocked},
-                         End{"start", start, start_radius_m, Fault::kStartBlocked}}) {
-    if (!IsFinite(end.pose)) {
-      return MakeError(Fault::kInput,
-                       fmt::format("{}: it has a number that is not finite", end.name));
-    }
-    const std::string place = PlaceText(end.pose.at, map.flat());
-    if (!map.Has(map.CellOf(end.pose.at))) {
-      return MakeError(Fault::kOutside, fmt::format("{} {} is outside the map ({})", end.name,
-                                                    place, map.ExtentText()));
-    }
-    if (clearance_->Fits(end.pose.at, end.radius_m)) continue;
-    const double room_m = clearance_->At(end.pose.at, end.radius_m);
-    return MakeError(end.blocked, room_m == 0
-                                      ? fmt::format("{} {} is in an obstacle", end.name, place)
-                                      : fmt::format("{} {} is {:.2f} m from an obstacle, the body "
-                                                    "needs {:.2f} m",
-                                                    end.name, place, room_m, end.radius_m));
+  if (!IsFinite(pose)) {
+    return MakeError(Fault::kInput, fmt::format("{}: it has a number that is not finite", name));
   }
-  return Ok();
+  const std::string place = PlaceText(pose.at, map.flat());
+  if (!map.Has(map.CellOf(pose.at))) {
+    return MakeError(Fault::kOutside,
+                     fmt::format("{} {} is outside the map ({})", name, place, map.ExtentText()));
+  }
+  if (clearance_->Fits(pose.at, radius_m)) return Ok();
+  const double room_m = clearance_->At(pose.at, radius_m);
+  if (room_m == 0) return MakeError(blocked, fmt::format("{} {} is in an obstacle", name, place));
+  return MakeError(blocked,
+                   fmt::format("{} {} is {:.2f} m from an obstacle, the body needs {:.2f} m", name,
+                               place, room_m, radius_m));
+}
+
+Result<> Planner::CheckStart(const Pose& start) const {
+  return CheckEnd("start", start, std::max(0.0, rules_.radius_m - rules_.start_within_m),
+                  Fault::kStartBlocked);
 }
 
 Result<Planner::Ends> Planner::Connect(const Point& start, const Point& goal) const {
@@ -169,9 +162,41 @@ std::vector<Point> Planner::Shortened(const std::vector<Cell>& cells, const Poin
   return Smoothed(points, *clearance_, rules_.radius_m, rules);
 }
 
+Result<Plan> Planner::FindNearest(const Pose& start,
+                                  const std::function<bool(std::size_t cell)>& wanted,
+                                  const std::function<bool()>& stop) const {
+  auto checked = CheckStart(start);
+  if (!checked.ok()) return checked.error();
+  const CellMap& map = clearance_->map();
+  const Point from = map.flat() ? Point{start.at.x_m, start.at.y_m, 0} : start.at;
+  const double room_m =
+      std::min(rules_.radius_m, clearance_->At(from, rules_.radius_m)) * (1 - 1e-9);
+  const auto entries =
+      search_->EntriesOf(from, 2 * map.resolution_m + rules_.start_within_m, room_m);
+  std::set<std::uint32_t> regions;
+  for (const Cell& entry : entries) {
+    if (!regions.insert(search_->RegionOf(entry)).second) continue;
+    const auto found = search_->Nearest(entry, wanted, stop);
+    if (!found) continue;
+    Pose goal{map.CentreOf(found->cells.back()), start.yaw_rad};
+    if (map.flat()) goal.at.z_m = start.at.z_m;
+    auto plan = Find(start, goal, stop);
+    if (!plan || plan.value().path.size() < 2) return plan;
+    Path& path = plan.value().path;
+    const Point &last = path[path.size() - 2].at, &end = path.back().at;
+    if (Distance(last, end) > 0) {
+      path.back().yaw_rad = std::atan2(end.y_m - last.y_m, end.x_m - last.x_m);
+    }
+    return plan;
+  }
+  return MakeError(Fault::kWalledIn,
+                   fmt::format("{} has no such place around it", PlaceText(from, map.flat())));
+}
+
 Result<Plan> Planner::Find(const Pose& start, const Pose& goal,
                            const std::function<bool()>& stop) const {
-  auto checked = CheckEnds(start, goal);
+  auto checked = CheckEnd("goal", goal, rules_.radius_m, Fault::kGoalBlocked);
+  if (checked.ok()) checked = CheckStart(start);
   if (!checked.ok()) return checked.error();
   const bool flat = clearance_->map().flat();
   const Point from = flat ? Point{start.at.x_m, start.at.y_m, 0} : start.at;

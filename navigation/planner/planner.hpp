@@ -14,7 +14,9 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
+#include "musher/navigation/navigation_fault.hpp"
 #include "musher/navigation/planner/cell_search.hpp"
 #include "musher/navigation/planner/headings.hpp"
 #include "musher/navigation/planner/smoothing.hpp"
@@ -46,6 +48,11 @@ class Planner {
   Result<Plan> Find(const Pose& start, const Pose& goal,
                     const std::function<bool()>& stop = {}) const;
 
+  // The same to the nearest place whose cell is `wanted`; it looks there in the direction in which
+  // it comes.
+  Result<Plan> FindNearest(const Pose& start, const std::function<bool(std::size_t cell)>& wanted,
+                           const std::function<bool()>& stop = {}) const;
+
   const Clearance& clearance() const { return *clearance_; }
 
  private:
@@ -53,7 +60,9 @@ class Planner {
 
   Planner(CellMap map, const PlannerRules& rules, const std::function<bool()>& stop);
   bool complete() const;  // the computation was not stopped
-  Result<> CheckEnds(const Pose& start, const Pose& goal) const;
+  Result<> CheckEnd(const std::string& name, const Pose& pose, double radius_m,
+                    Fault blocked) const;
+  Result<> CheckStart(const Pose& start) const;
   Result<Ends> Connect(const Point& start, const Point& goal) const;
   std::vector<Point> Shortened(const std::vector<Cell>& cells, const Point& start,
                                const Point& goal, double radius_m) const;

@@ -138,7 +138,7 @@ TEST_F(APlainSkillClient, CancelsASkill) {
   Begin(tasks);
   const std::string output = Run(tasks, {"wait", "duration_s", "9999", "cancel"});
   EXPECT_THAT(output, HasSubstr("cancel: code 0\n"));
-  EXPECT_THAT(output, HasSubstr("result of status 5: false cancelled: Cancelled: by its client"));
+  EXPECT_THAT(output, HasSubstr("result of status 5: false cancelled: by its client"));
 }
 
 TEST_F(APlainSkillClient, GetsTheReasonOfARefusal) {
@@ -185,7 +185,7 @@ TEST_F(ASkillActuator, CancelsTheSkillOfAGoal) {
   });
   Await([&] { return replied; });
   harness_.Tick(tasks, 2);
-  EXPECT_EQ(EndOf(sent), "canceled false cancelled: Cancelled: by its client (0%)");
+  EXPECT_EQ(EndOf(sent), "canceled false cancelled: by its client (0%)");
 }
 
 TEST_F(ASkillActuator, PausesItsSkillsInLowPowerAndContinuesThem) {
@@ -234,7 +234,7 @@ TEST_F(ASkillActuator, CancelsItsSkillsAtOnceByAnEmergencyStop) {
                  .value();
     static_cast<void>(button->Publish({7, true, "a test", ""}));
   });
-  EXPECT_EQ(EndOf(sent), "aborted false cancelled: Cancelled: emergency stop (0%)");
+  EXPECT_EQ(EndOf(sent), "aborted false cancelled: emergency stop (0%)");
   EXPECT_FALSE(tasks.Of([](Tasks& t) { return t.stepping(); }));
   harness_.node().RunOnLoop([&] { button.reset(); });
 }
@@ -246,7 +246,7 @@ TEST_F(ASkillActuator, CancelsItsSkillsWhenAHookThrows) {
   AwaitAccepted(sent);
   tasks.RunOnLoop([&] { tasks.throws = "no camera"; });
   harness_.Tick(tasks, 1);
-  EXPECT_EQ(EndOf(sent), "aborted false cancelled: Cancelled: BeforeStep: no camera (0%)");
+  EXPECT_EQ(EndOf(sent), "aborted false cancelled: BeforeStep: no camera (0%)");
 }
 
 TEST_F(ASkillActuator, FailsItsSetUpWithoutASkill) {

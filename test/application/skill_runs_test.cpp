@@ -69,7 +69,7 @@ TEST_F(ASkillRun, ShowsItsEndWhenItIsReset) {
   AwaitAccepted(sent);
   harness_.Tick(tasks, 1);
   tasks.RunOnLoop([&] { EXPECT_TRUE(tasks.manager().Reset("wait")); });
-  EXPECT_EQ(EndOf(sent), "aborted false cancelled: Cancelled: it is reset (0%)");
+  EXPECT_EQ(EndOf(sent), "aborted false cancelled: it is reset (0%)");
   EXPECT_EQ(tasks.StateOf("wait"), "IDLE");
   Await([&] { return received_.back().status == msg::SkillFeedback::kStatusCancelled; });
 }

@@ -169,7 +169,8 @@ TEST_F(SkillCommand, LeavesASkillThatIsNotCancelledAtTheSecondCtrlC) {
   const Ended ended = run.Wait();
   EXPECT_EQ(ended.exit, 130);
   EXPECT_THAT(ended.err,
-              HasSubstr("deaf of cf2x_0 goes on: `musher skill cancel deaf` cancels it"));
+              HasSubstr("deaf of cf2x_0 has not ended yet: its cancellation was requested; "
+                        "`musher skill cancel deaf` requests it again"));
   EXPECT_EQ(Json(ended.out)["outcome"], "running");
 }
 
@@ -213,7 +214,7 @@ TEST_F(SkillCommand, ReportsACancellationThatIsRejected) {
   const Ran ran = RunProgram({"--json", "skill", "cancel", "deaf"});
   EXPECT_EQ(ran.exit, 1);
   EXPECT_EQ(Json(ran.out)["runs"][0]["outcome"], "running") << ran.out;
-  EXPECT_EQ(ran.err, "musher: deaf of cf2x_0 goes on: cf2x_0 refuses the cancellation\n");
+  EXPECT_EQ(ran.err, "musher: deaf of cf2x_0 has not ended yet: cf2x_0 refuses the cancellation\n");
   robot.Finish();
   EXPECT_EQ(run.Wait().exit, 0);
 }

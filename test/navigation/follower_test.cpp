@@ -64,6 +64,44 @@ TEST(Follower, ArrivesInTheTrajectorysTime) {
   EXPECT_EQ(body.Step().velocity, Velocity{}) << "and stays there";
 }
 
+TEST(Follower, BrakesToALimitOfTheSpeedAndIsNotLateForIt) {
+  Body body;
+  body.Start({{{0, 0, 0}, 0}, {{12, 0, 0}, 0}});
+  body.Run(3);
+  EXPECT_GT(body.velocity.x_m_s, 1.4);
+  body.follower.LimitSpeed(0.4);
+  double before_m_s = body.velocity.x_m_s, hardest_m_s2 = 0;
+  for (int i = 0; i < 120; ++i) {
+    body.Step();
+    hardest_m_s2 = std::max(hardest_m_s2, (before_m_s - body.velocity.x_m_s) * 60);
+    before_m_s = body.velocity.x_m_s;
+  }
+  EXPECT_LE(body.velocity.x_m_s, 0.401);
+  EXPECT_LT(hardest_m_s2, 1);
+  EXPECT_EQ(body.Run(60).progress, Progress::kArrived);
+  EXPECT_GT(ToSeconds(body.now - Time{}), 20);
+}
+
+TEST(Follower, GoesFasterAgainWithoutTheLimit) {
+  Body body;
+  body.follower.LimitSpeed(0.4);
+  body.Start({{{0, 0, 0}, 0}, {{12, 0, 0}, 0}});
+  body.Run(5);
+  EXPECT_NEAR(body.velocity.x_m_s, 0.4, 0.01) << "also in a trajectory that begins later";
+  body.follower.LimitSpeed(std::numeric_limits<double>::infinity());
+  body.Run(2);
+  EXPECT_GT(body.velocity.x_m_s, 1.2);
+}
+
+TEST(Follower, IsLateAlsoAtALimitOfTheSpeed) {
+  Body body;
+  body.follower.LimitSpeed(0.4);
+  body.Start(kAhead);
+  body.stuck = true;
+  body.Run(60);
+  EXPECT_EQ(body.follower.progress(), Progress::kFailed);
+}
+
 TEST(Follower, LeadsABodyBackToItsWay) {
   Body body;
   body.pose.at.y_m = 0.3;

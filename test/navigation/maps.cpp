@@ -38,6 +38,32 @@ CellMap RandomBoxes(std::uint64_t seed, double size_m, double resolution_m, doub
   return map;
 }
 
+CellMap Carved(double size_x_m, double size_y_m, double resolution_m,
+               const std::vector<Rectangle>& free) {
+  CellMap map;
+  map.resolution_m = resolution_m;
+  map.size_x = static_cast<int>(std::lround(size_x_m / resolution_m));
+  map.size_y = static_cast<int>(std::lround(size_y_m / resolution_m));
+  map.blocked.assign(static_cast<std::size_t>(map.size_x) * map.size_y, 1);
+  for (std::size_t i = 0; i < map.blocked.size(); ++i) {
+    const Point at = map.CentreOf(map.CellAt(i));
+    for (const Rectangle& part : free) {
+      const bool inside =
+          at.x_m > part.x_m && at.x_m < part.to_x_m && at.y_m > part.y_m && at.y_m < part.to_y_m;
+      if (inside) map.blocked[i] = 0;
+    }
+  }
+  return map;
+}
+
+CellMap CorridorWithABay(double bay_m) {
+  return Carved(14, 3, 0.05,
+                {{0.2, 0.2, 2.7, 2.8},
+                 {2.7, 1, 11.3, 1.8},
+                 {11.3, 0.2, 13.8, 2.8},
+                 {bay_m - 0.5, 1.8, bay_m + 0.5, 2.8}});
+}
+
 Point FreePlace(const Clearance& clearance, double radius_m, std::mt19937_64& random) {
   for (;;) {
     const Point place =

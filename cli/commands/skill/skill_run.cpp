@@ -52,10 +52,11 @@ class SkillRun {
     if (goal_.end()) {
       FillSkillEnd(*goal_.end(), goal_.accepted(), end);
     } else {
-      end.message = "`musher skill cancel " + end.skill + "` cancels it";
+      end.message = "its cancellation was requested; `musher skill cancel " + end.skill +
+                    "` requests it again";
     }
     if (!goal_.timed_out() || end.outcome == SkillOutcome::kCompleted) return end;
-    end.message = goal_.end() ? EndAfterTimeout(end) : "it goes on, " + end.message;
+    end.message = goal_.end() ? EndAfterTimeout(end) : end.message;
     end.outcome = SkillOutcome::kTimeout;
     end.duration_s = ToSeconds(*global_.timeout);
     return end;

@@ -48,6 +48,7 @@ ControllerConfig ReadController(const config_toml::Table& table, config_toml::Fi
   config::SetFrame(root, config.frame);
   config::SetTopic(root, "map", config.map, true);
   config::SetTopic(root, "cloud", config.cloud, true);
+  config::SetTopic(root, "speed_limit", config.speed_limit, true);
   config::SetNumber(root, "cloud_resolution_m", 0.01, 10, config.cloud_resolution_m);
   config::SetTime(root, "odometry_stale_ms", config.odometry_stale);
   config::SetTime(root, "scan_stale_ms", config.scan_stale);

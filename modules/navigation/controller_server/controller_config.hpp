@@ -30,8 +30,9 @@ struct ControllerRobot : RobotTable {
 
 struct ControllerConfig {
   std::string frame = "map";
-  std::string map = "map";                // of robots on the ground; empty: none
-  std::string cloud = "map_point_cloud";  // of flyers; empty: none
+  std::string map = "map";                  // of robots on the ground; empty: none
+  std::string cloud = "map_point_cloud";    // of flyers; empty: none
+  std::string speed_limit = "speed_limit";  // nav2_msgs/SpeedLimit; empty: none
   double cloud_resolution_m = 0.1;
   Duration odometry_stale = Milliseconds(400);  // older odometry ends a drive
   Duration scan_stale = Milliseconds(1000);

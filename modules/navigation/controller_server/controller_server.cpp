@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
@@ -72,6 +74,10 @@ Result<> ControllerServer::Open() {
     OpenRobot(*robots_.back());
   }
   SubscribeMaps();
+  if (!config_.speed_limit.empty()) {
+    endpoints_.Subscribe<msg::SpeedLimit>(
+        config_.speed_limit, [this](const msg::SpeedLimit& limit) { OnSpeedLimit(limit); });
+  }
   auto& loop = dependencies_.node.loop();
   quiet_ticks_ = loop.Every(kQuietPeriod, [this, &loop] { warnings_.Tick(loop.Now()); });
   return endpoints_.opened();
@@ -141,6 +147,23 @@ void ControllerServer::OnMap(bool flies, MakeClearance make) {
       }
     };
   });
+}
+
+// As nav2 has it: 0 is no limit.
+void ControllerServer::OnSpeedLimit(const msg::SpeedLimit& limit) {
+  if (!std::isfinite(limit.speed_limit) || limit.speed_limit < 0) {
+    return warnings_.Log("speed_limit", "a speed limit that is not a number from 0 on is not used",
+                         dependencies_.node.loop().Now());
+  }
+  for (const auto& robot : robots_) {
+    const double own_m_s = robot->config.limits.speed_m_s;
+    const double wanted = limit.percentage ? limit.speed_limit / 100 * own_m_s : limit.speed_limit;
+    robot->drive.LimitSpeed(wanted > 0 ? wanted : std::numeric_limits<double>::infinity());
+  }
+  Log(LogLevel::kInfo, limit.speed_limit == 0
+                           ? std::string("no speed limit")
+                           : fmt::format("speed limit: {:.2f} {}", limit.speed_limit,
+                                         limit.percentage ? "%" : "m/s"));
 }
 
 void ControllerServer::OnOdometry(Robot& robot, const msg::Odometry& odometry) {

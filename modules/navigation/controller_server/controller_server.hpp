@@ -16,6 +16,7 @@
 
 #include "musher/base/rate_limited_log.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/messages/nav2_msgs/speed_limit.hpp"
 #include "musher/modules/navigation/controller_server/path_drive.hpp"
 #include "musher/modules/navigation/server/background.hpp"
 #include "musher/modules/navigation/server/server_actuator.hpp"
@@ -68,6 +69,7 @@ class ControllerServer {
   // `make` runs on the background; its map is that of the flyers, or of the robots on the ground.
   using MakeClearance = std::function<Result<std::shared_ptr<const Clearance>>()>;
   void OnMap(bool flies, MakeClearance make);
+  void OnSpeedLimit(const msg::SpeedLimit& limit);
   void OnOdometry(Robot& robot, const msg::Odometry& odometry);
   void OnGoal(Robot& robot, const Goal& goal);
   void OnCancel(Robot& robot, Goal goal);

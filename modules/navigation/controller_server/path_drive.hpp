@@ -55,6 +55,8 @@ class PathDrive {
   void OnOdometry(const Motion& motion, Duration stamp, Time now);
   // `scanner`: its index in the config.
   void OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now);
+  // No faster than that, also in later drives; infinite: as fast as its own limit.
+  void LimitSpeed(double speed_m_s) { follower_.LimitSpeed(speed_m_s); }
   // Odometry and scans of before are not used.
   void Forget();
 

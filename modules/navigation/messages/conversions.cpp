@@ -192,6 +192,29 @@ Result<Motion> ToMotion(const msg::Odometry& odometry, const std::string& frame)
   return Motion{pose.value(), velocity};
 }
 
+Result<RobotIntent> ToIntent(const msg::RobotPath& path, const std::string& frame) {
+  const std::string what = "the path of " + Quoted(path.robot);
+  if (auto checked = CheckFrame(path.header.frame_id, frame, what); !checked) {
+    return checked.error();
+  }
+  const auto pose = ToPose(path.pose, what);
+  if (!pose) return pose.error();
+  RobotIntent intent{.robot = path.robot,
+                     .priority = path.priority,
+                     .radius_m = path.radius_m,
+                     .flies = path.flies,
+                     .cornered = path.cornered,
+                     .at = pose.value().at,
+                     .path = {}};
+  for (const msg::Point& point : path.path) {
+    intent.path.push_back({point.x, point.y, point.z});
+    if (IsFinite(intent.path.back())) continue;
+    return MakeError(Fault::kInput, what + ": a number is not finite");
+  }
+  if (std::isfinite(path.radius_m) && path.radius_m >= 0) return intent;
+  return MakeError(Fault::kInput, what + ": its radius is not a length");
+}
+
 Scan ToScan(const msg::LaserScan& scan) {
   return {scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, scan.ranges};
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/musher_msgs/robot_path.hpp"
 #include "musher/messages/nav_msgs/occupancy_grid.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/nav_msgs/path.hpp"
@@ -15,6 +16,7 @@
 #include "musher/messages/trajectory_msgs/joint_trajectory.hpp"
 #include "musher/navigation/controller/obstacle_watch.hpp"
 #include "musher/navigation/planner/cell_map.hpp"
+#include "musher/navigation/traffic/right_of_way.hpp"
 
 namespace musher::navigation {
 
@@ -41,6 +43,9 @@ msg::JointTrajectory ToMessage(const Trajectory& trajectory, const msg::Header& 
 
 // The twist of the message is in the frame of the body.
 Result<Motion> ToMotion(const msg::Odometry& odometry, const std::string& frame);
+
+// Where another robot is, and what it drives.
+Result<RobotIntent> ToIntent(const msg::RobotPath& path, const std::string& frame);
 
 Scan ToScan(const msg::LaserScan& scan);
 

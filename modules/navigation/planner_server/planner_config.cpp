@@ -18,8 +18,10 @@ PlannerRobot ReadPlannerRobot(TableReader& reader, const std::vector<std::string
   config::SetNumber(reader, "comfort_m", 0, 10, robot.comfort_m);
   robot.action = robot.name + "/compute_path_to_pose";
   robot.path = robot.name + "/planned_path";
+  robot.refuge = robot.name + "/compute_refuge";
   config::SetTopic(reader, "action", robot.action);
   config::SetTopic(reader, "path", robot.path);
+  config::SetTopic(reader, "refuge", robot.refuge);
   reader.RefuseOthers();
   return robot;
 }

@@ -16,6 +16,7 @@ struct PlannerRobot : RobotTable {
   double comfort_m = 0.1;  // more room than the margin, where it is cheap
   std::string action;      // <name>/compute_path_to_pose
   std::string path;        // <name>/planned_path
+  std::string refuge;      // <name>/compute_refuge
 };
 
 struct PlannerConfig {

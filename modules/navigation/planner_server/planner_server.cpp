@@ -12,8 +12,9 @@
 namespace musher::navigation {
 namespace {
 
-constexpr Duration kQuietTime = std::chrono::seconds(2);  // between warnings of one kind
-constexpr const char* kPlannerId = "GridBased";           // nav2's default name
+constexpr Duration kQuietTime = std::chrono::seconds(2);      // between warnings of one kind
+constexpr Duration kGoesOnWithin = std::chrono::seconds(60);  // with the last path to a goal
+constexpr const char* kPlannerId = "GridBased";               // nav2's default name
 
 // How long a search takes is real time, also where /clock is slower or faster.
 Time SteadyNow() {
@@ -105,6 +106,9 @@ void PlannerServer::OpenRobot(Robot& robot) {
   handlers.start = [this, &robot](const Goal& goal) { OnGoal(robot, goal); };
   handlers.cancel = [this, &robot](Goal goal) { OnCancel(robot, std::move(goal)); };
   OpenRobotEndpoints(endpoints_, config, config.action, dependencies_.clock, std::move(handlers));
+  endpoints_.Serve<Refuge>(config.refuge, [this, &robot](const auto& request, auto reply) {
+    FindRefugeOf(robot, request, reply);
+  });
 }
 
 void PlannerServer::Warn(const Robot& robot, const std::string& kind, const std::string& what) {
@@ -195,12 +199,27 @@ void PlannerServer::OnCancel(Robot& robot, Goal goal) {
 
 void PlannerServer::OnGoal(Robot& robot, const Goal& goal) {
   Drop(robot, "a newer goal has replaced this one");
-  robot.request.emplace(Request{goal, std::make_shared<std::atomic<bool>>(false), SteadyNow()});
+  robot.request.emplace(Request{goal, {}, std::make_shared<std::atomic<bool>>(false), SteadyNow()});
   robot.request->goal.Execute();
   if (!permitted_) return Refuse(robot, MakeError(Fault::kInput, not_permitted_));
   auto request = RequestOf(robot, goal.goal());
   if (!request) return Refuse(robot, request.error());
   Plan(robot, std::move(request).value());
+}
+
+Result<> PlannerServer::CheckPlace(const Robot& robot) const {
+  if (robot.motion && IsFresh(robot.motion_at)) return Ok();
+  return MakeError(
+      Fault::kOdometry,
+      fmt::format(
+          "the place of the robot is not known: no odometry on {} {}", robot.config->odometry,
+          robot.motion ? fmt::format("for {:.1f} s", ToSeconds(Now() - robot.motion_at)) : "yet"));
+}
+
+Result<> PlannerServer::CheckMap(const Robot& robot) const {
+  if (robot.planner) return Ok();
+  return MakeError(Fault::kMap, "there is no map yet, on " +
+                                    (robot.config->flies ? config_.cloud : config_.map));
 }
 
 Result<PathRequest> PlannerServer::RequestOf(const Robot& robot, const Action::Goal& goal) const {
@@ -218,26 +237,22 @@ Result<PathRequest> PlannerServer::RequestOf(const Robot& robot, const Action::G
     auto from = ToPose(goal.start, config_.frame, "start");
     if (!from) return from.error();
     request.start = from.value();
-  } else if (knows_place) {
-    request.start = robot.motion->pose;
+  } else if (auto checked = CheckPlace(robot); !checked) {
+    return checked.error();
   } else {
-    return MakeError(
-        Fault::kOdometry,
-        fmt::format("the place of the robot is not known: no odometry on {} {}",
-                    robot.config->odometry,
-                    robot.motion ? fmt::format("for {:.1f} s", ToSeconds(Now() - robot.motion_at))
-                                 : "yet"));
+    request.start = robot.motion->pose;
   }
-  if (!robot.planner) {
-    return MakeError(Fault::kMap, "there is no map yet, on " +
-                                      (robot.config->flies ? config_.cloud : config_.map));
-  }
+  if (auto checked = CheckMap(robot); !checked) return checked.error();
   if (knows_place) request.seen = robot.seen->Points(Now());
+  const bool goes_on = robot.last && robot.last->planner == robot.planner &&
+                       robot.last->goal == request.goal && Now() - robot.last->at <= kGoesOnWithin;
+  if (goes_on && !goal.use_start) request.before = robot.last->path;
   return request;
 }
 
 void PlannerServer::Plan(Robot& robot, PathRequest request) {
   const auto stop = robot.request->stop;
+  robot.request->to = request.goal;
   const Time deadline = robot.request->begin + config_.limit;
   robot.background->Do([this, &robot, planner = robot.planner, request = std::move(request),
                         config = config_, of = *robot.config, stop, deadline] {
@@ -247,6 +262,47 @@ void PlannerServer::Plan(Robot& robot, PathRequest request) {
       // A request that was cancelled or replaced has ended.
       if (robot.request && robot.request->stop == stop) OnReply(robot, *reply);
     };
+  });
+}
+
+Result<RefugeRequest> PlannerServer::RequestOf(const Robot& robot,
+                                               const Refuge::Request& request) const {
+  if (!permitted_) return MakeError(Fault::kInput, not_permitted_);
+  if (auto checked = CheckPlace(robot); !checked) return checked.error();
+  if (auto checked = CheckMap(robot); !checked) return checked.error();
+  RefugeRequest wanted{robot.motion->pose, robot.seen->Points(Now()), {}};
+  for (const msg::RobotPath& path : request.robots) {
+    auto other = ToIntent(path, config_.frame);
+    if (!other) return other.error();
+    wanted.others.push_back(std::move(other).value());
+  }
+  return wanted;
+}
+
+void PlannerServer::FindRefugeOf(Robot& robot, const Refuge::Request& request,
+                                 const std::function<void(const Refuge::Response&)>& reply) {
+  const auto answer = [this, &robot, reply](const Result<navigation::Plan>& plan) {
+    Refuge::Response response;
+    response.success = plan.ok();
+    if (!plan) {
+      response.message = plan.error().message;
+      Warn(robot, "refuge", "it has no place to give way to: " + plan.error().message);
+      return reply(response);
+    }
+    msg::Header header;
+    header.stamp = dependencies_.clock.Stamp();
+    header.frame_id = config_.frame;
+    response.path = ToMessage(plan.value().path, header);
+    reply(response);
+  };
+  auto wanted = RequestOf(robot, request);
+  if (!wanted) return answer(wanted.error());
+  const Time deadline = SteadyNow() + config_.limit;
+  robot.background->Do([planner = robot.planner, wanted = std::move(wanted).value(),
+                        of = *robot.config, deadline, answer] {
+    const auto plan = std::make_shared<const Result<navigation::Plan>>(
+        FindRefuge(*planner, wanted, of, [&] { return SteadyNow() >= deadline; }));
+    return [plan, answer] { answer(*plan); };
   });
 }
 
@@ -263,6 +319,7 @@ void PlannerServer::OnReply(Robot& robot, const PathReply& reply) {
   result.planning_time = {span.sec, span.nanosec};
   static_cast<void>(robot.path->Publish(result.path));  // latched; the result has it as well
   robot.request->goal.Succeed(result);
+  robot.last = Robot::LastPath{robot.planner, robot.request->to, plan.path, Now()};
   robot.request.reset();
   const Point& goal = plan.path.back().at;
   Log(LogLevel::kInfo,

@@ -1,6 +1,7 @@
 #pragma once
 // planner_server on the network: maps, odometry and scans in; for each robot an action
-// nav2_msgs/ComputePathToPose and its last path. Runs on any transport.
+// nav2_msgs/ComputePathToPose, its last path, and a service musher_msgs/ComputeRefuge. Runs on any
+// transport.
 //
 // A robot has one request at a time: a newer goal aborts the present one. A goal that cannot be
 // planned is aborted with a code of nav2, and its reason is logged once. A map that cannot be used
@@ -49,6 +50,7 @@ class PlannerServer {
 
   struct Request {
     Goal goal;
+    Pose to{};
     std::shared_ptr<std::atomic<bool>> stop;
     Time begin;  // of the steady clock
   };
@@ -62,6 +64,13 @@ class PlannerServer {
     std::vector<ScanView> scanners;
     std::optional<LocalGrid> seen;  // by them, lately
     std::optional<Request> request;
+    struct LastPath {
+      std::shared_ptr<const Planner> planner;
+      Pose goal;
+      Path path;
+      Time at{};
+    };
+    std::optional<LastPath> last;
     transport::Publisher<msg::Path>* path = nullptr;
     std::unique_ptr<Background> background;
   };
@@ -78,6 +87,12 @@ class PlannerServer {
   Result<PathRequest> RequestOf(const Robot& robot, const Action::Goal& goal) const;
   void Plan(Robot& robot, PathRequest request);
   void OnReply(Robot& robot, const PathReply& reply);
+  using Refuge = msg::ComputeRefuge;
+  void FindRefugeOf(Robot& robot, const Refuge::Request& request,
+                    const std::function<void(const Refuge::Response&)>& reply);
+  Result<RefugeRequest> RequestOf(const Robot& robot, const Refuge::Request& request) const;
+  Result<> CheckPlace(const Robot& robot) const;
+  Result<> CheckMap(const Robot& robot) const;
   void Refuse(Robot& robot, const Error& error);
   std::string MissingOf(const Robot& robot) const;
   // Ends the request of a robot; what is planned for it is dropped.

@@ -18,6 +18,7 @@ constexpr double kSeenWithinM = 8;            // points farther from the robot d
 constexpr std::size_t kMostCopied = 4 << 20;  // cells of a map that is copied for a request
 constexpr double kAroundPathM = 10;           // the part of a larger map that is copied
 constexpr double kAroundRobotM = 25;          // if that is too large as well
+constexpr double kLocalM = 5;                 // first the part so near to the robot
 
 PlannerRules RulesOf(const PlannerRobot& robot) {
   PlannerRules rules;
@@ -60,11 +61,12 @@ Result<CellMap> BetweenGroundAndCeiling(const CellMap& map, double ceiling_m) {
 
 // What the scan has seen near the robot and the map does not have. For a flyer its columns: a
 // planar scan does not say how high a thing is.
-std::vector<Point> NewNearby(const Planner& planner, const PathRequest& request, bool flies) {
+std::vector<Point> NewNearby(const Planner& planner, const Pose& start,
+                             const std::vector<Point>& seen, bool flies) {
   const CellMap& map = planner.clearance().map();
   std::vector<Point> nearby;
-  for (const Point& point : request.seen) {
-    if (Distance(point, request.start.at) <= kSeenWithinM) nearby.push_back(point);
+  for (const Point& point : seen) {
+    if (Distance(point, start.at) <= kSeenWithinM) nearby.push_back(point);
   }
   nearby = NewPoints(nearby, planner.clearance(), 2 * map.resolution_m);
   if (!flies) return nearby;
@@ -125,11 +127,21 @@ Part PartOf(const CellMap& map, const Path& path, const Pose& start) {
   return {Around(map, {start}, kAroundRobotM), path[last], last + 1};
 }
 
-// A path around what is seen; nothing where there is none.
-std::optional<Plan> FindAround(const Planner& planner, const PathRequest& request, const Plan& plan,
-                               const std::vector<Point>& seen, const PlannerRobot& robot,
-                               const std::function<bool()>& stop) {
-  Part part = PartOf(planner.clearance().map(), plan.path, request.start);
+// What is around the robot, if the path has left all that is seen within it.
+std::optional<Part> LocalPartOf(const CellMap& map, const Path& path, const Pose& start,
+                                const std::vector<Point>& seen, double keep_m) {
+  std::size_t last = 0;  // pose that is well inside of the part
+  while (last + 1 < path.size() && Distance(path[last + 1].at, start.at) < kLocalM - 2 * keep_m) {
+    ++last;
+  }
+  const Path rest(path.begin() + static_cast<std::ptrdiff_t>(last), path.end());
+  if (last == 0 || !IsClear(rest, seen, keep_m)) return std::nullopt;
+  return Part{Around(map, {start}, kLocalM), path[last], last + 1};
+}
+
+std::optional<Plan> FindAroundIn(Part part, const PathRequest& request, const Plan& plan,
+                                 const std::vector<Point>& seen, const PlannerRobot& robot,
+                                 const std::function<bool()>& stop) {
   BlockPoints(seen, part.map);
   const auto blocked = Planner::Make(std::move(part.map), RulesOf(robot), stop);
   if (!blocked) return std::nullopt;
@@ -141,6 +153,90 @@ std::optional<Plan> FindAround(const Planner& planner, const PathRequest& reques
     found.path.push_back(plan.path[i]);
   }
   return found;
+}
+
+// The rims of the bodies of other robots, and their middles; in every layer of the map.
+std::vector<Point> BodiesOf(const std::vector<RobotIntent>& others, const CellMap& map) {
+  std::vector<Point> points;
+  for (const RobotIntent& other : others) {
+    const int around = std::max(8, static_cast<int>(2 * M_PI * other.radius_m / map.resolution_m));
+    for (int i = 0; i <= around; ++i) {
+      const double angle = 2 * M_PI * i / around, away_m = i == around ? 0 : other.radius_m;
+      Point at{other.at.x_m + away_m * std::cos(angle), other.at.y_m + away_m * std::sin(angle), 0};
+      for (int z = 0; z < map.size_z; ++z) {
+        at.z_m = map.CentreOf({0, 0, z}).z_m;
+        points.push_back(at);
+      }
+    }
+  }
+  return points;
+}
+
+// How far each cell is from the path of one robot.
+Clearance AwayFromPath(const RobotIntent& other, CellMap map) {
+  std::fill(map.blocked.begin(), map.blocked.end(), 0);
+  constexpr double kLongestM = 100;  // of the path; what is farther away does not matter yet
+  std::vector<Point> places = {other.at};
+  double left_m = kLongestM;
+  for (const Point& to : other.path) {
+    const Point from = places.back();
+    const double length_m = Distance(from, to);
+    if (length_m > left_m) break;
+    left_m -= length_m;
+    const int steps = static_cast<int>(length_m / map.resolution_m) + 1;
+    for (int i = 1; i <= steps; ++i) {
+      places.push_back(Between(from, to, static_cast<double>(i) / steps));
+    }
+  }
+  BlockPoints(places, map);
+  return Clearance(std::move(map));
+}
+
+// A path around what is seen, in the part near the robot; nothing where there is none that is not
+// much longer.
+std::optional<Plan> FindLocally(const Planner& planner, const PathRequest& request,
+                                const Plan& plan, const std::vector<Point>& seen,
+                                const PlannerRobot& robot, const std::function<bool()>& stop) {
+  constexpr double kMuchLonger = 1.5;
+  const double keep_m = robot.radius_m + robot.margin_m;
+  auto local = LocalPartOf(planner.clearance().map(), plan.path, request.start, seen, keep_m);
+  if (!local) return std::nullopt;
+  auto around = FindAroundIn(std::move(*local), request, plan, seen, robot, stop);
+  const bool longer = around && around->length_m > kMuchLonger * plan.length_m + kLocalM;
+  return longer ? std::nullopt : std::move(around);
+}
+
+// The same, also farther away.
+std::optional<Plan> FindAround(const Planner& planner, const PathRequest& request, const Plan& plan,
+                               const std::vector<Point>& seen, const PlannerRobot& robot,
+                               const std::function<bool()>& stop) {
+  auto local = FindLocally(planner, request, plan, seen, robot, stop);
+  if (local) return local;
+  return FindAroundIn(PartOf(planner.clearance().map(), plan.path, request.start), request, plan,
+                      seen, robot, stop);
+}
+
+// What is left of the earlier path, from where the robot is; nothing if the robot has left it.
+std::optional<Plan> RestOf(const PathRequest& request, const Clearance& clearance, double keep_m) {
+  constexpr double kOnPathM = 0.5;
+  double least_m = kOnPathM;
+  std::size_t nearest = request.before.size();
+  for (std::size_t i = 0; i < request.before.size(); ++i) {
+    const double away_m = Distance(request.before[i].at, request.start.at);
+    if (away_m >= least_m) continue;
+    least_m = away_m;
+    nearest = i;
+  }
+  if (nearest + 1 >= request.before.size()) return std::nullopt;
+  Plan rest;
+  rest.path.assign(request.before.begin() + static_cast<std::ptrdiff_t>(nearest),
+                   request.before.end());
+  rest.path.front() = request.start;
+  if (!clearance.FitsAlong(rest.path[0].at, rest.path[1].at, keep_m)) return std::nullopt;
+  for (std::size_t i = 1; i < rest.path.size(); ++i) {
+    rest.length_m += Distance(rest.path[i - 1].at, rest.path[i].at);
+  }
+  return rest;
 }
 
 Result<> CheckAltitude(const Pose& goal, const PlannerConfig& config) {
@@ -203,6 +299,34 @@ Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& 
   return Planner::Make(std::move(between).value(), RulesOf(robot));
 }
 
+Result<Plan> FindRefuge(const Planner& planner, const RefugeRequest& request,
+                        const PlannerRobot& robot, const std::function<bool()>& stop) {
+  CellMap map = Around(planner.clearance().map(), {request.start}, kAroundRobotM);
+  const CellMap place = map;
+  BlockPoints(NewNearby(planner, request.start, request.seen, robot.flies), map);
+  BlockPoints(BodiesOf(request.others, map), map);
+  PlannerRules rules = RulesOf(robot);
+  rules.start_within_m += place.resolution_m;  // it stands before the other
+  const auto local = Planner::Make(std::move(map), rules, stop);
+  if (!local) return local.error();
+  struct Kept {
+    Clearance away;
+    double least_m = 0;
+  };
+  std::vector<Kept> kept;
+  for (const RobotIntent& other : request.others) {
+    if (other.path.empty()) continue;
+    const double rounding_m = place.resolution_m;
+    kept.push_back(
+        {AwayFromPath(other, place), KeptApart(robot.radius_m, other.radius_m, {}) + rounding_m});
+  }
+  const auto is_off = [&](std::size_t cell) {
+    return std::ranges::all_of(
+        kept, [&](const Kept& one) { return one.away.OfCell(cell) >= one.least_m; });
+  };
+  return local.value().FindNearest(request.start, is_off, stop);
+}
+
 PathReply FindPath(const Planner& planner, const PathRequest& request, const PlannerConfig& config,
                    const PlannerRobot& robot, const std::function<bool()>& stop) {
   if (robot.flies) {
@@ -215,14 +339,19 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
     return Refused(MakeError(Fault::kTimeLimit, "the request reached its time limit"));
   }
   const CellMap& map = planner.clearance().map();
+  const std::vector<Point> seen = NewNearby(planner, request.start, request.seen, robot.flies);
+  const double keep_m = robot.radius_m + robot.margin_m;
+  if (auto rest = RestOf(request, planner.clearance(), keep_m)) {
+    if (IsClear(rest->path, seen, keep_m)) return {std::move(*rest), PathCode::kNone, false};
+    auto local = FindLocally(planner, request, *rest, seen, robot, stop);
+    if (local) return {std::move(*local), PathCode::kNone, true};
+  }
   auto plan = planner.Find(request.start, request.goal, stop);
   if (!plan.ok()) {
     if (!Is(plan.error(), Fault::kOutside)) return Refused(plan.error());
     const bool goal = !map.Has(map.CellOf(request.goal.at));
     return Refused(goal ? MakeError(Fault::kGoalOutside, plan.error().message) : plan.error());
   }
-  const std::vector<Point> seen = NewNearby(planner, request, robot.flies);
-  const double keep_m = robot.radius_m + robot.margin_m;
   if (IsClear(plan.value().path, seen, keep_m)) return {std::move(plan), PathCode::kNone, false};
   auto around = FindAround(planner, request, plan.value(), seen, robot, stop);
   if (!around) return {std::move(plan), PathCode::kNone, false};

@@ -10,6 +10,7 @@
 #include "musher/modules/navigation/messages/conversions.hpp"
 #include "musher/modules/navigation/planner_server/planner_config.hpp"
 #include "musher/navigation/planner/planner.hpp"
+#include "musher/navigation/traffic/right_of_way.hpp"
 
 namespace musher::navigation {
 
@@ -26,6 +27,9 @@ struct PathRequest {
   Pose start;
   Pose goal;
   std::vector<Point> seen;  // by the robot's scan
+  // The last path to this goal by this map, along which the robot still drives; empty: none. Then a
+  // way around what is seen is sought near the robot, and on the whole map only if there is none.
+  Path before{};
 };
 
 struct PathReply {
@@ -38,6 +42,16 @@ struct PathReply {
 // there is none the plan is that of the map alone: what blocks it may move.
 PathReply FindPath(const Planner& planner, const PathRequest& request, const PlannerConfig& config,
                    const PlannerRobot& robot, const std::function<bool()>& stop);
+
+struct RefugeRequest {
+  Pose start;
+  std::vector<Point> seen;          // by the robot's scan
+  std::vector<RobotIntent> others;  // off their paths, and not through their bodies
+};
+
+// The path to the nearest place that is off the paths of others. It looks within 25 m.
+Result<Plan> FindRefuge(const Planner& planner, const RefugeRequest& request,
+                        const PlannerRobot& robot, const std::function<bool()>& stop);
 
 // The code of nav2 for a failure.
 std::uint16_t ErrorCodeOf(const Error& error);

@@ -35,6 +35,7 @@ class Reader {
     config_.flies = root.Bool("flies").value_or(false);
     config_.ceiling_m = root.Number("ceiling_m", 0.1, 10'000);
     config_.hand = root.Bool("hand").value_or(false);
+    config_.priority = static_cast<int>(root.Integer("priority", -1000, 1000).value_or(0));
     config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
     config_.photo_folder = PathOf(root, "photo_folder",
                                   config_toml::DefaultStateDir("photos", "") + "/" + config_.robot);
@@ -92,7 +93,12 @@ class Reader {
                      prefix + "compute_path_to_pose",
                      prefix + "follow_path",
                      prefix + "manipulation_control",
-                     ""};
+                     "",
+                     prefix + "compute_refuge",
+                     "/robot_paths",
+                     prefix + "navigate_to_pose",
+                     prefix + "navigate_through_poses",
+                     prefix + "follow_waypoints"};
   }
 
   void ReadTopics(TableReader& reader) {
@@ -106,6 +112,11 @@ class Reader {
     Topic(reader, "controller", names.controller, false);
     Topic(reader, "hand", names.hand, false);
     Topic(reader, "teleop", names.teleop, true);
+    Topic(reader, "refuge", names.refuge, false);
+    Topic(reader, "robot_paths", names.robot_paths, true);
+    Topic(reader, "navigate_to_pose", names.navigate_to_pose, true);
+    Topic(reader, "navigate_through_poses", names.navigate_through_poses, true);
+    Topic(reader, "follow_waypoints", names.follow_waypoints, true);
   }
 
   static void Topic(TableReader& reader, std::string_view key, std::string& name, bool optional) {

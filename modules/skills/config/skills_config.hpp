@@ -20,14 +20,20 @@ namespace musher::skills {
 
 // Topics, services and actions; relative ones are in the machine's namespace. Empty: none.
 struct InterfaceNames {
-  std::string velocity;    // geometry_msgs/Twist, published
-  std::string odometry;    // nav_msgs/Odometry
-  std::string objects;     // musher_msgs/ObjectStates
-  std::string line;        // musher_msgs/YellowLines
-  std::string planner;     // action nav2_msgs/ComputePathToPose
-  std::string controller;  // action nav2_msgs/FollowPath
-  std::string hand;        // service musher_msgs/ManipulationControl
-  std::string teleop;      // geometry_msgs/Twist of a person
+  std::string velocity;     // geometry_msgs/Twist, published
+  std::string odometry;     // nav_msgs/Odometry
+  std::string objects;      // musher_msgs/ObjectStates
+  std::string line;         // musher_msgs/YellowLines
+  std::string planner;      // action nav2_msgs/ComputePathToPose
+  std::string controller;   // action nav2_msgs/FollowPath
+  std::string hand;         // service musher_msgs/ManipulationControl
+  std::string teleop;       // geometry_msgs/Twist of a person
+  std::string refuge;       // service musher_msgs/ComputeRefuge
+  std::string robot_paths;  // musher_msgs/RobotPath of all robots
+  // Actions of nav2 that it serves.
+  std::string navigate_to_pose;
+  std::string navigate_through_poses;
+  std::string follow_waypoints;
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.
@@ -54,6 +60,7 @@ struct SkillsConfig {
   double radius_m = 0.25;
   std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
+  int priority = 0;  // where two robots meet; the higher one goes first
   InterfaceNames names;
   navigation::GateRules gate;  // with its scanners
   LineView line;

@@ -13,7 +13,7 @@ std::string StepText(const msg::SkillPlan& plan, std::size_t index);
 
 // Fails with all errors, a line each, each with its step and robot: a plan without steps, a step
 // without robots, a robot that is in a step twice, one without exactly one skill, a name that no
-// robot can have.
+// robot can have, two robots that go to one place: in one step, or to where the other still is.
 Result<> CheckPlan(const msg::SkillPlan& plan);
 
 }  // namespace musher::skills

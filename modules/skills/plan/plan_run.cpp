@@ -38,6 +38,7 @@ bool PlanRun::AllEnded() const {
 
 void PlanRun::Fail(const std::string& why) {
   if (ending_) return;
+  why_cancelled_ = "with its plan, in which " + why;
   ending_ = PlanEnd{PlanOutcome::kAborted, "Execution failed in timestep " +
                                                std::to_string(present().timestep) + ". " + why};
 }
@@ -58,6 +59,9 @@ void PlanRun::OnEnd(std::size_t robot, bool success, std::string message) {
   if (!member.sent || member.ended) return;
   member.ended = true;
   member.status = std::move(message);
+  // For its server the client that has cancelled it is this dispatcher.
+  const bool by_failure = member.cancelled && !success && !why_cancelled_.empty();
+  if (by_failure) member.status = "cancelled: " + why_cancelled_;
   changed_ = true;
   if (!success) Fail(NameOf(robot) + ": " + member.status);
 }

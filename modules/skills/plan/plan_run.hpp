@@ -90,6 +90,7 @@ class PlanRun {
   Time step_begun_;
   bool running_ = false;  // the goals of the step are sent
   std::vector<Member> members_;
+  std::string why_cancelled_;      // for the other robots of the step
   std::optional<PlanEnd> ending_;  // a failure or a cancellation: the end, when all have ended
   std::optional<Time> cancelling_since_;
   bool changed_ = true;  // since the last feedback

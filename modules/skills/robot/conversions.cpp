@@ -78,6 +78,36 @@ msg::Path ToMessage(const navigation::Path& path, const msg::Stamp& stamp) {
   return message;
 }
 
+std::optional<navigation::RobotIntent> ToIntent(const msg::RobotPath& path) {
+  const auto pose = ToPose(path.pose);
+  const std::string& frame = path.header.frame_id;
+  if (!pose || (!frame.empty() && frame != kMapFrame)) return std::nullopt;
+  navigation::RobotIntent intent;
+  intent.robot = path.robot;
+  intent.priority = path.priority;
+  intent.radius_m = path.radius_m;
+  intent.flies = path.flies;
+  intent.cornered = path.cornered;
+  intent.at = pose->at;
+  for (const msg::Point& at : path.path) intent.path.push_back({at.x, at.y, at.z});
+  return intent;
+}
+
+msg::RobotPath ToMessage(const navigation::RobotIntent& intent, const msg::Stamp& stamp) {
+  msg::RobotPath message;
+  message.header = {stamp, kMapFrame};
+  message.robot = intent.robot;
+  message.priority = intent.priority;
+  message.flies = intent.flies;
+  message.cornered = intent.cornered;
+  message.radius_m = static_cast<float>(intent.radius_m);
+  message.pose = ToMessage(navigation::Pose{intent.at, 0}, stamp).pose;
+  for (const navigation::Point& at : intent.path) {
+    message.path.push_back({at.x_m, at.y_m, at.z_m});
+  }
+  return message;
+}
+
 navigation::Velocity ToMapFrame(const msg::Twist& twist, double yaw_rad) {
   const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
   const double x = FiniteOr0(twist.linear.x), y = FiniteOr0(twist.linear.y);
@@ -225,23 +255,27 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
 Error ControllerError(std::uint16_t error_code, const std::string& words) {
   using Code = msg::FollowPath;
   using navigation::Fault;
-  using navigation::MakeError;
+  // The controller knows more than its code says.
+  const auto fault_of = [&words](Fault fault, const char* text) {
+    constexpr std::size_t kLongest = 200;
+    return navigation::MakeError(fault, words.empty() ? text : words.substr(0, kLongest));
+  };
   const auto failed = [](const char* why) { return Error{kCodeFailed, why}; };
   switch (error_code) {
     case Code::kInvalidController:
       return failed("the controller has no such controller_id");
     case Code::kTfError:
-      return MakeError(Fault::kOdometry,
-                       "its odometry is lost, has jumped, or is in another frame than the path");
+      return fault_of(Fault::kOdometry,
+                      "its odometry is lost, has jumped, or is in another frame than the path");
     case Code::kInvalidPath:
       return failed("the controller refuses the path");
     case Code::kPatienceExceeded:
-      return MakeError(Fault::kObstacle, "an obstacle stays in the way");
+      return fault_of(Fault::kObstacle, "an obstacle stays in the way");
     case Code::kFailedToMakeProgress:
-      return MakeError(Fault::kLate,
-                       "the robot did not arrive in time, or did not move as it was commanded");
+      return fault_of(Fault::kLate,
+                      "the robot did not arrive in time, or did not move as it was commanded");
     case Code::kNoValidControl:
-      return MakeError(Fault::kScan, "its scan is lost");
+      return fault_of(Fault::kScan, "its scan is lost");
     case Code::kControllerTimedOut:
       return failed("the controller has not answered its server in time");
     default:

@@ -10,6 +10,7 @@
 
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/musher_msgs/manipulation.hpp"
+#include "musher/messages/musher_msgs/robot_path.hpp"
 #include "musher/messages/musher_msgs/sighting.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
 #include "musher/messages/nav_msgs/path.hpp"
@@ -30,6 +31,10 @@ msg::PoseStamped ToMessage(const navigation::Pose& pose, const msg::Stamp& stamp
 // Nullopt: no pose, or one that is not finite.
 std::optional<navigation::Path> ToPath(const msg::Path& path);
 msg::Path ToMessage(const navigation::Path& path, const msg::Stamp& stamp);
+
+// Nullopt: another frame than the map's, or a pose that is not finite.
+std::optional<navigation::RobotIntent> ToIntent(const msg::RobotPath& path);
+msg::RobotPath ToMessage(const navigation::RobotIntent& intent, const msg::Stamp& stamp);
 
 navigation::Velocity ToMapFrame(const msg::Twist& twist, double yaw_rad);
 // Numbers that are not finite become 0.

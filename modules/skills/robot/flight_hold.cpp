@@ -1,13 +1,10 @@
 #include "musher/modules/skills/robot/flight_hold.hpp"
 
-#include <algorithm>
-
 namespace musher::skills {
 namespace {
 
 constexpr double kBrakedMS = 0.15;
 constexpr Duration kLongestBraking = std::chrono::seconds(1);  // a wind does not brake
-constexpr double kLongestStepS = 0.2;
 
 }  // namespace
 
@@ -33,7 +30,7 @@ std::optional<navigation::Velocity> FlightHold::Command(const std::optional<navi
     armed_ = false;
     return std::nullopt;
   }
-  return hold_.Command(*place_, *pose, std::min(ToSeconds(step), kLongestStepS));
+  return hold_.Command(*place_, *pose, PositionHold::SecondsOf(step));
 }
 
 }  // namespace musher::skills

@@ -19,7 +19,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/behavior/skill/future.hpp"
-#include "musher/navigation/pose.hpp"
+#include "musher/navigation/traffic/right_of_way.hpp"
 
 namespace musher::skills {
 
@@ -108,6 +108,17 @@ class Robot {
   virtual skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) = 0;
   virtual std::unique_ptr<Drive> FollowPath(const navigation::Path& path) = 0;
+
+  // What the robot says of itself to others, with what is left of the path of its drive; that of a
+  // drive that has just ended still counts.
+  virtual navigation::RobotIntent intent() { return {}; }
+  // What other robots have said of themselves lately.
+  virtual std::vector<navigation::RobotIntent> others() const { return {}; }
+  // It finds no place to give way to, or cannot give way: for so long it says so, and others give
+  // way to it.
+  virtual void NoteCornered(Duration /*time*/) {}
+  // A path to the nearest place that is off the paths of the others. Fails with the reason.
+  virtual skill::Future<navigation::Path> ComputeRefuge() { return {}; }
 
   // Points that a scan of the last 0.5 s has seen, in the frame of the map. Empty: none, or no
   // scan; see HasScan().

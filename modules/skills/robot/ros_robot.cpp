@@ -63,9 +63,7 @@ RosRobot::Missing RosRobot::Look() const {
 
 std::optional<navigation::Pose> RosRobot::pose() const {
   const auto wire = wire_.lock();
-  const Wire::Motion* motion = wire ? wire->motion.At(wire->Now()) : nullptr;
-  if (motion == nullptr) return std::nullopt;
-  return motion->pose;
+  return wire ? wire->PoseNow() : std::nullopt;
 }
 
 navigation::Velocity RosRobot::velocity() const {
@@ -111,7 +109,28 @@ std::unique_ptr<Drive> RosRobot::FollowPath(const navigation::Path& path) {
   const auto wire = wire_.lock();
   if (!wire) return std::make_unique<NoDrive>();
   wire->FreeBase();
-  return wire->navigator->FollowPath(path);
+  auto drive = wire->navigator->FollowPath(path);
+  wire->traffic->Begin(path);
+  return drive;
+}
+
+navigation::RobotIntent RosRobot::intent() {
+  const auto wire = wire_.lock();
+  return wire ? wire->traffic->Intent() : navigation::RobotIntent{};
+}
+
+std::vector<navigation::RobotIntent> RosRobot::others() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->traffic->Others() : std::vector<navigation::RobotIntent>{};
+}
+
+void RosRobot::NoteCornered(Duration time) {
+  if (const auto wire = wire_.lock()) wire->traffic->NoteCornered(time);
+}
+
+skill::Future<navigation::Path> RosRobot::ComputeRefuge() {
+  const auto wire = wire_.lock();
+  return wire ? wire->traffic->ComputeRefuge() : Failed<navigation::Path>(kClosed);
 }
 
 std::vector<navigation::Point> RosRobot::obstacles() const {

@@ -61,6 +61,10 @@ class RosRobot final : public Robot {
   skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) override;
   std::unique_ptr<Drive> FollowPath(const navigation::Path& path) override;
+  navigation::RobotIntent intent() override;
+  std::vector<navigation::RobotIntent> others() const override;
+  void NoteCornered(Duration time) override;
+  skill::Future<navigation::Path> ComputeRefuge() override;
   std::vector<navigation::Point> obstacles() const override;
   bool HasScan() const override;
   std::vector<SeenObject> objects() const override;

@@ -6,6 +6,7 @@
 #include "musher/base/toml/names.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
+#include "musher/transport/action_names.hpp"
 
 namespace musher::skills {
 namespace {
@@ -30,6 +31,10 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
       std::make_unique<Navigator>(endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
                                   endpoints.OpenActionClient<msg::FollowPath>(names.controller),
                                   [this] { return clock.Stamp(); });
+  traffic = std::make_unique<Traffic>(
+      config, "/" + transport::ResolveName(name_space, config.robot),
+      Traffic::Body{[this] { return PoseNow(); }, [this] { return navigator->Drives(); }},
+      endpoints);
   std::map<std::string, std::string> topics;
   for (const auto& [camera, topic] : config.cameras) {
     topics[camera] = transport::ResolveName(name_space, topic);
@@ -38,16 +43,18 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   photos = std::make_unique<PhotoFolder>(config.photo_folder, node.loop());
   if (!config.detectors.empty()) {
     detectors = std::make_unique<DetectorFeeds>(node, clock, name_space, config.detectors,
-                                                [this]() -> std::optional<navigation::Pose> {
-                                                  const Motion* now = motion.At(Now());
-                                                  if (now == nullptr) return std::nullopt;
-                                                  return now->pose;
-                                                });
+                                                [this] { return PoseNow(); });
   }
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   Subscribe(endpoints);
   SubscribeScans(endpoints);
+  SubscribeDrives(endpoints);
   if (config.flies) holds_ = clock.Every(kHoldPeriod, [this] { HoldPlace(); });
+}
+
+std::optional<navigation::Pose> RosRobot::Wire::PoseNow() const {
+  const Motion* now = motion.At(Now());
+  return now == nullptr ? std::nullopt : std::optional(now->pose);
 }
 
 void RosRobot::Wire::SubscribeScans(transport::Endpoints& endpoints) {
@@ -63,6 +70,24 @@ void RosRobot::Wire::SubscribeScans(transport::Endpoints& endpoints) {
         },
         transport::kSensorDataQos);
   }
+}
+
+void RosRobot::Wire::SubscribeDrives(transport::Endpoints& endpoints) {
+  drives_status_ = endpoints.Subscribe<msg::GoalStatusArray>(
+      transport::StatusTopic(config.names.controller),
+      [this](const msg::GoalStatusArray& goals) {
+        controller_drives_ = std::ranges::any_of(goals.status_list, [](const auto& goal) {
+          return goal.status == msg::GoalStatus::kStatusAccepted ||
+                 goal.status == msg::GoalStatus::kStatusExecuting ||
+                 goal.status == msg::GoalStatus::kStatusCanceling;
+        });
+      },
+      transport::kLatchedQos);
+}
+
+bool RosRobot::Wire::Drives() const {
+  const bool lost = drives_status_ == nullptr || drives_status_->MatchedWriters() == 0;
+  return navigator->Drives() || (controller_drives_ && !lost);
 }
 
 std::vector<navigation::Point> RosRobot::Wire::Seen() const {
@@ -83,13 +108,13 @@ bool RosRobot::Wire::HasScan() const {
 // A person moves the robot only in Active, and while no skill does.
 void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
   const bool active = Now() - active_at <= kActiveWithin;
-  if (!active || navigator->Drives()) return;
+  if (!active || Drives()) return;
   if (holding_) StopMotion();
   velocity->Teleoperate(ToMapFrame(twist, 0));
 }
 
 void RosRobot::Wire::HoldPlace() {
-  if (navigator->Drives() || (velocity->sending() && !holding_)) {
+  if (Drives() || (velocity->sending() && !holding_)) {
     if (holding_) StopMotion();
     hold.Use();
     return;

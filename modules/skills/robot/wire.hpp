@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/action_msgs/goal_status.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
@@ -16,6 +17,7 @@
 #include "musher/modules/skills/robot/photo_folder.hpp"
 #include "musher/modules/skills/robot/recent_value.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
+#include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
 
 namespace musher::skills {
@@ -55,6 +57,8 @@ struct RosRobot::Wire {
   // Of each scanner; false without one.
   bool HasScan() const;
   Time Now() const { return clock.Now(); }
+  // Nullopt: no recent odometry.
+  std::optional<navigation::Pose> PoseNow() const;
 
   struct Motion {
     navigation::Pose pose;
@@ -82,6 +86,7 @@ struct RosRobot::Wire {
   FlightHold hold;
   Time active_at{};  // of the last step of the skills
   std::unique_ptr<Navigator> navigator;
+  std::unique_ptr<Traffic> traffic;
   std::unique_ptr<CameraFeeds> cameras;
   std::unique_ptr<PhotoFolder> photos;
   std::unique_ptr<DetectorFeeds> detectors;  // null: the config names none
@@ -89,11 +94,16 @@ struct RosRobot::Wire {
  private:
   void Subscribe(transport::Endpoints& endpoints);
   void SubscribeScans(transport::Endpoints& endpoints);
+  void SubscribeDrives(transport::Endpoints& endpoints);
+  // Whether the controller drives, for a skill or for another client.
+  bool Drives() const;
   void OnTeleop(const msg::Twist& twist);
   void HoldPlace();
 
   bool holding_ = false;  // the last command is that of `hold`
   Duration odometry_stamp_{};
+  bool controller_drives_ = false;  // by the last status of its goals
+  transport::Subscription* drives_status_ = nullptr;
   transport::LoopHandlePtr holds_;  // last: it uses the rest
 };
 

@@ -88,6 +88,7 @@ void Explore::Declare(skill::Table& table) {
 
 Next Explore::Step(Tick& tick) {
   if (tick.state == stopping_) return Stop(tick);
+  DoNotGiveWay();
   if (path_.empty()) {
     const Result<> made = MakePath(tick);
     if (!made) return Next::Fail(made.error().message);

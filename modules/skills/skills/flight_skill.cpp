@@ -9,14 +9,8 @@ namespace musher::skills {
 namespace {
 
 constexpr double kOdometryLimitS = 2;
-constexpr double kLongestControlStepS = 0.2;
 constexpr std::string_view kBlindSince = "odometry_missing_since_s";
 constexpr std::string_view kPlace = "place";
-
-// Of the controller: a jump of the clock is no wind.
-double ControlStep(Duration step) {
-  return std::min(ToSeconds(step), kLongestControlStepS);
-}
 
 }  // namespace
 
@@ -72,14 +66,14 @@ double FlightSkill::Ceiling(const skill::Tick& tick) const {
 
 void FlightSkill::Keep(const navigation::Pose& place, const navigation::Pose& now,
                        const skill::Tick& tick) {
-  robot_.SetVelocity(hold_.Command(place, now, ControlStep(tick.step)));
+  robot_.SetVelocity(hold_.Command(place, now, PositionHold::SecondsOf(tick.step)));
 }
 
 void FlightSkill::KeepWhile(double climb_mps, const navigation::Pose& place,
                             const navigation::Pose& now, const skill::Tick& tick) {
   navigation::Pose level = place;
   level.at.z_m = now.at.z_m;
-  navigation::Velocity command = hold_.Command(level, now, ControlStep(tick.step));
+  navigation::Velocity command = hold_.Command(level, now, PositionHold::SecondsOf(tick.step));
   command.z_m_s = climb_mps;
   robot_.SetVelocity(command);
 }

@@ -24,6 +24,7 @@ void GoalSkill::Declare(skill::Table& table) {
   planning_ = table.State("PLANNING", kPlanning);
   recovering_ = table.State("RECOVERING", std::chrono::seconds(30));
   executing_ = table.State("EXECUTING", kMoving);
+  giving_way_ = table.State("GIVING_WAY", kMoving);
   stopping_ = table.State("STOPPING");
   table.To(initializing_, planning_, "planner and controller are reachable");
   table.To(initializing_, initializing_, "they are not, after a loss");
@@ -34,7 +35,10 @@ void GoalSkill::Declare(skill::Table& table) {
   table.To(executing_, skill::kSucceeded, "at the goal");
   table.To(executing_, planning_, "an obstacle, a pause, another goal");
   table.To(executing_, initializing_, "the controller is lost");
-  for (const skill::StateId state : {initializing_, planning_, recovering_, executing_}) {
+  table.To(executing_, giving_way_, "another robot goes first");
+  table.To(giving_way_, planning_, "the way is free");
+  for (const skill::StateId state :
+       {initializing_, planning_, recovering_, executing_, giving_way_}) {
     table.To(state, skill::kFailed, "failed");
     table.To(state, stopping_, "cancel");
   }
@@ -58,6 +62,7 @@ Next GoalSkill::Step(Tick& tick) {
   }
   if (tick.state == initializing_) return Initialize(tick);
   if (tick.state == recovering_) return Recover(tick);
+  if (tick.state == giving_way_) return LetPass(tick);
   NoteBlockedTime(tick);
   return tick.state == planning_ ? Plan(tick) : Execute(tick);
 }
@@ -109,12 +114,26 @@ Next GoalSkill::Execute(Tick& tick) {
     return message ? Next::Succeed(*message) : Next::To(planning_);
   }
   if (step.kind != Kind::kPending) return Decide(tick, step);
+  if (give_way_.Needed()) {
+    give_way_.Begin();
+    return Next::To(giving_way_, Prefix(tick) + "Gives way to " + give_way_.to());
+  }
   const double length_m = std::max(travel_.length_m(), 0.1);
   const double share = std::clamp(1 - travel_.distance_to_goal_m() / length_m, 0.0, 1.0);
   tick.Report(50 + 45 * Share(tick, share),
               Prefix(tick) + fmt::format("Moving... ({:.1f}s)", ToSeconds(tick.elapsed)));
   travel_.AddDetails(tick);
   return Next::Stay();
+}
+
+Next GoalSkill::LetPass(Tick& tick) {
+  const bool restored = give_way_.to().empty();
+  if (!restored && !give_way_.Step(tick.step)) {
+    tick.Report(50, Prefix(tick) + "Gives way to " + give_way_.to() + ": " + give_way_.Doing());
+    return Next::Stay();
+  }
+  give_way_.Restart();
+  return Next::Replan(planning_, Prefix(tick) + "The way is free");
 }
 
 Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
@@ -152,7 +171,8 @@ Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
   return Next::Fail(
       Prefix(tick) +
       fmt::format("Blocked for {:.0f} s, {:.1f} m from the goal, at ({:.2f}, {:.2f}): {}",
-                  ToSeconds(blocked_->stood), left_m, at.x_m, at.y_m, step.why));
+                  ToSeconds(blocked_->stood), left_m, at.x_m, at.y_m, step.why) +
+      GiveWay::NearRobotText(robot_));
 }
 
 Next GoalSkill::OnLimit(Tick& tick) {
@@ -163,6 +183,11 @@ Next GoalSkill::OnLimit(Tick& tick) {
   }
   if (tick.state == recovering_) return Next::To(planning_);
   if (tick.state == planning_) return Next::Fail(Prefix(tick) + "Planning timeout");
+  if (tick.state == giving_way_) {
+    return Next::Fail(Prefix(tick) +
+                      fmt::format("Gave way to {} for {:.0f} s: it has not left the way",
+                                  give_way_.to(), ToSeconds(tick.elapsed)));
+  }
   return Next::Fail(Prefix(tick) + "Navigate timeout");
 }
 

@@ -8,6 +8,9 @@
 //   RECOVERING    the robot has no room where it stands: one recovery of the parameter `recoveries`
 //                 after the other, and another plan after each; once all are used up, it fails
 //   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
+//   GIVING_WAY    another robot comes the other way and goes first (give_way.hpp): then PLANNING,
+//   not
+//                 counted; 120 s
 //   STOPPING      of a cancellation: until the robot stands
 //
 // An obstacle that stays: the path is planned again, which leads around it if it can. It fails once
@@ -21,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/modules/skills/skills/give_way.hpp"
 #include "musher/modules/skills/skills/recovery.hpp"
 #include "musher/modules/skills/skills/travel_skill.hpp"
 
@@ -30,7 +34,8 @@ inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
 
 class GoalSkill : public TravelSkill {
  public:
-  explicit GoalSkill(Robot& robot) : TravelSkill(robot), recovery_(robot) {}
+  explicit GoalSkill(Robot& robot)
+      : TravelSkill(robot), recovery_(robot), give_way_(robot, travel_) {}
 
   void Declare(skill::Table& table) final;
   skill::Next Step(skill::Tick& tick) final;
@@ -59,6 +64,7 @@ class GoalSkill : public TravelSkill {
   skill::Next Recover(skill::Tick& tick);
   skill::Next AfterTightStart(skill::Tick& tick, const std::string& why);
   skill::Next Execute(skill::Tick& tick);
+  skill::Next LetPass(skill::Tick& tick);
   skill::Next Decide(const skill::Tick& tick, const TravelStep& step);
   skill::Next AfterBlocked(const skill::Tick& tick, const TravelStep& step);
   void NoteBlockedTime(const skill::Tick& tick);
@@ -71,6 +77,7 @@ class GoalSkill : public TravelSkill {
   };
 
   Recovery recovery_;
+  GiveWay give_way_;
   std::vector<RecoveryKind> recoveries_;
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
@@ -79,6 +86,7 @@ class GoalSkill : public TravelSkill {
   skill::StateId planning_ = skill::kIdle;
   skill::StateId recovering_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
+  skill::StateId giving_way_ = skill::kIdle;
 };
 
 }  // namespace musher::skills

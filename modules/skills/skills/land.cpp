@@ -11,7 +11,6 @@ constexpr double kSlowBelowM = 0.5;
 constexpr double kGroundToleranceM = 0.3;
 constexpr double kStillM = 0.02;
 constexpr double kStillS = 1;
-constexpr double kLongestStepS = 0.2;
 constexpr std::string_view kLowest = "lowest_m";
 constexpr std::string_view kStillFor = "still_for_s";
 
@@ -42,7 +41,7 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
   if (lower) tick.data.Set(kLowest, height_m);
   // Only time with a command counts: neither a pause, nor a time without odometry.
   const double still_s =
-      lower ? 0 : tick.data.Number(kStillFor) + std::min(ToSeconds(tick.step), kLongestStepS);
+      lower ? 0 : tick.data.Number(kStillFor) + PositionHold::SecondsOf(tick.step);
   tick.data.Set(kStillFor, still_s);
   if (still_s >= kStillS && above_m <= kGroundToleranceM) {
     NoteLanding();

@@ -65,7 +65,7 @@ skill::Next PickUp::Attach(skill::Tick& tick) {
     case HandCall::Kind::kDone:
       grip_->Changed(request.object);
       if (tick.cancelling) {
-        return skill::Next::Cancelled("Cancelled; " + robot_.name() + " holds " + request.object);
+        return skill::Next::Cancelled(robot_.name() + " holds " + request.object);
       }
       return skill::Next::Succeed("Object picked up");
     case HandCall::Kind::kTooFar:

@@ -48,7 +48,7 @@ skill::Next PutDown::Release(skill::Tick& tick) {
       return skill::Next::Stay();
     case HandCall::Kind::kDone:
       grip_->Changed("");
-      if (tick.cancelling) return skill::Next::Cancelled("Cancelled; the object is put down");
+      if (tick.cancelling) return skill::Next::Cancelled("the object is put down");
       return skill::Next::Succeed("Object put down");
     case HandCall::Kind::kLost:
       return skill::Next::Retry(initializing_, answer.message);

@@ -5,6 +5,7 @@
 //
 // Units, frames and threads: those of robot.hpp.
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ class TravelSkill : public skill::Skill {
   skill::Next Complete(skill::Tick& tick);
   // A step of STOPPING. `success`: the message, if the task was done.
   skill::Next Stop(skill::Tick& tick, const std::string& success = {});
+
+  // In each step of a skill that drives and does not give way: others give way to it.
+  void DoNotGiveWay() { robot_.NoteCornered(std::chrono::seconds(1)); }
 
   // What its scan sees within `most_m`, in the frame of the body.
   std::vector<navigation::Point> Around(const navigation::Pose& pose, double most_m) const;

@@ -134,7 +134,7 @@ TEST_F(AComposition, CancelsAllSkillsInsideAndEndsWithTheLast) {
     After(2);
     ASSERT_TRUE(manager_->Cancel("all", "a person"));
     After(2);
-    EXPECT_EQ(ToText(feedback()), "cancelled: Cancelled: a person (0%)");
+    EXPECT_EQ(ToText(feedback()), "cancelled: a person (0%)");
     EXPECT_FALSE(part(0).running() || part(1).running());
   }
 }

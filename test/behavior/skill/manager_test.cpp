@@ -151,8 +151,8 @@ TEST_F(AManager, ShowsTheEndOfEachRunBeforeItIsRemoved) {
   EXPECT_EQ(removed.size(), 1U);
   manager_->ResetAll();
   EXPECT_THAT(removed, ElementsAre("walk completed: done (100%)",
-                                   "look cancelled: Cancelled: all skills are reset (0%)",
-                                   "walk cancelled: Cancelled: all skills are reset (0%)"));
+                                   "look cancelled: all skills are reset (0%)",
+                                   "walk cancelled: all skills are reset (0%)"));
 }
 
 TEST_F(AManager, ThePauseIsNoTimeOfItsSkills) {

@@ -204,7 +204,7 @@ TEST_F(ARun, IsCancelledInEveryState) {
     run_->Cancel("by a person");
     EXPECT_TRUE(run_->running()) << "until the next step";
     Steps(1);
-    EXPECT_EQ(Shown(), "CANCELLED cancelled: Cancelled: by a person (0%)");
+    EXPECT_EQ(Shown(), "CANCELLED cancelled: by a person (0%)");
     EXPECT_THAT(script_.log, ElementsAre("Cancel", "OnEnd cancelled"));
   }
 }
@@ -222,7 +222,7 @@ TEST_F(ARun, IsCancelledInAnOrderlyWayWhereTheSkillWantsItAndNeverSucceedsAfterw
   Steps(3);
   EXPECT_TRUE(run_->cancelling());
   Steps(1);
-  EXPECT_EQ(Shown(), "CANCELLED cancelled: Cancelled: by a person (0%)");
+  EXPECT_EQ(Shown(), "CANCELLED cancelled: by a person (0%)");
   EXPECT_THAT(script_.log, ElementsAre("Cancel", "OnEnd cancelled")) << "called once";
 }
 
@@ -252,14 +252,14 @@ TEST_F(ARun, DoesNotRetryDuringACancellation) {
   Steps(1);
   run_->Cancel("");
   Steps(2);
-  EXPECT_EQ(Shown(), "CANCELLED cancelled: Cancelled (0%)");
+  EXPECT_EQ(Shown(), "CANCELLED cancelled: no reason was given (0%)");
   EXPECT_EQ(run_->errors()[0].what, "slipped");
 }
 
 TEST_F(ARun, EndsAtOnceWhereThatIsAsked) {
   Begun();
   run_->CancelNow("emergency stop");
-  EXPECT_EQ(Shown(), "CANCELLED cancelled: Cancelled: emergency stop (0%)");
+  EXPECT_EQ(Shown(), "CANCELLED cancelled: emergency stop (0%)");
   EXPECT_THAT(script_.log, ElementsAre("OnEnd cancelled"));
 }
 
@@ -305,7 +305,7 @@ TEST_F(ARun, ReportsThatItIsPaused) {
   EXPECT_EQ(ToText(run_->feedback()), "processing: Moving (30%)");
   run_->Pause();
   run_->CancelNow("a person");
-  EXPECT_EQ(ToText(run_->feedback()), "cancelled: Cancelled: a person (30%)");
+  EXPECT_EQ(ToText(run_->feedback()), "cancelled: a person (30%)");
 }
 
 TEST_F(ARun, MovesProgressIntoItsRange) {

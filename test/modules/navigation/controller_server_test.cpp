@@ -116,6 +116,25 @@ TEST_F(ControllerServerTest, SendsVelocitiesAheadAndTurnsOnlyToADifferentialRobo
   EXPECT_LE(fastest, 1.5);
 }
 
+TEST_F(ControllerServerTest, KeepsASpeedLimitUntilItIsLifted) {
+  StartServers();
+  const auto limits = Must(transport::MakePublisher<msg::SpeedLimit>(*peers_, "speed_limit"));
+  Run(500);
+  const std::size_t drive = StartDriving();
+  for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_TRUE(limits->Publish({.percentage = false, .speed_limit = bad}));
+  }
+  EXPECT_TRUE(limits->Publish({.percentage = true, .speed_limit = 20}));  // of 1.5 m/s
+  Run(2000);
+  EXPECT_THAT(log_, Contains(HasSubstr("speed limit: 20.00 %")));
+  EXPECT_LT(robot_.speed_m_s(), 0.31);
+  EXPECT_GT(robot_.speed_m_s(), 0.2);
+  EXPECT_TRUE(limits->Publish({.percentage = false, .speed_limit = 0}));
+  EXPECT_TRUE(RunUntil([&] { return robot_.speed_m_s() > 0.8; }, 3000));
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded);
+}
+
 TEST_F(ControllerServerTest, StopsBeforeAnObstacleThatStaysAndNamesItsPlace) {
   StartServers();
   robot_.discs = {{{4, 2, 0}, 0.2}};
@@ -467,6 +486,38 @@ TEST_F(ControllerOfAFlyer, IsNotSlowedDownByWallsOfItsMap) {
   Run(1000);
   const double known_s = SecondsTo(robot_.pose().at.x_m, 1, 0);
   EXPECT_LT(known_s, seen_only_s - 0.3);
+}
+
+// What the scan sees counts for as high as the room, so the way is beside it, and there is room.
+TEST_F(ControllerOfAFlyer, PassesAPersonInItsRoom) {
+  planner_config_.robots[0].flies = true;
+  planner_config_.robots[0].radius_m = controller_config_.robots[0].radius_m = 0.15;
+  planner_config_.ceiling_m = 2;
+  StartServers();
+  const auto cloud = Must(transport::MakePublisher<msg::PointCloud2>(*peers_, "map_point_cloud",
+                                                                     transport::kLatchedQos));
+  msg::PointCloud2 walls = Cloud();
+  walls.header.frame_id = "map";
+  EXPECT_TRUE(cloud->Publish(walls));
+  Run(1000);
+  const testing::Disc person{{2.3, 2, 0}, 0.25};
+  robot_.discs = {person};
+  double nearest_m = 10;
+  const auto watch = peers_->loop().Every(Milliseconds(10), [&] {
+    const Point& at = robot_.pose().at;
+    nearest_m = std::min(nearest_m, std::hypot(at.x_m - 2.3, at.y_m - 2) - person.radius_m - 0.15);
+  });
+  bool arrived = false;
+  for (int tries = 0; tries < 5 && !arrived; ++tries) {
+    const auto plan = Plan({.goal = At(6.5, 2, 0, 1)});
+    ASSERT_EQ(plan.end, GoalEnd::kSucceeded) << plan.result.error_msg;
+    const std::size_t drive = Follow(plan.result.path);
+    ASSERT_TRUE(AwaitEnd(drive));
+    arrived = drives_.ends[drive]->end == GoalEnd::kSucceeded;
+    EXPECT_TRUE(arrived || CodeOf(drive) == 104) << drives_.ends[drive]->result.error_msg;
+  }
+  EXPECT_TRUE(arrived);
+  EXPECT_GT(nearest_m, 0);
 }
 
 }  // namespace musher::navigation::controller_server_test

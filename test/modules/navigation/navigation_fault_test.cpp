@@ -27,6 +27,7 @@ TEST(ThePlannerServer, AcceptsGoalsInActiveOnlyAndNeverInAnEmergencyUnderInjecte
     robot.odometry = "jetbot_0/odom";
     robot.action = "jetbot_0/compute_path_to_pose";
     robot.path = "jetbot_0/planned_path";
+    robot.refuge = "jetbot_0/compute_refuge";
     PlannerConfig config;
     config.robots = {robot};
     return std::make_unique<ServerActuator<PlannerServer>>("planner", config);

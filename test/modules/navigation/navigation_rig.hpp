@@ -69,6 +69,7 @@ class NavigationRig : public ::testing::Test {
     planned.scanners = {{.topic = options.name + "/scan"}};
     planned.action = options.name + "/compute_path_to_pose";
     planned.path = options.name + "/planned_path";
+    planned.refuge = options.name + "/compute_refuge";
     planner_config_.robots = {planned};
     ControllerRobot driven;
     driven.name = options.name;

@@ -128,6 +128,40 @@ TEST(PlannerWork, GoesAroundWhatTheScanSeesAlsoOnALargeMap) {
   }
 }
 
+// So a new path is there within milliseconds, on maps of any size.
+TEST(PlannerWork, GoesOnWithTheLastPathAndPlansAroundWhatIsSeenNearTheRobot) {
+  const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
+  PathRequest request{{{1, 1, 0}, 0}, {{7, 1, 0}, 0}, {}, {}};
+  const PathReply first = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(first.plan);
+  request.before = first.plan.value().path;
+  request.start = request.before[request.before.size() / 2];
+  const PathReply goes_on = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(goes_on.plan);
+  EXPECT_EQ(goes_on.plan.value().path.front().at, request.start.at);
+  EXPECT_LT(goes_on.plan.value().length_m, first.plan.value().length_m);
+  EXPECT_EQ(goes_on.plan.value().path.back(), request.goal);
+  request.start = {{0.8, 2.2, 0}, 0};  // it has left the path
+  const PathReply again = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(again.plan);
+  EXPECT_EQ(again.plan.value().path.front().at, request.start.at);
+}
+
+TEST(PlannerWork, PlansOnTheWholeMapWhereNothingLeadsAroundNearTheRobot) {
+  CellMap map = testing::Carved(
+      40, 8, 0.05,
+      {{0.2, 0.2, 39.8, 1.6}, {0.2, 6.4, 39.8, 7.8}, {0.2, 0.2, 1.6, 7.8}, {38.4, 0.2, 39.8, 7.8}});
+  const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
+  ASSERT_TRUE(planner);
+  PathRequest request{{{10, 0.9, 0}, 0}, {{39, 1, 0}, 0}, {}, {}};
+  request.before = FindPath(planner.value(), request, {}, Ground(), {}).plan.value().path;
+  for (int i = 0; i <= 40; ++i) request.seen.push_back({13, 0.2 + 0.04 * i, 0});
+  const PathReply around = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(around.plan);
+  EXPECT_TRUE(around.around_seen);
+  EXPECT_GT(around.plan.value().length_m, 45) << "by the other corridor";
+}
+
 TEST(PlannerWork, TakesAThingThatAFlyerSeesForAsHighAsTheRoom) {
   const auto planner = MakePlanner(CloudOf({{0, 0, 0}, {6, 3, 0}, {0, 3, 3}}), {}, Flyer());
   ASSERT_TRUE(planner) << planner.error().message;
@@ -168,6 +202,61 @@ TEST(PlannerWork, PlansByTheMapWhereNothingLeadsAroundWhatIsSeen) {
       Find(planner.value(), {{2.6, 2.2, 0}, 0}, {{5, 2.2, 0}, 0}, Ground(), in_the_door);
   ASSERT_TRUE(reply.plan) << reply.plan.error().message;
   EXPECT_FALSE(reply.around_seen);
+}
+
+class Refuge : public ::testing::Test {
+ protected:
+  static constexpr double kBayM = 5;
+
+  Result<Plan> Find(const Pose& start, const std::vector<RobotIntent>& others,
+                    const std::vector<Point>& seen = {}) {
+    return FindRefuge(planner_.value(), {start, seen, others}, Ground(), {});
+  }
+  // That drives through the corridor from its other end.
+  static RobotIntent Other(double x_m) {
+    return {.robot = "/b", .at = {x_m, 1.4, 0}, .path = {{2, 1.4, 0}, {1, 1.4, 0}}};
+  }
+
+  const Result<Planner> planner_ =
+      MakePlanner(testing::GridOf(testing::CorridorWithABay(kBayM)), {}, Ground());
+};
+
+TEST_F(Refuge, IsTheLastWidePlaceBehindTheRobot) {
+  const auto plan = Find({{7, 1.4, 0}, 0}, {Other(9)});
+  ASSERT_TRUE(plan) << plan.error().message;
+  const Pose& place = plan.value().path.back();
+  EXPECT_NEAR(place.at.x_m, kBayM, 0.3);
+  EXPECT_GT(place.at.y_m, 1.4 + 0.55);
+  EXPECT_LT(plan.value().length_m, 4);
+}
+
+TEST_F(Refuge, IsNotBeyondTheBodyOfTheOtherRobot) {
+  RobotIntent other = Other(5.8);
+  other.path = {{9, 1.4, 0}, {13, 1.4, 0}};
+  const auto plan = Find({{6.8, 1.4, 0}, M_PI}, {other});
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_GT(plan.value().path.back().at.x_m, 11.2) << "the room behind it";
+}
+
+TEST_F(Refuge, IsWhereTheRobotStandsIfItIsOffAllPaths) {
+  const auto plan = Find({{kBayM, 2.4, 0}, 0}, {Other(9)});
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_LT(plan.value().length_m, 0.2);
+}
+
+TEST_F(Refuge, IsNoneInADeadEnd) {
+  // The end of the corridor behind it is closed by what the scan sees.
+  std::vector<Point> seen;
+  for (int i = 0; i <= 20; ++i) seen.push_back({6, 0.9 + 0.05 * i, 0});
+  const auto plan = Find({{7, 1.4, 0}, 0}, {Other(9)}, seen);
+  ASSERT_FALSE(plan);
+  EXPECT_TRUE(Is(plan.error(), Fault::kWalledIn)) << plan.error().message;
+}
+
+TEST_F(Refuge, IsFoundAlsoForAPathThatEndsFarAway) {
+  RobotIntent other = Other(9);
+  other.path.push_back({1e12, 1e12, 0});
+  EXPECT_TRUE(Find({{7, 1.4, 0}, 0}, {other}));
 }
 
 TEST(PlannerWork, FliesOverAWall) {

@@ -158,6 +158,9 @@ TEST(Conversions, SayWhyANavigationFailed) {
   EXPECT_EQ(ControllerError(107).message, "the controller has not answered its server in time");
   const Error blocked = ControllerError(msg::FollowPath::kPatienceExceeded);
   EXPECT_EQ(blocked.message, "an obstacle stays in the way");
+  const Error says_more = ControllerError(msg::FollowPath::kPatienceExceeded, "a box at (1, 2)");
+  EXPECT_EQ(says_more.message, "a box at (1, 2)");
+  EXPECT_EQ(says_more.code, blocked.code);
   EXPECT_TRUE(navigation::Is(blocked, navigation::Fault::kObstacle));
   EXPECT_FALSE(navigation::Is(ControllerError(msg::FollowPath::kFailedToMakeProgress),
                               navigation::Fault::kObstacle));

@@ -46,7 +46,9 @@ class MovingRobot : public Robot {
   std::function<std::optional<Line>(const navigation::Pose&)> see_line =
       [](const navigation::Pose&) { return std::optional<Line>(); };
   std::map<std::string, std::function<std::optional<navigation::Pose>(Time)>> targets;
-  double target_hz = 10;  // of their poses
+  double target_hz = 10;                       // of their poses
+  std::vector<navigation::RobotIntent> known;  // other robots
+  std::function<Result<navigation::Path>()> refuge;
 
   // --- what a test reads ---
   int plans = 0;
@@ -54,6 +56,7 @@ class MovingRobot : public Robot {
   std::vector<navigation::Path> driven_paths;
   double travelled_m = 0;
   double nearest_m = 1e9;  // to a point of an obstacle, so far
+  bool cornered = false;
 
   bool driving() const { return drive_ != nullptr; }
   bool Rests() const {
@@ -123,6 +126,20 @@ class MovingRobot : public Robot {
       state->end.Fail("the server is lost");
     }
     return handle;
+  }
+  navigation::RobotIntent intent() override {
+    navigation::RobotIntent own{.robot = "/robot_0", .cornered = cornered, .at = at.at, .path = {}};
+    for (std::size_t i = drive_ ? drive_->next : 0; drive_ && i < drive_->path.size(); ++i) {
+      own.path.push_back(drive_->path[i].at);
+    }
+    return own;
+  }
+  std::vector<navigation::RobotIntent> others() const override { return known; }
+  void NoteCornered(Duration /*time*/) override { cornered = true; }
+  skill::Future<navigation::Path> ComputeRefuge() override {
+    skill::Source<navigation::Path> source;
+    source.Set(refuge());
+    return source.future();
   }
   std::vector<navigation::Point> obstacles() const override {
     return scan_up ? points : std::vector<navigation::Point>();

@@ -403,7 +403,7 @@ TEST_F(NavigateTo, StandsBeforeItIsCancelledInEachState) {
     EXPECT_FALSE(moves) << state;
     EXPECT_TRUE(robot.Rests()) << state;
     EXPECT_EQ(feedback().status, Status::kCancelled) << state;
-    EXPECT_EQ(feedback().message, "Cancelled: the test");
+    EXPECT_EQ(feedback().message, "the test");
     EachStep([] {});
   }
 }

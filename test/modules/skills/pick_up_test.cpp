@@ -221,7 +221,7 @@ TEST_F(Hand, ACancellationWhileTheHandTakesItReportsTheHeldObject) {
   bench_.StepFor(0.4);
   ASSERT_EQ(bench_.feedback().message, "Attaching object");
   ASSERT_TRUE(bench_.manager().Cancel("pick_up", "").ok());
-  EXPECT_EQ(bench_.RunOut().message, "Cancelled; jetbot_0 holds box_red");
+  EXPECT_EQ(bench_.RunOut().message, "jetbot_0 holds box_red");
   EXPECT_EQ(bench_.feedback().status, Status::kCancelled);
   EXPECT_EQ(bench_.Execute("put_down").message, "Object put down");
 }
@@ -242,11 +242,11 @@ TEST_F(Hand, ACancelledReleaseWaitsForTheHand) {
   bench_.Start("put_down");
   bench_.StepFor(0.2);
   ASSERT_TRUE(bench_.manager().Cancel("put_down", "").ok());
-  EXPECT_EQ(bench_.RunOut().message, "Cancelled; the object is put down");
+  EXPECT_EQ(bench_.RunOut().message, "the object is put down");
   PickUp();
   bench_.Start("put_down");
   ASSERT_TRUE(bench_.manager().Cancel("put_down", "").ok());
-  EXPECT_EQ(bench_.RunOut().message, "Cancelled");
+  EXPECT_EQ(bench_.RunOut().message, "no reason was given");
   EXPECT_EQ(bench_.robot.Held(), "box_red");
 }
 

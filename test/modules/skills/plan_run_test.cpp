@@ -33,6 +33,18 @@ msg::SkillPlan PlanOf(const std::vector<Step>& steps) {
   return plan;
 }
 
+// A step in which each of these robots drives to a place.
+msg::TimestepSkills Drives(const std::vector<std::pair<std::string, std::string>>& places) {
+  msg::TimestepSkills step{7, {}};
+  for (const auto& [robot, place] : places) {
+    msg::SkillInfo skill;
+    skill.skill = "navigate_to";
+    skill.params = {{"goal_pos", place}};
+    step.robots.push_back({robot, {skill}});
+  }
+  return step;
+}
+
 class APlan : public ::testing::Test {
  protected:
   PlanRun Begin(const std::vector<Step>& steps) { return {PlanOf(steps), {}, now_}; }
@@ -156,6 +168,35 @@ TEST(PlanCheck, CountsWhatItDoesNotList) {
   msg::SkillPlan plan;
   plan.steps.resize(25);
   EXPECT_THAT(CheckPlan(plan).error().message, HasSubstr("\nand 5 more"));
+}
+
+TEST_F(APlan, SaysWhyTheOtherRobotsOfAFailedStepAreCancelled) {
+  PlanRun run = Begin({{{"a", "wait"}, {"b", "move"}}});
+  static_cast<void>(Advance(run));
+  run.OnEnd(1, false, "failed: no path (15%)");
+  EXPECT_THAT(Advance(run).cancel, ElementsAre(0));
+  run.OnEnd(0, false, "cancelled: by its client (20%)");
+  EXPECT_EQ(run.Feedback().skill_statuses[0].status,
+            "cancelled: with its plan, in which b move: failed: no path (15%)");
+}
+
+TEST(APlanCheck, RefusesTwoRobotsInOnePlaceWithBothNames) {
+  const auto check = [](const std::vector<msg::TimestepSkills>& steps) {
+    const Result<> checked = CheckPlan({steps});
+    return checked ? std::string("ok") : checked.error().message;
+  };
+  EXPECT_EQ(check({Drives({{"a", "[2.0, 3.0, 0]"}, {"b", "[2.1, 3.2]"}})}),
+            "step 1 (timestep 7): a and b both go to (2.00, 3.00); send one of them to another "
+            "place");
+  EXPECT_EQ(check({Drives({{"a", "[2, 3]"}}), Drives({{"b", "[2, 3]"}})}),
+            "step 2 (timestep 7): b goes to (2.00, 3.00), where a is since step 1; send a away "
+            "first");
+  EXPECT_EQ(check({Drives({{"a", "[2, 3]"}}), Drives({{"a", "[5, 3]"}, {"b", "[2, 3]"}})}), "ok")
+      << "it leaves the place";
+  EXPECT_EQ(check({Drives({{"a", "[2, 3, 0]"}, {"b", "[2, 3, 1.5]"}})}), "ok")
+      << "a flyer above it";
+  EXPECT_EQ(check({Drives({{"a", "[2, 3]"}, {"b", "nowhere"}, {"c", "[nan, 3]"}})}), "ok")
+      << "their skills refuse it";
 }
 
 }  // namespace musher::skills::plan_run_test

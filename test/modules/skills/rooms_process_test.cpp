@@ -9,8 +9,10 @@
 #include <limits>
 #include <utility>
 
+#include "musher/messages/nav2_msgs/navigate_to_pose.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/test/modules/skills/skills_machine.hpp"
+#include "musher/transport/action.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 
 namespace musher::skills::rooms_process_test {
@@ -78,8 +80,42 @@ TEST_F(Rooms, LetAPlainClientNavigateARobot) {
                         "for the robot: the goal (11.00, 8.00) or the start is walled in"));
   const std::string cancelled = Navigate("[4, 1.2]", {"cancel"});
   EXPECT_THAT(cancelled, HasSubstr("cancel: code 0\n"));
-  EXPECT_THAT(cancelled,
-              HasSubstr("result of status 5: false cancelled: Cancelled: by its client"));
+  EXPECT_THAT(cancelled, HasSubstr("result of status 5: false cancelled: by its client"));
+}
+
+TEST_F(Rooms, LetAClientOfNav2SendARobotToAPose) {
+  using Client = transport::ActionClient<msg::NavigateToPose>;
+  using Outcome = transport::GoalOutcome<msg::NavigateToPose>;
+  const auto node = transport::NodeThread::Start().value();
+  std::unique_ptr<Client> client;
+  transport::LoopHandlePtr until_ready;
+  std::promise<Outcome> ended;
+  bool sent = false;
+  node->RunOnLoop([&] {
+    client = std::move(transport::MakeActionClient<msg::NavigateToPose>(
+                           node->node(), "jetbot_0/navigate_to_pose"))
+                 .value();
+    until_ready = node->loop().Every(Milliseconds(50), [&] {
+      if (!client->Ready() || std::exchange(sent, true)) return;
+      msg::NavigateToPose::Goal goal;
+      goal.pose.header.frame_id = "map";
+      goal.pose.pose.position = {1.8, 1.2, 0};
+      goal.pose.pose.orientation.w = 1;
+      transport::GoalEvents<msg::NavigateToPose> events;
+      events.on_end = [&ended](const Outcome& outcome) { ended.set_value(outcome); };
+      client->SendGoal(goal, std::chrono::seconds(5), std::move(events));
+    });
+  });
+  auto end = ended.get_future();
+  const bool in_time = end.wait_for(std::chrono::seconds(60)) == std::future_status::ready;
+  node->RunOnLoop([&] {
+    until_ready.reset();
+    client.reset();
+  });
+  ASSERT_TRUE(in_time);
+  const Outcome outcome = end.get();
+  EXPECT_EQ(outcome.end, transport::GoalEnd::kSucceeded) << outcome.result.error_msg;
+  EXPECT_NEAR(Distance(1.8, 1.2), 0, 0.3);
 }
 
 TEST_F(Rooms, LetARobotGoFromWayPointToWayPoint) {

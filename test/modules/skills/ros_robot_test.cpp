@@ -174,6 +174,25 @@ TEST_F(ARosFlyer, KeepsItsPlaceAlsoInAPauseAndAtAStop) {
   EXPECT_EQ(peers_->commands.size(), count) << "it has landed";
 }
 
+TEST_F(ARosFlyer, IsNotHeldAgainstADriveOfAnotherClient) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  Fly(2);
+  const auto client =
+      Must(transport::MakeActionClient<msg::FollowPath>(*world_, "dog/r/follow_path"));
+  Run(500);
+  client->SendGoal({}, Milliseconds(1000), {});
+  Run(300);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  const std::size_t count = peers_->commands.size();
+  Fly(3);
+  EXPECT_EQ(peers_->commands.size(), count) << "its base is the controller's";
+  peers_->drives[0].Succeed({});
+  const double place_m = Fly(2);
+  EXPECT_NEAR(Fly(20), place_m, 0.2) << "held at its new place";
+}
+
 TEST_F(ARosRobot, GetsAPathFromThePlannerOrItsReason) {
   ASSERT_TRUE(robot_.HasPlanner());
   const auto good = robot_.ComputePath({{3, 1, 0}, 0}, std::nullopt);

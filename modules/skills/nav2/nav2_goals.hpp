@@ -1,0 +1,69 @@
+#pragma once
+// The actions by which clients of nav2 send a robot to places: NavigateToPose, NavigateThroughPoses
+// and FollowWaypoints. Each pose is a run of the robot's skill for that (navigate_to), one after
+// the other; so its limits, its recoveries, a pause and the gate are those of the skill.
+//
+//   a newer goal of any of the three replaces the present one, which is aborted
+//   a goal while the base is used by another skill, or while no skills run, is aborted at once
+//   NavigateThroughPoses ends at the first pose that it does not reach; FollowWaypoints goes on,
+//   and its result lists what it has missed: then it is aborted
+//
+// Threads: the loop's.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/behavior/skill/manager.hpp"
+#include "musher/modules/skills/config/skills_config.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::skills {
+
+class Nav2Goals {
+ public:
+  // What it uses; must outlive it.
+  struct Context {
+    Robot& robot;
+    skill::Manager& manager;
+    std::function<Result<>()> may_start;  // why no skill may be started now
+  };
+
+  // The skill of `names` that sends a robot to a place; empty: it has none.
+  static std::string SkillFor(const std::vector<std::string>& names);
+
+  // Serves the actions that the config names, as long as the endpoints; must be destroyed before.
+  Nav2Goals(Context context, const InterfaceNames& names, transport::Endpoints& endpoints);
+  // The present goal is aborted.
+  ~Nav2Goals();
+  Nav2Goals(const Nav2Goals&) = delete;
+  Nav2Goals& operator=(const Nav2Goals&) = delete;
+
+  // After each step of the skills, and after their cancellation: the end of a run leads to the next
+  // pose or to the end of the goal.
+  void Update();
+
+ private:
+  class Mission;
+  template <class Action>
+  class MissionOf;
+
+  template <class Action>
+  void Serve(const std::string& name, transport::Endpoints& endpoints);
+  template <class Action>
+  void Start(transport::ServerGoal<Action> goal);
+  Result<> Drive();
+  void OnEndOfRun(const skill::Run& run);
+  void End(bool success, const std::string& why);
+
+  const Context context_;
+  const std::string skill_;
+  transport::Clock& clock_;
+  std::unique_ptr<Mission> mission_;  // null: there is no goal
+};
+
+}  // namespace musher::skills
