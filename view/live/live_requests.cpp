@@ -42,6 +42,36 @@ std::string TextIn(const RequestJson& body, const char* name) {
   return found != body.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
+// {"action":…,"actuator":…,"skill":…,"parameters":{"x_m":"1.5"}}
+SkillRequests::Request SkillIn(const RequestJson& body) {
+  SkillRequests::Request request{
+      TextIn(body, "action"), TextIn(body, "actuator"), TextIn(body, "skill"), {}};
+  const auto parameters = body.find("parameters");
+  if (parameters == body.end() || !parameters->is_object()) return request;
+  for (const auto& [key, value] : parameters->items()) {
+    request.parameters.push_back(
+        {key, value.is_string() ? value.get<std::string>() : value.dump()});
+  }
+  return request;
+}
+
+http::Response JsonResponse(std::string json) {
+  http::Response response;
+  response.body = std::make_shared<const std::string>(std::move(json));
+  return response;
+}
+
+// Of a code, PIN or token.
+http::Response Refusal(const Error& error) {
+  return http::ErrorResponse(error.code == kCodeTargetBusy ? 429 : 403, error.code, error.message);
+}
+
+http::Response WithSession(http::Response response, const std::string& session) {
+  response.headers.emplace_back(
+      "Set-Cookie", std::string(kCookie) + "=" + session + "; HttpOnly; SameSite=Strict; Path=/");
+  return response;
+}
+
 http::Response Redirect(const std::string& path) {
   http::Response response;
   response.status = 303;
@@ -69,6 +99,8 @@ bool LiveServer::MayLook(const http::Request& request) {
 void LiveServer::OnRequest(const http::Request& request, const http::Respond& respond) {
   if (request.path == "/login") return OnLogin(request, respond);
   if (request.path == "/api/link") return OnLink(request, respond);
+  if (request.path == "/api/login") return OnPin(request, respond);
+  if (request.path == "/api/logout") return OnLogout(request, respond);
   // The page's files tell nothing of the robot, and show how to log in.
   if (request.method == "GET") {
     if (auto file = http::AssetResponse(PageFiles(), request)) return respond(*std::move(file));
@@ -130,14 +162,14 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   const std::string target = TextIn(body, "target");
   const std::string actuator = TextIn(body, "actuator");
   if (request.path == "/api/plan") return requests_->Plan(target, actuator, respond);
-  if (request.path == "/api/logout") return OnLogout(request, respond);
   std::string person = PersonOf(request);
   if (person.empty() && request.path == "/api/estop" && !options_.stop_needs_login) {
     person = "a person without a login (" + request.peer + ")";
   }
   if (person.empty()) {
     return respond(http::ErrorResponse(
-        403, kNeedsLogin, "acting needs a login; `musher view --link` prints a link for one"));
+        403, kNeedsLogin,
+        "acting needs a login; `musher view --link` prints a link and a PIN for one"));
   }
   if (request.path == "/api/set") return requests_->Set(person, target, actuator, respond);
   if (request.path == "/api/estop") {
@@ -145,44 +177,80 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   }
   if (request.path == "/api/release") return requests_->Release(person, respond);
   if (request.path == "/api/restart") return requests_->Restart(person, actuator, respond);
+  if (request.path == "/api/skill") return skills_.Run(SkillIn(body), respond);
+  if (request.path == "/api/cancel_skill") {
+    return skills_.Cancel(TextIn(body, "action"), TextIn(body, "goal_id"), respond);
+  }
   respond(http::ErrorResponse(404, kCodeParametersInvalid, "there is nothing at " + request.path));
 }
 
 // Opens a session; the code is in the link only.
 void LiveServer::OnLogin(const http::Request& request, const http::Respond& respond) {
-  auto session = login_.Redeem(Parameter(request, "code"), request.peer, node_.loop().Now());
+  const auto session = login_.Redeem(Parameter(request, "code"), request.peer, node_.loop().Now());
   if (!session) {
-    const unsigned status = session.error().code == kCodeTargetBusy ? 429 : 403;
-    return respond(http::ErrorResponse(
-        status, session.error().code,
-        session.error().message + "; `musher view --link` prints another link"));
+    Error error = session.error();
+    error.message += "; `musher view --link` prints another link";
+    return respond(Refusal(error));
   }
-  http::Response response = Redirect("/");
-  response.headers.emplace_back("Set-Cookie", std::string(kCookie) + "=" + session.value() +
-                                                  "; HttpOnly; SameSite=Strict; Path=/");
+  KeepSessions();
+  respond(WithSession(Redirect("/"), session.value()));
+}
+
+// POST {"pin":"482103"}, which a person types on the page.
+void LiveServer::OnPin(const http::Request& request, const http::Respond& respond) {
+  const RequestJson body = RequestJson::parse(request.body, nullptr, false);
+  if (request.method != "POST" || !body.is_object()) {
+    return respond(
+        http::ErrorResponse(400, kCodeParametersInvalid, R"(POST {"pin":"..."} opens a session)"));
+  }
+  const auto session = login_.RedeemPin(TextIn(body, "pin"), request.peer, node_.loop().Now());
+  if (!session) return respond(Refusal(session.error()));
+  KeepSessions();
+  respond(WithSession(JsonResponse("{}"), session.value()));
+}
+
+// Ends the session of the cookie; all sessions with {"all":true} and a login, or with the token.
+// Pages of ended sessions look on without the login, where they may.
+void LiveServer::OnLogout(const http::Request& request, const http::Respond& respond) {
+  const RequestJson body = RequestJson::parse(request.body, nullptr, false);
+  if (request.method != "POST" || !body.is_object()) {
+    return respond(http::ErrorResponse(400, kCodeParametersInvalid,
+                                       R"(POST {} ends the session, {"all":true} all of them)"));
+  }
+  if (body.contains("token")) {
+    const auto permitted =
+        login_.MayMakeLinks(TextIn(body, "token"), request.peer, node_.loop().Now());
+    if (!permitted) return respond(Refusal(permitted.error()));
+    login_.EndAll();
+  } else if (body.value("all", RequestJson()) == true) {
+    if (PersonOf(request).empty()) {
+      return respond(http::ErrorResponse(403, kNeedsLogin, "to end all logins needs a login"));
+    }
+    login_.EndAll();
+  } else if (const auto cookie = request.cookies.find(kCookie); cookie != request.cookies.end()) {
+    login_.End(cookie->second);
+  }
+  KeepSessions();
+  CloseEndedSessions();
+  http::Response response = JsonResponse("{}");
+  response.headers.emplace_back(
+      "Set-Cookie", std::string(kCookie) + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
   respond(std::move(response));
 }
 
-// Ends the session, also of its other pages: they look on without the login, where they may.
-void LiveServer::OnLogout(const http::Request& request, const http::Respond& respond) {
-  http::Response response;
-  response.body = std::make_shared<const std::string>("{}");
-  response.headers.emplace_back(
-      "Set-Cookie", std::string(kCookie) + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
-  const auto cookie = request.cookies.find(kCookie);
-  if (cookie == request.cookies.end()) return respond(std::move(response));
-  login_.End(cookie->second);
+// The connections that they have opened.
+void LiveServer::CloseEndedSessions() {
   std::vector<std::shared_ptr<http::WebSocket>> sockets;
   for (const Page& page : pages_) sockets.push_back(page.socket);
   for (const auto& acting : acting_) {
     if (auto socket = acting.lock()) sockets.push_back(std::move(socket));
   }
   for (const auto& socket : sockets) {
-    const auto own = socket->request().cookies.find(kCookie);
-    const bool same = own != socket->request().cookies.end() && own->second == cookie->second;
-    if (same) socket->Close(kNormalClosure, "the login has ended");
+    const auto cookie = socket->request().cookies.find(kCookie);
+    const bool ended = cookie != socket->request().cookies.end() &&
+                       !login_.Lives(cookie->second, node_.loop().Now());
+    if (ended) socket->Close(kNormalClosure, "the login has ended");
   }
-  respond(std::move(response));
 }
 
 // For `musher view --link`, which has read the token file.
@@ -192,16 +260,13 @@ void LiveServer::OnLink(const http::Request& request, const http::Respond& respo
     return respond(http::ErrorResponse(400, kCodeParametersInvalid,
                                        R"(POST {"token":"...","name":"..."} gives a link)"));
   }
-  const Time now = node_.loop().Now();
-  const auto permitted = login_.MayMakeLinks(TextIn(body, "token"), request.peer, now);
-  if (!permitted) {
-    const unsigned status = permitted.error().code == kCodeTargetBusy ? 429 : 403;
-    return respond(http::ErrorResponse(status, permitted.error().code, permitted.error().message));
-  }
-  http::Response response;
-  response.body = std::make_shared<const std::string>(
-      R"({"path":)" + http::JsonText(NewLink(TextIn(body, "name"))) + "}");
-  respond(std::move(response));
+  const auto permitted =
+      login_.MayMakeLinks(TextIn(body, "token"), request.peer, node_.loop().Now());
+  if (!permitted) return respond(Refusal(permitted.error()));
+  const Link link = NewLink(TextIn(body, "name"));
+  respond(JsonResponse(R"({"path":)" + http::JsonText(link.path) + R"(,"pin":)" +
+                       http::JsonText(link.pin) + R"(,"outside":)" + http::JsonText(link.outside) +
+                       "}"));
 }
 
 Result<std::string> LiveServer::LogFileOf(const std::string& actuator) {

@@ -5,8 +5,12 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/base/log.hpp"
 #include "musher/base/version.hpp"
+#include "musher/transport/network.hpp"
 #include "musher/view/http/reply.hpp"
+#include "musher/view/http/session_file.hpp"
+#include "musher/view/live/outside_url.hpp"
 
 namespace musher::view {
 namespace {
@@ -14,7 +18,8 @@ namespace {
 using LiveJson = nlohmann::ordered_json;
 
 constexpr const char* kSubprotocol = "musher.view.v1";
-constexpr Duration kTopicsDelay = Milliseconds(100);  // what is discovered comes together
+constexpr Duration kTopicsDelay = Milliseconds(100);        // what is discovered comes together
+constexpr Duration kKeepPeriod = std::chrono::minutes(10);  // of the times of the last requests
 constexpr unsigned kPolicyViolation = 1008;
 
 SharedText Dumped(const LiveJson& json) {
@@ -30,9 +35,9 @@ LiveServer::LiveServer(transport::Node& node, Options options)
       login_(http::KernelRandom, options_.token),
       docs_(options_.docs),
       cameras_(node, table_),
-      watched_(node, table_, [this](const std::string& topic, const SharedText& message) {
+      watched_(node, table_, [this](const std::string& topic, const WatchedTopics::Latest& latest) {
         for (Page& page : pages_) {
-          if (page.watched.contains(topic)) Send(page, "latest " + topic, message);
+          if (page.watched.contains(topic)) Send(page, latest.key, latest.message);
         }
       }) {}
 
@@ -44,6 +49,14 @@ Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Opti
 
 Result<> LiveServer::Open() {
   const std::string host = HostId();
+  if (!options_.sessions.empty()) {
+    const auto kept = http::ReadSessions(options_.sessions, WallMilliseconds());
+    if (!kept) return kept.error();
+    login_.Restore(kept.value(), node_.loop().Now());
+    keep_timer_ = node_.loop().Every(kKeepPeriod, [this] {
+      if (login_.sessions() > 0) KeepSessions();
+    });
+  }
   MachineFeed::Events events;
   events.on_message = [this](const std::string& key, const SharedText& message) {
     SendAll(key, message);
@@ -102,8 +115,20 @@ Result<> LiveServer::Open() {
   return Ok();
 }
 
-std::string LiveServer::NewLink(const std::string& name) {
-  return "/login?code=" + login_.NewCode(name, node_.loop().Now());
+LiveServer::Link LiveServer::NewLink(const std::string& name) {
+  const http::LoginCode code = login_.NewCode(name, node_.loop().Now());
+  return {"/login?code=" + code.code, code.pin,
+          OutsideUrl(options_.http.bind, transport::ReadInterfaces(), port())};
+}
+
+void LiveServer::KeepSessions() {
+  if (options_.sessions.empty()) return;
+  const auto kept =
+      http::WriteSessions(options_.sessions, login_.Kept(node_.loop().Now()), WallMilliseconds());
+  if (!kept && !std::exchange(keeping_failed_, true)) {
+    WriteLog(LogLevel::kWarning, "musher-view",
+             "logins end with this process: " + kept.error().message);
+  }
 }
 
 http::WebSocketHandlers LiveServer::OnFoxglove(const std::shared_ptr<http::WebSocket>& socket) {
@@ -179,7 +204,7 @@ void LiveServer::OnPageMessage(Page& page, const std::string& text) {
   }
   WatchForAll();
   for (const std::string& topic : page.watched) {
-    if (const SharedText last = watched_.Last(topic)) Send(page, "latest " + topic, last);
+    for (const auto& [key, message] : watched_.Last(topic)) Send(page, key, message);
   }
 }
 

@@ -3,7 +3,7 @@ import {get, post} from './connection.js';
 import {h} from './dom.js';
 import {bytes, percent} from './format.js';
 import {t} from './i18n.js';
-import {actButton, card, facts, levelShape, lookHint, quoted, shape, stateChip} from './parts.js';
+import {actButton, card, commands, facts, levelShape, lookHint, quoted, shape, stateChip} from './parts.js';
 import {statusOf} from './store.js';
 
 const TAIL_BYTES = 4000;
@@ -47,7 +47,7 @@ function tailPart(ctx, name) {
   return h('div', {class: 'tail'},
     h('div', {class: 'card-head'}, h('h3', {id: 'tail-title'}, t('log.tail')),
       h('a', {href: `#log/${encodeURIComponent(name)}`}, t('log.whole'))),
-    error ? h('p', {class: 'quiet'}, t('log.none', {why: error}))
+    error ? h('p', {class: 'quiet'}, commands(t('log.none', {why: error})))
       : text === '' ? h('p', {class: 'quiet'}, t('log.empty'))
         : h('pre', {tabindex: '0', lang: 'en', role: 'group', 'aria-labelledby': 'tail-title'},
           text === null ? t('loading') : text.trimEnd().split('\n').slice(-12).join('\n')));
