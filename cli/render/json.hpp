@@ -1,6 +1,9 @@
 #pragma once
-// The JSON documents of `--json`, each on one line. Their keys are a contract: keys may be added,
-// none is renamed or removed.
+// The JSON documents of `--json`, each on one line. docs/cli.schema.json describes them, and is a
+// contract: keys may be added, none is renamed or removed.
+//
+// An actuator has the same keys wherever it stands, actuators are an object by name, and the key of
+// an actuator's name is `actuator`. What is not known, or is none, is null (Known()).
 
 #include <map>
 #include <optional>
@@ -8,6 +11,7 @@
 #include <vector>
 
 #include "musher/base/diagnostic.hpp"
+#include "musher/cli/console/json_line.hpp"
 #include "musher/cli/console/exit_code.hpp"
 #include "musher/cli/machine/ending.hpp"
 #include "musher/cli/machine/running.hpp"
@@ -25,6 +29,7 @@
 
 namespace musher::cli {
 
+Json ActuatorJson(const msg::ActuatorInfo& actuator);
 // `unlisted`: running actuators of the namespace that are not in the machine's config.
 std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, Running::Actuator>& unlisted = {});
