@@ -9,8 +9,8 @@ namespace musher::cli {
 
 using Json = nlohmann::ordered_json;  // keys in the order they are written
 
-// What is not known, or is none: null for an empty text, and for a number that is 0 then (a pid, the
-// number of a switch). Texts for people (`message`, `reason`) stay texts.
+// What is not known, or is none: null for an empty text, and for a number that is 0 then (a pid,
+// the number of a switch). Texts for people (`message`, `reason`) stay texts.
 Json Known(const std::string& text);
 Json Known(int number);
 Json Known(std::uint32_t number);

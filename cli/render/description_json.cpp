@@ -86,23 +86,24 @@ std::string DescriptionJson(const Description& d) {
     next.push_back({{"command", step.command}, {"purpose", step.purpose}});
   }
   const std::int64_t since = SinceOf(d);
-  return JsonLine({{"actuator", d.name},
-                   {"machine", Known(d.machine)},
-                   {"machine_state", Known(d.machine_state)},
-                   {"machine_phase", Known(d.machine_phase)},
-                   {"no_machine", Known(d.why_no_machine)},
-                   {"status", d.info ? ActuatorJson(*d.info) : Json()},
-                   {"since", since == 0 ? Json() : Json(UtcText(since))},
-                   {"emergency_stop", stop},
-                   {"heartbeat", beat},
-                   {"process", d.process ? Of(*d.process) : Json()},
-                   {"config", d.config ? Of(*d.config, d) : Json()},
-                   {"reachable", reach},
-                   {"capabilities", capabilities},
-                   {"offers", d.offers},
-                   {"history", history},
-                   {"log", {{"file", Known(d.log_file)}, {"missing", Known(d.why_no_log)}, {"lines", log}}},
-                   {"next", next}});
+  return JsonLine(
+      {{"actuator", d.name},
+       {"machine", Known(d.machine)},
+       {"machine_state", Known(d.machine_state)},
+       {"machine_phase", Known(d.machine_phase)},
+       {"no_machine", Known(d.why_no_machine)},
+       {"status", d.info ? ActuatorJson(*d.info) : Json()},
+       {"since", since == 0 ? Json() : Json(UtcText(since))},
+       {"emergency_stop", stop},
+       {"heartbeat", beat},
+       {"process", d.process ? Of(*d.process) : Json()},
+       {"config", d.config ? Of(*d.config, d) : Json()},
+       {"reachable", reach},
+       {"capabilities", capabilities},
+       {"offers", d.offers},
+       {"history", history},
+       {"log", {{"file", Known(d.log_file)}, {"missing", Known(d.why_no_log)}, {"lines", log}}},
+       {"next", next}});
 }
 
 }  // namespace musher::cli

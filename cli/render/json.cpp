@@ -148,7 +148,8 @@ Json ActuatorJson(const msg::ActuatorInfo& a) {
 }
 
 std::string StatusJson(const msg::MachineStatus& status,
-                       const std::map<std::string, Running::Actuator>& unlisted) {
+                       const std::map<std::string, Running::Actuator>& unlisted,
+                       const StatusSince& since) {
   Json actuators = Json::object();
   for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = ActuatorJson(a);
   return JsonLine({{"machine", status.machine},
@@ -175,7 +176,9 @@ std::string StatusJson(const msg::MachineStatus& status,
                    {"machine_id", Known(status.machine_id)},
                    {"other_machines", status.other_machines},
                    {"other_vendors", status.other_vendors},
-                   {"requested_by", Known(status.requested_by)}});
+                   {"requested_by", Known(status.requested_by)},
+                   {"since", since.state_since_ns ? Json(UtcText(*since.state_since_ns)) : Json()},
+                   {"uptime_s", since.up_s ? Json(*since.up_s) : Json()}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {

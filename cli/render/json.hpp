@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "musher/base/diagnostic.hpp"
-#include "musher/cli/console/json_line.hpp"
 #include "musher/cli/console/exit_code.hpp"
+#include "musher/cli/console/json_line.hpp"
 #include "musher/cli/machine/ending.hpp"
 #include "musher/cli/machine/running.hpp"
 #include "musher/cli/machine/why.hpp"
@@ -30,9 +30,15 @@
 namespace musher::cli {
 
 Json ActuatorJson(const msg::ActuatorInfo& actuator);
+// `state_since_ns` by the wall clock, `up_s` of its controller; nullopt: not known.
+struct StatusSince {
+  std::optional<std::int64_t> state_since_ns;
+  std::optional<double> up_s;
+};
 // `unlisted`: running actuators of the namespace that are not in the machine's config.
 std::string StatusJson(const msg::MachineStatus& status,
-                       const std::map<std::string, Running::Actuator>& unlisted = {});
+                       const std::map<std::string, Running::Actuator>& unlisted = {},
+                       const StatusSince& since = {});
 // A failure, and the actuators that run without a controller.
 std::string RunningJson(const Failure& failure,
                         const std::map<std::string, Running::Actuator>& running);

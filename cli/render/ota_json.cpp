@@ -32,7 +32,8 @@ std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& wher
 std::string OtaStatusJson(const OtaRobot& robot) {
   Json slots = Json::object();
   for (const OtaRobot::SlotInfo& slot : robot.slots) {
-    slots[slot.slot] = {{"role", slot.role}, {"version", Known(slot.version)}, {"fault", Known(slot.fault)}};
+    slots[slot.slot] = {
+        {"role", slot.role}, {"version", Known(slot.version)}, {"fault", Known(slot.fault)}};
   }
   Json last;
   if (robot.last) {

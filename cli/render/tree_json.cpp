@@ -8,10 +8,9 @@ namespace musher::cli {
 namespace {
 
 Json PlaceOf(const msg::TreeNode& node) {
-  return {{"name", node.name},     {"type", node.type}, {"kind", node.kind},
-          {"parent", node.parent < 0 ? Json() : Json(node.parent)},
-          {"file", Known(node.file)},
-          {"line", Known(node.line)}};
+  return {{"name", node.name},        {"type", node.type},
+          {"kind", node.kind},        {"parent", node.parent < 0 ? Json() : Json(node.parent)},
+          {"file", Known(node.file)}, {"line", Known(node.line)}};
 }
 
 Json TreeOf(const std::string& name, const msg::GetTree::Response& report) {

@@ -90,16 +90,15 @@ TEST_F(Set, ExitsWithTwoAndAReasonWhenTheMachineHasNoSuchStateOrActuator) {
   EXPECT_THAT(Musher({"plan", "Active", "leg"}).err,
               HasSubstr("there is no actuator 'leg'; did you mean 'legs'? There are legs, voice "));
   EXPECT_EQ(Musher({"set", std::string(100'000, 'x')}).exit, 2);
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"set", "Active", "leg"},
-        {"plan", "Active", "leg"},
-        {"wait", "Active", "leg"},
-        {"restart", "leg"},
-        {"describe", "leg"},
-        {"logs", "leg"},
-        {"history", "--actuator", "leg"},
-        {"behavior", "leg"},
-        {"behavior", "leg", "--tree"}}) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"set", "Active", "leg"},
+                                                {"plan", "Active", "leg"},
+                                                {"wait", "Active", "leg"},
+                                                {"restart", "leg"},
+                                                {"describe", "leg"},
+                                                {"logs", "leg"},
+                                                {"history", "--actuator", "leg"},
+                                                {"behavior", "leg"},
+                                                {"behavior", "leg", "--tree"}}) {
     const Ended ended = Musher(words);
     EXPECT_EQ(ended.exit, 2) << words[0] << ": " << ended.err;
     EXPECT_THAT(ended.err, HasSubstr("did you mean 'legs'?")) << words[0];
