@@ -3,7 +3,7 @@ import {get, post} from './connection.js';
 import {h} from './dom.js';
 import {bytes, percent} from './format.js';
 import {t} from './i18n.js';
-import {actButton, card, commands, facts, levelShape, lookHint, quoted, shape, stateChip} from './parts.js';
+import {actButton, card, codeNote, commands, facts, levelShape, lookHint, quoted, shape, stateChip} from './parts.js';
 import {statusOf} from './store.js';
 
 const TAIL_BYTES = 4000;
@@ -74,8 +74,7 @@ function detailRow(ctx, a, columns) {
   return h('tr', {key: `${a.name}-details`, class: 'details-row'}, h('td', {colspan: columns},
     h('div', {class: 'details'},
       facts([
-        a.message ? [t('reason'), quoted(a.message), a.code
-          ? h('span', {class: 'quiet'}, ` (${t('code', {code: a.code})})`) : null] : null,
+        a.message ? [t('reason'), quoted(a.message), codeNote(a.message, a.code)] : null,
         a.critical ? [t('critical'), t('critical.text')] : null,
         [t('pid'), a.pid ? String(a.pid) : '–'],
         process ? [t('threads'), String(process.threads)] : null,

@@ -2,7 +2,7 @@
 import {h} from './dom.js';
 import {duration, when} from './format.js';
 import {t} from './i18n.js';
-import {batteryBar, card, commands, docsLink, facts, levelShape, quoted, stateChip, stateMeaning,
+import {batteryBar, card, codeNote, commands, docsLink, facts, levelShape, quoted, stateChip, stateMeaning,
   stoppedChip} from './parts.js';
 import {capabilitiesOf, freshness, levelOf, problems, recentFaults, robotNow, stateSince, statusOf} from './store.js';
 import {requestPlan, switchCard} from './switch.js';
@@ -51,8 +51,7 @@ function problemItem(ctx, problem) {
     h('div', null,
       h('h3', null, h('span', {class: 'hidden'}, t(`level.${problem.level}`), ': '),
         t(problem.what, {name: problem.name})),
-      problem.why ? h('p', {class: 'reason'}, quoted(problem.why),
-        problem.code ? h('span', {class: 'quiet'}, ` (${t('code', {code: problem.code})})`) : null) : null,
+      problem.why ? h('p', {class: 'reason'}, quoted(problem.why), codeNote(problem.why, problem.code)) : null,
       h('p', {class: 'advice'}, h('b', null, t('advice')), ' ', t(`advice.${problem.advice}`)),
       adviceButton(ctx, problem),
       h('p', {class: 'links'},

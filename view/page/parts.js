@@ -68,6 +68,10 @@ export function stateMeaning(state) {
 // What the robot itself wrote, in its own language.
 export const quoted = text => h('span', {lang: 'en'}, commands(text ?? ''));
 
+// The code beside a sentence that does not have it yet.
+export const codeNote = (text, code) => (code && !(text ?? '').includes(String(code))
+  ? h('span', {class: 'quiet'}, ` (${t('code', {code})})`) : null);
+
 export function card(title, props, ...children) {
   const id = props.id ?? `card-${title}`.replace(/\W+/g, '-');
   return h('section', {class: `card ${props.class ?? ''}`, 'aria-labelledby': id, key: props.key ?? id},

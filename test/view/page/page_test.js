@@ -295,7 +295,7 @@ test('a skill is run with its parameters, and cancelled', () => inPage({hash: 'a
   await page.waitForSelector('.skill:has-text("goto") .pill >> text=cancelled');
   const photo = '.skill:has-text("take_photo")';
   await page.click(`${photo} >> text=Run …`);
-  assert.equal(await page.evaluate(() => document.activeElement.name), 'name');
+  await until('the first parameter has the focus', () => page.evaluate(() => document.activeElement.name === 'name'));
   await page.fill('[name=name]', 'full');
   await page.click(`${photo} .primary`);
   await page.waitForSelector(`${photo} >> text=Refused: the disk is full`);
@@ -349,7 +349,7 @@ test('a camera that gives no picture in LowPower is off, not loading', () => inP
   robot.publish();
   await page.click('nav >> text=Cameras');
   await page.waitForSelector('.pictures >> text=off in LowPower');
-  assert.doesNotMatch(await page.textContent('main'), /Loading/);
+  await until('no camera loads for ever', async () => !/Loading/.test(await page.textContent('main')));
 }));
 
 test('advice to switch again is a button that shows the plan', () => inPage({}, async (page, {robot}) => {
