@@ -29,7 +29,7 @@ Result<LinkJson> PostTo(const RunningView& view, const std::string& path, const 
 }  // namespace
 
 Result<LiveServer::Link> RequestLink(const RunningView& view, const std::string& name) {
-  const auto answer = PostTo(view, "/api/link", {{"token", view.token}, {"name", name}});
+  const auto answer = PostTo(view, "/api/link", LinkJson{{"token", view.token}, {"name", name}});
   if (!answer) {
     Error error = answer.error();
     if (error.code == kCodePermissionDenied) {
@@ -46,7 +46,7 @@ Result<LiveServer::Link> RequestLink(const RunningView& view, const std::string&
 }
 
 Result<> RequestLogout(const RunningView& view) {
-  const auto answer = PostTo(view, "/api/logout", {{"token", view.token}});
+  const auto answer = PostTo(view, "/api/logout", LinkJson{{"token", view.token}});
   if (answer) return Ok();
   return answer.error();
 }

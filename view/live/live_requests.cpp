@@ -62,7 +62,7 @@ http::Response JsonResponse(std::string json) {
 }
 
 // Of a code, PIN or token.
-http::Response Refusal(const Error& error) {
+http::Response RefusalResponse(const Error& error) {
   return http::ErrorResponse(error.code == kCodeTargetBusy ? 429 : 403, error.code, error.message);
 }
 
@@ -190,7 +190,7 @@ void LiveServer::OnLogin(const http::Request& request, const http::Respond& resp
   if (!session) {
     Error error = session.error();
     error.message += "; `musher view --link` prints another link";
-    return respond(Refusal(error));
+    return respond(RefusalResponse(error));
   }
   KeepSessions();
   respond(WithSession(Redirect("/"), session.value()));
@@ -204,7 +204,7 @@ void LiveServer::OnPin(const http::Request& request, const http::Respond& respon
         http::ErrorResponse(400, kCodeParametersInvalid, R"(POST {"pin":"..."} opens a session)"));
   }
   const auto session = login_.RedeemPin(TextIn(body, "pin"), request.peer, node_.loop().Now());
-  if (!session) return respond(Refusal(session.error()));
+  if (!session) return respond(RefusalResponse(session.error()));
   KeepSessions();
   respond(WithSession(JsonResponse("{}"), session.value()));
 }
@@ -220,7 +220,7 @@ void LiveServer::OnLogout(const http::Request& request, const http::Respond& res
   if (body.contains("token")) {
     const auto permitted =
         login_.MayMakeLinks(TextIn(body, "token"), request.peer, node_.loop().Now());
-    if (!permitted) return respond(Refusal(permitted.error()));
+    if (!permitted) return respond(RefusalResponse(permitted.error()));
     login_.EndAll();
   } else if (body.value("all", RequestJson()) == true) {
     if (PersonOf(request).empty()) {
@@ -262,7 +262,7 @@ void LiveServer::OnLink(const http::Request& request, const http::Respond& respo
   }
   const auto permitted =
       login_.MayMakeLinks(TextIn(body, "token"), request.peer, node_.loop().Now());
-  if (!permitted) return respond(Refusal(permitted.error()));
+  if (!permitted) return respond(RefusalResponse(permitted.error()));
   const Link link = NewLink(TextIn(body, "name"));
   respond(JsonResponse(R"({"path":)" + http::JsonText(link.path) + R"(,"pin":)" +
                        http::JsonText(link.pin) + R"(,"outside":)" + http::JsonText(link.outside) +

@@ -65,11 +65,11 @@ TEST_F(WatchedSkills, OfFourWritersReachThePageAll) {
 }
 
 TEST_F(WatchedSkills, OfARestartedWriterReplaceTheOldOnes) {
-  Robot ann = Start("ann");
+  std::optional<Robot> ann = Start("ann");
   const Robot ben = Start("ben");
   Find();
   for (int i = 0; i < 5; ++i) {
-    ann = {};
+    ann.reset();
     network_.RunFor(std::chrono::seconds(1));
     EXPECT_THAT(watched_.Last("/skills"), SizeIs(2)) << "the last word of a lost writer stays";
     ann = Start("ann");
