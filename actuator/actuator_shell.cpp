@@ -41,7 +41,7 @@ SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
   command.status_stamp = transport::FromNanoseconds(request.status_stamp_ns);
   command.since_status = Duration(request.since_status_ns);
   command.incarnation = Incarnation(request.incarnation);
-  command.detached = request.apart;
+  command.detached = request.detached;
   return command;
 }
 
@@ -84,13 +84,13 @@ Result<> ActuatorShell::Open() {
       node_, transport::ActuatorStatusTopic(name_space), status_qos);
   if (!status) return status.error();
   status_ = std::move(status).value();
-  auto heartbeats = transport::MakePublisher<msg::ActuatorBeat>(
-      node_, transport::ActuatorBeatTopic(name_space), heartbeat_qos);
+  auto heartbeats = transport::MakePublisher<msg::ActuatorHeartbeat>(
+      node_, transport::ActuatorHeartbeatTopic(name_space), heartbeat_qos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
-  auto controllers = transport::MakeSubscription<msg::ControllerBeat>(
-      node_, transport::ControllerBeatTopic(name_space),
-      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
+  auto controllers = transport::MakeSubscription<msg::ControllerHeartbeat>(
+      node_, transport::ControllerHeartbeatTopic(name_space),
+      [this](const msg::ControllerHeartbeat& heartbeat, const transport::SampleInfo& info) {
         OnControllerHeartbeat(heartbeat, info);
       },
       transport::kLatchedFromManyQos);
@@ -117,7 +117,7 @@ Result<> ActuatorShell::WatchBattery() {
   return Ok();
 }
 
-void ActuatorShell::OnControllerHeartbeat(const msg::ControllerBeat& heartbeat,
+void ActuatorShell::OnControllerHeartbeat(const msg::ControllerHeartbeat& heartbeat,
                                           const transport::SampleInfo& info) {
   if (!transport::IsOwn(heartbeat.participant, info)) return;
   const MachineIdentity theirs{heartbeat.machine, heartbeat.machine_id};
@@ -163,7 +163,7 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
     case msg::ActuatorCommand::kKindSwitch:
       Handle(actuator_event::SwitchArrived{token, SwitchFrom(request), from});
       break;
-    case msg::ActuatorCommand::kKindAsk:
+    case msg::ActuatorCommand::kKindQuery:
       Handle(actuator_event::QueryArrived{
           token, {Epoch(request.epoch), CommandNumber(request.number), request.stop}, from});
       break;
@@ -266,7 +266,7 @@ void ActuatorShell::CheckWork() {
 void ActuatorShell::Heartbeat(const Checkpoints::Look& look) {
   heartbeat_at_ = node_.loop().Now();
   sent_work_ = look.work;
-  msg::ActuatorBeat heartbeat;
+  msg::ActuatorHeartbeat heartbeat;
   heartbeat.name = actuator_.name;
   heartbeat.incarnation = core_.report.incarnation.value();
   heartbeat.period_ns = HeartbeatPeriod(config_, index_).count();

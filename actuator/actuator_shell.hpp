@@ -82,7 +82,7 @@ class ActuatorShell {
 
   Result<> Open();
   Result<> WatchBattery();
-  void OnControllerHeartbeat(const msg::ControllerBeat& heartbeat,
+  void OnControllerHeartbeat(const msg::ControllerHeartbeat& heartbeat,
                              const transport::SampleInfo& info);
   void OnEmergencyStop(const msg::EmergencyStop& stop, const transport::SampleInfo& info);
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
@@ -125,7 +125,7 @@ class ActuatorShell {
   Time heartbeat_at_{};               // of the last heartbeat
   std::optional<Time> armed_for_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
-  std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> heartbeats_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorHeartbeat>> heartbeats_;
   transport::LoopHandlePtr look_;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> controllers_;

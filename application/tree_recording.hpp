@@ -4,10 +4,10 @@
 //
 // A thread writes, so that a slow disk never delays a tick: lines beyond kMostPending that wait for
 // it are left out, and the recording says so. FILE is at most half as long as Options::most_bytes
-// and the lines of one tick; then it becomes FILE.before, as the one of the run before does, and a
-// new one begins with the tree and its present state. The file is synced once a second: a power cut
-// takes away the last second. Once it cannot be written to, which is logged, nothing more is
-// recorded; the application runs on.
+// and the lines of one tick; then it becomes FILE.before, as the recording of an earlier run does,
+// and a new one begins with the tree and its present state. The file is synced once a second: a
+// power cut takes away the last second. Once it cannot be written to, which is logged, nothing more
+// is recorded; the application runs on.
 //
 // Threads: the loop's; Open() and the destructor those of the actuator. The destructor waits for
 // the disk.

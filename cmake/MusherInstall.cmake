@@ -69,3 +69,15 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/musherConfig.cmake.in mu
 write_basic_package_version_file(musherConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/musherConfig.cmake ${PROJECT_BINARY_DIR}/musherConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
+
+# For builds without CMake: pkg-config --cflags --libs musher. The prefix is that of the installation.
+list(TRANSFORM targets PREPEND "-l" OUTPUT_VARIABLE libraries)
+list(FILTER libraries EXCLUDE REGEX "^-lmusher_groot2$")  # needs ZeroMQ
+list(JOIN libraries " " libraries)
+install(CODE "
+  set(libraries \"${libraries}\")
+  set(CMAKE_INSTALL_LIBDIR \"${CMAKE_INSTALL_LIBDIR}\")
+  set(CMAKE_INSTALL_INCLUDEDIR \"${CMAKE_INSTALL_INCLUDEDIR}\")
+  set(PROJECT_VERSION \"${PROJECT_VERSION}\")
+  configure_file(\"${CMAKE_CURRENT_LIST_DIR}/musher.pc.in\" \"${PROJECT_BINARY_DIR}/musher.pc\" @ONLY)")
+install(FILES ${PROJECT_BINARY_DIR}/musher.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

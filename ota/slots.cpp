@@ -79,7 +79,7 @@ std::string FormatState(const SlotState& state) {
   const auto flag = [](bool value) { return value ? "true\n" : "false\n"; };
   std::string text = "# Which version the robot starts. Written by musher.\nconfirmed = \"" +
                      std::string(SlotName(state.confirmed)) + "\"\n";
-  text += std::string("on_trial = ") + flag(state.on_trial_boot);
+  text += std::string("on_trial_boot = ") + flag(state.on_trial_boot);
   text += std::string("started = ") + flag(state.started);
   text += std::string("other_good = ") + flag(state.other_good);
   if (!state.installing.empty()) text += "installing = " + Literal(state.installing) + "\n";
@@ -100,9 +100,12 @@ std::optional<SlotState> ParseState(std::string_view text) {
   const auto* table = std::get_if<Table>(&document);
   const auto confirmed = table == nullptr ? std::nullopt : SlotOf(Text(*table, "confirmed"));
   if (!confirmed) return std::nullopt;
-  SlotState state{
-      *confirmed,   Flag(*table, "on_trial"),  Flag(*table, "started"), Flag(*table, "other_good"),
-      std::nullopt, Text(*table, "installing")};
+  SlotState state{*confirmed,
+                  Flag(*table, "on_trial_boot"),
+                  Flag(*table, "started"),
+                  Flag(*table, "other_good"),
+                  std::nullopt,
+                  Text(*table, "installing")};
   const auto* last = Find(*table, "last");
   if (const auto* end_of_trial_boot = last == nullptr ? nullptr : last->value.As<Table>()) {
     state.last = TrialBootEnd{SlotOf(Text(*end_of_trial_boot, "slot")).value_or(*confirmed),

@@ -16,7 +16,7 @@ Bridge::Bridge(transport::sim::Network& network, const MachineConfig& config, st
       participant_(network.ParticipantOf(*node_)) {
   Open(statuses_, transport::ActuatorStatusTopic(config.name_space), transport::kLatchedQos,
        transport::kLatchedFromManyQos);
-  Open(heartbeats_, transport::ActuatorBeatTopic(config.name_space), transport::kHeartbeatQos,
+  Open(heartbeats_, transport::ActuatorHeartbeatTopic(config.name_space), transport::kHeartbeatQos,
        transport::kHeartbeatQos);
   timer_ = node_->loop().Every(kPeriod, [this] {
     Repeat(statuses_);

@@ -37,7 +37,7 @@ class Bridge {
   std::unique_ptr<transport::Node> node_;
   transport::ParticipantId participant_ = 0;
   Topic<msg::ActuatorStatus> statuses_;
-  Topic<msg::ActuatorBeat> heartbeats_;
+  Topic<msg::ActuatorHeartbeat> heartbeats_;
   transport::LoopHandlePtr timer_;
 };
 

@@ -100,7 +100,7 @@ void Checker::CheckPlace(const Machine& machine, ActuatorIndex i) {
                                                ", without a recorded reason");
 }
 
-// In a step of a start, also of one that has failed, the machine has no state for its actuators.
+// In a step of a start, even a failed start, the machine has no state for its actuators.
 // They stay where a rollback leads: in DeActive or else LowPower, or less active. One that cannot
 // be brought there is listed.
 void Checker::CheckPlaceInStart(const Machine& machine, ActuatorIndex i) {

@@ -23,7 +23,7 @@ struct Job {
   std::string key;
   std::uint64_t number = 0;
   DiskWriter::Work work;
-  SteadyTime not_before{};  // of one that failed
+  SteadyTime not_before{};  // after a failed attempt
   bool failed = false;      // its last attempt
   bool reported = false;    // that it has failed
 };

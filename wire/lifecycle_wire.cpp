@@ -36,11 +36,11 @@ std::string MachineStatusTopic(std::string_view name_space) {
 std::string CapabilitiesTopic(std::string_view name_space) {
   return ResolveName(name_space, "musher/capabilities");
 }
-std::string ActuatorBeatTopic(std::string_view name_space) {
-  return ResolveName(name_space, "musher/actuator_beat");
+std::string ActuatorHeartbeatTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/actuator_heartbeat");
 }
-std::string ControllerBeatTopic(std::string_view name_space) {
-  return ResolveName(name_space, "musher/controller_beat");
+std::string ControllerHeartbeatTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/controller_heartbeat");
 }
 std::string EmergencyStopTopic(std::string_view name_space) {
   return ResolveName(name_space, "musher/emergency_stop");
@@ -114,7 +114,7 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
   status.pid = report.pid;
   status.host = report.host;
   status.config_hash = report.config_hash;
-  status.apart = report.detached;
+  status.detached = report.detached;
   status.emergency_stop = report.emergency_stop.value();
   status.held_by_stop = report.held_by_stop;
   status.degraded_code = report.degraded_code;
@@ -141,7 +141,7 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.pid = status.pid;
   report.host = status.host;
   report.config_hash = status.config_hash;
-  report.detached = status.apart;
+  report.detached = status.detached;
   report.emergency_stop = StopId(status.emergency_stop);
   report.held_by_stop = status.held_by_stop;
   report.degraded_code = status.degraded_code;
@@ -175,13 +175,14 @@ Verdict VerdictFrom(std::uint8_t verdict) {
 }
 
 std::uint8_t ToMessage(Health work) {
-  if (work == Health::kHung) return msg::ActuatorBeat::kWorkHung;
-  return work == Health::kStarved ? msg::ActuatorBeat::kWorkStarved : msg::ActuatorBeat::kWorkWell;
+  if (work == Health::kHung) return msg::ActuatorHeartbeat::kWorkHung;
+  return work == Health::kStarved ? msg::ActuatorHeartbeat::kWorkStarved
+                                  : msg::ActuatorHeartbeat::kWorkWell;
 }
 
 Health WorkFrom(std::uint8_t work) {
-  if (work == msg::ActuatorBeat::kWorkHung) return Health::kHung;
-  return work == msg::ActuatorBeat::kWorkStarved ? Health::kStarved : Health::kWell;
+  if (work == msg::ActuatorHeartbeat::kWorkHung) return Health::kHung;
+  return work == msg::ActuatorHeartbeat::kWorkStarved ? Health::kStarved : Health::kWell;
 }
 
 }  // namespace musher::transport

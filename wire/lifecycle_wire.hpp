@@ -24,8 +24,8 @@ std::string CommandService(std::string_view name_space, std::string_view actuato
 std::string ActuatorStatusTopic(std::string_view name_space);
 std::string MachineStatusTopic(std::string_view name_space);
 std::string CapabilitiesTopic(std::string_view name_space);
-std::string ActuatorBeatTopic(std::string_view name_space);
-std::string ControllerBeatTopic(std::string_view name_space);
+std::string ActuatorHeartbeatTopic(std::string_view name_space);
+std::string ControllerHeartbeatTopic(std::string_view name_space);
 std::string EmergencyStopTopic(std::string_view name_space);
 // `name` is "set_state", "restart_actuator", "release_emergency_stop", "get_status", "get_plan",
 // "get_capabilities" or "get_history".

@@ -39,12 +39,12 @@ class Hooks {
   explicit Hooks(std::function<void(NodeId)> on_reached = {})
       : on_reached_(std::move(on_reached)) {}
 
-  // Adds it, or changes the one of the same node. One that is no breakpoint any more releases its
-  // node.
+  // Adds the hook, or replaces the hook of the same node. If the new one is no breakpoint, the node
+  // is released.
   void Set(const Hook& hook);
   // False: there is none.
   bool Remove(NodeId node) { return hooks_.erase(node) > 0; }
-  // Lets a held node go on, or the next start of one that is not held yet. False: there is none.
+  // Lets a held node go on; if the node is not held yet, its next start. False: there is none.
   bool Release(NodeId node, Status instead, bool once);
   void Clear() { hooks_.clear(); }
   // None holds any more.

@@ -60,7 +60,7 @@ class Tree {
   // One tick, and a further one as long as a node has asked for it (Repeat, RetryUntilSuccessful,
   // SequenceWithMemory, AsyncSequence), at most kMostTicksAtOnce.
   Result<Status> TickOnce(Time now);
-  // Halts every running node once. An error has the path of one that threw, and what.
+  // Halts every running node once. An error has the path of a node that threw, and what it threw.
   Result<> Halt(Time now);
   // The clock has jumped back: further ticks may be before the last. Nothing may be running.
   void SetTime(Time now) { tick_.now = now; }

@@ -102,13 +102,13 @@ class Queries {
     Subscribe();
     FindServices();
     link_.RunUntil([this] { return waiting_ == 0; }, kAnswers);
-    link_.RunUntil([this] { return d_.beat.has_value(); }, kOwnReports);
+    link_.RunUntil([this] { return d_.heartbeat.has_value(); }, kOwnReports);
     const Time services_end = begin_ + kServices;
     if (link_.loop().Now() < services_end) {
       link_.RunUntil([] { return false; }, services_end - link_.loop().Now());
     }
     TakeServices();
-    d_.beat_age_s = ToSeconds(link_.loop().Now() - beat_at_);
+    d_.heartbeat_age_s = ToSeconds(link_.loop().Now() - heartbeat_at_);
   }
 
  private:
@@ -169,12 +169,12 @@ class Queries {
   void Subscribe() {
     transport::Qos qos = transport::kHeartbeatQos;
     qos.partition = transport::ReaderPartition(!global_.keys.empty());
-    auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
-        link_.node(), transport::ActuatorBeatTopic(global_.name_space),
-        [this](const msg::ActuatorBeat& beat, const transport::SampleInfo& info) {
-          if (beat.name != d_.name || !transport::IsFrom(beat.name, info)) return;
-          d_.beat = beat;
-          beat_at_ = link_.loop().Now();
+    auto heartbeats = transport::MakeSubscription<msg::ActuatorHeartbeat>(
+        link_.node(), transport::ActuatorHeartbeatTopic(global_.name_space),
+        [this](const msg::ActuatorHeartbeat& heartbeat, const transport::SampleInfo& info) {
+          if (heartbeat.name != d_.name || !transport::IsFrom(heartbeat.name, info)) return;
+          d_.heartbeat = heartbeat;
+          heartbeat_at_ = link_.loop().Now();
         },
         qos);
     if (heartbeats) heartbeats_ = std::move(heartbeats).value();
@@ -199,7 +199,7 @@ class Queries {
   Description& d_;
   int waiting_ = 0;
   Time begin_ = link_.loop().Now();
-  Time beat_at_ = begin_;
+  Time heartbeat_at_ = begin_;
   std::unique_ptr<transport::Client<msg::GetPlan>> plans_;
   std::unique_ptr<transport::Client<msg::GetHistory>> history_;
   std::unique_ptr<transport::Client<msg::GetCapabilities>> capabilities_;

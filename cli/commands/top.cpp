@@ -44,11 +44,11 @@ class TopWatch {
     if (!followed) return followed.error();
     transport::Qos qos = transport::kHeartbeatQos;
     qos.partition = transport::ReaderPartition(!global_.keys.empty());
-    auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
-        link_.node(), transport::ActuatorBeatTopic(global_.name_space),
-        [this](const msg::ActuatorBeat& beat, const transport::SampleInfo& info) {
-          if (transport::IsFrom(beat.name, info)) {
-            heartbeats_[beat.name] = {beat, link_.loop().Now()};
+    auto heartbeats = transport::MakeSubscription<msg::ActuatorHeartbeat>(
+        link_.node(), transport::ActuatorHeartbeatTopic(global_.name_space),
+        [this](const msg::ActuatorHeartbeat& heartbeat, const transport::SampleInfo& info) {
+          if (transport::IsFrom(heartbeat.name, info)) {
+            heartbeats_[heartbeat.name] = {heartbeat, link_.loop().Now()};
           }
         },
         qos);
@@ -130,10 +130,11 @@ class TopWatch {
     row.pid = a.pid;
     row.restarts = a.restarts;
     row.elsewhere = a.pid != 0 && (a.host.empty() || a.host != HostId());
-    if (const auto beat = heartbeats_.find(a.name); beat != heartbeats_.end()) {
-      row.beat_age_s = ToSeconds(now - beat->second.second);
-      const std::int64_t silent = beat->second.first.silent_ns;
-      if (silent > 0) row.checkpoint_age_s = static_cast<double>(silent) / 1e9 + *row.beat_age_s;
+    if (const auto heartbeat = heartbeats_.find(a.name); heartbeat != heartbeats_.end()) {
+      row.heartbeat_age_s = ToSeconds(now - heartbeat->second.second);
+      const std::int64_t silent = heartbeat->second.first.silent_ns;
+      if (silent > 0)
+        row.checkpoint_age_s = static_cast<double>(silent) / 1e9 + *row.heartbeat_age_s;
     }
     TakeEvent(a.name, row);
     return row;
@@ -163,7 +164,7 @@ class TopWatch {
 
   Link& link_;
   const GlobalOptions& global_;
-  std::map<std::string, std::pair<msg::ActuatorBeat, Time>> heartbeats_;
+  std::map<std::string, std::pair<msg::ActuatorHeartbeat, Time>> heartbeats_;
   std::map<std::string, Event> events_;
   std::map<pid_t, ProcessUsage> usages_;  // of the last sample
   Time sampled_{};

@@ -179,7 +179,7 @@ void AddPolicy(const PolicyConfig& policy, WordList& words) {
     words.Key("lying_still_s", Seconds(low_power->lying_still));
     words.Set("motion_ids", Texts(low_power->motion_ids));
   }
-  // Every [policy] has these; the file of one that is not changed has no table for it.
+  // Every [policy] has these; a file with the usual values has no table for them.
   const PowerPolicy& power = policy.power;
   const PowerPolicy usual;
   const bool reboots = power.reboot_command != usual.reboot_command;

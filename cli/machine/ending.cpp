@@ -74,8 +74,8 @@ Result<> Ending::Open() {
     if (!commands) return commands.error();
     target.commands = std::move(commands).value();
   }
-  auto heartbeats = transport::MakePublisher<msg::ControllerBeat>(
-      node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
+  auto heartbeats = transport::MakePublisher<msg::ControllerHeartbeat>(
+      node_, transport::ControllerHeartbeatTopic(name_space_), transport::kLatchedQos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
   heartbeat_ = {machine_.name, epoch_.value(), NewIncarnation(),

@@ -73,8 +73,8 @@ class Ending {
   const Time deadline_;
   Epoch epoch_ = 1;
   MachineIdentity machine_;  // of the actuators
-  msg::ControllerBeat heartbeat_;
-  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
+  msg::ControllerHeartbeat heartbeat_;
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
   std::map<std::string, Target> targets_;
   transport::LoopHandlePtr timer_;
 };

@@ -102,12 +102,13 @@ void AddHealth(Sheet& sheet, const Description& d) {
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   if (d.info) add(d.info->health + " (" + d.info->presence + ")");
-  if (d.beat) {
-    add(fmt::format("heartbeat {:.1f} s ago, due every {:g} s", d.beat_age_s,
-                    static_cast<double>(d.beat->period_ns) / 1e9));
-    if (d.beat->silent_ns > 0) {
-      add(fmt::format("no checkpoint for {:.1f} s{}", static_cast<double>(d.beat->silent_ns) / 1e9,
-                      d.beat->during.empty() ? "" : " in the callback of " + d.beat->during));
+  if (d.heartbeat) {
+    add(fmt::format("heartbeat {:.1f} s ago, due every {:g} s", d.heartbeat_age_s,
+                    static_cast<double>(d.heartbeat->period_ns) / 1e9));
+    if (d.heartbeat->silent_ns > 0) {
+      add(fmt::format(
+          "no checkpoint for {:.1f} s{}", static_cast<double>(d.heartbeat->silent_ns) / 1e9,
+          d.heartbeat->during.empty() ? "" : " in the callback of " + d.heartbeat->during));
     } else if (d.config && d.config->checkpoint) {
       add("checkpoints in time");
     }

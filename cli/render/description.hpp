@@ -32,8 +32,8 @@ struct Description {
   std::string machine_phase;
   std::optional<msg::ActuatorInfo> info;      // the controller's view
   std::optional<msg::ActuatorStatus> status;  // the actuator's own
-  std::optional<msg::ActuatorBeat> beat;
-  double beat_age_s = 0;
+  std::optional<msg::ActuatorHeartbeat> heartbeat;
+  double heartbeat_age_s = 0;
   bool on_this_host = false;
   std::optional<ProcessFacts> process;
   std::optional<ActuatorConfig> config;

@@ -47,12 +47,12 @@ Json Of(const ProcessFacts& p) {
 }  // namespace
 
 std::string DescriptionJson(const Description& d) {
-  Json beat;
-  if (d.beat) {
-    beat = {{"age_s", d.beat_age_s},
-            {"period_s", static_cast<double>(d.beat->period_ns) / 1e9},
-            {"checkpoint_silent_s", static_cast<double>(d.beat->silent_ns) / 1e9},
-            {"during", Known(d.beat->during)}};
+  Json heartbeat;
+  if (d.heartbeat) {
+    heartbeat = {{"age_s", d.heartbeat_age_s},
+                 {"period_s", static_cast<double>(d.heartbeat->period_ns) / 1e9},
+                 {"checkpoint_silent_s", static_cast<double>(d.heartbeat->silent_ns) / 1e9},
+                 {"during", Known(d.heartbeat->during)}};
   }
   Json stop;
   if (d.status) {
@@ -95,7 +95,7 @@ std::string DescriptionJson(const Description& d) {
        {"status", d.info ? ActuatorJson(*d.info) : Json()},
        {"since", since == 0 ? Json() : Json(UtcText(since))},
        {"emergency_stop", stop},
-       {"heartbeat", beat},
+       {"heartbeat", heartbeat},
        {"process", d.process ? Of(*d.process) : Json()},
        {"config", d.config ? Of(*d.config, d) : Json()},
        {"reachable", reach},

@@ -46,7 +46,7 @@ std::string TroubleOf(const msg::ActuatorInfo& a) {
   if (!a.degraded) return IsWell(a) ? a.message : a.health;
   const std::string why = WithCode(a.message, a.code);
   if (IsWell(a)) return "degraded: " + why;
-  // The sentence of one that is given up has the number of restarts and the last fault itself.
+  // Once an actuator is given up, its sentence has the number of restarts and the last fault.
   const bool says_it = a.message.starts_with(a.health) || IsGivenUp(a);
   return says_it ? why : a.health + ": " + why;
 }

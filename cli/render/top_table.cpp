@@ -85,9 +85,9 @@ std::string RowText(const TopRow& row, std::size_t width, bool colour) {
       number(row.cpu_percent, [](double cpu) { return fmt::format("{:.1f}", cpu); }),
       number(row.memory_bytes, MemoryOf),
       number(row.threads, [](std::uint64_t threads) { return std::to_string(threads); }),
-      number(row.beat_age_s, Seconds),
+      number(row.heartbeat_age_s, Seconds),
       row.checkpoint_age_s ? Seconds(*row.checkpoint_age_s)
-                           : std::string(row.beat_age_s ? "ok" : "-"),
+                           : std::string(row.heartbeat_age_s ? "ok" : "-"),
       std::to_string(row.restarts)};
   std::string text;
   std::size_t used = 0;
@@ -168,7 +168,7 @@ std::string TopJson(const TopView& view) {
                     {"cpu_percent", maybe(row.cpu_percent)},
                     {"memory_bytes", maybe(row.memory_bytes)},
                     {"threads", maybe(row.threads)},
-                    {"heartbeat_age_s", maybe(row.beat_age_s)},
+                    {"heartbeat_age_s", maybe(row.heartbeat_age_s)},
                     {"checkpoint_age_s", maybe(row.checkpoint_age_s)},
                     {"restarts", row.restarts},
                     {"last_event", Known(row.event)}});

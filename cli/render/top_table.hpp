@@ -20,7 +20,7 @@ struct TopRow {
   std::optional<double> cpu_percent;  // of one CPU, since the last sample
   std::optional<std::uint64_t> memory_bytes;
   std::optional<std::uint64_t> threads;
-  std::optional<double> beat_age_s;        // of its last heartbeat
+  std::optional<double> heartbeat_age_s;   // of its last heartbeat
   std::optional<double> checkpoint_age_s;  // since the last checkpoint, if one is overdue
   std::int32_t restarts = 0;
   std::string event;  // the last one in the journal

@@ -15,7 +15,7 @@ namespace {
 
 // Of what is known of other machines for a message.
 constexpr std::size_t kMostMachines = 8;
-constexpr std::size_t kLongestMachineText = 80;
+constexpr std::size_t kLongestUnknownMachine = 80;
 
 // Whether it may move. A crashed actuator does not. One whose connection is lost may, unless its
 // process has ended; so may one whose process a new controller has found, or has stored as running
@@ -174,7 +174,7 @@ EstopReport Latching::Report(const StopView& view) const {
     report.unknown = "several machines have received the stop (";
     for (const MachineIdentity& machine : machines_) {
       if (!report.unknown.ends_with('(')) report.unknown += ", ";
-      report.unknown += MachineText(machine).substr(0, kLongestMachineText);
+      report.unknown += MachineText(machine).substr(0, kLongestUnknownMachine);
     }
     report.unknown += "); `musher estop --machine NAME` stops one of them and confirms that";
   } else if (!view.controller && view.has_controller) {

@@ -60,9 +60,9 @@ Result<std::unique_ptr<LeaderWatch>> LeaderWatch::Make(transport::Node& node, Op
 }
 
 Result<> LeaderWatch::Open() {
-  auto heartbeats = transport::MakeSubscription<msg::ControllerBeat>(
-      node_, transport::ControllerBeatTopic(options_.name_space),
-      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
+  auto heartbeats = transport::MakeSubscription<msg::ControllerHeartbeat>(
+      node_, transport::ControllerHeartbeatTopic(options_.name_space),
+      [this](const msg::ControllerHeartbeat& heartbeat, const transport::SampleInfo& info) {
         if (transport::IsOwn(heartbeat.participant, info)) OnHeartbeat(heartbeat);
       },
       transport::kLatchedFromManyQos);
@@ -141,7 +141,7 @@ void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::
   on_status_(status);
 }
 
-void LeaderWatch::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
+void LeaderWatch::OnHeartbeat(const msg::ControllerHeartbeat& heartbeat) {
   const auto is_of = [&](const std::optional<msg::MachineStatus>& one) {
     return one && heartbeat.pid == one->pid && heartbeat.host == one->host;
   };

@@ -67,7 +67,7 @@ class LeaderWatch {
   Result<> Open();
   bool Follows(const msg::MachineStatus& status, const transport::SampleInfo& from) const;
   void OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from);
-  void OnHeartbeat(const msg::ControllerBeat& heartbeat);
+  void OnHeartbeat(const msg::ControllerHeartbeat& heartbeat);
   void ExpectHeartbeat();
   void OnHeartbeatLost();
   void End(const std::string& how);

@@ -4,23 +4,35 @@
 #include <optional>
 #include <vector>
 
-#include "musher/controller/journal/fields.hpp"
+#include "musher/lifecycle/fields/machine_fields.hpp"
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::tuple kFields<recording::ConfigText> = {
+    Field{"file", &recording::ConfigText::file},
+    Field{"hash", &recording::ConfigText::hash},
+    Field{"text", &recording::ConfigText::text},
+};
+template <>
+inline constexpr std::tuple kFields<recording::Snapshot> = {
+    Field{"config_hash", &recording::Snapshot::config_hash},
+    Field{"machine", &recording::Snapshot::machine},
+};
+
+}  // namespace musher::fields
 
 namespace musher::recording {
-
-template <>
-inline constexpr std::tuple kFields<ConfigText> = {
-    Field{"file", &ConfigText::file},
-    Field{"hash", &ConfigText::hash},
-    Field{"text", &ConfigText::text},
-};
-template <>
-inline constexpr std::tuple kFields<Snapshot> = {
-    Field{"config_hash", &Snapshot::config_hash},
-    Field{"machine", &Snapshot::machine},
-};
-
 namespace {
+
+using fields::Base;
+using fields::Field;
+using fields::kEventName;
+using fields::kFields;
+using fields::kIsComplete;
+using fields::kValueNames;
+using fields::Part;
+using fields::Struct;
 
 using Json = nlohmann::ordered_json;  // keys in the order they are written here
 
@@ -85,7 +97,7 @@ class Writer {
 
   template <Struct T>
   void AddFields(Json& json, const T& value) const {
-    static_assert(kIsComplete<T>, "fields.hpp has to name every member");
+    static_assert(kIsComplete<T>, "lifecycle/fields has to name every member");
     std::apply([&](const auto&... fields) { (Add(json, value, fields), ...); }, kFields<T>);
   }
 
@@ -103,11 +115,6 @@ class Writer {
   template <class T, class B>
   void Add(Json& json, const T& value, const Base<B>& /*base*/) const {
     AddFields(json, static_cast<const B&>(value));
-  }
-  template <class T, class M, std::size_t kFlags>
-  void Add(Json& json, const T& value, const Flags<T, M, kFlags>& flags) const {
-    const auto number = static_cast<std::size_t>(value.*flags.member);
-    if (number > 0) json[flags.names.at(number - 1)] = true;
   }
 
   template <class T, class Items>
@@ -165,19 +172,6 @@ class Reader {
   template <class T, class B>
   void TakeOne(const Json& json, T& value, const Base<B>& /*base*/) const {
     TakeFields(json, static_cast<B&>(value));
-  }
-  // Of several flags the last one counts.
-  template <class T, class M, std::size_t kFlags>
-  void TakeOne(const Json& json, T& value, const Flags<T, M, kFlags>& flags) const {
-    for (std::size_t i = 0; i < kFlags; ++i) {
-      bool set = false;
-      TakeOne(json, set, flags.names[i]);
-      if (set) value.*flags.member = static_cast<M>(i + 1);
-    }
-  }
-  void TakeOne(const Json& json, bool& value, const char* name) const {
-    const auto found = json.find(name);
-    if (found != json.end()) At(name).Read(*found, value);
   }
 
   void Read(const Json& json, bool& value) const {

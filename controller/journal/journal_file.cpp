@@ -68,23 +68,20 @@ std::int64_t Query(SQLite::Database& database, const char* query) {
   return database.execAndGet(query).getInt64();
 }
 
-// Creates the tables in an empty database and upgrades an older journal; throws Damaged for any
-// other file.
+// Creates the tables in an empty database; throws Damaged for any other file but a journal of this
+// version.
 void EnsureSchema(SQLite::Database& database) {
   const bool empty = Query(database, "SELECT COUNT(*) FROM sqlite_master") == 0;
   if (!empty && Query(database, "PRAGMA application_id") != journal_schema::kApplicationId) {
     throw Damaged("it is not a journal");
   }
-  const auto version = empty ? 0 : Query(database, "PRAGMA user_version");
-  if (version == journal_schema::kVersion) return;
-  if (!empty && version != 1 && version != 2) {
-    throw Damaged("its version is " + std::to_string(version) + ", not " +
-                  std::to_string(journal_schema::kVersion));
+  const auto version = Query(database, "PRAGMA user_version");
+  if (!empty && version != journal_schema::kVersion) {
+    throw Damaged(journal_schema::OtherVersion(version));
   }
+  if (!empty) return;
   SQLite::Transaction transaction(database);
-  if (empty) database.exec(journal_schema::kCreateVersion1);
-  if (version < 2) database.exec(journal_schema::kUpgradeTo2);
-  database.exec(journal_schema::kUpgradeTo3);
+  database.exec(journal_schema::kCreate);
   database.exec("PRAGMA application_id = " + std::to_string(journal_schema::kApplicationId));
   database.exec("PRAGMA user_version = " + std::to_string(journal_schema::kVersion));
   transaction.commit();

@@ -25,7 +25,6 @@ constexpr const char* kNotAsWritten = ": wrong checksum or missing data";
 
 struct Open {
   SQLite::Database database;
-  int version = 0;
 
   // Throws; the message says what is wrong.
   explicit Open(const std::string& path)
@@ -36,10 +35,9 @@ struct Open {
     if (database.execAndGet("PRAGMA application_id").getInt() != journal_schema::kApplicationId) {
       throw SQLite::Exception("it is not a journal");
     }
-    version = database.execAndGet("PRAGMA user_version").getInt();
-    if (version < 1 || version > journal_schema::kVersion) {
-      throw SQLite::Exception("its version is " + std::to_string(version) + ", not " +
-                              std::to_string(journal_schema::kVersion));
+    const auto version = database.execAndGet("PRAGMA user_version").getInt64();
+    if (version != journal_schema::kVersion) {
+      throw SQLite::Exception(journal_schema::OtherVersion(version));
     }
   }
 };
@@ -48,29 +46,8 @@ std::uint64_t Unsigned(SQLite::Statement& row, int column) {
   return static_cast<std::uint64_t>(row.getColumn(column).getInt64());
 }
 
-// The id of the first entry with a checksum: only those before it, of version 1, may have none. 0
-// if damage hides it, so that no entry may lack one.
-std::int64_t FirstWithChecksum(const Open& journal) {
-  if (journal.version == 1) return INT64_MAX;
-  SQLite::Statement select(journal.database,
-                           "SELECT id FROM entry WHERE checksum IS NOT NULL ORDER BY id LIMIT 1");
-  try {
-    return select.executeStep() ? select.getColumn(0).getInt64() : INT64_MAX;
-  } catch (const SQLite::Exception&) {
-    return 0;
-  }
-}
-
-// A damaged record may be read as one with fewer columns, which hold other values then.
-bool HasTypesOfVersion1(SQLite::Statement& row) {
-  const auto is_text = [&](int column) { return row.getColumn(column).isText(); };
-  const auto is_number = [&](int column) { return row.getColumn(column).isInteger(); };
-  return is_number(1) && is_number(2) && is_number(3) && is_number(4) && is_text(5) && is_text(6) &&
-         is_number(7) && is_text(8) && is_text(9);
-}
-
 // An entry, or why it is damaged.
-Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_checksum) {
+Result<JournalEntry> EntryOf(SQLite::Statement& row) {
   JournalEntry entry;
   const auto id = row.getColumn(0).getInt64();
   const Error damaged{kCodeFailed, "entry " + std::to_string(id) + kNotAsWritten};
@@ -84,23 +61,12 @@ Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_che
   entry.code = row.getColumn(7).getInt();
   entry.message = row.getColumn(8).getString();
   entry.data = row.getColumn(9).getString();
-  // SQLite reads the missing end of a page as zeros; every written entry has a kind.
-  const auto has_zeros = [](const std::string& text) {
-    return text.find('\0') != std::string::npos;
-  };
-  const bool of_zeros = entry.kind.empty() || has_zeros(entry.kind) || has_zeros(entry.actuator) ||
-                        has_zeros(entry.message) || has_zeros(entry.data);
-  const bool of_version_1 = id > 0 && !of_zeros && HasTypesOfVersion1(row);
-  if (row.getColumnCount() == 10) return of_version_1 ? Result<JournalEntry>(entry) : damaged;
   entry.id = RecordId(Unsigned(row, 10));
   entry.cause = RecordId(Unsigned(row, 11));
   entry.state = State(row.getColumn(12).getString());
-  if (row.getColumnCount() > 14) entry.event = row.getColumn(14).getString();
+  entry.event = row.getColumn(14).getString();
   const auto checksum = row.getColumn(13);
-  const bool may_lack_it = of_version_1 && id < first_with_checksum;
-  if (checksum.isNull() ? !may_lack_it : checksum.getInt64() != ChecksumOf(id, entry)) {
-    return damaged;
-  }
+  if (checksum.isNull() || checksum.getInt64() != ChecksumOf(id, entry)) return damaged;
   return entry;
 }
 
@@ -185,11 +151,6 @@ class TableReader {
   std::int64_t lowest_ = INT64_MAX;  // lowest id read from the end
 };
 
-const char* EntryColumns(int version) {
-  if (version == 1) return journal_schema::kEntryColumnsVersion1;
-  return version == 2 ? journal_schema::kEntryColumnsVersion2 : journal_schema::kEntryColumns;
-}
-
 std::string DamageText(std::size_t count, const char* what, const Damage& damage) {
   if (damage.empty()) return {};
   return "read " + std::to_string(count) + " " + what + "; the rest is damaged: " + damage;
@@ -208,10 +169,9 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
                                    std::size_t limit) try {
   const Open journal(path);
   std::map<std::int64_t, JournalEntry> entries;
-  TableReader reader(journal.database, EntryColumns(journal.version), "entry");
-  const std::int64_t first_with_checksum = FirstWithChecksum(journal);
+  TableReader reader(journal.database, journal_schema::kEntryColumns, "entry");
   const auto take = [&](std::int64_t id, SQLite::Statement& row) -> Damage {
-    auto entry = EntryOf(row, first_with_checksum);
+    auto entry = EntryOf(row);
     if (!entry) return entry.error().message;
     entries[id] = std::move(entry).value();
     return {};
@@ -228,9 +188,6 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
 
 Result<Recording> ReadRecording(const std::string& path) try {
   const Open journal(path);
-  if (journal.version == 1) {
-    return Unreadable(path, "its version is 1, which did not record the inputs of the decisions");
-  }
   std::map<std::int64_t, JournalItem> items;
   const auto read = [&](const char* columns, const char* table, const auto& make) {
     TableReader reader(journal.database, columns, table);
@@ -242,9 +199,7 @@ Result<Recording> ReadRecording(const std::string& path) try {
     });
   };
   const Damage of_inputs = read(journal_schema::kInputColumns, "input", InputOf);
-  const Damage of_entries =
-      read(EntryColumns(journal.version), "entry",
-           [first = FirstWithChecksum(journal)](auto& row) { return EntryOf(row, first); });
+  const Damage of_entries = read(journal_schema::kEntryColumns, "entry", EntryOf);
   const Damage damage = of_inputs.empty() ? of_entries : of_inputs;
   Recording recording;
   recording.damage = DamageText(items.size(), "entries and inputs", damage);

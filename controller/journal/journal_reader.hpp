@@ -36,7 +36,7 @@ struct Recording {
   std::string damage;
 };
 
-// Everything that a replay needs. A journal of version 1 does not have it, which is an error.
+// Everything that a replay needs.
 Result<Recording> ReadRecording(const std::string& path);
 
 }  // namespace musher

@@ -1,17 +1,24 @@
 #pragma once
-// The journal's tables. Another layout gets another version. When the controller starts, it moves a
-// file of a newer version aside and upgrades an older one.
+// The journal's tables. Another layout, or another name of a recorded field, gets another version:
+// a controller moves a file of one aside when it starts.
 //
 // Both tables share one sequence of ids, in the order of Append(): an id in neither table is a lost
 // row.
 
+#include <cstdint>
+#include <string>
+
 namespace musher::journal_schema {
 
 inline constexpr int kApplicationId = 0x4d757368;  // "Mush", in the file's header
-inline constexpr int kVersion = 3;
+inline constexpr int kVersion = 4;                 // 1 to 3: Musher 0.1
 
-// Version 1 had only `entry`, up to `data`.
-inline constexpr char kCreateVersion1[] = R"(
+inline std::string OtherVersion(std::int64_t version) {
+  return "its version is " + std::to_string(version) + ", not " + std::to_string(kVersion) +
+         (version < kVersion ? ": an earlier Musher wrote it" : ": a newer Musher wrote it");
+}
+
+inline constexpr char kCreate[] = R"(
   CREATE TABLE entry (
     id            INTEGER PRIMARY KEY,
     wall_ns       INTEGER NOT NULL,
@@ -22,14 +29,13 @@ inline constexpr char kCreateVersion1[] = R"(
     actuator      TEXT NOT NULL,
     code          INTEGER NOT NULL,
     message       TEXT NOT NULL,
-    data          TEXT NOT NULL
-  ))";
-
-inline constexpr char kUpgradeTo2[] = R"(
-  ALTER TABLE entry ADD COLUMN record INTEGER NOT NULL DEFAULT 0;  -- id of the decision's record
-  ALTER TABLE entry ADD COLUMN cause INTEGER NOT NULL DEFAULT 0;   -- `record` it follows from
-  ALTER TABLE entry ADD COLUMN state TEXT NOT NULL DEFAULT '';     -- the machine's new state
-  ALTER TABLE entry ADD COLUMN checksum INTEGER;  -- none: written by version 1
+    data          TEXT NOT NULL,
+    record        INTEGER NOT NULL,  -- id of the decision's record
+    cause         INTEGER NOT NULL,  -- `record` it follows from
+    state         TEXT NOT NULL,     -- the machine's new state
+    event         TEXT NOT NULL,
+    checksum      INTEGER NOT NULL
+  );
   CREATE TABLE input (
     id       INTEGER PRIMARY KEY,
     wall_ns  INTEGER NOT NULL,
@@ -37,9 +43,6 @@ inline constexpr char kUpgradeTo2[] = R"(
     data     TEXT NOT NULL,    -- JSON
     checksum INTEGER NOT NULL
   ))";
-
-// The checksum of an entry with an event includes it.
-inline constexpr char kUpgradeTo3[] = "ALTER TABLE entry ADD COLUMN event TEXT NOT NULL DEFAULT ''";
 
 inline constexpr char kInsertEntry[] = R"(
   INSERT INTO entry (id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message,
@@ -66,11 +69,6 @@ inline constexpr char kNewest[] =
     "SELECT COALESCE(MAX(id), 0) FROM (SELECT MAX(id) AS id FROM entry UNION ALL "
     "SELECT MAX(id) FROM input)";
 
-inline constexpr char kEntryColumnsVersion1[] =
-    "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data";
-inline constexpr char kEntryColumnsVersion2[] =
-    "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data, record, "
-    "cause, state, checksum";
 inline constexpr char kEntryColumns[] =
     "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data, record, "
     "cause, state, checksum, event";

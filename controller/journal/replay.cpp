@@ -15,62 +15,36 @@ bool SameText(const std::string& a, const std::string& b) {
   return a == b || WithoutModuleNames(a) == WithoutModuleNames(b);
 }
 
-// Whether two decisions are equal: with a different config their numbers are not compared, nor are
-// events with an entry that an older version has written without one.
+// Whether two decisions are equal: with a different config their numbers are not compared.
 bool Same(const JournalEntry& a, const JournalEntry& b, bool with_numbers) {
   const bool same = a.kind == b.kind && a.actuator == b.actuator && a.code == b.code &&
-                    SameText(a.message, b.message) && a.state == b.state &&
-                    (a.event.empty() || b.event.empty() || a.event == b.event);
+                    SameText(a.message, b.message) && a.state == b.state && a.event == b.event;
   return same && (!with_numbers || (a.id == b.id && a.cause == b.cause && a.epoch == b.epoch &&
                                     a.switch_number == b.switch_number));
 }
 
-// A snapshot of an older version has the sentences of faults and legs without their events. Two of
-// them have to be known, because decisions follow from them.
-EventName EventOfOlderVersion(const std::string& sentence) {
-  if (sentence == kOutOfReach) return EventName::kConnectionLost;
-  return sentence == texts::TornDownAlone().message ? EventName::kTornDownAlone : EventName::kNone;
-}
-
-// The parts of a machine that have a sentence with an event.
-template <class M, class Each>
-void ForEachEvent(M& machine, const Each& each) {
+// The sentences in a machine.
+template <class Each>
+void ForEachSentence(Machine& machine, const Each& each) {
   for (auto& record : machine.actuators) {
-    if (record.fault) each(record.fault->message, record.fault->event);
+    if (record.fault) each(record.fault->message);
   }
   if (!machine.current) return;
   for (auto* legs : {&machine.current->legs, &machine.current->rollback.legs}) {
-    for (auto& leg : *legs) each(leg.message, leg.event);
+    for (auto& leg : *legs) each(leg.message);
   }
-}
-
-Machine WithEvents(Machine machine) {
-  ForEachEvent(machine, [](const std::string& message, EventName& event) {
-    if (event == EventName::kNone) event = EventOfOlderVersion(message);
-  });
-  return machine;
+  for (auto& other : machine.current->others) each(other.message);
 }
 
 // With the codes in its sentences as numbers only.
 Machine WithoutNames(Machine machine) {
-  ForEachEvent(machine,
-               [](std::string& message, EventName) { message = WithoutModuleNames(message); });
-  if (machine.current) {
-    for (auto& other : machine.current->others) other.message = WithoutModuleNames(other.message);
-  }
+  ForEachSentence(machine, [](std::string& message) { message = WithoutModuleNames(message); });
   return machine;
 }
 
-// Whether the replayed machine is the recorded one, apart from events that are not recorded.
-bool SameMachine(const Machine& recorded, Machine replayed) {
-  std::vector<EventName> events;
-  ForEachEvent(recorded, [&](const std::string&, EventName event) { events.push_back(event); });
-  std::size_t next = 0;
-  ForEachEvent(replayed, [&](const std::string&, EventName& event) {
-    if (next < events.size() && events[next] == EventName::kNone) event = EventName::kNone;
-    ++next;
-  });
-  return recorded == replayed || WithoutNames(recorded) == WithoutNames(std::move(replayed));
+// Whether the replayed machine is the recorded one.
+bool SameMachine(const Machine& recorded, const Machine& replayed) {
+  return recorded == replayed || WithoutNames(recorded) == WithoutNames(replayed);
 }
 
 bool IsOf(const std::vector<Leg>& legs, const Machine& machine) {
@@ -221,7 +195,7 @@ class Replayer {
                               std::to_string(last_id_));
     }
     const bool starts = !machine_;
-    machine_ = WithEvents(snapshot->machine);
+    machine_ = snapshot->machine;
     if (starts) CountStart();
     return Ok();
   }

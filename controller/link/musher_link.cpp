@@ -30,13 +30,13 @@ void MusherLink::Switch(const SwitchCommand& command) {
   request.status_stamp_ns = transport::ToNanoseconds(command.status_stamp);
   request.since_status_ns = command.since_status.count();
   request.incarnation = command.incarnation.value();
-  request.apart = command.detached;
+  request.detached = command.detached;
   SendOrHold(request);
 }
 
 void MusherLink::Query(const QueryCommand& command) {
   msg::ActuatorCommand::Request request;
-  request.kind = msg::ActuatorCommand::kKindAsk;
+  request.kind = msg::ActuatorCommand::kKindQuery;
   request.epoch = command.epoch.value();
   request.number = command.number.value();
   request.stop = command.stop;
@@ -71,7 +71,7 @@ void MusherLink::Call(msg::ActuatorCommand::Request request) {
   request.machine = machine_.name;
   request.machine_id = machine_.id;
   const CommandNumber number(request.number);
-  const bool query = request.kind == msg::ActuatorCommand::kKindAsk;
+  const bool query = request.kind == msg::ActuatorCommand::kKindQuery;
   client_->Call(
       request, kCallTimeout,
       [this, number, query](const Result<msg::ActuatorCommand::Response>& reply) {

@@ -40,8 +40,8 @@ class ProcessProbe {
   // has exited.
   virtual std::uint64_t StartTimeOf(pid_t pid) = 0;
 
-  // The process that works for `pid`: the only child of one that has a single thread, as a shell or
-  // `ros2 run` has, and so on; else `pid` itself.
+  // The process that works for `pid`. A process with a single thread and a single child, as a shell
+  // or `ros2 run` is, works by its child, and so on; any other by itself.
   virtual pid_t WorkerOf(pid_t pid) { return pid; }
 
   // Saves the current CPU waiting times, so that Examine() can measure from here. Several actuators

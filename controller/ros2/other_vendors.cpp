@@ -8,7 +8,7 @@ namespace musher {
 namespace {
 
 constexpr std::uint16_t kCyclone = 0x0110;
-constexpr Duration kPeriod = std::chrono::seconds(5);
+constexpr Duration kVendorPeriod = std::chrono::seconds(5);
 constexpr std::size_t kMost = 8;  // any number of participants may come
 
 bool IsOther(const transport::PeerInfo& peer) {
@@ -67,7 +67,7 @@ void OtherVendors::Look() {
   std::vector<std::string> now = DescribeOtherVendors(node_, peers);
   if (now != last_) on_change_(now);
   last_ = std::move(now);
-  timer_ = node_.loop().At(node_.loop().Now() + kPeriod, [this] { Look(); });
+  timer_ = node_.loop().At(node_.loop().Now() + kVendorPeriod, [this] { Look(); });
 }
 
 }  // namespace musher

@@ -53,17 +53,17 @@ Result<std::unique_ptr<ControllerPresence>> ControllerPresence::Make(transport::
 
 Result<> ControllerPresence::Open() {
   const std::string& name_space = config_.name_space;
-  auto heartbeats = transport::MakePublisher<msg::ControllerBeat>(
-      node_, transport::ControllerBeatTopic(name_space), transport::kLatchedQos);
+  auto heartbeats = transport::MakePublisher<msg::ControllerHeartbeat>(
+      node_, transport::ControllerHeartbeatTopic(name_space), transport::kLatchedQos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
   auto stops = transport::MakePublisher<msg::EmergencyStop>(
       node_, transport::EmergencyStopTopic(name_space), kStopsQos);
   if (!stops) return stops.error();
   released_stops_ = std::move(stops).value();
-  auto rivals = transport::MakeSubscription<msg::ControllerBeat>(
-      node_, transport::ControllerBeatTopic(name_space),
-      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
+  auto rivals = transport::MakeSubscription<msg::ControllerHeartbeat>(
+      node_, transport::ControllerHeartbeatTopic(name_space),
+      [this](const msg::ControllerHeartbeat& heartbeat, const transport::SampleInfo& info) {
         if (transport::IsOwn(heartbeat.participant, info)) OnHeartbeat(heartbeat);
       },
       transport::kLatchedFromManyQos);
@@ -85,7 +85,7 @@ void ControllerPresence::OnStop(const msg::EmergencyStop& stop) {
 void ControllerPresence::Announce(Epoch epoch) {
   epoch_ = epoch;
   Repeat();
-  timer_ = node_.loop().Every(ControllerBeatPeriod(config_), [this] { Repeat(); });
+  timer_ = node_.loop().Every(ControllerHeartbeatPeriod(config_), [this] { Repeat(); });
 }
 
 // A failed publish needs no retry: the next heartbeat follows.
@@ -96,7 +96,7 @@ void ControllerPresence::Repeat() {
   last_heartbeat_ = node_.loop().Now();
   static_cast<void>(heartbeats_->Publish(
       {config_.name, epoch_.value(), identity_.incarnation.value(), identity_.host, identity_.pid,
-       ControllerBeatPeriod(config_).count(), identity_.host_name, identity_.machine_id,
+       ControllerHeartbeatPeriod(config_).count(), identity_.host_name, identity_.machine_id,
        node_.participant().value()}));
 }
 
@@ -121,13 +121,13 @@ void ControllerPresence::FallSilent() {
 }
 
 // A controller of an older version sends no name; the beginning of the boot id distinguishes hosts.
-std::string ControllerPresence::HostOf(const msg::ControllerBeat& heartbeat) const {
+std::string ControllerPresence::HostOf(const msg::ControllerHeartbeat& heartbeat) const {
   if (heartbeat.host == identity_.host) return "this host";
   if (!heartbeat.host_name.empty()) return "host " + heartbeat.host_name.substr(0, 64);
   return "another host (boot id " + heartbeat.host.substr(0, 8) + "…)";
 }
 
-void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
+void ControllerPresence::OnHeartbeat(const msg::ControllerHeartbeat& heartbeat) {
   // Of two controllers with the same epoch the one with the lower identity has precedence, for both
   // of them. Incarnations of different hosts, and of different boots of one host, cannot be
   // compared: so the host is compared first.

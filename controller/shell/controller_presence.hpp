@@ -77,11 +77,11 @@ class ControllerPresence {
   ControllerPresence(transport::Node& node, const MachineConfig& config, Identity identity,
                      Emit emit, OnOtherMachine on_other);
   Result<> Open();
-  void OnHeartbeat(const msg::ControllerBeat& heartbeat);
+  void OnHeartbeat(const msg::ControllerHeartbeat& heartbeat);
   void NoteOtherMachine(Rival other);
   void NoteOtherSilence();
   void NoteSilence();
-  std::string HostOf(const msg::ControllerBeat& heartbeat) const;
+  std::string HostOf(const msg::ControllerHeartbeat& heartbeat) const;
 
   transport::Node& node_;
   const MachineConfig& config_;
@@ -99,7 +99,7 @@ class ControllerPresence {
   std::map<std::pair<std::string, std::string>, OtherMachine> others_;  // by name and id
   Time last_heartbeat_{};
   Time listens_until_{};
-  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
   // Both latch their last stops for actuators that join later. engaged_stops_ exists only while a
   // stop is engaged: an actuator must not receive a stop that is over.
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> engaged_stops_;

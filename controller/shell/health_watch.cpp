@@ -30,9 +30,10 @@ Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
                                                      std::move(on_alive)));
   transport::Qos qos = transport::kHeartbeatQos;
   qos.partition = transport::ReaderPartition(!config.keys.empty());
-  auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
-      node, transport::ActuatorBeatTopic(config.name_space),
-      [self = watch.get()](const msg::ActuatorBeat& heartbeat, const transport::SampleInfo& info) {
+  auto heartbeats = transport::MakeSubscription<msg::ActuatorHeartbeat>(
+      node, transport::ActuatorHeartbeatTopic(config.name_space),
+      [self = watch.get()](const msg::ActuatorHeartbeat& heartbeat,
+                           const transport::SampleInfo& info) {
         if (transport::IsFrom(heartbeat.name, info)) self->OnHeartbeat(heartbeat, info.participant);
       },
       qos);
@@ -55,7 +56,8 @@ void HealthWatch::Forget(ActuatorIndex actuator) {
   ArmTimer();
 }
 
-void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat, transport::ParticipantId sender) {
+void HealthWatch::OnHeartbeat(const msg::ActuatorHeartbeat& heartbeat,
+                              transport::ParticipantId sender) {
   const auto found = index_.find(heartbeat.name);
   if (found == index_.end()) return;
   const transport::ParticipantId own = watched_[found->second].participant;

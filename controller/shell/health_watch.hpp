@@ -42,7 +42,7 @@ class HealthWatch {
   HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& process_probe,
               std::string host, Emit emit, Query query, OnAlive on_alive);
 
-  void OnHeartbeat(const msg::ActuatorBeat& heartbeat, transport::ParticipantId sender);
+  void OnHeartbeat(const msg::ActuatorHeartbeat& heartbeat, transport::ParticipantId sender);
   void Act(const std::vector<HealthEvent>& events);
   void Do(const health_event::Probe& f);
   void Do(const health_event::Examine& f);

@@ -39,7 +39,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
   if (!same && record.report.incarnation != 0 && record.process.pid == 0) ++record.restart.count;
   if (!same) {
     processes_.ForgetEnd(seen.actuator);
-    record.control.outbid_at.reset();
+    record.control.rival_until.reset();
   }
   commands_.Accept(seen.actuator, report);
   record.presence = Presence::kStarting;

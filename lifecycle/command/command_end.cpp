@@ -156,7 +156,7 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   record.held = record.held && torn_down;  // an actuator torn down alone stays detached
   record.due = false;
   record.restart.reset_at.reset();
-  record.control.outbid_at.reset();
+  record.control.rival_until.reset();
   record.free_by.reset();
   record.report.target = {};
   record.report.busy_number = 0;

@@ -10,30 +10,30 @@ void Control::Take(ActuatorIndex i, bool denied) {
   const bool ours = record.control.incarnation == record.report.incarnation;
   if (seen >= kLastEpoch) {
     record.control.again.reset();
-    record.control.outbid_at.reset();
+    record.control.rival_until.reset();
     return Degrade(i, kCodePermissionDenied, texts::EpochOutOfRange(seen));
   }
   // Our own epoch may be from a query of ours that a new process has received instead of the one
   // before: it is another controller's if it denies ours.
-  const bool of_other = seen == machine_.epoch && !ours && (denied || record.control.outbid_at);
+  const bool of_other = seen == machine_.epoch && !ours && (denied || record.control.rival_until);
   if (seen > machine_.epoch || of_other) {
     if (!MayRaise() && !machine_.start_up.restarted) return LeaveToOther(i);
     // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
     // control.
-    if (!record.control.outbid_at)
-      record.control.outbid_at = now_ + (config_.keys.empty() ? kRivalGrace : kSecuredRivalGrace);
-    if (now_ < *record.control.outbid_at) {
-      record.control.again = record.control.outbid_at;
+    if (!record.control.rival_until)
+      record.control.rival_until = now_ + (config_.keys.empty() ? kRivalGrace : kSecuredRivalGrace);
+    if (now_ < *record.control.rival_until) {
+      record.control.again = record.control.rival_until;
       if (record.set_up_by)
         record.set_up_by =
-            std::max(*record.set_up_by, *record.control.outbid_at + kTakeControlPeriod);
+            std::max(*record.set_up_by, *record.control.rival_until + kTakeControlPeriod);
       return;
     }
     if (IsReplacedElsewhere(i)) return record.control.again.reset();  // this step releases control
     if (!MayRaise()) return LeaveToOther(i);
     RaiseEpoch();
   }
-  record.control.outbid_at.reset();
+  record.control.rival_until.reset();
   record.control.incarnation = record.report.incarnation;
   record.control.again = now_ + kTakeControlPeriod;
   Do(action::SendQuery{i, {machine_.epoch, record.report.number, false}});
@@ -45,7 +45,7 @@ bool Control::MayRaise() const {
 
 bool Control::IsReplacedElsewhere(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
-  const bool waits = !record.control.outbid_at || now_ < *record.control.outbid_at;
+  const bool waits = !record.control.rival_until || now_ < *record.control.rival_until;
   if (waits || !machine_.start_up.restarted) return false;
   return std::none_of(machine_.actuators.begin(), machine_.actuators.end(),
                       [&](const ActuatorRecord& other) {
@@ -59,7 +59,7 @@ bool Control::IsReplacedElsewhere(ActuatorIndex i) const {
 void Control::LeaveToOther(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   record.control.again.reset();
-  record.control.outbid_at.reset();
+  record.control.rival_until.reset();
   record.set_up_by.reset();
   Degrade(i, kCodePermissionDenied, texts::ControlledByAnother(record.report.epoch), record.cause);
   FallBack(i);
@@ -71,7 +71,7 @@ void Control::RaiseEpoch() {
   std::optional<ActuatorIndex> highest;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const bool higher = !highest || Of(i).report.epoch > Of(*highest).report.epoch;
-    if (Of(i).control.outbid_at && higher) highest = i;
+    if (Of(i).control.rival_until && higher) highest = i;
   }
   machine_.epoch = Of(*highest).report.epoch + 1;
   machine_.start_up.raised = true;

@@ -31,7 +31,7 @@ Duration HeartbeatPeriod(const MachineConfig& config, ActuatorIndex actuator) {
   return checkpoint ? std::clamp(*checkpoint / 2, Milliseconds(10), slowest) : slowest;
 }
 
-Duration ControllerBeatPeriod(const MachineConfig& config) {
+Duration ControllerHeartbeatPeriod(const MachineConfig& config) {
   return config.transport == TransportProfile::kLan ? kLanHeartbeat : kControllerHeartbeat;
 }
 

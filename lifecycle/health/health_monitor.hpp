@@ -33,7 +33,7 @@ namespace musher {
 // in a row are silence.
 Duration HeartbeatPeriod(const MachineConfig& config, ActuatorIndex actuator);
 // The heartbeat period of a controller.
-Duration ControllerBeatPeriod(const MachineConfig& config);
+Duration ControllerHeartbeatPeriod(const MachineConfig& config);
 
 // What an actuator reports about itself.
 struct Heartbeat {

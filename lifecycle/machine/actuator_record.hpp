@@ -98,7 +98,7 @@ struct ControlRecord {
   Incarnation incarnation = 0;  // that TakeControl() was sent to
   std::optional<Time> again;    // it has not answered yet; retry at this time
   // It has a higher epoch: take control at this time, if no controller leads with that epoch.
-  std::optional<Time> outbid_at;
+  std::optional<Time> rival_until;
 
   friend bool operator==(const ControlRecord&, const ControlRecord&) = default;
 };

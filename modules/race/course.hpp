@@ -1,8 +1,8 @@
 #pragma once
 // A course as data: movements, checks, waits, states and the transitions between them.
 // course_reader.hpp reads it from a TOML file, whose head explains every key;
-// config/race/course.toml is the one of the race. Names are those of the file; inside, things are
-// referred to by their index.
+// config/race/course.toml is the course of the race. Names are those of the file; inside, things
+// are referred to by their index.
 //
 // Frame of a twist: that of the body, x ahead, y to the left, yaw to the left. Units are last in a
 // name; a Duration of the machine's clock otherwise.

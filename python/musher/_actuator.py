@@ -144,7 +144,7 @@ class Actuator:
 
     def on_emergency_stop(self) -> None:
         """Stop all motion now. Runs on a thread of its own, also beside a running callback, and again at the
-        end of one that was running: must be idempotent, use only data that is safe to use from any thread,
+        end of the one that was running: must be idempotent, use only data that is safe to use from any thread,
         and return at once."""
 
     # For a program that does more than run one actuator; else musher.run().

@@ -47,15 +47,16 @@ class Listener {
   Listener() : node_(transport::NodeThread::Start().value()) {
     const std::string name_space = "test_" + std::to_string(getpid());
     node_->RunOnLoop([&] {
-      heartbeats_ = transport::MakeSubscription<msg::ActuatorBeat>(
-                        node_->node(), transport::ActuatorBeatTopic(name_space),
-                        [this](const msg::ActuatorBeat& heartbeat, const transport::SampleInfo&) {
-                          const std::lock_guard lock(mutex_);
-                          heartbeat_ = heartbeat;
-                          changed_.notify_all();
-                        },
-                        transport::kHeartbeatQos)
-                        .value();
+      heartbeats_ =
+          transport::MakeSubscription<msg::ActuatorHeartbeat>(
+              node_->node(), transport::ActuatorHeartbeatTopic(name_space),
+              [this](const msg::ActuatorHeartbeat& heartbeat, const transport::SampleInfo&) {
+                const std::lock_guard lock(mutex_);
+                heartbeat_ = heartbeat;
+                changed_.notify_all();
+              },
+              transport::kHeartbeatQos)
+              .value();
       states_ = transport::MakeSubscription<msg::ActuatorStatus>(
                     node_->node(), transport::ActuatorStatusTopic(name_space),
                     [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
@@ -84,7 +85,7 @@ class Listener {
   void PressTheButton() {
     node_->RunOnLoop([this] { static_cast<void>(button_->Publish({7, true, "a test", ""})); });
   }
-  bool AwaitBeat(const std::function<bool(const msg::ActuatorBeat&)>& holds) {
+  bool AwaitHeartbeat(const std::function<bool(const msg::ActuatorHeartbeat&)>& holds) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kWaitLimit, [&] { return holds(heartbeat_); });
   }
@@ -97,7 +98,7 @@ class Listener {
   std::shared_ptr<transport::NodeThread> node_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  msg::ActuatorBeat heartbeat_;
+  msg::ActuatorHeartbeat heartbeat_;
   msg::ActuatorStatus status_;
   std::unique_ptr<transport::Subscription> heartbeats_;
   std::unique_ptr<transport::Subscription> states_;
@@ -155,11 +156,11 @@ TEST(Unattended, AHungWorkThreadIsReportedThoughItsLoopKeepsRunning) {
   ASSERT_TRUE(arm.Init(file.path()).ok());
   ASSERT_TRUE(arm.Start().ok());
   arm.Checkpoint();  // and no more
-  EXPECT_TRUE(listener.AwaitBeat(
-      [](const auto& heartbeat) { return heartbeat.work == msg::ActuatorBeat::kWorkHung; }));
+  EXPECT_TRUE(listener.AwaitHeartbeat(
+      [](const auto& heartbeat) { return heartbeat.work == msg::ActuatorHeartbeat::kWorkHung; }));
   arm.Checkpoint(MachineActuator::kNoMore);
-  EXPECT_TRUE(listener.AwaitBeat(
-      [](const auto& heartbeat) { return heartbeat.work == msg::ActuatorBeat::kWorkWell; }));
+  EXPECT_TRUE(listener.AwaitHeartbeat(
+      [](const auto& heartbeat) { return heartbeat.work == msg::ActuatorHeartbeat::kWorkWell; }));
 }
 
 }  // namespace musher::unattended_test

@@ -21,7 +21,7 @@ TopRow Row(const std::string& name, double cpu, std::uint64_t memory) {
   row.cpu_percent = cpu;
   row.memory_bytes = memory;
   row.threads = 7;
-  row.beat_age_s = 0.1;
+  row.heartbeat_age_s = 0.1;
   row.event = name.substr(0, name.find('*')) + ": Active done after 3.2 ms";
   row.event_age_s = 300;
   return row;
@@ -73,7 +73,7 @@ TEST(TopTable, ShowsWhatIsNotKnownAsADash) {
   row.cpu_percent.reset();
   row.memory_bytes.reset();
   row.threads.reset();
-  row.beat_age_s.reset();
+  row.heartbeat_age_s.reset();
   row.elsewhere = true;
   row.event.clear();
   EXPECT_EQ(LinesOf(TopText({"", {row}}, 0, 0, false)).back(),

@@ -73,7 +73,7 @@ class InvalidRequests : public ::testing::Test {
   ActuatorCommand::Response Command(std::function<void(ActuatorCommand::Request&)> change) {
     const std::string service = transport::CommandService(NameSpace(), "arm");
     ActuatorCommand::Request query;
-    query.kind = ActuatorCommand::kKindAsk;
+    query.kind = ActuatorCommand::kKindQuery;
     query.epoch = 1;
     const auto status = Call<ActuatorCommand>(service, query).status;
     ActuatorCommand::Request request;

@@ -124,52 +124,20 @@ TEST_F(JournalRecording, ShowsTheGapWhereItemsWereLost) {
   EXPECT_FALSE(recording::Replay(rows, {}).ok());
 }
 
-TEST_F(JournalRecording, OfVersionOneIsReadAndBroughtUpToDate) {
-  Execute(R"(
-    CREATE TABLE entry (id INTEGER PRIMARY KEY, wall_ns INTEGER NOT NULL, steady_ns INTEGER NOT
-      NULL, epoch INTEGER NOT NULL, switch_number INTEGER NOT NULL, kind TEXT NOT NULL, actuator
-      TEXT NOT NULL, code INTEGER NOT NULL, message TEXT NOT NULL, data TEXT NOT NULL);
-    INSERT INTO entry VALUES (1, 7, 8, 2, 3, 'switch', 'legs', 107, 'too late', '{}');
-    PRAGMA application_id = 1299542888;
-    PRAGMA user_version = 1)");
-  EXPECT_THAT(Read(),
-              ElementsAre(JournalEntry{7, 8, 2, 3, "switch", "legs", 107, "too late", "{}"}));
-  const auto recording = ReadRecording(path_);
-  ASSERT_FALSE(recording);
-  EXPECT_THAT(recording.error().message, HasSubstr("its version is 1"));
-
-  Write(RecordedLife(), Options());
-  EXPECT_THAT(Troubles(), IsEmpty());
-  EXPECT_EQ(Read(0, kAll).front().message, "too late");
-  const ReplayReport report = Replayed(ReadAll());
-  EXPECT_EQ(report.differences, 0U);
-  EXPECT_EQ(report.starts, 2U);
-}
-
-TEST_F(JournalRecording, OfVersionTwoIsReplayedAndBroughtUpToDate) {
-  auto older = RecordedLife();
-  for (JournalItem& item : older) {
-    if (auto* entry = std::get_if<JournalEntry>(&item)) entry->event.clear();
-  }
-  Write(older, Options());
-  Execute("ALTER TABLE entry DROP COLUMN event; PRAGMA user_version = 2");
-  EXPECT_THAT(Read().front().event, IsEmpty());
-  EXPECT_EQ(Replayed(ReadAll()).differences, 0U);
-
-  Write(RecordedLife(), Options());
-  EXPECT_THAT(Troubles(), IsEmpty());
-  EXPECT_THAT(Read().front().event, IsEmpty());
-  EXPECT_THAT(Read().back().event, Not(IsEmpty()));
-  const ReplayReport report = Replayed(ReadAll());
-  EXPECT_EQ(report.differences, 0U);
-  EXPECT_EQ(report.starts, 4U);
-}
-
-TEST_F(JournalRecording, OfANewerVersionIsNotReadAtAll) {
+TEST_F(JournalRecording, OfAnotherVersionIsNotReadAndMovedAsideWithItsReason) {
   Write({Entry(1)}, Options());
-  Execute("PRAGMA user_version = 4");
-  EXPECT_THAT(ReadJournal(path_, 0, 1).error().message, HasSubstr("its version is 4, not 3"));
+  Execute("PRAGMA user_version = 5");
+  EXPECT_THAT(ReadJournal(path_, 0, 1).error().message,
+              HasSubstr("its version is 5, not 4: a newer Musher wrote it"));
   EXPECT_FALSE(ReadRecording(path_));
+
+  Execute("PRAGMA user_version = 3");
+  EXPECT_THAT(ReadRecording(path_).error().message,
+              HasSubstr("its version is 3, not 4: an earlier Musher wrote it"));
+  Write(RecordedLife(), Options());
+  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("an earlier Musher wrote it")));
+  EXPECT_EQ(Replayed(ReadAll()).differences, 0U);
+  EXPECT_TRUE(std::filesystem::exists(path_ + ".damaged-1"));
 }
 
 }  // namespace musher::journal_recording_test

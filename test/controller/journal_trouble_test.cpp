@@ -200,7 +200,7 @@ TEST_F(JournalTrouble, OfANewerLayoutMovesTheFileAside) {
             SQLITE_OK);
   sqlite3_close(database);
   { Journal(path_, Options()).Append(Entry(2)); }
-  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("its version is 99, not 3")));
+  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("its version is 99, not 4")));
   EXPECT_THAT(Times(Read()), ElementsAre(2));
 }
 

@@ -21,7 +21,7 @@ class RepeatedSamples : public TwoControllers {
   struct Bridge {
     std::unique_ptr<transport::Node> node;
     std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> out;
-    std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> heartbeats;
+    std::unique_ptr<transport::Publisher<msg::ActuatorHeartbeat>> heartbeats;
     std::unique_ptr<transport::Subscription> in;
     msg::ActuatorStatus last;
   };
@@ -36,8 +36,8 @@ class RepeatedSamples : public TwoControllers {
                       *bridge->node, transport::ActuatorStatusTopic(""), transport::kLatchedQos)
                       .value();
     bridge->heartbeats =
-        transport::MakePublisher<msg::ActuatorBeat>(*bridge->node, transport::ActuatorBeatTopic(""),
-                                                    transport::kHeartbeatQos)
+        transport::MakePublisher<msg::ActuatorHeartbeat>(
+            *bridge->node, transport::ActuatorHeartbeatTopic(""), transport::kHeartbeatQos)
             .value();
     const auto own = bridge->node->participant();
     bridge->in = transport::MakeSubscription<msg::ActuatorStatus>(
@@ -54,8 +54,8 @@ class RepeatedSamples : public TwoControllers {
     network_.RunFor(seconds(1));
     return bridge;
   }
-  msg::ActuatorBeat Heartbeat(std::uint8_t work) const {
-    msg::ActuatorBeat heartbeat;
+  msg::ActuatorHeartbeat Heartbeat(std::uint8_t work) const {
+    msg::ActuatorHeartbeat heartbeat;
     heartbeat.name = Name();
     heartbeat.incarnation = Arm().report.incarnation.value();
     heartbeat.period_ns = HeartbeatPeriod(config_, 0).count();
@@ -78,7 +78,7 @@ TEST_F(RepeatedSamples, ThatSayHungKillNoProcess) {
   const Incarnation before = Arm().report.incarnation;
   const auto bridge = OpenBridge();
   for (int i = 0; i < 20; ++i) {
-    ASSERT_TRUE(bridge->heartbeats->Publish(Heartbeat(msg::ActuatorBeat::kWorkHung)));
+    ASSERT_TRUE(bridge->heartbeats->Publish(Heartbeat(msg::ActuatorHeartbeat::kWorkHung)));
     network_.RunFor(Milliseconds(100));
   }
   EXPECT_EQ(Arm().health, Health::kWell);
@@ -90,10 +90,10 @@ TEST_F(RepeatedSamples, ThatSayHungKillNoProcess) {
 TEST_F(RepeatedSamples, OfAControllersHeartbeatFenceNoOther) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   const auto node = network_.MakeNode("bridge");
-  const auto out = transport::MakePublisher<msg::ControllerBeat>(
-                       *node, transport::ControllerBeatTopic(""), transport::kLatchedQos)
+  const auto out = transport::MakePublisher<msg::ControllerHeartbeat>(
+                       *node, transport::ControllerHeartbeatTopic(""), transport::kLatchedQos)
                        .value();
-  msg::ControllerBeat replayed;
+  msg::ControllerHeartbeat replayed;
   replayed.machine = config_.name;
   replayed.epoch = 9;
   replayed.host = "host of the recording";
@@ -127,8 +127,8 @@ class ByHand {
     statuses_ = transport::MakePublisher<msg::ActuatorStatus>(
                     *node_, transport::ActuatorStatusTopic(""), transport::kLatchedQos)
                     .value();
-    heartbeats_ = transport::MakePublisher<msg::ActuatorBeat>(
-                      *node_, transport::ActuatorBeatTopic(""), transport::kHeartbeatQos)
+    heartbeats_ = transport::MakePublisher<msg::ActuatorHeartbeat>(
+                      *node_, transport::ActuatorHeartbeatTopic(""), transport::kHeartbeatQos)
                       .value();
     timer_ =
         node_->loop().Every(kPeriod, [this] { EXPECT_TRUE(heartbeats_->Publish(heartbeat_)); });
@@ -153,10 +153,10 @@ class ByHand {
 
   std::unique_ptr<transport::Node> node_;
   msg::ActuatorStatus status_;
-  msg::ActuatorBeat heartbeat_;
+  msg::ActuatorHeartbeat heartbeat_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> statuses_;
-  std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> heartbeats_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorHeartbeat>> heartbeats_;
   transport::LoopHandlePtr timer_;
 };
 

@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   if (argc != 3) return EXIT_FAILURE;
   const auto node = musher::transport::NodeThread::Start().value();
   ActuatorCommand::Request request;
-  request.kind = ActuatorCommand::kKindAsk;
+  request.kind = ActuatorCommand::kKindQuery;
   const auto status = musher::Call(*node, argv[1], request).status;
   request.kind = ActuatorCommand::kKindSwitch;
   const std::uint64_t ahead = std::stoull(argv[2]);

@@ -114,7 +114,7 @@ class Harness {
     const auto response = [](std::string_view type) { return std::string(type) + "Response_"; };
     return {
         {"rt/musher/actuator_status", std::string(msg::ActuatorStatus::kTypeName)},
-        {"rt/musher/actuator_beat", std::string(msg::ActuatorBeat::kTypeName)},
+        {"rt/musher/actuator_heartbeat", std::string(msg::ActuatorHeartbeat::kTypeName)},
         {"rt/musher/emergency_stop", std::string(msg::EmergencyStop::kTypeName)},
         {"rt/manager_heartbeats", std::string(msg::Heartbeats::kTypeName)},
         {"rt/c/transition_event", std::string(msg::TransitionEvent::kTypeName)},
@@ -137,7 +137,7 @@ class Harness {
                            "a", AnyReport(input, robot_.ReportOf("a").value_or(ActuatorReport{}),
                                           robot_.network().now()))));
       case 2: {
-        msg::ActuatorBeat heartbeat;
+        msg::ActuatorHeartbeat heartbeat;
         heartbeat.name = "a";
         heartbeat.incarnation = robot_.ReportOf("a").value_or(ActuatorReport{}).incarnation.value();
         heartbeat.work = input.Byte();

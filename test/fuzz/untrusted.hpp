@@ -41,7 +41,7 @@ inline ActuatorReport AnyReport(Input& input, const ActuatorReport& truth, Time 
   if ((changes & 512) != 0) status.pid = input.Take<std::int32_t>();
   if ((changes & 1024) != 0) status.host = input.Text();
   if ((changes & 2048) != 0) status.config_hash = input.Text();
-  if ((changes & 4096) != 0) status.apart = input.Bool();
+  if ((changes & 4096) != 0) status.detached = input.Bool();
   if ((changes & 8192) != 0) status.emergency_stop = input.Number(truth.emergency_stop.value(), 1);
   if ((changes & 16384) != 0) status.stamp_ns = AnyTime(input, now);
   return transport::FromMessage(status);

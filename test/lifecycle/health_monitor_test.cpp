@@ -37,7 +37,7 @@ class Monitor : public ::testing::Test {
       if (at > end) break;
       now_ = std::max(now_, at);
       if (now_ >= next_heartbeat_) {
-        BeatAll();
+        HeartbeatAll();
       } else {
         const Time looked = now_;
         Take(monitor_.TimePassed(now_));
@@ -47,7 +47,7 @@ class Monitor : public ::testing::Test {
     }
     now_ = end;
   }
-  void BeatAll() {
+  void HeartbeatAll() {
     for (const ActuatorIndex i : config_.actuators.Indices()) {
       if (heartbeats_[i]) Take(monitor_.OnSample(i, kFirst, heartbeat_[i], now_));
     }
@@ -378,9 +378,9 @@ TEST_F(Monitor, DoesNotComputeWithAnInvalidPeriod) {
 
 TEST(HeartbeatPeriod, OfAControllerIsShortWhereHostsAreSeveral) {
   MachineConfig config = MachineOf(1);
-  EXPECT_EQ(ControllerBeatPeriod(config), Milliseconds(500));
+  EXPECT_EQ(ControllerHeartbeatPeriod(config), Milliseconds(500));
   config.transport = TransportProfile::kLan;
-  EXPECT_EQ(ControllerBeatPeriod(config), Milliseconds(125));
+  EXPECT_EQ(ControllerHeartbeatPeriod(config), Milliseconds(125));
 }
 
 TEST(HeartbeatPeriod, IsHalfOfTheCheckpointWithinBounds) {

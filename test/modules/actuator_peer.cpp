@@ -50,8 +50,8 @@ ActuatorPeer::ActuatorPeer(std::string actuator, const std::vector<std::string>&
                 },
                 transport::kLatchedFromManyQos)
                 .value();
-  heartbeats_ = transport::MakePublisher<msg::ControllerBeat>(
-                    *node_, transport::ControllerBeatTopic(""), transport::kLatchedQos)
+  heartbeats_ = transport::MakePublisher<msg::ControllerHeartbeat>(
+                    *node_, transport::ControllerHeartbeatTopic(""), transport::kLatchedQos)
                     .value();
   static_cast<void>(heartbeats_->Publish({"", 1, 1, "", getpid(), 0}));
   client_ =
@@ -117,7 +117,7 @@ void ActuatorPeer::Send(const State& target) {
 
 ActuatorPeer::Reply ActuatorPeer::Query() {
   answer_.reset();
-  auto request = Request(msg::ActuatorCommand::kKindAsk);
+  auto request = Request(msg::ActuatorCommand::kKindQuery);
   request.stop = true;
   client_->Call(request, std::chrono::seconds(120),
                 [this](const Reply& reply) { answer_ = reply; });

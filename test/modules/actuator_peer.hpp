@@ -76,7 +76,7 @@ class ActuatorPeer {
   std::optional<Reply> reply_;
   std::optional<Reply> answer_;  // to the query
   std::unique_ptr<transport::Subscription> status_;
-  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;
   std::optional<exec::Child> process_;
 };

@@ -51,7 +51,7 @@ class Messages(unittest.TestCase):
 
     def test_recorded_messages_of_c_plus_plus_are_read_and_written_alike(self):
         types = {one._dds_type: one for one in message_types()}
-        with open(f"{os.environ['MUSHER_SOURCE']}/test/golden/wire/0.1.0.txt", encoding="utf-8") as file:
+        with open(f"{os.environ['MUSHER_SOURCE']}/test/golden/wire/0.2.0.txt", encoding="utf-8") as file:
             recorded = [line.split() for line in file if line.strip()]
         self.assertGreater(len(recorded), 20)
         for name, text in recorded:

@@ -4,8 +4,99 @@
 #include <bit>
 #include <string_view>
 
+#include "musher/lifecycle/fields/machine_fields.hpp"
+
 namespace musher::search {
 namespace {
+
+using fields::Base;
+using fields::Field;
+using fields::kFields;
+using fields::Part;
+using fields::Struct;
+
+// The members that no decision depends on: texts, durations, records, and what waits for an answer.
+template <class T>
+inline constexpr std::tuple kIgnored = {};
+template <>
+inline constexpr std::tuple kIgnored<Error> = {&Error::message};
+// The emergency stop matters when the report arrives, and then only where it is released; the pid
+// and the host follow from the incarnation.
+template <>
+inline constexpr std::tuple kIgnored<ActuatorReport> = {&ActuatorReport::outcome_message,
+                                                        &ActuatorReport::pid,
+                                                        &ActuatorReport::host,
+                                                        &ActuatorReport::config_hash,
+                                                        &ActuatorReport::degraded_reason,
+                                                        &ActuatorReport::emergency_stop,
+                                                        &ActuatorReport::emergency_stop_by,
+                                                        &ActuatorReport::emergency_stop_reason,
+                                                        &ActuatorReport::released_stop,
+                                                        &ActuatorReport::other_stops,
+                                                        &ActuatorReport::stamp};
+template <>
+inline constexpr std::tuple kIgnored<EmergencyStop> = {&EmergencyStop::by, &EmergencyStop::reason};
+template <>
+inline constexpr std::tuple kIgnored<PendingCommand> = {&PendingCommand::sent};
+template <>
+inline constexpr std::tuple kIgnored<ActuatorFault> = {&ActuatorFault::message};
+// Of the clocks only their difference counts.
+template <>
+inline constexpr std::tuple kIgnored<ActuatorRecord> = {
+    &ActuatorRecord::clock_theirs, &ActuatorRecord::clock_ours, &ActuatorRecord::cause};
+template <>
+inline constexpr std::tuple kIgnored<ActuatorGoal> = {&ActuatorGoal::actuator};
+template <>
+inline constexpr std::tuple kIgnored<Leg> = {&Leg::code, &Leg::message, &Leg::event, &Leg::started,
+                                             &Leg::duration};
+template <>
+inline constexpr std::tuple kIgnored<SwitchResult> = {
+    &SwitchResult::number,   &SwitchResult::target,   &SwitchResult::actuator,
+    &SwitchResult::code,     &SwitchResult::reason,   &SwitchResult::state,
+    &SwitchResult::degraded, &SwitchResult::actuators};
+// Legs count with their actuators.
+template <>
+inline constexpr std::tuple kIgnored<Rollback> = {&Rollback::legs};
+template <>
+inline constexpr std::tuple kIgnored<Switch> = {&Switch::legs, &Switch::others, &Switch::cause};
+// The requesters matter to a manager of ROS 2, and the search has none.
+template <>
+inline constexpr std::tuple kIgnored<WaitingSwitch> = {&WaitingSwitch::cause, &WaitingSwitch::by};
+template <>
+inline constexpr std::tuple kIgnored<Stopping> = {&Stopping::begun};
+template <>
+inline constexpr std::tuple kIgnored<Keep> = {&Keep::seconds};
+template <>
+inline constexpr std::tuple kIgnored<PowerDown> = {&PowerDown::cause};
+// Its clock is another one: its distance from now would make every state different.
+template <>
+inline constexpr std::tuple kIgnored<PolicyState> = {&PolicyState::clock,
+                                                     &PolicyState::level_cause};
+// Of the stop, that there is one; of the others, how many.
+template <>
+inline constexpr std::tuple kIgnored<EmergencyStopState> = {
+    &EmergencyStopState::stop, &EmergencyStopState::cause, &EmergencyStopState::others};
+template <>
+inline constexpr std::tuple kIgnored<PendingRelease> = {&PendingRelease::requests,
+                                                        &PendingRelease::by};
+template <>
+inline constexpr std::tuple kIgnored<FallbackState> = {&FallbackState::cause};
+// What is not on disk the model of the disk has.
+template <>
+inline constexpr std::tuple kIgnored<SavesState> = {&SavesState::last, &SavesState::unsaved};
+template <>
+inline constexpr std::tuple kIgnored<Machine> = {
+    &Machine::host,      &Machine::last_switch, &Machine::requested_by,  &Machine::standing,
+    &Machine::actuators, &Machine::last_record, &Machine::recorded_state};
+
+template <class T, class M>
+constexpr bool IsIgnored(M T::*member) {
+  const auto is = [&](auto ignored) {
+    if constexpr (std::is_same_v<decltype(ignored), M T::*>) return ignored == member;
+    return false;
+  };
+  return std::apply([&](auto... ignored) { return (is(ignored) || ...); }, kIgnored<T>);
+}
 
 std::uint64_t Scramble(std::uint64_t x) {
   x ^= x >> 32;
@@ -58,18 +149,28 @@ class Mixer {
     for (const T& x : all) One(x);
   }
 
-  // Without the emergency stop: it matters when the report arrives, and then only where it is
-  // released.
-  void One(const ActuatorReport& r) {
-    Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
-    Add(r.incarnation, r.detached, r.held_by_stop, r.degraded_code);
+  template <typename T>
+  void One(const PerActuator<T>& all) {
+    for (const T& x : all) One(x);
   }
-  void One(const EmergencyStop& stop) { Add(stop.id); }
-  void One(const Termination& t) { Add(t.pid, t.terminate_at, t.kill_at, t.killed); }
-  void One(const PendingCommand& o) { Add(o.number, o.target, o.deadline, o.queries); }
-  void One(const Leg& l) {
-    Add(l.from, l.target, l.progress, l.outcome, l.ran, l.may_fail, l.needs);
+
+  template <Struct T>
+  void One(const T& value) {
+    std::apply([&](const auto&... fields) { (Member(value, fields), ...); }, kFields<T>);
   }
+  template <class T, class M>
+  void Member(const T& value, const Field<T, M>& field) {
+    if (!IsIgnored(field.member)) One(value.*field.member);
+  }
+  template <class T, class M>
+  void Member(const T& value, const Part<T, M>& part) {
+    One(value.*part.member);
+  }
+  template <class T, class B>
+  void Member(const T& value, const Base<B>& /*base*/) {
+    One(static_cast<const B&>(value));
+  }
+
   void One(const actuator_event::ControllerHeartbeatReceived& heartbeat) {
     Add(heartbeat.sender, heartbeat.epoch);
   }
@@ -83,19 +184,6 @@ class Mixer {
   void One(const Message& m) {
     Add(m.sender, m.epoch, m.what.index());
     std::visit([this](const auto& what) { One(what); }, m.what);
-  }
-  void One(const Lowering& l) { Add(l.from, l.to, l.epoch); }
-  void One(const BatterySource& b) { Add(b.source, b.percent, b.charging); }
-  void One(const LevelRun& r) { Add(r.level, r.since, r.samples, r.higher); }
-  void One(const Keep& k) { Add(k.state, k.until, k.switch_number); }
-  void One(const PowerDown& p) { Add(p.reboot, p.tear_down_at, p.force_at, p.commanded); }
-  // The policy's clock is another one: its distance from now would make every state different.
-  void One(const PolicyState& p) {
-    Add(p.clock.time_since_epoch().count(), p.loaded, p.battery, p.charging, p.level,
-        p.stored.low_power, p.stored.lowering, p.stored.level);
-    Add(p.batteries, p.jump_recorded, p.doubled_recorded, p.lifting, p.emptying, p.empty);
-    Add(p.withheld, p.low_power, p.still, p.still_since, p.keep, p.power, p.failures, p.retry_at);
-    Add(p.battery_silent, p.invalid_recorded, p.calls);
   }
   void One(const Request& r) { Add(r.target, r.replies, r.abandoned); }
 
@@ -127,14 +215,7 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 }
 
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
-  mixer.Add(r.presence, r.report, r.process.pid, r.process.launch, r.process.dead, r.set_up_by,
-            r.control.incarnation, r.control.again, r.checked, r.join_tried, r.failed_checks.count,
-            r.failed_checks.at, r.held, r.due, r.set_again, r.fault ? r.fault->code : 0,
-            r.fault ? r.fault->event : EventName::kNone, r.tolerated.has_value(), r.command,
-            r.health, r.restart.count, r.restart.at, r.restart.reset_at, r.restart.given_up,
-            r.restart.requested, r.process.termination, r.suspended, r.control.outbid_at, r.free_by,
-            r.elsewhere);
-  mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
+  mixer.Add(r, ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 
 void AddLegs(Mixer& mixer, const std::vector<Leg>& legs, ActuatorIndex i) {
@@ -193,29 +274,8 @@ Identity IdentityOf(const Model& model, const World& w) {
   std::sort(actuators.begin(), actuators.end());
   mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.disk.epoch, w.at_start,
             w.stopped, w.stop_seen_due, w.released, w.repeat);
-  mixer.Add(m.phase, m.start_up.by_hand, m.state, m.epoch, m.number, m.start_up.set_up,
-            m.start_up.stage, m.fallback.target, m.emergency.stop.has_value(),
-            m.emergency.others.size(), m.emergency.released, m.start_up.requests,
-            m.start_up.restarted, m.start_up.raised, m.policy);
-  if (const auto& release = m.emergency.release)
-    mixer.Add(release->last, release->again, release->until);
-  mixer.Add(m.current.has_value());
-  if (m.current) {
-    const Switch& s = *m.current;
-    mixer.Add(s.number, s.from, s.target, s.only, s.direction, s.purpose, s.requests, s.stopped,
-              s.rollback.under_way, s.rollback.number);
-  }
-  // Without the requesters: they matter to a manager of ROS 2, and the search has none.
-  mixer.Add(m.waiting.has_value());
-  if (m.waiting)
-    mixer.Add(m.waiting->target, m.waiting->only, m.waiting->until, m.waiting->requests);
-  mixer.Add(m.stopping.has_value());
-  if (m.stopping) {
-    const Stopping& s = *m.stopping;
-    mixer.Add(s.intent_by, s.after, s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at, s.sent,
-              s.look, s.requests, s.result.has_value());
-    if (s.result) mixer.Add(s.result->outcome);
-  }
+  mixer.Add(m, m.policy.clock.time_since_epoch().count(), m.emergency.stop.has_value(),
+            m.emergency.others.size());
   return {mixer.Get(), twins};
 }
 

@@ -81,9 +81,10 @@ class Peer {
       return Publish<msg::EmergencyStop>(EmergencyStopTopic(name_space_), stop, "");
     }
     if (words[0] == "announce") {
-      msg::ControllerBeat heartbeat;
+      msg::ControllerHeartbeat heartbeat;
       heartbeat.epoch = kHighEpoch;
-      return Publish<msg::ControllerBeat>(ControllerBeatTopic(name_space_), heartbeat, "");
+      return Publish<msg::ControllerHeartbeat>(ControllerHeartbeatTopic(name_space_), heartbeat,
+                                               "");
     }
     if (words[0] == "watch") {
       return Watch<msg::MachineStatus>(
@@ -181,11 +182,11 @@ class Peer {
     status.incarnation = ~std::uint64_t{0} >> 1U;  // newer than any
     status.pid = getpid();
     status.host = HostId();
-    msg::ActuatorBeat heartbeat;
+    msg::ActuatorHeartbeat heartbeat;
     heartbeat.name = actuator;
     heartbeat.incarnation = status.incarnation;
-    heartbeat.work = msg::ActuatorBeat::kWorkHung;
-    if (auto r = Publish(ActuatorBeatTopic(name_space_), heartbeat, partition); !r) return r;
+    heartbeat.work = msg::ActuatorHeartbeat::kWorkHung;
+    if (auto r = Publish(ActuatorHeartbeatTopic(name_space_), heartbeat, partition); !r) return r;
     return Publish(ActuatorStatusTopic(name_space_), status, partition);
   }
 

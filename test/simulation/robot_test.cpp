@@ -174,7 +174,7 @@ TEST(SimRobot, TwoReportsOfOneInstantHaveDifferentStamps) {
   std::vector<std::int64_t> stamps;
   for (int i = 0; i < 2; ++i) {
     msg::ActuatorCommand::Request query;
-    query.kind = msg::ActuatorCommand::kKindAsk;
+    query.kind = msg::ActuatorCommand::kKindQuery;
     client->Call(query, std::chrono::seconds(1), [&](Result<msg::ActuatorCommand::Response> reply) {
       ASSERT_TRUE(reply.ok());
       stamps.push_back(reply.value().status.stamp_ns);

@@ -29,7 +29,7 @@ void ForEachItem(std::string_view list, const Function& item) {
   }
 }
 
-// Fills the headers; returns the name of one that may be there once only, but is repeated.
+// Fills the headers; returns the name of a header that is repeated and must not be.
 std::string FillHeaders(const Head& head, Request& request) {
   std::string repeated;
   for (const auto& [name, value] : head.fields) {

@@ -35,11 +35,13 @@ LiveServer::LiveServer(transport::Node& node, Options options)
       login_(http::KernelRandom, options_.token),
       docs_(options_.docs),
       cameras_(node, table_),
-      watched_(node, table_, [this](const std::string& topic, const WatchedTopics::Latest& latest) {
-        for (Page& page : pages_) {
-          if (page.watched.contains(topic)) Send(page, latest.key, latest.message);
-        }
-      }) {}
+      watched_(node, table_,
+               [this](const std::string& topic, const WatchedTopics::Latest& latest) {
+                 for (Page& page : pages_) {
+                   if (page.watched.contains(topic)) Send(page, latest.key, latest.message);
+                 }
+               }),
+      skills_(node, options_.name_space) {}
 
 Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Options options) {
   std::unique_ptr<LiveServer> server(new LiveServer(node, std::move(options)));
@@ -204,7 +206,7 @@ void LiveServer::OnPageMessage(Page& page, const std::string& text) {
   }
   WatchForAll();
   for (const std::string& topic : page.watched) {
-    for (const auto& [key, message] : watched_.Last(topic)) Send(page, key, message);
+    for (const auto& [key, latest] : watched_.Last(topic)) Send(page, key, latest);
   }
 }
 

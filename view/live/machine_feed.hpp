@@ -55,7 +55,7 @@ class MachineFeed {
 
   const LeaderWatch& leader() const { return *leader_; }
   const std::optional<msg::MachineStatus>& status() const { return leader_->leader(); }
-  // Status of the last controller, also of one that has ended.
+  // Status of the last controller, also after its end.
   const std::optional<msg::MachineStatus>& last_status() const { return last_; }
 
  private:

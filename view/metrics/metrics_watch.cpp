@@ -38,10 +38,10 @@ Result<> MetricsWatch::Subscribe() {
   if (!client) return client.error();
   transport::Qos qos = transport::kHeartbeatQos;
   qos.partition = transport::ReaderPartition(options_.with_keys);
-  auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
-      node_, transport::ActuatorBeatTopic(options_.name_space),
-      [this](const msg::ActuatorBeat& beat, const transport::SampleInfo& info) {
-        if (transport::IsFrom(beat.name, info)) metrics_.On(beat, node_.loop().Now());
+  auto heartbeats = transport::MakeSubscription<msg::ActuatorHeartbeat>(
+      node_, transport::ActuatorHeartbeatTopic(options_.name_space),
+      [this](const msg::ActuatorHeartbeat& heartbeat, const transport::SampleInfo& info) {
+        if (transport::IsFrom(heartbeat.name, info)) metrics_.On(heartbeat, node_.loop().Now());
       },
       qos);
   if (!heartbeats) return heartbeats.error();

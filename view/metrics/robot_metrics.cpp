@@ -147,14 +147,15 @@ void RobotMetrics::OnFault(const msg::HistoryEntry& entry, std::string_view even
   actuator->hung = verdict == "hung";
 }
 
-void RobotMetrics::On(const msg::ActuatorBeat& beat, Time now) {
+void RobotMetrics::On(const msg::ActuatorHeartbeat& heartbeat, Time now) {
   if (!status_) return;
-  Actuator* actuator = Find(beat.name);
+  Actuator* actuator = Find(heartbeat.name);
   if (!actuator) {
     ++dropped_actuators_;
     return;
   }
-  actuator->beat = Beat{now, Duration(std::clamp<std::int64_t>(beat.period_ns, 0, kFarthestNs))};
+  actuator->heartbeat =
+      Heartbeat{now, Duration(std::clamp<std::int64_t>(heartbeat.period_ns, 0, kFarthestNs))};
 }
 
 void RobotMetrics::OnProcess(std::string_view name, const std::optional<ProcessUsage>& usage) {

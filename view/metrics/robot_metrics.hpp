@@ -47,7 +47,7 @@ class RobotMetrics {
   // After the first status. `event` is the entry's event name; "" from an older controller.
   void On(const msg::HistoryEntry& entry, std::string_view event);
   // Before the first status heartbeats are ignored.
-  void On(const msg::ActuatorBeat& beat, Time now);
+  void On(const msg::ActuatorHeartbeat& heartbeat, Time now);
   // Nothing: its process is not on this host, or has exited.
   void OnProcess(std::string_view actuator, const std::optional<ProcessUsage>& usage);
   // Lost by the readers of this process since its start.
@@ -65,13 +65,13 @@ class RobotMetrics {
                                                                 "undone", "superseded"};
   using PerOutcome = std::array<std::uint64_t, kOutcomes.size()>;
 
-  struct Beat {
+  struct Heartbeat {
     Time received;
     Duration period;
   };
   struct Actuator {
     msg::ActuatorInfo info;
-    std::optional<Beat> beat;
+    std::optional<Heartbeat> heartbeat;
     std::optional<ProcessUsage> usage;
     double cpu_seconds = 0;
     std::uint64_t restarts = 0;

@@ -133,21 +133,21 @@ void RobotMetrics::WriteFaults(Exposition& text) const {
 
 void RobotMetrics::WriteHeartbeats(Exposition& text, Time now) const {
   const auto has_heartbeat = [](const Actuator& actuator) {
-    return actuator.beat && actuator.info.presence == kPresent;
+    return actuator.heartbeat && actuator.info.presence == kPresent;
   };
-  text.BeginGauge({"musher_actuator_beat_age_seconds",
+  text.BeginGauge({"musher_actuator_heartbeat_age_seconds",
                    "Time since the last heartbeat that musher-view received, of an actuator that "
                    "is present.",
                    "seconds"});
   for (const Actuator& actuator : actuators_) {
     if (!has_heartbeat(actuator)) continue;
-    text.Add(ToSeconds(now - actuator.beat->received), {{"actuator", actuator.info.name}});
+    text.Add(ToSeconds(now - actuator.heartbeat->received), {{"actuator", actuator.info.name}});
   }
-  text.BeginGauge({"musher_actuator_beat_period_seconds",
+  text.BeginGauge({"musher_actuator_heartbeat_period_seconds",
                    "Period of the heartbeats, as the last one gives it.", "seconds"});
   for (const Actuator& actuator : actuators_) {
     if (!has_heartbeat(actuator)) continue;
-    text.Add(ToSeconds(actuator.beat->period), {{"actuator", actuator.info.name}});
+    text.Add(ToSeconds(actuator.heartbeat->period), {{"actuator", actuator.info.name}});
   }
 }
 

@@ -120,9 +120,9 @@ std::string Rule(const char* kind, const std::vector<Criteria>& all) {
   return Element(kind, text);
 }
 
-const Topics kStatuses = DataTopics({ActuatorStatusTopic(""), ActuatorBeatTopic("")});
+const Topics kStatuses = DataTopics({ActuatorStatusTopic(""), ActuatorHeartbeatTopic("")});
 const Topics kStops = DataTopics({EmergencyStopTopic("")});
-const Topics kAnnouncements = DataTopics({ControllerBeatTopic("")});
+const Topics kAnnouncements = DataTopics({ControllerHeartbeatTopic("")});
 // Which nodes a process has (`ros2 node list`); of the others it is among what is not reserved.
 const Topics kNodeGraph = {"ros_discovery_info"};
 const Topics kMachine =

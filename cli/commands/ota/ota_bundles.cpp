@@ -306,7 +306,7 @@ void AddOtaVerify(Grammar& grammar, CLI::App& family) {
       grammar.Add("verify", "Verify a bundle; changes nothing", OtaVerify, &family);
   AddBundle(grammar, app, options.bundle);
   grammar
-      .Offer(app.add_option("--key", options.key, "Public key; default the one of the root"),
+      .Offer(app.add_option("--key", options.key, "Public key; default the key of the root"),
              Names::kFiles)
       ->type_name("FILE");
   AddRoot(grammar, app, options.root);

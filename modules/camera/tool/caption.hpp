@@ -21,7 +21,7 @@ class Caption {
     changed_ns_.reset();
   }
 
-  // Whether this picture is the one of the last change.
+  // Whether this picture shows the last change.
   bool Due(std::int64_t stamp_ns) {
     if (!pending_) return false;
     // The first picture after the change sets its time; also after time jumps back.

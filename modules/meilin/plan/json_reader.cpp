@@ -146,7 +146,7 @@ std::optional<int> JsonObject::Integer(std::string_view key, int least, int most
   const Json* value = Get(key);
   if (value == nullptr) return std::nullopt;
   if (value->is_number_integer()) {
-    const auto number = value->get<double>();  // also of one that is too large
+    const auto number = value->get<double>();  // a double also where it is too large for an int
     if (number >= least && number <= most) return static_cast<int>(number);
   }
   Mismatch(key, fmt::format("a whole number from {} to {}", least, most), *value);

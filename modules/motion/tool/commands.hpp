@@ -20,7 +20,7 @@ ExitCode Fail(ExitCode exit, const Error& error);
 // "the emergency stop is set; ...".
 std::string CodeMeaning(std::int32_t code);
 
-// The table installed with this program, or the one of the options.
+// The table of the options, else the table that is installed with this program.
 TableReading ReadTable(const GlobalOptions& global);
 // "303 (WALK_USERTROT)", "303" without a table.
 std::string NameOf(const GlobalOptions& global, std::int32_t id);

@@ -29,7 +29,7 @@ void Place::Describe(skill::Table& table) {
   table.Uses(kArm);
   table.Needs("target_location", skill::Kind::kNumbers, "[x, y, z] in m, in the map");
   table.Takes("object_prim_path", "", "the name of the object; empty: the one that is held");
-  table.Takes("joint_path", "", "the joint that holds it; empty: the one of the object");
+  table.Takes("joint_path", "", "the joint that holds it; empty: the joint of the object");
   table.Takes("distance_threshold", 2.0, "m from the robot to the target, level");
   table.Takes("approach", 0.5, "m that the robot drives at most towards the target");
   static_cast<void>(table.SetLimit("PREPARING", std::chrono::seconds(20)));

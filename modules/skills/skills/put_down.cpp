@@ -11,7 +11,7 @@ void PutDown::Declare(skill::Table& table) {
   table.Does("Releases the held object");
   table.Uses(kArm);
   table.Takes("object_prim_path", "", "the name of the object; empty: the one that is held");
-  table.Takes("joint_path", "", "the joint that holds it; empty: the one of the object");
+  table.Takes("joint_path", "", "the joint that holds it; empty: the joint of the object");
   initializing_ = table.State("INITIALIZING");
   releasing_ = table.State("RELEASING", std::chrono::seconds(3));
   table.To(initializing_, releasing_, "the robot holds the object");

@@ -28,7 +28,7 @@ class CourseDetector {
  public:
   virtual ~CourseDetector() = default;
 
-  // `bgr`: CV_8UC3, not empty. `stamp_ns`: of the picture, later than that of the one before.
+  // `bgr`: CV_8UC3, not empty. `stamp_ns`: of the picture, later than the last picture's.
   // `lens`: nothing while it is unknown; the focal length of the parameters counts then. May throw:
   // the detector is replaced by a new one.
   virtual CourseSight Look(const cv::Mat& bgr, std::int64_t stamp_ns,

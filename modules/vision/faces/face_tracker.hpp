@@ -24,7 +24,7 @@ struct TrackerRules {
   double distance = 0.30;  // between the centres at most, to be the same face without overlap
   int confirm_pictures = 2;
   Duration confirm_within = Milliseconds(500);
-  Duration forget = Milliseconds(5000);    // of one that is confirmed
+  Duration forget = Milliseconds(5000);    // of a confirmed face
   Duration smoothing = Milliseconds(150);  // time constant of the size; zero: none
 
   friend bool operator==(const TrackerRules&, const TrackerRules&) = default;

@@ -60,10 +60,10 @@ void Fill(RobotMetrics& metrics, const msg::MachineStatus& status, Time now) {
     AddSwitch(metrics, number + 1, "Active");
   }
   for (const msg::ActuatorInfo& info : status.actuators) {
-    msg::ActuatorBeat beat;
-    beat.name = info.name;
-    beat.period_ns = 100'000'000;
-    metrics.On(beat, now);
+    msg::ActuatorHeartbeat heartbeat;
+    heartbeat.name = info.name;
+    heartbeat.period_ns = 100'000'000;
+    metrics.On(heartbeat, now);
     metrics.OnProcess(info.name, ProcessUsage{1, 1, 1.25, 12 << 20});
   }
 }

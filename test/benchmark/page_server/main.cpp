@@ -95,7 +95,7 @@ struct Requester {
   Time begin;
 };
 
-// Waits for input of any of the clients; `on_input` takes the index of one that has some.
+// Waits for input of any of the clients; `on_input` takes the index of a client that has some.
 template <typename Function>
 void Serve(std::vector<pollfd>& polls, const Function& on_input) {
   MUSHER_CHECK(poll(polls.data(), polls.size(), 1000) >= 0);

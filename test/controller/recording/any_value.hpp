@@ -7,9 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/journal/fields.hpp"
+#include "musher/lifecycle/fields/machine_fields.hpp"
 
 namespace musher::recording {
+
+using fields::Base;
+using fields::Field;
+using fields::kFields;
+using fields::kValueNames;
+using fields::Part;
+using fields::Struct;
 
 // Small values that differ from defaults often; texts of any bytes.
 inline void MakeAny(bool& value) {
@@ -73,10 +80,6 @@ void MakeAnyOf(T& value, const AnyField& field) {
 template <class T, class B>
 void MakeAnyOf(T& value, const Base<B>& /*base*/) {
   MakeAny(static_cast<B&>(value));
-}
-template <class T, class M, std::size_t kFlags>
-void MakeAnyOf(T& value, const Flags<T, M, kFlags>& flags) {
-  value.*flags.member = static_cast<M>(*rc::gen::inRange<std::size_t>(0, kFlags + 1));
 }
 template <Struct T>
 void MakeAny(T& value) {

@@ -40,28 +40,6 @@ RC_GTEST_PROP(Encoding, GivesEveryMachineBack, ()) {
   RC_ASSERT(read.value().machine == machine);
 }
 
-// Older versions wrote three flags of a start and two of a TearDown, which exclude each other.
-TEST(Encoding, ReadsTheFlagsOfOlderVersionsAsOneValue) {
-  const auto read = [](const std::string& actuator, const std::string& stopping) {
-    return DecodeSnapshot(R"({"config_hash":"","machine":{"actuators":[)" + actuator +
-                          R"(],"stopping":)" + stopping + "}}")
-        .value()
-        .machine;
-  };
-  const Machine killed = read(R"({"process":7,"found_running":true,"launching":false})",
-                              R"({"terminated":true,"killed":true})");
-  EXPECT_EQ(killed.actuators[0].process.launch, Launch::kFoundRunning);
-  EXPECT_EQ(killed.actuators[0].process.pid, 7);
-  EXPECT_EQ(killed.stopping->sent, Stopping::Signal::kKill);
-  const Machine terminated =
-      read(R"({"hindered":true,"given_up":true,"claimed":9})", R"({"terminated":true})");
-  EXPECT_EQ(terminated.actuators[0].process.launch, Launch::kBlocked);
-  EXPECT_TRUE(terminated.actuators[0].restart.given_up);
-  EXPECT_EQ(terminated.actuators[0].control.incarnation, Incarnation(9));
-  EXPECT_EQ(terminated.stopping->sent, Stopping::Signal::kTerminate);
-  EXPECT_EQ(read(R"({"launching":true})", "{}").actuators[0].process.launch, Launch::kUnderWay);
-}
-
 RC_GTEST_PROP(Encoding, GivesEveryConfigBack, (const std::string& file, const std::string& text)) {
   const ConfigText config{file, "cafe", text};
   const auto read = DecodeConfig(EncodeConfig(config));

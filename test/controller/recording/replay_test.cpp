@@ -172,44 +172,6 @@ void Append(std::vector<JournalRow>& rows, JournalInput input) {
   rows.push_back({rows.empty() ? 1 : rows.back().id + 1, std::move(input)});
 }
 
-TEST(Replay, AcceptsASnapshotOfAnOlderVersionWhoseFaultsHaveNoEvents) {
-  const MachineConfig config = ReadConfigText(RobotToml(), "dog.toml").config.value();
-  auto rows = Rows();
-  Snapshot older{config.hash, MachineAfter(rows, config)};
-  ASSERT_TRUE(older.machine.actuators[0].fault);
-  EXPECT_EQ(older.machine.actuators[0].fault->event, EventName::kActuatorCrashed);
-  auto other = older;
-  older.machine.actuators[0].fault->event = EventName::kNone;
-  other.machine.actuators[0].fault->event = EventName::kActuatorHung;
-
-  Append(rows, {1, std::make_shared<const Snapshot>(older)});
-  EXPECT_TRUE(Replayed(rows).equal());
-  Append(rows, {1, std::make_shared<const Snapshot>(other)});
-  EXPECT_FALSE(Replayed(rows).equal()) << "it has an event, and another one";
-}
-
-// The exit of the process explains a lost connection, of which the snapshot has only the sentence.
-TEST(Replay, StartsFromASnapshotOfAnOlderVersionAsThatVersionContinued) {
-  const MachineConfig config = ReadConfigText(RobotToml(), "dog.toml").config.value();
-  auto recorded = Rows();
-  Snapshot older{config.hash, MachineAfter(recorded, config)};
-  ActuatorRecord& eyes = older.machine.actuators[1];
-  eyes.presence = Presence::kLost;
-  eyes.process.pid = 4711;
-  eyes.fault = ActuatorFault{kCodeNetError, "connection lost"};
-  std::vector<JournalRow> rows;
-  Append(rows, {1, ConfigText{"dog.toml", config.hash, RobotToml()}});
-  Append(rows, {1, std::make_shared<const Snapshot>(older)});
-  Append(rows, {1, TimedEvent{event::ProcessEnded{1, 4711, false, "exit code 1"}, Time{}}});
-  Append(rows, {1, TimedEvent{event::TimePassed{}, Time{}}});
-  const ReplayReport report = Replayed(rows);
-  const bool explained =
-      std::any_of(report.lines.begin(), report.lines.end(), [](const ReplayLine& line) {
-        return line.entry.event == "actuator_crashed" && line.entry.actuator == "eyes";
-      });
-  EXPECT_TRUE(explained);
-}
-
 TEST(Replay, RefusesAControllerThatIsNotInTheJournal) {
   ReplayOptions options;
   options.epoch = Epoch(99);

@@ -75,7 +75,7 @@ TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotRetriedSoonerAndRaisesNoEp
   Do(event::Replied{0, 0, true, Verdict::kRefused, kCodeParametersInvalid, "", report});
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
   EXPECT_EQ(Of(0).control.again, again);
-  EXPECT_FALSE(Of(0).control.outbid_at);
+  EXPECT_FALSE(Of(0).control.rival_until);
 }
 
 TEST_F(TakeControl, ThatIsAnsweredMakesItPresentAndRecordsItsProcessIfAny) {

@@ -75,7 +75,7 @@ class Robot {
       actuator.core.report.host = i == 0 ? "here" : "host of " + config_.actuators[i].name;
       StepActuator(i, actuator_event::Started{});
     }
-    Beat();
+    Heartbeat();
   }
 
   Side& side(std::size_t which) { return *sides_[which]; }
@@ -175,7 +175,7 @@ class Robot {
       }
     }
   }
-  void Beat() {
+  void Heartbeat() {
     for (std::size_t which = 0; which < 2; ++which) {
       const Side& side = *sides_[which];
       const Epoch epoch = sides_[which]->machine().epoch;
@@ -190,7 +190,7 @@ class Robot {
     for (const ActuatorIndex i : config_.actuators.Indices()) {
       StepActuator(i, actuator_event::TimePassed{});
     }
-    After(kHeartbeat, [this] { Beat(); });
+    After(kHeartbeat, [this] { Heartbeat(); });
   }
   void StepActuator(ActuatorIndex i, const ActuatorEvent& event) {
     for (const ActuatorAction& action : Step(config_, i, actuators_[i].core, event, now_)) {

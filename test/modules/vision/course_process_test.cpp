@@ -54,8 +54,8 @@ TEST_F(FaultyVision, ExitsWithOneWhenADetectorOfACourseFailsRepeatedly) {
 }
 
 TEST_F(FaultyVision, HangsWhenADetectorOfACourseDoesNotReturn) {
-  std::optional<msg::ActuatorBeat> heartbeat;
-  Listen(transport::ActuatorBeatTopic(""), heartbeat);
+  std::optional<msg::ActuatorHeartbeat> heartbeat;
+  Listen(transport::ActuatorHeartbeatTopic(""), heartbeat);
   StartWithCamera(kFaultyFile);
   std::optional<msg::String> text;
   Listen("qr_detector/qr_info", text);
@@ -64,12 +64,12 @@ TEST_F(FaultyVision, HangsWhenADetectorOfACourseDoesNotReturn) {
       << "pictures have " << camera_->MatchedReaders() << " readers; " << peer_.Output();
   SetDetector("hang");
   ASSERT_TRUE(peer_.Until([&] {
-    return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;
+    return heartbeat && heartbeat->work == msg::ActuatorHeartbeat::kWorkHung;
   })) << HeartbeatText(heartbeat)
       << peer_.Output();
   SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
-  EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorBeat::kWorkWell; }));
+  EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorHeartbeat::kWorkWell; }));
   ExpectDone("TearDown");
   EXPECT_EQ(peer_.AwaitExit(), 0);
 }

@@ -57,7 +57,7 @@ class VisionProcess : public ::testing::Test {
 };
 
 // For the message of a failed expectation.
-inline std::string HeartbeatText(const std::optional<msg::ActuatorBeat>& heartbeat) {
+inline std::string HeartbeatText(const std::optional<msg::ActuatorHeartbeat>& heartbeat) {
   if (!heartbeat) return "no heartbeat; ";
   return "the last heartbeat, of " + heartbeat->name + ": work " + std::to_string(heartbeat->work) +
          " during '" + heartbeat->during + "', silent for " + std::to_string(heartbeat->silent_ns) +

@@ -130,22 +130,22 @@ TEST_F(FaultyVision, ExitsWithOneWhenTheDetectorFailsRepeatedly) {
 }
 
 TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
-  std::optional<msg::ActuatorBeat> heartbeat;
+  std::optional<msg::ActuatorHeartbeat> heartbeat;
   subscriptions_.push_back(
-      transport::MakeSubscription<msg::ActuatorBeat>(
-          peer_.node(), transport::ActuatorBeatTopic(""),
-          [&](const msg::ActuatorBeat& message, const auto&) { heartbeat = message; },
+      transport::MakeSubscription<msg::ActuatorHeartbeat>(
+          peer_.node(), transport::ActuatorHeartbeatTopic(""),
+          [&](const msg::ActuatorHeartbeat& message, const auto&) { heartbeat = message; },
           transport::kHeartbeatQos)
           .value());
   StartWithCamera(kFaultyFile);
   SetDetector("hang");
   ASSERT_TRUE(peer_.Until([&] {
-    return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;
+    return heartbeat && heartbeat->work == msg::ActuatorHeartbeat::kWorkHung;
   })) << HeartbeatText(heartbeat)
       << peer_.Output();
   SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
-  EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorBeat::kWorkWell; }));
+  EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorHeartbeat::kWorkWell; }));
   ExpectDone("TearDown");
   EXPECT_EQ(peer_.AwaitExit(), 0);
 }

@@ -30,8 +30,8 @@ class FakeController {
                   transport::Server<msg::GetHistory>::Handler(
                       [this](const auto& request, auto reply) { OnGetHistory(request, reply); }))
                   .value();
-    heartbeats_ = transport::MakePublisher<msg::ActuatorBeat>(
-                      *node_, transport::ActuatorBeatTopic("dog"), transport::kHeartbeatQos)
+    heartbeats_ = transport::MakePublisher<msg::ActuatorHeartbeat>(
+                      *node_, transport::ActuatorHeartbeatTopic("dog"), transport::kHeartbeatQos)
                       .value();
     msg::MachineStatus status;
     status.machine = "dog";
@@ -57,11 +57,11 @@ class FakeController {
       history.events.emplace_back("actuator_crashed");
     }
   }
-  void Beat() {
-    msg::ActuatorBeat beat;
-    beat.name = "legs";
-    beat.period_ns = 100'000'000;
-    EXPECT_TRUE(heartbeats_->Publish(beat).ok());
+  void Heartbeat() {
+    msg::ActuatorHeartbeat heartbeat;
+    heartbeat.name = "legs";
+    heartbeat.period_ns = 100'000'000;
+    EXPECT_TRUE(heartbeats_->Publish(heartbeat).ok());
   }
 
   msg::GetHistory::Response history;
@@ -87,7 +87,7 @@ class FakeController {
   const std::uint64_t epoch_;
   std::uint64_t id_ = 0;
   std::unique_ptr<transport::Publisher<msg::MachineStatus>> status_;
-  std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> heartbeats_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorHeartbeat>> heartbeats_;
   std::unique_ptr<transport::Server<msg::GetHistory>> server_;
 };
 
@@ -144,7 +144,7 @@ TEST_F(MetricsWatchTest, NothingIsSubscribedBeforeTheFirstScrape) {
   network_.RunFor(std::chrono::seconds(10));
   EXPECT_THAT(controller.requests, IsEmpty());
   const std::uint64_t steps = network_.steps();
-  controller.Beat();
+  controller.Heartbeat();
   network_.RunFor(std::chrono::seconds(1));
   EXPECT_EQ(network_.steps(), steps);  // no reader
 }
@@ -227,11 +227,11 @@ TEST_F(MetricsWatchTest, HasHeartbeatsAndWhatProcessesOfThisHostUse) {
   FakeController controller(network_, 1);
   Scrape();
   network_.RunFor(Milliseconds(500));
-  controller.Beat();
+  controller.Heartbeat();
   network_.RunFor(Milliseconds(500));
   cpu_seconds_ = 3;
   const ParsedMetrics parsed = Scrape();
-  EXPECT_LE(parsed.Value("musher_actuator_beat_age_seconds", {{"actuator", "legs"}}), 0.6);
+  EXPECT_LE(parsed.Value("musher_actuator_heartbeat_age_seconds", {{"actuator", "legs"}}), 0.6);
   EXPECT_EQ(parsed.Value("musher_actuator_cpu_seconds_total", {{"actuator", "legs"}}), 2);
 }
 

@@ -93,7 +93,7 @@ TEST_F(Metrics, OfARobotCountItsCrashItsSwitchAndItsRefusal) {
             0);
   EXPECT_GT(Value("musher_actuator_resident_memory_bytes", {{"actuator", "legs"}}), 100'000);
   // The period of heartbeats may be longer than all of this took.
-  const double age = AwaitThat("musher_actuator_beat_age_seconds", {{"actuator", "legs"}},
+  const double age = AwaitThat("musher_actuator_heartbeat_age_seconds", {{"actuator", "legs"}},
                                [](double seconds) { return seconds >= 0; });
   EXPECT_GE(age, 0);
   EXPECT_LT(age, 5);

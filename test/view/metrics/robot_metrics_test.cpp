@@ -246,19 +246,20 @@ RC_GTEST_PROP(RobotMetricsProperty, HoweverTheHistoryIsReadEachEntryCountsOnce, 
 }
 
 TEST_F(RobotMetricsTest, GivesTheAgeOfTheLastHeartbeat) {
-  msg::ActuatorBeat beat;
-  beat.name = "legs";
-  beat.period_ns = 100'000'000;
-  metrics_.On(beat, kNow);
+  msg::ActuatorHeartbeat heartbeat;
+  heartbeat.name = "legs";
+  heartbeat.period_ns = 100'000'000;
+  metrics_.On(heartbeat, kNow);
   const ParsedMetrics parsed = Parsed(kNow + Milliseconds(1500));
   const ParsedLabels legs = {{"actuator", "legs"}};
-  EXPECT_EQ(parsed.Value("musher_actuator_beat_age_seconds", legs), 1.5);
-  EXPECT_EQ(parsed.Value("musher_actuator_beat_period_seconds", legs), 0.1);
-  EXPECT_EQ(parsed.Value("musher_actuator_beat_age_seconds", {{"actuator", "eyes"}}), std::nullopt);
+  EXPECT_EQ(parsed.Value("musher_actuator_heartbeat_age_seconds", legs), 1.5);
+  EXPECT_EQ(parsed.Value("musher_actuator_heartbeat_period_seconds", legs), 0.1);
+  EXPECT_EQ(parsed.Value("musher_actuator_heartbeat_age_seconds", {{"actuator", "eyes"}}),
+            std::nullopt);
   msg::MachineStatus status = Status();
   status.actuators[0].presence = "lost";  // what is not there is not late
   metrics_.On(status, kNow);
-  EXPECT_EQ(Value("musher_actuator_beat_age_seconds", legs), std::nullopt);
+  EXPECT_EQ(Value("musher_actuator_heartbeat_age_seconds", legs), std::nullopt);
 }
 
 TEST_F(RobotMetricsTest, CpuTimeGrowsAcrossARestartOfTheProcess) {
@@ -288,10 +289,10 @@ TEST_F(RobotMetricsTest, TheBatteryIsARatioAndMissingWhereItIsNotKnown) {
 
 TEST_F(RobotMetricsTest, NamesThatNoStatusHasGetNoSeries) {
   Happens("actuator_crashed", "unlisted");
-  msg::ActuatorBeat beat;
+  msg::ActuatorHeartbeat heartbeat;
   for (int i = 0; i < 1000; ++i) {
-    beat.name = "b" + std::to_string(i);
-    metrics_.On(beat, kNow);
+    heartbeat.name = "b" + std::to_string(i);
+    metrics_.On(heartbeat, kNow);
   }
   EXPECT_EQ(Value("musher_dropped_names_total", {{"kind", "actuator"}}), 1001);
   EXPECT_EQ(Faults("unlisted", "crashed"), std::nullopt);

@@ -60,7 +60,7 @@ export class MockServer {
     this.pages.add(page);
     page.watched = [];
     const send = message => page.send(JSON.stringify(message));
-    send({op: 'hello', version: '0.1.0', namespace: '', may_act: this.mayAct,
+    send({op: 'hello', version: '0.2.0', namespace: '', may_act: this.mayAct,
       may_stop: this.mayStop,
       who: this.mayAct ? 'alice at 127.0.0.1' : '', time_ms: Date.now()});
     for (const message of this.robot.greeting()) send(message);

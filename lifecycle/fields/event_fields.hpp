@@ -1,10 +1,10 @@
 #pragma once
 // The recorded fields of every Event, and of the types that Machine shares with them.
 
-#include "musher/controller/journal/field.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
+#include "musher/lifecycle/fields/field.hpp"
 
-namespace musher::recording {
+namespace musher::fields {
 
 template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<Verdict> = {"done", "refused",
@@ -22,11 +22,17 @@ template <>
 inline constexpr std::array<std::string_view, 6> kValueNames<Purpose> = {
     "requested", "start-up check", "start-up activate", "fallback", "stop", "policy"};
 template <>
+inline constexpr std::array<std::string_view, 4> kValueNames<Launch> = {
+    "none", "blocked", "under-way", "found-running"};
+template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<Stopping::Signal> = {
+    "none", "terminate", "kill"};
+template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<Stopping::Look> = {
     "not-yet", "under-way", "done"};
 template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<Leg::Progress> = {
-    "waiting", "under way", "ended"};
+    "waiting", "under-way", "ended"};
 template <>
 inline constexpr std::array<std::string_view, 8> kValueNames<ActuatorOutcome> = {
     "done", "refused", "failed", "overdue", "lost", "undone", "skipped", "unsupported"};
@@ -41,7 +47,7 @@ template <>
 inline constexpr std::array<std::string_view, 2> kValueNames<PolicyInput> = {"battery", "motion"};
 template <>
 inline constexpr std::array<std::string_view, 4> kValueNames<BatteryLevel> = {"free", "protected",
-                                                                              "low power", "empty"};
+                                                                              "low-power", "empty"};
 template <>
 inline constexpr std::array<std::string_view, 8> kValueNames<PolicyRequest> = {
     "switch",          "keep",    "OTA",       "low-power switch",
@@ -66,6 +72,7 @@ constexpr bool EndsWith(T last) {
 }
 static_assert(EndsWith(Verdict::kFailed) && EndsWith(Phase::kFenced) && EndsWith(Presence::kLost) &&
               EndsWith(Direction::kCheck) && EndsWith(Purpose::kPolicy) &&
+              EndsWith(Launch::kFoundRunning) && EndsWith(Stopping::Signal::kKill) &&
               EndsWith(Leg::Progress::kEnded) && EndsWith(ActuatorOutcome::kUnsupported) &&
               EndsWith(SwitchOutcome::kSuperseded) && EndsWith(Health::kPartitioned) &&
               EndsWith(PolicyInput::kMotion) && EndsWith(BatteryLevel::kEmpty) &&
@@ -90,7 +97,7 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
     Field{"pid", &ActuatorReport::pid},
     Field{"host", &ActuatorReport::host},
     Field{"config_hash", &ActuatorReport::config_hash},
-    Field{"apart", &ActuatorReport::detached},
+    Field{"detached", &ActuatorReport::detached},
     Field{"emergency_stop", &ActuatorReport::emergency_stop},
     Field{"held_by_stop", &ActuatorReport::held_by_stop},
     Field{"degraded_code", &ActuatorReport::degraded_code},
@@ -159,7 +166,7 @@ inline constexpr std::string_view kEventName<event::Replied> = "Replied";
 template <>
 inline constexpr std::tuple kFields<event::Replied> = {
     Field{"actuator", &event::Replied::actuator}, Field{"number", &event::Replied::number},
-    Field{"ask", &event::Replied::query},         Field{"verdict", &event::Replied::verdict},
+    Field{"query", &event::Replied::query},       Field{"verdict", &event::Replied::verdict},
     Field{"code", &event::Replied::code},         Field{"message", &event::Replied::message},
     Field{"report", &event::Replied::report},
 };
@@ -317,4 +324,4 @@ inline constexpr std::string_view kEventName<event::TimePassed> = "TimePassed";
 template <>
 inline constexpr std::tuple<> kFields<event::TimePassed> = {};
 
-}  // namespace musher::recording
+}  // namespace musher::fields

@@ -1,6 +1,7 @@
 #pragma once
-// Lists the fields of a struct and the names of an enumeration's values for a recording. A missing
-// field is a compile error (MemberCount).
+// Lists the fields of a struct and the names of an enumeration's values, once for all that go
+// through them: the journal, and the search that tells states apart. A missing field is a compile
+// error (MemberCount).
 
 #include <array>
 #include <cstddef>
@@ -9,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace musher::recording {
+namespace musher::fields {
 
 template <class T, class M>
 struct Field {
@@ -31,16 +32,7 @@ Part(M T::*) -> Part<T, M>;
 template <class B>
 struct Base {};
 
-// An enumeration that is recorded as flags: a flag for each value but the first.
-template <class T, class M, std::size_t kFlags>
-struct Flags {
-  M T::*member;
-  std::array<const char*, kFlags> names;  // of the values from 1 on
-};
-template <class T, class M, std::size_t kFlags>
-Flags(M T::*, std::array<const char*, kFlags>) -> Flags<T, M, kFlags>;
-
-// The fields of a struct, as a tuple of Field, Part, Base and Flags.
+// The fields of a struct, as a tuple of Field, Part and Base.
 template <class T>
 inline constexpr auto kFields = nullptr;
 template <class T>
@@ -71,4 +63,4 @@ template <Struct T>
 inline constexpr bool kIsComplete = std::tuple_size_v<std::remove_const_t<decltype(kFields<T>)>> ==
                                     MemberCount<T>();
 
-}  // namespace musher::recording
+}  // namespace musher::fields

@@ -4,16 +4,16 @@
 //
 // Units: times and durations in nanoseconds.
 
-#include "musher/controller/journal/event_fields.hpp"
-#include "musher/controller/journal/field.hpp"
+#include "musher/lifecycle/fields/event_fields.hpp"
+#include "musher/lifecycle/fields/field.hpp"
 
-namespace musher::recording {
+namespace musher::fields {
 
 template <>
 inline constexpr std::tuple kFields<PendingCommand> = {
-    Field{"number", &PendingCommand::number}, Field{"target", &PendingCommand::target},
-    Field{"sent", &PendingCommand::sent},     Field{"deadline", &PendingCommand::deadline},
-    Field{"asked", &PendingCommand::queries},
+    Field{"number", &PendingCommand::number},   Field{"target", &PendingCommand::target},
+    Field{"sent", &PendingCommand::sent},       Field{"deadline", &PendingCommand::deadline},
+    Field{"queries", &PendingCommand::queries},
 };
 
 template <>
@@ -33,27 +33,27 @@ inline constexpr std::tuple kFields<ActuatorFault> = {
 
 template <>
 inline constexpr std::tuple kFields<ActuatorProcess> = {
-    Field{"process", &ActuatorProcess::pid},
-    Flags{&ActuatorProcess::launch,
-          std::to_array<const char*>({"hindered", "launching", "found_running"})},
+    Field{"pid", &ActuatorProcess::pid},
+    Field{"launch", &ActuatorProcess::launch},
     Field{"dead", &ActuatorProcess::dead},
     Field{"termination", &ActuatorProcess::termination},
 };
 
-static_assert(static_cast<int>(Launch::kFoundRunning) == 3, "each value has its flag");
-
 template <>
 inline constexpr std::tuple kFields<Restarts> = {
-    Field{"restarts", &Restarts::count},          Field{"restart_at", &Restarts::at},
-    Field{"healthy_at", &Restarts::reset_at},     Field{"given_up", &Restarts::given_up},
-    Field{"restart_asked", &Restarts::requested}, Field{"restart_requests", &Restarts::requests},
+    Field{"restarts", &Restarts::count},
+    Field{"restart_at", &Restarts::at},
+    Field{"reset_at", &Restarts::reset_at},
+    Field{"given_up", &Restarts::given_up},
+    Field{"restart_requested", &Restarts::requested},
+    Field{"restart_requests", &Restarts::requests},
 };
 
 template <>
 inline constexpr std::tuple kFields<ControlRecord> = {
-    Field{"claimed", &ControlRecord::incarnation},
-    Field{"claim_again", &ControlRecord::again},
-    Field{"outbid_at", &ControlRecord::outbid_at},
+    Field{"controlled", &ControlRecord::incarnation},
+    Field{"control_again", &ControlRecord::again},
+    Field{"rival_until", &ControlRecord::rival_until},
 };
 
 template <>
@@ -79,10 +79,10 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"due", &ActuatorRecord::due},
     Field{"fault", &ActuatorRecord::fault},
     Field{"tolerated", &ActuatorRecord::tolerated},
-    Field{"order", &ActuatorRecord::command},
+    Field{"command", &ActuatorRecord::command},
     Field{"cause", &ActuatorRecord::cause},
     Field{"health", &ActuatorRecord::health},
-    Field{"parked", &ActuatorRecord::suspended},
+    Field{"suspended", &ActuatorRecord::suspended},
     Field{"free_by", &ActuatorRecord::free_by},
     Field{"elsewhere", &ActuatorRecord::elsewhere},
 };
@@ -176,13 +176,11 @@ inline constexpr std::tuple kFields<Stopping> = {
     Field{"terminate_at", &Stopping::terminate_at},
     Field{"kill_at", &Stopping::kill_at},
     Field{"give_up_at", &Stopping::give_up_at},
-    Flags{&Stopping::sent, std::to_array<const char*>({"terminated", "killed"})},
+    Field{"sent", &Stopping::sent},
     Field{"look", &Stopping::look},
     Field{"result", &Stopping::result},
     Field{"requests", &Stopping::requests},
 };
-
-static_assert(static_cast<int>(Stopping::Signal::kKill) == 2, "each value has its flag");
 
 template <>
 inline constexpr std::tuple kFields<Keep> = {
@@ -219,7 +217,7 @@ inline constexpr std::tuple kFields<PolicyState> = {
     Field{"battery", &PolicyState::battery},
     Field{"charging", &PolicyState::charging},
     Field{"battery_silent", &PolicyState::battery_silent},
-    Field{"invalid_told", &PolicyState::invalid_recorded},
+    Field{"invalid_recorded", &PolicyState::invalid_recorded},
     Field{"jump_recorded", &PolicyState::jump_recorded},
     Field{"doubled_recorded", &PolicyState::doubled_recorded},
     Field{"level", &PolicyState::level},
@@ -304,9 +302,9 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"stopping", &Machine::stopping},
     Part{&Machine::emergency},
     Field{"last_record", &Machine::last_record},
-    Field{"told_state", &Machine::recorded_state},
+    Field{"recorded_state", &Machine::recorded_state},
     Part{&Machine::saves},
     Field{"policy", &Machine::policy},
 };
 
-}  // namespace musher::recording
+}  // namespace musher::fields
