@@ -28,7 +28,7 @@ Result<LinkJson> PostTo(const RunningView& view, const std::string& path, const 
 
 }  // namespace
 
-Result<LiveServer::Link> RequestLink(const RunningView& view, const std::string& name) {
+Result<http::LoginLink> RequestLink(const RunningView& view, const std::string& name) {
   const auto answer = PostTo(view, "/api/link", LinkJson{{"token", view.token}, {"name", name}});
   if (!answer) {
     Error error = answer.error();
@@ -42,7 +42,7 @@ Result<LiveServer::Link> RequestLink(const RunningView& view, const std::string&
     return found != answer.value().end() && found->is_string() ? found->get<std::string>() : "";
   };
   if (text("path").empty()) return NoAnswer(view);
-  return LiveServer::Link{text("path"), text("pin"), text("outside")};
+  return http::LoginLink{text("path"), text("pin"), text("outside")};
 }
 
 Result<> RequestLogout(const RunningView& view) {

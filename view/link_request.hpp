@@ -8,7 +8,7 @@
 #include <string>
 
 #include "musher/base/result.hpp"
-#include "musher/view/live/live_server.hpp"
+#include "musher/view/http/login.hpp"
 
 namespace musher::view {
 
@@ -19,7 +19,7 @@ struct RunningView {
 };
 
 // A link with which the person of that name may log in.
-Result<LiveServer::Link> RequestLink(const RunningView& view, const std::string& name);
+Result<http::LoginLink> RequestLink(const RunningView& view, const std::string& name);
 // Ends all logins.
 Result<> RequestLogout(const RunningView& view);
 

@@ -19,7 +19,7 @@
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/view/link_request.hpp"
 #include "musher/view/live/live_server.hpp"
-#include "musher/view/qr/qr_code.hpp"
+#include "musher/view/live/qr_code.hpp"
 
 namespace musher::view {
 namespace {
@@ -66,7 +66,7 @@ std::string AddressFor(const ViewOptions& options) {
 }
 
 // With a QR code where a phone can connect and a person looks at a terminal.
-void PrintLink(const ViewOptions& options, std::uint16_t port, const LiveServer::Link& link) {
+void PrintLink(const ViewOptions& options, std::uint16_t port, const http::LoginLink& link) {
   const std::string pin = link.pin.empty() ? "" : ", or enter the PIN " + link.pin + " on the page";
   std::printf("To act, open http://%s:%u%s%s (once, within 10 minutes).\n",
               AddressFor(options).c_str(), port, link.path.c_str(), pin.c_str());

@@ -34,9 +34,8 @@ TEST_F(Text, ShowsTheStatusAsATable) {
 
 TEST_F(Text, SaysSinceWhenAndWhatItsMarksMean) {
   const msg::MachineStatus status = RobotStatus();
-  EXPECT_EQ(
-      StatusText(status, false, {75.0, 7200.0}).substr(0, 86),
-      "dog  Active → LowPower  (running)  for 75 s  namespace pack  controller 100 up 2 h, e");
+  EXPECT_EQ(StatusText(status, false, {75.0, 7200.0}).substr(0, 85),
+            "dog  Active → LowPower  (running)  for 75 s  namespace pack  controller 100 up 2 h,");
   EXPECT_EQ(StatusLegend(status, false),
             "* critical: without it the machine does not become Active\n"
             "held: switched alone, until the next switch of all\n");
@@ -272,8 +271,8 @@ TEST_F(Text, ShowsWhatTheRobotCanDoAndWhyNot) {
             "back_flip   no       Active             back_flip runs in Active only; legs is in "
             "Protected (113 Robot: ProtectedError)\n");
   EXPECT_EQ(CapabilityText(flip, false),
-            "back_flip  refused: back_flip runs in Active only; legs is in Protected (113 (Robot: "
-            "ProtectedError))\n"
+            "back_flip  refused: back_flip runs in Active only; legs is in Protected (113 Robot: "
+            "ProtectedError)\n"
             "  a somersault backwards\n"
             "  actuators: legs, eyes; runs in: Active\n");
   EXPECT_EQ(CapabilityText(walk, false),

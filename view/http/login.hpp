@@ -57,6 +57,13 @@ struct LoginCode {
   std::string pin;  // "482103"
 };
 
+// What `musher view` prints for a person.
+struct LoginLink {
+  std::string path;  // "/login?code=..."
+  std::string pin;
+  std::string outside;  // "http://192.168.1.7:8765", for other hosts; empty: they cannot connect
+};
+
 // A session as it is kept over a restart of the server, see session_file.hpp.
 struct KeptSession {
   std::string id;

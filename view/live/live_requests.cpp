@@ -263,7 +263,7 @@ void LiveServer::OnLink(const http::Request& request, const http::Respond& respo
   const auto permitted =
       login_.MayMakeLinks(TextIn(body, "token"), request.peer, node_.loop().Now());
   if (!permitted) return respond(RefusalResponse(permitted.error()));
-  const Link link = NewLink(TextIn(body, "name"));
+  const http::LoginLink link = NewLink(TextIn(body, "name"));
   respond(JsonResponse(R"({"path":)" + http::JsonText(link.path) + R"(,"pin":)" +
                        http::JsonText(link.pin) + R"(,"outside":)" + http::JsonText(link.outside) +
                        "}"));

@@ -117,7 +117,7 @@ Result<> LiveServer::Open() {
   return Ok();
 }
 
-LiveServer::Link LiveServer::NewLink(const std::string& name) {
+http::LoginLink LiveServer::NewLink(const std::string& name) {
   const http::LoginCode code = login_.NewCode(name, node_.loop().Now());
   return {"/login?code=" + code.code, code.pin,
           OutsideUrl(options_.http.bind, transport::ReadInterfaces(), port())};

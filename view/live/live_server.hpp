@@ -54,16 +54,9 @@ class LiveServer {
   // Fails if DDS or the address cannot be used. The node must outlive it.
   static Result<std::unique_ptr<LiveServer>> Make(transport::Node& node, Options options);
 
-  // With which the person of that name may log in, once.
-  struct Link {
-    std::string path;  // "/login?code=..."
-    std::string pin;
-    // "http://192.168.1.7:8765", for other hosts; empty: they cannot connect.
-    std::string outside;
-  };
-
   std::uint16_t port() const { return http_->port(); }
-  Link NewLink(const std::string& name);
+  // With which the person of that name may log in, once.
+  http::LoginLink NewLink(const std::string& name);
 
  private:
   struct Page {

@@ -208,8 +208,8 @@ TEST_F(SensorsTest, RefuseImpossibleReadingsAndCountThem) {
   Forget();
   Run(seconds(3));
   EXPECT_THAT(scans_, IsEmpty());
-  EXPECT_THAT(log_, ElementsAre("lidar: its readings are refused: distance 4 is nan (2112 (Lidar: "
-                                "DeviceError))"));
+  EXPECT_THAT(log_, ElementsAre("lidar: its readings are refused: distance 4 is nan (2112 Lidar: "
+                                "DeviceError)"));
   EXPECT_THAT(Failures(), ElementsAre(2109));
   scan_as_ = good;
   Run(seconds(3));

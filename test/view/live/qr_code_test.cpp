@@ -1,9 +1,10 @@
-#include "musher/view/qr/qr_code.hpp"
+#include "musher/view/live/qr_code.hpp"
 
+#include <ZXing/ReadBarcode.h>
+#include <ZXing/TextUtfEncoding.h>
 #include <gmock/gmock.h>
 
 #include <opencv2/imgproc.hpp>
-#include <opencv2/objdetect.hpp>
 
 namespace musher::view::qr_code_test {
 
@@ -20,7 +21,10 @@ std::string Read(const QrModules& modules) {
   }
   cv::Mat picture;
   cv::resize(small, picture, {}, 8, 8, cv::INTER_NEAREST);
-  return cv::QRCodeDetector().detectAndDecode(picture);
+  const auto hints = ZXing::DecodeHints().setFormats(ZXing::BarcodeFormat::QRCode);
+  const auto code = ZXing::ReadBarcode(
+      {picture.data, picture.cols, picture.rows, ZXing::ImageFormat::Lum}, hints);
+  return ZXing::TextUtfEncoding::ToUtf8(code.text());
 }
 
 TEST(QrCode, IsReadByACameraAtEachSize) {

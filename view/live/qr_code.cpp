@@ -1,4 +1,4 @@
-#include "musher/view/qr/qr_code.hpp"
+#include "musher/view/live/qr_code.hpp"
 
 #include <algorithm>
 #include <array>
