@@ -88,13 +88,20 @@ std::string CodeText(std::int32_t code) {
 
 std::string WithoutModuleNames(const std::string& text) {
   static const std::regex named(R"((\d{3,4}) \([^():]+(: \w+)?\))");
-  return std::regex_replace(text, named, "$1");
+  static const std::regex in_brackets(R"(\((\d{3,4}) [A-Z]\w*(: \w+)?\))");
+  return std::regex_replace(std::regex_replace(text, named, "$1"), in_brackets, "($1)");
 }
 
 std::string WithCode(const std::string& message, std::int32_t code) {
   const std::string text = CodeText(code);
-  if (code == kCodeOk || Says(message, text)) return message;
-  return message + (message.empty() ? "(" : " (") + text + ")";
+  std::string in_brackets = "(" + text + ")";  // without brackets of its own
+  if (text.ends_with(')')) in_brackets = "(" + text;
+  if (const std::size_t inner = in_brackets.find(" ("); inner != std::string::npos) {
+    in_brackets.erase(inner + 1, 1);
+  }
+  const bool says = Says(message, text) || message.find(in_brackets) != std::string::npos;
+  if (code == kCodeOk || says) return message;
+  return message + (message.empty() ? "" : " ") + in_brackets;
 }
 
 }  // namespace musher

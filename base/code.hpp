@@ -80,7 +80,7 @@ std::string CodeText(std::int32_t code);
 // different modules write the same then.
 std::string WithoutModuleNames(const std::string& text);
 
-// A sentence with its code behind it: "the lidar is silent (2012 (SensorManager: DeviceError))".
+// A sentence with its code behind it: "the lidar is silent (2012 SensorManager: DeviceError)".
 // Without, where the code is 0 or the sentence names it already.
 std::string WithCode(const std::string& message, std::int32_t code);
 

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "musher/cli/command_line.hpp"
+#include "musher/cli/console/table.hpp"
+#include "musher/cli/console/terminal_screen.hpp"
 
 namespace musher::cli {
 namespace {
@@ -33,6 +35,7 @@ int Run(int argc, const char* const* argv, std::ostream& out, std::ostream& err,
   }
   const auto& line = std::get<CommandLine>(parsed);
   SetEnvironment(line.global);
+  FitTables(terminal ? TerminalScreen::SizeNow().columns : 0);
   Console console(out, err,
                   {line.global.json, WantsColour(line.global.colour, terminal), terminal});
   try {

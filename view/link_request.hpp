@@ -1,18 +1,26 @@
 #pragma once
-// Requests from a running musher-view of this host a link with which a person may log in.
+// Requests to a running musher-view of this host, which the token of its token file permits.
 //
-// Threads: any; waits up to three seconds. Errors: a sentence; kCodeNetError if no process answers
-// as musher-view does.
+// Threads: any; each waits up to three seconds. Errors: a sentence; kCodeNetError if no process
+// answers as musher-view does.
 
 #include <cstdint>
 #include <string>
 
 #include "musher/base/result.hpp"
+#include "musher/view/http/login.hpp"
 
 namespace musher::view {
 
-// The path of the link: "/login?code=...". `token`: of its token file; `name`: of the person.
-Result<std::string> RequestLink(const std::string& address, std::uint16_t port,
-                                const std::string& token, const std::string& name);
+struct RunningView {
+  std::string address;
+  std::uint16_t port = 0;
+  std::string token;
+};
+
+// A link with which the person of that name may log in.
+Result<http::LoginLink> RequestLink(const RunningView& view, const std::string& name);
+// Ends all logins.
+Result<> RequestLogout(const RunningView& view);
 
 }  // namespace musher::view

@@ -19,6 +19,7 @@
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/view/link_request.hpp"
 #include "musher/view/live/live_server.hpp"
+#include "musher/view/live/qr_code.hpp"
 
 namespace musher::view {
 namespace {
@@ -35,6 +36,7 @@ struct ViewOptions {
   std::string docs;  // empty: as FindDocs() finds it
   std::string name;  // of the person for whom the link is; empty: the user of this process
   bool link = false;
+  bool logout = false;
   bool no_link = false;
   bool stop_needs_login = false;
 };
@@ -63,23 +65,49 @@ std::string AddressFor(const ViewOptions& options) {
   return options.bind.find(':') == std::string::npos ? options.bind : "[" + options.bind + "]";
 }
 
-void PrintLink(const ViewOptions& options, std::uint16_t port, const std::string& path) {
-  std::printf("To act, open http://%s:%u%s (once, within 10 minutes).\n",
-              AddressFor(options).c_str(), port, path.c_str());
+// With a QR code where a phone can connect and a person looks at a terminal.
+void PrintLink(const ViewOptions& options, std::uint16_t port, const http::LoginLink& link) {
+  const std::string pin = link.pin.empty() ? "" : ", or enter the PIN " + link.pin + " on the page";
+  std::printf("To act, open http://%s:%u%s%s (once, within 10 minutes).\n",
+              AddressFor(options).c_str(), port, link.path.c_str(), pin.c_str());
+  const auto code = QrCode(link.outside + link.path);
+  if (!link.outside.empty() && code && isatty(STDOUT_FILENO) == 1) {
+    std::printf("From a phone:\n%s", QrText(*code).c_str());
+  }
   std::fflush(stdout);
 }
 
+std::filesystem::path TokenFile(const ViewOptions& options) {
+  if (!options.token_file.empty()) return options.token_file;
+  return config_toml::DefaultStateDir("view_token", options.name_space);
+}
+
+// Beside the token, which permits no less. With a port that differs each time there are none to
+// keep.
+std::string SessionsFile(const ViewOptions& options) {
+  if (options.port == 0) return "";
+  return TokenFile(options).string() + ".sessions-" + std::to_string(options.port);
+}
+
 Result<std::string> Token(const ViewOptions& options) {
-  std::filesystem::path file = options.token_file;
-  if (file.empty()) file = config_toml::DefaultStateDir("view_token", options.name_space);
+  const std::filesystem::path file = TokenFile(options);
   std::error_code error;
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);
   return http::ReadOrMakeToken(file.string(), http::KernelRandom);
 }
 
-Result<std::string> LinkOfRunning(const ViewOptions& options, const std::string& token) {
+RunningView Running(const ViewOptions& options, const std::string& token) {
   const bool any = options.bind == "0.0.0.0" || options.bind == "::";
-  return RequestLink(any ? "127.0.0.1" : options.bind, options.port, token, options.name);
+  return {any ? "127.0.0.1" : options.bind, options.port, token};
+}
+
+int EndLogins(const ViewOptions& options, const std::string& token) {
+  const auto ended = RequestLogout(Running(options, token));
+  if (!ended && ended.error().code != kCodeNetError) return FailView(ended.error().message);
+  // No server runs: those that the next one would know end with their file.
+  if (!ended) std::remove(SessionsFile(options).c_str());
+  std::printf("All logins of the page are ended.\n");
+  return 0;
 }
 
 Result<std::unique_ptr<transport::Node>> JoinForView(transport::EventLoop& loop,
@@ -118,16 +146,17 @@ int Serve(const ViewOptions& options, const std::string& token) {
   live.name_space = options.name_space;
   live.machine = options.machine;
   live.token = token;
+  live.sessions = SessionsFile(options);
   live.logs = options.logs;
   live.docs = [&options] { return options.docs.empty() ? FindDocs() : options.docs; };
   const auto server = LiveServer::Make(*node.value(), live);
   if (!server) {
     // Perhaps `musher up` has started one: then its link is what the person wants.
-    const auto path = LinkOfRunning(options, token);
-    if (!path) return FailView(server.error().message + "; --port takes another one");
+    const auto link = RequestLink(Running(options, token), options.name);
+    if (!link) return FailView(server.error().message + "; --port takes another one");
     std::printf("The page is at http://%s:%u/ already.\n", AddressFor(options).c_str(),
                 options.port);
-    PrintLink(options, options.port, path.value());
+    PrintLink(options, options.port, link.value());
     return 0;
   }
   const std::uint16_t port = server.value()->port();
@@ -144,10 +173,11 @@ int RunView(ViewOptions options) {
   if (options.name.empty()) options.name = UserName();
   const auto token = Token(options);
   if (!token) return FailView(token.error().message, 2);
+  if (options.logout) return EndLogins(options, token.value());
   if (!options.link) return Serve(options, token.value());
-  const auto path = LinkOfRunning(options, token.value());
-  if (!path) return FailView(path.error().message);
-  PrintLink(options, options.port, path.value());
+  const auto link = RequestLink(Running(options, token.value()), options.name);
+  if (!link) return FailView(link.error().message);
+  PrintLink(options, options.port, link.value());
   return 0;
 }
 
@@ -180,7 +210,8 @@ int Main(int argc, char** argv) {
                  "Folder of the documentation, served under /docs; default: the installed one")
       ->check(CLI::ExistingDirectory.description(""));
   app.add_flag("--link", options.link,
-               "Print a link for acting, of the musher-view that runs, and exit");
+               "Print a link and a PIN for acting, of the musher-view that runs, and exit");
+  app.add_flag("--logout", options.logout, "End all logins of the page, and exit");
   app.add_flag("--no-link", options.no_link, "Print no link at the start, for logs");
   app.add_flag("--stop-needs-login", options.stop_needs_login,
                "The emergency stop of the page needs a login, too");

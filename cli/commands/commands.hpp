@@ -14,6 +14,7 @@ class Grammar;
   command(AddCheck)                         \
   command(AddDiff)                          \
   command(AddDoctor)                        \
+  command(AddExplain)                       \
   command(AddGraph)                         \
   command(AddNew)                           \
   command(AddSimulate)                      \

@@ -30,7 +30,7 @@ std::string NewProjectText(const Project& project, const ProjectName& name,
 std::string NewProjectJson(const Project& project, const ProjectName& name,
                            const std::string& folder, const std::vector<std::string>& files) {
   return JsonLine({{"kind", project.kind},
-                   {"language", project.language},
+                   {"language", Known(project.language)},
                    {"name", name.snake},
                    {"folder", folder},
                    {"files", files}});

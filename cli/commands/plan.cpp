@@ -25,7 +25,7 @@ ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& 
   console.Print(console.mode().json ? PlanJson(plan) : PlanText(plan, console.mode().colour));
   if (plan.allowed) return ExitCode::kDone;
   console.PrintError(PlanError(plan));
-  return ExitCode::kNotDone;
+  return ExitCodeOfRefusal(plan.code);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Con
   const auto& restarted = std::get<msg::RestartActuator::Response>(answer);
   if (restarted.code != kCodeOk) {
     return console.Fail(
-        {ExitCode::kNotDone,
+        {ExitCodeOfRefusal(restarted.code),
          {restarted.code, "restart " + options.actuator + ": " + restarted.reason}});
   }
   const auto status = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));

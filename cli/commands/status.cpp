@@ -11,9 +11,11 @@
 #include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
+#include "musher/cli/machine/process_facts.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
+#include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
@@ -22,9 +24,12 @@ namespace {
 
 struct StatusOptions {
   bool watch = false;
+  bool failed = false;
 };
 
 constexpr Duration kStatusTime = Milliseconds(300);
+constexpr Duration kHistoryTime = std::chrono::seconds(1);
+constexpr std::uint32_t kRecent = 200;  // entries in which the last change of the state is searched
 constexpr const char* kRedraw = "\x1b[H\x1b[2J";  // from the top of an empty screen
 
 void Show(const std::optional<msg::MachineStatus>& status, Console& console) {
@@ -113,6 +118,39 @@ ExitCode Watch(Link& link, Console& console) {
   return ExitCode::kDone;
 }
 
+// Of a machine that works: what is not known is left out.
+StatusSince SinceWhen(Link& link, const msg::MachineStatus& status) {
+  StatusSince since;
+  if (status.host == HostId()) {
+    if (const auto facts = FactsOf(status.pid)) since.up_s = facts->age_s;
+  }
+  const auto answer = link.Call<msg::GetHistory>("get_history", {0, kRecent}, kHistoryTime);
+  const auto* history = std::get_if<msg::GetHistory::Response>(&answer);
+  if (history == nullptr) return since;
+  const auto change = std::find_if(history->entries.rbegin(), history->entries.rend(),
+                                   [](const auto& entry) { return !entry.state.empty(); });
+  if (change != history->entries.rend() && change->state == status.state) {
+    since.state_since_ns = change->wall_ns;
+  }
+  return since;
+}
+
+StatusTimes TimesOf(const StatusSince& since) {
+  StatusTimes times{std::nullopt, since.up_s};
+  if (since.state_since_ns) {
+    times.in_state_s = static_cast<double>(WallNow() - *since.state_since_ns) / 1e9;
+  }
+  return times;
+}
+
+// Those that a person has to look at.
+void KeepFailed(msg::MachineStatus& status) {
+  std::erase_if(status.actuators, [](const msg::ActuatorInfo& actuator) {
+    return !actuator.degraded && actuator.health == HealthName(Health::kWell) &&
+           !actuator.restarting && actuator.presence != PresenceName(Presence::kLost);
+  });
+}
+
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
@@ -129,8 +167,13 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   running.value()->OnlyOf({status.machine, status.machine_id});
   AddCredentialHints(status, global);
   const Uncontrolled unlisted = AwaitUnlisted(*link.value(), *running.value(), status);
-  console.Print(console.mode().json ? StatusJson(status, unlisted)
-                                    : StatusText(status, console.mode().colour));
+  const StatusSince since = SinceWhen(*link.value(), status);
+  if (options.failed) KeepFailed(status);
+  console.Print(
+      console.mode().json
+          ? StatusJson(status, unlisted, since)
+          : StatusText(status, console.mode().colour, TimesOf(since)) +
+                (console.mode().terminal ? StatusLegend(status, console.mode().colour) : ""));
   if (!unlisted.empty()) {
     console.PrintError(RunningNames(unlisted) + (unlisted.size() == 1 ? " runs" : " run") +
                        " in this namespace and " + (unlisted.size() == 1 ? "is" : "are") +
@@ -145,7 +188,10 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
 
 void AddStatus(Grammar& grammar) {
   auto [app, options] = grammar.Add("status", "Show the machine and its actuators", Status);
-  app.add_flag("-w,--watch", options.watch, "Show every change as it happens");
+  auto* watch = app.add_flag("-w,--watch", options.watch, "Show every change as it happens");
+  app.add_flag("--failed", options.failed,
+               "Only the actuators that are degraded, not well, lost or being restarted")
+      ->excludes(watch);
 }
 
 }  // namespace musher::cli

@@ -139,7 +139,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   const bool left = down && ReportLeftBehind(running.value()->Now(), console);
   if (result.outcome == "done") return left ? ExitCode::kNotDone : ExitCode::kDone;
   console.PrintError(SwitchError(result));
-  return ExitCode::kNotDone;
+  return ExitCodeOfRefusal(result.outcome == "refused" ? result.code : kCodeFailed);
 }
 
 }  // namespace musher::cli

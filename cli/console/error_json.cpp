@@ -8,9 +8,9 @@ namespace musher::cli {
 namespace {
 
 Json Of(const Diagnostic& d) {
-  return {{"file", d.file},
-          {"line", d.line},
-          {"column", d.column},
+  return {{"file", Known(d.file)},
+          {"line", Known(d.line)},
+          {"column", Known(d.column)},
           {"severity", SeverityName(d.severity)},
           {"message", d.message}};
 }

@@ -12,6 +12,10 @@ namespace musher::cli {
 // The number of terminal columns of a UTF-8 text, one for each character.
 std::size_t Width(std::string_view text);
 
+// From now on the last column of a table is wrapped to this width of the terminal; 0, as at first:
+// never. For a program that prints to a terminal; loop thread only.
+void FitTables(std::size_t columns);
+
 class Table {
  public:
   struct Cell {

@@ -13,6 +13,7 @@ constexpr auto kExamples = std::to_array<Example>({
     {"check", "musher check robot.toml"},
     {"new", "musher new module gripper --language python"},
     {"doctor", "musher doctor robot.toml"},
+    {"explain", "musher explain policy.battery.protected_at"},
     {"diff", "musher diff old.toml robot.toml"},
     {"graph", "musher graph robot.toml --what actuators -o robot.svg"},
     {"simulate", "musher simulate robot.toml --seeds 10000"},

@@ -21,8 +21,8 @@ Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std:
   const std::vector<std::string> names(present.begin(), present.end());
   const std::string hint = DidYouMean(name, names);
   return {
-      ExitCode::kNoController,
-      {kCodeNetError,
+      ExitCode::kUsage,
+      {kCodeParametersInvalid,
        fmt::format("no actuator '{}' in {}{}", name, NamespaceText(global.name_space),
                    hint.empty() ? fmt::format("; running: {}", fmt::join(names, ", ")) : hint)}};
 }

@@ -4,6 +4,7 @@
 #include "musher/cli/console/json_line.hpp"
 #include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/render/description.hpp"
+#include "musher/cli/render/json.hpp"
 
 namespace musher::cli {
 namespace {
@@ -18,16 +19,16 @@ Json Of(const ActuatorConfig& c, const Description& d) {
     times[c.states[i]] = Ms(c.times[i]);
   }
   return {{"file", d.config_file},
-          {"line", d.config_line},
+          {"line", Known(d.config_line)},
           {"times_ms", times},
           {"command", c.command},
-          {"cwd", c.cwd},
+          {"cwd", Known(c.cwd)},
           {"protocol", ProtocolName(c.protocol)},
           {"stage", c.stage},
           {"after", c.after},
           {"binds_to", c.binds_to},
           {"critical", c.critical},
-          {"on_lost", c.on_lost},
+          {"on_lost", Known(c.on_lost)},
           {"restart_limit", c.restart.policy == RestartPolicy::kNo ? 0 : c.restart.limit}};
 }
 
@@ -43,15 +44,6 @@ Json Of(const ProcessFacts& p) {
           {"stopped", p.stopped}};
 }
 
-Json ControllerView(const msg::ActuatorInfo& a) {
-  return {{"state", a.state},       {"target", a.target},
-          {"presence", a.presence}, {"held", a.held},
-          {"degraded", a.degraded}, {"code", a.code},
-          {"message", a.message},   {"health", a.health},
-          {"restarts", a.restarts}, {"restarting", a.restarting},
-          {"pid", a.pid},           {"host", a.host}};
-}
-
 }  // namespace
 
 std::string DescriptionJson(const Description& d) {
@@ -60,12 +52,12 @@ std::string DescriptionJson(const Description& d) {
     heartbeat = {{"age_s", d.heartbeat_age_s},
                  {"period_s", static_cast<double>(d.heartbeat->period_ns) / 1e9},
                  {"checkpoint_silent_s", static_cast<double>(d.heartbeat->silent_ns) / 1e9},
-                 {"during", d.heartbeat->during}};
+                 {"during", Known(d.heartbeat->during)}};
   }
   Json stop;
   if (d.status) {
     stop = {{"engaged", d.status->emergency_stop != 0},
-            {"by", d.status->emergency_stop_by},
+            {"by", Known(d.status->emergency_stop_by)},
             {"reason", d.status->emergency_stop_reason},
             {"held", d.status->held_by_stop}};
   }
@@ -83,7 +75,7 @@ std::string DescriptionJson(const Description& d) {
   for (std::size_t i = 0; i < d.history.size(); ++i) {
     const msg::HistoryEntry& e = d.history[i];
     history.push_back({{"time", UtcText(e.wall_ns)},
-                       {"event", i < d.events.size() ? d.events[i] : ""},
+                       {"event", Known(i < d.events.size() ? d.events[i] : "")},
                        {"code", e.code},
                        {"message", e.message}});
   }
@@ -94,23 +86,24 @@ std::string DescriptionJson(const Description& d) {
     next.push_back({{"command", step.command}, {"purpose", step.purpose}});
   }
   const std::int64_t since = SinceOf(d);
-  return JsonLine({{"actuator", d.name},
-                   {"machine", d.machine},
-                   {"machine_state", d.machine_state},
-                   {"machine_phase", d.machine_phase},
-                   {"no_machine", d.why_no_machine},
-                   {"status", d.info ? ControllerView(*d.info) : Json()},
-                   {"since", since == 0 ? Json() : Json(UtcText(since))},
-                   {"emergency_stop", stop},
-                   {"heartbeat", heartbeat},
-                   {"process", d.process ? Of(*d.process) : Json()},
-                   {"config", d.config ? Of(*d.config, d) : Json()},
-                   {"reachable", reach},
-                   {"capabilities", capabilities},
-                   {"offers", d.offers},
-                   {"history", history},
-                   {"log", {{"file", d.log_file}, {"missing", d.why_no_log}, {"lines", log}}},
-                   {"next", next}});
+  return JsonLine(
+      {{"actuator", d.name},
+       {"machine", Known(d.machine)},
+       {"machine_state", Known(d.machine_state)},
+       {"machine_phase", Known(d.machine_phase)},
+       {"no_machine", Known(d.why_no_machine)},
+       {"status", d.info ? ActuatorJson(*d.info) : Json()},
+       {"since", since == 0 ? Json() : Json(UtcText(since))},
+       {"emergency_stop", stop},
+       {"heartbeat", heartbeat},
+       {"process", d.process ? Of(*d.process) : Json()},
+       {"config", d.config ? Of(*d.config, d) : Json()},
+       {"reachable", reach},
+       {"capabilities", capabilities},
+       {"offers", d.offers},
+       {"history", history},
+       {"log", {{"file", Known(d.log_file)}, {"missing", Known(d.why_no_log)}, {"lines", log}}},
+       {"next", next}});
 }
 
 }  // namespace musher::cli

@@ -111,7 +111,7 @@ std::string DiffJson(const ConfigDiff& diff) {
   Json changes = Json::array();
   for (const ConfigChange& change : diff.changes) {
     changes.push_back({{"table", change.table},
-                       {"key", change.key},
+                       {"key", Known(change.key)},
                        {"change", KindName(change.kind)},
                        {"before", change.before},
                        {"after", change.after},

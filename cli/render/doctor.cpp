@@ -55,7 +55,7 @@ std::string DoctorJson(const std::vector<DoctorCheck>& checks) {
     list.push_back({{"check", check.name},
                     {"result", ShownAs(check.health).json},
                     {"reason", check.reason},
-                    {"fix", check.fix}});
+                    {"fix", Known(check.fix)}});
   }
   return JsonLine({{"result", ShownAs(Worst(checks)).json}, {"checks", list}});
 }

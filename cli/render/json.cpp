@@ -19,14 +19,14 @@ void to_json(cli::Json& json, StrongNumber<Kind> number) {
 namespace musher::cli {
 namespace {
 
-Json Of(const msg::ActuatorInfo& a) {
-  return {{"state", a.state},       {"pid", a.pid},
-          {"target", a.target},     {"presence", a.presence},
-          {"stage", a.stage},       {"critical", a.critical},
-          {"held", a.held},         {"degraded", a.degraded},
-          {"code", a.code},         {"message", a.message},
-          {"host", a.host},         {"health", a.health},
-          {"restarts", a.restarts}, {"restarting", a.restarting}};
+// A number of its own type, or of the wire.
+template <class N>
+Json KnownId(const N& number) {
+  if constexpr (requires { number.value(); }) {
+    return Known(number.value());
+  } else {
+    return Known(number);
+  }
 }
 
 Json Of(const msg::Capability& c) {
@@ -35,20 +35,29 @@ Json Of(const msg::Capability& c) {
           {"states", c.states}};
 }
 
+Json NoActuatorJson() {
+  Json json = ActuatorJson({});
+  for (auto& [key, value] : json.items()) value = Json();
+  return json;
+}
+
+// With the keys of an actuator of a machine; what only its controller knows is null.
 Json Of(const std::map<std::string, RunningActuators::Actuator>& running) {
   Json actuators = Json::object();
   for (const auto& [name, actuator] : running) {
     const msg::ActuatorStatus& s = actuator.status;
-    actuators[name] = {{"state", s.state},
-                       {"pid", s.pid},
-                       {"target", s.target},
-                       {"host", s.host},
-                       {"heard", actuator.has_status},
-                       {"code", s.outcome_code},
-                       {"message", s.outcome_message},
-                       {"emergency_stop", s.emergency_stop != 0},
-                       {"emergency_stop_by", s.emergency_stop_by},
-                       {"emergency_stop_reason", s.emergency_stop_reason}};
+    Json json = NoActuatorJson();
+    json.update({{"state", Known(s.state)},
+                 {"pid", Known(s.pid)},
+                 {"target", Known(s.target)},
+                 {"code", s.outcome_code},
+                 {"message", s.outcome_message},
+                 {"host", Known(s.host)},
+                 {"heard", actuator.has_status},
+                 {"emergency_stop", s.emergency_stop != 0},
+                 {"emergency_stop_by", Known(s.emergency_stop_by)},
+                 {"emergency_stop_reason", s.emergency_stop_reason}});
+    actuators[name] = std::move(json);
   }
   return actuators;
 }
@@ -57,30 +66,42 @@ std::string EventOf(const std::vector<std::string>& events, std::size_t i) {
   return i < events.size() ? events[i] : "";
 }
 
-// The arguments of an entry's sentence, from its data; empty: it has none.
-Json ArgumentsIn(const std::string& data) {
-  if (!data.starts_with('{')) return Json::object();
-  const Json json = Json::parse(data, nullptr, false);
-  const auto found = json.is_object() ? json.find("arguments") : json.end();
-  return found != json.end() && found->is_object() ? *found : Json::object();
+// What an entry's data says: the arguments of its sentence (empty: it has none), and the rest as an
+// object, or as text that is no JSON (a backtrace).
+struct EntryData {
+  Json arguments = Json::object();
+  Json rest;
+};
+EntryData Read(const std::string& data) {
+  Json json = data.starts_with('{') ? Json::parse(data, nullptr, false) : Json();
+  if (!json.is_object()) return {Json::object(), Known(data)};
+  EntryData read;
+  const auto found = json.find("arguments");
+  if (found != json.end() && found->is_object()) {
+    read.arguments = *found;
+    json.erase(found);
+  }
+  if (!json.empty()) read.rest = std::move(json);
+  return read;
 }
 
 // An entry of the journal or of the wire.
 template <class Entry>
 Json OfEntry(const Entry& e, const std::string& event) {
+  EntryData data = Read(e.data);
   return {{"time", UtcText(e.wall_ns)},
           {"epoch", e.epoch},
-          {"switch", e.switch_number},
+          {"switch", KnownId(e.switch_number)},
           {"kind", e.kind},
-          {"event", event},
-          {"actuator", e.actuator},
+          {"event", Known(event)},
+          {"actuator", Known(e.actuator)},
           {"code", e.code},
           {"message", e.message},
           {"id", e.id},
-          {"cause", e.cause},
-          {"new_state", e.state},
-          {"data", e.data},
-          {"arguments", ArgumentsIn(e.data)}};
+          {"cause", KnownId(e.cause)},
+          {"new_state", Known(e.state)},
+          {"data", std::move(data.rest)},
+          {"arguments", std::move(data.arguments)}};
 }
 
 const char* MarkName(recording::ReplayLine::Mark mark) {
@@ -99,45 +120,65 @@ Json Of(const msg::PolicyInfo& p) {
   return {{"battery", p.battery < 0 ? Json() : Json(p.battery)},
           {"charging", p.charging},
           {"battery_silent", p.battery_silent},
-          {"ceiling", p.ceiling},
+          {"ceiling", Known(p.ceiling)},
           {"ceiling_reason", p.ceiling_reason},
-          {"kept", p.kept},
+          {"kept", Known(p.kept)},
           {"keep_s", p.keep_s},
           {"low_power_switch", p.low_power_switch},
-          {"power", p.power}};
+          {"power", Known(p.power)}};
 }
 
 }  // namespace
 
+Json ActuatorJson(const msg::ActuatorInfo& a) {
+  return {{"state", Known(a.state)},
+          {"pid", Known(a.pid)},
+          {"target", Known(a.target)},
+          {"presence", Known(a.presence)},
+          {"stage", a.stage},
+          {"critical", a.critical},
+          {"held", a.held},
+          {"degraded", a.degraded},
+          {"code", a.code},
+          {"message", a.message},
+          {"host", Known(a.host)},
+          {"health", Known(a.health)},
+          {"restarts", a.restarts},
+          {"restarting", a.restarting}};
+}
+
 std::string StatusJson(const msg::MachineStatus& status,
-                       const std::map<std::string, RunningActuators::Actuator>& unlisted) {
+                       const std::map<std::string, RunningActuators::Actuator>& unlisted,
+                       const StatusSince& since) {
   Json actuators = Json::object();
-  for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = Of(a);
+  for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = ActuatorJson(a);
   return JsonLine({{"machine", status.machine},
-                   {"pid", status.pid},
-                   {"state", status.state},
+                   {"pid", Known(status.pid)},
+                   {"state", Known(status.state)},
                    {"degraded", status.degraded},
                    {"actuators", actuators},
                    {"unlisted", Of(unlisted)},
                    {"phase", status.phase},
-                   {"target", status.target},
+                   {"target", Known(status.target)},
                    {"epoch", status.epoch},
-                   {"switch", status.switch_number},
+                   {"switch", KnownId(status.switch_number)},
                    {"namespace", status.name_space},
                    {"config", status.config_file},
-                   {"config_hash", status.config_hash},
-                   {"host", status.host},
+                   {"config_hash", Known(status.config_hash)},
+                   {"host", Known(status.host)},
                    {"emergency_stop",
                     {{"engaged", status.emergency_stop},
-                     {"by", status.emergency_stop_by},
+                     {"by", Known(status.emergency_stop_by)},
                      {"reason", status.emergency_stop_reason}}},
                    {"held_by_stop", status.held_by_stop},
                    {"not_on_disk", status.not_on_disk},
                    {"policy", status.policy.active ? Of(status.policy) : Json()},
-                   {"machine_id", status.machine_id},
+                   {"machine_id", Known(status.machine_id)},
                    {"other_machines", status.other_machines},
                    {"other_vendors", status.other_vendors},
-                   {"requested_by", status.requested_by}});
+                   {"requested_by", Known(status.requested_by)},
+                   {"since", since.state_since_ns ? Json(UtcText(*since.state_since_ns)) : Json()},
+                   {"uptime_s", since.up_s ? Json(*since.up_s) : Json()}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {
@@ -147,15 +188,15 @@ std::string SwitchJson(const msg::SetState::Response& result) {
                          {"code", a.code},
                          {"message", a.message},
                          {"duration_ms", a.duration_ms},
-                         {"state", a.state}};
+                         {"state", Known(a.state)}};
   }
-  return JsonLine({{"switch", result.switch_number},
+  return JsonLine({{"switch", KnownId(result.switch_number)},
                    {"target", result.target},
-                   {"actuator", result.actuator},
+                   {"actuator", Known(result.actuator)},
                    {"outcome", result.outcome},
                    {"code", result.code},
                    {"reason", result.reason},
-                   {"state", result.state},
+                   {"state", Known(result.state)},
                    {"degraded", result.degraded},
                    {"actuators", actuators}});
 }
@@ -166,7 +207,7 @@ std::string EstopJson(const EstopReport& report) {
     actuators[a.name] = {{"stopped", a.stopped},
                          {"before", a.before},
                          {"after_ms", std::chrono::duration<double, std::milli>(a.after).count()},
-                         {"trouble", a.trouble}};
+                         {"trouble", Known(a.trouble)}};
   }
   Json earlier;  // null
   if (report.earlier) earlier = {{"by", report.earlier->by}, {"reason", report.earlier->reason}};
@@ -193,7 +234,7 @@ std::string PolicyJson(const msg::RequestPolicy::Request& request,
 
 std::string RestartJson(const msg::ActuatorInfo& actuator) {
   Json json = {{"actuator", actuator.name}};
-  json.update(Of(actuator));
+  json.update(ActuatorJson(actuator));
   return JsonLine(json);
 }
 
@@ -212,18 +253,18 @@ std::string PlanJson(const msg::GetPlan::Response& plan) {
   for (const msg::PlanStep& s : plan.steps) {
     steps.push_back({{"actuator", s.name},
                      {"wave", s.wave},
-                     {"from", s.from},
-                     {"to", s.to},
+                     {"from", Known(s.from)},
+                     {"to", Known(s.to)},
                      {"deadline_ms", s.deadline_ms},
                      {"note", s.note}});
   }
   return JsonLine({{"target", plan.target},
-                   {"actuator", plan.actuator},
+                   {"actuator", Known(plan.actuator)},
                    {"allowed", plan.allowed},
                    {"code", plan.code},
                    {"reason", plan.reason},
                    {"direction", plan.direction},
-                   {"state", plan.state},
+                   {"state", Known(plan.state)},
                    {"steps", steps}});
 }
 
@@ -232,7 +273,7 @@ std::string HistoryJson(const msg::GetHistory::Response& history) {
   for (std::size_t i = 0; i < history.entries.size(); ++i) {
     list.push_back(OfEntry(history.entries[i], EventOf(history.events, i)));
   }
-  return JsonLine({{"entries", list}, {"damage", history.error}});
+  return JsonLine({{"entries", list}, {"damage", Known(history.error)}});
 }
 
 std::string WhyJson(const Why& why) {
@@ -243,11 +284,11 @@ std::string WhyJson(const Why& why) {
     }
     return entries;
   };
-  return JsonLine({{"state", why.state},
+  return JsonLine({{"state", Known(why.state)},
                    {"chain", entries_of(why.change)},
                    {"complete", why.change.complete},
                    {"failure", entries_of(why.failure)},
-                   {"damage", why.damage}});
+                   {"damage", Known(why.damage)}});
 }
 
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage) {
@@ -263,11 +304,11 @@ std::string ReplayJson(const recording::ReplayReport& report, const std::string&
                    {"decisions", report.decisions},
                    {"differences", report.differences},
                    {"not_replayed", report.not_replayed},
-                   {"recorded_state", report.recorded_state},
-                   {"replayed_state", report.replayed_state},
+                   {"recorded_state", Known(report.recorded_state)},
+                   {"replayed_state", Known(report.replayed_state)},
                    {"lines", lines},
                    {"notes", report.notes},
-                   {"damage", damage}});
+                   {"damage", Known(damage)}});
 }
 
 std::string KeysJson(const std::string& folder,
@@ -287,28 +328,28 @@ std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Respon
   for (const msg::BehaviorChange& change : report.history) {
     changes.push_back({{"time_s", change.time_s},
                        {"tick", change.tick},
-                       {"from", change.from},
-                       {"to", change.to},
-                       {"cause", change.cause},
-                       {"command", change.command}});
+                       {"from", Known(change.from)},
+                       {"to", Known(change.to)},
+                       {"cause", Known(change.cause)},
+                       {"command", Known(change.command)}});
   }
-  return JsonLine({{"name", name},
+  return JsonLine({{"actuator", name},
                    {"running", report.running},
                    {"ticking", report.ticking},
                    {"held_by_stop", report.held_by_stop},
-                   {"state", report.current_state},
-                   {"mode", report.operating_mode},
+                   {"state", Known(report.current_state)},
+                   {"mode", Known(report.operating_mode)},
                    {"ticks", report.iter_count},
                    {"safety_triggered", report.safety_triggered},
-                   {"unsafe", report.unsafe},
+                   {"unsafe", Known(report.unsafe)},
                    {"time_s", report.time_s},
                    {"time_in_state_s", report.time_in_state_s},
-                   {"last_fault", report.last_fault},
+                   {"last_fault", Known(report.last_fault)},
                    {"history", changes}});
 }
 
 std::string BehaviorSentJson(const std::string& name, const std::string& command) {
-  return JsonLine({{"name", name}, {"sent", command}});
+  return JsonLine({{"actuator", name}, {"sent", command}});
 }
 
 std::string GraphJson(const std::string& format, const std::string& drawing) {
@@ -322,8 +363,8 @@ std::string GraphFileJson(const std::string& format, const std::string& file) {
 std::string ProgressJson(const Progress& progress) {
   return JsonLine({{"time", UtcText(progress.wall_ns)},
                    {"kind", progress.kind},
-                   {"actuator", progress.actuator},
-                   {"switch", progress.switch_number},
+                   {"actuator", Known(progress.actuator)},
+                   {"switch", KnownId(progress.switch_number)},
                    {"code", progress.code},
                    {"message", progress.message}});
 }
@@ -337,10 +378,10 @@ std::string RunningJson(const Failure& failure,
 std::string EndingJson(const std::vector<Ending::Outcome>& outcomes) {
   Json actuators = Json::object();
   for (const Ending::Outcome& o : outcomes) {
-    actuators[o.name] = {{"pid", o.pid},
+    actuators[o.name] = {{"pid", Known(o.pid)},
                          {"ended", o.ended},
                          {"torn_down", o.torn_down},
-                         {"signal", o.signal},
+                         {"signal", Known(o.signal)},
                          {"message", o.trouble}};
   }
   return JsonLine({{"actuators", actuators}});

@@ -1,6 +1,9 @@
 #pragma once
-// The JSON documents of `--json`, each on one line. Their keys are a contract: keys may be added,
-// none is renamed or removed.
+// The JSON documents of `--json`, each on one line. docs/cli.schema.json describes them, and is a
+// contract: keys may be added, none is renamed or removed.
+//
+// An actuator has the same keys wherever it stands, actuators are an object by name, and the key of
+// an actuator's name is `actuator`. What is not known, or is none, is null (Known()).
 
 #include <map>
 #include <optional>
@@ -9,6 +12,7 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/cli/console/exit_code.hpp"
+#include "musher/cli/console/json_line.hpp"
 #include "musher/cli/machine/ending.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/why.hpp"
@@ -25,9 +29,16 @@
 
 namespace musher::cli {
 
+Json ActuatorJson(const msg::ActuatorInfo& actuator);
+// `state_since_ns` by the wall clock, `up_s` of its controller; nullopt: not known.
+struct StatusSince {
+  std::optional<std::int64_t> state_since_ns;
+  std::optional<double> up_s;
+};
 // `unlisted`: running actuators of the namespace that are not in the machine's config.
 std::string StatusJson(const msg::MachineStatus& status,
-                       const std::map<std::string, RunningActuators::Actuator>& unlisted = {});
+                       const std::map<std::string, RunningActuators::Actuator>& unlisted = {},
+                       const StatusSince& since = {});
 // A failure, and the actuators that run without a controller.
 std::string RunningJson(const Failure& failure,
                         const std::map<std::string, RunningActuators::Actuator>& running);

@@ -32,7 +32,8 @@ std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& wher
 std::string OtaStatusJson(const OtaRobot& robot) {
   Json slots = Json::object();
   for (const OtaRobot::SlotInfo& slot : robot.slots) {
-    slots[slot.slot] = {{"role", slot.role}, {"version", slot.version}, {"fault", slot.fault}};
+    slots[slot.slot] = {
+        {"role", slot.role}, {"version", Known(slot.version)}, {"fault", Known(slot.fault)}};
   }
   Json last;
   if (robot.last) {
@@ -43,7 +44,7 @@ std::string OtaStatusJson(const OtaRobot& robot) {
   }
   return JsonLine({{"robot", robot.robot},
                    {"root", robot.root},
-                   {"pid", robot.pid},
+                   {"pid", Known(robot.pid)},
                    {"slots", slots},
                    {"last", last}});
 }

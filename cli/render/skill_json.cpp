@@ -17,7 +17,7 @@ Json OfSkillEnd(const SkillEnd& end) {
           {"message", end.message},
           {"progress", end.progress},
           {"duration_s", end.duration_s ? Json(*end.duration_s) : Json()},
-          {"goal_id", end.goal_id}};
+          {"goal_id", Known(end.goal_id)}};
 }
 
 const char* SkillStatusName(std::uint8_t status) {
@@ -72,7 +72,7 @@ std::string SkillFeedbackJson(const msg::SkillFeedback& feedback, std::int64_t w
                    {"stamp_s", stamp.count()},
                    {"actuator", feedback.actuator},
                    {"skill", feedback.skill},
-                   {"goal_id", feedback.goal_id},
+                   {"goal_id", Known(feedback.goal_id)},
                    {"status", SkillStatusName(feedback.status)},
                    {"state", feedback.state},
                    {"progress", feedback.progress},

@@ -77,14 +77,14 @@ std::string PlanFinishJson(const PlanFinish& finish, const PlanReport& report) {
                       {"status", member.report.status},
                       {"message", member.report.message},
                       {"progress", member.report.progress},
-                      {"goal_id", member.goal_id}});
+                      {"goal_id", Known(member.goal_id)}});
   }
   return JsonLine({{"outcome", SkillOutcomeName(finish.outcome)},
                    {"message", finish.message},
                    {"step", report.step()},
                    {"steps", report.steps()},
                    {"duration_s", finish.duration_s ? Json(*finish.duration_s) : Json()},
-                   {"goal_id", finish.goal_id},
+                   {"goal_id", Known(finish.goal_id)},
                    {"skills", robots}});
 }
 

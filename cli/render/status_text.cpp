@@ -5,6 +5,7 @@
 #include "musher/cli/console/printable.hpp"
 #include "musher/cli/console/table.hpp"
 #include "musher/cli/console/wall_time.hpp"
+#include "musher/cli/render/description.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/controller/ros2/other_vendors.hpp"
 #include "musher/lifecycle/health/health.hpp"
@@ -123,14 +124,30 @@ Style StyleOfState(std::string_view state) {
   return Style::kBusy;
 }
 
-std::string StatusText(const msg::MachineStatus& shown, bool colour) {
+std::string StatusLegend(const msg::MachineStatus& status, bool colour) {
+  const auto any = [&](auto is) {
+    return std::any_of(status.actuators.begin(), status.actuators.end(), is);
+  };
+  std::string text;
+  if (any([](const msg::ActuatorInfo& a) { return a.critical; })) {
+    text += "* critical: without it the machine does not become Active\n";
+  }
+  if (any([](const msg::ActuatorInfo& a) { return a.held; })) {
+    text += "held: switched alone, until the next switch of all\n";
+  }
+  return text.empty() ? text : Paint(text, Style::kDim, colour);
+}
+
+std::string StatusText(const msg::MachineStatus& shown, bool colour, const StatusTimes& times) {
   const msg::MachineStatus status = Printable(shown);
   std::string text = Paint(status.machine, Style::kBold, colour) + "  " +
                      Paint(status.state, StyleOfState(status.state), colour);
   if (!status.target.empty()) text += Paint(" \u2192 " + status.target, Style::kBusy, colour);
   text += "  (" + status.phase + ")";
+  if (times.in_state_s) text += "  for " + AgeText(*times.in_state_s);
   if (!status.name_space.empty()) text += "  namespace " + status.name_space;
-  text += Paint(fmt::format("  controller {}, epoch {}, switch {}", status.pid, status.epoch,
+  const std::string up = times.up_s ? " up " + AgeText(*times.up_s) : "";
+  text += Paint(fmt::format("  controller {}{}, epoch {}, switch {}", status.pid, up, status.epoch,
                             status.switch_number) +
                     (status.requested_by.empty() ? "" : " by " + status.requested_by),
                 Style::kDim, colour);

@@ -82,7 +82,7 @@ std::string PlanText(const msg::GetPlan::Response& shown, bool colour) {
                {s.name},
                {s.from, StyleOfState(s.from)},
                {driven ? s.to : "", StyleOfState(s.to)},
-               {driven ? fmt::format("{} ms", s.deadline_ms) : ""},
+               {driven ? fmt::format("{:g} s", static_cast<double>(s.deadline_ms) / 1000) : ""},
                {s.note, Style::kDim}});
   }
   return text + table.Text(colour);

@@ -23,7 +23,15 @@ namespace musher::cli {
 // The colour of a state, from good to bad.
 Style StyleOfState(std::string_view state);
 
-std::string StatusText(const msg::MachineStatus& status, bool colour);
+// Since when, in seconds; nullopt: not known.
+struct StatusTimes {
+  std::optional<double> in_state_s;  // the machine in its state
+  std::optional<double> up_s;        // its controller
+};
+std::string StatusText(const msg::MachineStatus& status, bool colour,
+                       const StatusTimes& times = {});
+// What its marks mean; empty: there are none.
+std::string StatusLegend(const msg::MachineStatus& status, bool colour);
 // The status on one line, for output that is not a terminal.
 std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 

@@ -158,20 +158,20 @@ std::string TopJson(const TopView& view) {
   Json rows = Json::array();
   const auto maybe = [](const auto& value) { return value ? Json(*value) : Json(); };
   for (const TopRow& row : view.rows) {
-    rows.push_back({{"name", row.name},
-                    {"state", row.state},
-                    {"target", row.target},
-                    {"health", row.health},
+    rows.push_back({{"actuator", row.name},
+                    {"state", Known(row.state)},
+                    {"target", Known(row.target)},
+                    {"health", Known(row.health)},
                     {"degraded", row.degraded},
                     {"elsewhere", row.elsewhere},
-                    {"pid", row.pid},
+                    {"pid", Known(row.pid)},
                     {"cpu_percent", maybe(row.cpu_percent)},
                     {"memory_bytes", maybe(row.memory_bytes)},
                     {"threads", maybe(row.threads)},
                     {"heartbeat_age_s", maybe(row.heartbeat_age_s)},
                     {"checkpoint_age_s", maybe(row.checkpoint_age_s)},
                     {"restarts", row.restarts},
-                    {"last_event", row.event}});
+                    {"last_event", Known(row.event)}});
   }
   return JsonLine({{"title", view.title}, {"processes", rows}});
 }

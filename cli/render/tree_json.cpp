@@ -8,8 +8,9 @@ namespace musher::cli {
 namespace {
 
 Json PlaceOf(const msg::TreeNode& node) {
-  return {{"name", node.name},     {"type", node.type}, {"kind", node.kind},
-          {"parent", node.parent}, {"file", node.file}, {"line", node.line}};
+  return {{"name", node.name},        {"type", node.type},
+          {"kind", node.kind},        {"parent", node.parent < 0 ? Json() : Json(node.parent)},
+          {"file", Known(node.file)}, {"line", Known(node.line)}};
 }
 
 Json TreeOf(const std::string& name, const msg::GetTree::Response& report) {
@@ -35,14 +36,14 @@ Json TreeOf(const std::string& name, const msg::GetTree::Response& report) {
     entries.push_back(
         {{"board", entry.board}, {"key", entry.key}, {"type", entry.type}, {"value", entry.value}});
   }
-  return {{"name", name},
-          {"tree", report.state.tree},
+  return {{"actuator", name},
+          {"tree", Known(report.state.tree)},
           {"status", TreeStatusName(StatusOf(report.state, 0))},
           {"ticking", report.state.ticking},
           {"ticks", report.state.ticks},
           {"time_s", report.state.time_s},
           {"revision", report.state.revision},
-          {"last_fault", report.state.last_fault},
+          {"last_fault", Known(report.state.last_fault)},
           {"nodes", nodes},
           {"history", changes},
           {"entries", entries}};
@@ -60,9 +61,9 @@ std::string RecordedTreeJson(const std::string& name, const RecordedMoment& mome
   json["number"] = moment.number;
   json["trees"] = moment.trees;
   json["end_s"] = moment.end_s;
-  json["wall_us"] = moment.wall_us;
+  json["wall_us"] = Known(moment.wall_us);
   json["lost_lines"] = moment.lost_lines;
-  json["cut_at_line"] = moment.cut_at_line;
+  json["cut_at_line"] = Known(moment.cut_at_line);
   return JsonLine(json);
 }
 

@@ -113,7 +113,7 @@ be_protected() {
 rest() {
   step "The battery falls to 4 %: LowPower"
   world battery 4
-  await '.state == "LowPower" and .target == ""'
+  await '.state == "LowPower" and .target == null'
   expect "the machine" LowPower "$(status .state)"
   motion status
   expect "its motion (101: lying down)" 101 "$(answer .motion_id)"

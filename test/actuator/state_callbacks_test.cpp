@@ -170,7 +170,7 @@ TEST(ALineOfTheLog, HasTheActuatorsNameAndTheCodeOfAnError) {
   arm.Log(Error{3, "may not wave"});
   arm.Log(Error{kCodeOk, "is well again"});
   EXPECT_EQ(::testing::internal::GetCapturedStderr(),
-            "arm: waves\narm: warning: may not wave (3 (StateInvalid))\narm: is well again\n");
+            "arm: waves\narm: warning: may not wave (3 StateInvalid)\narm: is well again\n");
 }
 
 // Its callbacks do not fit: a program that is this actuator ends with 2 before it does anything.

@@ -78,15 +78,14 @@ TEST(NameModules, IsForSeveralThreads) {
 TEST(WithoutModuleNames, LeavesTheNumbers) {
   EXPECT_EQ(WithoutModuleNames("legs: 3009 (MotionManager: SelfCheckFailed), 5721 (OTA); 2 (two)"),
             "legs: 3009, 5721; 2 (two)");
-  EXPECT_EQ(WithoutModuleNames("it is silent (6112 (Gripper: DeviceError))"),
-            "it is silent (6112)");
+  EXPECT_EQ(WithoutModuleNames("it is silent (6112 Gripper: DeviceError)"), "it is silent (6112)");
   EXPECT_EQ(WithoutModuleNames(""), "");
 }
 
 TEST(WithCode, PutsTheCodeBehindTheSentence) {
   NameModules(kNames);
-  EXPECT_EQ(WithCode("it is silent", 6112), "it is silent (6112 (Gripper: DeviceError))");
-  EXPECT_EQ(WithCode("", 107), "(107 (Robot: Timeout))");
+  EXPECT_EQ(WithCode("it is silent", 6112), "it is silent (6112 Gripper: DeviceError)");
+  EXPECT_EQ(WithCode("", 107), "(107 Robot: Timeout)");
   EXPECT_EQ(WithCode("it took 50 ms", 50), "it took 50 ms (50)");
 }
 

@@ -123,6 +123,21 @@ TEST(Table, AlignsColumnsByCharactersAndEndsLinesWithoutSpaces) {
             "b\u00e9e           x\n");
 }
 
+TEST(Table, WrapsTheLastColumnToTheWidthOfTheTerminal) {
+  Table table({"NAME", "NOTE"});
+  table.Add({{"audio"}, {"crashed: its process was killed; restarting", Style::kBad}});
+  FitTables(30);
+  const std::string narrow = table.Text(false);
+  FitTables(12);
+  const std::string hopeless = table.Text(false);
+  FitTables(0);
+  EXPECT_EQ(narrow,
+            "NAME   NOTE\n"
+            "audio  crashed: its process\n"
+            "       was killed; restarting\n");
+  EXPECT_EQ(hopeless, table.Text(false)) << "no room for a column of words";
+}
+
 TEST(Table, ColoursTextButNotTheSpacesAroundIt) {
   Table table({"N", "S"});
   table.Add({{"a"}, {"b", Style::kBad}});

@@ -80,7 +80,7 @@ TEST_F(Describing, ShowsAllOnOneScreen) {
       "time limits   SetUp 0.001 s, TearDown 0.002 s, SelfCheck 0.003 s, Active 0.004 s, LowPower "
       "0.005 s, Error 0.006 s\n"
       "can go to     LowPower\n"
-      "              not Error, OTA: ranks above (103 (Robot: StateInvalid))\n"
+      "              not Error, OTA: ranks above (103 Robot: StateInvalid)\n"
       "last events\n"
       "2026-03-01 12:00:00.000  actuator legs: Active done after 3.2 ms\n"
       "last lines of /state/logs/legs.log\n"

@@ -373,7 +373,7 @@ TEST(DoctorText, HasTheFixBelowItsCheck) {
             "1 error, 0 warnings\n");
   EXPECT_EQ(DoctorJson({checks[0]}),
             R"({"result":"ok","checks":[{"check":"clock","result":"ok","reason":"synchronised",)"
-            R"("fix":""}]})");
+            R"("fix":null}]})");
 }
 
 TEST(StateFolder, ThatIsADanglingLinkIsAnError) {

@@ -17,13 +17,13 @@ TEST(Json, HasTheStatusOfAMachine) {
       R"("legs":{"state":"Active","pid":101,"target":"LowPower","presence":"present","stage":1,)"
       R"("critical":true,"held":false,"degraded":false,"code":0,"message":"","host":"here",)"
       R"("health":"well","restarts":0,"restarting":false},)"
-      R"("eyes":{"state":"SetUp","pid":0,"target":"","presence":"lost","stage":2,"critical":false,)"
+      R"("eyes":{"state":"SetUp","pid":null,"target":null,"presence":"lost","stage":2,"critical":false,)"
       R"("held":true,"degraded":true,"code":107,"message":"gone\n","host":"here",)"
       R"("health":"crashed","restarts":2,"restarting":true}},)"
       R"("unlisted":{},"phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
       R"("config":"dog.toml","config_hash":"cafe","host":"here",)"
-      R"("emergency_stop":{"engaged":false,"by":"","reason":""},"held_by_stop":[],"not_on_disk":[],"policy":null,)"
-      R"("machine_id":"","other_machines":[],"other_vendors":[],"requested_by":""})");
+      R"("emergency_stop":{"engaged":false,"by":null,"reason":""},"held_by_stop":[],"not_on_disk":[],"policy":null,)"
+      R"("machine_id":null,"other_machines":[],"other_vendors":[],"requested_by":null,"since":null,"uptime_s":null})");
 }
 
 TEST(Json, HasAnEmergencyStopAndItsRelease) {
@@ -86,7 +86,7 @@ TEST(Json, HasTheOutcomeOfASwitch) {
                                  {"eyes"},
                                  {{"eyes", "lost", 107, "silent", 1.5, "SetUp"}}};
   EXPECT_EQ(SwitchJson(result),
-            R"({"switch":12,"target":"LowPower","actuator":"","outcome":"done-degraded",)"
+            R"({"switch":12,"target":"LowPower","actuator":null,"outcome":"done-degraded",)"
             R"("code":107,"reason":"eyes: …","state":"Active","degraded":["eyes"],"actuators":{)"
             R"("eyes":{"outcome":"lost","code":107,"message":"silent","duration_ms":1.5,)"
             R"("state":"SetUp"}}})");
@@ -100,7 +100,7 @@ TEST(Json, HasTheSameKeysForARefusal) {
   refusal.reason = "unknown state";
   refusal.state = "Active";
   EXPECT_EQ(SwitchJson(refusal),
-            R"({"switch":0,"target":"Actve","actuator":"","outcome":"refused","code":110,)"
+            R"({"switch":null,"target":"Actve","actuator":null,"outcome":"refused","code":110,)"
             R"("reason":"unknown state","state":"Active","degraded":[],"actuators":{}})");
 }
 
@@ -108,7 +108,7 @@ TEST(Json, HasAPlan) {
   msg::GetPlan::Response plan{
       "LowPower", "", true, 0, "", "down", "Active", {{"legs", 1, "Active", "LowPower", 5, ""}}};
   EXPECT_EQ(PlanJson(plan),
-            R"({"target":"LowPower","actuator":"","allowed":true,"code":0,"reason":"",)"
+            R"({"target":"LowPower","actuator":null,"allowed":true,"code":0,"reason":"",)"
             R"("direction":"down","state":"Active","steps":[{"actuator":"legs","wave":1,)"
             R"("from":"Active","to":"LowPower","deadline_ms":5,"note":""}]})");
 }
@@ -129,11 +129,11 @@ TEST(Json, HasAHistory) {
       HistoryJson(
           {"", {{9, 1'500'000'000, 3, 12, "switch", "", 0, "done", 7, "Active"}}, {"switch_done"}}),
       R"({"entries":[{"time":"1970-01-01T00:00:01.500Z","epoch":3,"switch":12,)"
-      R"("kind":"switch","event":"switch_done","actuator":"","code":0,"message":"done",)"
+      R"("kind":"switch","event":"switch_done","actuator":null,"code":0,"message":"done",)"
       R"("id":9,"cause":7,)"
-      R"("new_state":"Active","data":"","arguments":{}}],"damage":""})");
+      R"("new_state":"Active","data":null,"arguments":{}}],"damage":null})");
   EXPECT_THAT(HistoryJson({"", {{9, 1, 3, 12, "switch", "", 0, "done", 7, ""}}, {}}),
-              ::testing::HasSubstr(R"("event":"")"))
+              ::testing::HasSubstr(R"("event":null)"))
       << "of a controller that sends no events";
   const std::string data = R"({"arguments":{"pid":12,"actuator":"legs"}})";
   EXPECT_THAT(HistoryJson({"", {{9, 1, 3, 12, "process", "", 0, "started", 7, "", data}}, {}}),
@@ -146,6 +146,17 @@ TEST(Json, HasAHistory) {
   EXPECT_EQ(HistoryJson({"torn", {}}), R"({"entries":[],"damage":"torn"})");
 }
 
+TEST(Json, HasNoJsonInTexts) {
+  const auto entry_with = [](const std::string& data) {
+    return HistoryJson({"", {{9, 1, 3, 12, "switch", "", 0, "done", 7, "", data}}, {}});
+  };
+  EXPECT_THAT(entry_with(R"({"target":"Active","outcome":"done","arguments":{"pid":12}})"),
+              ::testing::HasSubstr(R"("data":{"target":"Active","outcome":"done"},"arguments":)"
+                                   R"({"pid":12})"));
+  EXPECT_THAT(entry_with(R"({"arguments":{"pid":12}})"), ::testing::HasSubstr(R"("data":null)"));
+  EXPECT_THAT(entry_with("#0 in main"), ::testing::HasSubstr(R"("data":"#0 in main")"));
+}
+
 TEST(Json, HasDiagnostics) {
   const Diagnostic warning{"dog.toml", 2, 7, Severity::kWarning, "hm"};
   EXPECT_EQ(CheckJson({}), R"({"valid":true,"diagnostics":[]})");
@@ -153,14 +164,14 @@ TEST(Json, HasDiagnostics) {
             R"({"valid":true,"diagnostics":[{"file":"dog.toml","line":2,"column":7,)"
             R"("severity":"warning","message":"hm"}]})");
   EXPECT_EQ(CheckJson({{"dog.toml", 0, 0, Severity::kError, "no"}}),
-            R"({"valid":false,"diagnostics":[{"file":"dog.toml","line":0,"column":0,)"
+            R"({"valid":false,"diagnostics":[{"file":"dog.toml","line":null,"column":null,)"
             R"("severity":"error","message":"no"}]})");
 }
 
 TEST(Json, HasTheEventsOfUp) {
   EXPECT_EQ(ProgressJson({2'000'000'000, "process", "legs", 0, 0, "started"}),
             R"({"time":"1970-01-01T00:00:02.000Z","kind":"process","actuator":"legs",)"
-            R"("switch":0,"code":0,"message":"started"})");
+            R"("switch":null,"code":0,"message":"started"})");
 }
 
 TEST(Json, StaysJsonWhateverBytesAMessageHas) {

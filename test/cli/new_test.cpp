@@ -190,7 +190,8 @@ TEST_F(NewCommand, PrintsCommandsToCopyAlsoForAFolderWithASpace) {
 TEST_F(NewCommand, IsOneJsonDocument) {
   const Ran ran = RunProgram({"--json", "new", "robot", "rover", "--folder", folder_ / "rover/"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
-  EXPECT_THAT(ran.out, ::testing::StartsWith(R"({"kind":"robot","language":"","name":"rover",")"));
+  EXPECT_THAT(ran.out,
+              ::testing::StartsWith(R"({"kind":"robot","language":null,"name":"rover",")"));
   EXPECT_THAT(
       ran.out,
       HasSubstr(R"("files":[".gitignore","README.md","base.toml","lights.toml","robot.toml"])"));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "musher/cli/run.hpp"
+#include "musher/test/support/json_schema.hpp"
 
 namespace musher::cli {
 
@@ -24,6 +25,7 @@ inline Ran RunProgram(const std::vector<std::string>& arguments) {
   ran.exit = Run(static_cast<int>(argv.size()), argv.data(), out, err, false);
   ran.out = out.str();
   ran.err = err.str();
+  testing::CheckDocuments(arguments, ran.out);
   return ran;
 }
 

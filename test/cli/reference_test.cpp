@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "musher/cli/command_line.hpp"
+#include "musher/test/support/json_schema.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::cli::reference_test {
@@ -111,6 +112,31 @@ TEST(Reference, ListsNoCommandThatIsNotThere) {
     if (command != "help" && !commands.contains(command)) unknown.push_back(command);
   }
   EXPECT_THAT(unknown, IsEmpty());
+}
+
+TEST(Schema, DescribesTheDocumentOfEachCommand) {
+  const std::set<std::string> without = {"completion", "play", "record", "view"};
+  const auto names = testing::SchemaNames();
+  const auto grammar = ReadGrammar();
+  for (const auto& [command, options] : grammar) {
+    const bool family = std::any_of(grammar.begin(), grammar.end(), [&](const auto& other) {
+      return other.first.starts_with(command + " ");
+    });
+    if (family || command.empty() || without.contains(command)) continue;
+    EXPECT_THAT(names, Contains(command)) << "docs/cli.schema.json";
+  }
+}
+
+TEST(Schema, RefusesWhatItDoesNotDescribe) {
+  const auto faults = [](const char* text) {
+    return testing::SchemaFaults("check", nlohmann::json::parse(text));
+  };
+  EXPECT_THAT(faults(R"({"valid":true,"diagnostics":[]})"), IsEmpty());
+  EXPECT_THAT(faults(R"({"valid":true})"), ::testing::ElementsAre(": no key diagnostics"));
+  EXPECT_THAT(faults(R"({"valid":1,"diagnostics":[],"more":0})"), ::testing::SizeIs(2));
+  EXPECT_THAT(faults(R"({"valid":true,"diagnostics":[{"file":null,"line":null,"column":null,)"
+                     R"("severity":"loud","message":""}]})"),
+              ::testing::ElementsAre(::testing::HasSubstr("diagnostics[0].severity")));
 }
 
 }  // namespace musher::cli::reference_test

@@ -113,7 +113,7 @@ TEST_F(Replaying, AnswersInJson) {
   EXPECT_EQ(json["differences"], 0);
   EXPECT_EQ(json["replayed_state"], "Protected");
   EXPECT_EQ(json["lines"].size(), json["decisions"]);
-  EXPECT_EQ(json["damage"], "");
+  EXPECT_TRUE(json["damage"].is_null());
 }
 
 TEST_F(Replaying, EndsWithTwoWithoutAJournal) {

@@ -111,7 +111,7 @@ TEST_F(SkillCommand, RequiresAnActuatorWhereSeveralOfferTheSkill) {
   EXPECT_EQ(zero.goals(), 0);
   EXPECT_EQ(one.goals(), 1);
   const Ran other = RunProgram({"skill", "run", "rise", "--actuator", "cf2x_2"});
-  EXPECT_EQ(other.exit, 3);
+  EXPECT_EQ(other.exit, 2);
   EXPECT_THAT(other.err,
               HasSubstr("no actuator 'cf2x_2' in the default namespace; did you mean 'cf2x_0'?"));
 }

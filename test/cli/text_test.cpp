@@ -29,7 +29,17 @@ TEST_F(Text, ShowsTheStatusAsATable) {
       "ACTUATOR  STATE   STAGE  PID  NOTE\n"
       "legs*     Active  1      101  → LowPower\n"
       "eyes      SetUp   2      -    held; restarting, 2nd time; crashed: gone  "
-      "(107 (Robot: Timeout))\n");
+      "(107 Robot: Timeout)\n");
+}
+
+TEST_F(Text, SaysSinceWhenAndWhatItsMarksMean) {
+  const msg::MachineStatus status = RobotStatus();
+  EXPECT_EQ(StatusText(status, false, {75.0, 7200.0}).substr(0, 85),
+            "dog  Active → LowPower  (running)  for 75 s  namespace pack  controller 100 up 2 h,");
+  EXPECT_EQ(StatusLegend(status, false),
+            "* critical: without it the machine does not become Active\n"
+            "held: switched alone, until the next switch of all\n");
+  EXPECT_EQ(StatusLegend({}, false), "");
 }
 
 TEST_F(Text, IsCalmAboutAMachineThatIsWell) {
@@ -94,13 +104,13 @@ TEST_F(Note, BeginsWithTheHealthOfAnActuatorThatIsNotWell) {
               legs.code = 105;
               legs.message = "hung: it is silent";
             }),
-            "  hung: it is silent (105 (Robot: NetError))\n");
+            "  hung: it is silent (105 Robot: NetError)\n");
   EXPECT_EQ(Of([](auto& legs) {
               legs.degraded = true;
               legs.code = 105;
               legs.message = "no";
             }),
-            "  degraded: no (105 (Robot: NetError))\n");
+            "  degraded: no (105 Robot: NetError)\n");
 }
 
 TEST_F(Note, CountsRestarts) {
@@ -210,7 +220,7 @@ TEST_F(Text, ShowsASwitchAndWhyItIsNotDone) {
             "undone: the machine is in LowPower (switch 12)\n"
             "ACTUATOR  OUTCOME  TOOK     STATE     NOTE\n"
             "legs      undone   12.3 ms  LowPower  is back in LowPower\n"
-            "eyes      refused  -        LowPower  (3003 (MotionManager: StateInvalid))\n");
+            "eyes      refused  -        LowPower  (3003 MotionManager: StateInvalid)\n");
   EXPECT_EQ(SwitchError(result), "Active is undone: eyes: no");
 }
 
@@ -241,8 +251,8 @@ TEST_F(Text, ShowsAPlanInTheOrderOfItsWaves) {
   EXPECT_EQ(PlanText(plan, false),
             "Active → LowPower  (down)\n"
             "WAVE  ACTUATOR  FROM    TO        DEADLINE  NOTE\n"
-            "1     eyes      Active  LowPower  50 ms\n"
-            "2     legs      Active  LowPower  500 ms\n"
+            "1     eyes      Active  LowPower  0.05 s\n"
+            "2     legs      Active  LowPower  0.5 s\n"
             "-     voice     Active                      does not list it\n");
 }
 
@@ -259,10 +269,10 @@ TEST_F(Text, ShowsWhatTheRobotCanDoAndWhyNot) {
             "CAPABILITY  ALLOWED  RUNS IN            REASON\n"
             "walk        yes      Active, Protected\n"
             "back_flip   no       Active             back_flip runs in Active only; legs is in "
-            "Protected (113 (Robot: ProtectedError))\n");
+            "Protected (113 Robot: ProtectedError)\n");
   EXPECT_EQ(CapabilityText(flip, false),
-            "back_flip  refused: back_flip runs in Active only; legs is in Protected (113 (Robot: "
-            "ProtectedError))\n"
+            "back_flip  refused: back_flip runs in Active only; legs is in Protected (113 Robot: "
+            "ProtectedError)\n"
             "  a somersault backwards\n"
             "  actuators: legs, eyes; runs in: Active\n");
   EXPECT_EQ(CapabilityText(walk, false),
@@ -306,7 +316,7 @@ TEST_F(Text, ShowsWhyAPlanWouldBeRefused) {
   plan.reason = "no way";
   plan.state = "Error";
   EXPECT_EQ(PlanText(plan, false),
-            "eyes: Error → OTA  would be refused: no way (103 (Robot: StateInvalid))\n");
+            "eyes: Error → OTA  would be refused: no way (103 Robot: StateInvalid)\n");
 }
 
 TEST_F(Text, ShowsABacktraceBelowItsSentenceAndNoJson) {
@@ -325,7 +335,7 @@ TEST_F(Text, ShowsHistoryAndProgressALineEach) {
                          {2, 2'000'000, 3, 1, "switch", "", 107, "ends\n"}},
                         false),
             "1970-01-01 00:00:00.001  machine  begins\n"
-            "1970-01-01 00:00:00.002  switch   ends  (107 (Robot: Timeout))\n");
+            "1970-01-01 00:00:00.002  switch   ends  (107 Robot: Timeout)\n");
   EXPECT_EQ(ProgressText({3'000'000, "process", "legs", 0, 0, "started"}, false),
             "00:00:00.003  started\n");
 }

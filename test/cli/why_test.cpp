@@ -44,8 +44,8 @@ TEST_F(Explaining, AStateNamesTheFailureAfterItFirst) {
   Add(3, "legs did not answer", kTimeout);
   Add(4, "switch 2 is undone", kTimeout);
   EXPECT_EQ(Text(),
-            "1970-01-01 00:00:00.005  last failure: switch 2 is undone (107 (Robot: Timeout))\n"
-            "1970-01-01 00:00:00.004    because legs did not answer (107 (Robot: Timeout))\n"
+            "1970-01-01 00:00:00.005  last failure: switch 2 is undone (107 Robot: Timeout)\n"
+            "1970-01-01 00:00:00.004    because legs did not answer (107 Robot: Timeout)\n"
             "1970-01-01 00:00:00.003    because switch to LowPower requested\n"
             "1970-01-01 00:00:00.002  the machine went to Active\n"
             "1970-01-01 00:00:00.001    because switch to Active requested\n");
@@ -58,7 +58,7 @@ TEST_F(Explaining, AStateNamesTheFailureBeforeItLast) {
   EXPECT_EQ(Text(),
             "1970-01-01 00:00:00.003  the machine went to Active\n"
             "1970-01-01 00:00:00.002    because switch to Active requested\n"
-            "1970-01-01 00:00:00.001  last failure: eyes did not start (107 (Robot: Timeout))\n");
+            "1970-01-01 00:00:00.001  last failure: eyes did not start (107 Robot: Timeout)\n");
 }
 
 TEST_F(Explaining, AFailureThatIsTheCauseOfTheStateIsNamedOnce) {
@@ -77,7 +77,7 @@ TEST_F(Explaining, ABacktraceIsFolded) {
   Add(0, "the machine is Active", 0, "Active");
   Add(0, "legs hung", kTimeout, "", "TID 7:\n#0  read\n#1  main\n");
   EXPECT_THAT(Text(), ::testing::StartsWith("1970-01-01 00:00:00.002  last failure: legs hung "
-                                            "(107 (Robot: Timeout))  "
+                                            "(107 Robot: Timeout)  "
                                             "[3 lines in `musher history`]\n"));
 }
 

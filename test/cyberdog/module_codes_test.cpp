@@ -9,7 +9,7 @@ namespace musher::cyberdog::module_codes_test {
 TEST(ModuleCodes, AreNamedInTextsOfAProgramThatIncludesThem) {
   EXPECT_EQ(CodeText(3009), "3009 (MotionManager: SelfCheckFailed)");
   EXPECT_EQ(CodeText(3040), "3040 (MotionManager)");
-  EXPECT_EQ(WithCode("it is silent", 2012), "it is silent (2012 (SensorManager: DeviceError))");
+  EXPECT_EQ(WithCode("it is silent", 2012), "it is silent (2012 SensorManager: DeviceError)");
   EXPECT_EQ(CodeText(200), "200 (Server)");
   EXPECT_EQ(CodeText(1101), "1101 (LED: Failed)");
   EXPECT_EQ(CodeText(2207), "2207 (ToF: Timeout)");

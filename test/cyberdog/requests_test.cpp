@@ -205,7 +205,7 @@ TEST_F(CyberdogRequests, LowPowerHasASwitchAndAWayOut) {
   EXPECT_EQ(Trigger("low_power_switch_state"), (msg::Trigger::Response{false, "off"}));
   const auto early = Trigger("low_power_exit");
   EXPECT_FALSE(early.success);
-  EXPECT_THAT(early.message, HasSubstr("(103 (Robot: StateInvalid))"));
+  EXPECT_THAT(early.message, HasSubstr("(103 Robot: StateInvalid)"));
   Take("LowPower");
   EXPECT_TRUE(Trigger("low_power_exit").success);
   EXPECT_EQ(state(), "Active");

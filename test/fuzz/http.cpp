@@ -76,7 +76,7 @@ void CheckLogin(fuzz::Input& input) {
     const std::string peer(1, static_cast<char>('a' + input.Below(4)));
     switch (input.Below(5)) {
       case 0:
-        code = login.NewCode(std::string(input.Text()), now);
+        code = login.NewCode(std::string(input.Text()), now).code;
         used = false;
         break;
       case 1: {

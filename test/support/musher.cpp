@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "musher/test/support/json_schema.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/wait.hpp"
 
@@ -23,7 +24,9 @@ std::vector<std::string> Command(std::vector<std::string> words) {
 }
 
 Ended Musher(std::vector<std::string> words) {
-  return RunToEnd(Command(std::move(words)));
+  Ended ended = RunToEnd(Command(words));
+  CheckDocuments(words, ended.out);
+  return ended;
 }
 
 nlohmann::json Json(const std::string& text) {
@@ -80,11 +83,11 @@ nlohmann::json AwaitStatus(const IsSo& is_so, std::source_location caller) {
 
 bool AllHaveArrived(const nlohmann::json& status) {
   for (const auto& actuator : status["actuators"]) {
-    if (actuator["presence"] != "present" || actuator["target"] != "") return false;
+    if (actuator["presence"] != "present" || !actuator["target"].is_null()) return false;
     const bool may_go_up = !status["emergency_stop"]["engaged"].get<bool>();
     if (may_go_up && actuator["state"] != status["state"]) return false;
   }
-  return status["target"] == "";
+  return status["target"].is_null();
 }
 
 IsSo AllHaveArrivedIn(const std::string& state) {

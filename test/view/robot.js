@@ -89,17 +89,20 @@ class Robot {
     return JSON.parse(await this.musher('status', '--json'));
   }
 
-  // musher-view beside the robot: {url, login, token}.
+  // musher-view beside the robot: {url, login, pin, token}.
   async view(...args) {
-    const child = spawn(path.join(BIN, 'musher-view'), ['--port', '0', ...args],
+    const port = args.includes('--port') ? [] : ['--port', '0'];
+    const child = spawn(path.join(BIN, 'musher-view'), [...port, ...args],
       {env: this.env, stdio: ['ignore', 'pipe', 'inherit']});
     this.views.push(child);
     const lines = createInterface({input: child.stdout})[Symbol.asyncIterator]();
     const url = /http:\S+\//.exec((await lines.next()).value)[0];
-    const login = /http:\S+code=\w+/.exec((await lines.next()).value)[0];
+    const acting = (await lines.next()).value;
+    const login = /http:\S+code=\w+/.exec(acting)[0];
+    const pin = /PIN (\d{6})/.exec(acting)[1];
     const token = await readFile(path.join(this.folder, 'musher',
       `view_token@${this.nameSpace}.domain${this.env.ROS_DOMAIN_ID}`), 'utf8');
-    return {child, url, login, token: token.trim()};
+    return {child, url, login, pin, token: token.trim()};
   }
 
   async close() {

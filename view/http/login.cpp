@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::size_t kSecretBytes = 16;
 constexpr std::size_t kMaxName = 64;  // bytes
+constexpr std::size_t kPinDigits = 6;
+constexpr std::size_t kMaxSecretFile = 65536;  // bytes
 
 Error LoginError(std::string message) {
   return {kCodePermissionDenied, std::move(message)};
@@ -111,11 +113,36 @@ Result<> Login::MayMakeLinks(std::string_view token, const std::string& peer, Ti
   return LoginError("the token is wrong");
 }
 
-std::string Login::NewCode(const std::string& name, Time now) {
+LoginCode Login::NewCode(const std::string& name, Time now) {
   std::erase_if(codes_, [&](const Code& code) { return code.until <= now; });
   if (codes_.size() >= kMaxCodes) codes_.erase(codes_.begin());
   codes_.push_back({NewSecret(), PlainName(name), now + kCodeTime, false});
-  return codes_.back().code;
+  pin_ = Pin{NewPin(), codes_.back().code};
+  return {pin_->code, pin_->pin};
+}
+
+std::string Login::NewPin() {
+  std::uint64_t number = 0;
+  random_(std::as_writable_bytes(std::span(&number, 1)));
+  const std::string digits = std::to_string(number % 1'000'000);
+  return std::string(kPinDigits - digits.size(), '0') + digits;
+}
+
+Result<std::string> Login::RedeemPin(std::string_view offered, const std::string& peer, Time now) {
+  const auto allowed = CheckFailures(peer, now);
+  if (!allowed) return allowed.error();
+  std::string pin(offered);
+  std::erase_if(pin, [](char c) { return c == ' ' || c == '-'; });
+  if (pin_ && SameSecret(pin, pin_->pin)) {
+    const std::string code = std::exchange(pin_, std::nullopt)->code;
+    return Redeem(code, peer, now);
+  }
+  CountFailure(peer, now);
+  if (!pin_) return LoginError("no PIN is valid now; 'musher view --link' prints a new one");
+  if (++pin_->wrong < kMaxWrongPins) return LoginError("the PIN is wrong");
+  pin_.reset();
+  return LoginError("the PIN is wrong, and after " + std::to_string(kMaxWrongPins) +
+                    " wrong ones it is not valid any more; 'musher view --link' prints a new one");
 }
 
 Result<std::string> Login::Redeem(std::string_view offered, const std::string& peer, Time now) {
@@ -155,17 +182,41 @@ std::optional<std::string> Login::Find(std::string_view id, Time now) {
   return found->person;
 }
 
+bool Login::Lives(std::string_view id, Time now) const {
+  return std::any_of(sessions_.begin(), sessions_.end(), [&](const Session& session) {
+    return SameSecret(id, session.id) && now - session.last < kSessionTime;
+  });
+}
+
 void Login::End(std::string_view id) {
   std::erase_if(sessions_, [&](const Session& session) { return SameSecret(id, session.id); });
 }
 
-Result<std::string> ReadOrMakeToken(const std::string& path, const Random& random) {
-  const std::string made = RandomHex(random);
-  const auto written = MakeTokenFile(path, made);
-  if (written) return made;
-  if (access(path.c_str(), F_OK) != 0) return written.error();
+void Login::EndAll() {
+  sessions_.clear();
+  codes_.clear();
+  pin_.reset();
+}
 
+std::vector<KeptSession> Login::Kept(Time now) const {
+  std::vector<KeptSession> kept;
+  for (const Session& session : sessions_) {
+    const Duration idle = now - session.last;
+    if (idle < kSessionTime) kept.push_back({session.id, session.person, idle});
+  }
+  return kept;
+}
+
+void Login::Restore(const std::vector<KeptSession>& kept, Time now) {
+  for (const KeptSession& one : kept) {
+    if (one.idle >= kSessionTime || sessions_.size() >= kMaxSessions) continue;
+    sessions_.push_back({one.id, one.person, now - std::max(one.idle, Duration{})});
+  }
+}
+
+Result<std::string> ReadSecretFile(const std::string& path) {
   const UniqueFd file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (!file.valid() && errno == ENOENT) return std::string();
   if (!file.valid()) return SystemError(path);
   struct stat info {};
   if (fstat(file.get(), &info) != 0) return SystemError(path);
@@ -179,10 +230,22 @@ Result<std::string> ReadOrMakeToken(const std::string& path, const Random& rando
                       " can be read or written by other users; remove it, and a new one is " +
                       "made, or run: chmod 600 " + path);
   }
-  std::string text(64, '\0');
+  std::string text(kMaxSecretFile, '\0');
   const ssize_t size = read(file.get(), text.data(), text.size());
   if (size < 0) return SystemError(path);
   text.resize(static_cast<std::size_t>(size));
+  return text;
+}
+
+Result<std::string> ReadOrMakeToken(const std::string& path, const Random& random) {
+  const std::string made = RandomHex(random);
+  const auto written = MakeTokenFile(path, made);
+  if (written) return made;
+  if (access(path.c_str(), F_OK) != 0) return written.error();
+
+  auto read = ReadSecretFile(path);
+  if (!read) return read.error();
+  std::string text = std::move(read).value();
   if (text.ends_with('\n')) text.pop_back();
   if (!IsTokenText(text)) {
     return Error{kCodeParametersInvalid,

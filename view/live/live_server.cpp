@@ -5,19 +5,24 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/base/log.hpp"
 #include "musher/base/version.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/transport/network.hpp"
 #include "musher/view/http/assets.hpp"
 #include "musher/view/http/reply.hpp"
+#include "musher/view/http/session_file.hpp"
 #include "musher/view/json/json.hpp"
 #include "musher/view/live/log_text.hpp"
+#include "musher/view/live/outside_url.hpp"
 #include "musher/view/page/files.hpp"
 
 namespace musher::view {
 namespace {
 
 constexpr const char* kSubprotocol = "musher.view.v1";
-constexpr Duration kTopicsDelay = Milliseconds(100);  // what is discovered comes together
+constexpr Duration kTopicsDelay = Milliseconds(100);        // what is discovered comes together
+constexpr Duration kKeepPeriod = std::chrono::minutes(10);  // of the times of the last requests
 constexpr unsigned kPolicyViolation = 1008;
 
 SharedText Share(const OrderedJson& json) {
@@ -48,6 +53,36 @@ std::string TextIn(const Json& body, const char* name) {
   return found != body.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
+// {"action":…,"actuator":…,"skill":…,"parameters":{"x_m":"1.5"}}
+SkillRequests::Request SkillIn(const Json& body) {
+  SkillRequests::Request request{
+      TextIn(body, "action"), TextIn(body, "actuator"), TextIn(body, "skill"), {}};
+  const auto parameters = body.find("parameters");
+  if (parameters == body.end() || !parameters->is_object()) return request;
+  for (const auto& [key, value] : parameters->items()) {
+    request.parameters.push_back(
+        {key, value.is_string() ? value.get<std::string>() : value.dump()});
+  }
+  return request;
+}
+
+http::Response JsonResponse(std::string json) {
+  http::Response response;
+  response.body = std::make_shared<const std::string>(std::move(json));
+  return response;
+}
+
+// Of a code, PIN or token.
+http::Response RefusalResponse(const Error& error) {
+  return http::ErrorResponse(error.code == kCodeTargetBusy ? 429 : 403, error.code, error.message);
+}
+
+http::Response WithSession(http::Response response, const std::string& session) {
+  response.headers.emplace_back(
+      "Set-Cookie", std::string(kCookie) + "=" + session + "; HttpOnly; SameSite=Strict; Path=/");
+  return response;
+}
+
 http::Response Redirect(const std::string& path) {
   http::Response response;
   response.status = 303;
@@ -63,11 +98,13 @@ LiveServer::LiveServer(transport::Node& node, Options options)
       login_(http::KernelRandom, options_.token),
       docs_(options_.docs),
       cameras_(node, table_),
-      watched_(node, table_, [this](const std::string& topic, const SharedText& message) {
-        for (Page& page : pages_) {
-          if (page.watched.contains(topic)) Send(page, "latest " + topic, message);
-        }
-      }) {}
+      watched_(node, table_,
+               [this](const std::string& topic, const WatchedTopics::Latest& latest) {
+                 for (Page& page : pages_) {
+                   if (page.watched.contains(topic)) Send(page, latest.key, latest.message);
+                 }
+               }),
+      skills_(node, options_.name_space) {}
 
 Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Options options) {
   std::unique_ptr<LiveServer> server(new LiveServer(node, std::move(options)));
@@ -77,6 +114,14 @@ Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Opti
 
 Result<> LiveServer::Open() {
   const std::string host = HostId();
+  if (!options_.sessions.empty()) {
+    const auto kept = http::ReadSessions(options_.sessions, WallMilliseconds());
+    if (!kept) return kept.error();
+    login_.Restore(kept.value(), node_.loop().Now());
+    keep_timer_ = node_.loop().Every(kKeepPeriod, [this] {
+      if (login_.sessions() > 0) KeepSessions();
+    });
+  }
   MachineFeed::Events events;
   events.on_message = [this](const std::string& key, const SharedText& message) {
     SendAll(key, message);
@@ -135,8 +180,20 @@ Result<> LiveServer::Open() {
   return Ok();
 }
 
-std::string LiveServer::NewLink(const std::string& name) {
-  return "/login?code=" + login_.NewCode(name, node_.loop().Now());
+http::LoginLink LiveServer::NewLink(const std::string& name) {
+  const http::LoginCode code = login_.NewCode(name, node_.loop().Now());
+  return {"/login?code=" + code.code, code.pin,
+          OutsideUrl(options_.http.bind, transport::ReadInterfaces(), port())};
+}
+
+void LiveServer::KeepSessions() {
+  if (options_.sessions.empty()) return;
+  const auto kept =
+      http::WriteSessions(options_.sessions, login_.Kept(node_.loop().Now()), WallMilliseconds());
+  if (!kept && !std::exchange(keeping_failed_, true)) {
+    WriteLog(LogLevel::kWarning, "musher-view",
+             "logins end with this process: " + kept.error().message);
+  }
 }
 
 http::WebSocketHandlers LiveServer::OnFoxglove(const std::shared_ptr<http::WebSocket>& socket) {
@@ -212,7 +269,7 @@ void LiveServer::OnPageMessage(Page& page, const std::string& text) {
   }
   WatchForAll();
   for (const std::string& topic : page.watched) {
-    if (const SharedText last = watched_.Last(topic)) Send(page, "latest " + topic, last);
+    for (const auto& [key, latest] : watched_.Last(topic)) Send(page, key, latest);
   }
 }
 
@@ -287,6 +344,8 @@ bool LiveServer::MayLook(const http::Request& request) {
 void LiveServer::OnRequest(const http::Request& request, const http::Respond& respond) {
   if (request.path == "/login") return OnLogin(request, respond);
   if (request.path == "/api/link") return OnLink(request, respond);
+  if (request.path == "/api/login") return OnPin(request, respond);
+  if (request.path == "/api/logout") return OnLogout(request, respond);
   // The page's files tell nothing of the robot, and show how to log in.
   if (request.method == "GET") {
     if (auto file = http::AssetResponse(PageFiles(), request)) return respond(*std::move(file));
@@ -348,14 +407,14 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   const std::string target = TextIn(body, "target");
   const std::string actuator = TextIn(body, "actuator");
   if (request.path == "/api/plan") return requests_->Plan(target, actuator, respond);
-  if (request.path == "/api/logout") return OnLogout(request, respond);
   std::string person = PersonOf(request);
   if (person.empty() && request.path == "/api/estop" && !options_.stop_needs_login) {
     person = "a person without a login (" + request.peer + ")";
   }
   if (person.empty()) {
     return respond(http::ErrorResponse(
-        403, kNeedsLogin, "acting needs a login; `musher view --link` prints a link for one"));
+        403, kNeedsLogin,
+        "acting needs a login; `musher view --link` prints a link and a PIN for one"));
   }
   if (request.path == "/api/set") return requests_->Set(person, target, actuator, respond);
   if (request.path == "/api/estop") {
@@ -363,44 +422,80 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   }
   if (request.path == "/api/release") return requests_->Release(person, respond);
   if (request.path == "/api/restart") return requests_->Restart(person, actuator, respond);
+  if (request.path == "/api/skill") return skills_.Run(SkillIn(body), respond);
+  if (request.path == "/api/cancel_skill") {
+    return skills_.Cancel(TextIn(body, "action"), TextIn(body, "goal_id"), respond);
+  }
   respond(http::ErrorResponse(404, kCodeParametersInvalid, "there is nothing at " + request.path));
 }
 
 // Opens a session; the code is in the link only.
 void LiveServer::OnLogin(const http::Request& request, const http::Respond& respond) {
-  auto session = login_.Redeem(Parameter(request, "code"), request.peer, node_.loop().Now());
+  const auto session = login_.Redeem(Parameter(request, "code"), request.peer, node_.loop().Now());
   if (!session) {
-    const unsigned status = session.error().code == kCodeTargetBusy ? 429 : 403;
-    return respond(http::ErrorResponse(
-        status, session.error().code,
-        session.error().message + "; `musher view --link` prints another link"));
+    Error error = session.error();
+    error.message += "; `musher view --link` prints another link";
+    return respond(RefusalResponse(error));
   }
-  http::Response response = Redirect("/");
-  response.headers.emplace_back("Set-Cookie", std::string(kCookie) + "=" + session.value() +
-                                                  "; HttpOnly; SameSite=Strict; Path=/");
+  KeepSessions();
+  respond(WithSession(Redirect("/"), session.value()));
+}
+
+// POST {"pin":"482103"}, which a person types on the page.
+void LiveServer::OnPin(const http::Request& request, const http::Respond& respond) {
+  const Json body = Json::parse(request.body, nullptr, false);
+  if (request.method != "POST" || !body.is_object()) {
+    return respond(
+        http::ErrorResponse(400, kCodeParametersInvalid, R"(POST {"pin":"..."} opens a session)"));
+  }
+  const auto session = login_.RedeemPin(TextIn(body, "pin"), request.peer, node_.loop().Now());
+  if (!session) return respond(RefusalResponse(session.error()));
+  KeepSessions();
+  respond(WithSession(JsonResponse("{}"), session.value()));
+}
+
+// Ends the session of the cookie; all sessions with {"all":true} and a login, or with the token.
+// Pages of ended sessions look on without the login, where they may.
+void LiveServer::OnLogout(const http::Request& request, const http::Respond& respond) {
+  const Json body = Json::parse(request.body, nullptr, false);
+  if (request.method != "POST" || !body.is_object()) {
+    return respond(http::ErrorResponse(400, kCodeParametersInvalid,
+                                       R"(POST {} ends the session, {"all":true} all of them)"));
+  }
+  if (body.contains("token")) {
+    const auto permitted =
+        login_.MayMakeLinks(TextIn(body, "token"), request.peer, node_.loop().Now());
+    if (!permitted) return respond(RefusalResponse(permitted.error()));
+    login_.EndAll();
+  } else if (body.value("all", Json()) == true) {
+    if (PersonOf(request).empty()) {
+      return respond(http::ErrorResponse(403, kNeedsLogin, "to end all logins needs a login"));
+    }
+    login_.EndAll();
+  } else if (const auto cookie = request.cookies.find(kCookie); cookie != request.cookies.end()) {
+    login_.End(cookie->second);
+  }
+  KeepSessions();
+  CloseEndedSessions();
+  http::Response response = JsonResponse("{}");
+  response.headers.emplace_back(
+      "Set-Cookie", std::string(kCookie) + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
   respond(std::move(response));
 }
 
-// Ends the session, also of its other pages: they look on without the login, where they may.
-void LiveServer::OnLogout(const http::Request& request, const http::Respond& respond) {
-  http::Response response;
-  response.body = std::make_shared<const std::string>("{}");
-  response.headers.emplace_back(
-      "Set-Cookie", std::string(kCookie) + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
-  const auto cookie = request.cookies.find(kCookie);
-  if (cookie == request.cookies.end()) return respond(std::move(response));
-  login_.End(cookie->second);
+// The connections that they have opened.
+void LiveServer::CloseEndedSessions() {
   std::vector<std::shared_ptr<http::WebSocket>> sockets;
   for (const Page& page : pages_) sockets.push_back(page.socket);
   for (const auto& acting : acting_) {
     if (auto socket = acting.lock()) sockets.push_back(std::move(socket));
   }
   for (const auto& socket : sockets) {
-    const auto own = socket->request().cookies.find(kCookie);
-    const bool same = own != socket->request().cookies.end() && own->second == cookie->second;
-    if (same) socket->Close(kNormalClosure, "the login has ended");
+    const auto cookie = socket->request().cookies.find(kCookie);
+    const bool ended = cookie != socket->request().cookies.end() &&
+                       !login_.Lives(cookie->second, node_.loop().Now());
+    if (ended) socket->Close(kNormalClosure, "the login has ended");
   }
-  respond(std::move(response));
 }
 
 // For `musher view --link`, which has read the token file.
@@ -410,16 +505,13 @@ void LiveServer::OnLink(const http::Request& request, const http::Respond& respo
     return respond(http::ErrorResponse(400, kCodeParametersInvalid,
                                        R"(POST {"token":"...","name":"..."} gives a link)"));
   }
-  const Time now = node_.loop().Now();
-  const auto permitted = login_.MayMakeLinks(TextIn(body, "token"), request.peer, now);
-  if (!permitted) {
-    const unsigned status = permitted.error().code == kCodeTargetBusy ? 429 : 403;
-    return respond(http::ErrorResponse(status, permitted.error().code, permitted.error().message));
-  }
-  http::Response response;
-  response.body = std::make_shared<const std::string>(
-      R"({"path":)" + http::JsonText(NewLink(TextIn(body, "name"))) + "}");
-  respond(std::move(response));
+  const auto permitted =
+      login_.MayMakeLinks(TextIn(body, "token"), request.peer, node_.loop().Now());
+  if (!permitted) return respond(RefusalResponse(permitted.error()));
+  const http::LoginLink link = NewLink(TextIn(body, "name"));
+  respond(JsonResponse(R"({"path":)" + http::JsonText(link.path) + R"(,"pin":)" +
+                       http::JsonText(link.pin) + R"(,"outside":)" + http::JsonText(link.outside) +
+                       "}"));
 }
 
 Result<std::string> LiveServer::LogFileOf(const std::string& actuator) {

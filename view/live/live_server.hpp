@@ -8,11 +8,13 @@
 //
 //   /live         the WebSocket of a page (subprotocol musher.view.v1)
 //   GET /api/...  history, behavior, tree, log, topics; POST: plan
-//   POST /api/... with a login: set, estop, release, restart
+//   POST /api/... with a login: set, estop, release, restart, skill, cancel_skill, logout
 //   /camera       a picture
 //   /metrics      for Prometheus
-//   /login        opens a session with the code of a link; POST /api/link makes one for a token
-//   any path      Foxglove's protocol, for a WebSocket of its subprotocol; acts with ?token=TOKEN
+//   /login        opens a session with the code of a link; POST /api/login with a PIN
+//   POST /api/link, /api/logout: with the token of `musher view`, a link, or the end of all
+//   sessions any path      Foxglove's protocol, for a WebSocket of its subprotocol; acts with
+//   ?token=TOKEN
 //
 // Threads: loop thread only.
 
@@ -27,6 +29,7 @@
 #include "musher/view/live/docs.hpp"
 #include "musher/view/live/machine_feed.hpp"
 #include "musher/view/live/robot_requests.hpp"
+#include "musher/view/live/skill_requests.hpp"
 #include "musher/view/live/watched_topics.hpp"
 #include "musher/view/metrics/metrics_watch.hpp"
 
@@ -42,6 +45,7 @@ class LiveServer {
     std::string machine;     // its name; empty: that of this host, else the first that is found
     bool with_keys = false;  // the machine has [security]
     std::string token;       // of ReadOrMakeToken()
+    std::string sessions;    // file that keeps them over a restart; empty: none
     bool stop_needs_login = false;
     std::string logs;  // folder of the actuators' logs; empty: as the machine's config says
     std::function<std::string()> docs;  // see Docs; empty: none
@@ -51,8 +55,8 @@ class LiveServer {
   static Result<std::unique_ptr<LiveServer>> Make(transport::Node& node, Options options);
 
   std::uint16_t port() const { return http_->port(); }
-  // The path of a link with which the person of that name may log in, once: "/login?code=...".
-  std::string NewLink(const std::string& name);
+  // With which the person of that name may log in, once.
+  http::LoginLink NewLink(const std::string& name);
 
  private:
   struct Page {
@@ -74,9 +78,12 @@ class LiveServer {
   void OnGet(const http::Request& request, const http::Respond& respond);
   void OnPost(const http::Request& request, const http::Respond& respond);
   void OnLogin(const http::Request& request, const http::Respond& respond);
+  void OnPin(const http::Request& request, const http::Respond& respond);
   void OnLogout(const http::Request& request, const http::Respond& respond);
   void OnLink(const http::Request& request, const http::Respond& respond);
   void OnLog(const http::Request& request, const http::Respond& respond);
+  void CloseEndedSessions();
+  void KeepSessions();
   http::WebSocketHandlers OnWebSocket(const std::shared_ptr<http::WebSocket>& socket);
   http::WebSocketHandlers OnFoxglove(const std::shared_ptr<http::WebSocket>& socket);
 
@@ -100,6 +107,7 @@ class LiveServer {
   CameraView cameras_;
   WatchedTopics watched_;
   std::unique_ptr<RobotRequests> requests_;
+  SkillRequests skills_;
   std::unique_ptr<MetricsWatch> metrics_;
   std::unique_ptr<MachineFeed> feed_;
   std::unique_ptr<foxglove::FoxgloveServer> foxglove_;
@@ -108,6 +116,8 @@ class LiveServer {
   std::vector<std::weak_ptr<http::WebSocket>> acting_;  // of Foxglove, by a login
   transport::LoopHandlePtr topics_timer_;               // while a change is not sent
   transport::LoopHandlePtr every_second_;
+  transport::LoopHandlePtr keep_timer_;
+  bool keeping_failed_ = false;         // it was logged
   std::unique_ptr<http::Server> http_;  // last: its functions use all of the above
 };
 

@@ -1,5 +1,6 @@
 #include "musher/view/live/watched_topics.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -46,13 +47,50 @@ void WatchedTopics::OnTopicsChanged() {
   }
 }
 
+// The place of the writer; of a new one that of a lost one, else a new place, else the one that has
+// been silent for the longest time.
+WatchedTopics::Sample& WatchedTopics::SampleOf(Topic& topic, transport::EndpointId writer) {
+  std::vector<Sample>& samples = topic.samples;
+  const auto own = std::find_if(samples.begin(), samples.end(),
+                                [writer](const Sample& each) { return each.writer == writer; });
+  if (own != samples.end()) return *own;
+  const auto lost =
+      std::find_if(samples.begin(), samples.end(), [](const Sample& each) { return each.lost; });
+  if (lost != samples.end()) {
+    lost->writer = writer;
+    lost->lost = false;
+    return *lost;
+  }
+  if (samples.size() < kMostWriters) {
+    samples.emplace_back().writer = writer;
+    return samples.back();
+  }
+  Sample& oldest = *std::min_element(
+      samples.begin(), samples.end(),
+      [](const Sample& one, const Sample& other) { return one.order < other.order; });
+  oldest.writer = writer;
+  return oldest;
+}
+
+std::string WatchedTopics::KeyOf(const std::string& topic, std::size_t sample) {
+  return "latest " + topic + " " + std::to_string(sample);
+}
+
 void WatchedTopics::Open(const std::string& name, Topic& topic) {
   topic.reader.reset();
   transport::ReaderCallbacks callbacks;
-  callbacks.on_sample = [&topic](std::span<const std::byte> bytes, const transport::SampleInfo&) {
-    topic.newest.assign(bytes.begin(), bytes.end());
-    topic.received_ms = WallMilliseconds();
-    topic.fresh = true;
+  callbacks.on_sample = [&topic](std::span<const std::byte> bytes,
+                                 const transport::SampleInfo& info) {
+    Sample& sample = SampleOf(topic, info.writer);
+    sample.newest.assign(bytes.begin(), bytes.end());
+    sample.order = ++topic.received;
+    sample.received_ms = WallMilliseconds();
+    sample.fresh = true;
+  };
+  callbacks.on_writer_lost = [&topic](transport::EndpointId writer) {
+    for (Sample& sample : topic.samples) {
+      if (sample.writer == writer) sample.lost = true;
+    }
   };
   auto reader = node_.MakeRawReader("rt" + name, topic.source->dds_type, topic.source->qos,
                                     std::move(callbacks));
@@ -61,18 +99,36 @@ void WatchedTopics::Open(const std::string& name, Topic& topic) {
 
 void WatchedTopics::PassOn() {
   for (auto& [name, topic] : topics_) {
-    if (!std::exchange(topic.fresh, false)) continue;
-    const std::string& type = topic.source->dds_type;
-    const auto text = json_.ToJson(type, topic.newest);
-    if (!text) continue;  // the page says that nothing came
-    topic.last = LatestMessage(name, type, topic.received_ms, text.value());
-    on_latest_(name, topic.last);
+    std::vector<std::size_t> fresh;
+    for (std::size_t i = 0; i < topic.samples.size(); ++i) {
+      if (std::exchange(topic.samples[i].fresh, false)) fresh.push_back(i);
+    }
+    std::sort(fresh.begin(), fresh.end(), [&topic](std::size_t one, std::size_t other) {
+      return topic.samples[one].order < topic.samples[other].order;
+    });
+    for (const std::size_t i : fresh) {
+      Sample& sample = topic.samples[i];
+      const std::string& type = topic.source->dds_type;
+      const auto text = json_.ToJson(type, sample.newest);
+      if (!text) continue;  // the page says that nothing came
+      sample.last = LatestMessage(name, type, sample.received_ms, text.value());
+      on_latest_(name, {KeyOf(name, i), sample.last});
+    }
   }
 }
 
-SharedText WatchedTopics::Last(const std::string& topic) const {
+std::vector<WatchedTopics::Latest> WatchedTopics::Last(const std::string& topic) const {
   const auto found = topics_.find(topic);
-  return found == topics_.end() ? nullptr : found->second.last;
+  if (found == topics_.end()) return {};
+  std::map<std::uint64_t, Latest> by_order;
+  const std::vector<Sample>& samples = found->second.samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (samples[i].last) by_order[samples[i].order] = {KeyOf(topic, i), samples[i].last};
+  }
+  std::vector<Latest> last;
+  last.reserve(by_order.size());
+  for (auto& [order, latest] : by_order) last.push_back(std::move(latest));
+  return last;
 }
 
 }  // namespace musher::view

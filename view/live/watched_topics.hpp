@@ -1,6 +1,7 @@
 #pragma once
 // The topics that pages watch: subscribes while one does and a writer is there, and passes on the
-// newest sample as JSON, at most ten times a second.
+// newest sample of each writer as JSON, at most ten times a second: the skills of four robots are
+// four samples of one topic.
 //
 // Threads: loop thread only, callbacks too.
 
@@ -10,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "musher/transport/node.hpp"
 #include "musher/view/json/message_json.hpp"
@@ -21,8 +23,15 @@ namespace musher::view {
 class WatchedTopics {
  public:
   static constexpr Duration kPeriod = Milliseconds(100);
+  static constexpr std::size_t kMostWriters = 64;  // of a topic, whose samples are kept
 
-  using OnLatest = std::function<void(const std::string& topic, const SharedText& message)>;
+  // The newest message of one writer. Its key replaces what waits of that writer (PageQueue), and
+  // passes to the next writer once it is lost, so that there are no more than kMostWriters.
+  struct Latest {
+    std::string key;
+    SharedText message;
+  };
+  using OnLatest = std::function<void(const std::string& topic, const Latest& latest)>;
 
   // The node and the table must outlive it.
   WatchedTopics(transport::Node& node, const TopicTable& table, OnLatest on_latest);
@@ -32,19 +41,29 @@ class WatchedTopics {
   // After a change of the table.
   void OnTopicsChanged();
 
-  // The last message of a watched topic; null: none yet.
-  SharedText Last(const std::string& topic) const;
+  // The last message of each writer of a watched topic, the newest last. Those of lost writers stay
+  // until another one takes their place.
+  std::vector<Latest> Last(const std::string& topic) const;
 
  private:
-  struct Topic {
-    std::optional<TopicTable::Source> source;
+  struct Sample {
+    transport::EndpointId writer;
+    bool lost = false;  // the writer
     msg::Bytes newest;
+    std::uint64_t order = 0;  // of the receipt
     std::int64_t received_ms = 0;
     bool fresh = false;  // the newest is not passed on yet
     SharedText last;
-    std::unique_ptr<transport::RawReader> reader;  // last: its callback uses all of the above
+  };
+  struct Topic {
+    std::optional<TopicTable::Source> source;
+    std::vector<Sample> samples;
+    std::uint64_t received = 0;
+    std::unique_ptr<transport::RawReader> reader;  // last: its callbacks use all of the above
   };
 
+  static Sample& SampleOf(Topic& topic, transport::EndpointId writer);
+  static std::string KeyOf(const std::string& topic, std::size_t sample);
   void Open(const std::string& name, Topic& topic);
   void PassOn();
 

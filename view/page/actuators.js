@@ -3,7 +3,7 @@ import {get, post} from './connection.js';
 import {h} from './dom.js';
 import {bytes, percent} from './format.js';
 import {t} from './i18n.js';
-import {actButton, card, facts, levelShape, lookHint, quoted, shape, stateChip} from './parts.js';
+import {actButton, card, codeNote, commands, facts, levelShape, lookHint, quoted, shape, stateChip} from './parts.js';
 import {statusOf} from './store.js';
 
 const TAIL_BYTES = 4000;
@@ -47,7 +47,7 @@ function tailPart(ctx, name) {
   return h('div', {class: 'tail'},
     h('div', {class: 'card-head'}, h('h3', {id: 'tail-title'}, t('log.tail')),
       h('a', {href: `#log/${encodeURIComponent(name)}`}, t('log.whole'))),
-    error ? h('p', {class: 'quiet'}, t('log.none', {why: error}))
+    error ? h('p', {class: 'quiet'}, commands(t('log.none', {why: error})))
       : text === '' ? h('p', {class: 'quiet'}, t('log.empty'))
         : h('pre', {tabindex: '0', lang: 'en', role: 'group', 'aria-labelledby': 'tail-title'},
           text === null ? t('loading') : text.trimEnd().split('\n').slice(-12).join('\n')));
@@ -74,8 +74,7 @@ function detailRow(ctx, a, columns) {
   return h('tr', {key: `${a.name}-details`, class: 'details-row'}, h('td', {colspan: columns},
     h('div', {class: 'details'},
       facts([
-        a.message ? [t('reason'), quoted(a.message), a.code
-          ? h('span', {class: 'quiet'}, ` (${t('code', {code: a.code})})`) : null] : null,
+        a.message ? [t('reason'), quoted(a.message), codeNote(a.message, a.code)] : null,
         a.critical ? [t('critical'), t('critical.text')] : null,
         [t('pid'), a.pid ? String(a.pid) : '–'],
         process ? [t('threads'), String(process.threads)] : null,

@@ -1,12 +1,13 @@
 // Starts the page: the connection feeds the store, and each change of it draws the header and the view
 // that the address after '#' names.
-import {Connection, get, post} from './connection.js';
+import {Connection, get} from './connection.js';
 import {draw, h} from './dom.js';
 import {duration} from './format.js';
 import {confirmDialog} from './confirm.js';
 import {language, languageTag, otherLanguage, setLanguage, t} from './i18n.js';
 import {stopButton} from './estop.js';
-import {batteryBar, commands, levelShape, stateChip, stoppedChip} from './parts.js';
+import {loginDialog, logout} from './login.js';
+import {batteryBar, commands, docsLink, levelShape, plainText, stateChip, stoppedChip} from './parts.js';
 import {apply, freshness, initialState, mayAct, mayStop, recentFaults, statusOf} from './store.js';
 import * as actuators from './actuators.js';
 import * as application from './application.js';
@@ -34,7 +35,7 @@ const ctx = {
   ui: {said: [], alarm: '', acknowledged_ms: storedNumber(ACKNOWLEDGED)},  // what is chosen and open; each view has its own keys
   redraw,
   say(text) {
-    ctx.ui.said = [...ctx.ui.said.slice(-4), {text, key: ctx.now + Math.random()}];
+    ctx.ui.said = [...ctx.ui.said.slice(-4), {text: plainText(text), key: ctx.now + Math.random()}];
     redraw();
   },
   alarm(text) {
@@ -118,8 +119,7 @@ function headerPart(fresh) {
       stopButton(ctx)),
     h('nav', {'aria-label': t('nav')}, Object.keys(VIEWS).map(name => h('a', {key: name, href: `#${name}`,
       'aria-current': ctx.route.name === name ? 'page' : null}, t(`nav.${name}`))),
-    h('a', {key: 'docs', class: 'docs', href: language() === 'en' ? 'docs/' : 'docs/README.zh.html', target: '_blank',
-      rel: 'noopener'}, t('nav.docs'))),
+    docsLink()),
   ];
 }
 
@@ -140,10 +140,8 @@ function oldBanner() {
     t('banner.old.now')) : null);
 }
 
-async function logout() {
-  await post('api/logout', {}).catch(() => {});
-  location.reload();
-}
+const loginButton = () => h('button', {type: 'button', class: 'button small',
+  onclick: () => loginDialog(document.getElementById('dialogs'))}, t('login'));
 
 function banners(fresh) {
   const status = statusOf(ctx.state);
@@ -153,18 +151,21 @@ function banners(fresh) {
       h('button', {type: 'button', class: 'button small', onclick: () => ctx.alarm('')}, t('close'))) : null,
     status?.emergency_stop ? h('div', {class: 'banner bad', key: 'stop', role: 'alert'}, levelShape('bad'),
       h('p', null, h('b', null, t('stop.engaged')), ' ',
-      t('stop.by', {by: status.emergency_stop_by || '?', reason: status.emergency_stop_reason}))) : null,
-    ctx.ui.denied ? banner('warn', 'denied', commands(t('banner.denied'))) : fresh === 'old' ? oldBanner()
-      : null,
+      commands(t('stop.by', {by: status.emergency_stop_by || '?', reason: status.emergency_stop_reason})))) : null,
+    ctx.ui.denied ? h('div', {class: 'banner warn', key: 'denied'}, levelShape('warn'),
+      h('p', null, commands(t('banner.denied'))), loginButton()) : fresh === 'old' ? oldBanner() : null,
     fresh === 'gone' ? banner('bad', 'gone', commands(t('banner.gone'))) : null,
     fresh === 'waiting' ? banner('warn', 'waiting', commands(t('banner.waiting'))) : null,
     ctx.state.hello && !mayAct(ctx.state)
       ? h('div', {class: 'banner plain', key: 'look'}, h('p', {id: 'look-how'}, h('b', null, t('look.only')),
-        ' ', commands(t('look.how')), ' ', mayStop(ctx.state) ? t('stop.free') : commands(t('stop.also')))) : null,
+        ' ', commands(t('look.how')), ' ', mayStop(ctx.state) ? t('stop.free') : commands(t('stop.also'))),
+        loginButton()) : null,
     ctx.state.hello && mayAct(ctx.state)
       ? h('div', {class: 'banner plain', key: 'act'}, h('p', null,
         t('look.as', {who: ctx.state.hello.who || '?'})),
-        h('button', {type: 'button', class: 'link-button', onclick: logout}, t('logout'))) : null,
+        h('button', {type: 'button', class: 'link-button', onclick: () => logout(ctx, false)}, t('logout')),
+        h('button', {type: 'button', class: 'link-button', onclick: () => logout(ctx, true)}, t('logout.all')))
+      : null,
   ];
 }
 

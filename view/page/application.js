@@ -1,15 +1,19 @@
 // What the applications do: the state machine, the tree and the skills of an actuator, the present state lit.
 import {get} from './connection.js';
-import {chartsWithPresent, readChart} from './chart_text.js';
+import {chartsWithPresent, joined, neighbourhood, readChart} from './chart_text.js';
 import {h} from './dom.js';
 import {duration} from './format.js';
 import {layOut, pathOf} from './graph_layout.js';
 import {t} from './i18n.js';
-import {card, levelShape, quoted, shape} from './parts.js';
+import {card, commands, levelShape, quoted, shape} from './parts.js';
+import {skillsCard} from './skills.js';
+import {statusOf} from './store.js';
 
 const KINDS = {behavior_state: 'behavior', tree_state: 'tree'};
 const REQUEST_EVERY_MS = 1000;
 const MOST_LABELS = 14;
+const MOST_STATES = 12;  // of a chart that is drawn whole
+const MOST_NODES = 24;   // of a tree that is drawn whole
 
 // [{name, behavior: topic or '', tree: topic or '', skills: bool}], by the topics that are published.
 export function applicationsOf(topics, offers) {
@@ -62,12 +66,33 @@ function arrowHead([x, y], [, fromY]) {
   return `M${x.toFixed(1)} ${y.toFixed(1)}l-4.500 ${-8 * down}h9z`;
 }
 
+// Scrolls the present state into the middle of its chart, when it has changed.
+function keepInView(ctx, chart, present) {
+  const shown = (ctx.ui.charts ??= new Map());
+  const one = shown.get(chart.name) ?? {};
+  shown.set(chart.name, one);
+  const centre = element => {
+    const lit = element?.querySelector('.node.lit rect')?.getBoundingClientRect();
+    if (!lit) return;
+    const box = element.getBoundingClientRect();
+    element.scrollLeft += lit.left + lit.width / 2 - box.left - box.width / 2;
+    element.scrollTop += lit.top + lit.height / 2 - box.top - box.height / 2;
+  };
+  const mark = `${present} ${chart.states.length}`;
+  if (one.mark !== mark) requestAnimationFrame(() => centre(one.element));
+  one.mark = mark;
+  return element => {
+    one.element = element;
+    requestAnimationFrame(() => centre(element));
+  };
+}
+
 function graph(ctx, chart, present) {
   const laid = layoutOf(chart, present);
   const presentId = chart.states.find(s => s.name === present)?.id;
   const arrows = [...laid.arrows].sort((a, b) => Number(a.from === presentId) - Number(b.from === presentId));
   return h('div', {class: 'graph', key: chart.name, tabindex: '0', role: 'group',
-    'aria-label': t('app.graph', {name: chart.name, state: present || '–'})},
+    'aria-label': t('app.graph', {name: chart.name, state: present || '–'}), ref: keepInView(ctx, chart, present)},
   h('svg', {width: laid.width, height: laid.height, viewBox: `0 0 ${laid.width} ${laid.height}`,
     'aria-hidden': 'true'},
     arrows.map(a => h('g', {key: `${a.from} ${a.to} ${a.text}`,
@@ -94,6 +119,37 @@ function arrowList(chart) {
       a.text ? h('span', {class: 'quiet'}, `: ${a.text}`) : null))));
 }
 
+// A chart, of a large one the neighbourhood of its present state until a person asks for the rest.
+function chartPart(ctx, whole, present) {
+  const open = (ctx.ui.wholeCharts ??= new Set());
+  const {chart, folded} = open.has(whole.name) ? {chart: whole, folded: 0}
+    : neighbourhood(whole, present, MOST_STATES);
+  const toggle = () => {
+    if (!open.delete(whole.name)) open.add(whole.name);
+    ctx.redraw();
+  };
+  return [graph(ctx, joined(chart), present),
+    whole.states.length > MOST_STATES ? h('p', {class: 'buttons', key: `fold ${whole.name}`},
+      h('button', {type: 'button', class: 'button small', onclick: toggle, 'aria-pressed': String(folded === 0)},
+        folded > 0 ? t('app.whole', {count: whole.states.length}) : t('app.near'))) : null,
+    arrowList(whole)];
+}
+
+// A machine inside of a state: folded while it does not run; one that is at its end says so.
+function insidePart(ctx, chart, present) {
+  const state = chart.states.find(s => s.name === present);
+  if (!state) return h('details', {key: `in ${chart.name}`}, h('summary', null, t('app.inside.off',
+    {name: chart.name})), chartPart(ctx, chart, ''));
+  return h('div', {key: `in ${chart.name}`}, h('h3', null, chart.name, ' ',
+    state.final ? h('span', {class: 'pill tone-ok'}, t('app.finished')) : null), chartPart(ctx, chart, present));
+}
+
+// "off in LowPower" of an actuator that answers nothing there; null where it should.
+function offText(ctx, name) {
+  const actuator = statusOf(ctx.state)?.actuators?.find(a => a.name === name);
+  return actuator?.presence === 'present' && actuator.state !== 'Active' ? t('off.in', {state: actuator.state}) : null;
+}
+
 function behaviorCard(ctx, app) {
   const live = ctx.state.latest[app.behavior]?.message.data;
   const {value, error} = report(ctx, 'behavior', app.name, live ?? '');
@@ -101,15 +157,15 @@ function behaviorCard(ctx, app) {
   const chart = value ? readChart(value.graph, app.name) : null;
   const state = value?.operating_mode === 'SAFE_STOP' ? 'app.safe' : !present ? 'app.stopped' : value
     && !value.ticking ? 'app.paused' : 'app.running';
-  return card(t('app.machine'), {id: `behavior-${app.name}`, aside: h('span', {class: 'pill'}, t(state))},
-    h('p', {class: 'present-state'}, present || t('app.stopped')),
-    error ? h('p', {class: 'reason'}, t('failed', {why: error})) : null,
+  const off = offText(ctx, app.name);
+  return card(t('app.machine'), {id: `behavior-${app.name}`, aside: h('span', {class: 'pill'}, value?.ticking ? t(state) : off ?? t(state))},
+    h('p', {class: 'present-state'}, present || off || t('app.stopped')),
+    error ? h('p', {class: 'reason'}, commands(t('failed', {why: error}))) : null,
     value?.unsafe ? h('p', {class: 'outcome bad'}, levelShape('bad'), quoted(value.unsafe)) : null,
     value?.last_fault ? h('p', {class: 'reason'}, h('b', null, t('app.fault'), ': '),
       quoted(value.last_fault)) : null,
-    chart ? chartsWithPresent(chart, present).map(part => [part.chart === chart ? null
-      : h('h3', {key: `h ${part.chart.name}`}, part.chart.name),
-      graph(ctx, part.chart, part.present), arrowList(part.chart)]) : null,
+    chart ? chartsWithPresent(chart, present).map(part => part.chart === chart
+      ? chartPart(ctx, part.chart, part.present) : insidePart(ctx, part.chart, part.present)) : null,
     value?.history?.length ? [h('h3', null, t('app.changes')),
       h('ol', {class: 'lines changes', lang: 'en'}, value.history.slice(-8).reverse().map(c =>
       h('li', null, h('time', null, duration(c.time_s * 1000)), ` ${c.from || '·'} → ${c.to || '·'} `,
@@ -132,7 +188,19 @@ function treeNode(nodes, status, id) {
       h('span', {class: `status tone-${STATUS_TONES[code] ?? 'off'}`}, t(`node.${code}`)),
       node.kind === 'Control' || node.kind === 'Decorator' ? null
         : h('span', {class: 'quiet small'}, node.kind)),
-    children.length ? h('ul', null, children.map(child => treeNode(nodes, status, child))) : null);
+    childrenPart(nodes, status, id, children));
+}
+
+const sizeOf = (nodes, id) => nodes.reduce((sum, n, i) => sum + (n.parent === id ? 1 + sizeOf(nodes, i) : 0), 0);
+
+// Of a large tree the branches that do not run are folded, and say whether they are finished.
+function childrenPart(nodes, status, id, children) {
+  if (children.length === 0) return null;
+  const list = h('ul', {key: 'list'}, children.map(child => treeNode(nodes, status, child)));
+  const code = status[id] ?? 0;
+  if (nodes.length <= MOST_NODES || code === 1 || id === 0) return list;
+  return h('details', {key: 'folded'}, h('summary', null, t(code === 2 || code === 3 ? 'tree.finished' : 'tree.idle',
+    {count: sizeOf(nodes, id)})), list);
 }
 
 function treeCard(ctx, app) {
@@ -143,29 +211,12 @@ function treeCard(ctx, app) {
   const now = live ?? value?.state;
   const fault = now?.last_fault;
   return card(`${t('app.tree')}${now?.tree ? `: ${now.tree}` : ''}`, {id: `tree-${app.name}`,
-    aside: now ? h('span', {class: 'pill'}, t(now.ticking ? 'app.running' : 'app.paused')) : null},
-  error ? h('p', {class: 'reason'}, t('failed', {why: error})) : null,
+    aside: now ? h('span', {class: 'pill'}, now.ticking ? t('app.running')
+      : offText(ctx, app.name) ?? t('app.paused')) : null},
+  error ? h('p', {class: 'reason'}, commands(t('failed', {why: error}))) : null,
   fault ? h('p', {class: 'outcome bad'}, levelShape('bad'), quoted(fault)) : null,
   value?.nodes?.length ? h('ul', {class: 'tree'}, treeNode(value.nodes, status, 0)) : value
-    ? h('p', {class: 'quiet'}, t('app.stopped')) : h('p', null, t('loading')));
-}
-
-function skillItem(offer, feedback) {
-  return h('li', {key: offer.skill, class: 'skill'},
-    h('p', null, h('b', null, offer.skill), ' ', h('span', {class: 'quiet', lang: 'en'}, offer.summary)),
-    feedback ? [h('p', null, h('span', {class: `pill tone-${['busy', 'ok', 'bad', 'off'][feedback.status]}`},
-      t(`skill.${feedback.status}`)),
-      ` ${feedback.state} `, quoted(feedback.message)),
-    h('progress', {max: 100, value: feedback.progress, 'aria-label': `${offer.skill}: ${t('app.progress')}`}),
-    h('p', {class: 'quiet small', lang: 'en'},
-      (feedback.details ?? []).map(d => `${d.key} ${d.value}`).join(' · '))]
-      : h('p', {class: 'quiet small'}, t('app.skill.none')));
-}
-
-function skillsCard(ctx, app) {
-  const offers = ctx.state.offers[app.name]?.skills ?? [];
-  return card(t('app.skills'), {id: `skills-${app.name}`}, h('ul', {class: 'skills'},
-    offers.map(offer => skillItem(offer, ctx.state.feedback[`${app.name} ${offer.skill}`]))));
+    ? h('p', {class: 'quiet'}, t('app.stopped')) : error ? null : h('p', null, offText(ctx, app.name) ?? t('loading')));
 }
 
 export function leave(ctx) {
@@ -185,6 +236,6 @@ export function view(ctx) {
         a.name))),
     h('div', {key: app.name}, app.behavior ? behaviorCard(ctx, app) : null,
       app.tree ? treeCard(ctx, app) : null,
-      app.skills ? skillsCard(ctx, app) : null)];
+      app.skills ? skillsCard(ctx, app.name) : null)];
 }
 

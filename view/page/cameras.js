@@ -3,14 +3,16 @@
 import {h} from './dom.js';
 import {duration} from './format.js';
 import {t} from './i18n.js';
-import {card} from './parts.js';
-import {robotNow} from './store.js';
+import {card, commands} from './parts.js';
+import {robotNow, statusOf} from './store.js';
 
 const TYPES = new Set(['sensor_msgs/msg/Image', 'sensor_msgs/msg/CompressedImage']);
 const RETRY_MS = 1000;
 
+// The front cameras first: a picture in colour, then the others.
+const rank = name => (/front|rgb|color|colour/.test(name) ? 0 : /rear|back|depth/.test(name) ? 2 : 1);
 export const camerasOf = topics => topics.filter(topic => TYPES.has(topic.type) && topic.publishers > 0)
-  .map(topic => topic.name).sort();
+  .map(topic => topic.name).sort((a, b) => rank(a) - rank(b) || (a < b ? -1 : 1));
 
 // Fetches and draws until `camera.canvas` is taken away.
 async function run(ctx, topic, camera, canvas) {
@@ -48,9 +50,12 @@ async function run(ctx, topic, camera, canvas) {
 }
 
 function textOf(ctx, camera) {
-  if (camera.error) return t('failed', {why: camera.error});
+  if (camera.error) return commands(t('failed', {why: camera.error}));
+  if (camera.waiting) {
+    const state = statusOf(ctx.state)?.state;
+    return state && state !== 'Active' ? t('off.in', {state}) : t('cameras.wait');
+  }
   if (camera.times.length === 0) return t('loading');
-  if (camera.waiting) return t('cameras.wait');
   const span = camera.times.at(-1) - camera.times[0];
   const rate = span > 0 ? (((camera.times.length - 1) * 1000) / span).toFixed(span > 5000 ? 1 : 0) : '–';
   return t('cameras.age', {rate, age: duration(robotNow(ctx.state, ctx.now) - camera.stamp)});

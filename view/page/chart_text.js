@@ -39,6 +39,33 @@ export function readChart(text, name = '') {
   return stack[0];
 }
 
+// The chart with one arrow from a state to another, for all that lead there: "a heart is seen (+2)".
+export function joined(chart) {
+  const arrows = new Map();
+  for (const {from, to, text} of chart.arrows) {
+    const key = `${from} ${to}`;
+    const one = arrows.get(key) ?? {from, to, texts: []};
+    if (text && !one.texts.includes(text)) one.texts.push(text);
+    arrows.set(key, one);
+  }
+  return {...chart, arrows: [...arrows.values()].map(({from, to, texts}) => ({from, to,
+    text: texts.length > 1 ? `${texts[0]} (+${texts.length - 1})` : texts[0] ?? ''}))};
+}
+
+// Of a chart with more than `most` states the present one (else the start), where it leads and what leads to
+// it, at most `most` states; of another one all. `folded`: how many states are left out.
+export function neighbourhood(chart, present, most) {
+  const centre = (chart.states.find(s => s.name === present) ?? chart.states.find(s => s.id === chart.start)
+    ?? chart.states[0])?.id;
+  if (chart.states.length <= most) return {chart, folded: 0};
+  const around = [...chart.arrows.filter(a => a.from === centre), ...chart.arrows.filter(a => a.to === centre)];
+  const near = new Set([centre]);
+  for (const id of around.map(a => (a.from === centre ? a.to : a.from))) if (near.size < most) near.add(id);
+  const states = chart.states.filter(s => near.has(s.id));
+  const arrows = around.filter((a, i) => near.has(a.from) && near.has(a.to) && around.indexOf(a) === i);
+  return {chart: {...chart, states, arrows}, folded: chart.states.length - states.length};
+}
+
 // The chart and those inside of its states, each with the name of its present state ("" for none).
 export function chartsWithPresent(chart, path) {
   const [present = '', ...rest] = (path ?? '').split('/');

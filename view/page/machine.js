@@ -2,9 +2,10 @@
 import {h} from './dom.js';
 import {duration, when} from './format.js';
 import {t} from './i18n.js';
-import {batteryBar, card, commands, facts, levelShape, quoted, stateChip, stateMeaning, stoppedChip} from './parts.js';
+import {batteryBar, card, codeNote, commands, docsLink, facts, levelShape, quoted, stateChip, stateMeaning,
+  stoppedChip} from './parts.js';
 import {capabilitiesOf, freshness, levelOf, problems, recentFaults, robotNow, stateSince, statusOf} from './store.js';
-import {switchCard} from './switch.js';
+import {requestPlan, switchCard} from './switch.js';
 import {eventRow} from './why.js';
 
 // Events that come once for each actuator, and would hide the others.
@@ -35,15 +36,24 @@ function summaryOfActuators(status) {
     h('a', {key: state, href: '#actuators'}, h('span', null, count), ' ', stateChip(state))));
 }
 
+// What the advice asks for, where it is a switch: its plan is shown first.
+function adviceButton(ctx, problem) {
+  const target = {set_again: statusOf(ctx.state).state, self_check: 'SelfCheck'}[problem.advice];
+  if (!target) return null;
+  return h('p', {class: 'buttons'}, h('button', {type: 'button', class: 'button small',
+    onclick: () => requestPlan(ctx, target, '')},
+  problem.advice === 'set_again' ? t('switch.again', {state: target}) : t('switch.go', {state: target})));
+}
+
 function problemItem(ctx, problem) {
   const actuator = problem.id.startsWith('actuator ');
   return h('li', {key: problem.id, class: `problem ${problem.level}`}, levelShape(problem.level),
     h('div', null,
       h('h3', null, h('span', {class: 'hidden'}, t(`level.${problem.level}`), ': '),
         t(problem.what, {name: problem.name})),
-      problem.why ? h('p', {class: 'reason'}, quoted(problem.why),
-        problem.code ? h('span', {class: 'quiet'}, ` (${t('code', {code: problem.code})})`) : null) : null,
+      problem.why ? h('p', {class: 'reason'}, quoted(problem.why), codeNote(problem.why, problem.code)) : null,
       h('p', {class: 'advice'}, h('b', null, t('advice')), ' ', t(`advice.${problem.advice}`)),
+      adviceButton(ctx, problem),
       h('p', {class: 'links'},
         actuator ? h('a', {href: `#actuators/${encodeURIComponent(problem.name)}`}, t('wrong.see')) : null,
         actuator || problem.id === 'stop' || problem.id === 'start'
@@ -128,12 +138,13 @@ function aboutCard(ctx, status) {
     [t('about.namespace'), status.name_space || '/'],
     [t('about.starts'), String(status.epoch)],
     [t('about.version'), ctx.state.hello?.version ?? ''],
-  ]));
+  ]), h('p', {class: 'links'}, docsLink()));
 }
 
 export function view(ctx) {
   const status = statusOf(ctx.state);
-  if (!status) return [h('h1', {class: 'hidden'}, t('nav.robot')), h('p', {class: 'loading'}, t('loading'))];
+  if (!status) return [h('h1', {class: 'hidden'}, t('nav.robot')),
+    freshness(ctx.state, ctx.now) === 'waiting' ? null : h('p', {class: 'loading'}, t('loading'))];
   return [h('h1', {class: 'hidden'}, t('nav.robot')), h('div', {class: 'board'},
     h('div', {class: 'column', key: 'main'}, stateCard(ctx, status), attentionCard(ctx, status),
       switchCard(ctx, status)),

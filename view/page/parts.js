@@ -1,6 +1,6 @@
 // Small parts that several views draw: a state with its shape, a card, a button that needs the login.
 import {h} from './dom.js';
-import {has, t} from './i18n.js';
+import {has, language, t} from './i18n.js';
 import {mayAct} from './store.js';
 
 // Every state has a shape and a tone, so that it is known without colours too.
@@ -66,7 +66,11 @@ export function stateMeaning(state) {
 }
 
 // What the robot itself wrote, in its own language.
-export const quoted = text => h('span', {lang: 'en'}, text);
+export const quoted = text => h('span', {lang: 'en'}, commands(text ?? ''));
+
+// The code beside a sentence that does not have it yet.
+export const codeNote = (text, code) => (code && !(text ?? '').includes(String(code))
+  ? h('span', {class: 'quiet'}, ` (${t('code', {code})})`) : null);
 
 export function card(title, props, ...children) {
   const id = props.id ?? `card-${title}`.replace(/\W+/g, '-');
@@ -97,5 +101,9 @@ export function lookHint(ctx) {
 export function commands(text) {
   return text.split('`').map((part, i) => (i % 2 === 1 ? h('code', null, part) : part));
 }
+
+// In the header where it has room, else below the last card.
+export const docsLink = () => h('a', {key: 'docs', class: 'docs', target: '_blank', rel: 'noopener',
+  href: language() === 'en' ? 'docs/' : 'docs/README.zh.html'}, t('nav.docs'));
 
 export const plainText = text => text.replaceAll('`', '');

@@ -4,9 +4,8 @@ import {post} from './connection.js';
 import {h} from './dom.js';
 import {duration} from './format.js';
 import {t} from './i18n.js';
-import {actButton, card, levelShape, lookHint, quoted, stateChip} from './parts.js';
+import {actButton, card, codeNote, commands, levelShape, lookHint, quoted, stateChip} from './parts.js';
 import {legState, mayAct, offeredStates} from './store.js';
-
 
 export async function requestPlan(ctx, target, actuator) {
   const change = {target, actuator, step: 'requesting'};
@@ -113,8 +112,7 @@ function outcomePart(change) {
     : 'bad';
   return h('div', {class: `outcome ${level}`}, levelShape(level), h('div', null,
     h('b', null, t(`outcome.${answer.outcome}`, {state: answer.state ?? ''})),
-    answer.reason ? h('p', {class: 'reason'}, quoted(answer.reason),
-      answer.code ? h('span', {class: 'quiet'}, ` (${t('code', {code: answer.code})})`) : null) : null));
+    answer.reason ? h('p', {class: 'reason'}, quoted(answer.reason), codeNote(answer.reason, answer.code)) : null));
 }
 
 function planButtons(ctx, change) {
@@ -141,14 +139,14 @@ function planPart(ctx, status) {
     'aria-labelledby': 'plan-title'},
     h('h3', {id: 'plan-title'}, change.actuator ? `${change.actuator}: ` : '',
       t('switch.plan', {from: plan?.state ?? status.state, to: change.target})),
-    change.error ? h('p', {class: 'outcome bad'}, levelShape('bad'), t('failed', {why: change.error})) : null,
+    change.error ? h('p', {class: 'outcome bad'}, levelShape('bad'),
+      h('span', null, commands(t('failed', {why: change.error})))) : null,
     refused ? h('div', {class: 'outcome bad'}, levelShape('bad'),
       h('div', null, h('b', null, t('switch.refused.plan')),
-      h('p', {class: 'reason'}, quoted(plan.reason), plan.code
-        ? h('span', {class: 'quiet'}, ` (${t('code', {code: plan.code})})`) : null))) : null,
+      h('p', {class: 'reason'}, quoted(plan.reason), codeNote(plan.reason, plan.code)))) : null,
     plan?.allowed && change.step === 'plan' ? h('p', {class: 'quiet'}, t(`switch.${plan.direction}`)) : null,
     plan?.allowed && change.step === 'plan' && change.target === 'TearDown'
-      ? h('p', {class: 'outcome warn'}, levelShape('warn'), t('switch.off')) : null,
+      ? h('p', {class: 'outcome warn'}, levelShape('warn'), h('span', null, commands(t('switch.off')))) : null,
     change.answer ? outcomePart(change) : null,
     plan && plan.steps?.length ? planList(change, status) : null,
     planButtons(ctx, change));

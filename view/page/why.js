@@ -2,7 +2,7 @@
 import {h} from './dom.js';
 import {clockFine, day, duration} from './format.js';
 import {t} from './i18n.js';
-import {levelShape, quoted, shape} from './parts.js';
+import {commands, levelShape, quoted, shape} from './parts.js';
 import {levelOf} from './store.js';
 
 const DOT = 'M8 5a3 3 0 1 0 0 6a3 3 0 0 0 0-6z';
@@ -13,7 +13,7 @@ export function eventRow(entry, {time, open = false} = {}) {
   return h('li', {key: keyOf(entry), class: `event ${level}${open ? ' chosen' : ''}`},
     h('time', {datetime: new Date(entry.ms).toISOString()}, time),
     level ? levelShape(level) : shape(DOT, 'tone-off'),
-    h('a', {class: 'event-text', lang: 'en', href: `#timeline/${entry.epoch}/${entry.id}`}, entry.message));
+    h('a', {class: 'event-text', lang: 'en', href: `#timeline/${entry.epoch}/${entry.id}`}, commands(entry.message)));
 }
 
 // The entry and its causes, as far as they are known: {chain, complete}.

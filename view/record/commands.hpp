@@ -51,6 +51,9 @@ int RunRecover(const std::string& damaged, const std::string& out);
 // Prints "musher-record: <message>" to stderr and returns the exit code.
 int Fail(const Error& error, int exit = 2);
 void Say(const std::string& sentence);
+// Whether stderr is one; ShowLine() replaces a line on it, which the next Say() overwrites.
+bool OnTerminal();
+void ShowLine(const std::string& line);
 
 // The node of this program, without a name in ROS 2's list.
 Result<std::unique_ptr<transport::Node>> JoinDomain(transport::EventLoop& loop,

@@ -1,5 +1,6 @@
 #include <signal.h>
 #include <sys/signalfd.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -10,7 +11,16 @@
 
 namespace musher::view {
 
+bool OnTerminal() {
+  return isatty(STDERR_FILENO) == 1;
+}
+
+void ShowLine(const std::string& line) {
+  std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
+}
+
 void Say(const std::string& sentence) {
+  if (OnTerminal()) ShowLine("");  // over the line that shows the progress
   std::fprintf(stderr, "musher-record: %s\n", sentence.c_str());
 }
 

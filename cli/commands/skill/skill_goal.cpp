@@ -2,10 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-
-#include "musher/transport/goal_id_text.hpp"
-
 namespace musher::cli {
 namespace {
 
@@ -18,21 +14,6 @@ SkillOutcome SkillOutcomeOf(transport::GoalEnd end, const std::string& status) {
 }
 
 }  // namespace
-
-std::string GoalIdText(const transport::GoalId& id) {
-  return transport::GoalIdText(id);
-}
-
-std::optional<transport::GoalId> ReadGoalId(std::string_view text) {
-  transport::GoalId id{};
-  if (text.size() != 2 * id.size()) return std::nullopt;
-  for (std::size_t i = 0; i < id.size(); ++i) {
-    const char* const begin = text.data() + 2 * i;
-    const auto [stop, error] = std::from_chars(begin, begin + 2, id.at(i), 16);
-    if (error != std::errc() || stop != begin + 2) return std::nullopt;
-  }
-  return id;
-}
 
 std::optional<SkillOutcome> UnansweredOutcome(transport::GoalEnd end, bool accepted) {
   if (end == transport::GoalEnd::kRejected) return SkillOutcome::kRefused;

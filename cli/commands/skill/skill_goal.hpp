@@ -9,13 +9,12 @@
 #include "musher/cli/render/skill.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/action.hpp"
+#include "musher/transport/goal_id_text.hpp"
 
 namespace musher::cli {
 
-// 32 hexadecimal digits.
-std::string GoalIdText(const transport::GoalId& id);
-// None: another text.
-std::optional<transport::GoalId> ReadGoalId(std::string_view text);
+using transport::GoalIdText;
+using transport::ReadGoalId;
 
 // Sets outcome, message and progress from the end of a goal, which its actuator has accepted or
 // not.

@@ -78,13 +78,14 @@ TEST_F(BehaviorCommand, PrintsJson) {
   Begin(show);
   const Ran ran = RunProgram({"--json", "behavior", "show", "--history", "1"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
-  EXPECT_EQ(ran.out,
-            R"({"name":"show","running":true,"ticking":true,"held_by_stop":false,"state":"PLAY",)"
-            R"("mode":"NORMAL",)"
-            R"("ticks":7,"safety_triggered":false,"unsafe":"","time_s":0.14,)"
-            R"("time_in_state_s":0.04,"last_fault":"","history":[{"time_s":0.1,"tick":5,)"
-            R"("from":"GREET","to":"PLAY","cause":"decided","command":""}]})"
-            "\n");
+  EXPECT_EQ(
+      ran.out,
+      R"({"actuator":"show","running":true,"ticking":true,"held_by_stop":false,"state":"PLAY",)"
+      R"("mode":"NORMAL",)"
+      R"("ticks":7,"safety_triggered":false,"unsafe":null,"time_s":0.14,)"
+      R"("time_in_state_s":0.04,"last_fault":null,"history":[{"time_s":0.1,"tick":5,)"
+      R"("from":"GREET","to":"PLAY","cause":"decided","command":null}]})"
+      "\n");
 }
 
 TEST_F(BehaviorCommand, SendsACommandThatTheApplicationRegistered) {
@@ -173,10 +174,10 @@ TEST_F(BehaviorCommand, SuggestsTheNearestActuatorWhereNoneOfThatNameRuns) {
   ActuatorRunner<Show> show;
   Begin(show);
   const Ran ran = RunProgram({"behavior", "shwo"});
-  EXPECT_EQ(ran.exit, 3);
+  EXPECT_EQ(ran.exit, 2);
   EXPECT_EQ(ran.err, "musher: no actuator 'shwo' in the default namespace; did you mean 'show'?\n");
   const Ran graph = RunProgram({"graph", "--behavior", "camera"});
-  EXPECT_EQ(graph.exit, 3);
+  EXPECT_EQ(graph.exit, 2);
   EXPECT_EQ(graph.err, "musher: no actuator 'camera' in the default namespace; running: show\n");
 }
 

@@ -33,7 +33,7 @@ TEST_F(Capabilities, AnswerAScriptWithAnExitCode) {
   const Ended refused = Musher({"capabilities", "jump"});
   EXPECT_EQ(refused.exit, 1);
   EXPECT_THAT(refused.out, HasSubstr("jump needs at least 50 % of the battery; its level is not "
-                                     "known (113 (Robot: ProtectedError))"));
+                                     "known (113 Robot: ProtectedError)"));
   const Ended unknown = Musher({"capabilities", "guid"});
   EXPECT_EQ(unknown.exit, 1);
   EXPECT_THAT(unknown.err, HasSubstr("did you mean 'guide'?"));

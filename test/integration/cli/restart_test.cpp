@@ -63,7 +63,7 @@ TEST_F(Restart, ByHandExitsWithOneAndTheReasonWhenTheActuatorStaysLost) {
 TEST_F(Restart, ByHandSuggestsTheNameThatWasMeant) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended restart = Musher({"restart", "vioce"});
-  EXPECT_EQ(restart.exit, 1);
+  EXPECT_EQ(restart.exit, 2);
   EXPECT_THAT(restart.err,
               HasSubstr("there is no actuator 'vioce'; did you mean 'voice'? There are "
                         "legs, voice and eyes"));

@@ -21,7 +21,7 @@ TEST_F(Statuses, BeginWithWhatTheCommandBeforeHasDone) {
     ASSERT_EQ(Musher({"set", state}).exit, 0);
     const auto status = AwaitStatus(Any);
     EXPECT_EQ(status["state"], state);
-    EXPECT_EQ(status["target"], "");
+    EXPECT_TRUE(status["target"].is_null());
     EXPECT_EQ(status, Status());
   }
 }

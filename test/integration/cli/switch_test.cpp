@@ -72,24 +72,37 @@ TEST_F(Set, SwitchesOneActuatorWhichThenIsHeld) {
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("held"));
 }
 
-TEST_F(Set, ExitsWithOneAndAReasonWhenItIsRefused) {
+TEST_F(Set, ExitsWithTwoAndAReasonWhenTheMachineHasNoSuchStateOrActuator) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended set = Musher({"set", "LowPwer", "--json"});
-  EXPECT_EQ(set.exit, 1);
+  EXPECT_EQ(set.exit, 2);
   EXPECT_THAT(set.err, HasSubstr("did you mean 'LowPower'?"));
   const auto result = Json(set.out);
   EXPECT_EQ(result["outcome"], "refused");
   EXPECT_NE(result["code"], 0);
   EXPECT_EQ(result["state"], "Active");
   const Ended unknown = Musher({"set", "Active", "tail"});
-  EXPECT_EQ(unknown.exit, 1);
+  EXPECT_EQ(unknown.exit, 2);
   EXPECT_EQ(unknown.out, "refused: nothing switched\n");
   EXPECT_EQ(unknown.err,
             "musher: tail to Active is refused: there is no actuator 'tail'; there are legs, voice "
             "and eyes\n");
   EXPECT_THAT(Musher({"plan", "Active", "leg"}).err,
               HasSubstr("there is no actuator 'leg'; did you mean 'legs'? There are legs, voice "));
-  EXPECT_EQ(Musher({"set", std::string(100'000, 'x')}).exit, 1);
+  EXPECT_EQ(Musher({"set", std::string(100'000, 'x')}).exit, 2);
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"set", "Active", "leg"},
+                                                {"plan", "Active", "leg"},
+                                                {"wait", "Active", "leg"},
+                                                {"restart", "leg"},
+                                                {"describe", "leg"},
+                                                {"logs", "leg"},
+                                                {"history", "--actuator", "leg"},
+                                                {"behavior", "leg"},
+                                                {"behavior", "leg", "--tree"}}) {
+    const Ended ended = Musher(words);
+    EXPECT_EQ(ended.exit, 2) << words[0] << ": " << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("did you mean 'legs'?")) << words[0];
+  }
   EXPECT_EQ(Status()["state"], "Active");
 }
 

@@ -228,7 +228,7 @@ TEST_F(SensorManagerProcess, ReportsALidarThatFallsSilentAndDoesNotGetUpWithoutI
   ASSERT_TRUE(peer_.Until([&] { return error.has_value(); })) << peer_.Output();
   EXPECT_EQ(error->name, "sensor_manager");
   EXPECT_EQ(error->code, 2107);
-  EXPECT_THAT(peer_.Output(), HasSubstr("lidar: silent for 1000 ms (2107 (Lidar: Timeout))"));
+  EXPECT_THAT(peer_.Output(), HasSubstr("lidar: silent for 1000 ms (2107 Lidar: Timeout)"));
   ExpectDone("LowPower");
   const auto up = peer_.Switch("Active");
   ASSERT_TRUE(up);

@@ -29,7 +29,7 @@ Random Counting() {
 
 TEST(Login, BeginsASessionWithACode) {
   Login login(Counting(), kToken);
-  const std::string code = login.NewCode("anna", kStart);
+  const std::string code = login.NewCode("anna", kStart).code;
   const auto session = login.Redeem(code, "192.168.1.7", kStart);
   ASSERT_TRUE(session.ok());
   EXPECT_NE(session.value(), code);
@@ -40,7 +40,7 @@ TEST(Login, BeginsASessionWithACode) {
 
 TEST(Login, TakesACodeOnce) {
   Login login(Counting(), kToken);
-  const std::string code = login.NewCode("anna", kStart);
+  const std::string code = login.NewCode("anna", kStart).code;
   ASSERT_TRUE(login.Redeem(code, "::1", kStart).ok());
   const auto again = login.Redeem(code, "::1", kStart);
   ASSERT_FALSE(again.ok());
@@ -50,8 +50,8 @@ TEST(Login, TakesACodeOnce) {
 
 TEST(Login, TakesACodeForTenMinutes) {
   Login login(Counting(), kToken);
-  const std::string one = login.NewCode("", kStart);
-  const std::string two = login.NewCode("", kStart);
+  const std::string one = login.NewCode("", kStart).code;
+  const std::string two = login.NewCode("", kStart).code;
   EXPECT_TRUE(login.Redeem(one, "::1", kStart + kCodeTime - Duration(1)).ok());
   const auto late = login.Redeem(two, "::1", kStart + kCodeTime);
   ASSERT_FALSE(late.ok());
@@ -60,7 +60,7 @@ TEST(Login, TakesACodeForTenMinutes) {
 
 TEST(Login, EndsASessionAfterTwelveHoursWithoutARequest) {
   Login login(Counting(), kToken);
-  const auto session = login.Redeem(login.NewCode("", kStart), "::1", kStart).value();
+  const auto session = login.Redeem(login.NewCode("", kStart).code, "::1", kStart).value();
   EXPECT_EQ(login.Find(session, kStart + kSessionTime - Duration(1)), "::1");
   EXPECT_EQ(login.Find(session, kStart + 2 * kSessionTime - Duration(2)), "::1");
   EXPECT_EQ(login.Find(session, kStart + 3 * kSessionTime), std::nullopt);
@@ -68,28 +68,91 @@ TEST(Login, EndsASessionAfterTwelveHoursWithoutARequest) {
 
 TEST(Login, EndsASessionOnRequest) {
   Login login(Counting(), kToken);
-  const auto session = login.Redeem(login.NewCode("", kStart), "::1", kStart).value();
+  const auto session = login.Redeem(login.NewCode("", kStart).code, "::1", kStart).value();
   login.End(session);
   EXPECT_EQ(login.Find(session, kStart), std::nullopt);
 }
 
 TEST(Login, KeepsTheSessionsThatAreUsed) {
   Login login(Counting(), kToken);
-  const auto first = login.Redeem(login.NewCode("", kStart), "::1", kStart).value();
-  const auto idle = login.Redeem(login.NewCode("", kStart), "::1", kStart).value();
+  const auto first = login.Redeem(login.NewCode("", kStart).code, "::1", kStart).value();
+  const auto idle = login.Redeem(login.NewCode("", kStart).code, "::1", kStart).value();
   for (std::size_t i = 1; i < kMaxSessions; ++i) {
     const Time now = kStart + std::chrono::seconds(i);
     EXPECT_TRUE(login.Find(first, now).has_value());
-    EXPECT_TRUE(login.Redeem(login.NewCode("", now), "::1", now).ok());
+    EXPECT_TRUE(login.Redeem(login.NewCode("", now).code, "::1", now).ok());
   }
   EXPECT_EQ(login.sessions(), kMaxSessions);
   EXPECT_EQ(login.Find(idle, kStart + std::chrono::minutes(5)), std::nullopt);
   EXPECT_TRUE(login.Find(first, kStart + std::chrono::minutes(5)).has_value());
 }
 
+TEST(Login, BeginsASessionWithAPin) {
+  Login login(Counting(), kToken);
+  const LoginCode code = login.NewCode("anna", kStart);
+  ASSERT_THAT(code.pin, testing::MatchesRegex("[0-9]{6}"));
+  const std::string typed = code.pin.substr(0, 3) + " " + code.pin.substr(3);
+  const auto session = login.RedeemPin(typed, "10.0.0.9", kStart);
+  ASSERT_TRUE(session.ok());
+  EXPECT_EQ(login.Find(session.value(), kStart), "anna (10.0.0.9)");
+  EXPECT_THAT(login.RedeemPin(code.pin, "10.0.0.9", kStart).error().message,
+              HasSubstr("no PIN is valid now"));
+  EXPECT_THAT(login.Redeem(code.code, "10.0.0.9", kStart).error().message,
+              HasSubstr("the link was used already"));
+}
+
+TEST(Login, TakesAPinForTenMinutesAndOnlyThatOfTheNewestCode) {
+  Login login(Counting(), kToken);
+  const LoginCode old = login.NewCode("anna", kStart);
+  const LoginCode code = login.NewCode("ben", kStart);
+  EXPECT_FALSE(login.RedeemPin(old.pin, "::1", kStart).ok());
+  EXPECT_TRUE(login.Redeem(old.code, "::1", kStart).ok()) << "the link of anna stays valid";
+  EXPECT_FALSE(login.RedeemPin(code.pin, "::1", kStart + kCodeTime).ok());
+}
+
+TEST(Login, EndsAPinThatIsGuessedFromManyAddresses) {
+  Login login(Counting(), kToken);
+  const LoginCode code = login.NewCode("anna", kStart);
+  const std::string wrong = code.pin == "000000" ? "000001" : "000000";
+  for (std::size_t i = 0; i < kMaxWrongPins; ++i) {
+    EXPECT_FALSE(login.RedeemPin(wrong, "10.0.0." + std::to_string(i), kStart).ok());
+  }
+  EXPECT_FALSE(login.RedeemPin(code.pin, "10.0.0.99", kStart).ok());
+  EXPECT_TRUE(login.Redeem(code.code, "10.0.0.99", kStart).ok());
+  EXPECT_FALSE(login.RedeemPin("", "10.0.0.99", kStart).ok());
+}
+
+TEST(Login, KeepsSessionsOverARestartWithTheirRestOfTime) {
+  Login login(Counting(), kToken);
+  const auto session = login.Redeem(login.NewCode("anna", kStart).code, "::1", kStart).value();
+  const auto hour = std::chrono::hours(1);
+  const std::vector<KeptSession> kept = login.Kept(kStart + hour);
+  EXPECT_THAT(kept, testing::ElementsAre(KeptSession{session, "anna (::1)", hour}));
+  const Time boot{std::chrono::seconds(30)};  // steady time begins again
+  Login next(Counting(), kToken);
+  next.Restore(kept, boot);
+  EXPECT_TRUE(next.Lives(session, boot));
+  EXPECT_EQ(next.Find(session, boot + kSessionTime - hour - Duration(1)), "anna (::1)");
+  Login late(Counting(), kToken);
+  late.Restore(kept, boot);
+  EXPECT_EQ(late.Find(session, boot + kSessionTime - hour), std::nullopt);
+  EXPECT_FALSE(late.Lives(session, boot + kSessionTime - hour));
+  EXPECT_THAT(late.Kept(boot + kSessionTime - hour), testing::IsEmpty());
+}
+
+TEST(Login, EndsAllSessionsAndUnusedCodes) {
+  Login login(Counting(), kToken);
+  const auto session = login.Redeem(login.NewCode("", kStart).code, "::1", kStart).value();
+  const LoginCode unused = login.NewCode("", kStart);
+  login.EndAll();
+  EXPECT_EQ(login.Find(session, kStart), std::nullopt);
+  EXPECT_FALSE(login.Redeem(unused.code, "::1", kStart).ok());
+  EXPECT_FALSE(login.RedeemPin(unused.pin, "::1", kStart).ok());
+}
+
 TEST(Login, MakesAnAddressWaitThatGuesses) {
   Login login(Counting(), kToken);
-  const std::string code = login.NewCode("", kStart);
+  const std::string code = login.NewCode("", kStart).code;
   for (std::size_t i = 0; i < kMaxFailures; ++i) {
     EXPECT_THAT(login.Redeem("guess", "10.0.0.9", kStart).error().message,
                 HasSubstr("the link is not valid"));
@@ -113,7 +176,7 @@ TEST(Login, ComparesTheToken) {
 
 TEST(Login, HasOneLineForAPerson) {
   Login login(Counting(), kToken);
-  const std::string code = login.NewCode("anna\nroot" + std::string(100, 'x'), kStart);
+  const std::string code = login.NewCode("anna\nroot" + std::string(100, 'x'), kStart).code;
   const std::string person = *login.Find(login.Redeem(code, "::1", kStart).value(), kStart);
   EXPECT_THAT(person, HasSubstr("anna?root"));
   EXPECT_LT(person.size(), 80u);
@@ -126,7 +189,7 @@ RC_GTEST_PROP(Login, NeedsNoMoreMemoryInTheLongRun, (const std::vector<std::uint
   for (const std::uint8_t step : steps) {
     for (int i = 0; i < 20; ++i) {
       now += std::chrono::seconds(step);
-      if (step % 3 == 0) code = login.NewCode("a", now);
+      if (step % 3 == 0) code = login.NewCode("a", now).code;
       if (step % 3 == 1) std::ignore = login.Redeem(code, std::to_string(step), now);
       if (step % 3 == 2) std::ignore = login.MayMakeLinks(code, std::to_string(i), now);
     }

@@ -169,6 +169,30 @@ test('a person ends the login on the page, and looks on', async () => {
   await close();
 });
 
+test('a login by a PIN outlives a restart of the server, and ends by a command', async () => {
+  const free = net.createServer().listen(0, '127.0.0.1');
+  await once(free, 'listening');
+  const port = String(free.address().port);
+  free.close();
+  await once(free, 'close');
+  const first = await robot.view('--port', port);
+  const to = (path, body, cookie) => fetch(new URL(path, first.url),
+    {method: 'POST', body: JSON.stringify(body), headers: cookie ? {cookie} : {}});
+  const wrong = first.pin === '000000' ? '000001' : '000000';
+  assert.equal((await to('api/login', {pin: wrong})).status, 403);
+  const answer = await to('api/login', {pin: first.pin});
+  assert.equal(answer.status, 200);
+  const cookie = answer.headers.get('set-cookie').split(';')[0];
+  const mayAct = async () => (await to('api/restart', {actuator: 'none'}, cookie)).status === 404;
+  assert.ok(await mayAct());
+  first.child.kill('SIGKILL');
+  await once(first.child, 'exit');
+  await robot.view('--port', port);
+  assert.ok(await mayAct(), 'the session is that of before');
+  execFileSync(`${process.env.MUSHER_BIN}/musher-view`, ['--port', port, '--logout'], {env: robot.env});
+  assert.ok(!await mayAct());
+});
+
 test('bad requests are refused with a sentence', async () => {
   const cookie = await session();
   for (const [path, body, status] of [['api/set', [], 400], ['api/plan', 7, 400], ['api/nothing', {}, 404],

@@ -37,6 +37,8 @@ export class MockRobot {
     this.behavior = 'WATCH';
     this.treeStatus = [1, 2, 1, 2, 1, 0, 0];
     this.progress = 40;
+    this.skillStatus = 0;
+    this.large = false;
     this.pastDay(startMs);
   }
 
@@ -171,15 +173,25 @@ export class MockRobot {
         {actuator: 'skills', action: '/skill_execution',
         skills: [{skill: 'goto', summary: 'drives to a place of the map',
           parameters: ['x_m: number', 'y_m: number']},
-          {skill: 'take_photo', summary: 'takes a picture and stores it', parameters: []}]});
+          {skill: 'take_photo', summary: 'takes a picture and stores it',
+            parameters: ['name: text, required', 'delay_s: number, default 0, 0 to 10']}]});
     }
     if (topic === '/skill_feedback') {
       return this.latest(topic, 'musher_msgs/msg/SkillFeedback',
-        {header: {}, actuator: 'skills', skill: 'goto', goal_id: '00', status: 0,
+        {header: {}, actuator: 'skills', skill: 'goto', goal_id: '00', status: this.skillStatus,
         state: 'MOVING', progress: this.progress, message: 'Driving to the goal',
           details: [{key: 'distance_to_goal_m', value: '1.25'}]});
     }
     return null;
+  }
+
+  // A machine of many states, as a race has: each leads to the next one and back to the start.
+  largeBehavior() {
+    const states = Array.from({length: 40}, (_, i) => `SECTION_${i}`);
+    const arrows = states.flatMap((_, i) => [[i, (i + 1) % 40, 'the line is passed'],
+      [i, (i + 1) % 40, 'the time is over'], [i, 0, 'lost']]);
+    return ['stateDiagram-v2', ...states.map((s, i) => `  state "${s}" as s${i}`), '  [*] --> s0',
+      ...arrows.map(([a, b, why]) => `  s${a} --> s${b} : ${why}`)].join('\n');
   }
 
   behaviorReport() {
@@ -194,7 +206,7 @@ export class MockRobot {
         `  class ${id(this.behavior)} present`];
     return {error: '', running: true, ticking: true, current_state: this.behavior, operating_mode: 'NORMAL',
       iter_count: 4711, safety_triggered: false,
-      unsafe: '', time_s: 235.5, time_in_state_s: 4.2, last_fault: '', graph: `${graph.join('\n')}\n`,
+      unsafe: '', time_s: 235.5, time_in_state_s: 4.2, last_fault: '', graph: this.large ? this.largeBehavior() : `${graph.join('\n')}\n`,
         held_by_stop: false, commands: ['stop'],
       history: [{time_s: 0, tick: 0, from: '', to: 'WAIT', cause: 'started', command: ''},
         {time_s: 12, tick: 240, from: 'WAIT', to: 'WATCH', cause: 'decided', command: ''}]};

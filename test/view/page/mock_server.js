@@ -21,6 +21,7 @@ export class MockServer {
   constructor({mayAct = true, mayStop = true, denied = false} = {}) {
     this.mayAct = mayAct;
     this.mayStop = mayStop;
+    this.dark = false;        // the cameras give no picture
     this.silent = false;      // no message goes out: a server that hangs
     this.denied = denied;     // looking needs a login: 'refused' opens no WebSocket, 'closed' closes it with 1008
     this.older = [];          // entries of the history that are sent only on request
@@ -106,6 +107,10 @@ export class MockServer {
 
   async act(name, body, json) {
     if (name === '/api/plan') return json(this.robot.plan(body));
+    if (name === '/api/login') {
+      this.mayAct = body.pin === '482103';
+      return this.mayAct ? json({}) : json({error: {code: 105, message: 'the PIN is wrong'}}, 403);
+    }
     if (!this.mayAct) return json({error: {code: 403,
       message: 'acting needs the login: musher view --link'}}, 403);
     this.requests.push({path: name, body});
@@ -113,6 +118,10 @@ export class MockServer {
     if (name === '/api/estop') this.robot.engage('alice at 127.0.0.1', body.reason);
     else if (name === '/api/release') this.robot.release('alice at 127.0.0.1');
     else if (name === '/api/restart') this.robot.recover(body.actuator);
+    else if (name === '/api/logout') this.mayAct = false;
+    else if (name === '/api/skill' && body.parameters.name === 'full') return json({error: {code: 1,
+      message: 'the disk is full; `musher status` shows how full'}}, 409);
+    else if (name === '/api/skill' || name === '/api/cancel_skill') return json({goal_id: '01'});
     else return json({error: {code: 404, message: `no such request: ${name}`}}, 404);
     return json({code: 0, reason: ''});
   }
@@ -124,8 +133,9 @@ export class MockServer {
     if (url.pathname === '/api/behavior' && name === 'wedding') return json(this.robot.behaviorReport());
     if (url.pathname === '/api/tree' && name === 'gardener') return json(this.robot.tree());
     if (url.pathname === '/api/log') {
-      const lines = Array.from({length: 300},
-        (_, i) => `2026-06-01T12:00:${String(i % 60).padStart(2, '0')} ${url.searchParams.get('actuator')} line ${i + 1}: ${i % 37 === 5 ? 'warning: the gyroscope drifts' : 'the loop took 2.1 ms'}\n`).join('');
+      const name = url.searchParams.get('actuator');
+      const lines = Array.from({length: 300}, (_, i) => `2026-06-01 12:0${Math.floor(i / 60)}:${String(i % 60).padStart(2, '0')}.000 ${name}: ${
+        i % 37 === 5 ? 'warning: the gyroscope drifts' : 'the loop took 2.1 ms'}, line ${i + 1}\n`).join('');
       const requested = Number(url.searchParams.get('from') ?? 0);
       const from = Math.min(lines.length, Math.max(0, requested < 0 ? lines.length + requested : requested));
       return json({from, to: lines.length, size: lines.length, text: lines.slice(from)});
@@ -134,6 +144,7 @@ export class MockServer {
   }
 
   async picture(url, response) {
+    if (this.dark) return response.writeHead(204).end();
     const file = path.resolve(here, '../../../docs/images/robot-saw.jpg');
     response.writeHead(200, {'Content-Type': 'image/jpeg',
       'X-Stamp-Ms': String(Date.now())}).end(await readFile(file));

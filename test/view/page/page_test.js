@@ -190,7 +190,7 @@ test('a restart needs a confirmation, and its end is announced', () => inPage({h
   robot.fault('camera');
   await page.waitForSelector('.actuator.bad >> text=crashed');
   await page.click('#actuator-camera');
-  await page.waitForSelector('.tail pre >> text=camera line 300');
+  await page.waitForSelector('.tail pre >> text=line 300');
   await page.click('.details button:has-text("Restart")');
   await page.click('dialog .danger');
   await page.waitForSelector('#said >> text=camera is back');
@@ -261,12 +261,114 @@ test('pictures of cameras are drawn, and none is fetched when the view is left',
     return canvas.getContext('2d').getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data[3] === 255;
   }));
   await page.click('nav >> text=Log');
-  await page.waitForSelector('pre.log >> text=controller line 300');
+  await page.waitForSelector('pre.log >> text=line 300');
   const before = fetched;
   await page.fill('#log-find', 'gyroscope');
   await until('the log is filtered',
     async () => !(await page.textContent('pre.log')).includes('the loop took'));
   assert.ok(fetched <= before + 2);
+}));
+
+test('a person logs in by a PIN, and ends all logins', () => inPage({mayAct: false}, async (page, {server}) => {
+  await page.click('.banner >> text=Log in');
+  for (const [pin, why] of [['12', 'A PIN has six digits'], ['000000', 'the PIN is wrong']]) {
+    await page.fill('#pin', pin);
+    await page.keyboard.press('Enter');
+    await page.waitForSelector(`dialog >> text=${why}`);
+  }
+  await page.fill('#pin', '482 103');
+  await page.click('dialog .primary');
+  await page.waitForSelector('text=Acting as alice');
+  await page.click('text=End all logins');
+  await page.click('dialog .danger');
+  await page.waitForSelector('text=Looking only');
+  assert.deepEqual(server.requests.map(r => [r.path, r.body]), [['/api/logout', {all: true}]]);
+}));
+
+test('a skill is run with its parameters, and cancelled', () => inPage({hash: 'application/skills'},
+  async (page, {server, robot}) => {
+  await page.click('.skill:has-text("goto") >> text=Cancel');
+  await until('it is cancelled', () => server.requests.length === 1);
+  assert.deepEqual(server.requests[0], {path: '/api/cancel_skill', body: {action: '/skill_execution', goal_id: '00'}});
+  robot.skillStatus = 3;
+  server.publishWatched('/skill_feedback');
+  await page.waitForSelector('.skill:has-text("goto") .pill >> text=cancelled');
+  const photo = '.skill:has-text("take_photo")';
+  await page.click(`${photo} >> text=Run …`);
+  await until('the first parameter has the focus', () => page.evaluate(() => document.activeElement.name === 'name'));
+  await page.fill('[name=name]', 'full');
+  await page.click(`${photo} .primary`);
+  await page.waitForSelector(`${photo} >> text=Refused: the disk is full`);
+  await page.fill('[name=name]', 'roses');
+  await page.click(`${photo} .primary`);
+  await page.waitForSelector('.skill-form', {state: 'detached'});
+  assert.deepEqual(server.requests.at(-1), {path: '/api/skill', body: {action: '/skill_execution',
+    actuator: 'skills', skill: 'take_photo', parameters: {name: 'roses'}}});
+}));
+
+test('several logs are one by time, of a level and above', () => inPage({hash: 'log'}, async page => {
+  await page.waitForSelector('pre.log >> text=line 300');
+  await page.click('.log-chooser summary');
+  await page.click('.log-chooser button:has-text("audio")');
+  await page.waitForSelector('pre.log >> text=audio | ');
+  const lines = (await page.textContent('pre.log')).split('\n');
+  assert.equal(lines.length, 600);
+  assert.deepEqual(lines.slice(-2).map(line => line.split(' | ')[0]), ['controller', 'audio']);
+  await page.selectOption('#log-level', 'warning');
+  await until('only warnings', async () => (await page.textContent('pre.log')).split('\n')
+    .every(line => line.includes('warning: the gyroscope')));
+}));
+
+test('of a large machine the neighbourhood of the present state is drawn, and in view on a phone',
+  () => inPage({hash: 'robot', width: 390, height: 844}, async (page, {server, robot}) => {
+  robot.large = true;
+  robot.behavior = 'SECTION_17';
+  await page.goto(page.url().replace(/#.*/, '#application/wedding'));
+  await page.waitForSelector('.node.lit >> text=SECTION_17');
+  assert.deepEqual((await page.locator('.node text').allTextContents()).sort(),
+    ['SECTION_0', 'SECTION_16', 'SECTION_17', 'SECTION_18']);
+  assert.match((await page.locator('.graph .label').allTextContents()).join(), /the line is passed \(\+1\)/);
+  const inView = async () => {
+    const lit = await page.locator('.node.lit rect').boundingBox();
+    const box = await page.locator('.graph').first().boundingBox();
+    return lit.x >= box.x && lit.x + lit.width <= box.x + box.width;
+  };
+  await until('the present state is in view', inView);
+  await page.click('text=Show all 40 states');
+  await until('all states are drawn', async () => (await page.locator('.node').count()) === 40);
+  await until('the present state is in view', inView);
+  robot.behavior = 'SECTION_3';
+  server.publishWatched('/wedding/behavior_state');
+  await page.waitForSelector('.node.lit >> text=SECTION_3');
+  await until('the next present state is in view', inView);
+}));
+
+test('a camera that gives no picture in LowPower is off, not loading', () => inPage({}, async (page, {server, robot}) => {
+  server.dark = true;
+  robot.state = 'LowPower';
+  robot.publish();
+  await page.click('nav >> text=Cameras');
+  await page.waitForSelector('.pictures >> text=off in LowPower');
+  await until('no camera loads for ever', async () => !/Loading/.test(await page.textContent('main')));
+}));
+
+test('advice to switch again is a button that shows the plan', () => inPage({}, async (page, {robot}) => {
+  robot.status = (status => () => ({...status(), held_by_stop: ['audio']}))(robot.status.bind(robot));
+  robot.publish();
+  await page.click('.problem button:has-text("Switch to Active again")');
+  await page.waitForSelector('#plan');
+}));
+
+test('no text has raw backquotes', () => inPage({}, async (page, {robot}) => {
+  robot.fault('audio', {message: 'crashed; `musher logs audio` shows why'});
+  await page.waitForSelector('.problem code >> text=musher logs audio');
+  for (const view of [...VIEWS, 'actuators/audio', 'timeline/why/audio', 'robot']) {
+    await page.goto(page.url().replace(/#.*/, `#${view}`));
+    await page.waitForSelector('.card');
+    assert.doesNotMatch(await page.textContent('body'), /`/, view);
+  }
+  await page.click('.choice:has-text("TearDown")');
+  await page.waitForSelector('#plan code >> text=musher up');
 }));
 
 test('what the robot says is text, never HTML', () => inPage({}, async (page, {robot}) => {
@@ -281,14 +383,20 @@ test('what the robot says is text, never HTML', () => inPage({}, async (page, {r
   assert.equal(await page.evaluate(() => globalThis.evil), undefined);
 }));
 
-test('every view fits 390 px, with targets of 44 px for what acts',
-  () => inPage({width: 390, height: 844, locale: 'zh-CN', dark: true}, async (page, {robot}) => {
+for (const locale of ['zh-CN', 'en']) test(`every view fits 390 px, with targets of 44 px for what acts: ${locale}`,
+  () => inPage({width: 390, height: 844, locale, dark: true}, async (page, {robot}) => {
   robot.fault('audio');
   await page.waitForSelector('.problem');
-  await screenshot(page, 'phone');
+  if (locale !== 'en') await screenshot(page, 'phone');
   for (const view of VIEWS) {
     await page.goto(page.url().replace(/#.*/, `#${view}`));
     await page.waitForSelector('.card');
+    const apart = await page.evaluate(() => [...document.querySelectorAll('nav a')].map(a => {
+      const text = document.createRange();
+      text.selectNodeContents(a);
+      return text.getBoundingClientRect();
+    }).filter(r => r.width > 0).every((r, i, all) => i === 0 || r.left - all[i - 1].right >= 10));
+    assert.ok(apart, `${view}: the tabs run together`);
     const [scroll, inner] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
     assert.ok(scroll <= inner, `${view}: ${scroll} px in ${inner}`);
     const small = await page.evaluate(() => [...document.querySelectorAll('button, select, nav a, a.button')]

@@ -1,0 +1,118 @@
+// In virtual time: a page runs skills of an actuator.
+
+#include "musher/view/live/skill_requests.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::view::skill_requests_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+class SkillsOfAPage : public ::testing::Test {
+ protected:
+  using Goal = transport::ServerGoal<msg::SkillExecution>;
+
+  SkillsOfAPage() {
+    transport::ActionHandlers<msg::SkillExecution> handlers;
+    handlers.start = [this](Goal goal) {
+      const msg::SkillInfo& info = goal.goal().skill_request.skill_list.at(0);
+      if (info.skill == "refuse") {
+        goal.Abort({false, "the battery is empty"});
+        return;
+      }
+      for (const msg::SkillParameter& one : info.params) requested_ += one.key + "=" + one.value;
+      goal.Execute();
+      running_.push_back(goal);
+    };
+    handlers.may_cancel = [](const Goal& goal) {
+      return goal.goal().skill_request.skill_list.at(0).skill != "deaf";
+    };
+    handlers.cancel = [this](Goal goal) {
+      goal.Canceled({false, "cancelled"});
+      ++cancelled_;
+    };
+    server_ =
+        transport::MakeActionServer<msg::SkillExecution>(*robot_, "dog/skill_execution", handlers)
+            .value();
+    network_.RunFor(std::chrono::seconds(1));
+  }
+
+  http::Respond Collect() {
+    return [this](http::Response response) {
+      answers_.push_back(std::to_string(response.status) + " " + *response.body);
+    };
+  }
+  void Run(const std::string& skill, const std::string& action = "/dog/skill_execution") {
+    skills_.Run({action, "dog", skill, {{"height_m", "0.5"}}}, Collect());
+    network_.RunFor(std::chrono::seconds(20));
+  }
+  // Of the last answer.
+  std::string GoalId() const {
+    const std::string& answer = answers_.back();
+    const std::size_t at = answer.find("goal_id\":\"");
+    return at == std::string::npos ? "" : answer.substr(at + 10, 32);
+  }
+
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  std::vector<Goal> running_;
+  std::string requested_;
+  int cancelled_ = 0;
+  std::unique_ptr<transport::ActionServer<msg::SkillExecution>> server_;
+  std::vector<std::string> answers_;
+  SkillRequests skills_{*desk_, ""};
+};
+
+TEST_F(SkillsOfAPage, RunAndAreCancelled) {
+  Run("jump");
+  ASSERT_THAT(answers_, ElementsAre(StartsWith(R"(200 {"goal_id":")")));
+  EXPECT_EQ(requested_, "height_m=0.5");
+  skills_.Cancel("/dog/skill_execution", GoalId(), Collect());
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(answers_.back(), "200 {}");
+  EXPECT_EQ(cancelled_, 1);
+}
+
+TEST_F(SkillsOfAPage, ThatAreRefusedSayWhy) {
+  Run("refuse");
+  EXPECT_THAT(answers_,
+              ElementsAre(::testing::AllOf(StartsWith("409"), HasSubstr("the battery is empty"))));
+}
+
+TEST_F(SkillsOfAPage, ThatEndLaterAreAnsweredOnce) {
+  Run("jump");
+  running_.at(0).Succeed({true, "completed"});
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_EQ(answers_.size(), 1U);
+}
+
+TEST_F(SkillsOfAPage, ThatCannotBeCancelledSaySo) {
+  Run("deaf");
+  skills_.Cancel("/dog/skill_execution", GoalId(), Collect());
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(answers_.back(), HasSubstr("refuses the cancellation"));
+  skills_.Cancel("/dog/skill_execution", std::string(32, 'a'), Collect());
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(answers_.back(), HasSubstr("has ended already"));
+}
+
+TEST_F(SkillsOfAPage, OfNoActuatorAreAnsweredInTime) {
+  Run("jump", "/cat/skill_execution");
+  EXPECT_THAT(answers_, ElementsAre(StartsWith("504")));
+}
+
+TEST_F(SkillsOfAPage, WithAMalformedRequestAreRefused) {
+  for (const std::string action : {"", "/", "/dog skill", "/dog\n", "/dög"}) Run("jump", action);
+  skills_.Cancel("/dog/skill_execution", "17", Collect());
+  EXPECT_THAT(answers_, ::testing::Each(StartsWith("400")));
+  EXPECT_EQ(answers_.size(), 6U);
+  EXPECT_THAT(running_, IsEmpty());
+}
+
+}  // namespace musher::view::skill_requests_test

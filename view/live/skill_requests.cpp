@@ -1,0 +1,121 @@
+#include "musher/view/live/skill_requests.hpp"
+
+#include <utility>
+
+#include "musher/transport/goal_id_text.hpp"
+#include "musher/view/http/reply.hpp"
+
+namespace musher::view {
+namespace {
+
+using GoalEnded = transport::GoalOutcome<msg::SkillExecution>;
+
+bool IsName(const std::string& action) {
+  static constexpr const char* kNameCharacters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/";
+  return action.size() > 1 && action.size() < 256 &&
+         action.find_first_not_of(kNameCharacters) == std::string::npos;
+}
+
+http::Response GoalResponse(const std::string& json) {
+  http::Response response;
+  response.body = std::make_shared<const std::string>(json);
+  return response;
+}
+
+http::Response Running(const std::string& goal_id) {
+  return GoalResponse(R"({"goal_id":)" + http::JsonText(goal_id) + "}");
+}
+
+// Of a goal that ended before it was seen to run.
+http::Response EndResponse(const GoalEnded& outcome, const std::string& goal_id) {
+  switch (outcome.end) {
+    case transport::GoalEnd::kSucceeded:
+    case transport::GoalEnd::kCanceled:
+      return Running(goal_id);
+    case transport::GoalEnd::kAborted:
+      return http::ErrorResponse(409, kCodeFailed, outcome.result.message);
+    case transport::GoalEnd::kRejected:
+      return http::ErrorResponse(409, kCodeFailed, outcome.reason);
+    default:
+      return http::ErrorResponse(504, kCodeTimeout, outcome.reason);
+  }
+}
+
+http::Response CancelResponse(const Result<msg::CancelGoal::Response>& reply) {
+  if (!reply) return http::ErrorResponse(504, reply.error().code, reply.error().message);
+  switch (reply.value().return_code) {
+    case msg::CancelGoal::kErrorNone:
+      return GoalResponse("{}");
+    case msg::CancelGoal::kErrorRejected:
+      return http::ErrorResponse(409, kCodeFailed, "the actuator refuses the cancellation");
+    default:
+      return http::ErrorResponse(409, kCodeStateInvalid, "that run has ended already");
+  }
+}
+
+}  // namespace
+
+Result<SkillRequests::Client*> SkillRequests::ClientOf(const std::string& action) {
+  if (!IsName(action)) {
+    return Error{kCodeParametersInvalid, "'" + action + "' is not the name of an action"};
+  }
+  const auto known = clients_.find(action);
+  if (known != clients_.end()) return known->second.get();
+  if (clients_.size() >= kMostActions) {
+    return Error{kCodeParametersInvalid, "the page has requested skills of too many actions"};
+  }
+  auto made = transport::MakeActionClient<msg::SkillExecution>(
+      node_, transport::ResolveName(name_space_, action));
+  if (!made) return made.error();
+  return (clients_[action] = std::move(made).value()).get();
+}
+
+void SkillRequests::Answer(Begun& begun, http::Response response) {
+  if (!begun.respond) return;
+  begun.timer.reset();
+  std::exchange(begun.respond, nullptr)(std::move(response));
+}
+
+void SkillRequests::Run(const Request& request, const http::Respond& respond) {
+  const auto client = ClientOf(request.action);
+  if (!client) {
+    return respond(http::ErrorResponse(400, client.error().code, client.error().message));
+  }
+  msg::SkillExecution::Goal goal;
+  goal.skill_request.robot_id = request.actuator;
+  goal.skill_request.skill_list.resize(1);
+  goal.skill_request.skill_list[0].skill = request.skill;
+  goal.skill_request.skill_list[0].params = request.parameters;
+  const auto begun = std::make_shared<Begun>();
+  begun->respond = respond;
+  transport::GoalEvents<msg::SkillExecution> events;
+  events.on_accepted = [this, begun] {
+    begun->timer =
+        node_.loop().At(node_.loop().Now() + kRefusalTime, [weak = std::weak_ptr<Begun>(begun)] {
+          if (const auto one = weak.lock()) Answer(*one, Running(one->goal_id));
+        });
+  };
+  events.on_end = [begun](const GoalEnded& outcome) {
+    Answer(*begun, EndResponse(outcome, begun->goal_id));
+  };
+  begun->goal_id =
+      transport::GoalIdText(client.value()->SendGoal(goal, kAnswerTime, std::move(events)));
+}
+
+void SkillRequests::Cancel(const std::string& action, const std::string& goal_id,
+                           const http::Respond& respond) {
+  const auto id = transport::ReadGoalId(goal_id);
+  if (!id) {
+    return respond(http::ErrorResponse(400, kCodeParametersInvalid,
+                                       "'" + goal_id + "' is not the id of a goal"));
+  }
+  const auto client = ClientOf(action);
+  if (!client) {
+    return respond(http::ErrorResponse(400, client.error().code, client.error().message));
+  }
+  client.value()->Cancel(*id, kAnswerTime,
+                         [respond](const auto& reply) { respond(CancelResponse(reply)); });
+}
+
+}  // namespace musher::view

@@ -1,0 +1,60 @@
+#pragma once
+// The requests of a page for skills: runs one and cancels it. How a run goes on and ends is in the
+// topic `skill_feedback`, which the page watches.
+//
+// Threads: loop thread only, callbacks too. Each `respond` runs once, within a time; never after
+// this is dropped. Errors are responses with a status and a sentence:
+//   400 the request is malformed
+//   409 the skill is refused, or cannot be cancelled
+//   504 no answer in time
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/messages/plan_msgs/skill.hpp"
+#include "musher/transport/action.hpp"
+#include "musher/view/http/server.hpp"
+
+namespace musher::view {
+
+class SkillRequests {
+ public:
+  static constexpr Duration kAnswerTime = std::chrono::seconds(5);
+  // An actuator accepts a goal before it looks at it: one that is refused ends within this time.
+  static constexpr Duration kRefusalTime = Milliseconds(500);
+  static constexpr std::size_t kMostActions = 64;
+
+  // The node must outlive it.
+  SkillRequests(transport::Node& node, std::string name_space)
+      : node_(node), name_space_(std::move(name_space)) {}
+
+  struct Request {
+    std::string action;  // of SkillOffers: "/robot_0/skill_execution"
+    std::string actuator;
+    std::string skill;
+    std::vector<msg::SkillParameter> parameters;
+  };
+  // {"goal_id":"…"} once it runs, or has ended well.
+  void Run(const Request& request, const http::Respond& respond);
+  // {} once the actuator is cancelling it. `goal_id`: of SkillFeedback.
+  void Cancel(const std::string& action, const std::string& goal_id, const http::Respond& respond);
+
+ private:
+  using Client = transport::ActionClient<msg::SkillExecution>;
+  struct Begun {
+    http::Respond respond;  // empty: it was answered
+    std::string goal_id;
+    transport::LoopHandlePtr timer;
+  };
+
+  Result<Client*> ClientOf(const std::string& action);
+  static void Answer(Begun& begun, http::Response response);
+
+  transport::Node& node_;
+  const std::string name_space_;
+  std::map<std::string, std::unique_ptr<Client>> clients_;  // by action
+};
+
+}  // namespace musher::view
