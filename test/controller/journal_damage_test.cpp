@@ -137,9 +137,9 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
 }
 
 // SQLite reads the missing end of a page as zeros, and a row of zeros has no checksum.
-TEST_F(JournalDamage, ThatHidesAChecksumIsNoticed) {
+TEST_F(JournalDamage, ThatClearsAChecksumIsNoticed) {
   SQLite::Database(path_, SQLite::OPEN_READWRITE)
-      .exec("UPDATE entry SET checksum = NULL WHERE id = (SELECT id FROM entry LIMIT 1 OFFSET 4)");
+      .exec("UPDATE entry SET checksum = 0 WHERE id = (SELECT id FROM entry LIMIT 1 OFFSET 4)");
   const auto history = ReadJournal(path_, 0, kAll);
   ASSERT_TRUE(history);
   EXPECT_EQ(history.value().entries.size(), entries_.size() - 1);
