@@ -36,7 +36,7 @@ NetworkWatch::NetworkWatch(EventLoop& loop, std::vector<std::string> configured,
       kernel_(std::move(kernel)),
       changed_(loop.WhenReadable(kernel_.get(), [this] { OnChange(); })) {}
 
-// What has changed is read anew: the kernel drops reports that come too fast.
+// What has changed is read again: the kernel drops reports that come too fast.
 void NetworkWatch::OnChange() {
   std::array<char, 16 << 10> reports;
   while (recv(kernel_.get(), reports.data(), reports.size(), 0) > 0) {
@@ -50,7 +50,7 @@ void NetworkWatch::OnChange() {
 
 void NetworkWatch::Compare() {
   for (const std::string& missed : MissedInterfaces(at_start_, ReadInterfaces(), configured_)) {
-    if (told_.insert(missed).second) on_missed_(missed);
+    if (reported_.insert(missed).second) on_missed_(missed);
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Tells when an interface to other hosts has come, or got another address, since this process has
+// Reports when an interface to other hosts has come, or got another address, since this process has
 // joined its DDS domain: Cyclone keeps the interfaces of the start, so only a new process uses it.
 //
 // Threads: loop thread only.
@@ -34,7 +34,7 @@ class NetworkWatch {
   const std::vector<std::string> configured_;
   const OnMissed on_missed_;
   const std::vector<NetworkInterface> at_start_ = ReadInterfaces();
-  std::set<std::string> told_;  // each once
+  std::set<std::string> reported_;  // each once
   UniqueFd kernel_;
   LoopHandlePtr changed_;
   LoopHandlePtr compare_later_;

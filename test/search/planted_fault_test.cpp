@@ -223,7 +223,7 @@ TEST_F(PlantedFault, FindsAnActuatorThatStaysActiveAfterItsSwitchWasUndone) {
               Contains(HasSubstr("is in Active, the machine in SelfCheck")));
 }
 
-// The actuator obeys whoever names a higher epoch.
+// The actuator obeys any participant that names a higher epoch.
 TEST_F(PlantedFault, FindsAnActuatorThatObeysAnotherMachine) {
   Rules rules;
   rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,

@@ -197,7 +197,7 @@ TEST_F(OnClockTopic, ARestartedClockKeepsTheRemainingTime) {
   EXPECT_FALSE(policy().keep);
 }
 
-// A recording that a person skips: nobody has seen the robot lie still in the time between.
+// A recording that a person skips: the robot was not seen to lie still in the time between.
 TEST_F(OnClockTopic, AClockThatJumpsForwardsKeepsTheRemainingTime) {
   Clock(100);
   Motion(kLying);
