@@ -109,7 +109,6 @@ class TopWatch {
     std::string message;
     std::int64_t wall_ns = 0;
   };
-  static constexpr const char* kControllerRow = "(controller)";
 
   static std::string TitleOf(const msg::MachineStatus& status, bool led) {
     std::string title = status.machine + "  " + status.state;

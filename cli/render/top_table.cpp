@@ -158,7 +158,7 @@ std::string TopJson(const TopView& view) {
   Json rows = Json::array();
   const auto maybe = [](const auto& value) { return value ? Json(*value) : Json(); };
   for (const TopRow& row : view.rows) {
-    rows.push_back({{"actuator", row.name},
+    rows.push_back({{"actuator", row.name == kControllerRow ? "controller" : row.name},
                     {"state", Known(row.state)},
                     {"target", Known(row.target)},
                     {"health", Known(row.health)},

@@ -9,6 +9,9 @@
 
 namespace musher::cli {
 
+// The name of the controller's row; in JSON "controller", as in the logs.
+inline constexpr const char* kControllerRow = "(controller)";
+
 struct TopRow {
   std::string name;
   std::string state;   // "" for the controller

@@ -16,6 +16,13 @@ namespace {
 constexpr auto kLimit = std::chrono::seconds(120);
 constexpr int kNoController = 3;
 
+// Without what differs each time, or is not known to `status --watch`.
+nlohmann::json Comparable(nlohmann::json status) {
+  status.erase("uptime_s");
+  status.erase("since");
+  return status;
+}
+
 }  // namespace
 
 std::vector<std::string> Command(std::vector<std::string> words) {
@@ -37,7 +44,7 @@ nlohmann::json Json(const std::string& text) {
 
 nlohmann::json Status() {
   const Ended status = Musher({"status", "--json"});
-  return status.exit == 0 ? Json(status.out) : nlohmann::json();
+  return status.exit == 0 ? Comparable(Json(status.out)) : nlohmann::json();
 }
 
 StatusStream::~StatusStream() {
@@ -63,7 +70,7 @@ bool StatusStream::Next(Time deadline) {
     if (const auto line = watch_->NextLine(deadline)) {
       auto printed = Json(*line);
       if (printed.contains("machine")) {
-        latest_ = std::move(printed);
+        latest_ = Comparable(std::move(printed));
         return true;
       }
       trouble_ = *line;  // there is no controller, or it is lost

@@ -112,7 +112,7 @@ TEST_F(Inspect, TopShowsWhatTheProcessesUse) {
                               HasSubstr("legs*"), Not(HasSubstr("\x1b"))));
   // It listens for a second: on a busy computer a heartbeat may come later.
   const auto is_silent = [](const auto& process) {
-    return process["name"] != "(controller)" && process["heartbeat_age_s"].is_null();
+    return process["actuator"] != "controller" && process["heartbeat_age_s"].is_null();
   };
   nlohmann::json json;
   Until([&] {
@@ -123,7 +123,7 @@ TEST_F(Inspect, TopShowsWhatTheProcessesUse) {
   for (const auto& process : json["processes"]) {
     EXPECT_GT(process["memory_bytes"], 0) << process;
     EXPECT_GE(process["cpu_percent"], 0) << process;
-    if (process["name"] != "(controller)") {
+    if (process["actuator"] != "controller") {
       EXPECT_GE(process["heartbeat_age_s"], 0) << process;
     }
   }

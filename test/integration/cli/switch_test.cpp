@@ -200,7 +200,7 @@ TEST_F(Set, IsPlannedWithoutBeingDone) {
   EXPECT_EQ(steps[2]["wave"], 1);
   EXPECT_EQ(steps[0]["deadline_ms"], 5000);
   const Ended refused = Musher({"plan", "Dancing"});
-  EXPECT_EQ(refused.exit, 1);
+  EXPECT_EQ(refused.exit, 2);
   EXPECT_THAT(refused.err, HasSubstr("Dancing would be refused: unknown state"));
   EXPECT_EQ(Status(), before);
 }
