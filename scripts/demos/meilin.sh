@@ -145,6 +145,17 @@ refuse_goal() {
   expect "exit code" 0 "$code"
 }
 
+time_out() {
+  step "The wheels are stuck, and a climb times out: the match fails with the reason"
+  shown musher-world send fault "suspension stuck"
+  plan_file "$1" "[1, 1]" "move = [2, 1]"  # from where the fetch has left it
+  send_plan "$scratch/plan.toml"
+  expect "the plan: exit code" 0 "$code"
+  fails Timeout  # the message of the suspension
+  shown musher-world send fault none
+  goes_on meilin
+}
+
 # plan_file SIDE START STEP...: a drawn plan, $scratch/plan.toml
 plan_file() {
   local each
@@ -226,18 +237,6 @@ stop_climb() {
   goes_on meilin
 }
 
-time_out() {
-  step "The wheels are stuck, and a climb times out: the match fails with the reason"
-  shown musher-world send fault "suspension stuck"
-  plan_file "$1" "[1, 1]" "move = [2, 1]"
-  place 2.4 2.4
-  send_plan "$scratch/plan.toml"
-  expect "the plan: exit code" 0 "$code"
-  fails Timeout  # the message of the suspension
-  shown musher-world send fault none
-  goes_on meilin
-}
-
 pit() {
   step "A plan leads straight over a pit: it is refused, and nothing moves"
   plan_file "$1" "[1, 2]" "move = [1, 2]"
@@ -279,10 +278,10 @@ break_match() {
   hang "$1"
   reset_climb "$1"
   stop_climb "$1"
-  time_out "$1"
   pit "$1"
   lose_arm "$1"
   refuse_goal "$1"
+  time_out "$1"
   finish "$1" "$2"
 }
 
