@@ -4,8 +4,8 @@
 # everything goes wrong, on each side (with --short on the red one): the dock jams; the mission is killed, hangs and
 # is reset in the middle of a climb, while a planner keeps its plan published; an emergency stop, and wheels that are
 # stuck, break a climb; a plan leads over a pit; the robot is put on another cell; the arm's server is killed, refuses a
-# goal, and is not there at the rack. Each time the robot stands, says why, and goes on by the command that is documented. The
-# world counts falls: none.
+# goal, and is not there at the rack. Each time the robot stands, says why, and goes on by the command that is
+# documented. The world counts falls: none.
 
 journal=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/logs
@@ -145,17 +145,6 @@ refuse_goal() {
   expect "exit code" 0 "$code"
 }
 
-time_out() {
-  step "The wheels are stuck, and a climb times out: the match fails with the reason"
-  shown musher-world send fault "suspension stuck"
-  plan_file "$1" "[1, 1]" "move = [2, 1]"  # from where the fetch has left it
-  send_plan "$scratch/plan.toml"
-  expect "the plan: exit code" 0 "$code"
-  fails Timeout  # the message of the suspension
-  shown musher-world send fault none
-  goes_on meilin
-}
-
 # plan_file SIDE START STEP...: a drawn plan, $scratch/plan.toml
 plan_file() {
   local each
@@ -237,6 +226,16 @@ stop_climb() {
   goes_on meilin
 }
 
+time_out() {
+  step "The wheels are stuck in the middle of a climb, which times out: the robot comes off the edge on command"
+  climb "$1"
+  await_field '.wheels_mm | min > 195'
+  shown musher-world send fault "suspension stuck"
+  fails Timeout  # the message of the suspension
+  shown musher-world send fault none
+  goes_on meilin
+}
+
 pit() {
   step "A plan leads straight over a pit: it is refused, and nothing moves"
   plan_file "$1" "[1, 2]" "move = [1, 2]"
@@ -280,10 +279,10 @@ break_match() {
   hang "$1"
   reset_climb "$1"
   stop_climb "$1"
+  time_out "$1"
   pit "$1"
   lose_arm "$1"
   refuse_goal "$1"
-  time_out "$1"
   finish "$1" "$2"
 }
 
