@@ -227,7 +227,7 @@ TEST_F(RunningTree, IsReportedAsMissing) {
   const Ran refused = RunProgram({"behavior", "patrol", "--tree"});
   EXPECT_EQ(refused.exit, 1);
   EXPECT_EQ(refused.err, "musher: patrol: unknown format\n");
-  EXPECT_EQ(RunProgram({"behavior", "nothing", "--tree"}).exit, 2);
+  EXPECT_EQ(RunProgram({"behavior", "nothing", "--tree"}).exit, 3);
   EXPECT_EQ(RunProgram({"behavior", "patrol", "--entries"}).exit, 2) << "--entries needs --tree";
 }
 
