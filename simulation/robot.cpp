@@ -294,6 +294,20 @@ StopId SimRobot::EngageEmergencyStop(StopId id, std::size_t panel, const std::st
   return StopId(transport::StopIdOf(info));
 }
 
+StopView SimRobot::ViewOf(std::size_t host) const {
+  StopView view;
+  view.lan = config_.transport == TransportProfile::kLan;
+  for (const auto& controller : controllers_) {
+    view.has_controller |= controller && controller->host() == host;
+  }
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    if (IsAlive(actuator.name) && processes_.IsAlive(actuator.name, host)) {
+      view.running_here.push_back(actuator.name);
+    }
+  }
+  return view;
+}
+
 MachineIdentity SimRobot::EngageByProgram(StopId id, std::size_t host, const StopLinks& links,
                                           bool named) {
   StopClient::Options options;
@@ -303,18 +317,9 @@ MachineIdentity SimRobot::EngageByProgram(StopId id, std::size_t host, const Sto
   options.delay_most = links.delay_most;
   options.loss = links.loss;
   options.discovery_most = links.discovery_most;
-  options.view.lan = config_.transport == TransportProfile::kLan;
-  for (const auto& controller : controllers_) {
-    if (!controller || controller->host() != host) continue;
-    options.view.has_controller = true;
-    options.machine = identity();
-  }
+  options.view = [this, host] { return ViewOf(host); };
+  if (ViewOf(host).has_controller) options.machine = identity();
   if (named) options.machine = {config_.name, ""};
-  for (const ActuatorConfig& actuator : config_.actuators) {
-    if (IsAlive(actuator.name) && processes_.IsAlive(actuator.name, host)) {
-      options.view.running_here.push_back(actuator.name);
-    }
-  }
   const MachineIdentity machine = options.machine;
   stop_programs_[id] = std::make_unique<StopClient>(
       network_, hosts_, std::move(options), id,

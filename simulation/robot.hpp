@@ -187,6 +187,8 @@ class SimRobot {
   Disk& disk(std::size_t controller) { return disks_[controller]; }
 
  private:
+  // What runs on the host now.
+  StopView ViewOf(std::size_t host) const;
   struct World {  // the network and the hosts of a machine that has its own
     World(std::uint64_t seed, const std::vector<std::string>& hosts)
         : network(seed), hosts(network, hosts) {}

@@ -21,8 +21,7 @@ StopClient::StopClient(transport::sim::Network& network, Hosts& hosts, Options o
     : network_(network),
       options_(std::move(options)),
       on_end_(std::move(on_end)),
-      on_over_(std::move(on_over)),
-      view_(options_.view) {
+      on_over_(std::move(on_over)) {
   OpenLinks(hosts);
   msg::EmergencyStop stop;
   stop.id = id.value();
@@ -33,11 +32,13 @@ StopClient::StopClient(transport::sim::Network& network, Hosts& hosts, Options o
   latch_ = StopLatch::Begin(*node_, options_.name_space, stop, false, [this] { Look(); }).value();
   Follow();
   transport::EventLoop& loop = node_->loop();
-  timer_ = loop.At(loop.Now() + (view_.lan ? kLanTimeout : kFirstWait), [this] {
-    if (view_.lan) return End();
+  const bool lan = View().lan;
+  timer_ = loop.At(loop.Now() + (lan ? kLanTimeout : kFirstWait), [this, lan] {
+    if (lan) return End();
     Look();
     if (ended_) return;
-    const bool waits = view_.has_controller || !latch_->Report(view_).actuators.empty();
+    const StopView view = View();
+    const bool waits = view.has_controller || !latch_->Report(view).actuators.empty();
     if (!waits) return End();
     transport::EventLoop& later = node_->loop();
     timer_ = later.At(later.Now() + kTimeout - kFirstWait, [this] { End(); });
@@ -67,14 +68,13 @@ void StopClient::OpenLinks(Hosts& hosts) {
 
 // As the command line follows the machine's status.
 void StopClient::Follow() {
-  machines_ =
-      transport::MakeSubscription<msg::MachineInfo>(
-          *node_, std::string(transport::kMachinesTopic),
-          [this](const msg::MachineInfo& info, const transport::SampleInfo&) {
-            view_.has_controller |= SameMachine(options_.machine, {info.machine, info.machine_id});
-          },
-          transport::kLatchedFromManyQos)
-          .value();
+  machines_ = transport::MakeSubscription<msg::MachineInfo>(
+                  *node_, std::string(transport::kMachinesTopic),
+                  [this](const msg::MachineInfo& info, const transport::SampleInfo&) {
+                    discovered_ |= SameMachine(options_.machine, {info.machine, info.machine_id});
+                  },
+                  transport::kLatchedFromManyQos)
+                  .value();
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::EndpointId writer) {
     if (writer == status_writer_) Take(std::nullopt, 0);
@@ -82,7 +82,7 @@ void StopClient::Follow() {
   statuses_ = transport::MakeSubscription<msg::MachineStatus>(
                   *node_, transport::MachineStatusTopic(options_.name_space),
                   [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
-                    const bool older = view_.controller && status.epoch < view_.controller->epoch;
+                    const bool older = controller_ && status.epoch < controller_->epoch;
                     const MachineIdentity theirs{status.machine, status.machine_id};
                     if (SameMachine(options_.machine, theirs) && !older) Take(status, info.writer);
                   },
@@ -91,21 +91,29 @@ void StopClient::Follow() {
 }
 
 void StopClient::Take(std::optional<msg::MachineStatus> status, transport::EndpointId writer) {
-  view_.controller = std::move(status);
+  controller_ = std::move(status);
   status_writer_ = writer;
   Look();
 }
 
+StopView StopClient::View() const {
+  StopView view = options_.view();
+  view.controller = controller_;
+  view.has_controller |= discovered_;
+  return view;
+}
+
 void StopClient::Look() {
   if (ended_ || !latch_) return;
-  const EstopReport report = latch_->Report(view_);
-  const bool alone = !view_.lan && !view_.has_controller && !report.actuators.empty();
+  const StopView view = View();
+  const EstopReport report = latch_->Report(view);
+  const bool alone = !view.lan && !view.has_controller && !report.actuators.empty();
   if ((report.controller || alone) && report.settled()) End();
 }
 
 void StopClient::End() {
   if (std::exchange(ended_, true)) return;
-  const EstopReport report = latch_->Report(view_);
+  const EstopReport report = latch_->Report(View());
   const bool none = !report.controller && report.actuators.empty();
   confirmed_ = !none && report.complete();
   transport::EventLoop& loop = node_->loop();

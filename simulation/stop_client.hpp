@@ -23,8 +23,9 @@ class StopClient {
   struct Options {
     std::string endpoint;
     std::size_t host = 0;
-    MachineIdentity machine;    // as far as the program knows it
-    StopView view;              // what it sees on its host
+    MachineIdentity machine;  // as far as the program knows it
+    // What runs on its host, at any time.
+    std::function<StopView()> view = {};
     Duration delay_most{};      // of its links
     double loss = 0;            // the same
     Duration discovery_most{};  // until it and another process know of each other
@@ -46,6 +47,7 @@ class StopClient {
   void OpenLinks(Hosts& hosts);
   void Follow();
   void Take(std::optional<msg::MachineStatus> status, transport::EndpointId writer);
+  StopView View() const;
   void Look();
   void End();
 
@@ -53,8 +55,9 @@ class StopClient {
   const Options options_;
   const OnEnd on_end_;
   const OnOver on_over_;
-  StopView view_;
-  transport::EndpointId status_writer_ = 0;  // of view_.controller
+  std::optional<msg::MachineStatus> controller_;
+  transport::EndpointId status_writer_ = 0;  // of controller_
+  bool discovered_ = false;                  // a controller of the machine
   bool ended_ = false;
   bool confirmed_ = false;
   std::unique_ptr<transport::Node> node_;

@@ -147,14 +147,12 @@ class Confirmation {
       : link_(link),
         latch_(latch),
         lan_(IsLan()),
-        leader_here_(link.LeaderHere()),
-        running_here_(NameLock::HeldBelow(
-            NameLock::NameOf(transport::DomainId({}).value(), global.name_space, ""))) {}
+        names_here_(NameLock::NameOf(transport::DomainId({}).value(), global.name_space, "")) {}
 
   Duration DefaultTimeout() const { return lan_ ? kLanStopTimeout : kStopTimeout; }
 
   EstopReport Report() const {
-    return latch_.Report({link_.status(), HasController(), lan_, running_here_});
+    return latch_.Report({link_.status(), HasController(), lan_, NameLock::HeldBelow(names_here_)});
   }
 
   // The controller saves the stop after it has published it.
@@ -186,13 +184,15 @@ class Confirmation {
     const auto profile = transport::Profile({});
     return !profile || profile.value() == TransportProfile::kLan;
   }
-  bool HasController() const { return link_.HasMachine() || leader_here_ != 0; }
+  // Each time anew: a robot may be starting while it is stopped.
+  bool HasController() const {
+    return link_.HasMachine() || NameLock::IsHeld(names_here_ + "musher/controller");
+  }
 
   Link& link_;
   const StopLatch& latch_;
   const bool lan_;
-  const pid_t leader_here_;
-  const std::vector<std::string> running_here_;
+  const std::string names_here_;
 };
 
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {

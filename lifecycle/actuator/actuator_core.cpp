@@ -31,21 +31,6 @@ std::string Quantity(Duration d) {
   return std::to_string(ToMilliseconds(d)) + " ms";
 }
 
-// Why `command` may not begin at `now`, by the clock of the actuator that it is meant for: it is
-// older than its budget (Timeout), or its times are invalid (ParametersInvalid); nullopt where it
-// may.
-std::optional<Error> CheckAge(const SwitchCommand& command, Time now) {
-  // The times of an unknown sender may be arbitrary: invalid ones are not used.
-  const bool possible = command.status_stamp <= now && command.status_stamp >= now - kLongestRun &&
-                        command.since_status >= Duration::zero() &&
-                        command.since_status <= kLongestRun;
-  if (!possible) return Error{kCodeParametersInvalid, "the command carries no valid age"};
-  const Duration age = now - command.status_stamp - command.since_status;
-  if (age <= command.budget) return std::nullopt;
-  return Error{kCodeTimeout, "the command is " + Quantity(age) + " old and was good for " +
-                                 Quantity(command.budget)};
-}
-
 // The state of an actuator that has lost its controller: `on_controller_lost` of the config. None:
 // it stays where it is, as it is at or below that state.
 std::optional<State> SafeState(const MachineConfig& config, ActuatorIndex index,
@@ -437,6 +422,18 @@ class Decision {
 };
 
 }  // namespace
+
+std::optional<Error> CheckAge(const SwitchCommand& command, Time now) {
+  // The times of an unknown sender may be arbitrary: invalid ones are not used.
+  const bool possible = command.status_stamp <= now && command.status_stamp >= now - kLongestRun &&
+                        command.since_status >= Duration::zero() &&
+                        command.since_status <= kLongestRun;
+  if (!possible) return Error{kCodeParametersInvalid, "the command carries no valid age"};
+  const Duration age = now - command.status_stamp - command.since_status;
+  if (age <= command.budget) return std::nullopt;
+  return Error{kCodeTimeout, "the command is " + Quantity(age) + " old and was good for " +
+                                 Quantity(command.budget)};
+}
 
 std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex index,
                                  ActuatorCore& core, const ActuatorEvent& event, Time now) {

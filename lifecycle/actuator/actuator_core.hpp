@@ -38,6 +38,7 @@
 #include <variant>
 #include <vector>
 
+#include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/machine/actuator_command.hpp"
 #include "musher/lifecycle/machine/report.hpp"
@@ -176,5 +177,10 @@ std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex inde
 // When to step next with TimePassed, unless another event comes before; nullopt: never.
 std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,
                                  const ActuatorCore& core);
+
+// Why `command` may not begin at `now`, by the clock of the actuator that it is meant for: it is
+// older than its budget (Timeout), or its times are invalid (ParametersInvalid); nullopt where it
+// may.
+std::optional<Error> CheckAge(const SwitchCommand& command, Time now);
 
 }  // namespace musher

@@ -1,7 +1,7 @@
 // A report of an actuator that was late on its way makes the actuator's clock appear slow, and the
 // commands to it older than they are.
 
-#include "musher/lifecycle/actuator/command_age.hpp"
+#include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::late_report_test {
