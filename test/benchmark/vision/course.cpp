@@ -176,7 +176,7 @@ void All(int most) {
     const std::size_t camera = entry.picture == "image_left"    ? 1
                                : entry.picture == "image_right" ? 2
                                                                 : 0;
-    const auto detector = entry.making.make().value();
+    const auto detector = entry.factory.make().value();
     std::vector<double> times_ms;
     double mean_ms = 0;
     std::int64_t stamp_ns = 0;

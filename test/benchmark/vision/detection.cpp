@@ -100,7 +100,7 @@ class Examination {
       parameters.thorough_every = 1;
       detector = vision::MakeQrDetector(parameters);
     } else if (!detector) {
-      detector = entry.making.make().value();
+      detector = entry.factory.make().value();
     }
     return detector.get();
   }
