@@ -184,7 +184,7 @@ class Confirmation {
     const auto profile = transport::Profile({});
     return !profile || profile.value() == TransportProfile::kLan;
   }
-  // Each time anew: a robot may be starting while it is stopped.
+  // Read each time: a robot may be starting while it is stopped.
   bool HasController() const {
     return link_.HasMachine() || NameLock::IsHeld(names_here_ + "musher/controller");
   }

@@ -61,8 +61,9 @@ class Decision {
       return Refuse({arrived.token}, *refusal);
     if (Repeated(arrived)) return;
     const auto refusal = CheckCommand(command);
-    // Also of a refused one: its copy must not run once the stop is released. A copy of one that is
-    // too old is too old as well; where it only appeared so, it is sent again with a right clock.
+    // Also of a refused command: its copy must not run once the stop is released. A copy of a
+    // command that is too old is too old as well; if it only appeared so, it is sent again with a
+    // right clock.
     const bool too_old = refusal && refusal->code == kCodeTimeout;
     if (command.incarnation == report_.incarnation && !too_old) UseUp(command.number);
     if (refusal) return Refuse({arrived.token}, *refusal);

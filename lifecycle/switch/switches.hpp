@@ -28,7 +28,7 @@ class Switches : StepPart {
   Switches(StepContext& step, PolicyMemory& memory, Commands& commands)
       : StepPart(step), memory_(memory), commands_(commands) {}
 
-  // Returns the number of the switch. `by`: of one that was requested.
+  // Returns the number of the switch. `by`: who has requested it; empty: the controller itself.
   CommandNumber Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
                       RecordId cause, const Requester& by = {});
   // The machine was requested to be in the target of `s` by this one as well.

@@ -147,7 +147,7 @@ TEST_F(CyberdogBusy, EverythingIsRefusedDuringASwitch) {
     });
   }
   ota.value()->Call({true}, std::chrono::seconds(5), [&](const auto& answer) {
-    EXPECT_THAT(answer.value().message, HasSubstr("111 (Robot: TargetBusy)"));
+    EXPECT_THAT(answer.value().message, HasSubstr("(111 Robot: TargetBusy)"));
     refused += answer.value().success ? 0 : 1;
   });
   wake.value()->Call({}, std::chrono::seconds(5),

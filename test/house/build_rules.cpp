@@ -17,7 +17,8 @@ std::vector<std::string> DeadFiles(const std::vector<SourceFile>& tree) {
       const std::string text = line.text.substr(0, line.text.find('#'));
       for (std::sregex_iterator i(text.begin(), text.end(), name), end; i != end; ++i) {
         const auto path = (folder / i->str()).lexically_normal();
-        if (path.filename() == "*.cpp") built_folders.insert(path.parent_path().string());
+        const std::string pattern = path.filename().string();
+        if (pattern.starts_with('*')) built_folders.insert(path.parent_path().string());
         built.insert(path.string());
       }
     }

@@ -30,7 +30,25 @@ std::string Text(const std::vector<std::string>& lines, std::size_t indent) {
 }
 
 // The lines of a region ("" for all), without markers; nothing where there is no such region.
+// "Switches::Begin()": the function of C++ that is defined at the top of the file, with the comment
+// above.
+std::optional<std::string> Function(const SourceFile& file, const std::string& name) {
+  const std::string call = " " + name.substr(0, name.size() - 1);
+  std::vector<std::string> lines;
+  bool inside = false;
+  for (const Line& line : Lines(file.text)) {
+    const bool comment = line.text.starts_with("// ") && !line.text.starts_with("// ---");
+    const bool top = !line.text.empty() && line.text[0] != ' ';
+    if (!inside && !comment) inside = top && line.text.find(call) != std::string::npos;
+    if (!inside && !comment) lines.clear();
+    if (inside || comment) lines.push_back(line.text);
+    if (inside && line.text == "}") return Text(lines, 0);
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> Region(const SourceFile& file, const std::string& name, bool indented) {
+  if (name.ends_with("()")) return Function(file, name);
   std::vector<std::string> lines;
   bool inside = name.empty();
   bool found = inside;
@@ -65,7 +83,7 @@ struct Snippet {
 };
 
 std::vector<Snippet> Snippets(const SourceFile& document) {
-  static const std::regex origin(R"(^<!-- (\S+?)(?: (\+?)\[(\w+)\])? -->$)");
+  static const std::regex origin(R"(^<!-- (\S+?)(?: (\+?)\[([\w:]+(?:\(\))?)\])? -->$)");
   static const std::regex code("^```(cpp|python|cmake|toml|xml)$");
   std::vector<Snippet> snippets;
   std::smatch from;

@@ -101,7 +101,7 @@ class Door(WithRobot):
         report = self.behavior("door")
         self.assertEqual([(change["from"], change["to"], change["cause"], change["command"])
                           for change in report["history"]],
-                         [("", "CLOSED", "started", ""), ("CLOSED", "OPEN", "decided", "open")])
+                         [(None, "CLOSED", "started", None), ("CLOSED", "OPEN", "decided", "open")])
         refused = self.robot.run("behavior", "door", "--send", "opne")
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("did you mean 'open'", refused.stderr)
