@@ -161,9 +161,12 @@ std::optional<Failure> Link::ChooseOf(const std::vector<Found>& candidates, Purp
     machine_ = one.machine();
     return std::nullopt;
   }
-  if (const auto here = MachineOfActuatorsHere()) {
+  if (auto here = MachineOfActuatorsHere()) {
+    // Actuators that have sent no status yet are those of the files here, or of a machine that is
+    // not known: not of whichever machine answers.
+    if (here->name.empty()) here = MachineOfFilesHere(global_).value_or(*here);
     for (const Found& one : candidates) {
-      if (!SameMachine(one.machine(), *here)) continue;
+      if (here->name.empty() || !SameMachine(one.machine(), *here)) continue;
       machine_ = one.machine();
       return std::nullopt;
     }

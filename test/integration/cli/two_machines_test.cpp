@@ -154,7 +154,7 @@ TEST_F(TwoMachines, TheRestOfAKilledMachineIsStoppedAndNothingOfTheOther) {
   ASSERT_EQ(dog_->Do({"kill", "-9", std::to_string(pid)}).exit, 0);
   // Not the controller that still answers: it leads another machine.
   const Ended set = dog_->Run({"set", "LowPower"});
-  EXPECT_EQ(set.exit, 3) << set.err;
+  EXPECT_EQ(set.exit, 3) << set.out << set.err;
   EXPECT_THAT(set.err, HasSubstr("actuators of dog"));
   const nlohmann::json before = cat_->Status();
   const Ended down = dog_->Run({"down", "--without-controller"});
@@ -162,6 +162,25 @@ TEST_F(TwoMachines, TheRestOfAKilledMachineIsStoppedAndNothingOfTheOther) {
   EXPECT_THAT(down.out, Not(HasSubstr("without TearDown"))) << "each answers for itself";
   EXPECT_EQ(before["actuators"], cat_->Status()["actuators"]);
   EXPECT_EQ(before["epoch"], cat_->Status()["epoch"]);
+}
+
+TEST_F(TwoMachines, WhereTheActuatorsOfAHostAreSilentACommandActsOnNoOtherMachine) {
+  ASSERT_TRUE(Met());
+  const nlohmann::json dog = dog_->Status();
+  const nlohmann::json before = cat_->Status();
+  ASSERT_EQ(dog_->Do({"kill", "-9", std::to_string(dog["pid"].get<int>())}).exit, 0);
+  const auto signal = [&](const char* what) {
+    for (const nlohmann::json& actuator : dog["actuators"]) {
+      EXPECT_EQ(dog_->Do({"kill", what, std::to_string(actuator["pid"].get<int>())}).exit, 0);
+    }
+  };
+  signal("-STOP");
+  const Ended set = dog_->Run({"set", "LowPower"});
+  EXPECT_EQ(set.exit, 3) << set.out << set.err;
+  EXPECT_THAT(set.err, HasSubstr("Nothing was done"));
+  EXPECT_EQ(before["state"], cat_->Status()["state"]);
+  EXPECT_EQ(before["switch"], cat_->Status()["switch"]);
+  signal("-CONT");
 }
 
 TEST_F(TwoMachines, WhereNothingOfAHostsMachineRunsACommandActsOnNoOtherMachine) {

@@ -292,7 +292,7 @@ test('states and texts of a layout never overlap, for random charts', () => {
 });
 
 test('a lost connection is opened again after growing pauses; a message resets them', context => {
-  contex// Node.js 18 takes the list itself.
+  // Node.js 18 takes the list itself.
   const apis = ['setTimeout'];
   context.mock.timers.enable(process.versions.node.startsWith('18.') ? apis : {apis});
   const sockets = [];
