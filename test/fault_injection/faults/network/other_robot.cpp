@@ -20,8 +20,9 @@ void ExpectObeys(FaultRun& run, const std::string& when) {
 }
 
 bool KnowsOther(const msg::MachineStatus& status) {
-  return std::any_of(status.other_machines.begin(), status.other_machines.end(),
-                     [](const std::string& machine) { return machine.find(kOther) != std::string::npos; });
+  return std::any_of(
+      status.other_machines.begin(), status.other_machines.end(),
+      [](const std::string& machine) { return machine.find(kOther) != std::string::npos; });
 }
 
 }  // namespace

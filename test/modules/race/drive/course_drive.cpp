@@ -96,7 +96,8 @@ CourseDrive::CourseDrive(DriveSettings settings)
   const auto reading = vision::ReadVisionFile(Config("vision/course.toml"));
   for (const vision::CourseEntry& entry : Valid(reading, reading.config).detectors) {
     DetectorChannel channel{
-        entry, entry.factory.make().value(), vision::StampGate(entry.rate_hz), 0, {}, {}, false, {}};
+        entry, entry.factory.make().value(), vision::StampGate(entry.rate_hz), 0, {}, {}, false,
+        {}};
     const auto camera = std::find(kTopics.begin(), kTopics.end(), entry.picture);
     channel.camera = static_cast<std::size_t>(camera - kTopics.begin());
     const vision::CourseOutputs outputs = entry.Outputs();
