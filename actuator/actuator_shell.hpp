@@ -99,6 +99,9 @@ class ActuatorShell {
   void Do(const actuator_action::RequestStop& action);
   void Do(const actuator_action::RunEmergencyStop& action);
   void Do(const actuator_action::Answer& action);
+  void Refuse(RequestToken token, const Error& why) {
+    Do(actuator_action::Answer{token, Verdict::kRefused, why.code, why.message});
+  }
   void Do(const actuator_action::PublishStatus& action);
   void Do(const actuator_action::BecomeVisible& action);
   void Do(const actuator_action::Finish& action);

@@ -64,12 +64,7 @@ class MachineController::Impl {
 
   SwitchResult Switch(const std::optional<std::string>& actuator, const State& target) {
     if (!controller_) {
-      SwitchResult refusal;
-      refusal.target = target;
-      refusal.outcome = SwitchOutcome::kRefused;
-      refusal.code = kCodeUninitialized;
-      refusal.reason = "Init() has not succeeded";
-      return refusal;
+      return RefusedSwitch(target, "", {}, {kCodeUninitialized, "Init() has not succeeded"});
     }
     std::promise<SwitchResult> promise;
     node_->loop().Post([&] {

@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/base/code.hpp"
-#include "musher/base/result.hpp"
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
 
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 namespace event = actuator_event;
-
-using Refusal = Error;
 
 // The number of announced controllers that are kept: those received last.
 constexpr std::size_t kAnnouncedKept = 8;
@@ -26,10 +23,6 @@ constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no m
 
 // No process of a robot runs for longer.
 constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
-
-std::string Quantity(Duration d) {
-  return std::to_string(ToMilliseconds(d)) + " ms";
-}
 
 // The state of an actuator that has lost its controller: `on_controller_lost` of the config. None:
 // it stays where it is, as it is at or below that state.
@@ -68,7 +61,7 @@ class Decision {
     if (command.incarnation == report_.incarnation && !too_old) UseUp(command.number);
     if (refusal) return Refuse({arrived.token}, *refusal);
     if (report_.busy()) {
-      DropWaiting({kCodeTargetBusy, "replaced by command " + ToString(command.number)});
+      DropWaiting(Refused<Refusal::kCommandReplaced>(command.number));
       core_.waiting = {command, {arrived.token}};
       return Do(PublishStatus{});
     }
@@ -81,7 +74,7 @@ class Decision {
     const CommandNumber number = arrived.command.number;
     UseUp(number);
     if (core_.waiting && core_.waiting->command.number <= number) {
-      DropWaiting({kCodeTimeout, "not started by its deadline; cancelled"});
+      DropWaiting(Refused<Refusal::kCommandCancelled>());
     }
     if (arrived.command.stop && report_.busy()) Do(RequestStop{});
     Do(Answer{arrived.token, Verdict::kDone, kCodeOk, ""});
@@ -192,11 +185,11 @@ class Decision {
     for (const RequestToken token : tokens) Do(Answer{token, verdict, why.code, why.message});
   }
 
-  void Refuse(const std::vector<RequestToken>& tokens, const Refusal& refusal) {
+  void Refuse(const std::vector<RequestToken>& tokens, const Error& refusal) {
     AnswerAll(tokens, Verdict::kRefused, refusal);
   }
 
-  void DropWaiting(const Refusal& why) {
+  void DropWaiting(const Error& why) {
     if (const auto dropped = std::exchange(core_.waiting, {})) Refuse(dropped->tokens, why);
   }
 
@@ -206,38 +199,26 @@ class Decision {
       const auto waiting = *std::exchange(core_.waiting, std::nullopt);
       Begin(waiting.command, waiting.tokens);
     }
-    DropWaiting({kCodeStateInvalid, "the actuator is torn down"});
+    DropWaiting(Refused<Refusal::kActuatorEnds>());
     Do(PublishStatus{});
     Do(Finish{});
   }
 
   // One controller has control: the one with the highest epoch, once it has announced itself.
-  std::optional<Refusal> Authority(Sender sender, Epoch epoch) {
-    const std::string number = ToString(epoch);
-    if (sender == 0) {
-      return Refusal{kCodePermissionDenied, "the participant that sent the command is unknown"};
-    }
-    if (epoch > kLastEpoch) {
-      return Refusal{kCodeParametersInvalid, "epoch " + number + " is out of range"};
-    }
-    if (epoch < report_.epoch) {
-      return Refusal{kCodePermissionDenied,
-                     "epoch " + number + " is outdated; this actuator is controlled by epoch " +
-                         ToString(report_.epoch)};
-    }
+  std::optional<Error> Authority(Sender sender, Epoch epoch) {
+    if (sender == 0) return Refused<Refusal::kSenderUnknown>();
+    if (epoch > kLastEpoch) return Refused<Refusal::kEpochOutOfRange>(epoch);
+    if (epoch < report_.epoch) return Refused<Refusal::kEpochOutdated>(epoch, report_.epoch);
     if (sender != core_.controller) {
-      if (epoch == report_.epoch) {
-        return Refusal{kCodePermissionDenied, "epoch " + number + " belongs to another controller"};
-      }
+      if (epoch == report_.epoch) return Refused<Refusal::kEpochOfAnother>(epoch);
       const event::ControllerHeartbeatReceived announced{sender, epoch};
       if (std::find(core_.announced.begin(), core_.announced.end(), announced) ==
           core_.announced.end()) {
-        return Refusal{kCodePermissionDenied,
-                       "no controller of epoch " + number + " has announced itself"};
+        return Refused<Refusal::kNotAnnounced>(epoch);
       }
       core_.controller = sender;
       // The new controller does not have the waiting command of the previous one.
-      DropWaiting({kCodePermissionDenied, "the controller of epoch " + number + " has taken over"});
+      DropWaiting(Refused<Refusal::kTakenOver>(epoch));
     }
     report_.epoch = epoch;
     core_.controller_last_heartbeat = now_;
@@ -283,10 +264,7 @@ class Decision {
             "an emergency stop was engaged while " + target + " ran; the state is not taken"};
   }
 
-  static Refusal Stopped() {
-    return {kCodeProtectedError,
-            "an emergency stop is engaged; until it is released nothing is switched on"};
-  }
+  static Error Stopped() { return Refused<Refusal::kStopForbidsSwitchingOn>(); }
 
   // The callback of the present state leads up, too, where it undoes a failed downward callback, or
   // would switch on what a stop has switched off. It leads down where it undoes a failed upward
@@ -320,46 +298,36 @@ class Decision {
     return true;
   }
 
-  std::optional<Refusal> CheckCommand(const SwitchCommand& command) const {
+  std::optional<Error> CheckCommand(const SwitchCommand& command) const {
     if (command.incarnation != report_.incarnation) {
-      return Refusal{kCodePermissionDenied,
-                     "the command is meant for another process of this name"};
+      return Refused<Refusal::kOtherProcess>();
     }
     if (command.number <= report_.number) {
-      return Refusal{kCodeStatusError, "command " + ToString(command.number) +
-                                           " is outdated; command " + ToString(report_.number) +
-                                           " was received already"};
+      return Refused<Refusal::kCommandOutdated>(command.number, report_.number);
     }
     if (auto refusal = CheckTarget(command.target)) return refusal;
     return MayBegin(command);
   }
 
-  std::optional<Refusal> EvaluateManager(const State& target) const {
-    if (report_.epoch != 0) {
-      return Refusal{kCodePermissionDenied,
-                     "a controller has control, epoch " + ToString(report_.epoch)};
-    }
-    if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
+  std::optional<Error> EvaluateManager(const State& target) const {
+    if (report_.epoch != 0) return Refused<Refusal::kControlled>(report_.epoch);
+    if (report_.busy()) return Refused<Refusal::kBusy>(report_.target);
     if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
     return CheckTarget(target);
   }
 
-  std::optional<Refusal> CheckTarget(const State& target) const {
+  std::optional<Error> CheckTarget(const State& target) const {
     if (report_.state == kTearDown && target != kTearDown) {
-      return Refusal{kCodeStateInvalid,
-                     "the actuator is torn down; only a new start brings it back"};
+      return Refused<Refusal::kActuatorTornDown>();
     }
     if (target == kSetUp || target == kUninitialized) {
-      return Refusal{kCodeStateInvalid,
-                     target + " cannot be commanded: it runs only at the start of a process"};
+      return Refused<Refusal::kOnlyAtStart>(target);
     }
-    if (!config_.Lists(target)) {
-      return Refusal{kCodeUnSupport, config_.name + " has no state '" + target + "'"};
-    }
+    if (!config_.Lists(target)) return Refused<Refusal::kStateMissing>(config_.name, target);
     return std::nullopt;
   }
 
-  std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
+  std::optional<Error> MayBegin(const SwitchCommand& command) const {
     if (report_.emergency_stop != 0 && SwitchesOn(command.target)) return Stopped();
     return CheckAge(command, now_);
   }
@@ -429,11 +397,10 @@ std::optional<Error> CheckAge(const SwitchCommand& command, Time now) {
   const bool possible = command.status_stamp <= now && command.status_stamp >= now - kLongestRun &&
                         command.since_status >= Duration::zero() &&
                         command.since_status <= kLongestRun;
-  if (!possible) return Error{kCodeParametersInvalid, "the command carries no valid age"};
+  if (!possible) return Refused<Refusal::kCommandWithoutAge>();
   const Duration age = now - command.status_stamp - command.since_status;
   if (age <= command.budget) return std::nullopt;
-  return Error{kCodeTimeout, "the command is " + Quantity(age) + " old and was good for " +
-                                 Quantity(command.budget)};
+  return Refused<Refusal::kCommandTooOld>(ToMilliseconds(age), ToMilliseconds(command.budget));
 }
 
 std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex index,

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "musher/base/network_profile.hpp"
+#include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/config/policy_config.hpp"
 #include "musher/lifecycle/config/ros2_config.hpp"
@@ -167,7 +168,7 @@ struct MachineConfig {
 };
 
 // NoSuch() (suggest.hpp) for an actuator of `config`.
-std::string NoSuchActuator(std::string_view name, const MachineConfig& config);
+Error UnknownActuator(std::string_view name, const MachineConfig& config);
 
 // The flow where a config has none: all transitions among Active, Protected, DeActive, LowPower and
 // OTA; from each of them and from Error to Error and TearDown; from Error to SelfCheck; and from a

@@ -11,6 +11,7 @@
 #include "musher/lifecycle/recovery/fallback.hpp"
 #include "musher/lifecycle/recovery/late_actuators.hpp"
 #include "musher/lifecycle/recovery/recovery.hpp"
+#include "musher/lifecycle/refusal.hpp"
 #include "musher/lifecycle/rules/policy_requests.hpp"
 #include "musher/lifecycle/startup/start_up.hpp"
 
@@ -165,7 +166,7 @@ void Coordinator::ReportIfBroken() {
 }
 
 void Coordinator::Decline(const Event& event) {
-  const Error fenced{kCodePermissionDenied, "another controller leads this machine"};
+  const Error fenced = Refused<Refusal::kLedByAnother>();
   const auto answer = [&](RequestId request) {
     step_.actions.emplace_back(action::AnswerCall{request, fenced});
   };

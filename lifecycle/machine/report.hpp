@@ -30,6 +30,12 @@ struct EmergencyStop {
   friend bool operator==(const EmergencyStop&, const EmergencyStop&) = default;
 };
 
+// " by alice (smoke)": what is known of it, behind "an emergency stop is engaged".
+inline std::string OriginOf(const EmergencyStop& stop) {
+  return (stop.by.empty() ? "" : " by " + stop.by) +
+         (stop.reason.empty() ? "" : " (" + stop.reason + ")");
+}
+
 struct ActuatorReport {
   State state{kUninitialized};
   State target;                   // its callback runs for this state; empty when it is free

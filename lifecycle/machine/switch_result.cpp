@@ -54,4 +54,16 @@ std::string_view OutcomeName(SwitchOutcome outcome) {
   return "superseded";
 }
 
+SwitchResult RefusedSwitch(const State& target, const std::string& actuator, const State& state,
+                           const Error& why) {
+  SwitchResult result;
+  result.target = target;
+  result.actuator = actuator;
+  result.outcome = SwitchOutcome::kRefused;
+  result.code = why.code;
+  result.reason = why.message;
+  result.state = state;
+  return result;
+}
+
 }  // namespace musher

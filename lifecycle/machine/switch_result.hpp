@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "musher/base/code.hpp"
+#include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/state.hpp"
@@ -71,5 +72,10 @@ struct SwitchResult {
 
   friend bool operator==(const SwitchResult&, const SwitchResult&) = default;
 };
+
+// The answer to a request that is refused while the machine, or the one actuator, is in `state`.
+// `actuator`: "": of the machine.
+SwitchResult RefusedSwitch(const State& target, const std::string& actuator, const State& state,
+                           const Error& why);
 
 }  // namespace musher

@@ -4,20 +4,30 @@
 #include <iterator>
 #include <map>
 
-#include "musher/base/code.hpp"
 #include "musher/base/joined.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
 
-constexpr const char* kUnchecked = "has not passed its self-check";
-constexpr const char* kRunSelfCheck = "; run `musher set SelfCheck`";
-
 std::string List(const std::vector<State>& names) {
   return Joined(names, "none");
+}
+
+Error NotPresent(const std::string& actuator, Presence presence) {
+  switch (presence) {
+    case Presence::kAbsent:
+      return Refused<Refusal::kActuatorAbsent>(actuator);
+    case Presence::kStarting:
+      return Refused<Refusal::kActuatorStarting>(actuator);
+    case Presence::kLost:
+    case Presence::kPresent:
+      break;
+  }
+  return Refused<Refusal::kActuatorLost>(actuator);
 }
 
 // SetUp, SelfCheck and Uninitialized count as less active than any state with a rank, except Error
@@ -63,39 +73,39 @@ class Planner {
   std::optional<Error> CheckTarget() const {
     const State& target = plan_.target;
     if (!config_.HasState(target)) {
-      const std::string hint = DidYouMean(target, config_.states);
-      return Error{kCodeParametersInvalid, "unknown state '" + target.Shortened() + "'" +
-                                               (hint.empty() ? ";" : hint) + " the states are " +
-                                               List(config_.states)};
+      const std::string nearest = Nearest(target, config_.states);
+      return Refused<Refusal::kUnknownState>(
+          target.Shortened(), nearest.empty() ? "" : " did you mean '" + nearest + "'?",
+          List(config_.states));
     }
     const std::string subject = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
     if (machine_.phase == Phase::kIdle ||
         (!machine_.start_up.set_up && (target != kTearDown || plan_.only))) {
-      return Error{kCodeStatusError, "the machine is not set up yet"};
+      return Refused<Refusal::kNotSetUp>();
     }
     if (machine_.phase == Phase::kFenced) {
-      return Error{kCodePermissionDenied, "another controller leads this machine"};
+      return Refused<Refusal::kLedByAnother>();
     }
     if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
-      return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
+      return Refused<Refusal::kMachineTornDown>();
     }
     // An actuator that is switching is checked again from the state it reaches.
     const bool on_its_way =
         plan_.only && machine_.actuators[*plan_.only].command && !machine_.current;
     const bool exempt = (for_safety_ && plan_.direction == Direction::kDown) || on_its_way;
     if (!exempt && !FlowAllows(config_, plan_.from, target)) {
-      return Error{kCodeStateInvalid, subject + " cannot go from " + plan_.from + " to " + target +
-                                          WaysFrom(plan_.from)};
+      return NoTransition(subject);
     }
     return plan_.only ? std::nullopt : RefusalByPolicy(config_, machine_, target);
   }
 
-  // What can be done instead.
-  std::string WaysFrom(const State& from) const {
-    const auto states = Reachable(config_, from);
-    if (!states.empty()) return "; from here it can go to " + List(states);
-    const std::string none = "; no state follows " + from;
-    return plan_.only ? none + Restart(config_.actuators[*plan_.only]) : none;
+  Error NoTransition(const std::string& subject) const {
+    const State& from = plan_.from;
+    if (const auto states = Reachable(config_, from); !states.empty()) {
+      return Refused<Refusal::kNoTransition>(subject, from, plan_.target, List(states));
+    }
+    return Refused<Refusal::kFinalState>(subject, from, plan_.target, from,
+                                         plan_.only ? Restart(config_.actuators[*plan_.only]) : "");
   }
 
   // ": `musher restart lamp` starts it again", if the controller starts it; else "".
@@ -105,8 +115,8 @@ class Planner {
   }
 
   // The first reason is kept.
-  void RefuseWith(std::int32_t code, const std::string& message) {
-    if (!plan_.refusal) plan_.refusal = Error{code, message};
+  void RefuseWith(const Error& refusal) {
+    if (!plan_.refusal) plan_.refusal = refusal;
   }
 
   // During an emergency stop no actuator becomes more active. On the way down the actuators that
@@ -120,26 +130,21 @@ class Planner {
         });
     const bool resumes = SwitchesOnAgain(config_, plan_.from, plan_.target);
     if (!rises && !resumes) return;
-    const EmergencyStop& stop = *machine_.emergency.stop;
-    RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
-                                        (stop.by.empty() ? "" : " by " + stop.by) +
-                                        (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
-                                        (rises ? "; until it is released no switch up is possible"
-                                               : "; until it is released it holds " + plan_.from +
-                                                     ", and nothing is switched on again"));
+    const std::string by = OriginOf(*machine_.emergency.stop);
+    RefuseWith(rises ? Refused<Refusal::kStopForbidsUp>(by)
+                     : Refused<Refusal::kStopHoldsMachine>(by, plan_.from));
   }
 
   // Being busy is temporary: it is the reason only where there is no other.
   void RefuseWhileBusy() {
-    if (plan_.refusal || busy_.empty()) return;
-    plan_.refusal = Error{kCodeTargetBusy, busy_};
+    if (plan_.refusal || !busy_) return;
+    plan_.refusal = busy_;
     if (busy_ends_) plan_.free_by = free_by_;
   }
 
-  // `how`: "is busy with Active".
-  void NoteBusy(ActuatorIndex i, const std::string& how) {
+  void NoteBusy(ActuatorIndex i, const Error& busy) {
     const ActuatorRecord& record = machine_.actuators[i];
-    if (busy_.empty()) busy_ = config_.actuators[i].name + " " + how;
+    if (!busy_) busy_ = busy;
     const auto end = record.command ? record.command->deadline : record.free_by;
     busy_ends_ = busy_ends_ && end.has_value() && !machine_.current;
     free_by_ = std::max(free_by_, end.value_or(free_by_));
@@ -159,25 +164,20 @@ class Planner {
     const ActuatorRecord& record = machine_.actuators[i];
     const auto rank = config_.RankOf(plan_.target);
     if (record.presence != Presence::kPresent) {
-      RefuseWith(kCodeStatusError,
-                 actuator.name + " is " + std::string(PresenceName(record.presence)));
+      RefuseWith(NotPresent(actuator.name, record.presence));
     } else if (!actuator.Lists(plan_.target)) {
-      RefuseWith(kCodeUnSupport, actuator.name + " has no state '" + plan_.target + "'; it has " +
-                                     List(actuator.states));
+      RefuseWith(
+          Refused<Refusal::kStateUnsupported>(actuator.name, plan_.target, List(actuator.states)));
     } else if (record.restart.requested) {
-      RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
+      RefuseWith(Refused<Refusal::kActuatorRestarting>(actuator.name));
     } else if (record.report.busy() || record.command) {
-      NoteBusy(i, "is busy with " + BusyWith(record));
+      NoteBusy(i, Refused<Refusal::kActuatorBusy>(actuator.name, BusyWith(record)));
     } else if (rank && plan_.target != kTearDown && IsTooActive(record)) {
-      RefuseWith(kCodeStateInvalid, actuator.name +
-                                        " may not be more active than the machine, which is in " +
-                                        machine_.state);
+      RefuseWith(Refused<Refusal::kMoreActiveThanMachine>(actuator.name, machine_.state));
     } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
-      RefuseWith(kCodeSelfCheckFailed, actuator.name + " " + kUnchecked + kRunSelfCheck);
+      RefuseWith(Refused<Refusal::kUnchecked>(actuator.name));
     } else if (plan_.direction == Direction::kUp && record.suspended) {
-      RefuseWith(kCodeStatusError, actuator.name +
-                                       " is suspended until the "
-                                       "actuators in its binds_to are up");
+      RefuseWith(Refused<Refusal::kSuspended>(actuator.name));
     }
     PlanStep step = Blank(i);
     if (plan_.target != kSelfCheck && IsInTarget(record)) {
@@ -209,45 +209,48 @@ class Planner {
     const bool up = plan_.direction == Direction::kUp;
     const bool checking = plan_.direction == Direction::kCheck;
     PlanStep step = Blank(i);
-    // `cure`: the next step of a person whose switch is refused.
-    const auto leave_out = [&](const std::string& why, std::int32_t code, bool blocks,
-                               const std::string& cure = "") {
+    const auto leave_out = [&](const std::string& why) {
       step.part = PlanStep::Part::kLeftOut;
       step.note = why;
-      if (blocks && up && actuator.critical)
-        RefuseWith(code, "critical " + actuator.name + " " + why + cure);
     };
+    const bool blocks = up && actuator.critical;
     if (record.presence != Presence::kPresent) {
       const bool loading = !record.fault && record.presence != Presence::kLost;
-      leave_out(loading ? "is still starting" : "is not available", kCodeStatusError, !loading,
-                Restart(actuator));
+      leave_out(loading ? "is still starting" : "is not available");
+      if (blocks && !loading) {
+        RefuseWith(Refused<Refusal::kCriticalUnavailable>(actuator.name, Restart(actuator)));
+      }
     } else if (record.state() == kTearDown && plan_.target != kTearDown) {
       // Its process still runs, with other actuators in it.
-      leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
+      leave_out("is torn down; only a new start brings it back");
+      if (blocks) RefuseWith(Refused<Refusal::kCriticalTornDown>(actuator.name));
     } else if (record.restart.requested && plan_.target != kTearDown) {
-      leave_out("is being restarted", kCodeTargetBusy, false);
+      leave_out("is being restarted");
     } else if (LateActuators(record)) {
-      leave_out("is still starting", kCodeTargetBusy, false);
+      leave_out("is still starting");
     } else if (!actuator.Lists(plan_.target)) {
       step.part = PlanStep::Part::kUnsupported;
       step.note = "has no state '" + plan_.target + "'";
-      if (up) RefuseWith(kCodeUnSupport, actuator.name + " " + step.note);
+      if (up) RefuseWith(Refused<Refusal::kStateMissing>(actuator.name, plan_.target));
     } else if (checking && StartsByItself() && FailedSetUp(i)) {
-      leave_out("could not be configured", record.fault->code, false);
+      leave_out("could not be configured");
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
                (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i) &&
                !InCheckBeforeError(record)) {
-      leave_out(kUnchecked, kCodeSelfCheckFailed, true, kRunSelfCheck);
+      leave_out("has not passed its self-check");
+      if (blocks) RefuseWith(Refused<Refusal::kCriticalUnchecked>(actuator.name));
     } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
-      leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
+      leave_out("is suspended until the actuators in its binds_to are up");
     } else if (!checking && IsInTarget(record) && !record.report.busy() && !record.command) {
       step.part = record.held ? PlanStep::Part::kHeldInTarget : PlanStep::Part::kInTarget;
     } else if (!checking && Unknown(actuator, record)) {
-      leave_out("has not answered " + record.report.target + " and cannot be queried",
-                kCodeTargetBusy, true);
+      leave_out("has not answered " + record.report.target + " and cannot be queried");
+      if (blocks) {
+        RefuseWith(Refused<Refusal::kCriticalSilent>(actuator.name, record.report.target));
+      }
     } else if (up && !machine_.current && (record.report.busy() || record.command)) {
       step.note = "is still busy with " + BusyWith(record);
-      NoteBusy(i, step.note);
+      NoteBusy(i, Refused<Refusal::kActuatorStillBusy>(actuator.name, BusyWith(record)));
     }
     plan_.steps.push_back(step);
   }
@@ -377,7 +380,7 @@ class Planner {
   const Machine& machine_;
   const bool for_safety_;
   Plan plan_;
-  std::string busy_;  // the first busy actuator, and its callback
+  std::optional<Error> busy_;  // the first busy actuator, and its callback
   bool busy_ends_ = true;
   Time free_by_{};
 };

@@ -39,6 +39,8 @@ std::string BatteryText(const PolicyState& policy);
 // Why nothing goes above the ceiling of `level`, with the numbers and what to do.
 Error AboveCeiling(const MachineConfig& config, const PolicyState& policy, BatteryLevel level);
 
+// The refusal of what a reboot or a power-off, which was requested before, does not permit.
+Error AboutToEnd(const PowerDown& power);
 // Why the policy refuses a switch of the machine to `target`, with what would change that. Down is
 // always allowed.
 std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine& machine,

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "musher/base/suggest.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -192,35 +192,21 @@ bool Recovery::WasDisconnected(ActuatorIndex i) const {
 // --- restarts that a person requests ---
 
 void Recovery::On(const event::RestartRequested& requested) {
-  const auto refuse = [&](std::int32_t code, const std::string& why) {
-    Do(action::AnswerCall{requested.request, Error{code, why}});
-  };
+  const auto refuse = [&](const Error& why) { Do(action::AnswerCall{requested.request, why}); };
   const auto i = config_.IndexOf(requested.actuator);
-  if (!i) {
-    return refuse(kCodeParametersInvalid, NoSuchActuator(requested.actuator, config_));
-  }
+  if (!i) return refuse(UnknownActuator(requested.actuator, config_));
   if (ConfigOf(*i).command.empty()) {
-    return refuse(
-        kCodeUnSupport,
-        requested.actuator + " has no command in the config: restart it where it was started");
+    return refuse(Refused<Refusal::kNoCommand>(requested.actuator));
   }
   const bool in_use = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
-  if (!in_use) {
-    return refuse(kCodeStatusError, "the machine is " + std::string(PhaseName(machine_.phase)) +
-                                        "; it cannot be restarted now");
-  }
+  if (!in_use) return refuse(Refused<Refusal::kNotRestartable>(PhaseName(machine_.phase)));
   ActuatorRecord& record = Of(*i);
   if (RunsElsewhere(*i)) {
-    return refuse(kCodeUnSupport, requested.actuator + " runs on another host, " +
-                                      record.report.host.substr(0, 64) +
-                                      ", where this controller cannot end processes; end process " +
-                                      std::to_string(record.report.pid) + " there");
+    return refuse(Refused<Refusal::kOnAnotherHost>(
+        requested.actuator, record.report.host.substr(0, 64), record.report.pid));
   }
   if (record.presence == Presence::kPresent && ProcessOf(*i) == 0) {
-    return refuse(kCodeUnSupport,
-                  requested.actuator +
-                      " was not started by this controller, and its process is not known: end it "
-                      "where it was started; a second one would run beside it");
+    return refuse(Refused<Refusal::kProcessUnknown>(requested.actuator));
   }
   record.restart.requests.push_back(requested.request);
   if (record.restart.requested) return;
@@ -269,7 +255,7 @@ void Recovery::AnswerRestarts(ActuatorIndex i) {
   if (record.fault) {
     answer = Error(*record.fault);
   } else if (!there) {
-    answer = Error{kCodeStateInvalid, "the machine is being torn down"};
+    answer = Refused<Refusal::kBeingTornDown>();
   }
   for (const RequestId request : std::exchange(record.restart.requests, {})) {
     Do(action::AnswerCall{request, answer});

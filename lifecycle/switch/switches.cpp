@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -103,8 +104,7 @@ CommandNumber Switches::Begin(const Plan& plan, Purpose purpose, std::vector<Req
   s.purpose = purpose;
   s.requests = std::move(requests);
   s.cause = cause;
-  EndWaiting({kCodeTargetBusy, "switch " + ToString(s.number) + " (" +
-                                   Describe(config_, s.target, s.only) + ") started before it"},
+  EndWaiting(Refused<Refusal::kSwitchStartedFirst>(s.number, Describe(config_, s.target, s.only)),
              cause);
   for (const PlanStep& step : plan.steps) AddLeg(s, step);
   if (purpose == Purpose::kRequested) PermitSwitchingOn(s);
@@ -353,18 +353,6 @@ State Switches::WayBack(const Leg& leg) const {
 
 // --- the end of a switch: its effect on the machine and on each actuator, and its answer ---
 
-SwitchResult Refusal(const State& target, const std::string& actuator, const State& state,
-                     const Error& why) {
-  SwitchResult result;
-  result.target = target;
-  result.actuator = actuator;
-  result.outcome = SwitchOutcome::kRefused;
-  result.code = why.code;
-  result.reason = why.message;
-  result.state = state;
-  return result;
-}
-
 EndedSwitch Switches::End() {
   const Switch s = *machine_.current;
   machine_.current.reset();
@@ -519,7 +507,7 @@ void Switches::Supersede(CommandNumber by, const State& target, RecordId cause) 
 void Switches::Refuse(const State& target, std::optional<ActuatorIndex> only,
                       const std::vector<RequestId>& requests, const State& state, const Error& why,
                       RecordId cause) {
-  SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);
+  SwitchResult result = RefusedSwitch(target, only ? ConfigOf(*only).name : "", state, why);
   result.degraded = Degraded(config_, machine_);
   RecordSwitch(only, 0, why.code,
                texts::SwitchRefused(Describe(config_, target.Shortened(), only), why.message),

@@ -78,11 +78,8 @@ class Switches : StepPart {
   Commands& commands_;
 };
 
-// The answer to a request that is refused; `actuator`: of one actuator instead of the machine.
-SwitchResult Refusal(const State& target, const std::string& actuator, const State& state,
-                     const Error& why);
-// "to Active", "of eyes to Active".
-std::string Describe(const MachineConfig& config, const State& target,
-                     std::optional<ActuatorIndex> only);
+/ "to Active",
+    "of eyes to Active".std::string Describe(const MachineConfig& config, const State& target,
+                                             std::optional<ActuatorIndex> only);
 
 }  // namespace musher

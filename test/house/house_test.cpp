@@ -213,6 +213,12 @@ TEST(House, TroubleshootingExplainsEveryRecordFindingAndCode) {
   EXPECT_THAT(SentencesOfNoProgram(page, Tree()), IsEmpty());
 }
 
+TEST(House, EveryRefusalHasOneSentenceATestAndARow) {
+  EXPECT_THAT(UnexplainedRefusals(File("docs/troubleshooting.md"), Tree()), IsEmpty());
+  EXPECT_THAT(UntestedRefusals(Tree()), IsEmpty());
+  EXPECT_THAT(RefusalsElsewhere(Tree()), IsEmpty());
+}
+
 TEST(House, TheReferenceOfPythonHasEveryPublicName) {
   EXPECT_THAT(PythonNamesOutsideTheReference(File("docs/api/python.md"), Tree()), IsEmpty());
 }
