@@ -70,7 +70,7 @@ const std::map<std::string, Layers>& Rooms() {
         {"command", "plan", "config/toml"},
         {"switch"},
         {"startup", "recovery", "rules"},
-        {"coordinator", "fields"}}},
+        {"coordinator"}}},
       {"transport", {{"", "security"}, {"dds", "sim"}}},
       {"controller",
        {{"client", "journal", "link", "process"}, {"shell", "storage"}, {"ros2"}, {""}}},

@@ -4,7 +4,7 @@
 #include <bit>
 #include <string_view>
 
-#include "musher/lifecycle/fields/machine_fields.hpp"
+#include "musher/lifecycle/field.hpp"
 
 namespace musher::search {
 namespace {

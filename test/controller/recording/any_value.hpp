@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/fields/machine_fields.hpp"
+#include "musher/lifecycle/field.hpp"
 
 namespace musher::recording {
 

@@ -1,7 +1,10 @@
 #pragma once
-// Lists the fields of a struct and the names of an enumeration's values, once for what goes
-// through them: the journal, and the search that distinguishes states. A missing field is a compile
-// error (MemberCount).
+// The fields of a struct and the names of an enumeration's values, listed once at the end of its
+// header, for all that goes through them: messages to people, the journal, its replay, and the
+// search that distinguishes states. A missing field is a compile error (MemberCount).
+//
+// Names of fields, of values and of events are a file format: they never change, even if the C++
+// name does. Times and durations are in nanoseconds.
 
 #include <array>
 #include <cstddef>
@@ -9,6 +12,8 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
+
+#include "musher/base/result.hpp"
 
 namespace musher::fields {
 
@@ -62,5 +67,20 @@ constexpr std::size_t MemberCount() {
 template <Struct T>
 inline constexpr bool kIsComplete = std::tuple_size_v<std::remove_const_t<decltype(kFields<T>)>> ==
                                     MemberCount<T>();
+
+// The name of a value.
+template <class T>
+constexpr std::string_view NameOf(T value) {
+  return kValueNames<T>[static_cast<std::size_t>(value)];
+}
+// Whether `last` has the last name: so no value before it is missing.
+template <class T>
+constexpr bool EndsWith(T last) {
+  return static_cast<std::size_t>(last) + 1 == kValueNames<T>.size();
+}
+
+template <>
+inline constexpr std::tuple kFields<Error> = {Field{"code", &Error::code},
+                                              Field{"message", &Error::message}};
 
 }  // namespace musher::fields
