@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/requests.hpp"
 
 namespace musher {

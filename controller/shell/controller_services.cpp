@@ -4,8 +4,8 @@
 
 #include "musher/controller/shell/switch_log.hpp"
 #include "musher/controller/shell/wire.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/command/commands.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/policy_memory.hpp"
+#include "musher/lifecycle/switch/commands.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/switch_conclusion.hpp"
 
 namespace musher {

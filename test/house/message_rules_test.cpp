@@ -90,10 +90,10 @@ TEST(MessageRules, ReportARefusalThatNoTestProvokes) {
 
 TEST(MessageRules, ReportARefusalWhoseSentenceIsElsewhere) {
   const std::vector<SourceFile> tree = {
-      {"lifecycle/plan/plan.cpp", "return Error{kCodeTargetBusy,\n             \"it is busy\"};"},
-      {"lifecycle/plan/other.cpp", "return Error{kCodeTargetBusy, why};"},
+      {"lifecycle/switch/plan.cpp", "return Error{kCodeTargetBusy,\n             \"it is busy\"};"},
+      {"lifecycle/switch/other.cpp", "return Error{kCodeTargetBusy, why};"},
       {"controller/a.cpp", "return Error{kCodeTargetBusy, \"it is busy\"};"}};
-  EXPECT_THAT(RefusalsElsewhere(tree), ElementsAre("lifecycle/plan/plan.cpp"));
+  EXPECT_THAT(RefusalsElsewhere(tree), ElementsAre("lifecycle/switch/plan.cpp"));
 }
 
 TEST(MessageRules, ReportASentenceThatNoProgramPrints) {

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "musher/lifecycle/actuator/capability.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/ros2/managed_node.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/test/lifecycle/coordination/policy.hpp"
 #include "musher/test/lifecycle/one_actuator.hpp"
 #include "musher/test/support/refusals.hpp"

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/command/arrivals.hpp"
+#include "musher/lifecycle/switch/arrivals.hpp"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/recovery/recovery.hpp"
+#include "musher/lifecycle/supervision/recovery.hpp"
 
 #include <utility>
 

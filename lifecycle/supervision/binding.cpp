@@ -1,4 +1,4 @@
-#include "musher/lifecycle/recovery/binding.hpp"
+#include "musher/lifecycle/supervision/binding.hpp"
 
 namespace musher {
 

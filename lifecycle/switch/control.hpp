@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "musher/lifecycle/policy/policy_memory.hpp"
-#include "musher/lifecycle/process/processes.hpp"
+#include "musher/lifecycle/step/processes.hpp"
 
 namespace musher {
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/startup/adoption.hpp"
+#include "musher/lifecycle/supervision/adoption.hpp"
 
 #include <algorithm>
 #include <tuple>

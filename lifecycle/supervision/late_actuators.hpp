@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "musher/lifecycle/command/commands.hpp"
+#include "musher/lifecycle/switch/commands.hpp"
 
 namespace musher {
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/command/commands.hpp"
+#include "musher/lifecycle/switch/commands.hpp"
 
 #include <algorithm>
 

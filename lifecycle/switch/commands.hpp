@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "musher/lifecycle/process/processes.hpp"
 #include "musher/lifecycle/step/emergency_stops.hpp"
+#include "musher/lifecycle/step/processes.hpp"
 
 namespace musher {
 

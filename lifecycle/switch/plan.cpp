@@ -1,4 +1,4 @@
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 
 #include <algorithm>
 #include <iterator>

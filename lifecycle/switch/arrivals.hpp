@@ -2,8 +2,8 @@
 // What arrives from the actuators: their status, their replies, the loss of their writer; and the
 // deadlines for what does not arrive.
 
-#include "musher/lifecycle/command/commands.hpp"
-#include "musher/lifecycle/command/control.hpp"
+#include "musher/lifecycle/switch/commands.hpp"
+#include "musher/lifecycle/switch/control.hpp"
 
 namespace musher {
 

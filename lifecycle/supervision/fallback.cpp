@@ -1,8 +1,8 @@
-#include "musher/lifecycle/recovery/fallback.hpp"
+#include "musher/lifecycle/supervision/fallback.hpp"
 
 #include <utility>
 
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 
 namespace musher {
 

@@ -1,9 +1,9 @@
-#include "musher/lifecycle/recovery/late_actuators.hpp"
+#include "musher/lifecycle/supervision/late_actuators.hpp"
 
 #include <algorithm>
 
 #include "musher/lifecycle/config/flow.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 
 namespace musher {
 

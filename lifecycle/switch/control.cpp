@@ -1,4 +1,4 @@
-#include "musher/lifecycle/command/control.hpp"
+#include "musher/lifecycle/switch/control.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/process/processes.hpp"
+#include "musher/lifecycle/step/processes.hpp"
 
 #include <algorithm>
 #include <cmath>

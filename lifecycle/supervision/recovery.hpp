@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "musher/lifecycle/command/commands.hpp"
-#include "musher/lifecycle/command/control.hpp"
+#include "musher/lifecycle/switch/commands.hpp"
+#include "musher/lifecycle/switch/control.hpp"
 
 namespace musher {
 

@@ -1,10 +1,10 @@
-#include "musher/lifecycle/startup/start_up.hpp"
+#include "musher/lifecycle/supervision/start_up.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/plan/plan.hpp"
-#include "musher/lifecycle/startup/adoption.hpp"
+#include "musher/lifecycle/supervision/adoption.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 
 namespace musher {
 namespace {
