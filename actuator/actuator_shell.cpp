@@ -123,8 +123,8 @@ void ActuatorShell::OnControllerHeartbeat(const msg::ControllerHeartbeat& heartb
   if (!transport::IsOwn(heartbeat.participant, info)) return;
   const MachineIdentity theirs{heartbeat.machine, heartbeat.machine_id};
   if (!SameMachine(machine_, theirs)) {
-    // The controller of this actuator's host is that of its machine: it may have another config, or
-    // a new id because its state folder was lost.
+    // A controller on the host of this actuator belongs to its machine: its config may be another
+    // one, and its id is a new one where its state folder was lost.
     const bool here = !heartbeat.host.empty() && heartbeat.host == core_.report.host;
     if (!here || !hooks_.leads_here || !hooks_.leads_here(heartbeat.pid)) return;
     machine_ = theirs;

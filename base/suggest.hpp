@@ -19,7 +19,7 @@ std::string Nearest(std::string_view word, const std::vector<Name>& candidates) 
 }
 
 // "; did you mean 'legs'?": the end of a message that refuses `word`. Empty where no name is near.
-// `quotes`, the opening and the closing one, are those of the message.
+// `quotes`: the opening and the closing one, as the message has them.
 std::string DidYouMean(std::string_view word, const std::vector<std::string_view>& names,
                        std::string_view quotes = "''");
 template <typename Names>  // a container of what converts to std::string_view

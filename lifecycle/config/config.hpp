@@ -136,12 +136,12 @@ struct MachineConfig {
   std::int64_t log_size_bytes = 50ll << 20;      // of the controller's log, with its older parts
   std::int64_t logs_size_bytes = 500ll << 20;    // of all logs
 
-  std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
+  std::map<State, Rank> ranks;  // built-in ranks, and the ranks of [[state]]
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
   std::vector<std::string> interfaces;  // of "lan", beside the loopback; none: chosen by the host
   std::optional<RosDistro>
-      ros_distro;  // its message layouts are used; none: that of ROS_DISTRO, or Jazzy
+      ros_distro;  // whose message layouts are used; none: of ROS_DISTRO, else of Jazzy
   ClockSource clock = ClockSource::kSteady;
   std::string
       keys;  // absolute folder of credentials: only authenticated participants; empty: no security

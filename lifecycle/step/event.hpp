@@ -137,8 +137,8 @@ struct SetUpAwaited {
   RequestId request = 0;
   friend bool operator==(const SetUpAwaited&, const SetUpAwaited&) = default;
 };
-// A sample of the battery: each that differs from the one before of its publisher, and the samples
-// after it that confirm it. A value out of range is recorded and otherwise ignored.
+// A sample of the battery. Of each publisher, only a changed sample becomes an event, and then the
+// next samples that confirm it. A value out of range is recorded and otherwise ignored.
 struct BatterySeen {
   std::int32_t percent = 0;
   bool charging = false;

@@ -14,8 +14,9 @@ class Adoption : MachineView {
  public:
   using MachineView::MachineView;
 
-  // The least active state of the running actuators, or of the targets they are switching to. Of
-  // several on the same level that of the most actuators that could be in each of them.
+  // The least active state that the running actuators are in, or are switching to. Of several states
+  // with the same rank, the state of most actuators wins; only actuators that list all of these
+  // states count.
   std::optional<State> LowestFound() const;
   // Whether the previous controller crashed during a switch.
   bool FoundSwitching() const;

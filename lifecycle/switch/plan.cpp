@@ -305,8 +305,8 @@ class Planner {
     return found == plan_.steps.end() ? nullptr : &*found;
   }
 
-  // The driven actuators that `i` waits for on the way up: its `after`, or where one of those is
-  // not driven, the actuators that it waits for. `seen` keeps a diamond from being walked twice.
+  // The driven actuators that `i` waits for on the way up: its `after`. An actuator in `after` that
+  // is not driven is replaced by its own `after`. `seen` keeps a diamond from being walked twice.
   void CollectNeeds(ActuatorIndex i, PerActuator<bool>& seen,
                     std::vector<ActuatorIndex>& needs) const {
     for (const std::string& name : config_.actuators[i].after) {
@@ -346,7 +346,7 @@ class Planner {
     }
   }
 
-  // The actuators of a stage are torn down after those of the next stage that has any.
+  // A stage is torn down after the next stage that has actuators.
   void ReverseStages(PerActuator<std::vector<ActuatorIndex>>& needs) const {
     std::map<int, std::vector<ActuatorIndex>> stages;
     for (const PlanStep& step : plan_.steps) {

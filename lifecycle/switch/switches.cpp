@@ -66,8 +66,8 @@ class Order {
 // actuator that hangs does not use the time of those that are torn down after it. Where the times
 // fit, each has all of its own.
 
-// For each actuator with a leg, the longest time that it and those that wait for it, one after
-// another, may take.
+// For each actuator with a leg: the longest time that a chain of legs takes which begins with this
+// actuator, each of the others waiting for the one before.
 PerActuator<Duration> ChainTimes(const MachineConfig& config, const std::vector<Leg>& legs) {
   PerActuator<Duration> chains(config.actuators.size(), Duration{});
   const Order order(config, legs);
