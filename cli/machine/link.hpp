@@ -60,8 +60,8 @@ class Link {
                                             Console* console = nullptr);
 
   enum class Purpose { kLook, kAct };
-  // Chooses the machine that the command speaks to: the one of --machine, else that of this host,
-  // else the only one that answers. Runs the loop until it is found, at most for discovery; a
+  // Chooses the machine that the command speaks to: by --machine, else the machine of this host,
+  // else the only machine that answers. Runs the loop until it is found, at most for discovery; a
   // Failure if the choice is open, and where a command that acts would speak to another machine
   // than that of the files of this host. Call() and FollowStatus() choose it, too.
   std::optional<Failure> ChooseMachine(Purpose purpose = Purpose::kLook);

@@ -133,6 +133,11 @@ TEST(House, UsesTheWordsOfTheField) {
   EXPECT_EQ(ViolationsOf(IsAny, rule), "");
 }
 
+TEST(House, NoSentenceOfACommentRefersBackTwice) {
+  const Filter cpp = [](const SourceFile& file) { return file.IsCpp(); };
+  EXPECT_EQ(ViolationsOf(cpp, ChainedReferences), "");
+}
+
 TEST(House, EveryHeaderMayBeIncludedTwice) {
   EXPECT_THAT(ViolationsOf(IsHeader, MissingPragmaOnce), IsEmpty());
 }
