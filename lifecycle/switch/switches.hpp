@@ -78,8 +78,8 @@ class Switches : StepPart {
   Commands& commands_;
 };
 
-/ "to Active",
-    "of eyes to Active".std::string Describe(const MachineConfig& config, const State& target,
-                                             std::optional<ActuatorIndex> only);
+// "to Active", "of eyes to Active".
+std::string Describe(const MachineConfig& config, const State& target,
+                     std::optional<ActuatorIndex> only);
 
 }  // namespace musher
