@@ -284,9 +284,9 @@ class RefusedCommands : public OneActuator {
 
 TEST_F(RefusedCommands, OfASenderThatIsNotObeyed) {
   Switch(1, "Active");
-  Arrived nobody = Command(2, "DeActive");
-  nobody.sender = 0;
-  EXPECT_THAT(AnswerTo(nobody), IsRefused(Refusal::kSenderUnknown));
+  Arrived unknown = Command(2, "DeActive");
+  unknown.sender = 0;
+  EXPECT_THAT(AnswerTo(unknown), IsRefused(Refusal::kSenderUnknown));
   Arrived other = Command(2, "DeActive");
   other.sender = 99;
   EXPECT_THAT(AnswerTo(other), IsRefused(Refusal::kEpochOfAnother));
