@@ -17,6 +17,7 @@ constexpr std::uint8_t kActivate = 3;
 class TheMachineAsANode : public TwoControllers {
  protected:
   TheMachineAsANode() {
+    callback_takes_ = Milliseconds(500);
     config_.ros2.activate = "Gone";  // which the machine does not have
     simulation::ControllerProcess::Hooks hooks;
     hooks.on_record = [this](const action::Record& record) { said_ += record.message + "\n"; };
@@ -55,7 +56,6 @@ TEST_F(TheMachineAsANode, RefusesAManagerWhileItStartsByItself) {
 
 TEST_F(TheMachineAsANode, RefusesAManagerWhileASwitchIsUnderWay) {
   ASSERT_NO_FATAL_FAILURE(Run());
-  callback_takes_ = Milliseconds(500);
   first_.process->shell().SetState("LowPower", std::nullopt, [](const auto&) {});
   EXPECT_THAT(SaidOnRefusal(kConfigure), HasRefusal(Refusal::kMachineSwitching));
 }

@@ -51,7 +51,9 @@ TEST_F(Takeover, IsTheWayOutOfARefusalThatNamesTheLivingController) {
     const Ended second = Musher({"up", config_});
     EXPECT_EQ(second.exit, 2);
     EXPECT_THAT(second.err, AllOf(HasSubstr(leader_), HasSubstr("--takeover replaces it")));
-    if (other_folder) EXPECT_THAT(second.err, HasRefusal(Refusal::kNameTaken));
+    if (other_folder) {
+      EXPECT_THAT(second.err, HasRefusal(Refusal::kNameTaken));
+    }
   }
   EXPECT_EQ(Status(), before_);  // it was not disturbed
 }
