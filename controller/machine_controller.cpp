@@ -64,7 +64,12 @@ class MachineController::Impl {
 
   SwitchResult Switch(const std::optional<std::string>& actuator, const State& target) {
     if (!controller_) {
-      return RefusedSwitch(target, "", {}, {kCodeUninitialized, "Init() has not succeeded"});
+      SwitchResult refusal;
+      refusal.target = target;
+      refusal.outcome = SwitchOutcome::kRefused;
+      refusal.code = kCodeUninitialized;
+      refusal.reason = "Init() has not succeeded";
+      return refusal;
     }
     std::promise<SwitchResult> promise;
     node_->loop().Post([&] {
