@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "musher/lifecycle/field.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/step/event.hpp"
 
 namespace musher::search {
 namespace {

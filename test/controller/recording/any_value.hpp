@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "musher/lifecycle/field.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/step/event.hpp"
 
 namespace musher::recording {
 
