@@ -197,6 +197,24 @@ TEST_F(MissionProcess, RequestsThePlanOfABufferWhereItIsConfigured) {
   EXPECT_TRUE(AwaitPlan("mf_action_seq_1"));
 }
 
+TEST_F(MissionProcess, DoesNotCarryOutAgainWhatItsBufferDoesNotForget) {
+  int requests = 0;
+  const auto buffer = Must(transport::MakeServer<msg::GetActionSeq>(
+      peer_.node(), "get_action_seq", [&](const msg::GetActionSeq::Request&, auto reply) {
+        ++requests;
+        reply({Plan(), true});
+      }));
+  moves_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(
+      Start(StageFile(), "plan_service = true\nmeilin_default_align_timeout = 0.2\n"));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
+  const int before = requests;
+  ASSERT_TRUE(peer_.Until([&] { return requests >= before + 3; })) << peer_.Output();
+  EXPECT_EQ(moves_.goals.size(), 1U) << "the robot stands";
+  EXPECT_EQ(state_, "MISSION_FAILED");
+  EXPECT_THAT(peer_.Output(), HasSubstr("get_action_seq hands out a plan that was taken before"));
+}
+
 TEST_F(MissionProcess, CarriesOutAnOldPlanAndRefusesADamagedOne) {
   const std::string tree = peer_.folder() / "old.xml";
   std::ofstream(tree) << R"(<root BTCPP_format="4"><BehaviorTree ID="Old">
@@ -223,6 +241,27 @@ TEST_F(MissionProcess, CarriesOutAnOldPlanAndRefusesADamagedOne) {
   EXPECT_EQ(moves_.goals[0].y, -2);
   EXPECT_NEAR(moves_.goals[0].yaw_deg, 180, 1e-6);
   EXPECT_EQ(arm_->goals.size(), 1U);
+}
+
+TEST_F(MissionProcess, ThatIsKilledGoesOnWithAnOldPlanOnCommand) {
+  const std::string tree = SourceDir() + "/config/meilin/segments.xml";
+  arm_->silent = true;
+  ASSERT_NO_FATAL_FAILURE(Start(tree));
+  ASSERT_TRUE(segments_->Publish({R"({"plan_id": "seven", "segments": [
+    {"segment_type": "ALIGN", "move_target": {"x": 1.2, "y": 1.2}},
+    {"segment_type": "GRASP"}]})"}));
+  ASSERT_TRUE(peer_.Until([this] { return !arm_->goals.empty(); })) << peer_.Output();
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  arm_->silent = false;
+  ASSERT_NO_FATAL_FAILURE(StartWaiting(tree));
+  ASSERT_NO_FATAL_FAILURE(Await("WAITING_START"));
+  EXPECT_EQ(arm_->goals.size(), 1U);
+  EXPECT_EQ(Begin(""), "goes on with plan seven at segment 2 of 2, GRASP");
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  EXPECT_EQ(arm_->goals.size(), 2U);
+  EXPECT_EQ(moves_.goals.size(), 1U) << "what was done is not done again";
 }
 
 TEST_F(MissionProcess, AServerThatNeverEndsAGoalFailsTheMatchAndANewPlanGoesOn) {
