@@ -87,6 +87,7 @@ void Mission::ForgetPlan() {
   progress_.segments.clear();
   progress_.plan.clear();
   progress_.next = 0;
+  progress_.begun = false;
 }
 
 std::int64_t Mission::steps() const {
@@ -147,7 +148,9 @@ void Mission::AfterTick(Status status, const std::string& fault, Time now) {
 void Mission::NoteProgress() {
   const std::int64_t index = board_->segment_index.Get();
   const bool open = board_->segment_open.Get();
-  if (index >= 0) progress_.next = std::clamp<std::int64_t>(open ? index : index + 1, 0, steps());
+  if (index < 0 || steps() == 0) return;
+  progress_.next = std::clamp<std::int64_t>(open ? index : index + 1, 0, steps());
+  progress_.begun = true;
 }
 
 void Mission::Fail(const std::string& otherwise) {
@@ -169,8 +172,8 @@ void Mission::OnPause() {
     late->done(Error{kCodeStateInvalid, "the robot left Active before the match could begin"});
   }
   if (!board_ || !IsRunning()) return;
-  const bool climb = state() == kActionFailed && board_->segment_open.Get();
-  if (climb) {  // halted during a climb
+  // Halted during a climb, or on the way off the edge behind a segment that has failed.
+  if (board_->segment_open.Get() && !board_->last_error.Get().empty()) {
     ended_ = stop_ = true;
     return Fail("");
   }
@@ -360,14 +363,13 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
   if (!board_) return Error{kCodeStateInvalid, "the match is not set up"};
   if (std::string why = WhyNot(region, now); !why.empty()) return Error{kCodeFailed, why};
   const std::string goes_on = GoesOnWith();
-  const bool begun = progress_.next > 0 || board_->segment_index.Get() >= 0;
   if (region == kFullRegion) {
     board_->taken.Set(0);
     board_->dock_trues.Set(-1);
   }
   SetDone(DoneFor(region));
   if (!region.empty()) {
-    if (begun || region == kFinalRegion) ForgetPlan();
+    if (progress_.begun || region == kFinalRegion) ForgetPlan();
     board_->plan_id.Set("");
   }
   QueueRest(now);

@@ -71,6 +71,7 @@ void Persist(fsm::Archive& archive, Progress& progress, Texts& texts) {
   archive.Field("plan", texts.plan);
   archive.Field("segments", progress.segments);
   archive.Field("next", progress.next);
+  archive.Field("begun", progress.begun);
   archive.Field("done", texts.done);
   archive.Field("row", row);
   archive.Field("col", col);

@@ -35,6 +35,7 @@ struct Progress {
   std::vector<PlanStep> plan;  // the present one
   std::string segments;        // or one of the old form, as JSON; empty: none, or it is done
   std::int64_t next = 0;       // its first step that is not done
+  bool begun = false;          // a step of it; else it waits for the start of the match
   std::set<std::string> done;  // parts of the match: "prepare_dock_done"
   Cell cell;
   double height_mm = 0;

@@ -263,6 +263,10 @@ class RoughMatch {
       }
       case Trouble::kStop:
       case Trouble::kPause:
+        if (Any(2) == 0) {  // the servers know of it first
+          robot_.StopAll("Aborted: an emergency stop was engaged");
+          for (int tick = Any(20); tick > 0; --tick) process_->Tick();
+        }
         process_->Pause();
         robot_.StopAll("Aborted: it is in Protected");
         for (int tick = Any(500); tick > 0; --tick) robot_.Step();

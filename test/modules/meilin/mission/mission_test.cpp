@@ -223,6 +223,34 @@ TEST(MeilinMission, APauseDuringAClimbEndsIt) {
   EXPECT_THAT(match.mission.last_error(),
               StartsWith("segment 1 of 1, move (1, 0): Move was halted during a climb"));
 }
+// As where a server ends its goal for an emergency stop before the mission knows of it.
+TEST(MeilinMission, APauseOnTheWayOffAnEdgeAfterAFailedClimbEndsIt) {
+  Match match("meilin_stage.xml");
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.robot.legs = Wheels{{20, 20, 20, 20}, match.robot.Now()};
+  match.robot.follows = false;
+  match.robot.decide = [](const FakeGoal& goal) {
+    Outcome outcome{GoalState::kAccepted};
+    if (goal.kind == Kind::kSuspension && goal.suspension.mode == 1) {
+      outcome = {GoalState::kFailed, "Aborted: an emergency stop was engaged"};
+    }
+    return outcome;
+  };
+  ASSERT_TRUE(match.Offer({MoveStep(1, 1, 200)}));
+  match.Tick();
+  match.robot.fix = PoseFix{1.53, 2.4, 0, match.robot.Now()};
+  match.robot.legs = Wheels{{205, 205, 205, 205}, match.robot.Now()};
+  match.RunFor(0.5);
+  ASSERT_EQ(match.mission.state(), "ACTION_RUNNING") << match.mission.last_error();
+  ASSERT_EQ(match.board->active_action.Get(), "get_off_edge");
+  match.Pause();
+  EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_THAT(match.mission.last_error(),
+              StartsWith("segment 1 of 1, move (1, 1): suspension_control: Aborted"));
+  const std::size_t goals = match.robot.goals.size();
+  match.RunFor(5);
+  EXPECT_EQ(match.robot.goals.size(), goals);
+}
 TEST(MeilinMission, APlanAfterAFailureInTheFieldDoesNotPrepareAgain) {
   Match match("full_match.xml", MatchOf("match_blue.json"));
   MakeRealistic(match);
@@ -380,6 +408,18 @@ TEST(ARestartedMission, CarriesOutThePlanThatWaitedForItsStart) {
   after.Begun("meilin").Run(20);
   EXPECT_EQ(after.mission.state(), "MISSION_SUCCESS");
   EXPECT_THAT(after.robot.Texts(), ::testing::ElementsAre("move 1.20 2.40 0"));
+}
+TEST(ARestartedMission, DoesNotCarryOutAPlanThatWasBegunWhereAnotherOneIsWanted) {
+  Match before("meilin_stage.xml");
+  before.robot.fix = PoseFix{1.2, 1.2, 0, before.robot.Now()};
+  before.robot.decide = [](const FakeGoal&) { return Outcome{GoalState::kAccepted}; };
+  ASSERT_TRUE(before.Offer({MoveStep(0, 1, 0)}));
+  before.RunFor(1);
+  Match after(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  after.Begun("meilin").RunFor(2);
+  EXPECT_EQ(after.mission.state(), "WAITING_MF_ACTION_SEQ");
+  EXPECT_TRUE(after.robot.goals.empty());
 }
 TEST(ARestartedMission, SaysThatThePlanThatWaitedForItsStartDoesNotFitAnyMore) {
   Match match(Match::Waiting{}, "meilin_stage.xml");
