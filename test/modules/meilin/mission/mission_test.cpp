@@ -228,7 +228,6 @@ TEST(MeilinMission, APauseOnTheWayOffAnEdgeAfterAFailedClimbEndsIt) {
   Match match("meilin_stage.xml");
   match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
   match.robot.legs = Wheels{{20, 20, 20, 20}, match.robot.Now()};
-  match.robot.follows = false;
   match.robot.decide = [](const FakeGoal& goal) {
     Outcome outcome{GoalState::kAccepted};
     if (goal.kind == Kind::kSuspension && goal.suspension.mode == 1) {
