@@ -141,9 +141,9 @@ void Measure(int count, int turns) {
   table.Row("switch of ROS 2 nodes, a manager like nav2's", nav2.switch_ms, "ms");
   table.Row("switch, Musher / the other manager", Ratios(musher.switch_ms, nav2.switch_ms), "×");
   table.Row("switch of Musher actuators", actuators.switch_ms, "ms");
-  table.Row("datagrams of a switch by ROS 2 node, Musher", musher.datagrams, "");
-  table.Row("datagrams of a switch by ROS 2 node, the other manager", nav2.datagrams, "");
-  table.Row("datagrams of a switch by actuator, Musher", actuators.datagrams, "");
+  table.Row("datagrams of a switch, ROS 2 nodes, Musher", musher.datagrams, "a node");
+  table.Row("datagrams of a switch, ROS 2 nodes, the other manager", nav2.datagrams, "a node");
+  table.Row("datagrams of a switch, actuators, Musher", actuators.datagrams, "a node");
 }
 
 }  // namespace

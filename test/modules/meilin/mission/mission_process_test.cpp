@@ -277,6 +277,26 @@ TEST_F(MissionProcess, AServerThatNeverEndsAGoalFailsTheMatchAndANewPlanGoesOn) 
   EXPECT_TRUE(AwaitPlan("mf_action_seq_2"));
 }
 
+TEST_F(MissionProcess, HasItsStateAndTheReasonInOneMessage) {
+  std::vector<std::string> all;
+  subscriptions_.push_back(Must(transport::MakeSubscription<msg::String>(
+      peer_.node(), "meilin/status",
+      [&all](const msg::String& sample, const auto&) { all.push_back(sample.data); },
+      transport::kLatchedQos)));
+  moves_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile(), "meilin_default_align_timeout = 0.2\n"));
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
+  ASSERT_TRUE(peer_.Until([&] { return !all.empty() && all.back() == status_; }));
+  int failed = 0;
+  for (const std::string& status : all) {
+    if (status.find("\"MISSION_FAILED\"") == std::string::npos) continue;
+    ++failed;
+    EXPECT_THAT(status, HasSubstr("\"last_error\":\"segment 1 of 3, move (0, 1): "));
+  }
+  EXPECT_GE(failed, 1);
+}
+
 TEST_F(MissionProcess, AGoalWhoseEndNeverComesDelaysOnlyTheNextOne) {
   moves_.silent = moves_.deaf = true;
   ASSERT_NO_FATAL_FAILURE(Start(StageFile(), "meilin_default_align_timeout = 3\n"));
@@ -302,6 +322,7 @@ TEST_F(MissionProcess, LeavingActiveCancelsAndTheHaltedSegmentIsTheNext) {
   ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
   ASSERT_TRUE(peer_.Switch("Protected"));
   EXPECT_TRUE(peer_.Until([this] { return moves_.cancelled == 1; })) << peer_.Output();
+  ASSERT_NO_FATAL_FAILURE(Await("PAUSED"));
   moves_.silent = false;
   ASSERT_TRUE(peer_.Switch("Active"));
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
