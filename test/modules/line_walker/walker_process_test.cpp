@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <memory>
 #include <string>
 #include <vector>
@@ -114,6 +115,27 @@ TEST_F(WalkerProcess, WalksInActiveFromStartToStop) {
   ExpectDone("TearDown");
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
   EXPECT_EQ(ends_, 1);
+}
+
+TEST_F(WalkerProcess, ThatWasKilledStandsInActiveUntilTheCommand) {
+  StartRobot();
+  Start();
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  Command("START");
+  ASSERT_TRUE(peer_.Until([&] { return frames_ > 3; })) << peer_.Output();
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  Start();
+  frames_ = 0;
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  Command("FLY");
+  EXPECT_TRUE(peer_.Until([&] { return peer_.Output().find("FLY") != std::string::npos; }));
+  EXPECT_EQ(frames_, 0);
+  Command("START");
+  EXPECT_TRUE(peer_.Until([&] { return frames_ > 3; })) << peer_.Output();
 }
 
 TEST_F(WalkerProcess, EndsAWalkInEveryOtherState) {
