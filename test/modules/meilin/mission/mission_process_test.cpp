@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/files.hpp"
 #include "musher/messages/action_of_motion_interfaces/move_to_pose.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/r2_interfaces/arm_action.hpp"
@@ -126,6 +127,14 @@ class MissionProcess : public ::testing::Test {
   }
   bool AwaitPlan(const std::string& id) {
     return peer_.Until([&] { return plan_id_ == id; });
+  }
+  // Until the progress on the disk has this: a process is killed then.
+  bool AwaitProgress(const std::string& part) {
+    const auto looks = peer_.node().loop().Every(Milliseconds(20), [] {});
+    return peer_.Until([&] {
+      return ReadFile(peer_.folder() / "state/meilin_progress.toml").find(part) !=
+             std::string::npos;
+    });
   }
   // To (0, 1), up to (1, 1), and the box of (2, 1), 200 mm above it on both sides.
   static msg::Float32MultiArray Plan() {
@@ -251,6 +260,7 @@ TEST_F(MissionProcess, ThatIsKilledGoesOnWithAnOldPlanOnCommand) {
     {"segment_type": "ALIGN", "move_target": {"x": 1.2, "y": 1.2}},
     {"segment_type": "GRASP"}]})"}));
   ASSERT_TRUE(peer_.Until([this] { return !arm_->goals.empty(); })) << peer_.Output();
+  ASSERT_TRUE(AwaitProgress("next = 1\n"));
   ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
   peer_.Signal(SIGKILL);
   ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
@@ -335,6 +345,7 @@ TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyOnCommand) {
   ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
   ASSERT_TRUE(plans_->Publish(Plan()));  // latched: the next process receives it, too
   ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
+  ASSERT_TRUE(AwaitProgress("begun = true\n"));
   // So that the status of the next process is known from this one's.
   ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
   peer_.Signal(SIGKILL);
