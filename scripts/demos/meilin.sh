@@ -12,8 +12,13 @@ logs=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/logs
 planner=''  # a process that keeps a plan published
 speed=2  # factor of the world's time. On a busy computer time waits for the robot, and is slower
 
+# Asked again where a busy computer has not found the mission in time.
 mission() {
-  musher-meilin send state --json 2> /dev/null | jq -r "$1"
+  local text _
+  for _ in 1 2 3; do
+    text=$(musher-meilin send state --json 2> /dev/null) && break
+  done
+  jq -r "$1" <<< "$text"
 }
 field() {
   musher-world send field | jq -r "$1"
