@@ -47,41 +47,6 @@ msg::Odometry OdometryOfMover(const World& world, std::size_t index) {
                     {{mover.speed_m_s(), 0, 0}, 0});
 }
 
-msg::TFMessage FramesOfRobots(const World& world) {
-  msg::TFMessage frames;
-  for (std::size_t i = 0; i < world.scene().robots.size(); ++i) {
-    const std::string& name = world.scene().robots[i].name;
-    const RobotBody& body = world.fleet().robots()[i].body;
-    const Vector3d& at = body.position_m();
-    frames.transforms.push_back({{msg::ToStamp(world.now()), name + "/odom"},
-                                 name,
-                                 {{at.x(), at.y(), at.z()}, msg::FromYaw(body.yaw_rad())}});
-  }
-  return frames;
-}
-
-msg::TFMessage StaticFramesOfRobots(const Scene& scene) {
-  msg::TFMessage frames;
-  const msg::Transform same{{0, 0, 0}, msg::FromYaw(0)};
-  for (const RobotSpec& robot : scene.robots) {
-    frames.transforms.push_back({{{}, kMapFrame}, robot.name + "/odom", same});
-    frames.transforms.push_back({{{}, robot.name}, robot.name + "/base_link", same});
-  }
-  return frames;
-}
-
-std::string UrdfOf(const RobotSpec& robot) {
-  const auto number = [](double value) { return std::to_string(value); };
-  const auto share = [&](std::uint8_t part) { return number(part / 255.0) + " "; };
-  const std::string color =
-      share(robot.color.red) + share(robot.color.green) + share(robot.color.blue) + "1";
-  return "<robot name=\"" + robot.name + "\"><link name=\"" + robot.name +
-         "\"><visual><origin xyz=\"0 0 " + number(robot.height_m / 2) +
-         "\"/><geometry><cylinder radius=\"" + number(robot.radius_m) + "\" length=\"" +
-         number(robot.height_m) + "\"/></geometry><material name=\"paint\"><color rgba=\"" + color +
-         "\"/></material></visual></link></robot>";
-}
-
 msg::BatteryState ToBatteryState(const Battery& battery, const BatterySpec& spec, Duration at) {
   constexpr double kEmptyV = 21.0, kFullV = 29.0;
   const double share = battery.percent() / 100;

@@ -2,14 +2,11 @@
 // Converts the robots, objects and movers of a world to messages, and their commands back. Input
 // is validated.
 
-#include <string>
-
 #include "musher/base/result.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
-#include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/modules/world/simulation/world.hpp"
 
 namespace musher::world {
@@ -17,13 +14,6 @@ namespace musher::world {
 // The pose in the map, the velocity in the frame of the robot, or of the mover.
 msg::Odometry OdometryOfRobot(const World& world, std::size_t robot);
 msg::Odometry OdometryOfMover(const World& world, std::size_t mover);
-
-// The frames of ROS 2's REP 105 for all robots: R in R/odom now, R/odom in the map, and
-// R/base_link, which is R by another name. The odometry of a simulated robot does not drift.
-msg::TFMessage FramesOfRobots(const World& world);
-msg::TFMessage StaticFramesOfRobots(const Scene& scene);
-// The cylinder that a robot is, for RViz.
-std::string UrdfOf(const RobotSpec& robot);
 
 msg::BatteryState ToBatteryState(const Battery& battery, const BatterySpec& spec, Duration at);
 

@@ -8,7 +8,6 @@
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
-#include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/world/process/robot_messages.hpp"
 #include "musher/modules/world/process/world_messages.hpp"
@@ -38,7 +37,6 @@ WorldRobots::WorldRobots(transport::Endpoints& endpoints, World& world,
     objects_ = endpoints.Advertise<msg::ObjectStates>("world/objects");
   }
   if (!scene.robots.empty()) OpenMaps(endpoints);
-  if (!scene.robots.empty()) OpenFrames(endpoints);
   endpoints.Serve<msg::Trigger>("world/robots", [this](const auto&, auto reply) {
     reply({true, FleetText(world_)});
   });
@@ -111,17 +109,6 @@ void WorldRobots::OpenMaps(transport::Endpoints& endpoints) {
   publish("map_point_cloud", cloud->Publish(CloudOfSurfaces(scene)));
 }
 
-void WorldRobots::OpenFrames(transport::Endpoints& endpoints) {
-  frames_ = endpoints.Advertise<msg::TFMessage>("/tf");
-  auto* always = endpoints.Advertise<msg::TFMessage>("/tf_static", transport::kLatchedQos);
-  for (const RobotSpec& robot : world_.scene().robots) {
-    auto* shape =
-        endpoints.Advertise<msg::String>(robot.name + "/robot_description", transport::kLatchedQos);
-    if (endpoints.opened()) static_cast<void>(shape->Publish({UrdfOf(robot)}));
-  }
-  if (endpoints.opened()) static_cast<void>(always->Publish(StaticFramesOfRobots(world_.scene())));
-}
-
 // A refusal is logged once until a command is accepted.
 void WorldRobots::Drive(std::size_t robot, const BodyVelocity& velocity) {
   const auto refused = world_.Drive(robot, velocity);
@@ -153,9 +140,6 @@ void WorldRobots::OnStep() {
     if (mover_odometry_[i] != nullptr) {
       static_cast<void>(mover_odometry_[i]->Publish(OdometryOfMover(world_, i)));
     }
-  }
-  if (frames_ != nullptr && frames_->MatchedReaders() > 0) {
-    static_cast<void>(frames_->Publish(FramesOfRobots(world_)));
   }
   if (objects_ != nullptr && IsDue(now, kObjectsHz)) {
     static_cast<void>(objects_->Publish(ToObjectStates(world_)));

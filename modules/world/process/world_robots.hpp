@@ -13,11 +13,7 @@
 //   world/R/place           geometry_msgs/PoseStamped, subscribed: puts it down on the ground there
 //   M/odom                  nav_msgs/Odometry, every step, of each mover M that is tracked
 //   world/objects           musher_msgs/ObjectStates, 10 Hz
-//   R/robot_description     std_msgs/String, latched: its cylinder as URDF
 //   map, map_point_cloud    nav_msgs/OccupancyGrid, sensor_msgs/PointCloud2, latched
-//   /tf, /tf_static         tf2_msgs/TFMessage, without the namespace: map → R/odom → R →
-//   R/base_link
-//                           of all robots, every step where somebody subscribes, and latched
 //
 //   world/robots, robots_json  std_srvs/Trigger, served: what the robots do now
 //
@@ -34,7 +30,6 @@
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
-#include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/modules/world/simulation/world.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -63,7 +58,6 @@ class WorldRobots {
 
   void Open(transport::Endpoints& endpoints, std::size_t robot);
   void OpenMaps(transport::Endpoints& endpoints);
-  void OpenFrames(transport::Endpoints& endpoints);
   void Drive(std::size_t robot, const BodyVelocity& velocity);
   // Logs the line, if there is one.
   void Log(const std::optional<std::string>& line) const;
@@ -73,7 +67,6 @@ class WorldRobots {
   std::vector<Outlet> outlets_;
   std::vector<transport::Publisher<msg::Odometry>*> mover_odometry_;  // null: it is not tracked
   transport::Publisher<msg::ObjectStates>* objects_ = nullptr;
-  transport::Publisher<msg::TFMessage>* frames_ = nullptr;  // null: there are no robots
 };
 
 }  // namespace musher::world

@@ -5,16 +5,13 @@
 #include <gmock/gmock.h>
 
 #include <limits>
-#include <map>
 #include <optional>
 
 #include "musher/messages/nav_msgs/occupancy_grid.hpp"
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
-#include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/rooms.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -96,40 +93,6 @@ TEST_F(RobotsHostTest, DrivesARobotAndPublishesItsOdometry50TimesASecond) {
   odometry.clear();
   network_.RunFor(seconds(2));
   EXPECT_THAT(odometry, SizeIs(100));
-}
-
-// map → R/odom → R → R/base_link, as RViz needs it with the fixed frame map.
-TEST_F(RobotsHostTest, PublishesTheFramesOfItsRobotsForRviz) {
-  Open(RobotYard());
-  std::vector<msg::TFMessage> always, now;
-  std::vector<msg::String> shape;
-  Listen("tf_static", always, transport::kLatchedQos);
-  Listen("tf", now);
-  Listen("jetbot_0/robot_description", shape, transport::kLatchedQos);
-  const auto parents = [](const msg::TFMessage& frames) {
-    std::map<std::string, std::string> all;
-    for (const msg::TransformStamped& each : frames.transforms) {
-      const msg::Quaternion& turn = each.transform.rotation;
-      EXPECT_NEAR(turn.w * turn.w + turn.z * turn.z, 1, 1e-9);
-      EXPECT_TRUE(all.emplace(each.child_frame_id, each.header.frame_id).second);
-    }
-    return all;
-  };
-  ASSERT_THAT(always, SizeIs(1)) << "one sample, which a late subscriber gets";
-  EXPECT_EQ(parents(always[0])["jetbot_0/odom"], "map");
-  EXPECT_EQ(parents(always[0])["jetbot_0/base_link"], "jetbot_0");
-  ASSERT_FALSE(now.empty());
-  EXPECT_EQ(parents(now.back())["jetbot_0"], "jetbot_0/odom");
-  EXPECT_EQ(now.back().transforms.size(), host_->world().scene().robots.size());
-  msg::Twist ahead;
-  ahead.linear.x = 1;
-  Drive("jetbot_0", ahead, seconds(1));
-  const auto& first = now.front().transforms[0].transform.translation;
-  const auto& last = now.back().transforms[0].transform.translation;
-  EXPECT_GT(last.x - first.x, 0.5);
-  EXPECT_NEAR(last.x, host_->world().fleet().robots()[0].body.position_m().x(), 0.05);
-  ASSERT_THAT(shape, SizeIs(1));
-  EXPECT_THAT(shape[0].data, HasSubstr("<link name=\"jetbot_0\"><visual>"));
 }
 
 TEST_F(RobotsHostTest, DrivesARobotByStampedVelocitiesIfItsSceneSaysSo) {
