@@ -27,9 +27,6 @@ struct RosGraph {
   int samples = 0;
   std::map<std::string, std::set<std::string>> nodes;  // "service /dog1/reset" and so on
   std::map<std::string, std::string> hashes;           // of types, "std_msgs/msg/String"
-  // By node and endpoint, "/dog1/arm publisher /dog1/chat".
-  std::map<std::string, std::string> types;  // "std_msgs/msg/String"
-  std::map<std::string, std::string> qos;    // "RELIABLE VOLATILE Infinite"
   std::vector<std::string> unknown;
   std::vector<std::string> log;
   int endpoints = 0;
@@ -128,11 +125,6 @@ class RosGraphPeer {
       } else {
         graph.nodes[node].insert(kind + " " + name);
         graph.hashes[type] = hash;
-        std::string reliability, durability, lifespan;
-        words >> reliability >> durability >> lifespan;
-        const std::string endpoint = node + " " + kind + " " + name;
-        graph.types[endpoint] = type;
-        graph.qos[endpoint] = reliability + " " + durability + " " + lifespan;
       }
     }
     return graph;

@@ -7,9 +7,8 @@
 //
 //   samples 3              of `ros_discovery_info`, so far
 //   node /dog1/arm         as `ros2 node list`; then, as `ros2 node info`:
-//   publisher /dog1/chat std_msgs/msg/String RIHS01_… RELIABLE VOLATILE Infinite
-//                          with reliability, durability and lifespan as `ros2 topic info -v` has
-//                          them; and subscription, service, client in the same form
+//   publisher /dog1/chat std_msgs/msg/String RIHS01_…
+//                          and subscription, service, client in the same form
 //   unknown rt/dog1/chat   an endpoint that no node lists (_NODE_NAME_UNKNOWN_)
 //   bytes 12 1044          the number of endpoints, and the bytes of their USER_DATA
 //   log [WARN] …           what rclcpp logs
@@ -17,7 +16,6 @@
 
 #include <ctype.h>
 #include <dds/dds.h>
-#include <inttypes.h>
 #include <poll.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -40,9 +38,6 @@ typedef struct {
   char type[kName];
   char hash[80];
   size_t user_data_size;
-  bool reliable;
-  bool latched;
-  dds_duration_t lifespan;
 } Endpoint;
 
 typedef struct {
@@ -111,16 +106,6 @@ static void Warn(const char* topic, const char* type, const char* data, size_t s
   if (warning_count < kMost) warnings[warning_count++] = strdup(line);
 }
 
-static void NoteQos(Endpoint* slot, const dds_qos_t* qos) {
-  dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
-  dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
-  dds_qget_reliability(qos, &reliability, NULL);
-  dds_qget_durability(qos, &durability);
-  if (!dds_qget_lifespan(qos, &slot->lifespan)) slot->lifespan = DDS_INFINITY;
-  slot->reliable = reliability == DDS_RELIABILITY_RELIABLE;
-  slot->latched = durability == DDS_DURABILITY_TRANSIENT_LOCAL;
-}
-
 // As rmw_cyclonedds_cpp's handle_builtintopic_endpoint().
 static void NoteEndpoint(const dds_builtintopic_endpoint_t* sample, bool alive, bool reader) {
   Endpoint* slot = NULL;
@@ -140,7 +125,6 @@ static void NoteEndpoint(const dds_builtintopic_endpoint_t* sample, bool alive, 
   memcpy(slot->participant, sample->participant_key.v, kGid);
   snprintf(slot->topic, kName, "%s", sample->topic_name);
   snprintf(slot->type, kName, "%s", sample->type_name);
-  NoteQos(slot, sample->qos);
   void* data = NULL;
   size_t size = 0;
   if (!dds_qget_userdata(sample->qos, &data, &size)) return;
@@ -263,14 +247,7 @@ static void PrintEndpoint(const Endpoint* each) {
     printf("%s %s", each->reader ? "replies-to" : "replies-of", name);
   }
   PrintType(each->type);
-  printf(" %s %s %s ", each->hash[0] != '\0' ? each->hash : "-",
-         each->reliable ? "RELIABLE" : "BEST_EFFORT",
-         each->latched ? "TRANSIENT_LOCAL" : "VOLATILE");
-  if (each->lifespan == DDS_INFINITY) {
-    printf("Infinite\n");
-  } else {
-    printf("%" PRId64 "_nanoseconds\n", each->lifespan);
-  }
+  printf(" %s\n", each->hash[0] != '\0' ? each->hash : "-");
 }
 
 static void PrintListed(const uint8_t* gids, uint32_t count, size_t stride, bool* listed) {

@@ -1,17 +1,13 @@
 // From the start of the processes to all active, and a switch of all: ROS 2 managed nodes under a
 // Musher controller and under a manager like nav2's (one node after the other, without bonds), in
 // turns, and as many Musher actuators; and, as a lower bound, as many processes that answer one
-// call of plain Cyclone DDS each. The datagrams of a switch are those of all processes in the same
-// network namespace: run it in one of its own where others use the network.
+// call of plain Cyclone DDS each.
 //
 //   benchmark_startup [NODES [TURNS]]
-//   unshare --net sh -c 'ip link set lo up multicast on; exec benchmark_startup 32 3'
 
 #include <cstdlib>
-#include <fstream>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "musher/controller/machine_controller.hpp"
@@ -38,24 +34,8 @@ int NextDomain() {
 struct Times {
   std::vector<double> start_s;
   std::vector<double> switch_ms;  // deactivate all, activate all, and so on
-  std::vector<double> datagrams;  // that were sent for a switch, by node: mean of kSwitches
 };
 constexpr int kSwitches = 20;  // after each start
-
-// UDP datagrams that were sent in this network namespace.
-double SentDatagrams() {
-  std::ifstream file("/proc/net/snmp");
-  std::string word;
-  bool names = true;
-  while (file >> word) {
-    if (word != "Udp:") continue;
-    if (std::exchange(names, false)) continue;
-    double received = 0, no_port = 0, errors = 0, sent = 0;
-    file >> received >> no_port >> errors >> sent;
-    return sent;
-  }
-  Fail("no UDP in /proc/net/snmp");
-}
 
 void UnderMusher(const Fleet& fleet, Times& times) {
   NextDomain();
@@ -66,14 +46,11 @@ void UnderMusher(const Fleet& fleet, Times& times) {
   MustBeDone(controller.Switch("SelfCheck"));
   MustBeDone(controller.Switch("Active"));
   times.start_s.push_back(ToSeconds(Clock::now() - begin));
-  const double before = SentDatagrams();
   for (int i = 0; i < kSwitches; ++i) {
     const auto switched = Clock::now();
     MustBeDone(controller.Switch(i % 2 == 0 ? kDeActive : kActive));
     times.switch_ms.push_back(ToSeconds(Clock::now() - switched) * 1000);
   }
-  const auto nodes = static_cast<double>(fleet.names().size());
-  times.datagrams.push_back((SentDatagrams() - before) / kSwitches / nodes);
   static_cast<void>(controller.Switch("TearDown").done());  // ends its processes
 }
 
@@ -90,14 +67,11 @@ void UnderNav2(const std::vector<std::string>& nodes, Times& times) {
   testing::PlainNav2Manager manager(domain, "nav", nodes);
   if (!manager.Startup()) Fail("the plain manager: " + manager.errors().front());
   times.start_s.push_back(ToSeconds(Clock::now() - begin));
-  const double before = SentDatagrams();
   for (int i = 0; i < kSwitches; ++i) {
     const auto switched = Clock::now();
     if (!(i % 2 == 0 ? manager.Pause() : manager.Resume())) Fail("the plain manager's switch");
     times.switch_ms.push_back(ToSeconds(Clock::now() - switched) * 1000);
   }
-  const auto count = static_cast<double>(nodes.size());
-  times.datagrams.push_back((SentDatagrams() - before) / kSwitches / count);
 }
 
 // One request and one reply for each process, which has two endpoints.
@@ -141,9 +115,6 @@ void Measure(int count, int turns) {
   table.Row("switch of ROS 2 nodes, a manager like nav2's", nav2.switch_ms, "ms");
   table.Row("switch, Musher / the other manager", Ratios(musher.switch_ms, nav2.switch_ms), "×");
   table.Row("switch of Musher actuators", actuators.switch_ms, "ms");
-  table.Row("datagrams of a switch, ROS 2 nodes, Musher", musher.datagrams, "a node");
-  table.Row("datagrams of a switch, ROS 2 nodes, the other manager", nav2.datagrams, "a node");
-  table.Row("datagrams of a switch, actuators, Musher", actuators.datagrams, "a node");
 }
 
 }  // namespace
