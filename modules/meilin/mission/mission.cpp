@@ -381,7 +381,7 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
   return region.empty() ? "goes on with " + goes_on : "begins with the region " + region;
 }
 
-// What is left of the plan; also of one that waited for the start, perhaps of an earlier process.
+// What is left of the plan, also where it has waited for the start, perhaps in an earlier process.
 void Mission::QueueRest(Time now) {
   const auto queue = std::make_shared<SegmentQueue>();
   board_->queue.Set(queue);
