@@ -24,6 +24,11 @@ constexpr std::size_t kReleasedKept = 256;
 constexpr std::size_t kMostStops = 64;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
+// By whom a stop for want of a permit is engaged: the key of the config.
+constexpr const char* kPermitKey = "[safety] permit_ms";
+// Of a second, how much two clocks may diverge in it: 1/1000. Crystals do by 1/10000 at most.
+constexpr std::int64_t kFastestDrift = 1000;
+
 // No process of a robot runs for longer.
 constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
 
@@ -40,6 +45,27 @@ std::optional<State> SafeState(const MachineConfig& config, ActuatorIndex index,
   const auto rank = config.RankOf(safe);
   if (!own || !rank || *rank >= *own) return std::nullopt;
   return safe;
+}
+
+bool IsAboveDeActive(const MachineConfig& config, const State& state) {
+  return SwitchesOnAgain(config, state, state);
+}
+
+// Until when the actuator moves on the last permit; nullopt where it needs none, or has stopped for
+// want of one.
+std::optional<Time> PermitDeadline(const MachineConfig& config, const ActuatorCore& core) {
+  const bool needed =
+      IsAboveDeActive(config, core.report.state) || IsAboveDeActive(config, core.report.target);
+  if (!config.permit || !needed || core.permit.stop != 0) return std::nullopt;
+  return core.permit.until;
+}
+
+std::optional<Time> ControllerDeadline(const MachineConfig& config, ActuatorIndex index,
+                                       const ActuatorCore& core) {
+  const auto timeout = config.actuators[index].controller_lost;
+  if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
+  if (!SafeState(config, index, core)) return std::nullopt;
+  return core.controller_last_heartbeat + *timeout;
 }
 
 // One event's decision: the arguments of Step() and the actions so far.
@@ -159,13 +185,36 @@ class Decision {
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
     const auto same = [&](const EmergencyStop& stop) { return stop.id == received.id; };
     const bool ended = std::erase_if(core_.stops, same) != 0;
+    if (received.id == core_.permit.stop || core_.stops.empty()) core_.permit.stop = 0;
     const bool confirmed = std::exchange(report_.released_stop, received.id) == received.id;
     if (ended || !confirmed) ReportStops();
   }
 
-  // Goes to the safe state when the heartbeat of the controller is lost for too long.
+  // A sample is as late as it was slower than the fastest one of its sender. So one that was held
+  // back on the way, or is repeated, permits no more than when it was given.
+  void On(const event::PermitReceived& received) {
+    if (!machine_.permit || received.stamp <= Time() || received.stamp > Time() + kLongestRun)
+      return;
+    Permit& permit = core_.permit;
+    const Duration taken = now_ - received.stamp;
+    const bool same = received.sender == permit.sender;
+    const Duration drift = same ? (now_ - permit.received) / kFastestDrift : Duration();
+    permit.fastest = same ? std::min(permit.fastest + drift, taken) : taken;
+    permit.sender = received.sender;
+    permit.received = now_;
+    const Time until = now_ - (taken - permit.fastest) + *machine_.permit;
+    if (until <= permit.until) return;
+    permit.until = until;
+    permit.stamp = received.stamp;
+    permit.by = received.by;
+  }
+
+  // Stops when no permit has arrived, and goes to the safe state when the heartbeat of the
+  // controller is lost for too long.
   void On(const event::TimePassed&) {
-    const auto deadline = NextDeadline(machine_, index_, core_);
+    StopWithoutPermit(report_.state);
+    StopWithoutPermit(report_.target);
+    const auto deadline = ControllerDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
     core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
     core_.was_detached = report_.detached;
@@ -244,6 +293,23 @@ class Decision {
     return std::nullopt;
   }
 
+  // Engages a stop if the actuator has no permit for `state`, in which it is or that it begins.
+  void StopWithoutPermit(const State& state) {
+    Permit& permit = core_.permit;
+    const bool permitted = !machine_.permit || now_ < permit.until;
+    if (permitted || permit.stop != 0 || !IsAboveDeActive(machine_, state)) return;
+    const bool any = permit.stamp != Time();
+    // Actuators whose last permit was the same engage the same stop.
+    const auto last = any ? static_cast<std::uint64_t>(permit.stamp.time_since_epoch().count())
+                          : report_.incarnation.value();
+    do {
+      permit.stop = StopId(last + ++permit.stops);
+    } while (std::ranges::count(core_.released, permit.stop) != 0);
+    Engage({permit.stop, kPermitKey,
+            any ? "no permit of " + permit.by + " has arrived for " + Quantity(*machine_.permit)
+                : "no permit to move has arrived"});
+  }
+
   void Engage(EmergencyStop stop) {
     const bool over = std::ranges::count(core_.released, stop.id) != 0;
     const bool known = std::ranges::count(core_.stops, stop.id, &EmergencyStop::id) != 0;
@@ -320,7 +386,7 @@ class Decision {
     return true;
   }
 
-  std::optional<Refusal> CheckCommand(const SwitchCommand& command) const {
+  std::optional<Refusal> CheckCommand(const SwitchCommand& command) {
     if (command.incarnation != report_.incarnation) {
       return Refusal{kCodePermissionDenied,
                      "the command is meant for another process of this name"};
@@ -334,14 +400,16 @@ class Decision {
     return MayBegin(command);
   }
 
-  std::optional<Refusal> EvaluateManager(const State& target) const {
+  std::optional<Refusal> EvaluateManager(const State& target) {
     if (report_.epoch != 0) {
       return Refusal{kCodePermissionDenied,
                      "a controller has control, epoch " + ToString(report_.epoch)};
     }
     if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
-    if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
-    return CheckTarget(target);
+    if (auto refusal = CheckStop(target)) return refusal;
+    if (auto refusal = CheckTarget(target)) return refusal;
+    StopWithoutPermit(target);
+    return CheckStop(target);
   }
 
   std::optional<Refusal> CheckTarget(const State& target) const {
@@ -359,9 +427,16 @@ class Decision {
     return std::nullopt;
   }
 
-  std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
-    if (report_.emergency_stop != 0 && SwitchesOn(command.target)) return Stopped();
-    return CheckAge(command, now_);
+  std::optional<Refusal> CheckStop(const State& target) const {
+    if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
+    return std::nullopt;
+  }
+
+  std::optional<Refusal> MayBegin(const SwitchCommand& command) {
+    if (auto refusal = CheckStop(command.target)) return refusal;
+    if (auto refusal = CheckAge(command, now_)) return refusal;
+    StopWithoutPermit(command.target);
+    return CheckStop(command.target);
   }
 
   void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {
@@ -445,10 +520,10 @@ std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex inde
 
 std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,
                                  const ActuatorCore& core) {
-  const auto timeout = config.actuators[index].controller_lost;
-  if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
-  if (!SafeState(config, index, core)) return std::nullopt;
-  return core.controller_last_heartbeat + *timeout;
+  const auto controller = ControllerDeadline(config, index, core);
+  const auto permit = PermitDeadline(config, core);
+  if (controller && permit) return std::min(*controller, *permit);
+  return controller ? controller : permit;
 }
 
 }  // namespace musher

@@ -248,13 +248,17 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
                        false};
 }
 
-// A leg that `leg` needs and that has ended otherwise than done; null when there is none.
+// A leg that `leg` needs, directly or through one that was skipped, and that has ended otherwise
+// than done; null when there is none.
 const Leg* Switches::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const {
   const auto found = std::find_if(legs.begin(), legs.end(), [&](const Leg& other) {
     return other.failed() &&
            std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
   });
-  return found == legs.end() ? nullptr : &*found;
+  if (found == legs.end()) return nullptr;
+  const Leg* cause =
+      found->outcome == ActuatorOutcome::kSkipped ? FindBlocker(*found, legs) : nullptr;
+  return cause != nullptr ? cause : &*found;
 }
 
 // Nothing is sent for `leg`. The leg that has failed decides whether the switch is undone, unless

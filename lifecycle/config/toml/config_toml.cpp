@@ -90,6 +90,7 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadTransitions(root, draft);
   ReadTransport(root, draft);
   ReadSecurity(root, draft);
+  ReadSafety(root, draft);
   WarnOfSharedNetwork(draft);
   ReadView(root, draft);
   ReadPolicy(root, draft);
