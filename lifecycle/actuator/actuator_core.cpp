@@ -26,6 +26,8 @@ constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no m
 
 // By whom a stop for want of a permit is engaged: the key of the config.
 constexpr const char* kPermitKey = "[safety] permit_ms";
+// An actuator discovers within this time who gives the permits.
+constexpr Duration kFirstPermit = std::chrono::seconds(1);
 // Of a second, how much two clocks may diverge in it: 1/1000. Crystals do by 1/10000 at most.
 constexpr std::int64_t kFastestDrift = 1000;
 
@@ -51,13 +53,16 @@ bool IsAboveDeActive(const MachineConfig& config, const State& state) {
   return SwitchesOnAgain(config, state, state);
 }
 
-// Until when the actuator moves on the last permit; nullopt where it needs none, or has stopped for
-// want of one.
+// Until when the actuator moves on the last permit, or a command waits for the first one; nullopt
+// where it needs none, or has stopped for want of one.
 std::optional<Time> PermitDeadline(const MachineConfig& config, const ActuatorCore& core) {
-  const bool needed =
-      IsAboveDeActive(config, core.report.state) || IsAboveDeActive(config, core.report.target);
-  if (!config.permit || !needed || core.permit.stop != 0) return std::nullopt;
-  return core.permit.until;
+  if (!config.permit || core.permit.stop != 0) return std::nullopt;
+  const ActuatorReport& report = core.report;
+  if (IsAboveDeActive(config, report.state) || IsAboveDeActive(config, report.target)) {
+    return core.permit.until;
+  }
+  const bool waits = core.waiting && !report.busy();
+  return waits ? std::optional(core.permit.first_by) : std::nullopt;
 }
 
 std::optional<Time> ControllerDeadline(const MachineConfig& config, ActuatorIndex index,
@@ -79,7 +84,10 @@ class Decision {
         report_(core.report),
         now_(now) {}
 
-  void On(const event::Started&) { Run(State(kSetUp)); }
+  void On(const event::Started&) {
+    if (machine_.permit) core_.permit.first_by = now_ + std::max(*machine_.permit, kFirstPermit);
+    Run(State(kSetUp));
+  }
 
   void On(const event::SwitchArrived& arrived) {
     const SwitchCommand& command = arrived.command;
@@ -93,8 +101,8 @@ class Decision {
     const bool too_old = refusal && refusal->code == kCodeTimeout;
     if (command.incarnation == report_.incarnation && !too_old) UseUp(command.number);
     if (refusal) return Refuse({arrived.token}, *refusal);
-    if (report_.busy()) {
-      DropWaiting({kCodeTargetBusy, "replaced by command " + ToString(command.number)});
+    DropWaiting({kCodeTargetBusy, "replaced by command " + ToString(command.number)});
+    if (report_.busy() || AwaitsPermit(command.target)) {
       core_.waiting = {command, {arrived.token}};
       return Do(PublishStatus{});
     }
@@ -139,15 +147,7 @@ class Decision {
     AnswerAll(tokens, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed,
               {end.code, end.message});
     if (target == kTearDown && end.code == kCodeOk) return EndTornDown();
-    if (core_.waiting) {
-      const auto next = *std::exchange(core_.waiting, std::nullopt);
-      if (auto refusal = MayBegin(next.command)) {
-        Refuse(next.tokens, *refusal);
-      } else {
-        return Begin(next.command, next.tokens);
-      }
-    }
-    Do(PublishStatus{});
+    if (!BeginWaiting()) Do(PublishStatus{});
   }
 
   // The next self-check replaces it.
@@ -207,6 +207,7 @@ class Decision {
     permit.until = until;
     permit.stamp = received.stamp;
     permit.by = received.by;
+    BeginWaiting();
   }
 
   // Stops when no permit has arrived, and goes to the safe state when the heartbeat of the
@@ -214,6 +215,7 @@ class Decision {
   void On(const event::TimePassed&) {
     StopWithoutPermit(report_.state);
     StopWithoutPermit(report_.target);
+    BeginWaiting();
     const auto deadline = ControllerDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
     core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
@@ -293,11 +295,17 @@ class Decision {
     return std::nullopt;
   }
 
+  bool IsPermitted() const { return !machine_.permit || now_ < core_.permit.until; }
+
+  // Whether a command to `target` waits for the first permit of this process.
+  bool AwaitsPermit(const State& target) const {
+    return !IsPermitted() && now_ < core_.permit.first_by && IsAboveDeActive(machine_, target);
+  }
+
   // Engages a stop if the actuator has no permit for `state`, in which it is or that it begins.
   void StopWithoutPermit(const State& state) {
     Permit& permit = core_.permit;
-    const bool permitted = !machine_.permit || now_ < permit.until;
-    if (permitted || permit.stop != 0 || !IsAboveDeActive(machine_, state)) return;
+    if (IsPermitted() || permit.stop != 0 || !IsAboveDeActive(machine_, state)) return;
     const bool any = permit.stamp != Time();
     // Actuators whose last permit was the same engage the same stop.
     const auto last = any ? static_cast<std::uint64_t>(permit.stamp.time_since_epoch().count())
@@ -408,6 +416,7 @@ class Decision {
     if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
     if (auto refusal = CheckStop(target)) return refusal;
     if (auto refusal = CheckTarget(target)) return refusal;
+    if (AwaitsPermit(target)) return Refusal{kCodeTargetBusy, "no permit to move has arrived yet"};
     StopWithoutPermit(target);
     return CheckStop(target);
   }
@@ -435,8 +444,22 @@ class Decision {
   std::optional<Refusal> MayBegin(const SwitchCommand& command) {
     if (auto refusal = CheckStop(command.target)) return refusal;
     if (auto refusal = CheckAge(command, now_)) return refusal;
+    if (AwaitsPermit(command.target)) return std::nullopt;
     StopWithoutPermit(command.target);
     return CheckStop(command.target);
+  }
+
+  // Begins the command that waits, if it need not wait longer; returns whether it has.
+  bool BeginWaiting() {
+    const bool waits = core_.waiting && !report_.busy();
+    if (!waits || AwaitsPermit(core_.waiting->command.target)) return false;
+    const auto next = *std::exchange(core_.waiting, std::nullopt);
+    if (auto refusal = MayBegin(next.command)) {
+      Refuse(next.tokens, *refusal);
+      return false;
+    }
+    Begin(next.command, next.tokens);
+    return true;
   }
 
   void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {

@@ -29,7 +29,8 @@
 //     command to its present state runs the callback.
 //   - With [safety] permit_ms an actuator above DeActive, or on the way there, latches a stop of
 //   its
-//     own when no permit arrives in time. A permit that is late or repeated counts for nothing.
+//     own when no permit arrives in time. A permit that is late or repeated counts for nothing. Of
+//     a process that has just started a command waits for the first one.
 //   - TearDown is the last state: after it, another TearDown is done at once, also one that has
 //     waited for it, and any other command is refused.
 //   - A manager without epochs may command until a controller has sent a command or query, and its
@@ -156,6 +157,7 @@ using ActuatorAction = std::variant<actuator_action::RunCallback, actuator_actio
 // The permit to move that [safety] permit_ms requires.
 struct Permit {
   Time until{};             // it has one so long
+  Time first_by{};          // the first one of this process may arrive so late
   Sender sender = 0;        // of the last sample
   Time stamp{};             // of the newest sample, by the clock of its sender
   Duration fastest{};       // from the stamp of a sample to its arrival, between the two clocks

@@ -191,16 +191,24 @@ bool Switches::StartLegs(std::vector<Leg>& legs) {
       continue;
     }
     const Leg* blocker = strict ? FindBlocker(leg, legs) : nullptr;
+    const auto needs_one = [&](const auto& is_so) {
+      return std::any_of(legs.begin(), legs.end(), [&](const Leg& other) {
+        return is_so(other) &&
+               std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
+      });
+    };
+    // Those that it needs are skipped first, so that it names what has failed.
+    const bool waits_to_be_skipped =
+        give_up && blocker == nullptr &&
+        needs_one([](const Leg& other) { return other.progress == Leg::Progress::kWaiting; });
+    if (waits_to_be_skipped) continue;
     if (give_up || blocker != nullptr) {
       SkipLeg(leg, blocker);
       changed = true;
       continue;
     }
-    const bool ready = std::all_of(legs.begin(), legs.end(), [&](const Leg& other) {
-      return other.progress == Leg::Progress::kEnded ||
-             std::find(leg.needs.begin(), leg.needs.end(), other.actuator) == leg.needs.end();
-    });
-    if (!ready) continue;
+    if (needs_one([](const Leg& other) { return other.progress != Leg::Progress::kEnded; }))
+      continue;
     Duration budget = config_.TimeFor(leg.actuator, leg.target);
     if (machine_.stopping) {
       const Duration left = machine_.stopping->tear_down_by - now_;

@@ -33,18 +33,24 @@ class Permitted : public testing::OneActuator {
 
   // A permit that was given at `given` by the clock of this actuator; the holder's is apart from
   // it.
-  Actions Permit(Time given, Sender sender = kHolder) {
+  Actions Give(Time given, Sender sender = kHolder) {
     return Do(PermitReceived{sender, given + apart_, "alice"});
   }
-  Actions Permit() { return Permit(now_); }
+  Actions Give() { return Give(now_); }
   Actions Wait(Duration time) {
     now_ += time;
     return Do(TimePassed{});
   }
   void Release() { Do(EmergencyStopReceived{core_.report.emergency_stop, false, 1}); }
+  // A command that does not become too old while it waits.
+  actuator_event::SwitchArrived Lasting(CommandNumber n, const State& target) {
+    auto command = Command(n, target);
+    command.command.budget = std::chrono::seconds(10);
+    return command;
+  }
   bool stopped() const { return core_.report.emergency_stop != 0; }
   void Move() {
-    Permit();
+    Give();
     Switch(2, "Active");
   }
 
@@ -55,7 +61,7 @@ TEST_F(Permitted, ItMovesWhileTheyArrive) {
   Move();
   for (int i = 0; i < 100; ++i) {
     Wait(Milliseconds(50));
-    Permit();
+    Give();
   }
   EXPECT_FALSE(stopped());
 }
@@ -72,7 +78,7 @@ TEST_F(Permitted, ItStopsWhenNoneArrives) {
 TEST_F(Permitted, ItStaysStoppedWhenTheyArriveAgainUntilThatIsReleased) {
   Move();
   Wait(kPermit);
-  Permit();
+  Give();
   EXPECT_TRUE(stopped());
   Release();
   EXPECT_FALSE(stopped());
@@ -96,7 +102,8 @@ TEST_F(Permitted, ItStopsAgainAtTheReleaseWhileNoneArrives) {
 TEST_F(Permitted, ADroppedStopAmongManyIsNotForgottenAtTheRelease) {
   Move();
   Wait(kPermit);
-  for (int i = 0; i < 100; ++i) Do(EmergencyStopReceived{StopId(1000u + i), true, 5});
+  for (int i = 0; i < 100; ++i)
+    Do(EmergencyStopReceived{StopId(static_cast<std::uint64_t>(1000 + i)), true, 5});
   while (stopped()) Release();
   EXPECT_THAT(Wait({}), kRuns) << "there is still no permit";
 }
@@ -107,7 +114,29 @@ TEST_F(Permitted, ItNeedsNoneBelowAndInDeActive) {
   EXPECT_FALSE(stopped());
 }
 
+TEST_F(Permitted, ACommandToAProcessThatHasJustStartedWaitsForTheFirstOne) {
+  EXPECT_THAT(AnswersIn(Do(Command(2, "Active"))), IsEmpty());
+  EXPECT_THAT(Wait(Milliseconds(80)), IsEmpty());
+  EXPECT_THAT(Give(), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+}
+
+TEST_F(Permitted, ACommandThatWaitsForTheFirstOneInVainIsRefusedByAStop) {
+  Do(Lasting(2, "Active"));
+  EXPECT_EQ(NextDeadline(config_, 0, core_), now_ + std::chrono::seconds(1));
+  const Actions actions = Wait(std::chrono::seconds(1));
+  EXPECT_THAT(actions, kRuns);
+  EXPECT_EQ(AnswerIn(actions).code, kCodeProtectedError);
+}
+
+TEST_F(Permitted, ACommandDownReplacesOneThatWaits) {
+  Do(Command(2, "Active"));
+  const Actions actions = Do(Command(3, "LowPower"));
+  EXPECT_THAT(actions, Contains(VariantWith<RunCallback>(RunCallback{"LowPower"})));
+  EXPECT_EQ(core_.waiting, std::nullopt);
+}
+
 TEST_F(Permitted, WithoutOneACommandUpIsRefusedByAStop) {
+  now_ += std::chrono::seconds(1);
   const Actions actions = Do(Command(2, "Active"));
   EXPECT_EQ(AnswerIn(actions).code, kCodeProtectedError);
   EXPECT_EQ(core_.report.emergency_stop_reason, "no permit to move has arrived");
@@ -122,7 +151,7 @@ TEST_F(Permitted, WithoutOneACommandThatIsOutdatedStopsNothing) {
 }
 
 TEST_F(Permitted, ItStopsInTheMiddleOfACallbackThatLeadsUp) {
-  Permit();
+  Give();
   Do(Command(2, "Active"));
   const Actions actions = Wait(kPermit);
   EXPECT_THAT(actions, kRuns);
@@ -145,7 +174,7 @@ TEST_F(Permitted, ARepeatedOneCountsOnce) {
   const Time given = now_;
   for (int i = 0; i < 10; ++i) {
     now_ += Milliseconds(45);
-    Permit(given);
+    Give(given);
   }
   EXPECT_THAT(Wait(Milliseconds(51)), kRuns) << "a bridge repeats what it has received";
 }
@@ -154,7 +183,7 @@ TEST_F(Permitted, OneThatWasHeldBackOnTheWayCountsFromWhenItWasGiven) {
   Move();
   const Time given = now_ + Milliseconds(100);
   now_ += Milliseconds(400);
-  Permit(given);
+  Give(given);
   EXPECT_LE(NextDeadline(config_, 0, core_), given + kPermit + Milliseconds(1));
 }
 
@@ -163,12 +192,13 @@ TEST_F(Permitted, ClocksThatDivergeByATenThousandthDoNotStopIt) {
   for (int i = 0; i < 200'000; ++i) {  // 2.8 hours
     now_ += Milliseconds(50);
     apart_ -= std::chrono::microseconds(5);
-    Permit();
+    Give();
     ASSERT_GT(*NextDeadline(config_, 0, core_), now_ + Milliseconds(490)) << i;
   }
 }
 
 TEST_F(Permitted, OneWithAStampThatNoClockHasCountsForNothing) {
+  now_ += std::chrono::seconds(1);
   for (const Time stamp : {Time(), Time() - Milliseconds(1), Time::max(), Time::min()}) {
     Do(PermitReceived{kHolder, stamp, "mallory"});
   }
@@ -180,7 +210,7 @@ TEST_F(Permitted, AnotherPersonMayGoOnGivingThem) {
   Move();
   Wait(Milliseconds(300));
   apart_ = -std::chrono::minutes(20);
-  Permit(now_, 43);
+  Give(now_, 43);
   Wait(Milliseconds(300));
   EXPECT_FALSE(stopped());
   EXPECT_THAT(Wait(Milliseconds(200)), kRuns);
@@ -190,7 +220,7 @@ TEST_F(Permitted, WithoutTheKeyNoneIsNeededAndNoneIsKept) {
   config_.permit.reset();
   Move();
   EXPECT_EQ(NextDeadline(config_, 0, core_), std::nullopt);
-  EXPECT_EQ(core_.permit, Permit{});
+  EXPECT_EQ(core_.permit.until, Time());
 }
 
 // Whatever arrives, late, repeated, in whichever order, of several senders: an actuator in Active
@@ -210,7 +240,7 @@ RC_GTEST_FIXTURE_PROP(Permitted, ItNeverMovesOnAnOlderOne, ()) {
     now_ = next;
     if (*rc::gen::inRange(0, 3) == 0) given.push_back(now_);
     const Time sent = given[*rc::gen::inRange<std::size_t>(0, given.size())];
-    Permit(sent);
+    Give(sent);
     newest = std::max(newest, sent);
     if (*rc::gen::inRange(0, 10) == 0) Release();
     if (core_.report.emergency_stop == 0 && NextDeadline(config_, 0, core_) > now_) {

@@ -67,7 +67,8 @@ class ARobotThatNeedsPermits : public ::testing::Test {
 
   void Start() {
     robot_.StartController();
-    ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
+    ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }))
+        << robot_.machine().emergency.stop.value_or(EmergencyStop{}).reason;
   }
   bool AllStopped() const {
     return std::ranges::all_of(std::array{"a", "b", "c"}, [&](const char* name) {
