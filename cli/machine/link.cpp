@@ -102,9 +102,10 @@ std::optional<std::variant<msg::Bytes, Failure>> Link::CallHere(const std::strin
   if (!reply) return NoAnswer(timeout);
   if (*reply) return std::move(*reply).value();
   if (reply->error().code == kCodeUnSupport) return std::nullopt;
-  return Failure{lost,
-                 {kCodeNetError, fmt::format("the controller (pid {}) was lost before it answered",
-                                             call->server())}};
+  return Failure{
+      lost,
+      {kCodeNetError,
+       fmt::format("the controller (pid {}) has exited before it answered", call->server())}};
 }
 
 Result<> Link::FollowStatus(OnStatus on_change) {

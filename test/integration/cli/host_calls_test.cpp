@@ -27,30 +27,12 @@ class CallsOfThisHost : public MachineByCli {
 
 TEST_F(CallsOfThisHost, NeedNoNetwork) {
   ASSERT_NO_FATAL_FAILURE(Start("eyes: Active done"));
-  for (const std::vector<std::string>& words :
-       std::vector<std::vector<std::string>>{{"status"},
-                                             {"plan", "LowPower"},
-                                             {"capabilities"},
-                                             {"history"},
-                                             {"restart", "voice"},
-                                             {"estop", "--release"}}) {
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"status"}, {"plan", "LowPower"}, {"capabilities"}, {"history"}, {"restart", "voice"}}) {
     const Ended ended = WithoutNetwork(words);
     EXPECT_EQ(ended.exit, 0) << words[0] << ": " << ended.err;
   }
   EXPECT_NE(WithoutNetwork({"set", "LowPower"}).exit, 0) << "or the settings have no effect";
-}
-
-TEST_F(CallsOfThisHost, EndWhenTheControllerDies) {
-  Blocks("voice", "SetUp");
-  Release();
-  ASSERT_NO_FATAL_FAILURE(Start("eyes: Active done"));
-  std::filesystem::remove(folder_ / "released");
-  Process history(Command({"history", "-f"}));
-  Process restart(Command({"restart", "voice"}));
-  ASSERT_NE(history.LineWith("requests a restart of voice"), "");
-  kill(Status()["pid"].get<pid_t>(), SIGKILL);
-  EXPECT_EQ(restart.Wait().exit, 5);
-  Release();
 }
 
 TEST_F(CallsOfThisHost, GoToTheNextControllerOnceItLeads) {

@@ -25,10 +25,10 @@ class MovesByPermit : public MachineByCli {
     history_ = std::make_unique<Process>(Command({"history", "-f"}));
     ASSERT_TRUE(AwaitStop("no permit to move has arrived"));
   }
-  // The next stop in the history.
+  // The next such stop in the history: each actuator may engage one of its own.
   bool AwaitStop(const std::string& reason) const {
-    const std::string line = history_->LineWith("engaged by [safety] permit_ms");
-    EXPECT_THAT(line, HasSubstr(reason));
+    const std::string line = history_->LineWith(reason);
+    EXPECT_THAT(line, HasSubstr("engaged by [safety] permit_ms"));
     return !line.empty();
   }
   static void Move() {
