@@ -103,7 +103,7 @@ TEST_F(HostCalls, FailWhenTheServerEndsFirst) {
   ASSERT_TRUE(Await([&] { return !later_.empty(); }));
   server_.reset();
   EXPECT_EQ(End(*call).error().code, kCodeNetError);
-  later_[0](BytesOf(1));  // too late, for nobody
+  later_[0](BytesOf(1));  // too late, for no caller
 }
 
 TEST_F(HostCalls, WhoseCallerHasGoneAreForgotten) {
@@ -157,7 +157,7 @@ TEST_F(HostCalls, ToAServerOfAnotherUserAreNotMade) {
   }
   char byte = 0;
   ASSERT_EQ(read(ready[0], &byte, 1), 1);
-  if (fork() == 0) {  // not root: it would trust nobody else
+  if (fork() == 0) {  // not root: it would trust no other user
     if (setuid(65533) != 0) _exit(3);
     _exit(Begin("echo")->call == nullptr ? 0 : 1);
   }
