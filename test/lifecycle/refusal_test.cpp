@@ -349,6 +349,13 @@ TEST_F(RefusedCommands, OfAManagerWhileItIsBusyOrAControllerHasControl) {
               IsRefused(Refusal::kControlled));
 }
 
+TEST_F(RefusedCommands, OfAManagerBeforeTheFirstPermit) {
+  config_.permit = Milliseconds(500);
+  core_.permit.first_by = now_ + std::chrono::seconds(1);
+  EXPECT_THAT(AnswerTo(actuator_event::ManagerCommand{1, "Active"}),
+              IsRefused(Refusal::kNoPermitYet));
+}
+
 TEST(ARefusedCapability, HasTheReason) {
   const MachineConfig config = [] {
     MachineConfig made = MachineOf(2);
