@@ -27,7 +27,7 @@ BUDGET_LINES = {
     "application/fsm_actuator.hpp": 73_000,
     "application/skill_actuator.hpp": 74_000,
     "application/tree_actuator.hpp": 83_000,
-    "simulation/actuator_fault_test.hpp": 93_000,
+    "simulation/actuator_fault_test.hpp": 81_000,
 }
 
 
