@@ -16,7 +16,7 @@
 namespace musher {
 namespace {
 
-struct Waiting {
+struct QueuedWork {
   std::function<std::optional<Time>()> run;
   Work how;
   std::uint64_t number = 0;  // grows with each turn
@@ -35,9 +35,9 @@ struct WorkQueue::Shared {
 
   explicit Shared(WorkQueueOptions given) : options(std::move(given)) {}
 
-  Given Add(Waiting work);
+  Given Add(QueuedWork work);
   void Run();
-  std::optional<Waiting> Take(Lock& lock);
+  std::optional<QueuedWork> Take(Lock& lock);
   bool Has(const std::string& key) const;
   // Whether all work up to `last` has run.
   bool HasRun(std::uint64_t last) const;
@@ -46,7 +46,7 @@ struct WorkQueue::Shared {
   std::mutex mutex;
   std::condition_variable given;  // the thread waits for it
   std::condition_variable done;   // Flush() and End() wait for it
-  std::deque<Waiting> waiting;
+  std::deque<QueuedWork> waiting;
   std::uint64_t size = 0;         // of what waits or runs
   std::uint64_t last_number = 0;  // given
   std::uint64_t running = 0;      // the number of the work under way; 0: none
@@ -55,8 +55,8 @@ struct WorkQueue::Shared {
   std::thread thread;
 };
 
-WorkQueue::Given WorkQueue::Shared::Add(Waiting work) {
-  std::vector<Waiting> replaced;  // destroyed without the lock: what it owns may call the queue
+WorkQueue::Given WorkQueue::Shared::Add(QueuedWork work) {
+  std::vector<QueuedWork> replaced;  // destroyed without the lock: what it owns may call the queue
   const Lock lock(mutex);
   if (ending) return Given::kRefused;
   const std::uint64_t more = work.how.size;
@@ -85,31 +85,32 @@ WorkQueue::Given WorkQueue::Shared::Add(Waiting work) {
 
 bool WorkQueue::Shared::Has(const std::string& key) const {
   return !key.empty() && std::any_of(waiting.begin(), waiting.end(),
-                                     [&](const Waiting& work) { return work.how.key == key; });
+                                     [&](const QueuedWork& work) { return work.how.key == key; });
 }
 
 bool WorkQueue::Shared::HasRun(std::uint64_t last) const {
   const bool under_way = running != 0 && running <= last;
   return !under_way && std::none_of(waiting.begin(), waiting.end(),
-                                    [&](const Waiting& work) { return work.number <= last; });
+                                    [&](const QueuedWork& work) { return work.number <= last; });
 }
 
 // Waits for work that is due; nullopt: the end.
-std::optional<Waiting> WorkQueue::Shared::Take(Lock& lock) {
+std::optional<QueuedWork> WorkQueue::Shared::Take(Lock& lock) {
   while (true) {
     const Time now = Now();
-    const auto due = std::find_if(waiting.begin(), waiting.end(), [&](const Waiting& work) {
+    const auto due = std::find_if(waiting.begin(), waiting.end(), [&](const QueuedWork& work) {
       return ending || work.how.not_before <= now;
     });
     if (due != waiting.end()) {
-      Waiting work = std::move(*due);
+      QueuedWork work = std::move(*due);
       waiting.erase(due);
       return work;
     }
     if (ending) return std::nullopt;
-    const auto next = std::min_element(
-        waiting.begin(), waiting.end(),
-        [](const Waiting& a, const Waiting& b) { return a.how.not_before < b.how.not_before; });
+    const auto next = std::min_element(waiting.begin(), waiting.end(),
+                                       [](const QueuedWork& a, const QueuedWork& b) {
+                                         return a.how.not_before < b.how.not_before;
+                                       });
     if (next == waiting.end()) {
       given.wait(lock);
     } else {
@@ -178,7 +179,7 @@ WorkQueue::Given WorkQueue::DoUntilDone(std::function<std::optional<Time>()> wor
 bool WorkQueue::Flush(std::optional<Duration> timeout) {
   Shared::Lock lock(shared_->mutex);
   const std::uint64_t last = shared_->last_number;
-  for (Waiting& work : shared_->waiting) work.how.not_before = {};
+  for (QueuedWork& work : shared_->waiting) work.how.not_before = {};
   shared_->given.notify_one();
   const auto has_run = [&] { return shared_->HasRun(last); };
   if (timeout) return shared_->done.wait_for(lock, *timeout, has_run);
@@ -187,13 +188,13 @@ bool WorkQueue::Flush(std::optional<Duration> timeout) {
 }
 
 void WorkQueue::End() {
-  std::deque<Waiting> dropped;  // as in Add()
+  std::deque<QueuedWork> dropped;  // as in Add()
   Shared::Lock lock(shared_->mutex);
   if (!std::exchange(shared_->ending, true)) {
     dropped = std::exchange(shared_->waiting, {});
     if (shared_->options.at_end == WorkQueueOptions::AtEnd::kRun) {
       const auto once = std::stable_partition(dropped.begin(), dropped.end(),
-                                              [](const Waiting& work) { return work.again; });
+                                              [](const QueuedWork& work) { return work.again; });
       std::move(once, dropped.end(), std::back_inserter(shared_->waiting));
       dropped.erase(once, dropped.end());
     }
