@@ -1,13 +1,10 @@
 #pragma once
 // Runs state callbacks beside the loop, so that the actuator answers queries while one blocks.
 
-#include <condition_variable>
 #include <functional>
-#include <mutex>
-#include <optional>
-#include <thread>
 
 #include "musher/base/result.hpp"
+#include "musher/base/work_queue.hpp"
 
 namespace musher {
 
@@ -27,24 +24,10 @@ class Worker {
 class WorkerThread : public Worker {
  public:
   WorkerThread();
-  ~WorkerThread() override;
-  WorkerThread(const WorkerThread&) = delete;
-  WorkerThread& operator=(const WorkerThread&) = delete;
-
   void Run(Work work, Done done) override;
 
  private:
-  struct Job {
-    Work work;
-    Done done;
-  };
-  void Loop();
-
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<Job> job_;
-  bool ending_ = false;
-  std::thread thread_;  // last: it uses all of the above
+  WorkQueue thread_;
 };
 
 }  // namespace musher

@@ -18,7 +18,7 @@
 
 #include "musher/application/tree_report.hpp"
 #include "musher/base/result.hpp"
-#include "musher/base/work_thread.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/behavior/tree/recorder.hpp"
 
 namespace musher {
@@ -61,7 +61,7 @@ class TreeRecording {
   std::uint64_t lost_ = 0;   // lines
   std::shared_ptr<tree::Recorder> recorder_;
   std::shared_ptr<File> file_;
-  WorkThread thread_;  // last: it uses the file
+  WorkQueue thread_{{.name = "tree-record"}};  // last: it uses the file
 };
 
 }  // namespace musher

@@ -4,12 +4,20 @@
 cmake_policy(SET CMP0057 NEW)  # IN_LIST, also in the script of an install
 
 set(MUSHER_ALSO_PUBLIC
-  application/fsm_recording.hpp
-  application/fsm_replay_file.hpp
-  application/groot2/groot2_server.hpp
+  # A module: its config, times, messages.
   base/time.hpp
   base/toml/module_file.hpp
   base/version.hpp
+  lifecycle/config/config_toml.hpp
+  messages/action.hpp
+  messages/before_iron.hpp
+  messages/cdr.hpp
+  messages/stamp.hpp
+  messages/yaw.hpp
+  # An application: what it checks, draws, saves, records and replays; trees in XML, Groot2.
+  application/fsm_recording.hpp
+  application/fsm_replay_file.hpp
+  application/groot2/groot2_server.hpp
   behavior/fsm/graph.hpp
   behavior/fsm/recorder.hpp
   behavior/fsm/toml/snapshot_toml.hpp
@@ -22,16 +30,11 @@ set(MUSHER_ALSO_PUBLIC
   behavior/tree/build.hpp
   behavior/tree/models.hpp
   behavior/tree/xml/tree_xml.hpp
+  # A program that leads, commands or watches a machine, also CyberDog's.
   controller/client/stop_latch.hpp
   cyberdog/codes/module_codes.hpp
   cyberdog/extension.hpp
   cyberdog/machine.hpp
-  lifecycle/config/config_toml.hpp
-  messages/action.hpp
-  messages/before_iron.hpp
-  messages/cdr.hpp
-  messages/stamp.hpp
-  messages/yaw.hpp
   transport/linux_event_loop.hpp
   wire/lifecycle_wire.hpp)
 

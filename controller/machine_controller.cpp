@@ -20,6 +20,7 @@ class MachineController::Impl {
   ~Impl() {
     if (!node_) return;
     node_->RunOnLoop([this] {
+      alive_.reset();
       controller_.reset();
       own_node_.reset();
     });
@@ -63,20 +64,25 @@ class MachineController::Impl {
   }
 
   SwitchResult Switch(const std::optional<std::string>& actuator, const State& target) {
+    std::promise<SwitchResult> promise;
+    SwitchAsync(actuator, target, [&](const SwitchResult& result) { promise.set_value(result); });
+    return promise.get_future().get();
+  }
+
+  void SwitchAsync(std::optional<std::string> actuator, const State& target, OnEnd on_end) {
     if (!controller_) {
       SwitchResult refusal;
       refusal.target = target;
       refusal.outcome = SwitchOutcome::kRefused;
       refusal.code = kCodeUninitialized;
       refusal.reason = "Init() has not succeeded";
-      return refusal;
+      return on_end(refusal);
     }
-    std::promise<SwitchResult> promise;
-    node_->loop().Post([&] {
-      controller_->shell().SetState(target, actuator,
-                                    [&](const SwitchResult& result) { promise.set_value(result); });
+    node_->loop().Post([this, alive = std::weak_ptr(alive_), actuator = std::move(actuator), target,
+                        on_end = std::move(on_end)] {
+      if (alive.expired()) return;
+      controller_->shell().SetState(target, actuator, on_end);
     });
-    return promise.get_future().get();
   }
 
   // A copy of the machine's record now; before Init, of a machine without actuators.
@@ -106,6 +112,7 @@ class MachineController::Impl {
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<transport::Node> own_node_;  // by its name, on a thread that is shared
   std::unique_ptr<Controller> controller_;
+  std::shared_ptr<int> alive_ = std::make_shared<int>();  // checked by what is posted to the loop
 };
 
 MachineController::MachineController() : MachineController(std::vector<ControllerExtension>{}) {}
@@ -147,6 +154,15 @@ SwitchResult MachineController::Switch(const std::string& actuator, const State&
 
 SwitchResult MachineController::Switch(const State& target) {
   return impl_->Switch(std::nullopt, target);
+}
+
+void MachineController::SwitchAsync(const std::string& actuator, const State& target,
+                                    OnEnd on_end) {
+  impl_->SwitchAsync(actuator, target, std::move(on_end));
+}
+
+void MachineController::SwitchAsync(const State& target, OnEnd on_end) {
+  impl_->SwitchAsync(std::nullopt, target, std::move(on_end));
 }
 
 }  // namespace musher

@@ -10,9 +10,11 @@
 // It starts the processes of actuators that have a `command`, keeps a journal and answers the CLI,
 // like `musher up`. The calls of CyberDog's library are in cyberdog/machine.hpp.
 //
-// Threads: calls from any thread; each blocks until it has its result. The work runs on a loop
-// thread of its own (or of the given node). Must not be called from that loop.
+// Threads: calls from any thread; each but SwitchAsync() blocks until it has its result. The work
+// runs on a loop thread of its own (or of the given node). Calls that block must not be made on
+// that loop.
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -59,6 +61,15 @@ class MachineController {
   // done-degraded.
   SwitchResult Switch(const std::string& actuator, const State& target);
   SwitchResult Switch(const State& target);
+
+  // The same without waiting, from any thread including the loop's. `on_end` gets the result,
+  // exactly once and after this call has returned, on the loop's thread: it must return at once,
+  // and may begin the next switch. Before Init() it runs in this call, with a refusal. A switch
+  // that has not ended when this object is destroyed continues or ends with the next controller;
+  // its `on_end` does not run.
+  using OnEnd = std::function<void(const SwitchResult&)>;
+  void SwitchAsync(const std::string& actuator, const State& target, OnEnd on_end);
+  void SwitchAsync(const State& target, OnEnd on_end);
 
  private:
   class Impl;

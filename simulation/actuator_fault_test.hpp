@@ -47,8 +47,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "musher/actuator/callback_harness.hpp"
-#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/simulation/fault_test.hpp"
 
 namespace musher::simulation {
@@ -146,32 +144,16 @@ class ActuatorFaultTest {
     return nullptr;
   }
 
-  // The config. Fails when it does not fit the actuator.
-  Result<MachineConfig> ReadConfig(MachineActuator& actuator) const {
-    CallbackHarness harness(actuator);
-    auto config = ConfigFor(actuator.name(), harness.States());
-    if (!config) return config;
-    if (auto fits = harness.Adopt(config.value()); !fits) return fits.error();
-    return config;
-  }
-
-  Result<MachineConfig> ConfigFor(const std::string& name, const std::vector<State>& states) const {
-    if (!config_file.empty()) return ReadValidConfig(config_file);
-    if (config_text.empty()) return ConfigAround(name, states);
-    ConfigReading reading = ReadConfigText(config_text, "config_text");
-    if (reading.config) return std::move(*reading.config);
-    std::string faults;
-    for (const Diagnostic& fault : reading.diagnostics) faults += FormatDiagnostic(fault) + "\n";
-    return Error{kCodeParametersInvalid, faults};
-  }
-
-  ModuleUnderTest::Setup MakeSetup() {
-    ModuleUnderTest::Setup setup;
+  FaultTestSetup MakeSetup() {
+    FaultTestSetup setup;
+    setup.config_file = config_file;
+    setup.config_text = config_text;
     setup.make = [this](Faults& faults) { return Make(faults); };
     setup.make_node = make_node;
     setup.fails_by_itself = make_with_faults != nullptr;
     setup.real_time_limit = real_time_limit;
     setup.battery = battery;
+    setup.before_scenario = before_scenario;
     setup.check = [this](const MachineActuator& actuator, const ActuatorReport& report) {
       Check(always, actuator, report);
     };
@@ -195,20 +177,10 @@ class ActuatorFaultTest {
   // Collects GoogleTest's failures while `work` runs, so that only those of the shortest scenario
   // are reported.
   FindResult On(const std::function<FindResult(FaultTest&)>& work) {
-    if (before_scenario) before_scenario();
-    Faults none(0);
-    std::unique_ptr<MachineActuator> probe = Make(none);
-    if (!probe) return Error{kCodeParametersInvalid, "nothing makes the actuator: set `make`"};
-    auto config = ReadConfig(*probe);
-    if (!config) return config.error();
-    const ActuatorIndex index = *config.value().IndexOf(probe->name());
-    probe.reset();
     auto failures = std::make_unique<::testing::TestPartResultArray>();
-    using Reporter = ::testing::ScopedFakeTestPartResultReporter;
-    const Reporter of_callbacks(Reporter::INTERCEPT_ALL_THREADS, failures.get());
-    const Reporter of_checks(Reporter::INTERCEPT_ONLY_CURRENT_THREAD, failures.get());
     int seen = 0;
-    const auto next_failure = [&]() -> std::string {
+    FaultTestSetup setup = MakeSetup();
+    setup.next_failure = [&]() -> std::string {
       while (seen < failures->size()) {
         const auto& part = failures->GetTestPartResult(seen++);
         if (!part.failed()) continue;
@@ -219,7 +191,12 @@ class ActuatorFaultTest {
       }
       return {};
     };
-    FaultTest test(std::move(config).value(), index, MakeSetup(), next_failure, before_scenario);
+    auto made = FaultTest::Make(std::move(setup));
+    if (!made) return made.error();
+    FaultTest& test = made.value();
+    using Reporter = ::testing::ScopedFakeTestPartResultReporter;
+    const Reporter of_callbacks(Reporter::INTERCEPT_ALL_THREADS, failures.get());
+    const Reporter of_checks(Reporter::INTERCEPT_ONLY_CURRENT_THREAD, failures.get());
     FindResult result = work(test);
     counts_ = test.counts();
     timeline_ = test.timeline();

@@ -6,8 +6,11 @@
 #include <sstream>
 #include <utility>
 
+#include "musher/actuator/callback_harness.hpp"
 #include "musher/base/program_path.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/simulation/module_under_test.hpp"
+#include "musher/simulation/search.hpp"
 #include "musher/simulation/timeline.hpp"
 #include "musher/wire/dds_options.hpp"
 
@@ -51,110 +54,9 @@ std::string Quoted(const std::vector<Word>& words) {
   return "[" + text + "]";
 }
 
-}  // namespace
-
-FaultTest::FaultTest(MachineConfig config, ActuatorIndex actuator, ModuleUnderTest::Setup setup,
-                     std::function<std::string()> next_failure,
-                     std::function<void()> before_scenario)
-    : config_(std::move(config)),
-      actuator_(actuator),
-      options_(OptionsFor(config_)),
-      setup_(std::move(setup)),
-      next_failure_(std::move(next_failure)),
-      before_scenario_(std::move(before_scenario)) {
-  const auto then_report = [this](auto check) {
-    return [this, check = std::move(check)](const MachineActuator& module,
-                                            const ActuatorReport& report) {
-      check(module, report);
-      if (const std::string what = next_failure_(); !what.empty()) on_failure_(what);
-    };
-  };
-  setup_.check = then_report(std::move(setup_.check));
-  setup_.check_stop = then_report(std::move(setup_.check_stop));
-  setup_.report_error = [this](const std::string& what) {
-    on_failure_(config_.actuators[actuator_].name + ": " + what);
-  };
-  setup_.on_stuck = [this] { stuck_ = true; };
-  setup_.counts = &counts_;
-  setup_.config = &config_;
-}
-
-std::optional<FaultTest::Verdict> FaultTest::RunOnce(const ScenarioId& id) {
-  if (before_scenario_) before_scenario_();
-  stuck_ = false;
-  Injections injections = SampleInjectionsAt(config_, actuator_, id.seed);
-  if (id.only) {
-    Injections some;
-    for (const std::size_t number : *id.only) some.push_back(injections.at(number - 1));
-    injections = std::move(some);
-  }
-  ++counts_.scenarios;
-  std::optional<Verdict> verdict;
-  {
-    Scenario scenario(config_, id.seed, std::move(injections), options_);
-    on_failure_ = [&](const std::string& what) {
-      if (!verdict) verdict = {what, std::nullopt};
-      scenario.EndNow();
-    };
-    Random random(id.seed);
-    scenario.UseModule(
-        config_.actuators[actuator_].name, [&](const Scenario::ActSampler& sample_act) {
-          return std::make_unique<ModuleUnderTest>(setup_, sample_act, random.Next());
-        });
-    Timeline timeline(scenario, config_);
-    const Ending ending = scenario.Run();
-    timeline.End(ending);
-    timeline_ = timeline.Text();
-    if (!verdict && ending.violation) {
-      verdict = {ending.violation->what +
-                     "; violated: " + std::string(InvariantText(ending.violation->invariant)),
-                 ending.violation->invariant};
-    }
-  }
-  if (const std::string what = next_failure_(); !verdict && !what.empty()) {
-    verdict = {what, std::nullopt};
-  }
-  return verdict;
-}
-
-FaultTestFailure FaultTest::Shorten(std::uint64_t seed, const Verdict& verdict) {
-  FaultTestFailure failure{{seed, std::nullopt}, verdict.what, timeline_, true};
-  if (stuck_) return failure;  // each replay would take as long, and leave another thread behind
-  const auto bad = [&](const std::optional<std::vector<std::size_t>>& only) {
-    const auto again = RunOnce({seed, only});
-    return again && again->invariant == verdict.invariant;
-  };
-  failure.reproduced = bad(std::nullopt);
-  if (!failure.reproduced) return failure;
-  failure.id.only = ShrinkWhile(SampleInjectionsAt(config_, actuator_, seed).size(), bad);
-  if (const auto last = RunOnce(failure.id)) failure.what = last->what;
-  failure.timeline = timeline_;
-  return failure;
-}
-
-std::optional<FaultTestFailure> FaultTest::Find(std::uint64_t first, std::uint64_t count) {
-  for (std::uint64_t seed = first; seed < first + count; ++seed) {
-    if (const auto verdict = RunOnce({seed, std::nullopt})) {
-      return Shorten(seed, *verdict);
-    }
-  }
-  return std::nullopt;
-}
-
-Result<std::optional<FaultTestFailure>> FaultTest::Run(const ScenarioId& id) {
-  const std::size_t count = SampleInjectionsAt(config_, actuator_, id.seed).size();
-  for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
-    if (number == 0 || number > count) {
-      return Error{kCodeParametersInvalid, "seed " + std::to_string(id.seed) + " has " +
-                                               std::to_string(count) + " injected events, and no " +
-                                               std::to_string(number)};
-    }
-  }
-  std::optional<FaultTestFailure> failure;
-  if (const auto verdict = RunOnce(id)) failure = {id, verdict->what, timeline_, true};
-  return failure;
-}
-
+// The injected events for a robot whose actuator is under test: as SampleInjections(), but half of
+// them hit that actuator. In addition the machine switches down and up once, and one event hits the
+// actuator during that.
 Injections SampleInjectionsAt(const MachineConfig& config, ActuatorIndex actuator,
                               std::uint64_t seed) {
   Injections injections = SampleInjections(config, seed);
@@ -201,6 +103,179 @@ Injections SampleInjectionsAt(const MachineConfig& config, ActuatorIndex actuato
   std::stable_sort(injections.begin(), injections.end(),
                    [](const Injection& a, const Injection& b) { return a.at < b.at; });
   return injections;
+}
+
+Result<MachineConfig> ReadConfig(const FaultTestSetup& setup, const std::string& name,
+                                 const std::vector<State>& states) {
+  if (!setup.config_file.empty()) return ReadValidConfig(setup.config_file);
+  if (setup.config_text.empty()) return ConfigAround(name, states);
+  ConfigReading reading = ReadConfigText(setup.config_text, "config_text");
+  if (reading.config) return std::move(*reading.config);
+  std::string faults;
+  for (const Diagnostic& fault : reading.diagnostics) faults += FormatDiagnostic(fault) + "\n";
+  return Error{kCodeParametersInvalid, faults};
+}
+
+}  // namespace
+
+class FaultTest::Impl {
+ public:
+  Impl(MachineConfig config, ActuatorIndex actuator, FaultTestSetup setup);
+
+  std::optional<FaultTestFailure> Find(std::uint64_t first, std::uint64_t count);
+  Result<std::optional<FaultTestFailure>> Run(const ScenarioId& id);
+  const std::string& timeline() const { return timeline_; }
+  const FaultTestCounts& counts() const { return counts_; }
+
+ private:
+  struct Verdict {
+    std::string what;
+    std::optional<Invariant> invariant;  // that is violated; nullopt: the module's check failed
+  };
+  std::optional<Verdict> RunOnce(const ScenarioId& id);
+  FaultTestFailure Shorten(std::uint64_t seed, const Verdict& verdict);
+
+  const MachineConfig config_;
+  const ActuatorIndex actuator_;
+  const ScenarioOptions options_;
+  ModuleUnderTest::Setup setup_;
+  std::function<void(const std::string&)> on_failure_;  // of the running scenario
+  bool stuck_ = false;                                  // a thread was given up
+  std::string timeline_;
+  FaultTestCounts counts_;
+};
+
+FaultTest::Impl::Impl(MachineConfig config, ActuatorIndex actuator, FaultTestSetup setup)
+    : config_(std::move(config)),
+      actuator_(actuator),
+      options_(OptionsFor(config_)),
+      setup_(std::move(setup)) {
+  const auto then_report = [this](auto check) {
+    return [this, check = std::move(check)](const MachineActuator& module,
+                                            const ActuatorReport& report) {
+      check(module, report);
+      if (const std::string what = setup_.next_failure(); !what.empty()) on_failure_(what);
+    };
+  };
+  setup_.check = then_report(std::move(setup_.check));
+  setup_.check_stop = then_report(std::move(setup_.check_stop));
+  setup_.report_error = [this](const std::string& what) {
+    on_failure_(config_.actuators[actuator_].name + ": " + what);
+  };
+  setup_.on_stuck = [this] { stuck_ = true; };
+  setup_.counts = &counts_;
+  setup_.config = &config_;
+}
+
+std::optional<FaultTest::Impl::Verdict> FaultTest::Impl::RunOnce(const ScenarioId& id) {
+  if (setup_.before_scenario) setup_.before_scenario();
+  stuck_ = false;
+  Injections injections = SampleInjectionsAt(config_, actuator_, id.seed);
+  if (id.only) {
+    Injections some;
+    for (const std::size_t number : *id.only) some.push_back(injections.at(number - 1));
+    injections = std::move(some);
+  }
+  ++counts_.scenarios;
+  std::optional<Verdict> verdict;
+  {
+    Scenario scenario(config_, id.seed, std::move(injections), options_);
+    on_failure_ = [&](const std::string& what) {
+      if (!verdict) verdict = {what, std::nullopt};
+      scenario.EndNow();
+    };
+    Random random(id.seed);
+    scenario.UseModule(
+        config_.actuators[actuator_].name, [&](const Scenario::ActSampler& sample_act) {
+          return std::make_unique<ModuleUnderTest>(setup_, sample_act, random.Next());
+        });
+    Timeline timeline(scenario, config_);
+    const Ending ending = scenario.Run();
+    timeline.End(ending);
+    timeline_ = timeline.Text();
+    if (!verdict && ending.violation) {
+      verdict = {ending.violation->what +
+                     "; violated: " + std::string(InvariantText(ending.violation->invariant)),
+                 ending.violation->invariant};
+    }
+  }
+  if (const std::string what = setup_.next_failure(); !verdict && !what.empty()) {
+    verdict = {what, std::nullopt};
+  }
+  return verdict;
+}
+
+FaultTestFailure FaultTest::Impl::Shorten(std::uint64_t seed, const Verdict& verdict) {
+  FaultTestFailure failure{{seed, std::nullopt}, verdict.what, timeline_, true};
+  if (stuck_) return failure;  // each replay would take as long, and leave another thread behind
+  const auto bad = [&](const std::optional<std::vector<std::size_t>>& only) {
+    const auto again = RunOnce({seed, only});
+    return again && again->invariant == verdict.invariant;
+  };
+  failure.reproduced = bad(std::nullopt);
+  if (!failure.reproduced) return failure;
+  failure.id.only = ShrinkWhile(SampleInjectionsAt(config_, actuator_, seed).size(), bad);
+  if (const auto last = RunOnce(failure.id)) failure.what = last->what;
+  failure.timeline = timeline_;
+  return failure;
+}
+
+std::optional<FaultTestFailure> FaultTest::Impl::Find(std::uint64_t first, std::uint64_t count) {
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    if (const auto verdict = RunOnce({seed, std::nullopt})) {
+      return Shorten(seed, *verdict);
+    }
+  }
+  return std::nullopt;
+}
+
+Result<std::optional<FaultTestFailure>> FaultTest::Impl::Run(const ScenarioId& id) {
+  const std::size_t count = SampleInjectionsAt(config_, actuator_, id.seed).size();
+  for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
+    if (number == 0 || number > count) {
+      return Error{kCodeParametersInvalid, "seed " + std::to_string(id.seed) + " has " +
+                                               std::to_string(count) + " injected events, and no " +
+                                               std::to_string(number)};
+    }
+  }
+  std::optional<FaultTestFailure> failure;
+  if (const auto verdict = RunOnce(id)) failure = {id, verdict->what, timeline_, true};
+  return failure;
+}
+
+Result<FaultTest> FaultTest::Make(FaultTestSetup setup) {
+  if (setup.before_scenario) setup.before_scenario();
+  Faults none(0);
+  std::unique_ptr<MachineActuator> probe = setup.make(none);
+  if (!probe) return Error{kCodeParametersInvalid, "nothing makes the actuator: set `make`"};
+  CallbackHarness harness(*probe);
+  auto config = ReadConfig(setup, probe->name(), harness.States());
+  if (!config) return config.error();
+  if (const auto fits = harness.Adopt(config.value()); !fits) return fits.error();
+  const ActuatorIndex index = *config.value().IndexOf(probe->name());
+  probe.reset();
+  return FaultTest(std::make_unique<Impl>(std::move(config).value(), index, std::move(setup)));
+}
+
+FaultTest::FaultTest(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+FaultTest::FaultTest(FaultTest&&) noexcept = default;
+FaultTest& FaultTest::operator=(FaultTest&&) noexcept = default;
+FaultTest::~FaultTest() = default;
+
+std::optional<FaultTestFailure> FaultTest::Find(std::uint64_t first, std::uint64_t count) {
+  return impl_->Find(first, count);
+}
+
+Result<std::optional<FaultTestFailure>> FaultTest::Run(const ScenarioId& id) {
+  return impl_->Run(id);
+}
+
+const std::string& FaultTest::timeline() const {
+  return impl_->timeline();
+}
+
+const FaultTestCounts& FaultTest::counts() const {
+  return impl_->counts();
 }
 
 Result<MachineConfig> ConfigAround(const std::string& actuator, const std::vector<State>& states) {

@@ -11,15 +11,9 @@
 #include <vector>
 
 #include "musher/simulation/scenario.hpp"
+#include "musher/simulation/scenario_id.hpp"
 
 namespace musher::simulation {
-
-// Names a scenario: the events sampled from a seed, or only those of some numbers (from 1).
-struct ScenarioId {
-  std::uint64_t seed = 0;
-  std::optional<std::vector<std::size_t>> only;
-  bool bridges = false;  // as in ScenarioOptions
-};
 
 // The injected events of a scenario. Fails for a number that the seed has no event for.
 Result<Injections> InjectionsOf(const MachineConfig& config, const ScenarioId& id);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <thread>
 #include <utility>
 
 #include "musher/modules/audio/audio_code.hpp"
@@ -50,54 +51,33 @@ Result<Pcm> Open(const std::string& device, int rate_hz) {
 AlsaOutput::AlsaOutput(transport::EventLoop& loop, std::string device)
     : loop_(loop),
       device_(std::move(device)),
-      wanted_(std::make_shared<std::atomic<std::uint64_t>>(0)) {
+      wanted_(std::make_shared<std::atomic<std::uint64_t>>(0)),
+      thread_({.name = "sound-output"}) {
   snd_lib_error_set_handler(SayNothing);  // errors are returned and logged once
-  thread_ = std::thread([this] { Run(); });
 }
 
 AlsaOutput::~AlsaOutput() {
   AlsaOutput::Stop();
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  given_.notify_one();
-  thread_.join();
 }
 
 void AlsaOutput::Play(std::shared_ptr<const Sound> sound, Ended ended) {
-  {
-    const std::lock_guard lock(mutex_);
-    next_ = Job{++last_, std::move(sound), std::move(ended)};
-    *wanted_ = last_;
-  }
-  given_.notify_one();
+  Job job{++last_, std::move(sound), std::move(ended)};
+  *wanted_ = last_;
+  thread_.Do([this, job = std::move(job)] { Run(job); }, {.key = "sound"});
 }
 
 void AlsaOutput::Stop() {
-  {
-    const std::lock_guard lock(mutex_);
-    next_.reset();
-    *wanted_ = 0;
-  }
-  given_.notify_one();
+  *wanted_ = 0;
 }
 
-void AlsaOutput::Run() {
-  while (true) {
-    std::unique_lock lock(mutex_);
-    given_.wait(lock, [this] { return ending_ || next_; });
-    if (ending_) return;
-    const Job job = std::move(*next_);
-    next_.reset();
-    lock.unlock();
-    const Result<> result = PlayOut(job);
-    loop_.Post([wanted = wanted_, number = job.number, ended = job.ended, result] {
-      if (*wanted != number) return;
-      *wanted = 0;
-      ended(result);
-    });
-  }
+void AlsaOutput::Run(const Job& job) {
+  if (!Wanted(job)) return;
+  const Result<> result = PlayOut(job);
+  loop_.Post([wanted = wanted_, number = job.number, ended = job.ended, result] {
+    if (*wanted != number) return;
+    *wanted = 0;
+    ended(result);
+  });
 }
 
 Result<> AlsaOutput::PlayOut(const Job& job) {
@@ -136,8 +116,7 @@ int AlsaOutput::Drain(snd_pcm_t* pcm, const Job& job) {
     const int error = snd_pcm_drain(pcm);
     if (error != -EAGAIN) return error;
     if (Now() > deadline) return -ETIMEDOUT;
-    std::unique_lock lock(mutex_);
-    given_.wait_for(lock, Milliseconds(kDrainLookMs), [&] { return ending_ || !Wanted(job); });
+    std::this_thread::sleep_for(Milliseconds(kDrainLookMs));
   }
   return 0;
 }

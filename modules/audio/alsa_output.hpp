@@ -3,14 +3,12 @@
 // plugged in again works, and other programs can use it in between.
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
-#include <thread>
 
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/audio/output.hpp"
 
 struct _snd_pcm;  // NOLINT(readability-identifier-naming,bugprone-reserved-identifier): ALSA's
@@ -34,7 +32,7 @@ class AlsaOutput : public Output {
     Ended ended;
   };
 
-  void Run();
+  void Run(const Job& job);
   Result<> PlayOut(const Job& job);
   int Drain(_snd_pcm* pcm, const Job& job);
   bool Wanted(const Job& job) const { return *wanted_ == job.number; }
@@ -46,11 +44,7 @@ class AlsaOutput : public Output {
   // The job that is wanted, 0: none. Work posted to the loop may outlive the output.
   const std::shared_ptr<std::atomic<std::uint64_t>> wanted_;
   std::mutex in_use_;  // guards the device
-  std::mutex mutex_;   // guards what follows
-  std::condition_variable given_;
-  std::optional<Job> next_;
-  bool ending_ = false;
-  std::thread thread_;  // last: it uses the rest
+  WorkQueue thread_;   // last: it uses the rest
 };
 
 }  // namespace musher::audio

@@ -9,13 +9,15 @@
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 
 namespace musher::audio {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Quote;
+using config_toml::Row;
 using config_toml::Table;
 using config_toml::TableReader;
 
@@ -23,112 +25,94 @@ constexpr std::int64_t kLongestText = 10'000;
 constexpr std::int64_t kSlowestVoice = 80;  // words a minute, of espeak-ng
 constexpr std::int64_t kFastestVoice = 450;
 
-class Reader {
- public:
-  Reader(const std::string& path, Findings& findings)
-      : folder_(config_toml::FolderOf(path)), findings_(findings) {}
+// A non-empty string.
+std::optional<std::string> Named(TableReader& reader, std::string_view key) {
+  const auto word = reader.String(key);
+  if (!word) return std::nullopt;
+  if (!word->text.empty()) return word->text;
+  reader.Fault(word->at, key, "expected a name, found nothing");
+  return std::nullopt;
+}
 
-  AudioConfig Read(const Table& table) {
-    TableReader root(table, {1, 1}, "", findings_);
-    ReadOutput(root);
-    if (const auto volume = root.Integer("volume", 0, 100, "%")) {
-      config_.volume = static_cast<int>(*volume);
-    }
-    const auto language =
-        root.Choice<Language>("language", {{"en", Language::kEnglish}, {"zh", Language::kChinese}});
-    config_.language = language.value_or(config_.language);
-    if (const auto longest = root.Integer("longest_text", 1, kLongestText, "characters")) {
-      config_.longest_text = static_cast<std::size_t>(*longest);
-    }
-    root.Require("phrases", "the file of the phrases");
-    if (const auto phrases = root.String("phrases")) {
-      config_.phrases_file = config_toml::Absolute(folder_, phrases->text);
-    }
-    for (const config_toml::Value* value : root.Tables("cues")) {
-      TableReader reader(*value->As<Table>(), value->at, "cues", findings_);
-      ReadCueTopic(reader);
-      reader.RefuseOthers();
-    }
-    if (const Table* voice = root.SubTable("voice")) {
-      TableReader reader(*voice, root.At("voice"), "voice", findings_);
-      ReadVoice(reader);
-      reader.RefuseOthers();
-    }
-    root.RefuseOthers();
-    return std::move(config_);
+Row Name(std::string_view key, std::string& value) {
+  return [=, &value](TableReader& reader) { value = Named(reader, key).value_or(value); };
+}
+
+Row NamedFile(std::string_view key, std::string& value, const std::filesystem::path& folder) {
+  return [=, &value](TableReader& reader) {
+    if (const auto name = Named(reader, key)) value = config_toml::Absolute(folder, *name);
+  };
+}
+
+// What only some outputs use.
+void CheckOutput(TableReader& root, const OutputConfig& output) {
+  if (output.kind == OutputKind::kWav) {
+    root.Require("folder", "the folder for the WAV files");
+  } else if (root.Has("folder")) {
+    root.Warn(root.At("folder"), "folder", "has no effect: only an output \"wav\" uses it");
   }
-
- private:
-  void ReadOutput(TableReader& root) {
-    OutputConfig& output = config_.output;
-    const auto kind = root.Choice<OutputKind>("output", {{"auto", OutputKind::kAuto},
-                                                         {"alsa", OutputKind::kAlsa},
-                                                         {"wav", OutputKind::kWav},
-                                                         {"silent", OutputKind::kSilent}});
-    output.kind = kind.value_or(output.kind);
-    output.device = Named(root, "device").value_or(output.device);
-    if (const auto folder = Named(root, "folder")) {
-      output.folder = config_toml::Absolute(folder_, *folder);
-    }
-    if (output.kind == OutputKind::kWav) {
-      root.Require("folder", "the folder for the WAV files");
-    } else if (root.Has("folder")) {
-      root.Warn(root.At("folder"), "folder", "has no effect: only an output \"wav\" uses it");
-    }
-    const bool has_device = output.kind == OutputKind::kAlsa || output.kind == OutputKind::kAuto;
-    if (!has_device && root.Has("device")) {
-      root.Warn(root.At("device"), "device",
-                R"(has no effect: only an output "auto" or "alsa" uses it)");
-    }
+  const bool has_device = output.kind == OutputKind::kAlsa || output.kind == OutputKind::kAuto;
+  if (!has_device && root.Has("device")) {
+    root.Warn(root.At("device"), "device",
+              R"(has no effect: only an output "auto" or "alsa" uses it)");
   }
+}
 
-  void ReadCueTopic(TableReader& reader) {
+void ReadTopic(TableReader& reader, const std::vector<CueTopic>& others, std::string& value) {
+  const auto topic = reader.String("topic");
+  if (!topic) return;
+  value = topic->text;
+  if (!config_toml::IsTopic(topic->text)) {
+    reader.Fault(topic->at, "topic",
+                 "expected a topic, as in \"/show/play\", found " + Quote(topic->text));
+  }
+  for (const CueTopic& other : others) {
+    if (other.topic != topic->text) continue;
+    reader.Fault(topic->at, "topic", Quote(topic->text) + " has its cues already");
+  }
+}
+
+void ReadCueTopics(TableReader& root, const std::filesystem::path& folder, AudioConfig& config) {
+  for (TableReader& reader : root.Subs("cues")) {
     CueTopic cue_topic;
-    reader.Require("topic", "the topic that carries the names of cues");
-    if (const auto topic = reader.String("topic")) {
-      cue_topic.topic = topic->text;
-      CheckTopic(reader, *topic);
-    }
-    cue_topic.interrupts = reader.Bool("interrupts").value_or(cue_topic.interrupts);
-    reader.Require("file", "the file of the cues");
-    const auto file = Named(reader, "file");
-    config_.cue_files.push_back(file ? config_toml::Absolute(folder_, *file) : "");
-    config_.cue_topics.push_back(std::move(cue_topic));
+    std::string file;
+    ReadRows(reader,
+             {row::Required(
+                  "topic", "the topic that carries the names of cues",
+                  [&](TableReader& cues) { ReadTopic(cues, config.cue_topics, cue_topic.topic); }),
+              row::Bool("interrupts", cue_topic.interrupts),
+              row::Required("file", "the file of the cues", NamedFile("file", file, folder))});
+    config.cue_files.push_back(file);
+    config.cue_topics.push_back(std::move(cue_topic));
   }
+}
 
-  void CheckTopic(TableReader& reader, const config_toml::Word& topic) const {
-    if (!config_toml::IsTopic(topic.text)) {
-      reader.Fault(topic.at, "topic",
-                   "expected a topic, as in \"/show/play\", found " + Quote(topic.text));
-    }
-    for (const CueTopic& other : config_.cue_topics) {
-      if (other.topic != topic.text) continue;
-      reader.Fault(topic.at, "topic", Quote(topic.text) + " has its cues already");
-    }
-  }
-
-  void ReadVoice(TableReader& reader) {
-    VoiceConfig& voice = config_.voice;
-    if (const auto speed = reader.Integer("words_per_minute", kSlowestVoice, kFastestVoice)) {
-      voice.words_per_minute = static_cast<int>(*speed);
-    }
-    voice.english = Named(reader, "english").value_or(voice.english);
-    voice.chinese = Named(reader, "chinese").value_or(voice.chinese);
-  }
-
-  // A non-empty string.
-  static std::optional<std::string> Named(TableReader& reader, std::string_view key) {
-    const auto word = reader.String(key);
-    if (!word) return std::nullopt;
-    if (!word->text.empty()) return word->text;
-    reader.Fault(word->at, key, "expected a name, found nothing");
-    return std::nullopt;
-  }
-
-  const std::filesystem::path folder_;
-  Findings& findings_;
-  AudioConfig config_;
-};
+AudioConfig ReadAudio(const Table& table, const std::string& path, Findings& findings) {
+  AudioConfig config;
+  OutputConfig& output = config.output;
+  VoiceConfig& voice = config.voice;
+  const std::filesystem::path folder = config_toml::FolderOf(path);
+  TableReader root(table, {1, 1}, "", findings);
+  ReadRows(root,
+           {row::Choice("output", output.kind,
+                        {{"auto", OutputKind::kAuto},
+                         {"alsa", OutputKind::kAlsa},
+                         {"wav", OutputKind::kWav},
+                         {"silent", OutputKind::kSilent}}),
+            Name("device", output.device), NamedFile("folder", output.folder, folder),
+            [&](TableReader& reader) { CheckOutput(reader, output); },
+            row::Integer("volume", config.volume, 0, 100, "%"),
+            row::Choice("language", config.language,
+                        {{"en", Language::kEnglish}, {"zh", Language::kChinese}}),
+            row::Integer("longest_text", config.longest_text, 1, kLongestText, "characters"),
+            row::Required("phrases", "the file of the phrases",
+                          row::File("phrases", config.phrases_file, folder)),
+            [&](TableReader& reader) { ReadCueTopics(reader, folder, config); },
+            row::Sub("voice", {row::Integer("words_per_minute", voice.words_per_minute,
+                                            kSlowestVoice, kFastestVoice),
+                               Name("english", voice.english), Name("chinese", voice.chinese)})});
+  return config;
+}
 
 void Append(std::vector<Diagnostic>&& more, std::vector<Diagnostic>& diagnostics) {
   std::move(more.begin(), more.end(), std::back_inserter(diagnostics));
@@ -162,7 +146,7 @@ AudioReading ReadAudioText(std::string_view text, const std::string& path) {
   if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
     findings.Error(fault->at, fault->message);
   } else {
-    config = Reader(path, findings).Read(std::get<Table>(document));
+    config = ReadAudio(std::get<Table>(document), path, findings);
   }
   bool good = config && !findings.HasErrors();
   AudioReading reading{std::nullopt, std::move(findings).Take(path, text)};

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "musher/base/work_thread.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/audio/phrases.hpp"
 #include "musher/modules/audio/sound.hpp"
 #include "musher/modules/audio/voice.hpp"
@@ -47,8 +47,8 @@ class VoiceMaker : public SoundMaker {
   // maker.
   const std::shared_ptr<std::atomic<std::uint64_t>> wanted_;
   std::uint64_t last_ = 0;
-  std::optional<Voice> voice_;  // used by the thread only
-  WorkThread thread_;           // last: it uses the rest
+  std::optional<Voice> voice_;           // used by the thread only
+  WorkQueue thread_{{.name = "voice"}};  // last: it uses the rest
 };
 
 }  // namespace musher::audio

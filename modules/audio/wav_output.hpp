@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "musher/base/work_thread.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/audio/output.hpp"
 
 namespace musher::audio {
@@ -39,7 +39,7 @@ class WavOutput : public Output {
   transport::LoopHandlePtr end_;
   std::shared_ptr<int> playing_ =
       std::make_shared<int>(0);  // identifies the sound; shared with work posted to the loop
-  WorkThread thread_;
+  WorkQueue thread_{{.name = "sound-file"}};
 };
 
 }  // namespace musher::audio

@@ -8,13 +8,16 @@
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 
 namespace musher::camera {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Quote;
+using config_toml::Row;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Word;
@@ -30,22 +33,17 @@ class Reader {
 
   CamerasConfig Read(const Table& table) {
     TableReader root(table, {1, 1}, "", findings_);
-    config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
-    config_.silence = root.Time("silence_ms").value_or(config_.silence);
-    config_.retry = root.Time("retry_ms").value_or(config_.retry);
-    if (const auto states = root.Strings("on_in")) {
-      config_.on_in.clear();
-      for (const Word& state : *states) config_.on_in.emplace_back(state.text);
-    }
-    root.Require("camera", "a table [camera.<name>] for each camera");
-    if (const Table* cameras = root.SubTable("camera")) ReadCameras(*cameras, root.At("camera"));
-    config_.skip = Names(root, "skip");
-    config_.critical = Names(root, "critical");
-    if (const Table* service = root.SubTable("service")) {
-      TableReader reader(*service, root.At("service"), "service", findings_);
-      ReadService(reader);
-      reader.RefuseOthers();
-    }
+    ServiceConfig& service = config_.service;
+    ReadRows(root, {row::Time("self_check_ms", config_.self_check_time),
+                    row::Time("silence_ms", config_.silence), row::Time("retry_ms", config_.retry),
+                    [this](TableReader& reader) { ReadStates(reader); },
+                    row::Required("camera", "a table [camera.<name>] for each camera",
+                                  [this](TableReader& reader) { ReadCameras(reader); }),
+                    [this](TableReader& reader) { config_.skip = Names(reader, "skip"); },
+                    [this](TableReader& reader) { config_.critical = Names(reader, "critical"); },
+                    row::Sub("service", {[&](TableReader& reader) { ReadServiceCamera(reader); },
+                                         RelativeTopic("topic", service.topic),
+                                         row::File("folder", service.folder, folder_)})});
     for (const CameraConfig& camera : config_.cameras) {
       if (camera.topic != config_.service.topic) continue;
       findings_.Error(root.At("camera"), "camera." + camera.name +
@@ -55,15 +53,24 @@ class Reader {
     if (config_.service.camera.empty() && !config_.cameras.empty()) {
       config_.service.camera = config_.cameras.front().name;
     }
-    root.RefuseOthers();
     return std::move(config_);
   }
 
  private:
-  void ReadCameras(const Table& tables, config_toml::Position at) {
-    TableReader all(tables, at, "camera", findings_);
-    if (tables.empty()) findings_.Error(at, "camera: expected a table [camera.<name>] for each");
-    for (const config_toml::Member& member : tables) {
+  void ReadStates(TableReader& root) {
+    const auto states = root.Strings("on_in");
+    if (!states) return;
+    config_.on_in.clear();
+    for (const Word& state : *states) config_.on_in.emplace_back(state.text);
+  }
+
+  void ReadCameras(TableReader& root) {
+    const Table* tables = root.SubTable("camera");
+    if (tables == nullptr) return;
+    const config_toml::Position at = root.At("camera");
+    TableReader all(*tables, at, "camera", findings_);
+    if (tables->empty()) findings_.Error(at, "camera: expected a table [camera.<name>] for each");
+    for (const config_toml::Member& member : *tables) {
       const Table* table = all.SubTable(member.key);
       if (table == nullptr) continue;
       if (!config_toml::IsName(member.key)) {
@@ -103,7 +110,7 @@ class Reader {
     if (source && from) camera.from = From(reader, *source, *from);
     ReadEnd(reader, camera);
     camera.on_demand = reader.Bool("on_demand").value_or(false);
-    ReadFormat(reader, camera);
+    for (const Row& read : FormatRows(camera)) read(reader);
     return camera;
   }
 
@@ -127,38 +134,38 @@ class Reader {
     }
   }
 
-  static void ReadFormat(TableReader& reader, CameraConfig& camera) {
-    const auto size = [&](std::string_view key) {
-      return static_cast<std::uint32_t>(reader.Integer(key, 1, kLargestPx, "pixels").value_or(0));
-    };
-    camera.format.width_px = size("width_px");
-    camera.format.height_px = size("height_px");
-    if ((camera.format.width_px == 0) != (camera.format.height_px == 0)) {
-      const std::string_view given = camera.format.width_px != 0 ? "width_px" : "height_px";
+  static Rows FormatRows(CameraConfig& camera) {
+    Format& format = camera.format;
+    const auto both = [&](TableReader& reader) {
+      if ((format.width_px == 0) == (format.height_px == 0)) return;
+      const std::string_view given = format.width_px != 0 ? "width_px" : "height_px";
       reader.Fault(reader.At(given), given, "expected both width_px and height_px, or none");
-    }
-    camera.format.encoding =
-        reader
-            .Choice<std::string>("encoding",
-                                 {{"bgr8", "bgr8"}, {"rgb8", "rgb8"}, {"mono8", "mono8"}})
-            .value_or("");
-    camera.rate_hz = reader.Number("rate_hz", 0.01, kFastestHz).value_or(0);
-    camera.hfov_deg = reader.Number("hfov_deg", 1, kWidestDeg).value_or(0);
+    };
+    return {
+        row::Integer("width_px", format.width_px, 1, kLargestPx, "pixels"),
+        row::Integer("height_px", format.height_px, 1, kLargestPx, "pixels"),
+        both,
+        row::Choice("encoding", format.encoding,
+                    {{"bgr8", "bgr8"}, {"rgb8", "rgb8"}, {"mono8", "mono8"}}),
+        row::Number("rate_hz", camera.rate_hz, 0.01, kFastestHz),
+        row::Number("hfov_deg", camera.hfov_deg, 1, kWidestDeg),
+    };
   }
 
-  void ReadService(TableReader& reader) {
-    ServiceConfig& service = config_.service;
-    if (const auto name = reader.String("camera")) {
-      service.camera = name->text;
-      CheckName(reader, "camera", *name);
-    }
-    if (const auto topic = reader.String("topic")) {
-      service.topic = topic->text;
-      CheckTopic(reader, "topic", *topic);
-    }
-    if (const auto folder = reader.String("folder")) {
-      service.folder = config_toml::Absolute(folder_, folder->text);
-    }
+  void ReadServiceCamera(TableReader& reader) {
+    const auto name = reader.String("camera");
+    if (!name) return;
+    config_.service.camera = name->text;
+    CheckName(reader, "camera", *name);
+  }
+
+  static Row RelativeTopic(std::string_view key, std::string& value) {
+    return [=, &value](TableReader& reader) {
+      const auto topic = reader.String(key);
+      if (!topic) return;
+      value = topic->text;
+      CheckTopic(reader, key, *topic);
+    };
   }
 
   static void CheckTopic(TableReader& reader, std::string_view key, const Word& topic) {

@@ -1,15 +1,13 @@
 #include "musher/modules/camera/store.hpp"
 
 #include <algorithm>
-#include <condition_variable>
-#include <deque>
 #include <filesystem>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "musher/base/files.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/camera/camera_code.hpp"
 #include "musher/modules/camera/media.hpp"
 #include "musher/modules/camera/service_core.hpp"
@@ -146,18 +144,17 @@ class Shelf {
 class ThreadStore : public Store {
  public:
   ThreadStore(transport::EventLoop& loop, std::string folder)
-      : loop_(loop), shelf_(std::move(folder)), thread_([this] { Run(); }) {}
+      : loop_(loop),
+        shelf_(std::move(folder)),
+        thread_({.name = "camera-store", .most = kMostWaiting}) {}
   ThreadStore(const ThreadStore&) = delete;
   ThreadStore& operator=(const ThreadStore&) = delete;
   ~ThreadStore() override {
     {
       const std::lock_guard lock(mutex_);
-      ending_ = true;
       alive_.reset();
     }
-    changed_.notify_all();
-    thread_.join();
-    static_cast<void>(shelf_.EndVideo());
+    thread_.Do([this] { static_cast<void>(shelf_.EndVideo()); });
   }
 
   void Save(msg::Image picture, const NewFile& file, Done<std::string> done) override {
@@ -172,11 +169,8 @@ class ThreadStore : public Store {
                     std::move(done));
   }
   void AddFrame(msg::Image picture) override {
-    const std::lock_guard lock(mutex_);
-    if (work_.size() >= kMostWaiting) return;
-    work_.emplace_back(
-        [this, picture = std::move(picture)]() mutable { shelf_.AddFrame(picture); });
-    changed_.notify_all();
+    thread_.Do([this, picture = std::move(picture)]() mutable { shelf_.AddFrame(picture); },
+               {.size = 1});
   }
   void EndVideo(Done<std::string> done) override {
     Do<std::string>([this] { return shelf_.EndVideo(); }, std::move(done));
@@ -191,8 +185,7 @@ class ThreadStore : public Store {
  private:
   template <class T, class Work>
   void Do(Work work, Done<T> done) {
-    const std::lock_guard lock(mutex_);
-    work_.push_back([this, work = std::move(work), done = std::move(done)]() mutable {
+    thread_.Do([this, work = std::move(work), done = std::move(done)]() mutable {
       const Result<T> result = work();
       const std::lock_guard posting(mutex_);
       if (!alive_) return;  // the loop may be destroyed, too
@@ -200,30 +193,13 @@ class ThreadStore : public Store {
         if (alive.lock()) done(result);
       });
     });
-    changed_.notify_all();
-  }
-
-  void Run() {
-    std::unique_lock lock(mutex_);
-    for (;;) {
-      changed_.wait(lock, [this] { return ending_ || !work_.empty(); });
-      if (work_.empty()) return;
-      auto work = std::move(work_.front());
-      work_.pop_front();
-      lock.unlock();
-      work();
-      lock.lock();
-    }
   }
 
   transport::EventLoop& loop_;
   Shelf shelf_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<std::function<void()>> work_;
-  bool ending_ = false;
+  std::mutex mutex_;  // guards what follows
   std::shared_ptr<int> alive_ = std::make_shared<int>();
-  std::thread thread_;  // last: it uses the rest
+  WorkQueue thread_;  // last: it uses the rest
 };
 
 }  // namespace

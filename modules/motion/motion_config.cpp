@@ -1,18 +1,20 @@
 #include "musher/modules/motion/motion_config.hpp"
 
 #include <array>
+#include <filesystem>
 #include <utility>
 
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/file.hpp"
-#include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 
 namespace musher::motion {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
 
@@ -27,28 +29,28 @@ constexpr std::array<std::pair<const char*, std::int32_t>, 6> kSources = {
      {"blutele", kFromBluetooth},
      {"algo", kFromAlgorithm}}};
 
+// The priorities of all sources.
+Rows PriorityRows(Priorities& priorities) {
+  Rows rows;
+  for (const auto& [name, source] : kSources) {
+    rows.emplace_back([&priorities, name = name, source = source](TableReader& reader) {
+      const auto value = reader.Integer(name, -kFarthestPriority, kFarthestPriority);
+      if (value) priorities[source] = static_cast<std::int32_t>(*value);
+    });
+  }
+  return rows;
+}
+
 MotionConfig Read(const Table& table, const std::string& path, Findings& findings) {
   MotionConfig config;
+  const std::filesystem::path folder = config_toml::FolderOf(path);
+  config.motions = config_toml::Absolute(folder, "motions.toml");
   TableReader root(table, {1, 1}, "", findings);
-  const auto motions = root.String("motions");
-  config.motions =
-      config_toml::Absolute(config_toml::FolderOf(path), motions ? motions->text : "motions.toml");
-  if (const Table* priority = root.SubTable("priority")) {
-    TableReader reader(*priority, root.At("priority"), "priority", findings);
-    for (const auto& [name, source] : kSources) {
-      const auto value = reader.Integer(name, -kFarthestPriority, kFarthestPriority);
-      if (value) config.priorities[source] = static_cast<std::int32_t>(*value);
-    }
-    reader.RefuseOthers();
-  }
-  if (const Table* board = root.SubTable("board")) {
-    TableReader reader(*board, root.At("board"), "board", findings);
-    config.board_wait = reader.Time("wait_ms").value_or(config.board_wait);
-    config.board_silent = reader.Time("silent_ms").value_or(config.board_silent);
-    config.board_feedback = reader.Time("feedback_ms").value_or(config.board_feedback);
-    reader.RefuseOthers();
-  }
-  root.RefuseOthers();
+  ReadRows(root, {row::File("motions", config.motions, folder),
+                  row::Sub("priority", PriorityRows(config.priorities)),
+                  row::Sub("board", {row::Time("wait_ms", config.board_wait),
+                                     row::Time("silent_ms", config.board_silent),
+                                     row::Time("feedback_ms", config.board_feedback)})});
   return config;
 }
 

@@ -8,12 +8,14 @@
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 
 namespace musher::sensor {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Word;
@@ -31,25 +33,26 @@ class Reader {
 
   ManagerConfig Read(const Table& table) {
     TableReader root(table, {1, 1}, "", findings_);
-    config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
-    config_.start_time = root.Time("start_ms").value_or(config_.start_time);
-    config_.stamp_tolerance = root.Time("stamp_tolerance_ms", 0).value_or(config_.stamp_tolerance);
-    config_.ros_distro = root.Choice<RosDistro>("ros_distro", {{"galactic", RosDistro::kGalactic},
-                                                               {"humble", RosDistro::kHumble},
-                                                               {"iron", RosDistro::kIron},
-                                                               {"jazzy", RosDistro::kJazzy},
-                                                               {"kilted", RosDistro::kKilted}});
-    config_.skip = Kinds(root, "skip");
-    config_.critical = Kinds(root, "critical");
+    Rows rows = {
+        row::Time("self_check_ms", config_.self_check_time),
+        row::Time("start_ms", config_.start_time),
+        row::Time("stamp_tolerance_ms", config_.stamp_tolerance, 0),
+        [this](TableReader& reader) {
+          config_.ros_distro =
+              reader.Choice<RosDistro>("ros_distro", {{"galactic", RosDistro::kGalactic},
+                                                      {"humble", RosDistro::kHumble},
+                                                      {"iron", RosDistro::kIron},
+                                                      {"jazzy", RosDistro::kJazzy},
+                                                      {"kilted", RosDistro::kKilted}});
+        },
+        [this](TableReader& reader) { config_.skip = Kinds(reader, "skip"); },
+        [this](TableReader& reader) { config_.critical = Kinds(reader, "critical"); },
+    };
     for (const SensorKind kind : kSensorKinds) {
-      const std::string_view name = NameOf(kind);
-      const Table* sensor = root.SubTable(name);
-      if (sensor == nullptr) continue;
-      TableReader reader(*sensor, root.At(name), std::string(name), findings_);
-      ReadSensor(reader, kind);
-      reader.RefuseOthers();
+      rows.push_back(row::Sub(NameOf(kind),
+                              {[this, kind](TableReader& reader) { ReadSensor(reader, kind); }}));
     }
-    root.RefuseOthers();
+    ReadRows(root, rows);
     return std::move(config_);
   }
 

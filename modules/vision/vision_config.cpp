@@ -2,144 +2,119 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/file.hpp"
-#include "musher/base/toml/findings.hpp"
-#include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 
 namespace musher::vision {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
 
-class Reader {
- public:
-  explicit Reader(Findings& findings) : findings_(findings) {}
+constexpr std::string_view kTopic = "image_rgb";
 
-  VisionConfig Read(const Table& table) {
-    TableReader root(table, {1, 1}, "", findings_);
-    config_.picture = Topic(root, "picture", config_.picture);
-    config_.camera_info = Topic(root, "camera_info", config_.camera_info);
-    config_.publish_under = Topic(root, "publish_under", config_.publish_under);
-    if (const auto frame = root.String("frame_id")) config_.frame_id = frame->text;
-    if (const auto degrees = root.Number("hfov_deg", 1, 170)) {
-      config_.hfov_rad = *degrees * M_PI / 180;
-    }
-    if (const auto states = root.Strings("look_in")) {
-      config_.look_in.clear();
-      for (const auto& state : *states) config_.look_in.emplace_back(state.text);
-    }
-    config_.rate_hz = root.Number("rate_hz", 0, 1000).value_or(config_.rate_hz);
-    config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
-    config_.silence = root.Time("silence_ms").value_or(config_.silence);
-    Sub(root, "detector", &Reader::ReadDetector);
-    Sub(root, "faces", &Reader::ReadFaces);
-    Sub(root, "target", &Reader::ReadTarget);
-    Sub(root, "too_close", &Reader::ReadTooClose);
-    config_.detect_faces = root.Bool("detect_faces").value_or(config_.detect_faces);
-    config_.detectors = ReadCourseEntries(root, findings_, FaceTopicNames());
-    root.RefuseOthers();
-    CheckRate(root);
-    CheckAny(root);
-    config_.cascade.smallest = config_.faces.tracker.smallest;
-    config_.faces.closeness.longest_gap = config_.silence;
-    return std::move(config_);
-  }
+std::vector<std::string> FaceTopicNames(const VisionConfig& config) {
+  if (!config.detect_faces) return {};
+  const std::string& under = config.publish_under;
+  return {under + "/target", under + "/too_close", under + "/faces_json"};
+}
 
- private:
-  void Sub(TableReader& root, std::string_view name, void (Reader::*read)(TableReader&)) {
-    const Table* table = root.SubTable(name);
-    if (table == nullptr) return;
-    TableReader reader(*table, root.At(name), std::string(name), findings_);
-    (this->*read)(reader);
-    reader.RefuseOthers();
-  }
+Rows DetectorRows(CascadeConfig& cascade, DetectorLimits& limits) {
+  return {
+      row::Text("model", cascade.model),
+      row::Integer("width_px", cascade.width_px, 40, 4096),
+      row::Number("step", cascade.step, 1.01, 2),
+      row::Integer("neighbours", cascade.neighbours, 1, 50),
+      row::Time("hang_ms", limits.hang),
+      row::Integer("failures", limits.failures, 1, 1000),
+  };
+}
 
-  void ReadDetector(TableReader& reader) {
-    CascadeConfig& cascade = config_.cascade;
-    if (const auto model = reader.String("model")) cascade.model = model->text;
-    cascade.width_px = Integer(reader, "width_px", 40, 4096, cascade.width_px);
-    cascade.step = reader.Number("step", 1.01, 2).value_or(cascade.step);
-    cascade.neighbours = Integer(reader, "neighbours", 1, 50, cascade.neighbours);
-    config_.limits.hang = reader.Time("hang_ms").value_or(config_.limits.hang);
-    config_.limits.failures = Integer(reader, "failures", 1, 1000, config_.limits.failures);
-  }
+Rows FaceRows(FaceRules& faces) {
+  TrackerRules& tracker = faces.tracker;
+  return {
+      row::Number("face_m", faces.face_m, 0.01, 10),
+      row::Number("smallest", tracker.smallest, 0.001, 1),
+      row::Number("iou", tracker.iou, 0.01, 1),
+      row::Number("distance", tracker.distance, 0, 1),
+      row::Integer("confirm_pictures", tracker.confirm_pictures, 1, 1000),
+      row::Time("confirm_within_ms", tracker.confirm_within),
+      row::Time("forget_ms", tracker.forget),
+      row::Time("smoothing_ms", tracker.smoothing, 0),
+  };
+}
 
-  void ReadFaces(TableReader& reader) {
-    TrackerRules& tracker = config_.faces.tracker;
-    config_.faces.face_m = reader.Number("face_m", 0.01, 10).value_or(config_.faces.face_m);
-    tracker.smallest = reader.Number("smallest", 0.001, 1).value_or(tracker.smallest);
-    tracker.iou = reader.Number("iou", 0.01, 1).value_or(tracker.iou);
-    tracker.distance = reader.Number("distance", 0, 1).value_or(tracker.distance);
-    tracker.confirm_pictures =
-        Integer(reader, "confirm_pictures", 1, 1000, tracker.confirm_pictures);
-    tracker.confirm_within = reader.Time("confirm_within_ms").value_or(tracker.confirm_within);
-    tracker.forget = reader.Time("forget_ms").value_or(tracker.forget);
-    tracker.smoothing = reader.Time("smoothing_ms", 0).value_or(tracker.smoothing);
-  }
+Rows ClosenessRows(ClosenessRules& rules) {
+  return {
+      row::Number("near_m", rules.near_m, 0, 100),
+      row::Number("clear_m", rules.clear_m, 0, 100),
+      row::Time("hold_ms", rules.hold, 0),
+      row::Check(
+          "clear_m", [&] { return rules.clear_m >= rules.near_m; }, "must not be less than near_m"),
+  };
+}
 
-  void ReadTarget(TableReader& reader) {
-    TargetRules& target = config_.faces.target;
-    target.lost = reader.Time("lost_ms").value_or(target.lost);
-    target.nearer = reader.Number("nearer", 0, 0.99).value_or(target.nearer);
-  }
+void ReadStates(TableReader& root, std::vector<State>& look_in) {
+  const auto states = root.Strings("look_in");
+  if (!states) return;
+  look_in.clear();
+  for (const auto& state : *states) look_in.emplace_back(state.text);
+}
 
-  void ReadTooClose(TableReader& reader) {
-    ClosenessRules& rules = config_.faces.closeness;
-    rules.near_m = reader.Number("near_m", 0, 100).value_or(rules.near_m);
-    rules.clear_m = reader.Number("clear_m", 0, 100).value_or(rules.clear_m);
-    rules.hold = reader.Time("hold_ms", 0).value_or(rules.hold);
-    if (rules.clear_m < rules.near_m) {
-      reader.Fault(reader.At("clear_m"), "clear_m", "must not be less than near_m");
-    }
-  }
+void CheckAny(TableReader& root, const VisionConfig& config) {
+  if (config.detect_faces || root.Has("detectors")) return;
+  root.Fault(root.At("detect_faces"), "detect_faces",
+             "nothing is detected: expected true, or a table [[detectors]]");
+}
 
-  std::vector<std::string> FaceTopicNames() const {
-    if (!config_.detect_faces) return {};
-    const std::string& under = config_.publish_under;
-    return {under + "/target", under + "/too_close", under + "/faces_json"};
-  }
+void CheckRate(TableReader& root, const VisionConfig& config) {
+  if (!config.detect_faces) return;
+  const Duration forget = config.faces.tracker.forget;
+  const double longest_s = ToSeconds(forget);
+  if (config.rate_hz == 0 || config.rate_hz * longest_s >= 1) return;
+  root.Fault(root.At("rate_hz"), "rate_hz",
+             "a face would be forgotten from one picture to the next: expected two within "
+             "[faces] forget_ms, which are " +
+                 std::to_string(ToMilliseconds(forget)) + " ms");
+}
 
-  void CheckAny(TableReader& root) const {
-    if (config_.detect_faces || root.Has("detectors")) return;
-    root.Fault(root.At("detect_faces"), "detect_faces",
-               "nothing is detected: expected true, or a table [[detectors]]");
-  }
-
-  void CheckRate(TableReader& root) const {
-    if (!config_.detect_faces) return;
-    const Duration forget = config_.faces.tracker.forget;
-    const double longest_s = ToSeconds(forget);
-    if (config_.rate_hz == 0 || config_.rate_hz * longest_s >= 1) return;
-    root.Fault(root.At("rate_hz"), "rate_hz",
-               "a face would be forgotten from one picture to the next: expected two within "
-               "[faces] forget_ms, which are " +
-                   std::to_string(ToMilliseconds(forget)) + " ms");
-  }
-
-  static int Integer(TableReader& reader, std::string_view key, int least, int most,
-                     int otherwise) {
-    const auto value = reader.Integer(key, least, most);
-    return value ? static_cast<int>(*value) : otherwise;
-  }
-
-  std::string Topic(TableReader& reader, std::string_view key, const std::string& otherwise) {
-    const auto topic = reader.String(key);
-    if (!topic) return otherwise;
-    if (!config_toml::IsTopic(topic->text)) {
-      reader.Fault(topic->at, key, "expected the name of a topic, as in \"image_rgb\"");
-    }
-    return topic->text;
-  }
-
-  Findings& findings_;
-  VisionConfig config_;
-};
+VisionConfig Read(const Table& table, Findings& findings) {
+  VisionConfig config;
+  TargetRules& target = config.faces.target;
+  TableReader root(table, {1, 1}, "", findings);
+  ReadRows(root, {row::Topic("picture", config.picture, kTopic),
+                  row::Topic("camera_info", config.camera_info, kTopic),
+                  row::Topic("publish_under", config.publish_under, kTopic),
+                  row::Text("frame_id", config.frame_id),
+                  [&](TableReader& reader) {
+                    if (const auto degrees = reader.Number("hfov_deg", 1, 170)) {
+                      config.hfov_rad = *degrees * M_PI / 180;
+                    }
+                  },
+                  [&](TableReader& reader) { ReadStates(reader, config.look_in); },
+                  row::Number("rate_hz", config.rate_hz, 0, 1000),
+                  row::Time("self_check_ms", config.self_check_time),
+                  row::Time("silence_ms", config.silence),
+                  row::Sub("detector", DetectorRows(config.cascade, config.limits)),
+                  row::Sub("faces", FaceRows(config.faces)),
+                  row::Sub("target", {row::Time("lost_ms", target.lost),
+                                      row::Number("nearer", target.nearer, 0, 0.99)}),
+                  row::Sub("too_close", ClosenessRows(config.faces.closeness)),
+                  row::Bool("detect_faces", config.detect_faces),
+                  [&](TableReader& reader) {
+                    config.detectors = ReadCourseEntries(reader, findings, FaceTopicNames(config));
+                  }});
+  CheckRate(root, config);
+  CheckAny(root, config);
+  config.cascade.smallest = config.faces.tracker.smallest;
+  config.faces.closeness.longest_gap = config.silence;
+  return config;
+}
 
 }  // namespace
 
@@ -149,9 +124,7 @@ bool VisionConfig::LooksIn(std::string_view state) const {
 }
 
 VisionReading ReadVisionText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<VisionReading>(
-      text, path,
-      [](const Table& root, Findings& findings) { return Reader(findings).Read(root); });
+  return config_toml::ReadTextWith<VisionReading>(text, path, Read);
 }
 
 VisionReading ReadVisionFile(const std::string& path) {

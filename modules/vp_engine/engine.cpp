@@ -4,7 +4,7 @@
 
 #include "musher/application/groot2/groot2_server.hpp"
 #include "musher/application/load_tree.hpp"
-#include "musher/base/work_thread.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/modules/vp_engine/nodes.hpp"
 
@@ -33,8 +33,8 @@ struct Engine::Background {
   explicit Background(transport::EventLoop& of) : loop(of) {}
 
   transport::EventLoop& loop;
-  tree::Factory factory;  // of the thread
-  WorkThread thread;      // last: it uses the rest
+  tree::Factory factory;                   // of the thread
+  WorkQueue thread{{.name = "programs"}};  // last: it uses the rest
 };
 
 Engine::Engine(const std::string& actuator, const VpConfig& config)

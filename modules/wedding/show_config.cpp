@@ -1,187 +1,163 @@
 #include "musher/modules/wedding/show_config.hpp"
 
 #include <filesystem>
-#include <numbers>
-#include <utility>
 
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/file.hpp"
-#include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 #include "musher/modules/wedding/extension/extension_toml.hpp"
 
 namespace musher::wedding {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
+using config_toml::Row;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
 
-constexpr double kRadPerDeg = std::numbers::pi / 180;
-
-void Take(TableReader& table, const char* key, Duration& time, std::int64_t least_ms = 1) {
-  time = table.Time(key, least_ms).value_or(time);
+Row NeedOf(std::string_view key, Need& need) {
+  return row::Choice(
+      key, need,
+      {{"required", Need::kRequired}, {"optional", Need::kOptional}, {"none", Need::kNone}});
 }
 
-void Take(TableReader& table, const char* key, double& number, double least, double most) {
-  number = table.Number(key, least, most).value_or(number);
-}
-
-// The file has degrees.
-void TakeAngle(TableReader& table, const char* key, double& angle_rad, double least, double most) {
-  if (const auto angle_deg = table.Number(key, least, most)) angle_rad = *angle_deg * kRadPerDeg;
-}
-
-class Reader {
- public:
-  Reader(const std::string& path, Findings& findings)
-      : folder_(config_toml::FolderOf(path)), findings_(findings) {}
-
-  WeddingConfig Read(const Table& table) {
-    TableReader root(table, {1, 1}, "", findings_);
-    Take(root, "rate_hz", config_.rate_hz, 1, 1000);
-    Take(root, "state_rate_hz", config_.state_rate_hz, 0.1, 100);
-    config_.autostart = root.Bool("autostart").value_or(false);
-    config_.second_generation = root.Bool("second_generation").value_or(false);
-    if (const Table* tracking = root.SubTable("tracking")) {
-      gives_lost_ = TableReader(*tracking, {}, "", findings_).Has("lost_ms");
-    }
-    In(root, "check", [&](TableReader& check) { ReadCheck(check); });
-    In(root, "perception", [&](TableReader& perception) { ReadPerception(perception); });
-    In(root, "gaze", [&](TableReader& gaze) { ReadGaze(gaze); });
-    ReadStates(root);
-    In(root, "search", [&](TableReader& search) { config_.show.search = ReadSearch(search); });
-    In(root, "interview", [&](TableReader& interview) { ReadInterviewOf(interview); });
-    In(root, "actions", [&](TableReader& actions) {
-      config_.show.actions = ReadActions(actions);
-      if (config_.show.actions && !config_.show.search) {
-        actions.Fault(actions.At("enabled"), "enabled",
-                      "expected [search] enabled = true, too: an action's IDLE leads to SEARCH");
-      }
-    });
-    In(root, "record", [&](TableReader& record) {
-      if (const auto file = record.String("file"); file && !file->text.empty()) {
-        config_.record = config_toml::Absolute(folder_, file->text);
-      }
-    });
-    root.RefuseOthers();
-    return std::move(config_);
-  }
-
- private:
-  // `read` gets the table `key`, if present.
-  template <class ReadTable>
-  void In(TableReader& root, const char* key, ReadTable&& read) {
-    const Table* table = root.SubTable(key);
-    if (table == nullptr) return;
-    TableReader reader(*table, root.At(key), key, findings_);
-    read(reader);
-    reader.RefuseOthers();
-  }
-
-  void ReadInterviewOf(TableReader& interview) {
-    config_.show.interview = ReadInterview(interview);
-    const bool video = config_.show.interview && config_.show.interview->video;
-    if (video && config_.camera_service.empty()) {
-      interview.Fault(interview.At("video"), "video",
-                      "expected photo.service to name the camera that records it, found \"\"");
-    }
-  }
-
-  void ReadCheck(TableReader& check) {
-    const auto need = [&check](const char* key, Need& taken) {
-      taken = check
-                  .Choice<Need>(key, {{"required", Need::kRequired},
-                                      {"optional", Need::kOptional},
-                                      {"none", Need::kNone}})
-                  .value_or(taken);
-    };
-    Take(check, "time_ms", config_.self_check_time);
-    need("camera", config_.camera);
-    need("audio", config_.audio);
-    need("motion", config_.motion);
-    need("ready", config_.ready);
-    if (config_.ready != Need::kNone && !config_.second_generation) {
-      check.Fault(check.At("ready"), "ready",
-                  "expected second_generation = true, too: the topic belongs to it");
-    }
-  }
-
-  void ReadPerception(TableReader& perception) {
-    PerceptionRules& rules = config_.show.perception;
-    Take(perception, "age_ms", rules.age);
-    if (rules.age > config_.show.tracking.lost && !gives_lost_) {
-      perception.Fault(perception.At("age_ms"), "age_ms",
-                       "expected at most tracking.lost_ms: a face that still counts is not lost");
-    }
-    Take(perception, "blind_ms", rules.blind, 0);
-    Take(perception, "gesture_confidence", rules.gesture_confidence, 0, 1);
-    Take(perception, "gesture_threshold", config_.show.tracking.gesture_threshold, 0, 1);
-  }
-
-  void ReadGaze(TableReader& gaze) {
-    GazeRules& rules = config_.show.gaze;
-    Take(gaze, "follow", rules.follow, 0.001, 0.999);
-    rules.camera = gaze.Choice<Mount>("camera", {{"body", Mount::kBody}, {"head", Mount::kHead}})
-                       .value_or(rules.camera);
-    TakeAngle(gaze, "hfov_deg", rules.hfov_rad, 1, 170);
-    Take(gaze, "height_to_width", rules.height_to_width, 0.1, 10);
-    TakeAngle(gaze, "yaw_limit_deg", rules.yaw_limit_rad, 1, 360);
-    TakeAngle(gaze, "pitch_limit_deg", rules.pitch_limit_rad, 0, 180);
-    Take(gaze, "pitch_speed_rad_s", rules.pitch_speed_rad_s, 0.01, 100);
-    Take(gaze, "joints_age_ms", rules.joints_age);
-  }
-
-  void ReadService(TableReader& photo) {
+Row CameraService(std::string& name) {
+  return [&](TableReader& photo) {
     const auto service = photo.String("service");
     if (!service) return;
-    config_.camera_service = service->text;
+    name = service->text;
     if (service->text.empty() || config_toml::IsTopic(service->text)) return;
     photo.Fault(service->at, "service",
                 "expected the name of a service, as in \"camera_service\", or \"\", found " +
                     config_toml::Quote(service->text));
-  }
+  };
+}
 
-  void ReadStates(TableReader& root) {
-    ShowConfig& show = config_.show;
-    In(root, "idle", [&](TableReader& idle) {
-      Take(idle, "confirm_ms", show.idle.confirm, 0);
-      Take(idle, "sway", show.idle.sway, 0, 0.5);
-      Take(idle, "sway_period_ms", show.idle.sway_period);
-    });
-    In(root, "tracking", [&](TableReader& tracking) {
-      Take(tracking, "lost_ms", show.tracking.lost);
-      if (show.tracking.lost < show.perception.age && tracking.Has("lost_ms")) {
-        tracking.Fault(tracking.At("lost_ms"), "lost_ms",
-                       "expected at least perception.age_ms: a face that still counts is not lost");
-      }
-    });
-    In(root, "photo", [&](TableReader& photo) {
-      Take(photo, "confirm_ms", show.photo.confirm);
-      Take(photo, "pose_ms", show.photo.pose);
-      Take(photo, "countdown_ms", show.photo.countdown);
-      Take(photo, "shutter_ms", show.photo.shutter);
-      ReadService(photo);
-      Take(photo, "timeout_ms", config_.photo_timeout);
-    });
-    In(root, "farewell",
-       [&](TableReader& farewell) { Take(farewell, "time_ms", show.farewell.time); });
-    In(root, "safe_stop", [&](TableReader& stop) { Take(stop, "clear_ms", show.safe_stop.clear); });
-  }
+Rows CheckRows(WeddingConfig& config) {
+  return {
+      row::Time("time_ms", config.self_check_time),
+      NeedOf("camera", config.camera),
+      NeedOf("audio", config.audio),
+      NeedOf("motion", config.motion),
+      NeedOf("ready", config.ready),
+      row::Check(
+          "ready", [&] { return config.ready == Need::kNone || config.second_generation; },
+          "expected second_generation = true, too: the topic belongs to it"),
+  };
+}
 
-  const std::filesystem::path folder_;
-  Findings& findings_;
-  WeddingConfig config_;
-  bool gives_lost_ = false;  // the file has tracking.lost_ms, which is checked there
-};
+// `gives_lost`: the file has tracking.lost_ms, which is checked there.
+Rows PerceptionRows(ShowConfig& show, const bool& gives_lost) {
+  PerceptionRules& rules = show.perception;
+  return {
+      row::Time("age_ms", rules.age),
+      row::Check(
+          "age_ms", [&] { return rules.age <= show.tracking.lost || gives_lost; },
+          "expected at most tracking.lost_ms: a face that still counts is not lost"),
+      row::Time("blind_ms", rules.blind, 0),
+      row::Number("gesture_confidence", rules.gesture_confidence, 0, 1),
+      row::Number("gesture_threshold", show.tracking.gesture_threshold, 0, 1),
+  };
+}
+
+Rows GazeRows(GazeRules& rules) {
+  return {
+      row::Number("follow", rules.follow, 0.001, 0.999),
+      row::Choice("camera", rules.camera, {{"body", Mount::kBody}, {"head", Mount::kHead}}),
+      row::Degrees("hfov_deg", rules.hfov_rad, 1, 170),
+      row::Number("height_to_width", rules.height_to_width, 0.1, 10),
+      row::Degrees("yaw_limit_deg", rules.yaw_limit_rad, 1, 360),
+      row::Degrees("pitch_limit_deg", rules.pitch_limit_rad, 0, 180),
+      row::Number("pitch_speed_rad_s", rules.pitch_speed_rad_s, 0.01, 100),
+      row::Time("joints_age_ms", rules.joints_age),
+  };
+}
+
+Rows TrackingRows(ShowConfig& show, const bool& gives_lost) {
+  return {
+      row::Time("lost_ms", show.tracking.lost),
+      row::Check(
+          "lost_ms", [&] { return show.tracking.lost >= show.perception.age || !gives_lost; },
+          "expected at least perception.age_ms: a face that still counts is not lost"),
+  };
+}
+
+Rows PhotoRows(WeddingConfig& config) {
+  PhotoRules& photo = config.show.photo;
+  return {
+      row::Time("confirm_ms", photo.confirm),     row::Time("pose_ms", photo.pose),
+      row::Time("countdown_ms", photo.countdown), row::Time("shutter_ms", photo.shutter),
+      CameraService(config.camera_service),       row::Time("timeout_ms", config.photo_timeout),
+  };
+}
+
+Rows InterviewRows(WeddingConfig& config) {
+  return {
+      [&](TableReader& interview) { config.show.interview = ReadInterview(interview); },
+      row::Check(
+          "video",
+          [&] {
+            const bool video = config.show.interview && config.show.interview->video;
+            return !video || !config.camera_service.empty();
+          },
+          "expected photo.service to name the camera that records it, found \"\""),
+  };
+}
+
+Rows ActionRows(ShowConfig& show) {
+  return {
+      [&](TableReader& actions) { show.actions = ReadActions(actions); },
+      row::Check(
+          "enabled", [&] { return !show.actions || show.search; },
+          "expected [search] enabled = true, too: an action's IDLE leads to SEARCH"),
+  };
+}
+
+WeddingConfig Read(const Table& table, const std::string& path, Findings& findings) {
+  WeddingConfig config;
+  ShowConfig& show = config.show;
+  TableReader root(table, {1, 1}, "", findings);
+  bool gives_lost = false;
+  const auto look_for_lost = [&](TableReader& reader) {
+    if (const Table* tracking = reader.SubTable("tracking")) {
+      gives_lost = TableReader(*tracking, {}, "", findings).Has("lost_ms");
+    }
+  };
+  const auto record = [&, folder = config_toml::FolderOf(path)](TableReader& reader) {
+    if (const auto file = reader.String("file"); file && !file->text.empty()) {
+      config.record = config_toml::Absolute(folder, file->text);
+    }
+  };
+  ReadRows(
+      root,
+      {row::Number("rate_hz", config.rate_hz, 1, 1000),
+       row::Number("state_rate_hz", config.state_rate_hz, 0.1, 100),
+       row::Bool("autostart", config.autostart),
+       row::Bool("second_generation", config.second_generation), look_for_lost,
+       row::Sub("check", CheckRows(config)),
+       row::Sub("perception", PerceptionRows(show, gives_lost)),
+       row::Sub("gaze", GazeRows(show.gaze)),
+       row::Sub("idle", {row::Time("confirm_ms", show.idle.confirm, 0),
+                         row::Number("sway", show.idle.sway, 0, 0.5),
+                         row::Time("sway_period_ms", show.idle.sway_period)}),
+       row::Sub("tracking", TrackingRows(show, gives_lost)), row::Sub("photo", PhotoRows(config)),
+       row::Sub("farewell", {row::Time("time_ms", show.farewell.time)}),
+       row::Sub("safe_stop", {row::Time("clear_ms", show.safe_stop.clear)}),
+       row::Sub("search", {[&](TableReader& search) { show.search = ReadSearch(search); }}),
+       row::Sub("interview", InterviewRows(config)), row::Sub("actions", ActionRows(show)),
+       row::Sub("record", {record})});
+  return config;
+}
 
 }  // namespace
 
 WeddingReading ReadWeddingText(std::string_view text, const std::string& path) {
   return config_toml::ReadTextWith<WeddingReading>(
       text, path,
-      [&](const Table& root, Findings& findings) { return Reader(path, findings).Read(root); });
+      [&](const Table& root, Findings& findings) { return Read(root, path, findings); });
 }
 
 WeddingReading ReadWeddingFile(const std::string& path) {

@@ -4,9 +4,7 @@
 #include <map>
 #include <mutex>
 
-#include "musher/actuator/callback_harness.hpp"
 #include "musher/base/code.hpp"
-#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/python/native/py_actuator.hpp"
 #include "musher/simulation/fault_test.hpp"
 
@@ -61,14 +59,9 @@ class Test {
  private:
   template <class Work>
   py::object Run(const Work& work) {
-    BeforeScenario();
-    simulation::Faults none(0);
-    std::unique_ptr<PyActuator> probe = Make(none);
-    CallbackHarness harness(*probe);
-    const MachineConfig config = ReadConfig(*probe, harness);
-    const ActuatorIndex index = *config.IndexOf(probe->name());
-    probe.reset();
-    simulation::ModuleUnderTest::Setup setup;
+    simulation::FaultTestSetup setup;
+    setup.config_file = options_.config_file;
+    setup.config_text = options_.config_text;
     setup.fails_by_itself = options_.fails_by_itself;
     setup.real_time_limit =
         std::chrono::milliseconds(static_cast<std::int64_t>(options_.real_time_limit_s * 1000));
@@ -80,12 +73,15 @@ class Test {
     setup.check_stop = [this](const MachineActuator& actuator, const ActuatorReport& report) {
       CheckProperty(options_.after_emergency_stop, actuator, report);
     };
-    simulation::FaultTest test(
-        config, index, std::move(setup), [this] { return NextFailure(); },
-        [this] {
-          const TakenGil gil;
-          BeforeScenario();
-        });
+    setup.next_failure = [this] { return NextFailure(); };
+    setup.before_scenario = [this] {
+      const TakenGil gil;
+      BeforeScenario();
+    };
+    auto made = simulation::FaultTest::Make(std::move(setup));
+    if (fatal_) std::rethrow_exception(std::exchange(fatal_, nullptr));
+    if (!made) Raise("ConfigError", made.error());
+    simulation::FaultTest& test = made.value();
     const auto result = WithoutGil([&] { return work(test); });
     timeline_ = test.timeline();
     counts_ = test.counts();
@@ -95,21 +91,6 @@ class Test {
     const FaultTestFailure& failure = *result.value();
     return py::make_tuple(failure.id.seed, failure.id.only, failure.what, failure.timeline,
                           failure.reproduced);
-  }
-
-  MachineConfig ReadConfig(PyActuator& actuator, CallbackHarness& harness) const {
-    Result<MachineConfig> config = [&]() -> Result<MachineConfig> {
-      if (!options_.config_file.empty()) return ReadValidConfig(options_.config_file);
-      if (options_.config_text.empty())
-        return simulation::ConfigAround(actuator.name(), harness.States());
-      ConfigReading reading = ReadConfigText(options_.config_text, "config_text");
-      if (reading.config) return std::move(*reading.config);
-      std::string faults;
-      for (const Diagnostic& fault : reading.diagnostics) faults += FormatDiagnostic(fault) + "\n";
-      return Error{kCodeParametersInvalid, faults};
-    }();
-    Check(config ? harness.Adopt(config.value()) : Result<>(config.error()), "ConfigError");
-    return std::move(config).value();
   }
 
   // With the GIL.

@@ -56,10 +56,7 @@ void PyActuator::Register(const State& state, const std::string& method) {
 }
 
 Result<> PyActuator::StartWithStopThread() {
-  stop_thread_.emplace([this] {
-    const std::string raised = CallStop();
-    if (!raised.empty()) Log(LogLevel::kError, "on_emergency_stop raised " + raised);
-  });
+  stop_thread_.emplace(WorkQueueOptions{.name = "emergency-stop"});
   return Start();
 }
 
@@ -79,7 +76,14 @@ py::object PyActuator::Self() const {
 }
 
 void PyActuator::OnEmergencyStop() {
-  if (stop_thread_) return stop_thread_->Request();
+  if (stop_thread_) {
+    const auto stop = [this] {
+      const std::string raised = CallStop();
+      if (!raised.empty()) Log(LogLevel::kError, "on_emergency_stop raised " + raised);
+    };
+    stop_thread_->Do(stop, {.key = "stop"});
+    return;
+  }
   if (const std::string raised = CallStop(); !raised.empty()) throw std::runtime_error(raised);
 }
 

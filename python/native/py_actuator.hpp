@@ -15,8 +15,8 @@
 #include <string>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/python/native/parts.hpp"
-#include "musher/python/native/stop_thread.hpp"
 
 namespace musher::python {
 
@@ -40,7 +40,8 @@ class PyActuator final : public MachineActuator {
   // `method` of the Python object is the callback of `state`, or with an empty state of all states
   // without one of their own.
   void Register(const State& state, const std::string& method);
-  // Starts with an emergency stop that does not run on the loop.
+  // Starts with an emergency stop that runs on a thread of its own: the loop, which receives the
+  // stop, must not wait for the GIL.
   Result<> StartWithStopThread();
   void End();  // idempotent; without the GIL
 
@@ -60,7 +61,7 @@ class PyActuator final : public MachineActuator {
   py::weakref self_;
   py::object kept_;  // of a test's actuator: what self_ refers to
   ActuatorHandle* handle_;
-  std::optional<StopThread> stop_thread_;
+  std::optional<WorkQueue> stop_thread_;
 };
 
 }  // namespace musher::python

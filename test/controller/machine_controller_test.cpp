@@ -23,6 +23,8 @@ using testing::kAllStates;
 using ::testing::Pair;
 using testing::RobotFile;
 
+constexpr auto kDeadline = std::chrono::seconds(20);
+
 // An actuator whose callbacks fail or wait on request.
 class Puppet : public MachineActuator {
  public:
@@ -112,6 +114,62 @@ TEST_F(Controlling, IsAnsweredByAnActuatorWhoseCallbackBlocks) {
   EXPECT_TRUE(low_power.get().done());
 }
 
+TEST_F(Controlling, AnAsynchronousSwitchReturnsWhileACallbackBlocksAndReportsItsOutcomeLater) {
+  BringUp();
+  leg_.blocks_in = "LowPower";
+  std::promise<SwitchResult> ended;
+  std::future<SwitchResult> end = ended.get_future();
+  controller_.SwitchAsync("LowPower", [&](const SwitchResult& result) { ended.set_value(result); });
+  ASSERT_EQ(leg_.entered.get_future().wait_for(kDeadline), std::future_status::ready);
+  EXPECT_EQ(end.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  leg_.gate.set_value();
+  ASSERT_EQ(end.wait_for(kDeadline), std::future_status::ready);
+  const SwitchResult result = end.get();
+  EXPECT_TRUE(result.done()) << result.reason;
+  EXPECT_EQ(result.state, "LowPower");
+}
+
+TEST_F(Controlling, AnAsynchronousSwitchBeginsTheNextFromItsEnd) {
+  BringUp();
+  std::promise<std::vector<SwitchResult>> ended;
+  controller_.SwitchAsync("arm", "Protected", [&](const SwitchResult& first) {
+    controller_.SwitchAsync("arm", "Active", [&, first](const SwitchResult& second) {
+      ended.set_value({first, second});
+    });
+  });
+  auto end = ended.get_future();
+  ASSERT_EQ(end.wait_for(kDeadline), std::future_status::ready);
+  const std::vector<SwitchResult> results = end.get();
+  EXPECT_TRUE(results[0].done()) << results[0].reason;
+  EXPECT_TRUE(results[1].done()) << results[1].reason;
+  EXPECT_EQ(controller_.StateOf("arm"), "Active");
+}
+
+TEST_F(Controlling, ARefusalOfAnAsynchronousSwitchIsAnOutcome) {
+  BringUp();
+  std::promise<SwitchResult> ended;
+  controller_.SwitchAsync("tail", "Active",
+                          [&](const SwitchResult& result) { ended.set_value(result); });
+  auto end = ended.get_future();
+  ASSERT_EQ(end.wait_for(kDeadline), std::future_status::ready);
+  EXPECT_EQ(end.get().outcome, SwitchOutcome::kRefused);
+}
+
+// Its callback and all that it refers to may be destroyed.
+TEST_F(Controlling, AControllerThatIsDestroyedCallsNoEndAnyMore) {
+  auto controller = std::make_unique<MachineController>();
+  ASSERT_TRUE(controller->Init(file_.path()));
+  ASSERT_TRUE(controller->AwaitSetUp());
+  ASSERT_TRUE(controller->Switch("SelfCheck").done());
+  leg_.blocks_in = "Active";
+  std::atomic<bool> ran = false;
+  controller->SwitchAsync("Active", [&](const SwitchResult&) { ran = true; });
+  ASSERT_EQ(leg_.entered.get_future().wait_for(kDeadline), std::future_status::ready);
+  controller.reset();
+  leg_.gate.set_value();
+  EXPECT_FALSE(ran);
+}
+
 TEST_F(Controlling, TearsDownAndTheActuatorsProgramsEnd) {
   BringUp();
   EXPECT_TRUE(controller_.Switch("TearDown").done());
@@ -148,6 +206,9 @@ TEST(MachineController, IsOfNoUseBeforeInit) {
   MachineController controller;
   EXPECT_FALSE(controller.AwaitSetUp());
   EXPECT_FALSE(controller.Switch("Active").done());
+  SwitchOutcome outcome = SwitchOutcome::kDone;
+  controller.SwitchAsync("Active", [&](const SwitchResult& result) { outcome = result.outcome; });
+  EXPECT_EQ(outcome, SwitchOutcome::kRefused);
 }
 
 TEST(MachineController, IsRefusedWhereAProcessOfAnotherUserHoldsItsName) {

@@ -18,6 +18,14 @@ namespace fs = std::filesystem;
 constexpr Duration kFlushPeriod = std::chrono::seconds(1);
 constexpr std::uint64_t kOverhead = 64;  // bytes of a waiting sample beside its data
 
+WorkQueueOptions DiskThread(std::uint64_t max_waiting_bytes) {
+  return {.name = "record-disk", .most = max_waiting_bytes};
+}
+
+bool IsGiven(WorkQueue::Given given) {
+  return given != WorkQueue::Given::kRefused;
+}
+
 }  // namespace
 
 struct DiskSide {
@@ -179,7 +187,7 @@ struct DiskSide {
 };
 
 FileSink::FileSink(const FileSinkOptions& options)
-    : disk_(std::make_shared<DiskSide>(options)), queue_(options.max_waiting) {}
+    : disk_(std::make_shared<DiskSide>(options)), queue_(DiskThread(options.max_waiting)) {}
 
 FileSink::~FileSink() {
   static_cast<void>(Close());
@@ -196,7 +204,7 @@ Result<std::unique_ptr<FileSink>> FileSink::Open(transport::EventLoop& loop,
     loop.Post([on_full, why] { on_full(why); });
   };
   sink->flush_ = loop.Every(kFlushPeriod, [self = sink.get(), disk] {
-    self->queue_.Do(0, [disk] {
+    self->queue_.Do([disk] {
       if (disk->file && !disk->full) disk->Check(disk->file->Flush());
     });
   });
@@ -204,7 +212,7 @@ Result<std::unique_ptr<FileSink>> FileSink::Open(transport::EventLoop& loop,
 }
 
 std::size_t FileSink::AddChannel(const RecordedChannel& channel) {
-  queue_.Do(0, [disk = disk_.get(), channel] { disk->channels.push_back(channel); });
+  queue_.Do([disk = disk_.get(), channel] { disk->channels.push_back(channel); });
   return channels_++;
 }
 
@@ -212,14 +220,14 @@ bool FileSink::Write(std::size_t channel, std::int64_t log_ns, msg::Bytes data) 
   if (disk_->full) return false;
   const std::uint64_t bytes = data.size() + kOverhead;
   const auto shared = std::make_shared<msg::Bytes>(std::move(data));
-  return queue_.Do(bytes, [disk = disk_.get(), channel, log_ns, shared] {
-    disk->Write(channel, log_ns, *shared);
-  });
+  return IsGiven(queue_.Do(
+      [disk = disk_.get(), channel, log_ns, shared] { disk->Write(channel, log_ns, *shared); },
+      {.size = bytes}));
 }
 
 Result<> FileSink::Close() {
   flush_.reset();
-  queue_.Drain();
+  queue_.Flush();
   return disk_->Close();
 }
 
@@ -229,7 +237,7 @@ RingSink::RingSink(transport::EventLoop& loop, const FileSinkOptions& options, R
       disk_(std::make_shared<DiskSide>(options)),
       ring_(ring),
       wall_clock_(std::move(wall_clock)),
-      queue_(options.max_waiting) {
+      queue_(DiskThread(options.max_waiting)) {
   disk_->max_kept = ring.max_kept;
 }
 
@@ -270,7 +278,7 @@ Result<std::unique_ptr<RingSink>> RingSink::Open(transport::EventLoop& loop,
   }
   const auto tick = [self = sink.get()] {
     self->Do(self->ring_.At(self->loop_.Now()));
-    self->queue_.Do(0, [disk = self->disk_.get()] {
+    self->queue_.Do([disk = self->disk_.get()] {
       if (disk->file && !disk->full) disk->Check(disk->file->Flush());
     });
   };
@@ -280,7 +288,7 @@ Result<std::unique_ptr<RingSink>> RingSink::Open(transport::EventLoop& loop,
 }
 
 std::size_t RingSink::AddChannel(const RecordedChannel& channel) {
-  queue_.Do(0, [disk = disk_.get(), channel] { disk->channels.push_back(channel); });
+  queue_.Do([disk = disk_.get(), channel] { disk->channels.push_back(channel); });
   return channels_++;
 }
 
@@ -288,10 +296,12 @@ bool RingSink::Write(std::size_t channel, std::int64_t log_ns, msg::Bytes data) 
   if (disk_->full) return false;
   const std::uint64_t bytes = data.size() + kOverhead;
   const auto shared = std::make_shared<msg::Bytes>(std::move(data));
-  return queue_.Do(bytes, [disk = disk_.get(), channel, log_ns, shared] {
-    disk->Write(channel, log_ns, *shared);
-    if (disk->channels[channel].latched) disk->latched[channel] = {log_ns, *shared};
-  });
+  return IsGiven(queue_.Do(
+      [disk = disk_.get(), channel, log_ns, shared] {
+        disk->Write(channel, log_ns, *shared);
+        if (disk->channels[channel].latched) disk->latched[channel] = {log_ns, *shared};
+      },
+      {.size = bytes}));
 }
 
 void RingSink::OnTrouble(const std::string& reason) {
@@ -302,16 +312,15 @@ void RingSink::Do(const std::vector<RingAction>& actions) {
   for (const RingAction& action : actions) {
     DiskSide* disk = disk_.get();
     if (const auto* begin = std::get_if<BeginSegment>(&action)) {
-      queue_.Do(0, [disk, number = begin->number, wall_ns = wall_clock_()] {
+      queue_.Do([disk, number = begin->number, wall_ns = wall_clock_()] {
         disk->Begin(number, wall_ns);
       });
     } else if (const auto* past = std::get_if<DeleteSegment>(&action)) {
-      queue_.Do(0, [disk, number = past->number] { disk->Drop({number}); });
+      queue_.Do([disk, number = past->number] { disk->Drop({number}); });
     } else if (const auto* keep = std::get_if<KeepSegments>(&action)) {
-      queue_.Do(0,
-                [disk, numbers = keep->numbers, name = KeptName(keep->trouble_ns, keep->reason)] {
-                  disk->Keep(numbers, name);
-                });
+      queue_.Do([disk, numbers = keep->numbers, name = KeptName(keep->trouble_ns, keep->reason)] {
+        disk->Keep(numbers, name);
+      });
     }
   }
 }
@@ -319,10 +328,10 @@ void RingSink::Do(const std::vector<RingAction>& actions) {
 Result<> RingSink::Close() {
   if (!tick_) return Ok();
   tick_.reset();
-  queue_.Drain();
+  queue_.Flush();
   disk_->Check(disk_->Close());
   Do(ring_.End(loop_.Now()));
-  queue_.Drain();
+  queue_.Flush();
   return disk_->End();
 }
 

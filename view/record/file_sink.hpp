@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/work_queue.hpp"
 #include "musher/transport/event_loop.hpp"
-#include "musher/view/record/disk_queue.hpp"
 #include "musher/view/record/recording_file.hpp"
 #include "musher/view/record/ring.hpp"
 #include "musher/view/record/sink.hpp"
@@ -52,7 +52,7 @@ class FileSink : public Sink {
 
   std::shared_ptr<DiskSide> disk_;
   std::size_t channels_ = 0;
-  DiskQueue queue_;
+  WorkQueue queue_;
   transport::LoopHandlePtr flush_;
 };
 
@@ -73,7 +73,7 @@ class RingSink : public Sink {
   bool Write(std::size_t channel, std::int64_t log_ns, msg::Bytes data) override;
   void OnTrouble(const std::string& reason);
   // Waits until the disk has done all that it was given so far.
-  void Drain() { queue_.Drain(); }
+  void Drain() { queue_.Flush(); }
   // Keeps trouble that waits for what comes after it, and deletes the segments. Fails if something
   // is not kept; its segments stay then.
   Result<> Close();
@@ -89,7 +89,7 @@ class RingSink : public Sink {
   Ring ring_;
   std::function<std::int64_t()> wall_clock_;
   std::size_t channels_ = 0;
-  DiskQueue queue_;
+  WorkQueue queue_;
   transport::LoopHandlePtr tick_;
 };
 

@@ -5,12 +5,11 @@
 // Threads: the loop's; `log` is called by the thread. Read() and the destructor wait for the disk.
 
 #include <functional>
-#include <future>
 #include <string>
 #include <utility>
 
 #include "musher/base/files.hpp"
-#include "musher/base/work_thread.hpp"
+#include "musher/base/work_queue.hpp"
 
 namespace musher::meilin {
 
@@ -26,9 +25,7 @@ class ProgressFile {
   // What was written last, also by an earlier process; empty: nothing.
   std::string Read() {
     if (path_.empty()) return "";
-    std::promise<void> written;
-    thread_.Do([&written] { written.set_value(); });
-    written.get_future().wait();
+    thread_.Flush();
     return ReadFile(path_);
   }
 
@@ -44,8 +41,8 @@ class ProgressFile {
  private:
   const Log log_;
   std::string path_;
-  bool failed_ = false;  // of the thread: a failure is logged once
-  WorkThread thread_;    // last: it uses the rest
+  bool failed_ = false;                     // of the thread: a failure is logged once
+  WorkQueue thread_{{.name = "progress"}};  // last: it uses the rest
 };
 
 }  // namespace musher::meilin

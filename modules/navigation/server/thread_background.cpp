@@ -6,12 +6,10 @@ namespace musher::navigation {
 
 ThreadBackground::~ThreadBackground() {
   *alive_ = false;
-  ending_ = true;
 }
 
 void ThreadBackground::Do(std::function<std::function<void()>()> work) {
   thread_.Do([this, work = std::move(work)] {
-    if (ending_) return;
     loop_.Post([alive = alive_, then = work()] {
       if (*alive && then) then();
     });

@@ -3,10 +3,9 @@
 //
 // Threads: Do() and the destructor on the loop; the work on the thread of this object.
 
-#include <atomic>
 #include <memory>
 
-#include "musher/base/work_thread.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/navigation/server/background.hpp"
 #include "musher/transport/event_loop.hpp"
 
@@ -26,8 +25,9 @@ class ThreadBackground : public Background {
  private:
   transport::EventLoop& loop_;
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // used on the loop only
-  std::atomic<bool> ending_ = false;
-  musher::WorkThread thread_;  // last: it uses the rest
+  // Last: it uses the rest.
+  musher::WorkQueue thread_{
+      {.name = "background", .at_end = musher::WorkQueueOptions::AtEnd::kDrop}};
 };
 
 }  // namespace musher::navigation

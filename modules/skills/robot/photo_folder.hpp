@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "musher/base/work_thread.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
 #include "musher/transport/event_loop.hpp"
 
@@ -29,7 +29,7 @@ class PhotoFolder {
  private:
   const std::string folder_;
   transport::EventLoop& loop_;
-  WorkThread writer_;
+  WorkQueue writer_{{.name = "photos"}};
 };
 
 }  // namespace musher::skills

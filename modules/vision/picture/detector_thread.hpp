@@ -6,17 +6,16 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/vision/picture/detector_worker.hpp"
 #include "musher/modules/vision/picture/vision_code.hpp"
 #include "musher/transport/event_loop.hpp"
@@ -36,11 +35,10 @@ class DetectorThread : public DetectorWorker<D> {
  public:
   using Maker = std::function<Result<std::unique_ptr<D>>()>;  // called on the thread and in Load()
 
-  // The loop must outlive it; no callbacks after its destruction.
+  // The loop must outlive it; no callbacks after its destruction, which waits for a picture that is
+  // being processed.
   DetectorThread(transport::EventLoop& loop, Maker maker, const DetectorLimits& rules,
                  DetectorThreadEvents<D> events);
-  // Waits for a picture that is being processed.
-  ~DetectorThread() override;
   DetectorThread(const DetectorThread&) = delete;
   DetectorThread& operator=(const DetectorThread&) = delete;
 
@@ -49,7 +47,7 @@ class DetectorThread : public DetectorWorker<D> {
   Duration Busy() const override;
 
  private:
-  void Run();
+  void Run(const typename D::Input& shot);
   DetectionResult<D> RunDetector(const typename D::Input& shot);
   Result<typename D::Found> Process(const typename D::Input& shot);
   Result<> LoadLocked();
@@ -62,11 +60,8 @@ class DetectorThread : public DetectorWorker<D> {
   std::atomic<std::int64_t> busy_since_ns_ = 0;  // of the steady clock; 0: not busy
   std::mutex detector_mutex_;                    // guards detector_; held while it is used
   std::unique_ptr<D> detector_;
-  std::mutex mutex_;  // guards what follows
-  std::condition_variable given_changed_;
-  std::optional<typename D::Input> given_;
-  bool ending_ = false;
-  std::thread thread_;  // last: it uses the rest
+  int failures_ = 0;  // in a row; of the thread
+  WorkQueue thread_;  // last: it uses the rest
 };
 
 // --- the definitions ---
@@ -97,17 +92,7 @@ DetectorThread<D>::DetectorThread(transport::EventLoop& loop, Maker maker,
       maker_(std::move(maker)),
       rules_(rules),
       events_(std::make_shared<const DetectorThreadEvents<D>>(std::move(events))),
-      thread_([this] { Run(); }) {}
-
-template <class D>
-DetectorThread<D>::~DetectorThread() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  given_changed_.notify_one();
-  thread_.join();
-}
+      thread_({.name = "detector", .at_end = WorkQueueOptions::AtEnd::kDrop}) {}
 
 template <class D>
 Result<> DetectorThread<D>::Load() {
@@ -136,14 +121,8 @@ Result<> DetectorThread<D>::LoadLocked() {
 
 template <class D>
 void DetectorThread<D>::Submit(typename D::Input shot) {
-  bool left_out = false;
-  {
-    const std::lock_guard lock(mutex_);
-    left_out = given_.has_value();
-    given_ = std::move(shot);
-  }
-  given_changed_.notify_one();
-  if (left_out) events_->on_left_out();
+  const auto given = thread_.Do([this, shot = std::move(shot)] { Run(shot); }, {.key = "picture"});
+  if (given == WorkQueue::Given::kReplaced) events_->on_left_out();
 }
 
 template <class D>
@@ -153,26 +132,17 @@ Duration DetectorThread<D>::Busy() const {
 }
 
 template <class D>
-void DetectorThread<D>::Run() {
-  int failures = 0;
-  std::unique_lock lock(mutex_);
-  while (true) {
-    given_changed_.wait(lock, [this] { return ending_ || given_.has_value(); });
-    if (ending_) return;
-    const typename D::Input shot = std::move(*std::exchange(given_, std::nullopt));
-    lock.unlock();
-    DetectionResult<D> result = RunDetector(shot);
-    failures = result.found ? 0 : failures + 1;
-    const std::string why = result.found ? "" : result.found.error().message;
-    loop_.Post([events = std::weak_ptr(events_), result = std::move(result)]() mutable {
-      if (const auto alive = events.lock()) alive->on_result(std::move(result));
-    });
-    if (failures >= rules_.failures) {
-      return events_->on_detector_lost(
-          detector_thread::Failed(std::to_string(failures) + " pictures in a row: " + why));
-    }
-    lock.lock();
-  }
+void DetectorThread<D>::Run(const typename D::Input& shot) {
+  if (failures_ >= rules_.failures) return;  // it is given up
+  DetectionResult<D> result = RunDetector(shot);
+  failures_ = result.found ? 0 : failures_ + 1;
+  const std::string why = result.found ? "" : result.found.error().message;
+  loop_.Post([events = std::weak_ptr(events_), result = std::move(result)]() mutable {
+    if (const auto alive = events.lock()) alive->on_result(std::move(result));
+  });
+  if (failures_ < rules_.failures) return;
+  events_->on_detector_lost(
+      detector_thread::Failed(std::to_string(failures_) + " pictures in a row: " + why));
 }
 
 template <class D>

@@ -1,0 +1,81 @@
+#include "musher/base/toml/rows.hpp"
+
+#include <numbers>
+#include <optional>
+
+#include "musher/base/toml/names.hpp"
+
+namespace musher::config_toml {
+
+void ReadRows(TableReader& reader, const Rows& rows) {
+  for (const Row& row : rows) row(reader);
+  reader.RefuseOthers();
+}
+
+namespace row {
+
+Row Number(std::string_view key, double& value, double least, double most) {
+  return
+      [=, &value](TableReader& reader) { value = reader.Number(key, least, most).value_or(value); };
+}
+
+Row Degrees(std::string_view key, double& value_rad, double least_deg, double most_deg) {
+  return [=, &value_rad](TableReader& reader) {
+    const auto degrees = reader.Number(key, least_deg, most_deg);
+    if (degrees) value_rad = *degrees * (std::numbers::pi / 180);
+  };
+}
+
+Row Time(std::string_view key, Duration& value, std::int64_t least_ms) {
+  return [=, &value](TableReader& reader) { value = reader.Time(key, least_ms).value_or(value); };
+}
+
+Row Bool(std::string_view key, bool& value) {
+  return [=, &value](TableReader& reader) { value = reader.Bool(key).value_or(value); };
+}
+
+Row Text(std::string_view key, std::string& value) {
+  return [=, &value](TableReader& reader) {
+    if (auto word = reader.String(key)) value = std::move(word->text);
+  };
+}
+
+Row File(std::string_view key, std::string& value, std::filesystem::path folder) {
+  return [=, &value, folder = std::move(folder)](TableReader& reader) {
+    if (const auto word = reader.String(key)) value = Absolute(folder, word->text);
+  };
+}
+
+Row Topic(std::string_view key, std::string& value, std::string_view example) {
+  return [=, &value](TableReader& reader) {
+    const auto topic = reader.String(key);
+    if (!topic) return;
+    if (!IsTopic(topic->text)) {
+      reader.Fault(topic->at, key,
+                   "expected the name of a topic, as in \"" + std::string(example) + "\"");
+    }
+    value = topic->text;
+  };
+}
+
+Row Sub(std::string_view key, Rows rows) {
+  return [key, rows = std::move(rows)](TableReader& reader) {
+    if (auto sub = reader.Sub(key)) ReadRows(*sub, rows);
+  };
+}
+
+Row Required(std::string_view key, std::string_view expected, Row row) {
+  return [=, row = std::move(row)](TableReader& reader) {
+    reader.Require(key, expected);
+    row(reader);
+  };
+}
+
+Row Check(std::string_view key, std::function<bool()> holds, std::string_view message) {
+  return [=, holds = std::move(holds)](TableReader& reader) {
+    if (!holds()) reader.Fault(reader.At(key), key, message);
+  };
+}
+
+}  // namespace row
+}  // namespace musher::config_toml
