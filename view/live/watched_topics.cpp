@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "musher/view/http/reply.hpp"
-#include "musher/view/record/type_names.hpp"
+#include "musher/view/topics/type_names.hpp"
 
 namespace musher::view {
 
