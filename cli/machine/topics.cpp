@@ -28,8 +28,10 @@ bool TakeNodes(std::span<const std::byte> bytes,
   for (const auto& node : info->node_entities_info_seq) {
     const std::string name = FullNodeName(node.node_namespace, node.node_name);
     for (const auto* gids : {&node.reader_gid_seq, &node.writer_gid_seq}) {
-      for (const auto& gid : *gids)
-        nodes[transport::EndpointIdOf(std::span(gid.data).first<16>())] = name;
+      for (const auto& gid : *gids) {
+        const std::span<const std::uint8_t, 16> guid(gid.data.data(), 16);
+        nodes[transport::EndpointIdOf(guid)] = name;
+      }
     }
   }
   return true;

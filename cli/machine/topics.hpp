@@ -22,8 +22,8 @@ namespace musher::cli {
 class Topics {
  public:
   struct Events {
-    std::function<void(const transport::DiscoveredEndpoint&)> on_found = {};
-    std::function<void(transport::EndpointId)> on_lost = {};
+    std::function<void(const transport::DiscoveredEndpoint&)> on_found;
+    std::function<void(transport::EndpointId)> on_lost;
   };
 
   // The link must outlive it. `events` run for every endpoint, also for those of services.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -80,7 +81,7 @@ class TopicCommand : public ::testing::Test {
   }
 
  private:
-  std::unique_ptr<transport::NodeThread> thread_;
+  std::shared_ptr<transport::NodeThread> thread_;
   std::vector<std::unique_ptr<transport::Publisher<msg::String>>> publishers_;
   std::unique_ptr<transport::Subscription> reader_;
   std::unique_ptr<transport::RawWriter> own_;
