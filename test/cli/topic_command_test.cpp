@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/cli/program.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/json_schema.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 #include "musher/transport/dds/node_thread.hpp"
@@ -19,8 +19,20 @@
 namespace musher::cli::topic_command_test {
 
 using ::testing::AllOf;
+using testing::Ended;
 using ::testing::HasSubstr;
 using testing::Process;
+
+const std::string kMusher = BinDir() + "/musher";
+
+// A process of its own: the participant of this one is not among those that it discovers.
+Ended Musher(const std::vector<std::string>& arguments) {
+  std::vector<std::string> argv = {kMusher};
+  argv.insert(argv.end(), arguments.begin(), arguments.end());
+  Ended ended = testing::RunToEnd(argv);
+  testing::CheckDocuments(arguments, ended.out);
+  return ended;
+}
 
 class TopicCommand : public ::testing::Test {
  protected:
@@ -95,10 +107,10 @@ nlohmann::json Json(const std::string& text) {
 TEST_F(TopicCommand, ListsTheTopicsWithTheirTypesWritersAndReaders) {
   Offer("dog1/chat");
   Read("dog1/chat");
-  const Ran ran = RunProgram({"topic", "list"});
+  const Ended ran = Musher({"topic", "list"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out, ::testing::ContainsRegex("/dog1/chat +1 +1 +std_msgs/msg/String\n"));
-  const Ran json = RunProgram({"topic", "list", "--json"});
+  const Ended json = Musher({"topic", "list", "--json"});
   bool found = false;
   for (const auto& topic : Json(json.out)["topics"]) {
     if (topic["topic"] != "/dog1/chat") continue;
@@ -112,14 +124,14 @@ TEST_F(TopicCommand, ListsTheTopicsWithTheirTypesWritersAndReaders) {
 TEST_F(TopicCommand, ShowsTheNodesOfATopicWithTheirQosAndWhoReceivesNothing) {
   Offer("dog1/chat", {}, transport::kSensorDataQos);
   Read("dog1/chat");
-  const Ran ran = RunProgram({"--namespace", "dog1", "topic", "info", "chat"});
+  const Ended ran = Musher({"--namespace", "dog1", "topic", "info", "chat"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out,
               AllOf(HasSubstr("/dog1/chat  std_msgs/msg/String\n"),
                     ::testing::ContainsRegex("writer +/dog1/talker +[0-9]+ on .* +best effort"),
                     HasSubstr("reader /dog1/talker receives nothing of /dog1/talker: it "
                               "requests reliable samples")));
-  const Ran json = RunProgram({"topic", "info", "/dog1/chat", "--json"});
+  const Ended json = Musher({"topic", "info", "/dog1/chat", "--json"});
   const auto info = Json(json.out);
   EXPECT_EQ(info["writers"][0]["node"], "/dog1/talker") << json.out;
   EXPECT_EQ(info["writers"][0]["reliability"], "best_effort");
@@ -128,10 +140,10 @@ TEST_F(TopicCommand, ShowsTheNodesOfATopicWithTheirQosAndWhoReceivesNothing) {
 
 TEST_F(TopicCommand, EchoPrintsTheLatchedSampleOfATopic) {
   Offer("chat", {"hello"});
-  const Ran ran = RunProgram({"topic", "echo", "/chat", "--limit", "1"});
+  const Ended ran = Musher({"topic", "echo", "/chat", "--limit", "1"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_EQ(ran.out, "data: hello\n---\n");
-  const Ran json = RunProgram({"topic", "echo", "/chat", "--limit", "1", "--json"});
+  const Ended json = Musher({"topic", "echo", "/chat", "--limit", "1", "--json"});
   EXPECT_EQ(Json(json.out)["message"]["data"], "hello") << json.out;
   EXPECT_EQ(Json(json.out)["type"], "std_msgs/msg/String");
 }
@@ -139,7 +151,7 @@ TEST_F(TopicCommand, EchoPrintsTheLatchedSampleOfATopic) {
 TEST_F(TopicCommand, EchoPrintsEverySampleUntilCtrlC) {
   Offer("chat", {"hello"});
   PublishEvery(Milliseconds(20));
-  Process echo({BinDir() + "/musher", "topic", "echo", "chat"});
+  Process echo({kMusher, "topic", "echo", "chat"});
   ASSERT_NE(echo.LineWith("data: tick"), "");
   ASSERT_NE(echo.LineWith("data: tick"), "");
   echo.Signal(SIGINT);
@@ -149,7 +161,7 @@ TEST_F(TopicCommand, EchoPrintsEverySampleUntilCtrlC) {
 TEST_F(TopicCommand, OfAnUnknownTopicTheNearestIsNamed) {
   Offer("chat");
   for (const char* command : {"echo", "hz", "info"}) {
-    const Ran ran = RunProgram({"topic", command, "/chta"});
+    const Ended ran = Musher({"topic", command, "/chta"});
     EXPECT_EQ(ran.exit, 2) << command;
     EXPECT_THAT(ran.err, HasSubstr("there is no topic '/chta'; did you mean '/chat'?"));
   }
@@ -158,19 +170,19 @@ TEST_F(TopicCommand, OfAnUnknownTopicTheNearestIsNamed) {
 TEST_F(TopicCommand, ATopicOnWhichNothingIsPublishedIsNotWaitedForForEver) {
   Offer("chat");
   Read("silent");
-  const Ran echo = RunProgram({"topic", "echo", "chat", "--timeout", "0.3"});
+  const Ended echo = Musher({"topic", "echo", "chat", "--timeout", "0.3"});
   EXPECT_EQ(echo.exit, 1);
   EXPECT_EQ(echo.err,
             "musher: nothing was published on /chat within 0.3 s: its writer is silent; `musher "
             "topic info /chat` shows it\n");
-  const Ran hz = RunProgram({"topic", "hz", "silent", "--timeout", "0.3"});
+  const Ended hz = Musher({"topic", "hz", "silent", "--timeout", "0.3"});
   EXPECT_EQ(hz.exit, 1);
   EXPECT_THAT(hz.err, HasSubstr("it has no writer, only 1 reader"));
 }
 
 TEST_F(TopicCommand, ATypeThatMusherDoesNotKnowIsNamed) {
   OfferUnknownType("own");
-  const Ran ran = RunProgram({"topic", "echo", "own"});
+  const Ended ran = Musher({"topic", "echo", "own"});
   EXPECT_EQ(ran.exit, 1);
   EXPECT_THAT(ran.err, HasSubstr("/own has the type my_msgs/msg/Own, which Musher does not know"));
 }
@@ -178,7 +190,7 @@ TEST_F(TopicCommand, ATypeThatMusherDoesNotKnowIsNamed) {
 TEST_F(TopicCommand, HzMeasuresTheRateOfATopic) {
   Offer("chat", {"old"});
   PublishEvery(Milliseconds(10));
-  const Ran ran = RunProgram({"topic", "hz", "chat", "--for", "0.5", "--json"});
+  const Ended ran = Musher({"topic", "hz", "chat", "--for", "0.5", "--json"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   const auto json = Json(ran.out);
   EXPECT_GE(json["samples"], 2) << ran.out;
@@ -188,7 +200,7 @@ TEST_F(TopicCommand, HzMeasuresTheRateOfATopic) {
 
 TEST_F(TopicCommand, CompletionOffersTheTopicsWithTheirTypes) {
   Offer("chat");
-  EXPECT_THAT(RunProgram({"complete", "topic", "echo", "/ch"}).out,
+  EXPECT_THAT(Musher({"complete", "topic", "echo", "/ch"}).out,
               HasSubstr("/chat\tstd_msgs/msg/String\n"));
 }
 
