@@ -102,7 +102,26 @@ Result<> ActuatorShell::Open() {
       });
   if (!stops) return stops.error();
   emergency_stops_ = std::move(stops).value();
+  if (auto watched = WatchPermits(); !watched) return watched.error();
   return WatchBattery();
+}
+
+// A permit names its machine: one that was meant for another robot, or for any, permits nothing.
+Result<> ActuatorShell::WatchPermits() {
+  if (!config_.permit) return Ok();
+  auto permits = transport::MakeSubscription<msg::Permit>(
+      node_, transport::PermitTopic(config_.name_space),
+      [this](const msg::Permit& permit, const transport::SampleInfo& info) {
+        if (permit.machine.empty() || !transport::IsOwn(permit.participant, info)) return;
+        if (!SameMachine(machine_, {permit.machine, permit.machine_id})) return;
+        Handle(actuator_event::PermitReceived{Sender(info.participant.value()),
+                                              transport::FromNanoseconds(permit.stamp_ns),
+                                              permit.by});
+      },
+      transport::kHeartbeatQos);
+  if (!permits) return permits.error();
+  permits_ = std::move(permits).value();
+  return Ok();
 }
 
 Result<> ActuatorShell::WatchBattery() {

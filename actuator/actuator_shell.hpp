@@ -85,6 +85,7 @@ class ActuatorShell {
   void OnControllerHeartbeat(const msg::ControllerHeartbeat& heartbeat,
                              const transport::SampleInfo& info);
   void OnEmergencyStop(const msg::EmergencyStop& stop, const transport::SampleInfo& info);
+  Result<> WatchPermits();
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
                  transport::ParticipantId sender);
   using OnManagerAnswered = std::function<void(const actuator_action::Answer&)>;
@@ -130,6 +131,7 @@ class ActuatorShell {
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> controllers_;
   std::unique_ptr<transport::Subscription> emergency_stops_;
+  std::unique_ptr<transport::Subscription> permits_;
   std::unique_ptr<transport::BatteryWatch> battery_;
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;

@@ -118,15 +118,17 @@ function(musher_man_page name)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endfunction()
 
-# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s] [EACH] [NIGHTLY]
+# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s] [ALONE regex] [EACH] [NIGHTLY]
 # [NIGHTLY_TESTS regex]) makes a
 # GoogleTest program and gives its suites to ctest, which starts those of high cost first. A start takes 0.05
-# to 0.5 s of a CPU and most tests take less: a process for each test doubled the time of all. EACH: one for
+# to 0.5 s of a CPU and most tests take less: a process for each test doubled the time of all. ALONE: only the suites
+# whose names match have a process each, and the others, which leave nothing behind, one for all; OpenCV's programs
+# need 0.3 s to start. EACH: one for
 # each test, of suites with tests of many seconds, which can run beside each other. NIGHTLY: only
 # MUSHER_NIGHTLY builds the program with `all` and gives its tests to ctest; NIGHTLY_TESTS: only the tests
 # (without EACH, suites) whose names match.
 function(musher_test name)
-  cmake_parse_arguments(ARG "EACH;NIGHTLY" "TIMEOUT;COST;NIGHTLY_TESTS" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "EACH;NIGHTLY" "TIMEOUT;COST;ALONE;NIGHTLY_TESTS" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   musher_target(${name})
   target_include_directories(${name} PRIVATE ${MUSHER_INCLUDE_DIR})
@@ -149,7 +151,8 @@ function(musher_test name)
   endif()
   set(tests ${CMAKE_CURRENT_BINARY_DIR}/${name}_tests.cmake)
   add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${tests}
-    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DOUTPUT=${tests} -DEACH=${ARG_EACH}
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DOUTPUT=${tests} -DEACH=${ARG_EACH} "-DALONE=${ARG_ALONE}"
+            -DNIGHTLY=${MUSHER_NIGHTLY}
             -DTIMEOUT=${ARG_TIMEOUT} -DCOST=${ARG_COST} "-DLABELS=${ARG_LABELS}"
             "-DLEFT_OUT=${ARG_NIGHTLY_TESTS}"
             -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverTests.cmake)

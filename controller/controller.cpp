@@ -343,12 +343,23 @@ Result<> Controller::OpenServices() {
       history_->Read(since, limit, std::move(done));
     };
   }
-  auto services = ControllerServices::Make(node_, *shell_, std::move(read_history));
+  auto services =
+      ControllerServices::Make(node_, *shell_, std::move(read_history), MakeHostServer());
   if (!services) return services.error();
   services_ = std::move(services).value();
   ros2_tools_ =
       std::make_unique<Ros2Tools>(node_, *shell_, WallNanoseconds, ToString(incarnation_));
   return OpenExtensions();
+}
+
+// For the commands of this host. With credentials a call goes by DDS only, which knows what they
+// permit.
+std::unique_ptr<transport::HostServer> Controller::MakeHostServer() {
+  if (!name_ || !config_.keys.empty()) return nullptr;
+  auto here = transport::HostServer::Make(node_.loop(), LockOf("musher/calls"));
+  if (here) return std::move(here).value();
+  shell_->Remark(kCodeNetError, here.error().message + "; commands of this host use the network");
+  return nullptr;
 }
 
 Result<> Controller::OpenExtensions() {

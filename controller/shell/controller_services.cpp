@@ -58,14 +58,15 @@ msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
 }  // namespace
 
 ControllerServices::ControllerServices(transport::Node& node, ControllerShell& shell,
-                                       ReadHistory read_history)
-    : node_(node), shell_(shell), read_history_(std::move(read_history)) {}
+                                       ReadHistory read_history,
+                                       std::unique_ptr<transport::HostServer> here)
+    : node_(node), shell_(shell), read_history_(std::move(read_history)), here_(std::move(here)) {}
 
-Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(transport::Node& node,
-                                                                     ControllerShell& shell,
-                                                                     ReadHistory read_history) {
+Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(
+    transport::Node& node, ControllerShell& shell, ReadHistory read_history,
+    std::unique_ptr<transport::HostServer> here) {
   std::unique_ptr<ControllerServices> services(
-      new ControllerServices(node, shell, std::move(read_history)));
+      new ControllerServices(node, shell, std::move(read_history), std::move(here)));
   if (auto opened = services->Open(); !opened) return opened.error();
   return services;
 }
@@ -87,6 +88,7 @@ Result<> ControllerServices::Open() {
         handler(request, std::move(reply));
       }
     };
+    if (here_) here_->template Offer<S>(name, for_us);
     auto made = transport::MakeServer<S>(node_, transport::MachineService(name_space, name),
                                          std::move(for_us));
     if (!made) return made.error();

@@ -24,6 +24,13 @@ constexpr std::size_t kReleasedKept = 256;
 constexpr std::size_t kMostStops = 64;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
+// By whom a stop for want of a permit is engaged: the key of the config.
+constexpr const char* kPermitKey = "[safety] permit_ms";
+// An actuator discovers within this time who gives the permits.
+constexpr Duration kFirstPermit = std::chrono::seconds(1);
+// Of a second, how much two clocks may diverge in it: 1/1000. Crystals do by 1/10000 at most.
+constexpr std::int64_t kFastestDrift = 1000;
+
 // No process of a robot runs for longer.
 constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
 
@@ -42,6 +49,30 @@ std::optional<State> SafeState(const MachineConfig& config, ActuatorIndex index,
   return safe;
 }
 
+bool IsAboveDeActive(const MachineConfig& config, const State& state) {
+  return SwitchesOnAgain(config, state, state);
+}
+
+// Until when the actuator moves on the last permit, or a command waits for the first one; nullopt
+// where it needs none, or has stopped for want of one.
+std::optional<Time> PermitDeadline(const MachineConfig& config, const ActuatorCore& core) {
+  if (!config.permit || core.permit.stop != 0) return std::nullopt;
+  const ActuatorReport& report = core.report;
+  if (IsAboveDeActive(config, report.state) || IsAboveDeActive(config, report.target)) {
+    return core.permit.until;
+  }
+  const bool waits = core.waiting && !report.busy();
+  return waits ? std::optional(core.permit.first_by) : std::nullopt;
+}
+
+std::optional<Time> ControllerDeadline(const MachineConfig& config, ActuatorIndex index,
+                                       const ActuatorCore& core) {
+  const auto timeout = config.actuators[index].controller_lost;
+  if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
+  if (!SafeState(config, index, core)) return std::nullopt;
+  return core.controller_last_heartbeat + *timeout;
+}
+
 // One event's decision: the arguments of Step() and the actions so far.
 class Decision {
  public:
@@ -53,7 +84,10 @@ class Decision {
         report_(core.report),
         now_(now) {}
 
-  void On(const event::Started&) { Run(State(kSetUp)); }
+  void On(const event::Started&) {
+    if (machine_.permit) core_.permit.first_by = now_ + std::max(*machine_.permit, kFirstPermit);
+    Run(State(kSetUp));
+  }
 
   void On(const event::SwitchArrived& arrived) {
     const SwitchCommand& command = arrived.command;
@@ -67,8 +101,8 @@ class Decision {
     const bool too_old = refusal && refusal->code == kCodeTimeout;
     if (command.incarnation == report_.incarnation && !too_old) UseUp(command.number);
     if (refusal) return Refuse({arrived.token}, *refusal);
-    if (report_.busy()) {
-      DropWaiting({kCodeTargetBusy, "replaced by command " + ToString(command.number)});
+    DropWaiting({kCodeTargetBusy, "replaced by command " + ToString(command.number)});
+    if (report_.busy() || AwaitsPermit(command.target)) {
       core_.waiting = {command, {arrived.token}};
       return Do(PublishStatus{});
     }
@@ -113,15 +147,7 @@ class Decision {
     AnswerAll(tokens, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed,
               {end.code, end.message});
     if (target == kTearDown && end.code == kCodeOk) return EndTornDown();
-    if (core_.waiting) {
-      const auto next = *std::exchange(core_.waiting, std::nullopt);
-      if (auto refusal = MayBegin(next.command)) {
-        Refuse(next.tokens, *refusal);
-      } else {
-        return Begin(next.command, next.tokens);
-      }
-    }
-    Do(PublishStatus{});
+    if (!BeginWaiting()) Do(PublishStatus{});
   }
 
   // The next self-check replaces it.
@@ -159,13 +185,38 @@ class Decision {
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
     const auto same = [&](const EmergencyStop& stop) { return stop.id == received.id; };
     const bool ended = std::erase_if(core_.stops, same) != 0;
+    if (received.id == core_.permit.stop || core_.stops.empty()) core_.permit.stop = 0;
     const bool confirmed = std::exchange(report_.released_stop, received.id) == received.id;
     if (ended || !confirmed) ReportStops();
   }
 
-  // Goes to the safe state when the heartbeat of the controller is lost for too long.
+  // A sample is as late as it was slower than the fastest one of its sender. So one that was held
+  // back on the way, or is repeated, permits no more than when it was given.
+  void On(const event::PermitReceived& received) {
+    if (!machine_.permit || received.stamp <= Time() || received.stamp > Time() + kLongestRun)
+      return;
+    Permit& permit = core_.permit;
+    const Duration taken = now_ - received.stamp;
+    const bool same = received.sender == permit.sender;
+    const Duration drift = same ? (now_ - permit.received) / kFastestDrift : Duration();
+    permit.fastest = same ? std::min(permit.fastest + drift, taken) : taken;
+    permit.sender = received.sender;
+    permit.received = now_;
+    const Time until = now_ - (taken - permit.fastest) + *machine_.permit;
+    if (until <= permit.until) return;
+    permit.until = until;
+    permit.stamp = received.stamp;
+    permit.by = received.by;
+    BeginWaiting();
+  }
+
+  // Stops when no permit has arrived, and goes to the safe state when the heartbeat of the
+  // controller is lost for too long.
   void On(const event::TimePassed&) {
-    const auto deadline = NextDeadline(machine_, index_, core_);
+    StopWithoutPermit(report_.state);
+    StopWithoutPermit(report_.target);
+    BeginWaiting();
+    const auto deadline = ControllerDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
     core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
     core_.was_detached = report_.detached;
@@ -244,6 +295,29 @@ class Decision {
     return std::nullopt;
   }
 
+  bool IsPermitted() const { return !machine_.permit || now_ < core_.permit.until; }
+
+  // Whether a command to `target` waits for the first permit of this process.
+  bool AwaitsPermit(const State& target) const {
+    return !IsPermitted() && now_ < core_.permit.first_by && IsAboveDeActive(machine_, target);
+  }
+
+  // Engages a stop if the actuator has no permit for `state`, in which it is or that it begins.
+  void StopWithoutPermit(const State& state) {
+    Permit& permit = core_.permit;
+    if (IsPermitted() || permit.stop != 0 || !IsAboveDeActive(machine_, state)) return;
+    const bool any = permit.stamp != Time();
+    // Actuators whose last permit was the same engage the same stop.
+    const auto last = any ? static_cast<std::uint64_t>(permit.stamp.time_since_epoch().count())
+                          : report_.incarnation.value();
+    do {
+      permit.stop = StopId(last + ++permit.stops);
+    } while (std::ranges::count(core_.released, permit.stop) != 0);
+    Engage({permit.stop, kPermitKey,
+            any ? "no permit of " + permit.by + " has arrived for " + Quantity(*machine_.permit)
+                : "no permit to move has arrived"});
+  }
+
   void Engage(EmergencyStop stop) {
     const bool over = std::ranges::count(core_.released, stop.id) != 0;
     const bool known = std::ranges::count(core_.stops, stop.id, &EmergencyStop::id) != 0;
@@ -320,7 +394,7 @@ class Decision {
     return true;
   }
 
-  std::optional<Refusal> CheckCommand(const SwitchCommand& command) const {
+  std::optional<Refusal> CheckCommand(const SwitchCommand& command) {
     if (command.incarnation != report_.incarnation) {
       return Refusal{kCodePermissionDenied,
                      "the command is meant for another process of this name"};
@@ -334,14 +408,17 @@ class Decision {
     return MayBegin(command);
   }
 
-  std::optional<Refusal> EvaluateManager(const State& target) const {
+  std::optional<Refusal> EvaluateManager(const State& target) {
     if (report_.epoch != 0) {
       return Refusal{kCodePermissionDenied,
                      "a controller has control, epoch " + ToString(report_.epoch)};
     }
     if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
-    if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
-    return CheckTarget(target);
+    if (auto refusal = CheckStop(target)) return refusal;
+    if (auto refusal = CheckTarget(target)) return refusal;
+    if (AwaitsPermit(target)) return Refusal{kCodeTargetBusy, "no permit to move has arrived yet"};
+    StopWithoutPermit(target);
+    return CheckStop(target);
   }
 
   std::optional<Refusal> CheckTarget(const State& target) const {
@@ -359,9 +436,30 @@ class Decision {
     return std::nullopt;
   }
 
-  std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
-    if (report_.emergency_stop != 0 && SwitchesOn(command.target)) return Stopped();
-    return CheckAge(command, now_);
+  std::optional<Refusal> CheckStop(const State& target) const {
+    if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
+    return std::nullopt;
+  }
+
+  std::optional<Refusal> MayBegin(const SwitchCommand& command) {
+    if (auto refusal = CheckStop(command.target)) return refusal;
+    if (auto refusal = CheckAge(command, now_)) return refusal;
+    if (AwaitsPermit(command.target)) return std::nullopt;
+    StopWithoutPermit(command.target);
+    return CheckStop(command.target);
+  }
+
+  // Begins the command that waits, if it need not wait longer; returns whether it has.
+  bool BeginWaiting() {
+    const bool waits = core_.waiting && !report_.busy();
+    if (!waits || AwaitsPermit(core_.waiting->command.target)) return false;
+    const auto next = *std::exchange(core_.waiting, std::nullopt);
+    if (auto refusal = MayBegin(next.command)) {
+      Refuse(next.tokens, *refusal);
+      return false;
+    }
+    Begin(next.command, next.tokens);
+    return true;
   }
 
   void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {
@@ -445,10 +543,10 @@ std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex inde
 
 std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,
                                  const ActuatorCore& core) {
-  const auto timeout = config.actuators[index].controller_lost;
-  if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
-  if (!SafeState(config, index, core)) return std::nullopt;
-  return core.controller_last_heartbeat + *timeout;
+  const auto controller = ControllerDeadline(config, index, core);
+  const auto permit = PermitDeadline(config, core);
+  if (controller && permit) return std::min(*controller, *permit);
+  return controller ? controller : permit;
 }
 
 }  // namespace musher

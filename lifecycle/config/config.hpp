@@ -145,6 +145,9 @@ struct MachineConfig {
   std::string
       keys;  // absolute folder of credentials: only authenticated participants; empty: no security
 
+  // Above DeActive an actuator stops when no permit arrives for so long; none: needs no permit.
+  std::optional<Duration> permit;
+
   std::optional<PolicyConfig> policy;  // none: no rules
   Ros2Config ros2;
   std::optional<ViewConfig> view;  // none: no page is served

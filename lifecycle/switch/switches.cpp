@@ -191,16 +191,24 @@ bool Switches::StartLegs(std::vector<Leg>& legs) {
       continue;
     }
     const Leg* blocker = strict ? FindBlocker(leg, legs) : nullptr;
+    const auto needs_one = [&](const auto& is_so) {
+      return std::any_of(legs.begin(), legs.end(), [&](const Leg& other) {
+        return is_so(other) &&
+               std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
+      });
+    };
+    // Those that it needs are skipped first, so that it names what has failed.
+    const bool waits_to_be_skipped =
+        give_up && blocker == nullptr &&
+        needs_one([](const Leg& other) { return other.progress == Leg::Progress::kWaiting; });
+    if (waits_to_be_skipped) continue;
     if (give_up || blocker != nullptr) {
       SkipLeg(leg, blocker);
       changed = true;
       continue;
     }
-    const bool ready = std::all_of(legs.begin(), legs.end(), [&](const Leg& other) {
-      return other.progress == Leg::Progress::kEnded ||
-             std::find(leg.needs.begin(), leg.needs.end(), other.actuator) == leg.needs.end();
-    });
-    if (!ready) continue;
+    if (needs_one([](const Leg& other) { return other.progress != Leg::Progress::kEnded; }))
+      continue;
     Duration budget = config_.TimeFor(leg.actuator, leg.target);
     if (machine_.stopping) {
       const Duration left = machine_.stopping->tear_down_by - now_;
@@ -248,13 +256,17 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
                        false};
 }
 
-// A leg that `leg` needs and that has ended otherwise than done; null when there is none.
+// A leg that `leg` needs, directly or through one that was skipped, and that has ended otherwise
+// than done; null when there is none.
 const Leg* Switches::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const {
   const auto found = std::find_if(legs.begin(), legs.end(), [&](const Leg& other) {
     return other.failed() &&
            std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
   });
-  return found == legs.end() ? nullptr : &*found;
+  if (found == legs.end()) return nullptr;
+  const Leg* cause =
+      found->outcome == ActuatorOutcome::kSkipped ? FindBlocker(*found, legs) : nullptr;
+  return cause != nullptr ? cause : &*found;
 }
 
 // Nothing is sent for `leg`. The leg that has failed decides whether the switch is undone, unless

@@ -24,6 +24,8 @@ struct EndRules {
   int least_points = 8;
   double side_within_m = 0.65;  // the end of a line beside the body is looked for so far ahead
   double side_gap_m = 0.25;     // beyond an end nothing of the line is seen for so long
+
+  friend bool operator==(const EndRules&, const EndRules&) = default;
 };
 
 struct EndLine {

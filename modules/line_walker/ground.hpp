@@ -38,6 +38,8 @@ struct MountedCamera {
   int height_px = 480;
   double hfov_rad = 1;
   double region_top = 0;  // the detector searches its lines from this share of the height downwards
+
+  friend bool operator==(const MountedCamera&, const MountedCamera&) = default;
 };
 
 // Nothing for a pixel outside the picture or the fisheye's circle, for the horizon and above it,

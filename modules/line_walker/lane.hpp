@@ -30,6 +30,8 @@ struct LaneRules {
   int jumps = 4;               // such sights in a row of one side are believed
   double first_aside_m = 0.3;  // the first line of a walk shows the body at most so far beside the
   double first_rad = kDegree * 35;  // middle and turned by so much; others are of another lane
+
+  friend bool operator==(const LaneRules&, const LaneRules&) = default;
 };
 
 class LaneEstimate {

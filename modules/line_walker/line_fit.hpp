@@ -22,6 +22,8 @@ struct FitRules {
   double least_span_m = 0.25;          // of a line, along the body
   double tightest_m = 0.8;             // radius; a tighter arc is none of a lane
   double steepest_rad = kDegree * 57;  // between the line and the body
+
+  friend bool operator==(const FitRules&, const FitRules&) = default;
 };
 
 // A line beside the body, at the point of it that is nearest to the body's middle.

@@ -42,6 +42,8 @@ struct CameraSet {
   MountedCamera front;
 
   CameraSet();  // CyberDog's, as config/scenes/yard.toml mounts them
+
+  friend bool operator==(const CameraSet&, const CameraSet&) = default;
 };
 
 struct WalkRules {
@@ -66,6 +68,8 @@ struct WalkRules {
   Duration refused = Milliseconds(500);  // motion refuses for so long
   double adjust_m = 0.08;                // ADJUSTING beside the middle by more
   double adjust_rad = kDegree * 12;      // or turned by more
+
+  friend bool operator==(const WalkRules&, const WalkRules&) = default;
 };
 
 // Why a walk has ended.

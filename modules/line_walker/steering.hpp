@@ -22,6 +22,8 @@ struct SteeringRules {
   double side_by_offset = 0.4;          // m/s for a metre
   double slow_from_rad = kDegree * 15;  // from this heading error on it walks more slowly
   double slow_to_rad = kDegree * 45;    // and from this on with slow_m_s
+
+  friend bool operator==(const SteeringRules&, const SteeringRules&) = default;
 };
 
 // `at_most_m_s`: a lower limit of the forward velocity than that of the rules.

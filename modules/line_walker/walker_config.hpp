@@ -22,6 +22,8 @@ struct TopicNames {
   std::string odometry = "odom_out";
   std::string servo = "motion_servo_cmd";
   std::string servo_response = "motion_servo_response";
+
+  friend bool operator==(const TopicNames&, const TopicNames&) = default;
 };
 
 struct WalkerConfig {
@@ -29,6 +31,8 @@ struct WalkerConfig {
   double step_height_m = 0.05;
   Duration self_check_time = Milliseconds(5000);  // of the steady clock
   WalkRules walk;
+
+  friend bool operator==(const WalkerConfig&, const WalkerConfig&) = default;
 };
 
 struct WalkerReading {

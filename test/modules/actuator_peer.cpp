@@ -19,7 +19,8 @@ void Write(const std::string& file, const std::string& text) {
   std::ofstream(file) << text;
 }
 
-std::string StateConfig(const std::string& actuator, const std::vector<std::string>& states) {
+std::string StateConfig(const std::string& actuator, const std::vector<std::string>& states,
+                        const std::string& keys = "") {
   std::string names;
   std::string times;
   for (const std::string& state : states) {
@@ -28,8 +29,8 @@ std::string StateConfig(const std::string& actuator, const std::vector<std::stri
   }
   return "[controller]\nactuators = [\"" + actuator + "\"]\nstates = [" + names +
          "]\nstate_dir = \"state\"\ndefault_time = 20000\ndefault_state = "
-         "\"Uninitialized\"\n[actuator." +
-         actuator + "]\nstates = [" + names + "]\ntimes = [" + times + "]\n";
+         "\"Uninitialized\"\n" +
+         keys + "[actuator." + actuator + "]\nstates = [" + names + "]\ntimes = [" + times + "]\n";
 }
 
 }  // namespace
@@ -37,10 +38,11 @@ std::string StateConfig(const std::string& actuator, const std::vector<std::stri
 ActuatorPeer::ActuatorPeer(std::string actuator, const std::vector<std::string>& states,
                            std::string program)
     : actuator_(std::move(actuator)),
+      states_(states),
       program_(std::move(program)),
       reaper_(exec::Reaper::Start().value()) {
   setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-  Write(config_, StateConfig(actuator_, states));
+  Write(config_, StateConfig(actuator_, states_));
   node_ = transport::MakeDdsNode(loop_).value();
   status_ = transport::MakeSubscription<msg::ActuatorStatus>(
                 *node_, transport::ActuatorStatusTopic(""),
@@ -63,6 +65,11 @@ void ActuatorPeer::Start(const std::string& module_file) {
   const std::string file = folder_ / (actuator_ + ".toml");
   Write(file, module_file);
   StartWith({"--actuator", actuator_, "--config", config_, file});
+}
+
+void ActuatorPeer::StartOnWorldTime(const std::string& module_file) {
+  Write(config_, StateConfig(actuator_, states_, "clock = \"topic\"\n"));
+  Start(module_file);
 }
 
 void ActuatorPeer::StartWith(std::vector<std::string> arguments) {
@@ -115,12 +122,13 @@ void ActuatorPeer::Send(const State& target) {
   client_->Call(request, std::chrono::seconds(180), [this](const Reply& reply) { reply_ = reply; });
 }
 
+// One that a process has not received because its predecessor, which was killed, is still the only
+// server that is known, is sent again.
 ActuatorPeer::Reply ActuatorPeer::Query() {
   answer_.reset();
   auto request = Request(msg::ActuatorCommand::kKindQuery);
   request.stop = true;
-  client_->Call(request, std::chrono::seconds(120),
-                [this](const Reply& reply) { answer_ = reply; });
+  client_->Call(request, std::chrono::seconds(3), [this](const Reply& reply) { answer_ = reply; });
   Until([this] { return answer_.has_value(); });
   return answer_.value();
 }

@@ -30,6 +30,8 @@ class ActuatorPeer {
 
   // Starts the program with `module_file` as the text of its file; the output goes to a file.
   void Start(const std::string& module_file);
+  // The same in a machine on the time of a world.
+  void StartOnWorldTime(const std::string& module_file);
   // The same with other arguments, unchanged.
   void StartWith(std::vector<std::string> arguments);
 
@@ -56,6 +58,7 @@ class ActuatorPeer {
   const ActuatorReport& report() const { return report_; }
   const TempFolder& folder() const { return folder_; }
   transport::Node& node() { return *node_; }
+  const exec::Reaper& reaper() const { return reaper_; }
   // Waits until it holds; false on a timeout.
   bool Until(const std::function<bool()>& holds);
 
@@ -66,6 +69,7 @@ class ActuatorPeer {
   const TempFolder folder_;
   const std::string config_ = folder_ / "machine.toml";
   const std::string actuator_;
+  const std::vector<std::string> states_;
   const std::string program_;
   const exec::Reaper reaper_;
   transport::LinuxEventLoop loop_;

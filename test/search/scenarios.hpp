@@ -11,7 +11,7 @@ namespace musher::search {
 struct Scenario {
   std::string name;
   MachineConfig config;
-  int faults = 1;  // the maximum in the gate, which takes about 90 s in all
+  int faults = 1;  // at most; the gate has one
 };
 
 const std::vector<Scenario>& Scenarios();

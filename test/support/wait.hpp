@@ -20,8 +20,8 @@ bool AwaitChange(const std::string& folder, const std::function<bool()>& holds);
 // Waits until the file exists, in a folder that may be missing yet; for half a minute at most.
 bool AwaitFile(const std::string& path);
 
-// Waits until `holds`, which is asked all the time: for a value of this process that changes
-// without an event to wait for.
+// Waits until `holds`, which is asked every millisecond: for a value that changes without an event
+// to wait for.
 bool Until(const std::function<bool()>& holds, Duration limit = std::chrono::seconds(120));
 
 }  // namespace musher::testing

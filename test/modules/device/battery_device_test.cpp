@@ -184,7 +184,8 @@ TEST_F(BatteryOnANetwork, ReadsTheHostsBattery) {
 TEST_F(BatteryOnANetwork, ContinuesWhenTheWorldsClockStartsAgain) {
   const auto hand = Publisher<msg::Clock>(transport::kClockTopic, transport::kClockQos);
   Devices* devices = nullptr;
-  clock_ = Must(transport::Clock::FromTopic(*dog_, [&devices] { devices->OnTimeJumped(); }));
+  clock_ =
+      test::Must(transport::Clock::FromTopic(*robot_, [&devices] { devices->OnTimeJumped(); }));
   Start();
   devices = devices_.get();
   const auto tick = [&](std::int32_t second) {

@@ -1,4 +1,5 @@
 #include "musher/modules/device/device_config.hpp"
+#include "musher/test/support/diagnostics.hpp"
 #include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
@@ -19,11 +20,7 @@ DeviceReading Read(const std::string& text) {
 }
 
 std::vector<std::string> Said(const std::string& text) {
-  std::vector<std::string> lines;
-  for (const Diagnostic& diagnostic : Read(text).diagnostics) {
-    lines.push_back(FormatDiagnostic(diagnostic));
-  }
-  return lines;
+  return musher::testing::Lines(Read(text).diagnostics);
 }
 
 TEST(DeviceConfig, HasTheValuesOfTheFile) {

@@ -190,12 +190,11 @@ class PowerKeyOfTheRobot : public DevicesOnANetwork {
   int calls_ = 0;
   std::unique_ptr<transport::Publisher<msg::Bool>> key_ =
       Publisher<msg::Bool>("dog1/world/power_key");
-  std::unique_ptr<transport::Server<msg::Trigger>> server_ =
-      Must(transport::MakeServer<msg::Trigger>(
-          *world_, "dog1/poweroff", [this](const auto&, auto reply) {
-            ++calls_;
-            reply({!refuses_, refuses_ ? "the machine is in OTA" : ""});
-          }));
+  std::unique_ptr<transport::Server<msg::Trigger>> server_ = test::Must(
+      transport::MakeServer<msg::Trigger>(*desk_, "dog1/poweroff", [this](const auto&, auto reply) {
+        ++calls_;
+        reply({!refuses_, refuses_ ? "the machine is in OTA" : ""});
+      }));
 };
 
 TEST_F(PowerKeyOfTheRobot, PowersOffOnceWhenItIsHeldForThreeSeconds) {
@@ -237,8 +236,8 @@ class Pad : public DevicesOnANetwork {
   }
   // The manager's low_power_exit.
   void Serve(bool success) {
-    server_ = Must(transport::MakeServer<msg::Trigger>(
-        *world_, "dog1/low_power_exit", [this, success](const auto&, auto reply) {
+    server_ = test::Must(transport::MakeServer<msg::Trigger>(
+        *desk_, "dog1/low_power_exit", [this, success](const auto&, auto reply) {
           ++calls_;
           reply({success, success ? "" : "the battery is empty"});
         }));

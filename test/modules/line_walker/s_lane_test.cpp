@@ -8,10 +8,11 @@
 #include <string>
 
 #include "musher/test/modules/line_walker/s_lane.hpp"
+#include "musher/test/support/nightly.hpp"
 
 namespace musher::line_walker::s_lane_test {
 
-constexpr unsigned kSeeds = 20;
+const unsigned kSeeds = musher::testing::Nightly() ? 20 : 4;
 
 int EndFrames(const SLaneRun& run) {
   int ends = 0;

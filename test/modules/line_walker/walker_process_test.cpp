@@ -1,8 +1,6 @@
 // musher-line-walker as a controller and the robot's other modules use it: the real program over
 // DDS.
 
-#include <gmock/gmock.h>
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,42 +10,32 @@
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
 #include "musher/test/modules/line_walker/s_lane.hpp"
+#include "musher/test/modules/module_process.hpp"
 
 namespace musher::line_walker::walker_process_test {
 
-using msg::ActuatorCommand;
 using ::testing::HasSubstr;
 
-const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
-                                             "Active",   "DeActive", "Protected",
-                                             "LowPower", "OTA",      "Error"};
+constexpr const char* kFile = "self_check_ms = 15000\n";
 
-class WalkerProcess : public ::testing::Test {
+class WalkerProcess : public test::ModuleProcess {
  protected:
-  void Start(const std::string& file = "self_check_ms = 15000\n") {
-    peer_.Start(file);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-  }
+  WalkerProcess() : ModuleProcess("yellow_line_walker", "musher-line-walker") {}
+
   // The programs around it: detectors of a straight lane, odometry, and a motion manager.
   void StartRobot() {
-    command_ = Publish<msg::String>("yellow_line_walker/command");
-    left_ = Publish<msg::YellowLines>("yellow_line_detector/left");
-    right_ = Publish<msg::YellowLines>("yellow_line_detector/right");
-    front_ = Publish<msg::YellowLines>("yellow_line_detector/front");
-    odometry_ = Publish<msg::Odometry>("odom_out");
-    status_in_ = transport::MakeSubscription<msg::String>(
-                     peer_.node(), "yellow_line_walker/status",
-                     [this](const msg::String& text, const auto&) { status_ = text.data; })
-                     .value();
-    frames_in_ = transport::MakeSubscription<msg::MotionServoCmd>(
-                     peer_.node(), "motion_servo_cmd",
-                     [this](const msg::MotionServoCmd& frame, const auto&) {
-                       ends_ += frame.cmd_type == msg::MotionServoCmd::kEnd ? 1 : 0;
-                       ++frames_;
-                     })
-                     .value();
+    command_ = Publisher<msg::String>("yellow_line_walker/command");
+    left_ = Publisher<msg::YellowLines>("yellow_line_detector/left");
+    right_ = Publisher<msg::YellowLines>("yellow_line_detector/right");
+    front_ = Publisher<msg::YellowLines>("yellow_line_detector/front");
+    odometry_ = Publisher<msg::Odometry>("odom_out");
+    Subscribe<msg::String>("yellow_line_walker/status",
+                           [this](const msg::String& text) { status_ = text.data; });
+    Subscribe<msg::MotionServoCmd>("motion_servo_cmd", [this](const msg::MotionServoCmd& frame) {
+      ends_ += frame.cmd_type == msg::MotionServoCmd::kEnd ? 1 : 0;
+      ++frames_;
+    });
     ticker_ = peer_.node().loop().Every(Milliseconds(50), [this] { Send(); });
   }
   void Send() {
@@ -66,16 +54,6 @@ class WalkerProcess : public ::testing::Test {
     }
     static_cast<void>(left_->Publish(lines));
   }
-  template <msg::Message M>
-  std::unique_ptr<transport::Publisher<M>> Publish(const std::string& topic) {
-    return transport::MakePublisher<M>(peer_.node(), topic).value();
-  }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
-  }
   bool AwaitStatus(const std::string& part) {
     return peer_.Until([&] { return status_.find(part) != std::string::npos; });
   }
@@ -84,7 +62,6 @@ class WalkerProcess : public ::testing::Test {
     EXPECT_TRUE(command_->Publish({word}));
   }
 
-  test::ActuatorPeer peer_{"yellow_line_walker", kAllStates, "musher-line-walker"};
   std::string status_;
   int frames_ = 0;
   int ends_ = 0;
@@ -93,14 +70,12 @@ class WalkerProcess : public ::testing::Test {
   std::unique_ptr<transport::Publisher<msg::YellowLines>> right_;
   std::unique_ptr<transport::Publisher<msg::YellowLines>> front_;
   std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
-  std::unique_ptr<transport::Subscription> status_in_;
-  std::unique_ptr<transport::Subscription> frames_in_;
   transport::LoopHandlePtr ticker_;
 };
 
 TEST_F(WalkerProcess, WalksInActiveFromStartToStop) {
   StartRobot();
-  Start();
+  Start(kFile);
   ExpectDone("SelfCheck");
   EXPECT_TRUE(peer_.Until([&] { return left_->MatchedReaders() == 0; }));
   ExpectDone("Active");
@@ -111,14 +86,13 @@ TEST_F(WalkerProcess, WalksInActiveFromStartToStop) {
   Command("STOP");
   EXPECT_TRUE(AwaitStatus(",End:stopped")) << status_;
   EXPECT_TRUE(peer_.Until([&] { return ends_ == 1 && left_->MatchedReaders() == 0; }));
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  ExpectTornDown();
   EXPECT_EQ(ends_, 1);
 }
 
 TEST_F(WalkerProcess, EndsAWalkInEveryOtherState) {
   StartRobot();
-  Start();
+  Start(kFile);
   ExpectDone("SelfCheck");
   int ends = 0;
   for (const BuiltInState state : {kDeActive, kProtected, kLowPower, kOta, kError}) {
@@ -135,18 +109,10 @@ TEST_F(WalkerProcess, EndsAWalkInEveryOtherState) {
 
 TEST_F(WalkerProcess, FailsItsSelfCheckWithoutDetectorsAndMotion) {
   Start("self_check_ms = 100\n");
-  const auto done = peer_.Switch("SelfCheck");
-  ASSERT_TRUE(done);
-  EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictFailed);
-  EXPECT_EQ(done.value().code, 4109);
-  EXPECT_THAT(done.value().message, HasSubstr("no subscriber of motion_servo_cmd, no publisher of "
-                                              "/yellow_line_detector/left"));
-}
-
-TEST_F(WalkerProcess, IsNotStartedWithAnInvalidFile) {
-  peer_.Start("[lane]\nwidth_m = -1\n");
-  EXPECT_EQ(peer_.AwaitExit(), 2);
-  EXPECT_THAT(peer_.Output(), HasSubstr("yellow_line_walker.toml:2:11: error: lane.width_m"));
+  EXPECT_THAT(Failure(kSelfCheck),
+              ::testing::AllOf(::testing::StartsWith("4109 "),
+                               HasSubstr("no subscriber of motion_servo_cmd, no publisher of "
+                                         "/yellow_line_detector/left")));
 }
 
 }  // namespace musher::line_walker::walker_process_test

@@ -2,11 +2,8 @@
 
 #include "musher/modules/line_walker/walker_topics.hpp"
 
-#include <gmock/gmock.h>
-
-#include "musher/messages/stamp.hpp"
 #include "musher/test/modules/line_walker/s_lane.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/module_on_network.hpp"
 
 namespace musher::line_walker::walker_topics_test {
 
@@ -14,39 +11,27 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-template <class T>
-T Must(Result<T> result) {
-  if (!result) ADD_FAILURE() << result.error().message;
-  return std::move(result).value();
-}
-
-class WalkerTopicsTest : public ::testing::Test {
+class WalkerTopicsTest : public test::ModuleOnNetwork {
  protected:
   WalkerTopicsTest() {
-    topics_ = Must(
+    topics_ = test::Must(
         WalkerTopics::Make({*robot_, *clock_, "dog1",
                             [this](LogLevel, const std::string& line) { log_.push_back(line); }},
                            config_));
-    command_ = Publish<msg::String>("yellow_line_walker/command");
-    left_ = Publish<msg::YellowLines>("yellow_line_detector/left");
-    right_ = Publish<msg::YellowLines>("yellow_line_detector/right");
-    front_ = Publish<msg::YellowLines>("yellow_line_detector/front");
-    odometry_ = Publish<msg::Odometry>("dog1/odom_out");
-    responses_ = Publish<msg::MotionServoResponse>("dog1/motion_servo_response");
-    status_ = Must(transport::MakeSubscription<msg::String>(
+    command_ = Publisher<msg::String>("yellow_line_walker/command");
+    left_ = Publisher<msg::YellowLines>("yellow_line_detector/left");
+    right_ = Publisher<msg::YellowLines>("yellow_line_detector/right");
+    front_ = Publisher<msg::YellowLines>("yellow_line_detector/front");
+    odometry_ = Publisher<msg::Odometry>("dog1/odom_out");
+    responses_ = Publisher<msg::MotionServoResponse>("dog1/motion_servo_response");
+    status_ = test::Must(transport::MakeSubscription<msg::String>(
         *desk_, "yellow_line_walker/status",
         [this](const msg::String& text, const auto&) { statuses_.push_back(text.data); }));
-    frames_in_ = Must(transport::MakeSubscription<msg::MotionServoCmd>(
-        *desk_, "dog1/motion_servo_cmd",
-        [this](const msg::MotionServoCmd& frame, const auto&) { frames_.push_back(frame); }));
+    frames_in_ = Listen("dog1/motion_servo_cmd", frames_);
     Run(500);  // discovery
   }
 
-  template <msg::Message M>
-  std::unique_ptr<transport::Publisher<M>> Publish(const std::string& topic) {
-    return Must(transport::MakePublisher<M>(*desk_, topic));
-  }
-  void Run(std::int64_t ms) { network_.RunFor(Milliseconds(ms)); }
+  void Run(std::int64_t ms) { ModuleOnNetwork::Run(Milliseconds(ms)); }
   void Command(const std::string& word) {
     EXPECT_TRUE(command_->Publish({word}));
     Run(20);
@@ -55,7 +40,7 @@ class WalkerTopicsTest : public ::testing::Test {
   void See(int pictures) {
     const CameraSet cameras;
     for (int i = 0; i < pictures; ++i) {
-      const msg::Stamp stamp = msg::ToStamp(network_.now().time_since_epoch());
+      const msg::Stamp stamp = Stamp();
       msg::Odometry odometry;
       odometry.header.stamp = stamp;
       EXPECT_TRUE(odometry_->Publish(odometry));
@@ -91,10 +76,6 @@ class WalkerTopicsTest : public ::testing::Test {
   }
 
   WalkerConfig config_;
-  transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
   std::vector<std::string> log_;
   std::vector<std::string> statuses_;
   std::vector<msg::MotionServoCmd> frames_;
@@ -198,7 +179,7 @@ TEST_F(WalkerTopicsTest, EndWhenThePicturesStop) {
   StartWalking();
   for (int i = 0; i < 15; ++i) {
     msg::Odometry odometry;
-    odometry.header.stamp = msg::ToStamp(network_.now().time_since_epoch());
+    odometry.header.stamp = Stamp();
     EXPECT_TRUE(odometry_->Publish(odometry));
     Run(100);
   }

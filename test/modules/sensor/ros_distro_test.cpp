@@ -65,7 +65,7 @@ TEST_F(SensorsOnANetwork, UnderstandARangeOfAGalacticDriver) {
   const auto galactic = Publisher<msg::RangeBeforeIron>("driver/ultrasonic");
   Start();
   msg::RangeBeforeIron reading = msg::BeforeIron(RangeOf(0.25F));
-  reading.header.stamp = Now();
+  reading.header.stamp = Stamp();
   ASSERT_TRUE(galactic->Publish(reading));
   Run(Milliseconds(100));
   ASSERT_EQ(received.size(), 1U);

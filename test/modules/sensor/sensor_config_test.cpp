@@ -1,4 +1,5 @@
 #include "musher/modules/sensor/sensor_config.hpp"
+#include "musher/test/support/diagnostics.hpp"
 #include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
@@ -13,11 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 std::vector<std::string> Said(const std::string& text) {
-  std::vector<std::string> lines;
-  for (const Diagnostic& diagnostic : ReadManagerText(text, "/robot/sensors.toml").diagnostics) {
-    lines.push_back(FormatDiagnostic(diagnostic));
-  }
-  return lines;
+  return musher::testing::Lines(ReadManagerText(text, "/robot/sensors.toml").diagnostics);
 }
 
 TEST(SensorManagerConfig, OfTheRepositoryIsGood) {

@@ -1,7 +1,5 @@
 // musher-sensor-manager as a controller drives it, with a real musher-world: programs over DDS.
 
-#include <gmock/gmock.h>
-
 #include <cmath>
 #include <fstream>
 #include <memory>
@@ -14,7 +12,7 @@
 #include "musher/messages/protocol/sensor.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/modules/module_process.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::sensor::sensor_process_test {
@@ -22,10 +20,7 @@ namespace musher::sensor::sensor_process_test {
 using msg::ActuatorCommand;
 using msg::SensorOperation;
 using ::testing::HasSubstr;
-
-const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
-                                             "Active",   "DeActive", "Protected",
-                                             "LowPower", "OTA",      "Error"};
+using ::testing::StartsWith;
 
 // The robot looks at a wall across the place, 2 m ahead.
 constexpr const char* kScene = R"(
@@ -58,62 +53,21 @@ source = "world/gps"
 silence_ms = 3000
 )";
 
-class SensorManagerProcess : public ::testing::Test {
+// The machine goes by the world's clock.
+class SensorManagerProcess : public test::ModuleProcess {
  protected:
-  // The machine goes by the world's clock.
-  void Start(const std::string& file = kFile) {
-    const std::string machine = peer_.folder() / "topic.toml";
-    std::string names;
-    std::string times;
-    for (const std::string& state : kAllStates) {
-      names += "\"" + state + "\", ";
-      times += "20000, ";
-    }
-    std::ofstream(machine) << "[controller]\nactuators = [\"sensor_manager\"]\nstates = [" << names
-                           << "]\ndefault_time = 20000\ndefault_state = \"Uninitialized\"\n"
-                              "clock = \"topic\"\n[actuator.sensor_manager]\nstates = ["
-                           << names << "]\ntimes = [" << times << "]\n";
-    std::ofstream(peer_.folder() / "sensors.toml") << file;
-    peer_.StartWith(
-        {"--actuator", "sensor_manager", "--config", machine, peer_.folder() / "sensors.toml"});
-  }
-  void StartWorld() {
-    std::ofstream(peer_.folder() / "scene.toml") << kScene;
-    exec::ChildSpec spec;
-    spec.argv = {BinDir() + "/musher-world", peer_.folder() / "scene.toml", "--alone"};
-    spec.cwd = peer_.folder().path();
-    world_.emplace(exec::Child::Start(spec, reaper_).value());
-  }
+  SensorManagerProcess() : ModuleProcess("sensor_manager", "musher-sensor-manager") {}
+
   void StartBoth() {
-    StartWorld();
-    Start();
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    StartWorld(kScene);
+    StartOnWorldTime(kFile);
   }
   void InjectFault(const std::string& fault) {
-    const auto faults = transport::MakePublisher<msg::String>(peer_.node(), "world/fault").value();
+    const auto faults = Publisher<msg::String>("world/fault");
     ASSERT_TRUE(peer_.Until([&] { return faults->MatchedReaders() > 0; }));
     ASSERT_TRUE(faults->Publish({fault}));
     ASSERT_TRUE(faults->Flush(std::chrono::seconds(5)));
   }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
-  }
-  template <msg::Message M>
-  void Listen(const std::string& topic, std::optional<M>& last, int& count) {
-    subscriptions_.push_back(
-        transport::MakeSubscription<M>(peer_.node(), topic, [&](const M& message, const auto&) {
-          last = message;
-          ++count;
-        }).value());
-  }
-
-  const exec::Reaper reaper_ = exec::Reaper::Start().value();
-  test::ActuatorPeer peer_{"sensor_manager", kAllStates, "musher-sensor-manager"};
-  std::optional<exec::Child> world_;
-  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
 TEST_F(SensorManagerProcess, SeesTheWallComeNearerWhileTheRobotWalks) {
@@ -121,11 +75,10 @@ TEST_F(SensorManagerProcess, SeesTheWallComeNearerWhileTheRobotWalks) {
   std::optional<msg::Range> range;
   std::optional<msg::HeadTofPayload> head;
   std::optional<msg::GpsPayload> gps;
-  int scans = 0, ranges = 0, heads = 0, fixes = 0;
-  Listen("scan", scan, scans);
-  Listen("ultrasonic_payload", range, ranges);
-  Listen("head_tof_payload", head, heads);
-  Listen("gps_payload", gps, fixes);
+  Listen("scan", scan);
+  Listen("ultrasonic_payload", range);
+  Listen("head_tof_payload", head);
+  Listen("gps_payload", gps);
   StartBoth();
   ExpectDone("SelfCheck");
   ExpectDone("Active");
@@ -136,9 +89,7 @@ TEST_F(SensorManagerProcess, SeesTheWallComeNearerWhileTheRobotWalks) {
   EXPECT_TRUE(head->left_head.data_available && head->right_head.data_available);
   EXPECT_EQ(gps->fix_type, 3);
 
-  const auto board =
-      transport::MakePublisher<msg::MotionCustomCommand>(peer_.node(), "world/body_command")
-          .value();
+  const auto board = Publisher<msg::MotionCustomCommand>("world/body_command");
   ASSERT_TRUE(peer_.Until([&] { return board->MatchedReaders() > 0; }));
   msg::MotionCustomCommand walk;
   walk.mode = 11;
@@ -153,17 +104,13 @@ TEST_F(SensorManagerProcess, SeesTheWallComeNearerWhileTheRobotWalks) {
 }
 
 TEST_F(SensorManagerProcess, LetsTheWorldRestInLowPowerAndWakesItAgain) {
-  std::optional<msg::LaserScan> scan;
   int scans = 0;
-  Listen("scan", scan, scans);
+  Subscribe<msg::LaserScan>("scan", [&](const msg::LaserScan&) { ++scans; });
   StartBoth();
   // A world's publisher without a subscriber makes no readings: the test's publisher replaces it.
-  const auto probe = transport::MakePublisher<msg::LaserScan>(peer_.node(), "world/scan",
-                                                              transport::kSensorDataQos)
-                         .value();
-  const auto tof = transport::MakePublisher<msg::SingleTofPayload>(
-                       peer_.node(), "world/tof/left_rear", transport::kSensorDataQos)
-                       .value();
+  const auto probe = Publisher<msg::LaserScan>("world/scan", transport::kSensorDataQos);
+  const auto tof =
+      Publisher<msg::SingleTofPayload>("world/tof/left_rear", transport::kSensorDataQos);
   ASSERT_TRUE(peer_.Until([&] { return probe->MatchedReaders() == 1; }));
   ExpectDone("Active");
   ASSERT_TRUE(peer_.Until([&] { return scans > 0; })) << peer_.Output();
@@ -174,17 +121,16 @@ TEST_F(SensorManagerProcess, LetsTheWorldRestInLowPowerAndWakesItAgain) {
   ASSERT_TRUE(peer_.Until([&] { return probe->MatchedReaders() == 1; }));
   const int before = scans;
   EXPECT_TRUE(peer_.Until([&] { return scans > before; }));
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  ExpectTornDown();
 }
 
 TEST_F(SensorManagerProcess, RunsThroughAllStates) {
   StartBoth();
   for (const BuiltInState state :
-       {kSelfCheck, kActive, kDeActive, kProtected, kOta, kError, kSelfCheck, kTearDown}) {
+       {kSelfCheck, kActive, kDeActive, kProtected, kOta, kError, kSelfCheck}) {
     ExpectDone(state);
   }
-  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  ExpectTornDown();
 }
 
 TEST_F(SensorManagerProcess, ChecksSleepingSensorsToo) {
@@ -194,21 +140,17 @@ TEST_F(SensorManagerProcess, ChecksSleepingSensorsToo) {
 }
 
 TEST_F(SensorManagerProcess, FailsItsSelfCheckWithTheCriticalCodeAlone) {
-  Start("self_check_ms = 200\ncritical = [\"tof\"]\n" +
-        std::string(kFile).substr(std::string(kFile).find("[lidar]")));
-  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-  const auto checked = peer_.Switch("SelfCheck");
-  ASSERT_TRUE(checked);
-  EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
-  EXPECT_EQ(checked.value().code, 2209);
-  EXPECT_THAT(checked.value().message, HasSubstr("tof (critical): left_head: no reading"));
-  EXPECT_THAT(checked.value().message, ::testing::Not(HasSubstr("lidar")));
+  StartOnWorldTime("self_check_ms = 200\ncritical = [\"tof\"]\n" +
+                   std::string(kFile).substr(std::string(kFile).find("[lidar]")));
+  EXPECT_THAT(
+      Failure(kSelfCheck),
+      ::testing::AllOf(StartsWith("2209 "), HasSubstr("tof (critical): left_head: no reading"),
+                       ::testing::Not(HasSubstr("lidar"))));
 }
 
 TEST_F(SensorManagerProcess, PassesItsSelfCheckDegradedWithoutSensorsThatAreNotCritical) {
-  Start("self_check_ms = 200\nskip = [\"ultrasonic\"]\n" +
-        std::string(kFile).substr(std::string(kFile).find("[lidar]")));
-  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  StartOnWorldTime("self_check_ms = 200\nskip = [\"ultrasonic\"]\n" +
+                   std::string(kFile).substr(std::string(kFile).find("[lidar]")));
   const auto checked = peer_.Switch("SelfCheck");
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictDone);
@@ -220,8 +162,7 @@ TEST_F(SensorManagerProcess, PassesItsSelfCheckDegradedWithoutSensorsThatAreNotC
 
 TEST_F(SensorManagerProcess, ReportsALidarThatFallsSilentAndDoesNotGetUpWithoutIt) {
   std::optional<msg::NodeError> error;
-  int errors = 0;
-  Listen("node_errors", error, errors);
+  Listen("node_errors", error);
   StartBoth();
   ExpectDone("Active");
   InjectFault("lidar");
@@ -241,24 +182,13 @@ TEST_F(SensorManagerProcess, ReportsALidarThatFallsSilentAndDoesNotGetUpWithoutI
 
 TEST_F(SensorManagerProcess, IsOperatedByTheService) {
   StartBoth();
-  const auto client =
-      transport::MakeClient<SensorOperation>(peer_.node(), "sensor_operation").value();
-  const auto operate = [&](std::uint16_t id, std::uint8_t operation) {
-    std::optional<Result<SensorOperation::Response>> answer;
-    client->Call({id, operation}, std::chrono::seconds(20), [&](auto reply) { answer = reply; });
-    EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
-    return answer->value().code;
+  const auto operate = [this](std::uint16_t id, std::uint8_t operation) {
+    return Call<SensorOperation>("sensor_operation", {id, operation}).code;
   };
   EXPECT_EQ(operate(SensorOperation::kLidar, SensorOperation::kClose), 2103);
   EXPECT_EQ(operate(SensorOperation::kAll, SensorOperation::kStop), 0);
   EXPECT_EQ(operate(SensorOperation::kAll, SensorOperation::kClose), 0);
   EXPECT_EQ(operate(SensorOperation::kTof, SensorOperation::kStart), 2203);
-}
-
-TEST_F(SensorManagerProcess, ReportsAnInvalidFileAndExitsWithTwo) {
-  Start("[lidar]\nsource = \"scan\"\n");
-  EXPECT_EQ(peer_.AwaitExit(), 2);
-  EXPECT_THAT(peer_.Output(), HasSubstr("sensors.toml:2:10: error: lidar.source"));
 }
 
 }  // namespace musher::sensor::sensor_process_test

@@ -2,8 +2,6 @@
 // The sensors on a simulated network, in virtual time, with drivers and subscribers on a node of
 // its own. The clock is the network's, and so are the stamps.
 
-#include <gmock/gmock.h>
-
 #include <functional>
 #include <map>
 #include <memory>
@@ -11,20 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "musher/messages/stamp.hpp"
 #include "musher/modules/sensor/sensors.hpp"
+#include "musher/test/modules/module_on_network.hpp"
 #include "musher/test/modules/sensor/examples.hpp"
-#include "musher/transport/sim/network.hpp"
 
 namespace musher::sensor {
 
-template <class T>
-T Must(Result<T> result) {
-  if (!result) ADD_FAILURE() << result.error().message;
-  return std::move(result).value();
-}
-
-class SensorsOnANetwork : public ::testing::Test {
+class SensorsOnANetwork : public test::ModuleOnNetwork {
  protected:
   SensorsOnANetwork() {
     config_.Of(SensorKind::kLidar).sources = {"driver/scan"};
@@ -35,13 +26,13 @@ class SensorsOnANetwork : public ::testing::Test {
   }
 
   void Start() {
-    const Dependencies dependencies = {*dog_,
+    const Dependencies dependencies = {*robot_,
                                        *clock_,
                                        "dog1",
-                                       [this] { return Now(); },
+                                       [this] { return Stamp(); },
                                        [this](const std::string& line) { log_.push_back(line); },
                                        [this](std::int32_t code) { reported_.push_back(code); }};
-    sensors_ = Must(Sensors::Make(dependencies, config_));
+    sensors_ = test::Must(Sensors::Make(dependencies, config_));
     Run(Milliseconds(500));  // discovery
   }
 
@@ -53,12 +44,12 @@ class SensorsOnANetwork : public ::testing::Test {
       tofs_.push_back(Publisher<msg::SingleTofPayload>("driver/tof" + std::to_string(i)));
     }
     fix_ = Publisher<msg::NavSatFix>("driver/gps");
-    ticker_ = world_->loop().Every(Milliseconds(100), [this] { Tick(); });
+    ticker_ = desk_->loop().Every(Milliseconds(100), [this] { Tick(); });
   }
   void Tick() {
     const auto send = [this](const char* name, auto& publisher, auto message) {
       if (silent_[name] || publisher->MatchedReaders() == 0) return;
-      message.header.stamp = Now();
+      message.header.stamp = Stamp();
       EXPECT_TRUE(publisher->Publish(message));
       ++sent_[name];
     };
@@ -70,29 +61,17 @@ class SensorsOnANetwork : public ::testing::Test {
     }
     send("gps", fix_, FixOf(40, 116));
   }
-  void Run(Duration duration) { network_.RunFor(duration); }
-  msg::Stamp Now() const { return msg::ToStamp(clock_->Now().time_since_epoch()); }
-
   template <msg::Message M>
   std::unique_ptr<transport::Publisher<M>> Publisher(const std::string& topic) {
-    return Must(transport::MakePublisher<M>(*world_, "dog1/" + topic, transport::kSensorDataQos));
+    return ModuleOnNetwork::Publisher<M>("dog1/" + topic, transport::kSensorDataQos);
   }
-  // Appends every received message to `received`.
   template <msg::Message M>
   std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
                                                   std::vector<M>& received) {
-    return Must(transport::MakeSubscription<M>(
-        *world_, "dog1/" + topic,
-        [&received](const M& message, const auto&) { received.push_back(message); }));
+    return ModuleOnNetwork::Listen("dog1/" + topic, received);
   }
   std::int32_t Operate(std::uint16_t id, std::uint8_t operation) {
-    const auto client =
-        Must(transport::MakeClient<msg::SensorOperation>(*world_, "dog1/sensor_operation"));
-    std::optional<Result<msg::SensorOperation::Response>> answer;
-    client->Call({id, operation}, Milliseconds(5000), [&answer](auto reply) { answer = reply; });
-    EXPECT_TRUE(
-        network_.RunUntil([&] { return answer.has_value(); }, network_.now() + Milliseconds(6000)));
-    const auto response = Must(*answer);
+    const auto response = Call<msg::SensorOperation>("dog1/sensor_operation", {id, operation});
     EXPECT_EQ(response.success, response.code == 0);
     return response.code;
   }
@@ -111,10 +90,6 @@ class SensorsOnANetwork : public ::testing::Test {
     return sent_;
   }
 
-  transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
-  std::unique_ptr<transport::Node> world_ = network_.MakeNode("desk");
-  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(dog_->loop());
   ManagerConfig config_;
   std::vector<std::string> log_;
   std::vector<std::int32_t> reported_;

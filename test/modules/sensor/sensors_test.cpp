@@ -172,9 +172,9 @@ TEST_F(SensorsTest, ThatFallSilentAreLoggedOnceAndOnceWhenTheyAreBack) {
 // A world that runs fast, and a module that is late: the clock is read before the readings.
 TEST_F(SensorsTest, AreNotSilentBecauseTheModuleWasKeptFromRunning) {
   StartAll();
-  network_.Pause(*dog_);
+  network_.Pause(*robot_);
   Run(seconds(5));
-  network_.Resume(*dog_);
+  network_.Resume(*robot_);
   Run(seconds(2));
   EXPECT_THAT(log_, IsEmpty());
   EXPECT_THAT(Failures(), IsEmpty());
@@ -252,7 +252,7 @@ TEST_F(SensorsTest, RefuseReadingsFromAnotherTime) {
   Forget();
   const auto publish = [this](int off_s) {
     msg::Range range = RangeOf(0.5F);
-    range.header.stamp = msg::ToStamp(msg::FromStamp(Now()) + seconds(off_s));
+    range.header.stamp = msg::ToStamp(msg::FromStamp(Stamp()) + seconds(off_s));
     ASSERT_TRUE(range_->Publish(range));
     Run(Milliseconds(100));
   };
