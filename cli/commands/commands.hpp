@@ -46,6 +46,7 @@ class Grammar;
   command(AddReplay)                        \
   command(AddTimes)                         \
   group("Look and record")                  \
+  command(AddTopic)                         \
   command(AddExternal)                      \
   group("Install and upgrade")              \
   command(AddKeys)                          \

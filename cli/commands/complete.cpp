@@ -14,6 +14,7 @@
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/skill_choice.hpp"
 #include "musher/cli/machine/skill_offers.hpp"
+#include "musher/cli/machine/topics.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
@@ -183,6 +184,20 @@ std::vector<CompleteOptions::Word> SkillWords(const CompleteOptions& options,
   return all;
 }
 
+// With their types.
+std::vector<CompleteOptions::Word> TopicWords(const GlobalOptions& global) {
+  const auto link = Link::Open(global);
+  if (!link) return {};
+  const auto topics = Topics::Begin(*link.value());
+  if (!topics) return {};
+  topics.value()->AwaitAll(kFind);
+  std::vector<CompleteOptions::Word> words;
+  for (const view::ListedTopic& topic : topics.value()->table().List()) {
+    words.push_back({topic.name, topic.type});
+  }
+  return words;
+}
+
 Words NamesFor(const CompleteOptions& options, const GlobalOptions& global) {
   if (options.names == Names::kCommands) return Commands(options, global);
   std::error_code error;  // reading a FIFO would block
@@ -218,6 +233,9 @@ ExitCode Complete(const CompleteOptions& options, const GlobalOptions& global, C
       break;
     case Names::kFolders:
       console.Print(":folders");
+      break;
+    case Names::kTopics:
+      for (CompleteOptions::Word& word : TopicWords(global)) words.push_back(std::move(word));
       break;
     case Names::kSkills:
     case Names::kSkillKeys:

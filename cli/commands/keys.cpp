@@ -59,6 +59,7 @@ Result<KeyFolder> ChosenFolder(const GlobalOptions& global) {
 // The folder and identities to create.
 struct KeyPlan {
   KeyFolder folder{""};
+  bool added = false;  // the config does not name the folder yet
   std::vector<std::pair<std::string, Role>> identities = {
       {transport::kControllerIdentity, Role::kController}, {kOperator, Role::kOperator}};
 };
@@ -72,12 +73,10 @@ std::optional<KeyPlan> PlanFor(const std::string& where, Console& console) {
   }
   const auto config = LoadConfig(where, console);
   if (!config) return std::nullopt;
-  if (config->keys.empty()) {
-    console.Fail({kCodeParametersInvalid,
-                  where + ": no folder for credentials; add: [security] keys = \"keys\""});
-    return std::nullopt;
-  }
-  plan.folder = KeyFolder(config->keys);
+  // A new robot: the folder that `[security]` will name.
+  plan.added = config->keys.empty();
+  const auto beside = std::filesystem::absolute(where).lexically_normal().parent_path() / "keys";
+  plan.folder = KeyFolder(plan.added ? beside.string() : config->keys);
   for (const ActuatorConfig& actuator : config->actuators) {
     for (const auto& [name, role] : plan.identities) {
       if (name != actuator.name) continue;
@@ -134,6 +133,9 @@ ExitCode KeysInit(const KeysInitOptions& options, const GlobalOptions& /*global*
     }
   }
   const std::string& path = plan->folder.path();
+  if (plan->added) {
+    console.Note("now add to " + options.where + " the table [security] with keys = \"keys\"");
+  }
   return Done(console, plan->folder,
               fmt::format("{0}: {1} identities\n"
                           "Move {2} off the robot: its owner can admit any process.\n"

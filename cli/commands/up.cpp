@@ -6,9 +6,10 @@
 // systemd, and its memory keeps nothing of the previous machine.
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -120,6 +121,14 @@ std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
     auto chosen = ChooseSlot(options.file, options.takeover, console);
     if (!chosen) return std::nullopt;
     return Target{std::move(chosen->config), std::move(chosen->run)};
+  }
+  const bool is_word = options.file.find_first_of("./") == std::string::npos;
+  if (is_word && !std::filesystem::exists(options.file)) {
+    console.Fail({kCodeParametersInvalid,
+                  fmt::format("there is no file '{0}'; `musher up robot.toml` starts a machine, "
+                              "`musher restart {0}` an actuator of one that is up",
+                              options.file)});
+    return std::nullopt;
   }
   auto config = LoadConfig(options.file, console);
   if (!config) return std::nullopt;

@@ -40,6 +40,7 @@ constexpr auto kExamples = std::to_array<Example>({
     {"logs", "musher logs -f audio motion_manager --level warning"},
     {"replay", "musher replay journal.sqlite --config robot.toml"},
     {"times", "musher times robot.toml --since 7d"},
+    {"topic", "musher topic echo /scan"},
     {"view", "musher view"},
     {"record", "musher record -o run.mcap"},
     {"play", "musher play run.mcap"},

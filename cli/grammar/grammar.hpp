@@ -51,6 +51,7 @@ enum class Names {
   kSkills,
   kSkillKeys,       // "altitude=", of the skill on the command line
   kSkillActuators,  // those that offer skills
+  kTopics,          // of the domain
   kConfigs,         // .toml files and folders
   kDrawings,        // .toml and .xml files and folders
   kTreeFiles,       // .xml files and folders

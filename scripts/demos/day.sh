@@ -82,6 +82,7 @@ walk() {
   process=$(status .actuators.sensor_manager.pid)
   say "\$ kill -KILL $process  # sensor_manager"
   kill -KILL "$process"
+  world mark "kill -KILL sensor_manager"
   motion walk --square 2 --speed 0.6
   expect "exit code" 0 "$code"
   at_most "distance from the start" 30 "$(answer '.gap_m * 100 | round')" cm
@@ -180,6 +181,7 @@ upgrade() {
   step "A valid bundle: the robot lies down, is upgraded and checks itself"
   motion result 111
   expect "recovery stand" "true 0" "$(answer '"\(.result) \(.code)"')"
+  world mark upgrade to 1.1.0
   ota install "$scratch/v1.1.0" --root "$root_of_robot"
   expect "exit code" 0 "$code"
   expect "the machine" Active "$(status .state)"

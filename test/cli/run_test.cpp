@@ -49,6 +49,12 @@ TEST(Program, RefusesToStartABadConfig) {
   EXPECT_THAT(json.out, HasSubstr(R"("diagnostics":[{)"));
 }
 
+TEST(Program, NamesTheCommandThatStartsAnActuatorWhereOneIsGivenAsTheFile) {
+  const Ran ran = RunProgram({"up", "audio"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("`musher restart audio` an actuator of one that is up"));
+}
+
 TEST(Program, RefusesToStartAMachineInANamespaceThatIsNotItsOwn) {
   const TempFolder folder;
   std::ofstream(folder / "dog.toml") << kRobotToml;

@@ -30,7 +30,7 @@ const Table& MayInclude() {
       {"ota", {"ota", "base", "lifecycle"}},
       {"cli",
        {"cli", "ota", "controller", "base", "lifecycle", "messages", "transport", "wire",
-        "simulation", "cyberdog", "behavior"}},
+        "simulation", "cyberdog", "behavior", "view/json", "view/topics"}},
       // The numbers and names of CyberDog's modules, for these too; the rest of cyberdog/ is not.
       {"cyberdog/codes", {"cyberdog/codes", "base"}},
       {"cyberdog",
@@ -75,10 +75,9 @@ const std::map<std::string, Layers>& Rooms() {
        {{"client", "journal", "link", "process"}, {"shell", "storage"}, {"ros2"}, {""}}},
       {"behavior", {{""}, {"fsm", "tree"}, {"skill"}}},
       {"view",
-       {{"http", "json", "mcap"},
+       {{"http", "json", "mcap", "topics"},
         {"metrics"},
         {"", "page", "record"},
-        {"topics"},
         {"foxglove"},
         {"live"}}},
   };

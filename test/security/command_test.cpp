@@ -70,13 +70,16 @@ TEST_F(Keys, AreIssuedOnlyWhereTheCasKeysAre) {
   ASSERT_NO_FATAL_FAILURE(Start());  // the robot does not need them
 }
 
-TEST_F(Keys, NeedAConfigWithTheirFolder) {
-  const std::string open = folder_ / "open.toml";
+TEST_F(Keys, OfANewRobotAreMadeBesideItsConfigWhichThenNamesThem) {
+  fs::create_directory(folder_ / "new");
+  const std::string open = folder_ / "new/open.toml";
   std::string text = ReadFile(config_);
   std::ofstream(open) << text.substr(0, text.find("[security]"));
   const Ended init = Musher({"keys", "init", open});
-  EXPECT_EQ(init.exit, 2);
-  EXPECT_THAT(init.err, HasSubstr("add: [security] keys = \"keys\""));
+  EXPECT_EQ(init.exit, 0) << init.err;
+  EXPECT_THAT(init.err,
+              HasSubstr("now add to " + open + " the table [security] with keys = \"keys\""));
+  EXPECT_TRUE(fs::exists(folder_ / "new/keys/voice.cert"));
 }
 
 TEST_F(Keys, HaveNamesThatCannotEscapeTheirFolder) {

@@ -21,8 +21,12 @@ using OnFound = std::function<void(const DiscoveredEndpoint&)>;
 using OnLost = std::function<void(EndpointId)>;
 
 template <class Id>
+Id IdOf(std::span<const std::uint8_t, 16> guid) {
+  return Id(Fnv1a({reinterpret_cast<const char*>(guid.data()), guid.size()}) | 1U);
+}
+template <class Id>
 Id IdOf(const dds_guid_t& guid) {
-  return Id(Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) | 1U);
+  return IdOf<Id>(std::span(guid.v));
 }
 
 std::string PartitionOf(const dds_qos_t* qos) {
@@ -140,6 +144,10 @@ class DdsTopicWatch : public TopicWatch {
 };
 
 }  // namespace
+
+EndpointId EndpointIdOf(std::span<const std::uint8_t, 16> guid) {
+  return IdOf<EndpointId>(guid);
+}
 
 Result<std::unique_ptr<TopicWatch>> WatchTopics(Node& node, OnFound on_found, OnLost on_lost) {
   node.loop().CheckThread();

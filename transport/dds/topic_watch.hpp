@@ -1,8 +1,10 @@
 #pragma once
 // The writers and readers of all other processes in the domain, by DDS's builtin topics.
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "musher/transport/node.hpp"
@@ -19,6 +21,9 @@ struct DiscoveredEndpoint {
   Qos::Durability durability = Qos::Durability::kVolatile;
   std::string partition;  // empty: the default one, or several
 };
+
+// The id of the endpoint with this GUID, by which ROS 2's node graph names it.
+EndpointId EndpointIdOf(std::span<const std::uint8_t, 16> guid);
 
 // Watches until it is dropped.
 class TopicWatch {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "musher/view/foxglove/client.hpp"
-#include "musher/view/record/type_names.hpp"
+#include "musher/view/topics/type_names.hpp"
 
 namespace musher::view::foxglove {
 namespace {

@@ -4,10 +4,22 @@
 #include <chrono>
 #include <utility>
 
+#include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/view/http/reply.hpp"
-#include "musher/view/record/type_names.hpp"
+#include "musher/view/topics/type_names.hpp"
 
 namespace musher::view {
+
+namespace {
+
+// Of a skill's feedback; else empty.
+std::string SkillOf(const std::string& dds_type, std::span<const std::byte> bytes) {
+  if (dds_type != msg::SkillFeedback::kTypeName) return {};
+  const auto feedback = msg::Decode<msg::SkillFeedback>(bytes);
+  return feedback ? feedback->skill : "";
+}
+
+}  // namespace
 
 std::int64_t WallMilliseconds() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -47,28 +59,34 @@ void WatchedTopics::OnTopicsChanged() {
   }
 }
 
-// The place of the writer. A new writer gets the place of a lost writer, else a new place, else the
-// place of the writer that has been silent for the longest time.
-WatchedTopics::Sample& WatchedTopics::SampleOf(Topic& topic, transport::EndpointId writer) {
+// The place of the writer and its skill. A new one gets the place of a lost writer, else a new place,
+// else the place that has been silent for the longest time.
+WatchedTopics::Sample& WatchedTopics::SampleOf(Topic& topic, transport::EndpointId writer,
+                                               const std::string& skill) {
   std::vector<Sample>& samples = topic.samples;
-  const auto own = std::find_if(samples.begin(), samples.end(),
-                                [writer](const Sample& each) { return each.writer == writer; });
+  const auto own = std::find_if(samples.begin(), samples.end(), [&](const Sample& each) {
+    return each.writer == writer && each.skill == skill;
+  });
   if (own != samples.end()) return *own;
   const auto lost =
       std::find_if(samples.begin(), samples.end(), [](const Sample& each) { return each.lost; });
   if (lost != samples.end()) {
     lost->writer = writer;
+    lost->skill = skill;
     lost->lost = false;
     return *lost;
   }
-  if (samples.size() < kMostWriters) {
-    samples.emplace_back().writer = writer;
-    return samples.back();
+  if (samples.size() < kMostSamples) {
+    Sample& sample = samples.emplace_back();
+    sample.writer = writer;
+    sample.skill = skill;
+    return sample;
   }
   Sample& oldest = *std::min_element(
       samples.begin(), samples.end(),
       [](const Sample& one, const Sample& other) { return one.order < other.order; });
   oldest.writer = writer;
+  oldest.skill = skill;
   return oldest;
 }
 
@@ -81,7 +99,7 @@ void WatchedTopics::Open(const std::string& name, Topic& topic) {
   transport::ReaderCallbacks callbacks;
   callbacks.on_sample = [&topic](std::span<const std::byte> bytes,
                                  const transport::SampleInfo& info) {
-    Sample& sample = SampleOf(topic, info.writer);
+    Sample& sample = SampleOf(topic, info.writer, SkillOf(topic.source->dds_type, bytes));
     sample.newest.assign(bytes.begin(), bytes.end());
     sample.order = ++topic.received;
     sample.received_ms = WallMilliseconds();

@@ -1,7 +1,8 @@
 #pragma once
 // The topics that pages watch: subscribes while one does and a writer is there, and passes on the
 // newest sample of each writer as JSON, at most ten times a second: the skills of four robots are
-// four samples of one topic.
+// four samples of one topic. Of `skill_feedback` that is the newest of each skill, since the skills
+// of a robot run beside each other.
 //
 // Threads: loop thread only, callbacks too.
 
@@ -23,10 +24,11 @@ namespace musher::view {
 class WatchedTopics {
  public:
   static constexpr Duration kPeriod = Milliseconds(100);
-  static constexpr std::size_t kMostWriters = 64;  // of a topic, whose samples are kept
+  static constexpr std::size_t kMostSamples = 64;  // of a topic, which are kept
 
-  // The newest message of one writer. Its key replaces what waits of that writer (PageQueue), and
-  // passes to the next writer once it is lost, so that there are no more than kMostWriters.
+  // The newest message of one writer, or of one of its skills. Its key replaces what waits of the
+  // same (PageQueue), and passes to the next writer once it is lost, so that there are no more than
+  // kMostSamples.
   struct Latest {
     std::string key;
     SharedText message;
@@ -48,6 +50,7 @@ class WatchedTopics {
  private:
   struct Sample {
     transport::EndpointId writer;
+    std::string skill;  // of its skill_feedback; else empty
     bool lost = false;  // the writer
     msg::Bytes newest;
     std::uint64_t order = 0;  // of the receipt
@@ -62,7 +65,7 @@ class WatchedTopics {
     std::unique_ptr<transport::RawReader> reader;  // last: its callbacks use all of the above
   };
 
-  static Sample& SampleOf(Topic& topic, transport::EndpointId writer);
+  static Sample& SampleOf(Topic& topic, transport::EndpointId writer, const std::string& skill);
   static std::string KeyOf(const std::string& topic, std::size_t sample);
   void Open(const std::string& name, Topic& topic);
   void PassOn();

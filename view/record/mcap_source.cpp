@@ -4,7 +4,7 @@
 
 #include "musher/view/record/qos_text.hpp"
 #include "musher/view/record/recording_file.hpp"
-#include "musher/view/record/type_names.hpp"
+#include "musher/view/topics/type_names.hpp"
 
 namespace musher::view {
 namespace {

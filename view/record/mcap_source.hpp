@@ -8,7 +8,7 @@
 
 #include "musher/view/mcap/scan.hpp"
 #include "musher/view/record/player.hpp"
-#include "musher/view/record/topic_choice.hpp"
+#include "musher/view/topics/topic_choice.hpp"
 
 namespace musher::view {
 

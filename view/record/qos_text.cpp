@@ -1,6 +1,5 @@
 #include "musher/view/record/qos_text.hpp"
 
-#include <algorithm>
 #include <sstream>
 
 namespace musher::view {
@@ -57,24 +56,6 @@ Qos QosFrom(std::string_view text) {
   if (latched) {
     qos.durability = Qos::Durability::kTransientLocal;
     qos.depth = kLatchedDepth;
-  }
-  return qos;
-}
-
-Qos QosMatchingAll(const std::vector<Qos>& offered) {
-  const auto all = [&offered](auto holds) {
-    return std::all_of(offered.begin(), offered.end(), holds);
-  };
-  Qos qos;
-  qos.depth = 0;  // what the loop has not taken yet is not overwritten
-  if (!all([](const Qos& one) { return one.reliability == Qos::Reliability::kReliable; })) {
-    qos.reliability = Qos::Reliability::kBestEffort;
-  }
-  if (all([](const Qos& one) { return one.durability == Qos::Durability::kTransientLocal; })) {
-    qos.durability = Qos::Durability::kTransientLocal;
-  }
-  if (!all([](const Qos& one) { return one.partition.empty(); })) {
-    qos.partition = transport::kEveryPartition;
   }
   return qos;
 }

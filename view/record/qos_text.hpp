@@ -20,7 +20,4 @@ std::string QosText(const std::vector<transport::Qos>& offered);
 // are read; what is missing or unknown is ROS 2's default.
 transport::Qos QosFrom(std::string_view text);
 
-// The QoS of a reader that matches all of these writers.
-transport::Qos QosMatchingAll(const std::vector<transport::Qos>& offered);
-
 }  // namespace musher::view

@@ -18,7 +18,8 @@
 #include "musher/view/record/schema.hpp"
 #include "musher/view/record/topic_recorder.hpp"
 #include "musher/view/record/trouble.hpp"
-#include "musher/view/record/type_names.hpp"
+#include "musher/view/topics/reader_qos.hpp"
+#include "musher/view/topics/type_names.hpp"
 
 namespace musher::view {
 namespace {
@@ -169,12 +170,8 @@ Result<> Session::WatchMachine() {
 
 void Session::OnFound(const transport::DiscoveredEndpoint& endpoint) {
   if (!endpoint.writer) return;
-  transport::Qos qos;
-  qos.reliability = endpoint.reliability;
-  qos.durability = endpoint.durability;
-  if (!endpoint.partition.empty()) qos.partition = transport::kEveryPartition;
   const std::size_t before = topics_->topics();
-  topics_->OnFound({endpoint.id, endpoint.topic, endpoint.type, qos});
+  topics_->OnFound({endpoint.id, endpoint.topic, endpoint.type, QosOf(endpoint)});
   const bool is_new = topics_->topics() > before;
   if (is_new && SchemaText(endpoint.type).empty() && !std::exchange(said_unknown_, true)) {
     Say("the type " + RosType(endpoint.type) + " of " + RosTopic(endpoint.topic) +

@@ -4,7 +4,7 @@
 #include "musher/view/mcap/scan.hpp"
 #include "musher/view/record/qos_text.hpp"
 #include "musher/view/record/schema.hpp"
-#include "musher/view/record/type_names.hpp"
+#include "musher/view/topics/type_names.hpp"
 
 namespace musher::view {
 

@@ -13,7 +13,8 @@
 
 #include "musher/transport/node.hpp"
 #include "musher/view/record/sink.hpp"
-#include "musher/view/record/topic_choice.hpp"
+#include "musher/view/topics/topic_choice.hpp"
+#include "musher/view/topics/topic_reader.hpp"
 
 namespace musher::view {
 
@@ -53,17 +54,14 @@ class TopicRecorder {
   struct Topic {
     std::string name;  // ROS 2's
     std::string type;
-    std::map<transport::EndpointId, transport::Qos> writers;
-    transport::Qos qos;  // of the reader
     bool said = false;
     bool declared = false;
     std::size_t channel = 0;  // if declared
     RecordedCounts counts;
-    std::unique_ptr<transport::RawReader> reader;
+    std::unique_ptr<TopicReader> reader;  // last: it uses all of the above
   };
   using Key = std::pair<std::string, std::string>;  // DDS topic and type
 
-  void Subscribe(const Key& key, Topic& topic);
   void OnSample(Topic& topic, std::span<const std::byte> bytes);
 
   transport::Node& node_;

@@ -1,8 +1,8 @@
 #include "musher/view/topics/topic_table.hpp"
 
-#include "musher/view/record/qos_text.hpp"
-#include "musher/view/record/topic_choice.hpp"
-#include "musher/view/record/type_names.hpp"
+#include "musher/view/topics/reader_qos.hpp"
+#include "musher/view/topics/topic_choice.hpp"
+#include "musher/view/topics/type_names.hpp"
 
 namespace musher::view {
 
@@ -35,17 +35,21 @@ std::vector<ListedTopic> TopicTable::List() const {
   return list;
 }
 
+std::vector<transport::DiscoveredEndpoint> TopicTable::EndpointsOf(const std::string& name) const {
+  std::vector<transport::DiscoveredEndpoint> found;
+  for (const auto& [id, endpoint] : endpoints_) {
+    if (RosTopic(endpoint.topic) == name) found.push_back(endpoint);
+  }
+  return found;
+}
+
 std::optional<TopicTable::Source> TopicTable::SourceOf(const std::string& name) const {
   std::optional<Source> source;
   std::vector<transport::Qos> offered;
   for (const auto& [id, endpoint] : endpoints_) {
     if (!endpoint.writer || RosTopic(endpoint.topic) != name) continue;
     if (!source) source = Source{endpoint.type, {}};
-    transport::Qos qos;
-    qos.reliability = endpoint.reliability;
-    qos.durability = endpoint.durability;
-    if (!endpoint.partition.empty()) qos.partition = transport::kEveryPartition;
-    offered.push_back(qos);
+    offered.push_back(QosOf(endpoint));
   }
   if (source) source->qos = QosMatchingAll(offered);
   return source;

@@ -30,6 +30,9 @@ class TopicTable {
   // Topics by name, then type. Requests and replies of services are no topics.
   std::vector<ListedTopic> List() const;
 
+  // Its writers and readers.
+  std::vector<transport::DiscoveredEndpoint> EndpointsOf(const std::string& name) const;
+
   // The type of its writers on DDS, and a QoS that matches all of them; nullopt: it has no writer.
   struct Source {
     std::string dds_type;

@@ -21,6 +21,7 @@ inline constexpr Color kZoneName{84, 104, 148};
 inline constexpr Color kPad{205, 233, 212};
 inline constexpr Color kPadEdge{58, 148, 92};
 inline constexpr Color kBumpRed{206, 42, 42};
+inline constexpr Color kMarkInk{150, 30, 110};
 inline constexpr Color kScanRed{232, 96, 40};
 inline constexpr Color kSight{250, 238, 196};
 inline constexpr Color kBatteryLine{40, 96, 170};

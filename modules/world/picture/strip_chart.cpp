@@ -76,6 +76,17 @@ class Chart {
     Name(row, bottom - 10);
   }
 
+  // A line through all rows at each mark, with its words beside it above the chart.
+  void MarkMoments(double top, double bottom) {
+    for (const Mark& mark : track_.marks()) {
+      const double x = X(mark.at);
+      const bool fits = x + canvas_.TextWidth(mark.text, kTiny) + 6 < right_;
+      canvas_.Line({x, top - 14}, {x, bottom}, kMarkInk, 1.5);
+      canvas_.Text(mark.text, {fits ? x + 5 : x - 5, top - 5}, kTiny, kMarkInk,
+                   fits ? Align::kLeft : Align::kRight);
+    }
+  }
+
   void TimeAxis(double y) {
     for (const double s : Marks(0, end_s_, TimeMarkEvery(end_s_))) {
       canvas_.Line({Xs(s), y}, {Xs(s), y + 5}, kGreyInk);
@@ -179,6 +190,7 @@ void DrawStripChart(const Track& track, const Pixel& corner, const Pixel& opposi
   const double motion = machine + kBandHeight + kGap;
   chart.Band(
       "motion", motion, track.motions(), [](const Sample& s) { return s.motion; }, ColorOfMotion);
+  chart.MarkMoments(corner.y(), motion + kBandHeight);
   chart.TimeAxis(motion + kBandHeight + 6);
 }
 

@@ -32,6 +32,7 @@ const char* const kWorldCommands =
     "  speed FACTOR        how fast the world's time goes\n"
     "  pause on|off        whether it stands still\n"
     "  show|hide NAME      a ball with that name appears, or disappears\n"
+    "  mark TEXT...        marks this moment with TEXT in the charts of the picture\n"
     "  draw                writes the picture, prints its path\n"
     "  referee [--json]    prints the referee's report of this run\n"
     "  robots [--json]     prints pose, battery, load and collisions of each robot\n"
@@ -114,10 +115,10 @@ std::optional<WorldCommand> ReadWords(const Words& words) {
   if (what == "referee" && (json || words.size() == 1)) return RefereeNow{json};
   if (what == "robots" && (json || words.size() == 1)) return RobotsNow{json};
   if (what == "field" && (json || words.size() == 1)) return FieldNow{};
-  if (what == "say" && words.size() > 1) {
-    Speech speech{words[1]};
-    for (std::size_t i = 2; i < words.size(); ++i) speech.text += " " + words[i];
-    return speech;
+  if ((what == "say" || what == "mark") && words.size() > 1) {
+    std::string text = words[1];
+    for (std::size_t i = 2; i < words.size(); ++i) text += " " + words[i];
+    return what == "say" ? WorldCommand(Speech{text}) : WorldCommand(MarkNow{text});
   }
   if (what == "fault" && (words.size() == 2 || words.size() == 3)) {
     return Fault{words[1] + (words.size() == 3 ? " " + words[2] : "")};
@@ -167,6 +168,9 @@ class CommandSender {
   }
   Result<std::string> operator()(const Show& command) {
     return Publish<msg::String>(command.shown ? "show" : "hide", {command.name});
+  }
+  Result<std::string> operator()(const MarkNow& command) {
+    return Publish<msg::String>("mark", {command.text});
   }
   Result<std::string> operator()(const Pause& command) {
     return Call<msg::SetBool>("pause", {command.on});

@@ -24,6 +24,9 @@ struct PowerKey {
 struct Speech {  // of a person beside the robot
   std::string text;
 };
+struct MarkNow {  // in the picture
+  std::string text;
+};
 struct Pause {
   bool on = true;
 };
@@ -44,8 +47,8 @@ struct CarryRobot {
   Pose2 at;
 };
 using WorldCommand =
-    std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Show, Pause,
-                 DrawNow, RefereeNow, RobotsNow, FieldNow, ChargeRobot, CarryRobot>;
+    std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Show, MarkNow,
+                 Pause, DrawNow, RefereeNow, RobotsNow, FieldNow, ChargeRobot, CarryRobot>;
 
 // Help text: one line for each command.
 extern const char* const kWorldCommands;

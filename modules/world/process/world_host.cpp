@@ -98,6 +98,8 @@ void WorldHost::Listen() {
         shown ? "world/show" : "world/hide",
         [this, shown](const auto& message) { Log(world_.SetShown(message.data, shown)); });
   }
+  endpoints_.Subscribe<msg::String>("world/mark",
+                                    [this](const auto& message) { world_.AddMark(message.data); });
   endpoints_.Subscribe<msg::Float32>("world/speed",
                                      [this](const auto& message) { SetSpeed(message.data); });
   endpoints_.Subscribe<msg::LedState>(

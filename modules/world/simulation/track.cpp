@@ -1,12 +1,15 @@
 #include "musher/modules/world/simulation/track.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace musher::world {
 namespace {
 
 constexpr std::size_t kMostBumps = 200;
-constexpr std::size_t kMostNames = 200;  // of states; another publisher may invent any number
+constexpr std::size_t kMostMarks = 50;
+constexpr std::size_t kLongestMark = 60;  // bytes
+constexpr std::size_t kMostNames = 200;   // of states; another publisher may invent any number
 
 std::uint16_t IndexOf(const std::string& name, std::vector<std::string>& names) {
   auto found = std::find(names.begin(), names.end(), name);
@@ -33,6 +36,12 @@ void Track::Add(Sample sample, const std::string& machine_state, const std::stri
 
 void Track::AddBump(const Bump& bump) {
   if (bumps_.size() < kMostBumps) bumps_.push_back(bump);
+}
+
+void Track::AddMark(Mark mark) {
+  if (marks_.size() >= kMostMarks) return;
+  mark.text.resize(std::min(mark.text.size(), kLongestMark));
+  marks_.push_back(std::move(mark));
 }
 
 }  // namespace musher::world

@@ -26,6 +26,12 @@ struct Bump {
   Eigen::Vector2d where_m;
 };
 
+// What happened, in words.
+struct Mark {
+  Duration at{};
+  std::string text;
+};
+
 struct Light {
   std::uint8_t red = 0, green = 0, blue = 0;
 };
@@ -37,6 +43,7 @@ class Track {
   // Keeps the first and the last sample.
   void Add(Sample sample, const std::string& machine_state, const std::string& motion);
   void AddBump(const Bump& bump);
+  void AddMark(Mark mark);
   void SetLight(int target, const Light& light) { lights_[target] = light; }
 
   // The least time between two samples.
@@ -45,6 +52,7 @@ class Track {
 
   const std::vector<Sample>& samples() const { return samples_; }
   const std::vector<Bump>& bumps() const { return bumps_; }
+  const std::vector<Mark>& marks() const { return marks_; }
   const std::vector<std::string>& states() const { return states_; }  // "" where unknown
   const std::vector<std::string>& motions() const { return motions_; }
   const std::map<int, Light>& lights() const { return lights_; }
@@ -53,6 +61,7 @@ class Track {
   Duration period_ = Milliseconds(200);
   std::vector<Sample> samples_;
   std::vector<Bump> bumps_;
+  std::vector<Mark> marks_;
   std::vector<std::string> states_;
   std::vector<std::string> motions_;
   std::map<int, Light> lights_;  // by target: 1 head, 2 tail, 3 mini

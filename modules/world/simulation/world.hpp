@@ -55,6 +55,8 @@ class World {
   // Drawn only: the machine's state, the colour of a light.
   void SetMachineState(const std::string& state) { machine_state_ = state; }
   void SetLight(int target, const Light& light);
+  // This moment, in the charts of the picture.
+  void AddMark(const std::string& text) { track_.AddMark({now_, text}); }
   // Of a humanoid; they return the reason when refused.
   std::optional<std::string> SetPose(const std::string& name);
   std::optional<std::string> LookAt(const Eigen::Vector2d& point);

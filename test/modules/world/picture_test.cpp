@@ -168,6 +168,18 @@ TEST_F(Picture, MarksBumpsAndCharging) {
   EXPECT_GT(CountBelow(image, kPad), 5000);
 }
 
+TEST_F(Picture, MarksMomentsInTheCharts) {
+  World world(EmptyYard());
+  Commander commander(world);
+  commander.Walk({0.5, 0, 0}, Seconds(4));
+  EXPECT_LT(CountBelow(Of(world), kMarkInk), 20);
+  world.AddMark("kill -KILL sensor_manager");
+  commander.Walk({0.5, 0, 0}, Seconds(4));
+  for (int i = 0; i < 1000; ++i) world.AddMark(std::string(1000, 'x'));
+  EXPECT_GT(CountBelow(Of(world), kMarkInk), 100) << "a line through all rows";
+  EXPECT_LE(world.track().marks().size(), 50U) << "anyone may publish";
+}
+
 TEST_F(Picture, HandlesAnyNameFromTheNetwork) {
   Scene scene = EmptyYard();
   scene.name = std::string(500, 'x') + "\xff\xfe\n";

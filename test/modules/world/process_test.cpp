@@ -238,6 +238,7 @@ TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
   const auto json = sent({"referee", "--json"});
   ASSERT_TRUE(json) << json.error().message;
   EXPECT_THAT(json.value(), ::testing::StartsWith("{\"name\":"));
+  EXPECT_TRUE(sent({"mark", "the", "lamp", "is", "on"}));
   EXPECT_TRUE(sent({"show", "lamp"}));
   EXPECT_TRUE(sent({"hide", "lamp"}));
   for (const std::vector<std::string>& wrong :
@@ -247,6 +248,7 @@ TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
                                              {"place", "1"},
                                              {"dance"},
                                              {"say"},
+                                             {"mark"},
                                              {"show"},
                                              {"referee", "json"},
                                              {"power-key", "left"}}) {

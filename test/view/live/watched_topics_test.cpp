@@ -9,6 +9,7 @@
 
 namespace musher::view::watched_topics_test {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -29,15 +30,17 @@ class WatchedSkills : public ::testing::Test {
     EXPECT_TRUE(robot.skills->Publish({name, "/" + name + "/skill_execution", {}}).ok());
     return robot;
   }
-  void Find() {
+  void Find() { Find<msg::SkillOffers>("skills", transport::Qos::Durability::kTransientLocal); }
+  template <class M>
+  void Find(const std::string& topic, transport::Qos::Durability durability) {
     transport::DiscoveredEndpoint found;
     found.id = 1;
     found.writer = true;
-    found.topic = "rt/skills";
-    found.type = std::string(msg::SkillOffers::kTypeName);
-    found.durability = transport::Qos::Durability::kTransientLocal;
+    found.topic = "rt/" + topic;
+    found.type = std::string(M::kTypeName);
+    found.durability = durability;
     table_.OnFound(found);
-    watched_.Watch({"/skills"});
+    watched_.Watch({"/" + topic});
     network_.RunFor(std::chrono::seconds(1));
   }
 
@@ -45,10 +48,11 @@ class WatchedSkills : public ::testing::Test {
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
   TopicTable table_;
   std::vector<std::string> messages_;
+  std::set<std::string> topics_;
   std::set<std::string> keys_;
   WatchedTopics watched_{*desk_, table_,
                          [this](const std::string& topic, const WatchedTopics::Latest& latest) {
-                           EXPECT_EQ(topic, "/skills");
+                           topics_.insert(topic);
                            messages_.push_back(*latest.message);
                            keys_.insert(latest.key);
                          }};
@@ -60,6 +64,7 @@ TEST_F(WatchedSkills, OfFourWritersReachThePageAll) {
   Find();
   EXPECT_THAT(messages_, UnorderedElementsAre(HasSubstr("/ann/"), HasSubstr("/ben/"),
                                               HasSubstr("/cid/"), HasSubstr("/dot/")));
+  EXPECT_THAT(topics_, ::testing::ElementsAre("/skills"));
   EXPECT_THAT(keys_, SizeIs(4)) << "one must not replace another one in the queue of a slow page";
   EXPECT_THAT(watched_.Last("/skills"), SizeIs(4)) << "for a page that opens later";
 }
@@ -82,11 +87,34 @@ TEST_F(WatchedSkills, OfARestartedWriterReplaceTheOldOnes) {
 
 TEST_F(WatchedSkills, OfMoreWritersThanAreKeptCostNoMoreMemory) {
   std::vector<Robot> robots;
-  for (std::size_t i = 0; i < WatchedTopics::kMostWriters + 10; ++i) {
+  for (std::size_t i = 0; i < WatchedTopics::kMostSamples + 10; ++i) {
     robots.push_back(Start("robot" + std::to_string(i)));
   }
   Find();
-  EXPECT_THAT(watched_.Last("/skills"), SizeIs(WatchedTopics::kMostWriters));
+  EXPECT_THAT(watched_.Last("/skills"), SizeIs(WatchedTopics::kMostSamples));
+}
+
+TEST_F(WatchedSkills, ThatOneRobotReportsAtTheSameTimeReachThePageBoth) {
+  const auto robot = network_.MakeNode("ann");
+  const auto feedback =
+      transport::MakePublisher<msg::SkillFeedback>(*robot, "skill_feedback").value();
+  Find<msg::SkillFeedback>("skill_feedback", transport::Qos::Durability::kVolatile);
+  for (const std::uint8_t status :
+       {msg::SkillFeedback::kStatusProcessing, msg::SkillFeedback::kStatusCompleted}) {
+    for (const char* skill : {"lift", "turn"}) {
+      msg::SkillFeedback report;
+      report.actuator = "ann";
+      report.skill = skill;
+      report.status = status;
+      ASSERT_TRUE(feedback->Publish(report).ok());
+    }
+  }
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(messages_,
+              UnorderedElementsAre(AllOf(HasSubstr("\"lift\""), HasSubstr("\"status\":1")),
+                                   AllOf(HasSubstr("\"turn\""), HasSubstr("\"status\":1"))))
+      << "of each skill the newest";
+  EXPECT_THAT(keys_, SizeIs(2));
 }
 
 TEST_F(WatchedSkills, AreNoneBeforeThereIsAWriter) {

@@ -39,16 +39,4 @@ TEST(QosText, WithoutARecordedQosTheDefaultIsPublished) {
   EXPECT_EQ(QosFrom("- reliability:"), transport::kDefaultQos);
 }
 
-TEST(QosText, OneReaderMatchesWritersOfDifferentQos) {
-  const Qos both = QosMatchingAll({kSensorDataQos, kLatchedQos});
-  EXPECT_EQ(both.reliability, Qos::Reliability::kBestEffort);
-  EXPECT_EQ(both.durability, Qos::Durability::kVolatile);
-  EXPECT_EQ(both.partition, "");
-  const Qos latched = QosMatchingAll({kLatchedQos, kLatchedQos});
-  EXPECT_EQ(latched.durability, Qos::Durability::kTransientLocal);
-  Qos in_partition = kLatchedQos;
-  in_partition.partition = "audio";
-  EXPECT_EQ(QosMatchingAll({in_partition}).partition, transport::kEveryPartition);
-}
-
 }  // namespace musher::view::qos_text_test

@@ -1,4 +1,4 @@
-#include "musher/view/record/type_names.hpp"
+#include "musher/view/topics/type_names.hpp"
 
 #include <gtest/gtest.h>
 

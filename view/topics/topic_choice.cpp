@@ -1,4 +1,4 @@
-#include "musher/view/record/topic_choice.hpp"
+#include "musher/view/topics/topic_choice.hpp"
 
 #include <algorithm>
 #include <cctype>
