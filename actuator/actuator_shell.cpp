@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "musher/lifecycle/health/health_monitor.hpp"
+#include "musher/lifecycle/refusal.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -102,7 +103,26 @@ Result<> ActuatorShell::Open() {
       });
   if (!stops) return stops.error();
   emergency_stops_ = std::move(stops).value();
+  if (auto watched = WatchPermits(); !watched) return watched.error();
   return WatchBattery();
+}
+
+// A permit names its machine: one that was meant for another robot, or for any, permits nothing.
+Result<> ActuatorShell::WatchPermits() {
+  if (!config_.permit) return Ok();
+  auto permits = transport::MakeSubscription<msg::Permit>(
+      node_, transport::PermitTopic(config_.name_space),
+      [this](const msg::Permit& permit, const transport::SampleInfo& info) {
+        if (permit.machine.empty() || !transport::IsOwn(permit.participant, info)) return;
+        if (!SameMachine(machine_, {permit.machine, permit.machine_id})) return;
+        Handle(actuator_event::PermitReceived{Sender(info.participant.value()),
+                                              transport::FromNanoseconds(permit.stamp_ns),
+                                              permit.by});
+      },
+      transport::kHeartbeatQos);
+  if (!permits) return permits.error();
+  permits_ = std::move(permits).value();
+  return Ok();
 }
 
 Result<> ActuatorShell::WatchBattery() {
@@ -122,8 +142,8 @@ void ActuatorShell::OnControllerHeartbeat(const msg::ControllerHeartbeat& heartb
   if (!transport::IsOwn(heartbeat.participant, info)) return;
   const MachineIdentity theirs{heartbeat.machine, heartbeat.machine_id};
   if (!SameMachine(machine_, theirs)) {
-    // The controller of this actuator's host is that of its machine: it may have another config, or
-    // a new id because its state folder was lost.
+    // A controller on the host of this actuator belongs to its machine: its config may be another
+    // one, and its id is a new one where its state folder was lost.
     const bool here = !heartbeat.host.empty() && heartbeat.host == core_.report.host;
     if (!here || !hooks_.leads_here || !hooks_.leads_here(heartbeat.pid)) return;
     machine_ = theirs;
@@ -153,10 +173,8 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
   };
   const MachineIdentity theirs{request.machine, request.machine_id};
   if (!SameMachine(machine_, theirs)) {
-    return Do(actuator_action::Answer{token, Verdict::kRefused, kCodePermissionDenied,
-                                      "the command is of another machine, " +
-                                          MachineText(theirs).substr(0, kLongestName) +
-                                          "; this actuator belongs to " + MachineText(machine_)});
+    return Refuse(token, Refused<Refusal::kOtherMachine>(
+                             MachineText(theirs).substr(0, kLongestName), MachineText(machine_)));
   }
   const Sender from(sender.value());
   switch (request.kind) {
@@ -168,8 +186,7 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
           token, {Epoch(request.epoch), CommandNumber(request.number), request.stop}, from});
       break;
     default:
-      return Do(actuator_action::Answer{token, Verdict::kRefused, kCodeParametersInvalid,
-                                        "unknown kind of command " + std::to_string(request.kind)});
+      return Refuse(token, Refused<Refusal::kUnknownKind>(request.kind));
   }
   if (machine_.id.empty() && from != 0 && core_.controller == from) machine_.id = theirs.id;
 }
@@ -190,11 +207,8 @@ void ActuatorShell::OfferManagedNode() {
   hooks.refusal = [this](const Ros2Transition*, transport::ParticipantId) -> std::optional<Error> {
     if (core_.report.epoch == 0) return std::nullopt;
     // It may have exited: the next controller continues, and this actuator waits for it.
-    return Error{kCodePermissionDenied, "under control of the controller of epoch " +
-                                            ToString(core_.report.epoch) +
-                                            "; switch the machine instead (ros2 lifecycle set /" +
-                                            transport::ResolveName(config_.name_space, "musher") +
-                                            "), or start the actuator without a controller"};
+    return Refused<Refusal::kUnderControl>(core_.report.epoch,
+                                           transport::ResolveName(config_.name_space, "musher"));
   };
   hooks.change = [this](const Ros2Transition& transition, transport::ParticipantId, auto done) {
     ChangeManagedNode(transition, std::move(done));
@@ -216,7 +230,7 @@ void ActuatorShell::ChangeManagedNode(const Ros2Transition& transition,
                                       transport::ManagedNodeEndpoints::Done done) {
   const auto target = TargetOf(transition, actuator_, config_);
   if (!target) {
-    return done(Error{kCodeUnSupport, actuator_.name + " has no state for this transition"});
+    return done(Refused<Refusal::kNoStateForTransition>(actuator_.name));
   }
   if (target->empty()) return done(Ok());
   OnManager(*target, [done = std::move(done)](const actuator_action::Answer& answer) {

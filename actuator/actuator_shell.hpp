@@ -85,6 +85,7 @@ class ActuatorShell {
   void OnControllerHeartbeat(const msg::ControllerHeartbeat& heartbeat,
                              const transport::SampleInfo& info);
   void OnEmergencyStop(const msg::EmergencyStop& stop, const transport::SampleInfo& info);
+  Result<> WatchPermits();
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
                  transport::ParticipantId sender);
   using OnManagerAnswered = std::function<void(const actuator_action::Answer&)>;
@@ -99,6 +100,9 @@ class ActuatorShell {
   void Do(const actuator_action::RequestStop& action);
   void Do(const actuator_action::RunEmergencyStop& action);
   void Do(const actuator_action::Answer& action);
+  void Refuse(RequestToken token, const Error& why) {
+    Do(actuator_action::Answer{token, Verdict::kRefused, why.code, why.message});
+  }
   void Do(const actuator_action::PublishStatus& action);
   void Do(const actuator_action::BecomeVisible& action);
   void Do(const actuator_action::Finish& action);
@@ -130,6 +134,7 @@ class ActuatorShell {
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> controllers_;
   std::unique_ptr<transport::Subscription> emergency_stops_;
+  std::unique_ptr<transport::Subscription> permits_;
   std::unique_ptr<transport::BatteryWatch> battery_;
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;

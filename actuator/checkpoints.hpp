@@ -6,7 +6,7 @@
 //   a thread gives a checkpoint ──▶ the next is due within its allowance ──▶ a callback begins, or
 //                                                                            it gives kNoMore
 //
-// Each thread is watched on its own: one that makes progress does not hide another one that hangs.
+// Each thread is watched on its own: a thread that hangs is found although others make progress.
 //
 // Only time in which the thread could have run counts: the time it waited for a CPU, according to
 // the kernel, does not. The kernel's counters are sampled once half the allowance is over. Time in

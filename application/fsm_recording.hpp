@@ -23,8 +23,9 @@ class FsmRecording {
  public:
   using Log = std::function<void(const std::string&)>;
 
-  // Records `machine`, built, not started and outliving it, from its start on. `key`: that of
-  // the file in the application's config, for the Error when it cannot be written to.
+  // Records `machine` from its start on. The machine is built, is not started, and outlives the
+  // recording. `key`: the key of `file` in the application's config, which the Error names when the
+  // file cannot be written.
   static Result<std::unique_ptr<FsmRecording>> Open(fsm::Machine& machine, const std::string& file,
                                                     std::string_view key, Log log);
 

@@ -1,7 +1,7 @@
 #pragma once
-// Reading files and folders that may vanish meanwhile, as those of /proc/<pid> do when the process
-// exits (the standard library's iterators throw then; these functions do not), and replacing files
-// that are read meanwhile.
+// Reads files and folders that may vanish meanwhile: /proc/<pid> vanishes when its process exits.
+// The standard library's iterators throw then, these functions do not. Replaces files while other
+// processes read them.
 //
 // Threads: any.
 

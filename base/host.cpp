@@ -278,4 +278,25 @@ bool HoldsLockOn(pid_t pid, const std::string& path) {
       .has_value();
 }
 
+Result<UniqueFd> ListenAt(std::string_view name, int backlog) {
+  const auto address = AddressOf(name);
+  if (!address) return Error{kCodeParametersInvalid, "too long: " + std::string(name)};
+  UniqueFd listening(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!listening.valid() || bind(listening.get(), address->get(), address->size) != 0 ||
+      listen(listening.get(), backlog) != 0) {
+    return SystemError("can't listen at " + std::string(name));
+  }
+  return listening;
+}
+
+UniqueFd ConnectTo(std::string_view name) {
+  const auto address = AddressOf(name);
+  UniqueFd connection(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!address || !connection.valid() ||
+      connect(connection.get(), address->get(), address->size) != 0) {
+    return {};
+  }
+  return connection;
+}
+
 }  // namespace musher

@@ -108,4 +108,10 @@ class NameLock {
   UniqueFd socket_;
 };
 
+// A stream of packets between two processes of this host. ListenAt() takes an abstract address, as
+// a NameLock does, and fails as its Acquire(). ConnectTo() does not wait: not valid if no process
+// listens, or too many callers wait already.
+Result<UniqueFd> ListenAt(std::string_view name, int backlog);
+UniqueFd ConnectTo(std::string_view name);
+
 }  // namespace musher

@@ -24,11 +24,11 @@ namespace musher {
 
 struct ProgramSpec {
   std::vector<std::string> argv;           // not empty; without '/': looked up in PATH
-  std::string cwd;                         // empty: that of this process
-  std::map<std::string, std::string> env;  // added to that of this process …
+  std::string cwd;                         // empty: the folder of this process
+  std::map<std::string, std::string> env;  // added to the environment of this process …
   std::set<std::string> without = {};      // … which is passed on without these
   int input = -1;                          // its stdin; -1: /dev/null
-  int output = -1;                         // its stdout; -1: that of this process
+  int output = -1;                         // its stdout; -1: the stdout of this process
   int errors = -1;  // its stderr; -1: where its stdout goes, if that is given
   // Run in the child: right after the fork, and just before the program is executed, which is not
   // done if that returns false. Async-signal-safe calls only. `environment` is the program's: an

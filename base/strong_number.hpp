@@ -15,7 +15,7 @@
 
 namespace musher {
 
-// The type of a literal. A std::uint64_t is none: that of a message or of a file has this type.
+// The type of a literal. A std::uint64_t is none: numbers of messages and of files have this type.
 template <typename T>
 concept LiteralNumber =
     std::integral<T> && !std::same_as<T, bool> && !std::same_as<T, std::uint64_t>;

@@ -8,7 +8,6 @@
 namespace musher {
 namespace {
 
-constexpr std::size_t kLongestWord = 64;
 constexpr std::size_t kMostNames = 12;                   // that are listed
 using Row = std::array<std::uint8_t, kLongestWord + 1>;  // distances, at most kLongestWord
 
@@ -73,11 +72,14 @@ std::string DidYouMean(std::string_view word, const std::vector<std::string_view
 
 std::string NoSuch(std::string_view what, std::string_view name,
                    const std::vector<std::string>& names) {
-  std::string text =
-      "there is no " + std::string(what) + " '" + std::string(name.substr(0, kLongestWord)) + "'";
-  if (names.empty()) return text;
+  return "there is no " + std::string(what) + " '" + std::string(name.substr(0, kLongestWord)) +
+         "'" + KnownNames(name, names);
+}
+
+std::string KnownNames(std::string_view name, const std::vector<std::string>& names) {
+  if (names.empty()) return "";
   const std::string hint = DidYouMean(name, names);
-  text += hint.empty() ? "; there " : hint + " There ";
+  std::string text = hint.empty() ? "; there " : hint + " There ";
   text += names.size() == 1 ? "is only " : "are ";
   const std::size_t shown = std::min(names.size(), kMostNames);
   for (std::size_t i = 0; i < shown; ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 // "Did you mean ...?": the known word that is nearest to a mistyped one.
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,7 +19,7 @@ std::string Nearest(std::string_view word, const std::vector<Name>& candidates) 
 }
 
 // "; did you mean 'legs'?": the end of a message that refuses `word`. Empty where no name is near.
-// `quotes`, the opening and the closing one, are those of the message.
+// `quotes`: the opening and the closing one, as the message has them.
 std::string DidYouMean(std::string_view word, const std::vector<std::string_view>& names,
                        std::string_view quotes = "''");
 template <typename Names>  // a container of what converts to std::string_view
@@ -27,6 +28,12 @@ std::string DidYouMean(std::string_view word, const Names& names, std::string_vi
 }
 // The same for a name that the caller has found and quoted.
 std::string DidYouMean(const std::string& quoted_name);
+
+// What NoSuch() shows of a name at most.
+inline constexpr std::size_t kLongestWord = 64;  // bytes
+
+// "; did you mean 'legs'? There are arm, head and legs": how NoSuch() goes on after the name.
+std::string KnownNames(std::string_view name, const std::vector<std::string>& names);
 
 // "there is no actuator 'lags'; did you mean 'legs'? There are arm, head and legs": `what` is its
 // kind, `names` the known names, of which the first are listed. Safe with any `name`: it is

@@ -15,6 +15,7 @@
 #include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/lifecycle/refusal.hpp"
 #include "musher/transport/dds/settings.hpp"
 #include "musher/transport/ros_environment.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -187,20 +188,15 @@ Result<> Controller::TakeName() {
                              [&] { return NameLock::HolderOf(name).pid; });
   if (!lock && lock.error().code == kCodeTargetBusy) {
     const NameLock::Holder holder = NameLock::HolderOf(name);
-    const std::string leads = "the actuators of " + NamespaceText(config_.name_space);
     if (holder.trusted) {
       if (auto may = MayTakeOver(holder.pid); !may) return may;
     }
     if (!options_.takeover && holder.trusted) {
-      return Error{kCodeTargetBusy, "controller process " + std::to_string(holder.pid) +
-                                        " already leads " + leads + "; " +
-                                        HowToReplace(holder.pid)};
+      return Refused<Refusal::kNameTaken>(holder.pid, NamespaceText(config_.name_space),
+                                          HowToReplace(holder.pid));
     }
     if (!options_.takeover) {
-      return Error{kCodeTargetBusy,
-                   holder.Text() + " holds the name of the controller of " + leads +
-                       "; if it is a controller, `musher status` shows it; --takeover starts "
-                       "beside it"};
+      return Refused<Refusal::kNameHeld>(holder.Text(), NamespaceText(config_.name_space));
     }
     // A controller that we may not signal releases control when it receives a higher epoch.
     const auto is_it = [&] { return NameLock::CheckHolder(name, holder.pid); };
@@ -221,12 +217,7 @@ Result<> Controller::TakeName() {
 Result<> Controller::MayTakeOver(pid_t controller) const {
   const auto theirs = OriginOfProcess(controller);
   if (!theirs || theirs->IsOf(Origin(), true)) return Ok();
-  return Error{kCodePermissionDenied,
-               "process " + std::to_string(controller) + " leads another machine, " +
-                   theirs->Text() + ", in the namespace and domain of this one, " +
-                   Origin().Text() +
-                   ": give one of them a `namespace` of its own in [controller], or another "
-                   "domain (--domain)"};
+  return Refused<Refusal::kLeadsOtherMachine>(controller, theirs->Text(), Origin().Text());
 }
 
 std::string Controller::LockOf(const std::string& actuator) const {
@@ -343,12 +334,23 @@ Result<> Controller::OpenServices() {
       history_->Read(since, limit, std::move(done));
     };
   }
-  auto services = ControllerServices::Make(node_, *shell_, std::move(read_history));
+  auto services =
+      ControllerServices::Make(node_, *shell_, std::move(read_history), MakeHostServer());
   if (!services) return services.error();
   services_ = std::move(services).value();
   ros2_tools_ =
       std::make_unique<Ros2Tools>(node_, *shell_, WallNanoseconds, ToString(incarnation_));
   return OpenExtensions();
+}
+
+// For the commands of this host. With credentials a call goes by DDS only, which knows what they
+// permit.
+std::unique_ptr<transport::HostServer> Controller::MakeHostServer() {
+  if (!name_ || !config_.keys.empty()) return nullptr;
+  auto here = transport::HostServer::Make(node_.loop(), LockOf("musher/calls"));
+  if (here) return std::move(here).value();
+  shell_->Remark(kCodeNetError, here.error().message + "; commands of this host use the network");
+  return nullptr;
 }
 
 Result<> Controller::OpenExtensions() {
@@ -383,17 +385,13 @@ void Controller::Begin() {
   begin.epoch = LoadEpoch();
   if (const auto& rival = shell_->rival()) {
     if (!options_.takeover) {
-      return shell_->Refuse({kCodeTargetBusy, "another controller already leads this machine: " +
-                                                  rival->process + "; --takeover replaces it"});
+      return shell_->Refuse(Refused<Refusal::kAlreadyLed>(rival->process));
     }
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
   if (const std::string others = shell_->peers().RunningWithAnotherConfig(last_config_hash_);
       !others.empty() && !options_.adopt && !options_.restarted) {
-    return shell_->Refuse(
-        {kCodeTargetBusy, others + " already, with a different config than " + config_.file +
-                              ": `musher down --without-controller` stops what runs, `musher "
-                              "up --adopt` takes control of it"});
+    return shell_->Refuse(Refused<Refusal::kOtherConfigRuns>(others, config_.file));
   }
   TakeIdentity();
   if (store_) {

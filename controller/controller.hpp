@@ -76,6 +76,7 @@ class Controller {
   void AddSaves(ShellDependencies& dependencies);
   ControllerShell::Hooks ShellHooks();
   Result<> OpenServices();
+  std::unique_ptr<transport::HostServer> MakeHostServer();
   Result<> OpenExtensions();
   void CheckFolder();
   MachineOrigin Origin() const;

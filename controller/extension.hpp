@@ -40,7 +40,7 @@ struct ControllerExtension {
   // Called each time the controller begins to lead the machine; the services are destroyed when it
   // no longer does. Null if the config does not enable them. May be empty.
   std::function<Result<std::unique_ptr<ExtensionServices>>(const ExtensionHost&)> open_services;
-  bool serves_manager = false;  // whether its services are those of `[policy] manager = true`
+  bool serves_manager = false;  // whether it serves what `[policy] manager = true` enables
 };
 
 }  // namespace musher

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <string_view>
 
+#include "musher/lifecycle/field.hpp"
+
 namespace musher {
 
 // Grouped by subject. Names are a file format: one that was released is never renamed or reused.
@@ -247,3 +249,11 @@ constexpr std::string_view NameOf(EventName event) {
 }
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, kEventNames.size()> kValueNames<EventName> =
+    kEventNames;
+
+}  // namespace musher::fields

@@ -1,6 +1,6 @@
 #pragma once
-// Messages whose layout ROS 2 changed with Iron, in that of Galactic and Humble. The IDL has the
-// newer layout.
+// ROS 2 changed the layout of these messages with Iron. Here is the layout of Galactic and Humble;
+// the IDL has the newer one.
 
 #include <algorithm>
 

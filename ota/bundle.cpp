@@ -17,7 +17,8 @@ Result<> ListFiles(Disk& disk, const std::string& folder, Manifest& manifest,
   const auto paths = FilesBelow(disk, folder);
   if (!paths) return paths.error();
   for (const std::string& path : paths.value()) {
-    if (const auto fault = PathFault(path)) return Refusal(Fault::kBadPath, path + ": " + *fault);
+    if (const auto fault = PathFault(path))
+      return FaultError(Fault::kBadPath, path + ": " + *fault);
     const auto info = disk.Look(folder + "/" + path);
     if (!info) return info.error();
     auto digest = DigestOf(disk, folder + "/" + path, on_bytes);
@@ -25,7 +26,7 @@ Result<> ListFiles(Disk& disk, const std::string& folder, Manifest& manifest,
     manifest.files.push_back(
         {path, digest.value().size_bytes, digest.value().sha256, info.value().mode & kPermissions});
   }
-  if (manifest.files.empty()) return Refusal(Fault::kMissing, folder + " has no files");
+  if (manifest.files.empty()) return FaultError(Fault::kMissing, folder + " has no files");
   return Ok();
 }
 
@@ -44,7 +45,7 @@ Result<Manifest> MakeBundle(Disk& disk, const std::string& folder, Manifest mani
   // Does not make a bundle that no robot would accept.
   if (const auto parsed = ParseManifest(text, kManifestFile); !parsed) return parsed.error();
   if (text.size() > kLargestManifest) {
-    return Refusal(Fault::kBadManifest, "there are too many files for one manifest");
+    return FaultError(Fault::kBadManifest, "there are too many files for one manifest");
   }
   const auto signature = Sign(text, private_pem);
   if (!signature) return signature.error();
@@ -71,7 +72,7 @@ Result<SignedManifest> CheckBundle(Disk& disk, const std::string& bundle,
   const auto info = disk.Look(bundle);
   if (!info) return info.error();
   if (info.value().kind != Disk::Kind::kFolder) {
-    return Refusal(Fault::kMissing, bundle + " is not a bundle: it is not a folder");
+    return FaultError(Fault::kMissing, bundle + " is not a bundle: it is not a folder");
   }
   auto manifest = ReadManifest(disk, bundle, public_pem);
   if (!manifest) return manifest.error();

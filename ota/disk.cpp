@@ -13,8 +13,8 @@ constexpr int kDeepest = 32;                  // folders within each other
 Result<> Walk(Disk& disk, const std::string& folder, const std::string& below, int depth,
               std::vector<std::string>& files) {
   if (depth > kDeepest) {
-    return Refusal(Fault::kBadPath,
-                   "folders are nested deeper than " + std::to_string(kDeepest) + ": " + below);
+    return FaultError(Fault::kBadPath,
+                      "folders are nested deeper than " + std::to_string(kDeepest) + ": " + below);
   }
   auto names = disk.List(folder + "/" + below);
   if (!names) return names.error();
@@ -28,9 +28,9 @@ Result<> Walk(Disk& disk, const std::string& folder, const std::string& below, i
       files.push_back(path);
     } else {
       const bool link = info.value().kind == Disk::Kind::kLink;
-      return Refusal(Fault::kBadPath, path +
-                                          (link ? " is a symbolic link" : " is not a plain file") +
-                                          "; only files and folders can be upgraded");
+      return FaultError(Fault::kBadPath,
+                        path + (link ? " is a symbolic link" : " is not a plain file") +
+                            "; only files and folders can be upgraded");
     }
   }
   return Ok();
@@ -48,7 +48,7 @@ Result<std::string> ReadAll(Disk& disk, const std::string& path, std::size_t mos
   const auto info = disk.Look(path);
   if (!info) return info.error();
   if (info.value().kind == Disk::Kind::kNothing) {
-    return Refusal(Fault::kMissing, path + " is missing");
+    return FaultError(Fault::kMissing, path + " is missing");
   }
   if (info.value().size_bytes > most_bytes) {
     return Error{kCodeFailed, path + " has " + std::to_string(info.value().size_bytes) +

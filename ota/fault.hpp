@@ -26,7 +26,7 @@ enum class Fault : std::int32_t {  // keys of the module OTA
   kNoVersion,                      // neither slot has a version that can be started
 };
 
-inline Error Refusal(Fault fault, std::string message) {
+inline Error FaultError(Fault fault, std::string message) {
   return {static_cast<std::int32_t>(ModuleCode::kOta) + static_cast<std::int32_t>(fault),
           std::move(message)};
 }

@@ -36,11 +36,11 @@ Result<Digest> Stream(Disk& disk, const std::string& path, const OnBytes& on_byt
 
 Result<> Compare(const FileEntry& file, const Digest& digest) {
   if (digest.size_bytes != file.size_bytes) {
-    return Refusal(Fault::kAltered, file.path + " has " + std::to_string(digest.size_bytes) +
-                                        " bytes instead of " + std::to_string(file.size_bytes));
+    return FaultError(Fault::kAltered, file.path + " has " + std::to_string(digest.size_bytes) +
+                                           " bytes instead of " + std::to_string(file.size_bytes));
   }
   if (digest.sha256 != file.sha256) {
-    return Refusal(Fault::kAltered, file.path + " is not the file that was signed");
+    return FaultError(Fault::kAltered, file.path + " is not the file that was signed");
   }
   return Ok();
 }
@@ -69,10 +69,10 @@ Result<> CheckFiles(Disk& disk, const std::string& folder, const Manifest& manif
     const auto info = disk.Look(path);
     if (!info) return info.error();
     if (info.value().kind == Disk::Kind::kNothing) {
-      return Refusal(Fault::kMissing, file.path + " is missing");
+      return FaultError(Fault::kMissing, file.path + " is missing");
     }
     if (info.value().kind != Disk::Kind::kFile) {
-      return Refusal(Fault::kBadPath, file.path + " is not a plain file");
+      return FaultError(Fault::kBadPath, file.path + " is not a plain file");
     }
     // Checked before reading: a file of the wrong size need not be read.
     if (info.value().size_bytes != file.size_bytes) {
@@ -92,7 +92,7 @@ Result<> CheckNothingElse(Disk& disk, const std::string& folder, const Manifest&
   for (const FileEntry& file : manifest.files) listed.insert(file.path);
   for (const std::string& path : found.value()) {
     if (!listed.contains(path)) {
-      return Refusal(Fault::kExtra, path + " is not in the manifest");
+      return FaultError(Fault::kExtra, path + " is not in the manifest");
     }
   }
   return Ok();
@@ -105,7 +105,7 @@ Result<> CheckPrograms(Disk& disk, const std::string& folder, const Manifest& ma
   if (!there) return there.error();
   if (there.value().kind == Disk::Kind::kNothing) return Ok();
   if (there.value().kind != Disk::Kind::kFolder) {
-    return Refusal(Fault::kBadPath, std::string(kProgramFolder) + " is not a folder");
+    return FaultError(Fault::kBadPath, std::string(kProgramFolder) + " is not a folder");
   }
   const auto names = disk.List(programs);
   if (!names) return names.error();
@@ -119,9 +119,10 @@ Result<> CheckPrograms(Disk& disk, const std::string& folder, const Manifest& ma
     const bool can_run =
         is_file ? (info.value().mode & kExecutable) != 0 : info.value().kind == Disk::Kind::kLink;
     if (!can_run || listed.contains(path)) continue;
-    return Refusal(Fault::kExtra, path +
-                                      " is not in the signed manifest, and would be run instead of "
-                                      "any other program of its name; remove it");
+    return FaultError(Fault::kExtra,
+                      path +
+                          " is not in the signed manifest, and would be run instead of "
+                          "any other program of its name; remove it");
   }
   return Ok();
 }
@@ -137,7 +138,7 @@ Result<> CopyFiles(Disk& disk, const std::string& from, const std::string& to,
     const auto digest =
         Stream(disk, from + "/" + file.path, on_bytes, [&](std::string_view bytes) -> Result<> {
           if (bytes.size() > left) {
-            return Refusal(Fault::kAltered, file.path + " grows while it is copied");
+            return FaultError(Fault::kAltered, file.path + " grows while it is copied");
           }
           left -= bytes.size();
           return writer.value()->Write(bytes);

@@ -72,13 +72,13 @@ Result<> CheckVersion(const Manifest& manifest, const Version& present,
                       const InstallOptions& options) {
   const auto order = Compare(manifest.version, present);
   const std::string both = "version " + manifest.version.text + ", the robot has " + present.text;
-  if (std::is_eq(order)) return Refusal(Fault::kNotNewer, "it is the same version: " + both);
+  if (std::is_eq(order)) return FaultError(Fault::kNotNewer, "it is the same version: " + both);
   if (std::is_lt(order) && !options.allow_downgrade) {
-    return Refusal(Fault::kNotNewer, "it is older: " + both + "; --allow-downgrade accepts it");
+    return FaultError(Fault::kNotNewer, "it is older: " + both + "; --allow-downgrade accepts it");
   }
   if (manifest.min_version && std::is_lt(Compare(present, *manifest.min_version))) {
-    return Refusal(Fault::kTooFar, "it can only upgrade version " + manifest.min_version->text +
-                                       " or newer, the robot has " + present.text);
+    return FaultError(Fault::kTooFar, "it can only upgrade version " + manifest.min_version->text +
+                                          " or newer, the robot has " + present.text);
   }
   return Ok();
 }
@@ -111,14 +111,14 @@ Result<> Installation::Check(const OnBytes& on_bytes) {
   if (!manifest) return manifest.error();
   const Manifest& offered = manifest.value().manifest;
   if (offered.robot != root_->config().robot) {
-    return Refusal(Fault::kOtherRobot,
-                   "it is for robot " + offered.robot + ", not for " + root_->config().robot);
+    return FaultError(Fault::kOtherRobot,
+                      "it is for robot " + offered.robot + ", not for " + root_->config().robot);
   }
   if (auto good = CheckVersion(offered, present_, options_); !good) return good;
   auto whole = CheckBundle(root_->disk(), bundle_, root_->public_key(), on_bytes);
   if (!whole) return whole.error();
   if (whole.value().text != manifest.value().text) {
-    return Refusal(Fault::kAltered, bundle_ + " changes while it is read");
+    return FaultError(Fault::kAltered, bundle_ + " changes while it is read");
   }
   manifest_ = std::move(whole).value();
   return CheckRoom();
@@ -130,8 +130,8 @@ Result<> Installation::CheckRoom() const {
   const std::uint64_t have = free.value() + Taken(root_->disk(), root_->SlotFolder(slot_));
   const std::uint64_t need = Room(manifest_.manifest);
   if (need <= have) return Ok();
-  return Refusal(Fault::kNoSpace, "it needs " + Megabytes(need) + " in " + root_->path() +
-                                      "/slots, there are " + Megabytes(have));
+  return FaultError(Fault::kNoSpace, "it needs " + Megabytes(need) + " in " + root_->path() +
+                                         "/slots, there are " + Megabytes(have));
 }
 
 Result<> Installation::Prepare() {
@@ -182,9 +182,9 @@ Result<Version> RollbackTarget(const Root& root, const SlotState& state,
   if (auto good = CheckState(state, running); !good) return good.error();
   const Slot other = Other(state.confirmed);
   if (!state.other_good) {
-    return Refusal(Fault::kNoVersion, "no version to roll back to: slot " +
-                                          std::string(SlotName(other)) +
-                                          " has no version that was confirmed here");
+    return FaultError(Fault::kNoVersion, "no version to roll back to: slot " +
+                                             std::string(SlotName(other)) +
+                                             " has no version that was confirmed here");
   }
   return root.Look(other);
 }

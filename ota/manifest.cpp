@@ -123,8 +123,8 @@ Manifest Read(TableReader& root, std::int64_t& format) {
 
 Error First(Findings findings, const std::string& file, std::string_view text, bool paths) {
   const auto diagnostics = std::move(findings).Take(file, text);
-  return Refusal(paths ? Fault::kBadPath : Fault::kBadManifest,
-                 FormatDiagnostic(diagnostics.front()));
+  return FaultError(paths ? Fault::kBadPath : Fault::kBadManifest,
+                    FormatDiagnostic(diagnostics.front()));
 }
 
 }  // namespace
@@ -182,8 +182,9 @@ Result<Manifest> ParseManifest(std::string_view text, const std::string& file) {
   std::int64_t format = 0;
   Manifest manifest = Read(root, format);
   if (format != kFormat) {
-    return Refusal(Fault::kUnknownFormat, file + " has format " + std::to_string(format) +
-                                              "; this musher supports " + std::to_string(kFormat));
+    return FaultError(Fault::kUnknownFormat, file + " has format " + std::to_string(format) +
+                                                 "; this musher supports " +
+                                                 std::to_string(kFormat));
   }
   root.RefuseOthers();
   if (findings.HasErrors()) return First(std::move(findings), file, text, false);
@@ -196,7 +197,7 @@ Result<Manifest> ParseManifest(std::string_view text, const std::string& file) {
     }
   }
   if (const auto collision = Collision(manifest.files)) {
-    return Refusal(Fault::kBadPath, file + ": " + *collision);
+    return FaultError(Fault::kBadPath, file + ": " + *collision);
   }
   return manifest;
 }
@@ -207,11 +208,11 @@ Result<SignedManifest> ReadManifest(Disk& disk, const std::string& folder,
   auto text = ReadAll(disk, file, kLargestManifest);
   if (!text) {
     const bool missing = Is(text.error(), Fault::kMissing);
-    return missing ? text.error() : Refusal(Fault::kBadManifest, text.error().message);
+    return missing ? text.error() : FaultError(Fault::kBadManifest, text.error().message);
   }
   auto signature = ReadAll(disk, folder + "/" + kSignatureFile, 4096);
   if (!signature) {
-    return Refusal(Fault::kUnsigned, "there is no signature: " + signature.error().message);
+    return FaultError(Fault::kUnsigned, "there is no signature: " + signature.error().message);
   }
   if (auto good = VerifySignature(text.value(), signature.value(), public_pem); !good) {
     return Error{good.error().code, folder + ": " + good.error().message};

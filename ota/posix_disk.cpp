@@ -30,7 +30,7 @@ constexpr int kTryEveryMs = 20;
 Error DiskError(const std::string& what) {
   const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG;
   Error error = SystemError(what);
-  return full ? Refusal(Fault::kNoSpace, error.message) : error;
+  return full ? FaultError(Fault::kNoSpace, error.message) : error;
 }
 
 class PosixReader : public Disk::Reader {
@@ -138,7 +138,7 @@ Result<std::unique_ptr<Disk::Reader>> PosixDisk::Open(const std::string& path) {
   UniqueFd fd(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
   if (!fd.valid() || fstat(fd.get(), &status) != 0) return SystemError("can't open " + path);
-  if (!S_ISREG(status.st_mode)) return Refusal(Fault::kBadPath, path + " is not a plain file");
+  if (!S_ISREG(status.st_mode)) return FaultError(Fault::kBadPath, path + " is not a plain file");
   posix_fadvise(fd.get(), 0, 0, POSIX_FADV_SEQUENTIAL);
   return std::unique_ptr<Reader>(std::make_unique<PosixReader>(path, std::move(fd)));
 }

@@ -100,7 +100,7 @@ SlotContent Root::LookAtManifest(Slot slot) const {
   if (!read) return read.error();
   Manifest& manifest = read.value().manifest;
   if (manifest.robot != config_.robot) {
-    return Refusal(Fault::kOtherRobot, "it is for robot " + manifest.robot);
+    return FaultError(Fault::kOtherRobot, "it is for robot " + manifest.robot);
   }
   return std::move(manifest.version);
 }

@@ -112,9 +112,9 @@ Result<> VerifySignature(std::string_view text, std::string_view signature,
                        text.size()) == 1;
   ERR_clear_error();
   if (good) return Ok();
-  return Refusal(Fault::kWrongSignature,
-                 "the signature does not match this manifest and this robot's key: signed with "
-                 "another key, or altered");
+  return FaultError(Fault::kWrongSignature,
+                    "the signature does not match this manifest and this robot's key: signed with "
+                    "another key, or altered");
 }
 
 Result<> CheckPublicKey(std::string_view public_pem) {

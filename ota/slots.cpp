@@ -50,8 +50,8 @@ Result<Boot> DecideWithoutState(std::optional<Slot> link, const LookIntoSlot& lo
   const SlotContent a = look(Slot::kA);
   const SlotContent b = look(Slot::kB);
   if (!a && !b) {
-    return Refusal(Fault::kNoVersion, "no version can be started. Slot a: " + a.error().message +
-                                          ". Slot b: " + b.error().message);
+    return FaultError(Fault::kNoVersion, "no version can be started. Slot a: " + a.error().message +
+                                             ". Slot b: " + b.error().message);
   }
   const bool a_is_older = a && b && std::is_lteq(Compare(a.value(), b.value()));
   Slot start = a_is_older || !b ? Slot::kA : Slot::kB;
@@ -139,9 +139,9 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
   if (confirmed) return Boot{state->confirmed, false, confirmed.value(), next, reason};
   if (!tried) tried = look(other);
   if (!*tried) {
-    return Refusal(Fault::kNoVersion, "no version can be started. " + Name(state->confirmed) +
-                                          ": " + confirmed.error().message + ". " + Name(other) +
-                                          ": " + tried->error().message);
+    return FaultError(Fault::kNoVersion, "no version can be started. " + Name(state->confirmed) +
+                                             ": " + confirmed.error().message + ". " + Name(other) +
+                                             ": " + tried->error().message);
   }
   next = SlotState{other, false, false, false, next.last};
   return Boot{other, false, tried->value(), next,

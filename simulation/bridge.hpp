@@ -2,7 +2,7 @@
 // A bridge that echoes, such as one between two DDS domains: a second writer of the topics of
 // actuators, which repeats old statuses and heartbeats of all of them, and leaves.
 //
-// Threads: one, that of the network.
+// Threads: the one of the network.
 
 #include <deque>
 #include <memory>

@@ -629,10 +629,10 @@ bool Checker::ReleasedElsewhere() const {
          });
 }
 
-// Whether a stop is still engaged. A panel keeps its last stop only: an earlier one is lost if no
-// controller had received it, if it was stored on a disk that is lost, or if it was stored on
-// another host than that of the controller that leads. Whether one is engaged that a program has
-// published, which publishes it no more, depends on who has received it.
+// Whether a stop is still engaged. A panel keeps its last stop only. An earlier stop is lost if no
+// controller had received it, if the disk that had it is lost, or if that disk is on another host
+// than the controller that leads. A program publishes its stop for some time only: whether the stop
+// is engaged later depends on which controllers and actuators have received it.
 Checker::Open Checker::StopIsOpen() const {
   const ControllerProcess* leader = robot_.leader();
   Open open = Open::kNo;
@@ -681,8 +681,8 @@ bool Checker::IsStopped(const std::string& name, std::size_t host,
 }
 
 // Every actuator of the machine is stopped, unless the stop was released meanwhile. The program
-// goes by the controller that it reaches, which cannot know of a process beyond a cut link that no
-// controller of its host has ever received.
+// takes the word of the controller that it reaches. That controller cannot know of a process beyond
+// a cut link if no controller of its host has ever received the process.
 void Checker::OnStopConfirmed(StopId id) {
   ++checks_;
   if (released_at_ && *released_at_ >= engaged_at_[id]) return;
@@ -800,11 +800,11 @@ void Checker::NoteReceived(const ControllerProcess& controller, Seen& seen) {
   }
 }
 
-// Whether a controller can know of a process on another host: it has received a report of it, or an
-// earlier controller of its host has, which stores that. A controller that takes the machine over
-// from one of a third host while the link to the process is cut, or whose disk was full or stalled,
-// cannot: what it never received and no disk of its host has is indistinguishable from a process
-// that was never started.
+// Whether a controller can know of a process on another host: it has received a report of the
+// process, or an earlier controller of its host has, and has stored that. There are two cases where
+// it cannot: it takes the machine over from a controller of a third host while the link to the
+// process is cut, or its disk was full or stalled. A process that it never received and that no disk
+// of its host has looks like a process that was never started.
 bool Checker::IsKnown(const ControllerProcess& controller, ActuatorIndex i, std::size_t host,
                       const ActuatorReport& report) const {
   return host == controller.host() ||
@@ -812,8 +812,8 @@ bool Checker::IsKnown(const ControllerProcess& controller, ActuatorIndex i, std:
           received_.contains({controller.host(), i, report.host, report.incarnation}));
 }
 
-// TearDown is reported as done. It concerns the processes on the controller's own host, which it
-// finds by their names, and those of other hosts that it can know of.
+// TearDown is reported as done. That concerns the processes on the controller's own host, which the
+// controller finds by their names, and the processes of other hosts that it can know of.
 void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchResult& result) {
   if (result.target != kTearDown || !result.actuator.empty()) return;
   if (result.outcome != SwitchOutcome::kDone) return;
@@ -943,8 +943,8 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
   }
   const bool done =
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
-  // Beyond a partition a second controller may lead, with other actuators: the result is about
-  // those of the controller that replies.
+  // Beyond a partition a second controller may lead other actuators: the result is about the
+  // actuators of the controller that replies.
   const ControllerProcess* controller = robot_.leader();
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* replying = robot_.controller(which);

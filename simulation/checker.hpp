@@ -248,8 +248,8 @@ class Checker {
   std::map<std::pair<std::string, std::size_t>, std::optional<Waiting>> waiting_;
   Time check_clients_at_{};
   std::map<std::uint64_t, Time> fenced_at_;  // by the serial of the controller
-  // A person's word is a start or a takeover. A controller that a supervisor restarts has the word
-  // by which the one before it on its host was started.
+  // A person's word is a start or a takeover. A supervisor restarts a controller by the same word
+  // by which the controller before it on this host was started.
   struct Word {
     std::uint64_t number = 0;               // grows with each
     std::uint64_t controller = 0;           // its serial

@@ -2,7 +2,7 @@
 // A client of the machine, such as the command line or an application: a process of its own that
 // calls the controller's services over the simulated network.
 //
-// Threads: one, that of the network.
+// Threads: the one of the network.
 
 #include <cstdint>
 #include <functional>

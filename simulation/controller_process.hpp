@@ -3,7 +3,7 @@
 // hosts, with a disk that outlives it. It starts, watches and signals processes of its own host
 // only.
 //
-// Threads: one, that of the network.
+// Threads: the one of the network.
 
 #include <cstdint>
 #include <functional>

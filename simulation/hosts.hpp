@@ -3,7 +3,7 @@
 // counts from its last boot. On the network each process has an endpoint of its own
 // (transport::sim calls it a host), so that a single process can be cut off, or a whole host.
 //
-// Threads: one, that of the network.
+// Threads: the one of the network.
 
 #include <array>
 #include <cstdint>

@@ -147,7 +147,7 @@ class ModuleUnderTest::LockstepWorker : public Worker {
     const CallbackThread::Turn turn = callback_->Resume(limit);
     if (turn == CallbackThread::Turn::kEnded) thread_.join();
     if (turn == CallbackThread::Turn::kStuck) {
-      thread_.detach();  // nothing can end it; it keeps what it uses
+      thread_.detach();  // nothing can end the thread, and what it uses stays alive
       module_.GiveUp("its callback of " + module_.state_ +
                      " neither ends nor calls StopRequested()");
     }

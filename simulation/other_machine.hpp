@@ -3,7 +3,7 @@
 // domain, on a host of its own. It has the same actuators, an id of its own and perhaps the same
 // name. A checker of its own holds it to the same invariants.
 //
-// Threads: one, that of the network.
+// Threads: the one of the network.
 
 #include <functional>
 #include <string>

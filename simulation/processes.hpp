@@ -3,7 +3,7 @@
 // Module behind it instead of a program. Several actuators may share a process. An actuator can run
 // on several hosts at once, although it should not.
 //
-// Threads: one, that of the network.
+// Threads: the one of the network.
 
 #include <cstdint>
 #include <functional>

@@ -195,7 +195,7 @@ class SimRobot {
     transport::sim::Network network;
     Hosts hosts;
   };
-  // In `world`, or else in that of `beside`.
+  // In `world`; without one, in the world of `beside`.
   SimRobot(std::unique_ptr<World> world, SimRobot* beside, MachineConfig config, Script script,
            Layout layout);
   void Open(std::size_t which);
@@ -210,7 +210,7 @@ class SimRobot {
 
   MachineConfig config_;
   const Layout layout_;
-  const std::unique_ptr<World> world_;  // null: it is in that of another machine
+  const std::unique_ptr<World> world_;  // null: it is in the world of another machine
   transport::sim::Network& network_;
   Hosts& hosts_;
   Time switched_on_;

@@ -41,9 +41,11 @@ Layout LayoutOf(const MachineConfig& config, std::uint64_t seed, bool shared_pro
   return layout;
 }
 
-// Nothing publishes /clock in a scenario: its time is the network's.
-MachineConfig WithSteadyClock(MachineConfig config) {
+// Nothing publishes /clock in a scenario: its time is the network's. Nor does a person give permits
+// to move.
+MachineConfig ForScenario(MachineConfig config) {
   config.clock = ClockSource::kSteady;
+  config.permit.reset();
   return config;
 }
 
@@ -92,7 +94,7 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
       fault_windows_(config.actuators.size()),
       callback_runs_(config.actuators.size()),
       robot_(
-          seed, WithSteadyClock(config),
+          seed, ForScenario(config),
           [this](const std::string& name, const State& state) { return SampleAct(name, state); },
           LayoutOf(config, seed, options.shared_processes, injections_)),
       checker_(robot_) {

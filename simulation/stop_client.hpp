@@ -4,7 +4,7 @@
 // Else the stop stays published for a minute. Its links may be slow and lossy, and its discovery
 // takes long.
 //
-// Threads: one, that of the network.
+// Threads: the one of the network.
 
 #include <functional>
 #include <memory>

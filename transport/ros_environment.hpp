@@ -25,10 +25,10 @@ extern const char* const kRosOnLoopback;
 // The same with interfaces to other hosts, for a machine of the profile "lan".
 std::string RosOnInterfaces(const std::vector<std::string>& outer);
 
-// Whether a CYCLONEDDS_URI replaces the settings of the profile. kRosOnLoopback, which a person
-// exports for ROS 2's tools, does not replace those of "local", which is on the loopback, too; nor
-// does RosOnInterfaces(), which a program inherits from the ROS 2 process that has started it,
-// replace those of "lan".
+// Whether a CYCLONEDDS_URI replaces the settings of the profile. Two values do not: kRosOnLoopback
+// in the profile "local", which is on the loopback, too (a person exports it for ROS 2's tools); and
+// RosOnInterfaces() in the profile "lan" (a program inherits it from the ROS 2 process that has
+// started it).
 bool ReplacesProfile(TransportProfile profile, std::string_view uri);
 
 // What a ROS 2 process needs beside `environment` to meet a machine of this profile, with these

@@ -39,7 +39,7 @@ class BatteryWatch {
   std::unique_ptr<Subscription> samples_;
 };
 
-// The battery topic of a machine, in its namespace: that of the policy, else `bms_status`.
+// The battery topic of a machine, in its namespace: of [policy.battery], else `bms_status`.
 std::string BatteryTopic(const MachineConfig& config);
 
 }  // namespace musher::transport

@@ -10,7 +10,7 @@
 namespace musher::transport {
 
 // The options that the config has for the process `identity`, with `node_name` as its node in the
-// machine's namespace, and an actuator's timing of discovery: that of a crowd from 64 processes on.
+// machine's namespace. An actuator discovers with the timing of a crowd from 64 processes on.
 DdsOptions OptionsFor(const MachineConfig& config, const std::string& identity,
                       const std::string& node_name);
 

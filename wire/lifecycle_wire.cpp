@@ -45,6 +45,9 @@ std::string ControllerHeartbeatTopic(std::string_view name_space) {
 std::string EmergencyStopTopic(std::string_view name_space) {
   return ResolveName(name_space, "musher/emergency_stop");
 }
+std::string PermitTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/permit");
+}
 std::string MachineService(std::string_view name_space, std::string_view name) {
   return ResolveName(name_space, "musher/" + std::string(name));
 }

@@ -27,6 +27,7 @@ std::string CapabilitiesTopic(std::string_view name_space);
 std::string ActuatorHeartbeatTopic(std::string_view name_space);
 std::string ControllerHeartbeatTopic(std::string_view name_space);
 std::string EmergencyStopTopic(std::string_view name_space);
+std::string PermitTopic(std::string_view name_space);
 // `name` is "set_state", "restart_actuator", "release_emergency_stop", "get_status", "get_plan",
 // "get_capabilities" or "get_history".
 std::string MachineService(std::string_view name_space, std::string_view name);

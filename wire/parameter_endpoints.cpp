@@ -70,7 +70,7 @@ std::vector<const NodeParameter*> ParameterEndpoints::FindAll(
   return found;
 }
 
-std::string ParameterEndpoints::Refusal(const msg::Parameter& parameter) const {
+std::string ParameterEndpoints::WhyNotSet(const msg::Parameter& parameter) const {
   const std::string name = "'" + parameter.name.substr(0, kLongestName) + "'";
   const NodeParameter* known = Find(parameter.name);
   if (known == nullptr) {
@@ -93,7 +93,7 @@ Result<> ParameterEndpoints::Open(Node& node, const std::string& base) {
   };
   const auto results_of = [this](const std::vector<msg::Parameter>& all) {
     std::vector<msg::SetParametersResult> results;
-    for (const msg::Parameter& one : all) results.push_back({false, Refusal(one)});
+    for (const msg::Parameter& one : all) results.push_back({false, WhyNotSet(one)});
     return results;
   };
   auto r = open(list_, "list_parameters", [this](const auto& request, auto reply) {

@@ -40,7 +40,7 @@ class ParameterEndpoints {
   const NodeParameter* Find(const std::string& name) const;
   // Those of `names`; empty if one of them is not declared.
   std::vector<const NodeParameter*> FindAll(const std::vector<std::string>& names) const;
-  std::string Refusal(const msg::Parameter& parameter) const;
+  std::string WhyNotSet(const msg::Parameter& parameter) const;
 
   const std::vector<NodeParameter> parameters_;
   std::unique_ptr<Server<msg::ListParameters>> list_;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kHeader = 6;
 constexpr std::uint8_t kIdleAfter = 10;
 
-Parts Refusal(const std::string& why) {
+Parts ErrorReply(const std::string& why) {
   return {"error", why};
 }
 
@@ -82,16 +82,16 @@ std::string Boards(tree::Tree& tree, const std::string& wanted) {
 
 Parts Reply(const Parts& request, const TreeView& view, const tree::Factory& factory,
             const TreeId& tree_id) {
-  if (request.empty() || request[0].size() != kHeader) return Refusal("wrong request header");
+  if (request.empty() || request[0].size() != kHeader) return ErrorReply("wrong request header");
   const char type = request[0][1];
   std::string header = request[0];
   header[0] = kProtocol;
   header.append(tree_id.data(), tree_id.size());
   if (std::string_view("IRUDAXrt").find(type) != std::string_view::npos) return {header};
   if (type == 'T' || type == 'S' || type == 'B') {
-    if (view.tree == nullptr) return Refusal("no tree is loaded");
+    if (view.tree == nullptr) return ErrorReply("no tree is loaded");
     if (view.tree->size() >= std::numeric_limits<std::uint16_t>::max()) {
-      return Refusal("the tree has more nodes than this protocol can number");
+      return ErrorReply("the tree has more nodes than this protocol can number");
     }
   }
   switch (type) {
@@ -101,10 +101,10 @@ Parts Reply(const Parts& request, const TreeView& view, const tree::Factory& fac
     case 'S':
       return {header, StatusOf(*view.tree)};
     case 'B':
-      if (request.size() != 2) return Refusal("must be 2 parts message");
+      if (request.size() != 2) return ErrorReply("must be 2 parts message");
       return {header, Boards(*view.tree, request[1])};
     default:
-      return Refusal("Request not recognized");
+      return ErrorReply("Request not recognized");
   }
 }
 

@@ -46,7 +46,7 @@ struct Fault {
   Duration at{};
   std::string what;
   // The path of the state, "SHOW/PHOTO". When a machine inside stopped by its own fault, phase and
-  // text are those of the innermost state.
+  // text are of the innermost state.
   std::string where;
 };
 

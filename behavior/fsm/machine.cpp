@@ -50,7 +50,7 @@ class InTick {
   bool& flag_;
 };
 
-Error Refusal(const std::string& machine, const char* why) {
+Error CallError(const std::string& machine, const char* why) {
   return {kCodeFailed, machine + ": " + why};
 }
 
@@ -343,10 +343,10 @@ void Machine::NotifyInput(const Input& input) {
 }
 
 Result<> Machine::StartAt(StateId state, Time now) {
-  if (in_tick_) return Refusal(name(), kInTick);
-  if (!built_) return Refusal(name(), "cannot start before Build() has succeeded");
-  if (running_) return Refusal(name(), "runs already");
-  if (Index(state) >= nodes_.size()) return Refusal(name(), "has no such state");
+  if (in_tick_) return CallError(name(), kInTick);
+  if (!built_) return CallError(name(), "cannot start before Build() has succeeded");
+  if (running_) return CallError(name(), "runs already");
+  if (Index(state) >= nodes_.size()) return CallError(name(), "has no such state");
   const InTick guard(in_tick_);
   NotifyInput({.kind = Input::Kind::kStart, .time = now, .state = state});
   running_ = true;
@@ -541,7 +541,7 @@ void Machine::Halt(Cause cause) {
 }
 
 Result<> Machine::Stop() {
-  if (in_tick_) return Refusal(name(), kInTick);
+  if (in_tick_) return CallError(name(), kInTick);
   if (!running_) return Ok();
   const InTick guard(in_tick_);
   NotifyInput({.kind = Input::Kind::kStop});
@@ -559,9 +559,9 @@ Result<> Machine::Stop() {
 }
 
 Result<> Machine::Force(StateId target) {
-  if (in_tick_) return Refusal(name(), kInTick);
-  if (!running_) return Refusal(name(), "does not run");
-  if (Index(target) >= nodes_.size()) return Refusal(name(), "has no such state");
+  if (in_tick_) return CallError(name(), kInTick);
+  if (!running_) return CallError(name(), "does not run");
+  if (Index(target) >= nodes_.size()) return CallError(name(), "has no such state");
   const InTick guard(in_tick_);
   NotifyInput({.kind = Input::Kind::kForce, .state = target});
   Switch(target, Cause::kForced, kNoEvent);
@@ -569,8 +569,8 @@ Result<> Machine::Force(StateId target) {
 }
 
 Result<> Machine::Reset() {
-  if (in_tick_) return Refusal(name(), kInTick);
-  if (!running_) return Refusal(name(), "does not run");
+  if (in_tick_) return CallError(name(), kInTick);
+  if (!running_) return CallError(name(), "does not run");
   const InTick guard(in_tick_);
   NotifyInput({.kind = Input::Kind::kReset});
   DropCommands();
@@ -588,8 +588,8 @@ Error Machine::Failure() const {
 }
 
 Result<> Machine::Send(EventId event) {
-  if (Index(event) >= events_.size()) return Refusal(name(), "has no such event");
-  if (!running_) return Refusal(name(), "does not run");
+  if (Index(event) >= events_.size()) return CallError(name(), "has no such event");
+  if (!running_) return CallError(name(), "does not run");
   if (!in_tick_) {  // a command of a state or a listener is not an input from outside
     const InTick guard(in_tick_);
     NotifyInput({.kind = Input::Kind::kCommand, .command = event});

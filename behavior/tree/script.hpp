@@ -5,7 +5,7 @@
 //   operators    := = += -= *= /=   a ? b : c   ||   &&   == != < > <= >=   | ^   &   ..   + -   *
 //   /
 //                ! ~ -             those on the right bind tighter
-//   sequence     a; b; c      the value is that of the last one
+//   sequence     a; b; c      has the value of the last one
 //
 // := makes an entry, = needs one that has a value or that a port of the tree uses. A comparison may
 // be a chain: 0 < x < 5. Of a text and a number the text is converted: to true or false, to the

@@ -72,7 +72,7 @@ class TreeWriter {
     for (const Element& child : element.children) Note(child);
   }
 
-  // The first node behind those of this one: ids are in the order of the XML.
+  // Returns the first node that is not below this one: ids are in the order of the XML.
   NodeId WriteNode(NodeId id, std::size_t depth) {
     const NodeInfo& info = tree_.info(id);
     const bool subtree = info.kind == NodeKind::kSubtree;

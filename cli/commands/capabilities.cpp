@@ -29,10 +29,9 @@ Failure Unknown(const std::string& name, const msg::Capabilities& known) {
 
 ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& global,
                       Console& console) {
-  const auto link = Link::Open(global, &console);
-  if (!link) return console.Fail(link.error());
+  const auto link = Link::OpenForCalls(global, &console);
   const auto answer =
-      link.value()->Call<msg::GetCapabilities>("get_capabilities", {}, std::chrono::seconds(5));
+      link->Call<msg::GetCapabilities>("get_capabilities", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const msg::Capabilities all{std::get<msg::GetCapabilities::Response>(answer).capabilities};
   const bool colour = console.mode().colour;

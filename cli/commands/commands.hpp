@@ -33,6 +33,7 @@ class Grammar;
   command(AddWait)                          \
   command(AddRestart)                       \
   command(AddEstop)                         \
+  command(AddPermit)                        \
   command(AddPlan)                          \
   command(AddWake)                          \
   command(AddKeep)                          \

@@ -121,28 +121,39 @@ bool IsApplication(Names names) {
   return names == Names::kApplications || names == Names::kStateMachines || names == Names::kTrees;
 }
 
-// The names of the running machine; none if it is not discovered in time.
-Words OfMachine(const GlobalOptions& global, Names names) {
-  const auto opened = Link::Open(global);
-  if (!opened) return {};
-  Link& link = *opened.value();
+// nullopt: it is not discovered in time.
+std::optional<msg::MachineStatus> StatusOfMachine(Link& link) {
+  if (link.CallsHere()) {
+    const auto answer = link.Call<msg::GetStatus>("get_status", {}, kFind);
+    const auto* reply = std::get_if<msg::GetStatus::Response>(&answer);
+    return reply == nullptr ? std::nullopt : std::optional(reply->status);
+  }
   link.Choose();
-  if (!link.FollowStatus({})) return {};
+  if (!link.FollowStatus({})) return std::nullopt;
   link.RunUntil([&] { return link.status().has_value(); },
                 link.LeaderHere() != 0 ? kFind : kFindElsewhere);
+  return link.status();
+}
+
+// The names of the running machine.
+Words OfMachine(const GlobalOptions& global, Names names) {
+  const auto link = Link::OpenForCalls(global);
+  const auto status = StatusOfMachine(*link);
   Words actuators = RunningHere(global.name_space);  // without a controller
-  if (link.status()) {
+  if (status) {
     actuators.clear();
-    actuators.reserve(link.status()->actuators.size());
-    for (const auto& actuator : link.status()->actuators) actuators.push_back(actuator.name);
+    actuators.reserve(status->actuators.size());
+    for (const auto& actuator : status->actuators) actuators.push_back(actuator.name);
   }
   if (names == Names::kActuators) return actuators;
-  if (IsApplication(names)) return Applications(link, global.name_space, actuators, names);
-  if (!link.status()) return {};
-  if (names == Names::kCapabilities) return Capabilities(link);
-  const msg::MachineStatus& status = *link.status();
-  if (status.host != HostId()) return {};
-  const auto config = ReadConfigFile(status.config_file).config;
+  if (IsApplication(names)) {
+    if (!link->Join()) return {};
+    return Applications(*link, global.name_space, actuators, names);
+  }
+  if (!status) return {};
+  if (names == Names::kCapabilities) return Capabilities(*link);
+  if (status->host != HostId()) return {};
+  const auto config = ReadConfigFile(status->config_file).config;
   return config ? Of(*config, names) : Words{};
 }
 

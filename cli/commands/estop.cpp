@@ -246,10 +246,9 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
 }
 
 ExitCode Release(const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global, &console);
-  if (!link) return console.Fail(link.error());
-  const auto answer = link.value()->Call<msg::ReleaseEmergencyStop>("release_emergency_stop",
-                                                                    {UserAtHost()}, kStopTimeout);
+  const auto link = Link::OpenForCalls(global, &console);
+  const auto answer =
+      link->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {UserAtHost()}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     Failure with_hint = *failure;
     if (failure->exit == ExitCode::kNoController) {
@@ -261,7 +260,7 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
   if (released.code != kCodeOk) {
     return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
   }
-  const auto status = link.value()->Call<msg::GetStatus>("get_status", {}, kStopTimeout);
+  const auto status = link->Call<msg::GetStatus>("get_status", {}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
   const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
   console.Print(console.mode().json ? ReleaseJson(machine)

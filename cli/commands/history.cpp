@@ -214,9 +214,7 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   const Selection& wanted = selection.value();
   std::unique_ptr<Link> link;
   if (options.journal.empty()) {
-    auto opened = Link::Open(global, &console);
-    if (!opened) return console.Fail(opened.error());
-    link = std::move(opened).value();
+    link = Link::OpenForCalls(global, &console);
   }
   auto read = link ? FromController(*link, wanted.since, wanted.ReadLimit())
                    : FromFile(options.journal, wanted.since, wanted.ReadLimit());

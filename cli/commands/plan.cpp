@@ -16,10 +16,9 @@ struct PlanOptions {
 };
 
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global, &console);
-  if (!link) return console.Fail(link.error());
-  const auto answer = link.value()->Call<msg::GetPlan>(
-      "get_plan", {options.state, options.actuator}, std::chrono::seconds(5));
+  const auto link = Link::OpenForCalls(global, &console);
+  const auto answer = link->Call<msg::GetPlan>("get_plan", {options.state, options.actuator},
+                                               std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& plan = std::get<msg::GetPlan::Response>(answer);
   console.Print(console.mode().json ? PlanJson(plan) : PlanText(plan, console.mode().colour));

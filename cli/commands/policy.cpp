@@ -36,10 +36,9 @@ struct PolicyCommand {
 ExitCode Request(const PolicyCommand& policy,
                  const std::function<std::string(const std::string&)>& done,
                  const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global, &console);
-  if (!link) return console.Fail(link.error());
-  const auto answer = link.value()->CallLeader<msg::RequestPolicy>("request_policy", policy.request,
-                                                                   kPolicyTimeout);
+  const auto link = Link::OpenForCalls(global, &console);
+  const auto answer =
+      link->CallLeader<msg::RequestPolicy>("request_policy", policy.request, kPolicyTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& response = std::get<msg::RequestPolicy::Response>(answer);
   if (response.code != kCodeOk) {

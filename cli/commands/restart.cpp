@@ -32,10 +32,9 @@ Failure WithHint(Failure failure, const std::string& actuator) {
 }
 
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global, &console);
-  if (!link) return console.Fail(link.error());
-  const auto answer = link.value()->CallLeader<msg::RestartActuator>(
-      "restart_actuator", {options.actuator}, kRestartTimeout);
+  const auto link = Link::OpenForCalls(global, &console);
+  const auto answer = link->CallLeader<msg::RestartActuator>("restart_actuator", {options.actuator},
+                                                             kRestartTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     return console.Fail(WithHint(*failure, options.actuator));
   }
@@ -45,7 +44,7 @@ ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Con
         {ExitCodeOfRefusal(restarted.code),
          {restarted.code, "restart " + options.actuator + ": " + restarted.reason}});
   }
-  const auto status = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  const auto status = link->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
   const auto& actuators = std::get<msg::GetStatus::Response>(status).status.actuators;
   const auto back = std::find_if(actuators.begin(), actuators.end(), [&](const auto& actuator) {

@@ -151,23 +151,50 @@ void KeepFailed(msg::MachineStatus& status) {
   });
 }
 
+// Where the controller of this host answers by itself, nothing unlisted can be known without a
+// network, but on this host.
+bool HasUnlistedHere(const msg::MachineStatus& status) {
+  const std::string prefix =
+      NameLock::NameOf(transport::DomainId({}).value(), status.name_space, "");
+  const std::vector<std::string> held = NameLock::HeldBelow(prefix);
+  return std::any_of(held.begin(), held.end(), [&](const std::string& name) {
+    return std::none_of(status.actuators.begin(), status.actuators.end(),
+                        [&](const auto& actuator) { return actuator.name == name; });
+  });
+}
+
+bool IsLan() {
+  const auto profile = transport::Profile({});
+  return !profile || profile.value() == TransportProfile::kLan;
+}
+
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global, &console);
-  if (!link) return console.Fail(link.error());
-  if (options.watch) return Watch(*link.value(), console);
-  const auto running =
-      RunningActuators::Begin(link.value()->node(), global.name_space, !global.keys.empty());
-  if (!running) return console.Fail(running.error());
-  const auto answer = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  const auto link = Link::OpenForCalls(global, &console);
+  if (options.watch) return Watch(*link, console);
+  std::unique_ptr<RunningActuators> running;
+  const auto look_at_all = [&]() -> Result<> {
+    if (auto joined = link->Join(); !joined) return joined.error();
+    auto begun = RunningActuators::Begin(link->node(), global.name_space, !global.keys.empty());
+    if (!begun) return begun.error();
+    running = std::move(begun).value();
+    return Ok();
+  };
+  if (!link->CallsHere()) {
+    if (auto looks = look_at_all(); !looks) return console.Fail(looks.error());
+  }
+  const auto answer = link->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) {
-    return WithoutController(*failure, running.value()->Now(), link.value()->LeaderHere() != 0,
-                             console);
+    return WithoutController(*failure, running ? running->Now() : Uncontrolled{},
+                             link->LeaderHere() != 0, console);
   }
   msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
-  running.value()->OnlyOf({status.machine, status.machine_id});
+  if (!running && (IsLan() || HasUnlistedHere(status))) {
+    if (auto looks = look_at_all(); !looks) return console.Fail(looks.error());
+  }
+  if (running) running->OnlyOf({status.machine, status.machine_id});
   AddCredentialHints(status, global);
-  const Uncontrolled unlisted = AwaitUnlisted(*link.value(), *running.value(), status);
-  const StatusSince since = SinceWhen(*link.value(), status);
+  const Uncontrolled unlisted = running ? AwaitUnlisted(*link, *running, status) : Uncontrolled{};
+  const StatusSince since = SinceWhen(*link, status);
   if (options.failed) KeepFailed(status);
   console.Print(
       console.mode().json

@@ -238,6 +238,10 @@ std::vector<ConfigWord> WordsOf(const MachineConfig& config) {
     words.Table("security", kNewStart);
     words.Key("keys", config.keys, kNewStart);
   }
+  if (config.permit) {
+    words.Table("safety", kNewStart);
+    words.Key("permit_ms", std::to_string(ToMilliseconds(*config.permit)), kNewStart);
+  }
   if (const auto& view = config.view) {
     words.Table("view");
     words.Key("port", std::to_string(view->port));

@@ -43,7 +43,12 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global, Console* c
   return link;
 }
 
+std::unique_ptr<Link> Link::OpenForCalls(const GlobalOptions& global, Console* console) {
+  return std::unique_ptr<Link>(new Link(global, console));
+}
+
 Result<> Link::Join() {
+  if (node_) return Ok();
   transport::DdsOptions options;
   options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.hidden = true;
@@ -67,7 +72,44 @@ Result<> Link::Join() {
   return Ok();
 }
 
+// With --machine another machine may be meant; one that was chosen by the network is kept; with
+// credentials DDS knows what they permit.
+std::string Link::HostCallsName() const {
+  const auto domain = transport::DomainId({});
+  if (!global_.machine.empty() || !global_.keys.empty() || chosen_ || !domain) return "";
+  return NameLock::NameOf(domain.value(), global_.name_space, "musher/calls");
+}
+
+bool Link::CallsHere() const {
+  const std::string name = HostCallsName();
+  return !name.empty() && ConnectTo(name).valid();
+}
+
+std::optional<std::variant<msg::Bytes, Failure>> Link::CallHere(const std::string& service,
+                                                                const msg::Bytes& request,
+                                                                Duration timeout, ExitCode lost) {
+  const std::string name = HostCallsName();
+  if (name.empty()) return std::nullopt;
+  std::optional<Result<msg::Bytes>> reply;
+  const auto call = transport::HostCall::Make(
+      loop_, name, service, request,
+      [&reply](Result<msg::Bytes> received) { reply = std::move(received); });
+  if (!call) return std::nullopt;
+  RunPatiently([&reply] { return reply.has_value(); }, timeout);
+  if (!reply && interrupted_) {
+    return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
+  }
+  if (!reply) return NoAnswer(timeout);
+  if (*reply) return std::move(*reply).value();
+  if (reply->error().code == kCodeUnSupport) return std::nullopt;
+  return Failure{
+      lost,
+      {kCodeNetError,
+       fmt::format("the controller (pid {}) has exited before it answered", call->server())}};
+}
+
 Result<> Link::FollowStatus(OnStatus on_change) {
+  if (auto joined = Join(); !joined) return joined.error();
   if (const auto failure = ChooseMachine()) return failure->error;
   on_status_ = std::move(on_change);
   LeaderWatch::Options leader{global_.name_space, HostId(), WatchByPidfd(loop_)};
@@ -93,6 +135,7 @@ void Link::Choose(MachineIdentity machine) {
 
 std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
   if (chosen_) return std::nullopt;
+  if (auto joined = Join(); !joined) return Failure{ExitCode::kUsage, joined.error()};
   chosen_ = true;
   const Duration limit = global_.timeout.value_or(std::chrono::hours(1));
   if (!global_.machine.empty()) {
@@ -432,14 +475,15 @@ std::string Link::ControllerName() const {
 }
 
 Failure Link::NoAnswer(Duration timeout) const {
-  std::string controller = "the controller";
+  const pid_t holder = LeaderHere();
+  std::string controller =
+      holder == 0 ? "the controller" : fmt::format("the controller (pid {})", holder);
   for (const Found& one : Candidates()) {
     if (!Speaks(one.machine())) continue;
     controller = fmt::format("the controller of {} (pid {})", one.info.machine, one.info.pid);
   }
   std::string message =
       fmt::format("{} did not answer within {:g} s", controller, ToSeconds(timeout));
-  const pid_t holder = LeaderHere();
   if (holder != 0 && RunStateOf(holder) == ProcessRunState::kStopped) {
     message += "; " + WhySilent(ExamineSilent(holder, global_), global_);
   }

@@ -1,5 +1,6 @@
 #pragma once
 // The connection of a command to the controller: joins the domain, finds the controller, calls it.
+// That of this host is called by a socket of the kernel, where its machine is meant.
 //
 //   Open() ── Call() ──▶ the reply
 //                 └──▶ a Failure: no controller, no reply in time, interrupted, or a bad network
@@ -28,6 +29,7 @@
 #include "musher/controller/client/leader_watch.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/transport/host_calls.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
@@ -58,10 +60,13 @@ class Link {
   // short of CPU time.
   static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global,
                                             Console* console = nullptr);
+  // The same for a command that only uses Call(): it joins the domain once a call needs it.
+  static std::unique_ptr<Link> OpenForCalls(const GlobalOptions& global,
+                                            Console* console = nullptr);
 
   enum class Purpose { kLook, kAct };
-  // Chooses the machine that the command speaks to: the one of --machine, else that of this host,
-  // else the only one that answers. Runs the loop until it is found, at most for discovery; a
+  // Chooses the machine that the command speaks to: by --machine, else the machine of this host,
+  // else the only machine that answers. Runs the loop until it is found, at most for discovery; a
   // Failure if the choice is open, and where a command that acts would speak to another machine
   // than that of the files of this host. Call() and FollowStatus() choose it, too.
   std::optional<Failure> ChooseMachine(Purpose purpose = Purpose::kLook);
@@ -104,14 +109,18 @@ class Link {
   // Runs the loop until this controller has exited, at most `timeout`. Watches its process if it is
   // on this host, else its status, which requires FollowStatus(). Returns whether it has.
   bool AwaitEndOf(const msg::MachineStatus& controller, Duration timeout);
+  // Joins the domain, unless it has.
+  Result<> Join();
   // For commands that call other peers than the controller.
-  transport::Node& node() { return *node_; }
+  transport::Node& node() { return *node_; }  // not before a link for calls has joined
   transport::EventLoop& loop() { return loop_; }
   // Runs the loop until `done` holds, at most `timeout`, or until Ctrl-C. Returns whether it held.
   bool RunUntil(const std::function<bool()>& done, Duration timeout);
   // The same, and longer while the controller of this host that is spoken to lives, but it or this
   // process is short of CPU time: at most kLongestShortage, and not with --timeout.
   bool RunPatiently(const std::function<bool()>& done, Duration timeout);
+  // Whether calls go to the controller of this host by its socket.
+  bool CallsHere() const;
   bool interrupted() const { return interrupted_; }
   // Whether Ctrl-C came; the next RunUntil() waits for the next one.
   bool TakeInterrupt() { return std::exchange(interrupted_, false); }
@@ -134,7 +143,15 @@ class Link {
 
  private:
   Link(const GlobalOptions& global, Console* console);
-  Result<> Join();
+  // The reply of the controller of this host; nullopt: it is not called so. `lost`: the exit code
+  // if it ends before that.
+  template <msg::Service S>
+  std::optional<Answer<S>> CallHere(const std::string& service, const typename S::Request& request,
+                                    Duration timeout, ExitCode lost);
+  std::optional<std::variant<msg::Bytes, Failure>> CallHere(const std::string& service,
+                                                            const msg::Bytes& request,
+                                                            Duration timeout, ExitCode lost);
+  std::string HostCallsName() const;  // empty: no calls go there
 
   Failure NoAnswer(Duration timeout) const;
   Failure LostBeforeItAnswered() const;
@@ -182,8 +199,24 @@ class Link {
 };
 
 template <msg::Service S>
+std::optional<Link::Answer<S>> Link::CallHere(const std::string& service,
+                                              const typename S::Request& request, Duration timeout,
+                                              ExitCode lost) {
+  const auto here =
+      CallHere(service, transport::internal::EncodeEnvelope({}, request), timeout, lost);
+  if (!here) return std::nullopt;
+  if (const auto* failure = std::get_if<Failure>(&*here)) return *failure;
+  auto reply = transport::DecodeReply<S>(std::get<msg::Bytes>(*here));
+  if (!reply) return Failure{ExitCode::kNoAnswer, reply.error()};
+  return std::move(reply).value();
+}
+
+template <msg::Service S>
 Link::Answer<S> Link::Call(const std::string& service, const typename S::Request& request,
                            Duration timeout) {
+  const Duration wait = global_.timeout.value_or(timeout);
+  if (auto here = CallHere<S>(service, request, wait, ExitCode::kNoController)) return *here;
+  if (auto joined = Join(); !joined) return Failure{ExitCode::kUsage, joined.error()};
   auto client =
       transport::MakeClient<S>(*node_, transport::MachineService(global_.name_space, service));
   if (!client) return Failure{ExitCode::kUsage, client.error()};
@@ -200,7 +233,6 @@ Link::Answer<S> Link::Call(const std::string& service, const typename S::Request
     meant.machine = machine_.name;
     meant.machine_id = machine_.id;
   }
-  const Duration wait = global_.timeout.value_or(timeout);
   const bool led = status_.has_value();
   std::optional<Result<typename S::Response>> reply;
   client.value()->Call(
@@ -216,10 +248,11 @@ Link::Answer<S> Link::Call(const std::string& service, const typename S::Request
 template <msg::Service S>
 Link::Answer<S> Link::CallLeader(const std::string& service, const typename S::Request& request,
                                  Duration timeout) {
+  const Duration wait = global_.timeout.value_or(timeout);
+  if (auto here = CallHere<S>(service, request, wait, ExitCode::kUnknownEnd)) return *here;
   if (auto failure = ChooseMachine(Purpose::kAct)) return *std::move(failure);
   LeaderWatch::Options leader{global_.name_space, HostId(), WatchByPidfd(loop_)};
   leader.machine = machine_;
-  const Duration wait = global_.timeout.value_or(timeout);
   std::optional<Result<typename S::Response>> reply;
   const auto call = LeaderCall<S>::Make(*node_, leader, service, request, wait + kAfterAwait,
                                         [&reply](auto result) { reply = std::move(result); });

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "musher/lifecycle/fields/machine_fields.hpp"
+#include "musher/lifecycle/field.hpp"
 
 namespace musher::fields {
 
@@ -295,7 +295,7 @@ void TakeEvent(const Json& json, const std::string& name, Event& event) {
     throw Fault{"event: '" + name + "' is not known"};
   } else {
     using E = std::variant_alternative_t<I, Event>;
-    static_assert(!kEventName<E>.empty(), "fields.hpp has to name every event");
+    static_assert(!kEventName<E>.empty(), "event.hpp has to name every event");
     if (name != kEventName<E>) return TakeEvent<I + 1>(json, name, event);
     Reader().TakeFields(json, event.emplace<E>());
   }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -161,13 +162,12 @@ void ForeignLink::Take(const SwitchCommand& command) {
   report_.epoch = std::max(report_.epoch, command.epoch);
   report_.number = std::max(report_.number, command.number);
   if (!actuator().Lists(command.target) || command.target == kSetUp) {
-    return Refuse(command.number, kCodeUnSupport,
-                  actuator().name + " has no state '" + command.target + "' to be switched to");
+    return Refuse(command.number,
+                  Refused<Refusal::kNoStateToSwitchTo>(actuator().name, command.target));
   }
   if (!pending_) return Begin(command);
   if (const auto older = std::exchange(waiting_, Waiting{command, Now()})) {
-    Refuse(older->command.number, kCodeTargetBusy,
-           "replaced by command " + ToString(command.number));
+    Refuse(older->command.number, Refused<Refusal::kCommandReplaced>(command.number));
   }
 }
 
@@ -177,7 +177,7 @@ void ForeignLink::Take(const QueryCommand& command) {
   report_.number = std::max(report_.number, command.number);
   if (waiting_ && waiting_->command.number <= command.number) {
     const auto fenced = *std::exchange(waiting_, std::nullopt);
-    Refuse(fenced.command.number, kCodeTimeout, "not started by its deadline; cancelled");
+    Refuse(fenced.command.number, Refused<Refusal::kCommandCancelled>());
   }
   if (pending_ && command.stop) {
     pending_->stopped = true;
@@ -204,7 +204,7 @@ void ForeignLink::BeginWaiting() {
   const auto next = std::exchange(waiting_, std::nullopt);
   if (!next) return;
   if (Now() - next->since > next->command.budget) {
-    return Refuse(next->command.number, kCodeTimeout, "it waited too long for an earlier command");
+    return Refuse(next->command.number, Refused<Refusal::kCommandWaitedTooLong>());
   }
   Begin(next->command);
 }

@@ -110,8 +110,8 @@ class ForeignLink : public ActuatorLink {
   void Arrive(const State& target);
   void Reply(CommandNumber number, bool query, Verdict verdict, std::int32_t code,
              const std::string& message);
-  void Refuse(CommandNumber number, std::int32_t code, const std::string& message) {
-    Reply(number, false, Verdict::kRefused, code, message);
+  void Refuse(CommandNumber number, const Error& why) {
+    Reply(number, false, Verdict::kRefused, why.code, why.message);
   }
   ActuatorReport Stamped();
 

@@ -63,8 +63,8 @@ class ProcessRunner {
   // never inside Start().
   virtual Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) = 0;
 
-  // Watches a running process, for example one that the previous controller has started, or a
-  // started one that hosts several actuators: each of them may watch it. For a process that this
+  // Watches a running process: for example, a process of the previous controller. Where a process
+  // hosts several actuators, each of them may watch it. For a process that this
   // controller did not start the exit code is unknown. Fails if there is no such process. The
   // caller must have verified the host of the pid (HostId) and its actuator (ProcessProbe::Prove).
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;

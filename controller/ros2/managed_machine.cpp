@@ -3,7 +3,8 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/requests.hpp"
 
 namespace musher {
@@ -26,7 +27,7 @@ Result<std::unique_ptr<ManagedMachine>> ManagedMachine::Make(transport::Node& no
   ManagedMachine* self = machine.get();
   transport::ManagedNodeEndpoints::Hooks hooks;
   hooks.refusal = [self](const Ros2Transition* transition, transport::ParticipantId caller) {
-    return self->Refusal(transition, caller);
+    return self->WhyRefused(transition, caller);
   };
   hooks.change = [self](const Ros2Transition& transition, transport::ParticipantId caller,
                         const Done& done) {
@@ -59,16 +60,14 @@ Requester ManagedMachine::RequesterOf(transport::ParticipantId caller) const {
 }
 
 // The requests that the decision code would refuse, without a record of each: there may be many.
-std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition,
-                                             transport::ParticipantId caller) const {
+std::optional<Error> ManagedMachine::WhyRefused(const Ros2Transition* transition,
+                                                transport::ParticipantId caller) const {
   const Machine& machine = shell_.machine();
   if (machine.current) {
-    return Error{kCodeTargetBusy, "switch " + ToString(machine.current->number) + " to " +
-                                      machine.current->target + " is under way"};
+    return Refused<Refusal::kMachineSwitching>(machine.current->number, machine.current->target);
   }
   if (machine.phase == Phase::kStarting && !machine.start_up.by_hand) {
-    return Error{kCodeTargetBusy,
-                 "the machine is starting by itself; with [ros2] start = \"manager\" it waits"};
+    return Refused<Refusal::kStartsByItself>();
   }
   if (!machine.start_up.set_up || transition == nullptr) return std::nullopt;
   const auto target = TargetOf(*transition, shell_.config());
@@ -86,7 +85,7 @@ bool ManagedMachine::NeedsNoSwitch(const State& target) const {
 void ManagedMachine::Change(const Ros2Transition& transition, const Requester& by,
                             const Done& done) {
   const auto target = TargetOf(transition, shell_.config());
-  if (!target) return done(Error{kCodeUnSupport, "the machine has no state for this transition"});
+  if (!target) return done(Refused<Refusal::kNoStateOfMachine>());
   if (NeedsNoSwitch(*target)) return done(Ok());
   if (shell_.machine().start_up.set_up) return Switch(*target, by, done);
   // Its services are available before its actuators are set up. What becomes of an actuator that

@@ -31,8 +31,8 @@ class ManagedMachine {
 
   using Done = transport::ManagedNodeEndpoints::Done;
   Requester RequesterOf(transport::ParticipantId caller) const;
-  std::optional<Error> Refusal(const Ros2Transition* transition,
-                               transport::ParticipantId caller) const;
+  std::optional<Error> WhyRefused(const Ros2Transition* transition,
+                                  transport::ParticipantId caller) const;
   bool NeedsNoSwitch(const State& target) const;
   void Change(const Ros2Transition& transition, const Requester& by, const Done& done);
   void Switch(const State& target, const Requester& by, const Done& done);

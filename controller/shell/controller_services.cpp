@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "musher/base/suggest.hpp"
 #include "musher/controller/shell/switch_log.hpp"
 #include "musher/controller/shell/wire.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -28,8 +28,7 @@ std::optional<Error> CheckLengths(const std::string& target, const std::string& 
   if (target.size() <= kLongestName && actuator.size() <= kLongestName) {
     return std::nullopt;
   }
-  return Error{kCodeParametersInvalid,
-               "a name of more than " + std::to_string(kLongestName) + " bytes is invalid"};
+  return Refused<Refusal::kNameTooLong>(kLongestName);
 }
 
 // A client that names another machine has reached this controller because both serve one namespace.
@@ -39,9 +38,7 @@ std::optional<Error> MeantForAnother(const ControllerShell& shell, const Request
                               request.machine_id.substr(0, kLongestName)};
   const MachineIdentity ours = shell.machine_identity();
   if (SameMachine(ours, meant)) return std::nullopt;
-  return Error{kCodePermissionDenied, "the request is meant for another machine, " +
-                                          MachineText(meant) + "; this one is " +
-                                          MachineText(ours)};
+  return Refused<Refusal::kRequestOfOtherMachine>(MachineText(meant), MachineText(ours));
 }
 
 msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
@@ -58,14 +55,15 @@ msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
 }  // namespace
 
 ControllerServices::ControllerServices(transport::Node& node, ControllerShell& shell,
-                                       ReadHistory read_history)
-    : node_(node), shell_(shell), read_history_(std::move(read_history)) {}
+                                       ReadHistory read_history,
+                                       std::unique_ptr<transport::HostServer> here)
+    : node_(node), shell_(shell), read_history_(std::move(read_history)), here_(std::move(here)) {}
 
-Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(transport::Node& node,
-                                                                     ControllerShell& shell,
-                                                                     ReadHistory read_history) {
+Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(
+    transport::Node& node, ControllerShell& shell, ReadHistory read_history,
+    std::unique_ptr<transport::HostServer> here) {
   std::unique_ptr<ControllerServices> services(
-      new ControllerServices(node, shell, std::move(read_history)));
+      new ControllerServices(node, shell, std::move(read_history), std::move(here)));
   if (auto opened = services->Open(); !opened) return opened.error();
   return services;
 }
@@ -87,6 +85,7 @@ Result<> ControllerServices::Open() {
         handler(request, std::move(reply));
       }
     };
+    if (here_) here_->template Offer<S>(name, for_us);
     auto made = transport::MakeServer<S>(node_, transport::MachineService(name_space, name),
                                          std::move(for_us));
     if (!made) return made.error();
@@ -169,13 +168,8 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
   auto error = CheckLengths(request.target, request.actuator);
   if (!error) error = MeantForAnother(shell_, request);
   if (error) {
-    SwitchResult refusal;
-    refusal.outcome = SwitchOutcome::kRefused;
-    refusal.target = State(request.target).Shortened();
-    refusal.code = error->code;
-    refusal.reason = error->message;
-    refusal.state = shell_.machine().state;
-    return reply(ToMessage(refusal));
+    return reply(ToMessage(
+        RefusedSwitch(State(request.target).Shortened(), "", shell_.machine().state, *error)));
   }
   std::optional<std::string> actuator;
   if (!request.actuator.empty()) actuator = request.actuator;
@@ -201,8 +195,7 @@ void ControllerServices::OnRequestPolicy(
   const auto what = RequestOf(request.request);
   // A direct switch has a service of its own, whose reply has more detail.
   if (!what || *what == PolicyRequest::kSwitch || request.state.size() > kLongestName) {
-    return answer(Error{kCodeParametersInvalid,
-                        "unknown request '" + request.request.substr(0, kLongestName) + "'"});
+    return answer(Refused<Refusal::kUnknownRequest>(request.request.substr(0, kLongestName)));
   }
   shell_.SendPolicyRequest({0, *what, State(request.state), request.seconds, request.enable},
                            answer);
@@ -214,7 +207,7 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
   auto error = CheckLengths(request.target, request.actuator);
   if (!error) error = MeantForAnother(shell_, request);
   if (!error && !request.actuator.empty() && !only) {
-    error = Error{kCodeParametersInvalid, NoSuchActuator(request.actuator, config)};
+    error = UnknownActuator(request.actuator, config);
   }
   if (!error)
     return ToMessage(config, MakePlan(config, shell_.machine(), State(request.target), only));

@@ -2,7 +2,8 @@
 // The services of a controller under <namespace>/musher/: set_state, restart_actuator,
 // release_emergency_stop, request_policy, get_status, get_capabilities, get_plan, get_switch and
 // get_history, for the CLI and for any ROS 2 node. They are offered only while the controller
-// leads: an earlier request waits at its client for the next leader.
+// leads: an earlier request waits at its client for the next leader. Processes of this host may
+// call them by `here` as well, which needs neither discovery nor a network.
 //
 // Threads: loop thread only.
 
@@ -14,6 +15,7 @@
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/policy_request.hpp"
+#include "musher/transport/host_calls.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher {
@@ -21,16 +23,17 @@ namespace musher {
 class ControllerServices {
  public:
   // `read_history` is empty where there is no journal. What it reads by and the shell must outlive
-  // the services.
-  static Result<std::unique_ptr<ControllerServices>> Make(transport::Node& node,
-                                                          ControllerShell& shell,
-                                                          ReadHistory read_history);
+  // the services. `here` may be null.
+  static Result<std::unique_ptr<ControllerServices>> Make(
+      transport::Node& node, ControllerShell& shell, ReadHistory read_history,
+      std::unique_ptr<transport::HostServer> here = nullptr);
 
   // Whether the answer to a switch waits until its client can be reached.
   bool HoldsAnswers() const { return set_state_ && set_state_->Holds(); }
 
  private:
-  ControllerServices(transport::Node& node, ControllerShell& shell, ReadHistory read_history);
+  ControllerServices(transport::Node& node, ControllerShell& shell, ReadHistory read_history,
+                     std::unique_ptr<transport::HostServer> here);
   Result<> Open();
 
   using HistoryReply = transport::Server<msg::GetHistory>::Reply;
@@ -50,6 +53,7 @@ class ControllerServices {
   transport::Node& node_;
   ControllerShell& shell_;
   const ReadHistory read_history_;
+  const std::unique_ptr<transport::HostServer> here_;
   std::unique_ptr<transport::Server<msg::SetState>> set_state_;
   std::unique_ptr<transport::Server<msg::RestartActuator>> restart_actuator_;
   std::unique_ptr<transport::Server<msg::ReleaseEmergencyStop>> release_emergency_stop_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/lifecycle/record/texts.hpp"
+#include "musher/lifecycle/refusal.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -98,7 +99,7 @@ Result<> ControllerShell::OpenToClients() {
 void ControllerShell::CloseToClients(const Error& why) {
   for (auto& [request, done] : std::exchange(waiting_for_answer_, {})) done(why);
   for (auto& [request, done] : std::exchange(waiting_for_result_, {})) {
-    if (done) done(Refusal(why));
+    if (done) done(RefusedSwitch({}, "", machine_.state, why));
   }
   board_->Close();
   if (hooks_.close_services) hooks_.close_services();
@@ -109,7 +110,7 @@ void ControllerShell::CloseOnceAnswered(Time deadline) {
   const bool holds = hooks_.holds_answers && hooks_.holds_answers() && now < deadline;
   const auto next = [this, deadline, holds] {
     if (holds) return CloseOnceAnswered(deadline);
-    CloseToClients({kCodeStateInvalid, "the machine is stopped; only a new start brings it back"});
+    CloseToClients(Refused<Refusal::kMachineStopped>());
   };
   close_later_ = dependencies_.node->loop().At(holds ? now + kHeldPeriod : now, next);
 }
@@ -122,8 +123,7 @@ void ControllerShell::Refuse(const Error& why) {
 
 void ControllerShell::ReleaseControl(const std::string& rival) {
   if (machine_.phase == Phase::kIdle) {
-    return Refuse(
-        {kCodePermissionDenied, "another controller, " + rival + ", takes the machine over"});
+    return Refuse(Refused<Refusal::kRivalTakesOver>(rival));
   }
   Handle(event::RivalSeen{machine_.epoch + 1, rival, true});
 }
@@ -158,19 +158,10 @@ RequestId ControllerShell::NewAnswer(OnAnswer done) {
   return request;
 }
 
-SwitchResult ControllerShell::Refusal(const Error& why) const {
-  SwitchResult result;
-  result.outcome = SwitchOutcome::kRefused;
-  result.code = why.code;
-  result.reason = why.message;
-  result.state = machine_.state;
-  return result;
-}
-
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,
                                OnResult done, const Requester& by) {
   CheckThread();
-  if (refused_) return done(Refusal(*refused_));
+  if (refused_) return done(RefusedSwitch({}, "", machine_.state, *refused_));
   const RequestId request = next_request_++;
   waiting_for_result_[request] = std::move(done);
   Handle(event::SetStateRequested{request, target, actuator, AfterTearDown::kStaysDown, by});

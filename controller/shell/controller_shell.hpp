@@ -140,7 +140,6 @@ class ControllerShell {
   void HandleQueued();
   void ArmTimer();
   RequestId NewAnswer(OnAnswer done);
-  SwitchResult Refusal(const Error& why) const;
   Dependencies::OnSaved OnSaved(Stored what, SaveNumber save);
 
   void Do(const action::SendSwitch& a);

@@ -1,6 +1,6 @@
 #pragma once
-// The outcomes of switches from journal entries: those of this controller, kept in memory, or those
-// of an earlier controller, read from the journal.
+// The outcomes of switches from journal entries: of this controller from its memory, of an earlier
+// controller from the journal.
 //
 // Threads: none of its own; plain values.
 

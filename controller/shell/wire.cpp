@@ -76,6 +76,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
   if (machine.current) status.target = machine.current->target;
   status.switch_number = machine.last_switch.value();
   status.requested_by = machine.requested_by;
+  status.permit_ns = config.permit.value_or(Duration()).count();
   status.config_file = config.file;
   status.config_hash = config.hash;
   status.emergency_stop = machine.emergency.stop.has_value();

@@ -3,7 +3,7 @@
 
 #include "musher/controller/journal/journal.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 

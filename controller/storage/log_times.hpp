@@ -3,7 +3,7 @@
 //
 // A process writes into its log itself (log_files.hpp), so its lines cannot be stamped on the way.
 // Instead the controller marks in <file>.times how long the log was at which time, when it has
-// grown, at most ten times a second: a line's time is that of the first mark after its end. What
+// grown, at most ten times a second: a line has the time of the first mark after its end. What
 // was written while no controller ran has no time.
 //
 // Threads: any, one at a time; reads and writes the disk.

@@ -14,8 +14,8 @@
 //   journal.sqlite      see journal.hpp
 //   logs/<actuator>.log what the actuator's process prints
 //
-// Threads: those that wait for the disk (Save…) from one thread, which may be another one than that
-// of the loads; they are called after them.
+// Threads: Save…(), which waits for the disk, from one thread. The loads may be on another thread;
+// they end before the first save.
 
 #include <sys/types.h>
 

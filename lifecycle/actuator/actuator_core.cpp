@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/base/code.hpp"
-#include "musher/base/result.hpp"
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
 
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 namespace event = actuator_event;
-
-using Refusal = Error;
 
 // The number of announced controllers that are kept: those received last.
 constexpr std::size_t kAnnouncedKept = 8;
@@ -24,12 +21,15 @@ constexpr std::size_t kReleasedKept = 256;
 constexpr std::size_t kMostStops = 64;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
+// By whom a stop for want of a permit is engaged: the key of the config.
+constexpr const char* kPermitKey = "[safety] permit_ms";
+// An actuator discovers within this time who gives the permits.
+constexpr Duration kFirstPermit = std::chrono::seconds(1);
+// Of a second, how much two clocks may diverge in it: 1/1000. Crystals do by 1/10000 at most.
+constexpr std::int64_t kFastestDrift = 1000;
+
 // No process of a robot runs for longer.
 constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
-
-std::string Quantity(Duration d) {
-  return std::to_string(ToMilliseconds(d)) + " ms";
-}
 
 // The state of an actuator that has lost its controller: `on_controller_lost` of the config. None:
 // it stays where it is, as it is at or below that state.
@@ -40,6 +40,30 @@ std::optional<State> SafeState(const MachineConfig& config, ActuatorIndex index,
   const auto rank = config.RankOf(safe);
   if (!own || !rank || *rank >= *own) return std::nullopt;
   return safe;
+}
+
+bool IsAboveDeActive(const MachineConfig& config, const State& state) {
+  return SwitchesOnAgain(config, state, state);
+}
+
+// Until when the actuator moves on the last permit, or a command waits for the first one; nullopt
+// where it needs none, or has stopped for want of one.
+std::optional<Time> PermitDeadline(const MachineConfig& config, const ActuatorCore& core) {
+  if (!config.permit || core.permit.stop != 0) return std::nullopt;
+  const ActuatorReport& report = core.report;
+  if (IsAboveDeActive(config, report.state) || IsAboveDeActive(config, report.target)) {
+    return core.permit.until;
+  }
+  const bool waits = core.waiting && !report.busy();
+  return waits ? std::optional(core.permit.first_by) : std::nullopt;
+}
+
+std::optional<Time> ControllerDeadline(const MachineConfig& config, ActuatorIndex index,
+                                       const ActuatorCore& core) {
+  const auto timeout = config.actuators[index].controller_lost;
+  if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
+  if (!SafeState(config, index, core)) return std::nullopt;
+  return core.controller_last_heartbeat + *timeout;
 }
 
 // One event's decision: the arguments of Step() and the actions so far.
@@ -53,7 +77,10 @@ class Decision {
         report_(core.report),
         now_(now) {}
 
-  void On(const event::Started&) { Run(State(kSetUp)); }
+  void On(const event::Started&) {
+    if (machine_.permit) core_.permit.first_by = now_ + std::max(*machine_.permit, kFirstPermit);
+    Run(State(kSetUp));
+  }
 
   void On(const event::SwitchArrived& arrived) {
     const SwitchCommand& command = arrived.command;
@@ -67,8 +94,8 @@ class Decision {
     const bool too_old = refusal && refusal->code == kCodeTimeout;
     if (command.incarnation == report_.incarnation && !too_old) UseUp(command.number);
     if (refusal) return Refuse({arrived.token}, *refusal);
-    if (report_.busy()) {
-      DropWaiting({kCodeTargetBusy, "replaced by command " + ToString(command.number)});
+    DropWaiting(Refused<Refusal::kCommandReplaced>(command.number));
+    if (report_.busy() || AwaitsPermit(command.target)) {
       core_.waiting = {command, {arrived.token}};
       return Do(PublishStatus{});
     }
@@ -81,7 +108,7 @@ class Decision {
     const CommandNumber number = arrived.command.number;
     UseUp(number);
     if (core_.waiting && core_.waiting->command.number <= number) {
-      DropWaiting({kCodeTimeout, "not started by its deadline; cancelled"});
+      DropWaiting(Refused<Refusal::kCommandCancelled>());
     }
     if (arrived.command.stop && report_.busy()) Do(RequestStop{});
     Do(Answer{arrived.token, Verdict::kDone, kCodeOk, ""});
@@ -113,15 +140,7 @@ class Decision {
     AnswerAll(tokens, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed,
               {end.code, end.message});
     if (target == kTearDown && end.code == kCodeOk) return EndTornDown();
-    if (core_.waiting) {
-      const auto next = *std::exchange(core_.waiting, std::nullopt);
-      if (auto refusal = MayBegin(next.command)) {
-        Refuse(next.tokens, *refusal);
-      } else {
-        return Begin(next.command, next.tokens);
-      }
-    }
-    Do(PublishStatus{});
+    if (!BeginWaiting()) Do(PublishStatus{});
   }
 
   // The next self-check replaces it.
@@ -159,13 +178,38 @@ class Decision {
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
     const auto same = [&](const EmergencyStop& stop) { return stop.id == received.id; };
     const bool ended = std::erase_if(core_.stops, same) != 0;
+    if (received.id == core_.permit.stop || core_.stops.empty()) core_.permit.stop = 0;
     const bool confirmed = std::exchange(report_.released_stop, received.id) == received.id;
     if (ended || !confirmed) ReportStops();
   }
 
-  // Goes to the safe state when the heartbeat of the controller is lost for too long.
+  // A sample is as late as it was slower than the fastest one of its sender. So one that was held
+  // back on the way, or is repeated, permits no more than when it was given.
+  void On(const event::PermitReceived& received) {
+    if (!machine_.permit || received.stamp <= Time() || received.stamp > Time() + kLongestRun)
+      return;
+    Permit& permit = core_.permit;
+    const Duration taken = now_ - received.stamp;
+    const bool same = received.sender == permit.sender;
+    const Duration drift = same ? (now_ - permit.received) / kFastestDrift : Duration();
+    permit.fastest = same ? std::min(permit.fastest + drift, taken) : taken;
+    permit.sender = received.sender;
+    permit.received = now_;
+    const Time until = now_ - (taken - permit.fastest) + *machine_.permit;
+    if (until <= permit.until) return;
+    permit.until = until;
+    permit.stamp = received.stamp;
+    permit.by = received.by;
+    BeginWaiting();
+  }
+
+  // Stops when no permit has arrived, and goes to the safe state when the heartbeat of the
+  // controller is lost for too long.
   void On(const event::TimePassed&) {
-    const auto deadline = NextDeadline(machine_, index_, core_);
+    StopWithoutPermit(report_.state);
+    StopWithoutPermit(report_.target);
+    BeginWaiting();
+    const auto deadline = ControllerDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
     core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
     core_.was_detached = report_.detached;
@@ -192,11 +236,11 @@ class Decision {
     for (const RequestToken token : tokens) Do(Answer{token, verdict, why.code, why.message});
   }
 
-  void Refuse(const std::vector<RequestToken>& tokens, const Refusal& refusal) {
+  void Refuse(const std::vector<RequestToken>& tokens, const Error& refusal) {
     AnswerAll(tokens, Verdict::kRefused, refusal);
   }
 
-  void DropWaiting(const Refusal& why) {
+  void DropWaiting(const Error& why) {
     if (const auto dropped = std::exchange(core_.waiting, {})) Refuse(dropped->tokens, why);
   }
 
@@ -206,42 +250,54 @@ class Decision {
       const auto waiting = *std::exchange(core_.waiting, std::nullopt);
       Begin(waiting.command, waiting.tokens);
     }
-    DropWaiting({kCodeStateInvalid, "the actuator is torn down"});
+    DropWaiting(Refused<Refusal::kActuatorEnds>());
     Do(PublishStatus{});
     Do(Finish{});
   }
 
   // One controller has control: the one with the highest epoch, once it has announced itself.
-  std::optional<Refusal> Authority(Sender sender, Epoch epoch) {
-    const std::string number = ToString(epoch);
-    if (sender == 0) {
-      return Refusal{kCodePermissionDenied, "the participant that sent the command is unknown"};
-    }
-    if (epoch > kLastEpoch) {
-      return Refusal{kCodeParametersInvalid, "epoch " + number + " is out of range"};
-    }
-    if (epoch < report_.epoch) {
-      return Refusal{kCodePermissionDenied,
-                     "epoch " + number + " is outdated; this actuator is controlled by epoch " +
-                         ToString(report_.epoch)};
-    }
+  std::optional<Error> Authority(Sender sender, Epoch epoch) {
+    if (sender == 0) return Refused<Refusal::kSenderUnknown>();
+    if (epoch > kLastEpoch) return Refused<Refusal::kEpochOutOfRange>(epoch);
+    if (epoch < report_.epoch) return Refused<Refusal::kEpochOutdated>(epoch, report_.epoch);
     if (sender != core_.controller) {
-      if (epoch == report_.epoch) {
-        return Refusal{kCodePermissionDenied, "epoch " + number + " belongs to another controller"};
-      }
+      if (epoch == report_.epoch) return Refused<Refusal::kEpochOfAnother>(epoch);
       const event::ControllerHeartbeatReceived announced{sender, epoch};
       if (std::find(core_.announced.begin(), core_.announced.end(), announced) ==
           core_.announced.end()) {
-        return Refusal{kCodePermissionDenied,
-                       "no controller of epoch " + number + " has announced itself"};
+        return Refused<Refusal::kNotAnnounced>(epoch);
       }
       core_.controller = sender;
       // The new controller does not have the waiting command of the previous one.
-      DropWaiting({kCodePermissionDenied, "the controller of epoch " + number + " has taken over"});
+      DropWaiting(Refused<Refusal::kTakenOver>(epoch));
     }
     report_.epoch = epoch;
     core_.controller_last_heartbeat = now_;
     return std::nullopt;
+  }
+
+  bool IsPermitted() const { return !machine_.permit || now_ < core_.permit.until; }
+
+  // Whether a command to `target` waits for the first permit of this process.
+  bool AwaitsPermit(const State& target) const {
+    return !IsPermitted() && now_ < core_.permit.first_by && IsAboveDeActive(machine_, target);
+  }
+
+  // Engages a stop if the actuator has no permit for `state`, in which it is or that it begins.
+  void StopWithoutPermit(const State& state) {
+    Permit& permit = core_.permit;
+    if (IsPermitted() || permit.stop != 0 || !IsAboveDeActive(machine_, state)) return;
+    const bool any = permit.stamp != Time();
+    // Actuators whose last permit was the same engage the same stop.
+    const auto last = any ? static_cast<std::uint64_t>(permit.stamp.time_since_epoch().count())
+                          : report_.incarnation.value();
+    do {
+      permit.stop = StopId(last + ++permit.stops);
+    } while (std::ranges::count(core_.released, permit.stop) != 0);
+    Engage({permit.stop, kPermitKey,
+            any ? "no permit of " + permit.by + " has arrived for " +
+                      std::to_string(ToMilliseconds(*machine_.permit)) + " ms"
+                : "no permit to move has arrived"});
   }
 
   void Engage(EmergencyStop stop) {
@@ -283,10 +339,7 @@ class Decision {
             "an emergency stop was engaged while " + target + " ran; the state is not taken"};
   }
 
-  static Refusal Stopped() {
-    return {kCodeProtectedError,
-            "an emergency stop is engaged; until it is released nothing is switched on"};
-  }
+  static Error Stopped() { return Refused<Refusal::kStopForbidsSwitchingOn>(); }
 
   // The callback of the present state leads up, too, where it undoes a failed downward callback, or
   // would switch on what a stop has switched off. It leads down where it undoes a failed upward
@@ -320,48 +373,62 @@ class Decision {
     return true;
   }
 
-  std::optional<Refusal> CheckCommand(const SwitchCommand& command) const {
+  std::optional<Error> CheckCommand(const SwitchCommand& command) {
     if (command.incarnation != report_.incarnation) {
-      return Refusal{kCodePermissionDenied,
-                     "the command is meant for another process of this name"};
+      return Refused<Refusal::kOtherProcess>();
     }
     if (command.number <= report_.number) {
-      return Refusal{kCodeStatusError, "command " + ToString(command.number) +
-                                           " is outdated; command " + ToString(report_.number) +
-                                           " was received already"};
+      return Refused<Refusal::kCommandOutdated>(command.number, report_.number);
     }
     if (auto refusal = CheckTarget(command.target)) return refusal;
     return MayBegin(command);
   }
 
-  std::optional<Refusal> EvaluateManager(const State& target) const {
-    if (report_.epoch != 0) {
-      return Refusal{kCodePermissionDenied,
-                     "a controller has control, epoch " + ToString(report_.epoch)};
-    }
-    if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
-    if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
-    return CheckTarget(target);
+  std::optional<Error> EvaluateManager(const State& target) {
+    if (report_.epoch != 0) return Refused<Refusal::kControlled>(report_.epoch);
+    if (report_.busy()) return Refused<Refusal::kBusy>(report_.target);
+    if (auto refusal = CheckStop(target)) return refusal;
+    if (auto refusal = CheckTarget(target)) return refusal;
+    if (AwaitsPermit(target)) return Refused<Refusal::kNoPermitYet>();
+    StopWithoutPermit(target);
+    return CheckStop(target);
   }
 
-  std::optional<Refusal> CheckTarget(const State& target) const {
+  std::optional<Error> CheckTarget(const State& target) const {
     if (report_.state == kTearDown && target != kTearDown) {
-      return Refusal{kCodeStateInvalid,
-                     "the actuator is torn down; only a new start brings it back"};
+      return Refused<Refusal::kActuatorTornDown>();
     }
     if (target == kSetUp || target == kUninitialized) {
-      return Refusal{kCodeStateInvalid,
-                     target + " cannot be commanded: it runs only at the start of a process"};
+      return Refused<Refusal::kOnlyAtStart>(target);
     }
-    if (!config_.Lists(target)) {
-      return Refusal{kCodeUnSupport, config_.name + " has no state '" + target + "'"};
-    }
+    if (!config_.Lists(target)) return Refused<Refusal::kStateMissing>(config_.name, target);
     return std::nullopt;
   }
 
-  std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
-    if (report_.emergency_stop != 0 && SwitchesOn(command.target)) return Stopped();
-    return CheckAge(command, now_);
+  std::optional<Error> CheckStop(const State& target) const {
+    if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
+    return std::nullopt;
+  }
+
+  std::optional<Error> MayBegin(const SwitchCommand& command) {
+    if (auto refusal = CheckStop(command.target)) return refusal;
+    if (auto refusal = CheckAge(command, now_)) return refusal;
+    if (AwaitsPermit(command.target)) return std::nullopt;
+    StopWithoutPermit(command.target);
+    return CheckStop(command.target);
+  }
+
+  // Begins the command that waits, if it need not wait longer; returns whether it has.
+  bool BeginWaiting() {
+    const bool waits = core_.waiting && !report_.busy();
+    if (!waits || AwaitsPermit(core_.waiting->command.target)) return false;
+    const auto next = *std::exchange(core_.waiting, std::nullopt);
+    if (auto refusal = MayBegin(next.command)) {
+      Refuse(next.tokens, *refusal);
+      return false;
+    }
+    Begin(next.command, next.tokens);
+    return true;
   }
 
   void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {
@@ -429,11 +496,10 @@ std::optional<Error> CheckAge(const SwitchCommand& command, Time now) {
   const bool possible = command.status_stamp <= now && command.status_stamp >= now - kLongestRun &&
                         command.since_status >= Duration::zero() &&
                         command.since_status <= kLongestRun;
-  if (!possible) return Error{kCodeParametersInvalid, "the command carries no valid age"};
+  if (!possible) return Refused<Refusal::kCommandWithoutAge>();
   const Duration age = now - command.status_stamp - command.since_status;
   if (age <= command.budget) return std::nullopt;
-  return Error{kCodeTimeout, "the command is " + Quantity(age) + " old and was good for " +
-                                 Quantity(command.budget)};
+  return Refused<Refusal::kCommandTooOld>(ToMilliseconds(age), ToMilliseconds(command.budget));
 }
 
 std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex index,
@@ -445,10 +511,10 @@ std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex inde
 
 std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,
                                  const ActuatorCore& core) {
-  const auto timeout = config.actuators[index].controller_lost;
-  if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
-  if (!SafeState(config, index, core)) return std::nullopt;
-  return core.controller_last_heartbeat + *timeout;
+  const auto controller = ControllerDeadline(config, index, core);
+  const auto permit = PermitDeadline(config, core);
+  if (controller && permit) return std::min(*controller, *permit);
+  return controller ? controller : permit;
 }
 
 }  // namespace musher

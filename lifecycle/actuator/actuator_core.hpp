@@ -27,6 +27,10 @@
 //   - What a stop has switched off stays off after the release, until a callback that does not
 //     lead down succeeds without a stop: until then the actuator is held by the stop, and a
 //     command to its present state runs the callback.
+//   - With [safety] permit_ms an actuator above DeActive, or on the way there, latches a stop of
+//   its
+//     own when no permit arrives in time. A permit that is late or repeated counts for nothing. Of
+//     a process that has just started a command waits for the first one.
 //   - TearDown is the last state: after it, another TearDown is done at once, also one that has
 //     waited for it, and any other command is refused.
 //   - A manager without epochs may command until a controller has sent a command or query, and its
@@ -90,6 +94,12 @@ struct EmergencyStopReceived {
   std::string by = {};
   std::string reason = {};
 };
+// A permit to move. `stamp`: when it was given, by the clock of its sender.
+struct PermitReceived {
+  Sender sender = 0;
+  Time stamp{};
+  std::string by = {};
+};
 // Only time has passed.
 struct TimePassed {};
 }  // namespace actuator_event
@@ -99,7 +109,7 @@ using ActuatorEvent =
                  actuator_event::QueryArrived, actuator_event::ManagerCommand,
                  actuator_event::CallbackEnded, actuator_event::PartFailed,
                  actuator_event::ControllerHeartbeatReceived, actuator_event::EmergencyStopReceived,
-                 actuator_event::TimePassed>;
+                 actuator_event::PermitReceived, actuator_event::TimePassed>;
 
 namespace actuator_action {
 // Run the callback of `target` on the worker; its end comes back as CallbackEnded.
@@ -144,6 +154,20 @@ using ActuatorAction = std::variant<actuator_action::RunCallback, actuator_actio
                                     actuator_action::PublishStatus, actuator_action::BecomeVisible,
                                     actuator_action::Finish>;
 
+// The permit to move that [safety] permit_ms requires.
+struct Permit {
+  Time until{};             // it has one so long
+  Time first_by{};          // the first one of this process may arrive so late
+  Sender sender = 0;        // of the last sample
+  Time stamp{};             // of the newest sample, by the clock of its sender
+  Duration fastest{};       // from the stamp of a sample to its arrival, between the two clocks
+  Time received{};          // the last sample
+  std::string by;           // whose it was
+  StopId stop = 0;          // latched for want of a permit, and not released yet
+  std::uint64_t stops = 0;  // so many for want of a permit so far
+  friend bool operator==(const Permit&, const Permit&) = default;
+};
+
 // The state of one actuator: a plain value.
 struct ActuatorCore {
   ActuatorReport report;                  // all but `stamp`, which the shell sets when it publishes
@@ -166,6 +190,7 @@ struct ActuatorCore {
   std::vector<StopId> released;      // released stops: later samples of them are ignored
   bool stopped_meanwhile = false;    // an emergency stop was engaged while the callback ran
   bool under_stop = false;           // the same, or the callback began under one
+  Permit permit;
 
   friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;
 };

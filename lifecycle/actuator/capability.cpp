@@ -1,6 +1,9 @@
 #include "musher/lifecycle/actuator/capability.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -22,27 +25,33 @@ std::string Places(const CapabilityConfig* declared) {
   return places;
 }
 
+// With the code of the actuator's own module.
+Error WithModule(ModuleCode module, Error refusal) {
+  const auto key =
+      static_cast<KeyCode>(refusal.code - static_cast<std::int32_t>(ModuleCode::kRobot));
+  return {MakeCode(module, key), std::move(refusal.message)};
+}
+
 Error RefuseState(const CapabilityConfig* declared, std::string_view capability,
                   const CapabilityView& view, ModuleCode module) {
   const std::string_view place = RunsIn(declared, view.state) ? view.target : view.state;
   const bool spared = place == kProtected && RunsIn(declared, kActive);
-  std::string now = "is in " + std::string(view.state);
-  if (!view.target.empty()) {
-    now = "is switching from " + std::string(view.state) + " to " + std::string(view.target);
-  }
-  return {MakeCode(module, spared ? KeyCode::kProtectedError : KeyCode::kStateInvalid),
-          std::string(capability) + " runs in " + Places(declared) + "; " +
-              std::string(view.actuator) + " " + now};
+  Error refusal = view.target.empty()
+                      ? Refused<Refusal::kNotInThisState>(capability, Places(declared),
+                                                          view.actuator, view.state)
+                      : Refused<Refusal::kNotWhileSwitching>(
+                            capability, Places(declared), view.actuator, view.state, view.target);
+  if (spared) refusal.code = kCodeProtectedError;
+  return WithModule(module, std::move(refusal));
 }
 
 Result<> EvaluateBattery(const CapabilityConfig& declared, std::optional<int> battery,
                          ModuleCode module) {
   if (!declared.min_battery || (battery && *battery >= *declared.min_battery)) return Ok();
-  const std::string found =
-      battery ? "it has " + std::to_string(*battery) + " %" : "its level is not known";
-  return Error{MakeCode(module, KeyCode::kProtectedError),
-               declared.name + " needs at least " + std::to_string(*declared.min_battery) +
-                   " % of the battery; " + found};
+  const int least = *declared.min_battery;
+  return WithModule(module, battery
+                                ? Refused<Refusal::kBatteryTooLow>(declared.name, least, *battery)
+                                : Refused<Refusal::kBatteryUnknown>(declared.name, least));
 }
 
 // Why the actuator cannot be evaluated; empty where it is present.
@@ -85,19 +94,13 @@ Result<> EvaluateCapability(const MachineConfig& config, std::string_view capabi
                             const CapabilityView& view, ModuleCode module) {
   const CapabilityConfig* declared = config.CapabilityOf(capability);
   if (declared != nullptr && !declared->Takes(view.actuator)) {
-    return Error{MakeCode(module, KeyCode::kStateInvalid),
-                 std::string(capability) + " is not declared for " + std::string(view.actuator)};
+    return WithModule(module, Refused<Refusal::kNotDeclared>(capability, view.actuator));
   }
   if (view.emergency_stop) {
-    return Error{MakeCode(module, KeyCode::kStateInvalid),
-                 "an emergency stop is engaged; until it is released " + std::string(capability) +
-                     " does not run"};
+    return WithModule(module, Refused<Refusal::kStopForbidsCapability>(capability));
   }
   if (view.held_by_stop) {
-    return Error{MakeCode(module, KeyCode::kStateInvalid),
-                 std::string(view.actuator) +
-                     " is held by the emergency stop that was released; `musher set " +
-                     std::string(view.state) + "` ends that"};
+    return WithModule(module, Refused<Refusal::kHeldByReleasedStop>(view.actuator, view.state));
   }
   const bool runs =
       RunsIn(declared, view.state) && (view.target.empty() || RunsIn(declared, view.target));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "musher/base/suggest.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 
@@ -102,11 +103,11 @@ std::vector<FlowEdge> DefaultFlow(const std::vector<State>& states) {
   return flow;
 }
 
-std::string NoSuchActuator(std::string_view name, const MachineConfig& config) {
+Error UnknownActuator(std::string_view name, const MachineConfig& config) {
   std::vector<std::string> names;
   names.reserve(config.actuators.size());
   for (const ActuatorConfig& actuator : config.actuators) names.push_back(actuator.name);
-  return NoSuch("actuator", name, names);
+  return Refused<Refusal::kUnknownActuator>(name.substr(0, kLongestWord), KnownNames(name, names));
 }
 
 }  // namespace musher

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "musher/base/network_profile.hpp"
+#include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/config/policy_config.hpp"
 #include "musher/lifecycle/config/ros2_config.hpp"
@@ -135,15 +136,18 @@ struct MachineConfig {
   std::int64_t log_size_bytes = 50ll << 20;      // of the controller's log, with its older parts
   std::int64_t logs_size_bytes = 500ll << 20;    // of all logs
 
-  std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
+  std::map<State, Rank> ranks;  // built-in ranks, and the ranks of [[state]]
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
   std::vector<std::string> interfaces;  // of "lan", beside the loopback; none: chosen by the host
   std::optional<RosDistro>
-      ros_distro;  // its message layouts are used; none: that of ROS_DISTRO, or Jazzy
+      ros_distro;  // whose message layouts are used; none: of ROS_DISTRO, else of Jazzy
   ClockSource clock = ClockSource::kSteady;
   std::string
       keys;  // absolute folder of credentials: only authenticated participants; empty: no security
+
+  // Above DeActive an actuator stops when no permit arrives for so long; none: needs no permit.
+  std::optional<Duration> permit;
 
   std::optional<PolicyConfig> policy;  // none: no rules
   Ros2Config ros2;
@@ -167,7 +171,7 @@ struct MachineConfig {
 };
 
 // NoSuch() (suggest.hpp) for an actuator of `config`.
-std::string NoSuchActuator(std::string_view name, const MachineConfig& config);
+Error UnknownActuator(std::string_view name, const MachineConfig& config);
 
 // The flow where a config has none: all transitions among Active, Protected, DeActive, LowPower and
 // OTA; from each of them and from Error to Error and TearDown; from Error to SelfCheck; and from a

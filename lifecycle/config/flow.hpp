@@ -17,7 +17,7 @@ bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_
 // counts as DeActive.
 bool Rises(const MachineConfig& config, std::string_view from, std::string_view to);
 
-// Whether both have a rank and that of `to` is lower.
+// Whether both have a rank, and `to` the lower one.
 bool Falls(const MachineConfig& config, std::string_view from, std::string_view to);
 
 // Whether the callback of `to` may switch on again what an emergency stop has switched off in

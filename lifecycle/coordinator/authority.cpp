@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "musher/lifecycle/refusal.hpp"
+
 namespace musher {
 
 bool Authority::AtWork() const {
@@ -36,11 +38,9 @@ void Authority::ReleaseIfReplacedElsewhere() {
 
 // `rival`: which one it is.
 void Authority::Release(const std::string& rival, Epoch epoch) {
-  const std::string why =
-      "another controller, " + rival + ", leads this machine with epoch " + ToString(epoch);
-  const Error fenced{kCodePermissionDenied, why};
+  const Error fenced = Refused<Refusal::kLedByRival>(rival, epoch);
   const RecordId recorded =
-      RecordMachine(fenced.code, texts::ControllerFenced(machine_.epoch, why));
+      RecordMachine(fenced.code, texts::ControllerFenced(machine_.epoch, fenced.message));
   switches_.EndWaiting(fenced, recorded);
   if (machine_.current) {
     SwitchResult result = SwitchConclusion(config_, machine_).Conclude(*machine_.current, false);
@@ -65,7 +65,7 @@ void Authority::Release(const std::string& rival, Epoch epoch) {
     }
   }
   machine_.phase = Phase::kFenced;
-  Do(action::Fenced{why});
+  Do(action::Fenced{fenced.message});
 }
 
 }  // namespace musher

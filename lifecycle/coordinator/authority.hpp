@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "musher/lifecycle/command/control.hpp"
+#include "musher/lifecycle/switch/control.hpp"
 #include "musher/lifecycle/switch/tear_down.hpp"
 
 namespace musher {

@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <variant>
 
-#include "musher/lifecycle/command/arrivals.hpp"
 #include "musher/lifecycle/coordinator/authority.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
-#include "musher/lifecycle/recovery/binding.hpp"
-#include "musher/lifecycle/recovery/fallback.hpp"
-#include "musher/lifecycle/recovery/late_actuators.hpp"
-#include "musher/lifecycle/recovery/recovery.hpp"
+#include "musher/lifecycle/refusal.hpp"
 #include "musher/lifecycle/rules/policy_requests.hpp"
-#include "musher/lifecycle/startup/start_up.hpp"
+#include "musher/lifecycle/supervision/binding.hpp"
+#include "musher/lifecycle/supervision/fallback.hpp"
+#include "musher/lifecycle/supervision/late_actuators.hpp"
+#include "musher/lifecycle/supervision/recovery.hpp"
+#include "musher/lifecycle/supervision/start_up.hpp"
+#include "musher/lifecycle/switch/arrivals.hpp"
 
 namespace musher {
 namespace {
@@ -165,7 +166,7 @@ void Coordinator::ReportIfBroken() {
 }
 
 void Coordinator::Decline(const Event& event) {
-  const Error fenced{kCodePermissionDenied, "another controller leads this machine"};
+  const Error fenced = Refused<Refusal::kLedByAnother>();
   const auto answer = [&](RequestId request) {
     step_.actions.emplace_back(action::AnswerCall{request, fenced});
   };

@@ -5,16 +5,16 @@
 //
 // Inside, one step is a chain of parts, each a small class (step/step_part.hpp) that uses only
 // those above it:
-//   record/     the sentences of what is recorded, each with its event name (event_name.hpp)
-//   step/       what every part can do: change the machine, act, record, save; emergency stops
-//   process/    the processes of the actuators, restarts
-//   policy/     the stored values of the policy; power
-//   command/    one command to one actuator, with a definite outcome; taking control; arrivals
-//   switch/     a switch: legs in the order of the plan, rollback, result; TearDown; requests
-//   startup/    processes, the first stage, adoption, later stages
-//   recovery/   actuators that crashed, hang or are lost; joining late; binds_to; on_lost
-//   rules/      the policy: its rules, and requests to it
-//   authority   another controller leads
+//   record/       the sentences of what is recorded, each with its event name (event_name.hpp)
+//   step/         what every part can do: change the machine, act, record, save; emergency stops;
+//                 the processes of the actuators, restarts
+//   policy/       the stored values of the policy; power
+//   switch/       a switch: its plan, its legs in that order, rollback, result; one command to one
+//                 actuator, with a definite outcome; taking control; arrivals; TearDown; requests
+//   supervision/  the start: processes, stages, adoption; actuators that crashed, hang or are lost;
+//                 joining late; binds_to; on_lost
+//   rules/        the policy: its rules, and requests to it
+//   authority     another controller leads
 
 #include <optional>
 #include <vector>

@@ -3,19 +3,7 @@
 namespace musher {
 
 std::string_view HealthName(Health health) {
-  switch (health) {
-    case Health::kStarved:
-      return "starved";
-    case Health::kHung:
-      return "hung";
-    case Health::kCrashed:
-      return "crashed";
-    case Health::kPartitioned:
-      return "partitioned";
-    case Health::kWell:
-      break;
-  }
-  return "well";
+  return fields::NameOf(health);
 }
 
 Health EvaluateSilence(Duration silent, Duration allowance, Duration waited) {

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/field.hpp"
 
 namespace musher {
 
@@ -22,3 +23,12 @@ std::string_view HealthName(Health health);  // "well", "starved", …
 Health EvaluateSilence(Duration silent, Duration allowance, Duration waited);
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, 5> kValueNames<Health> = {"well", "starved", "hung",
+                                                                        "crashed", "partitioned"};
+static_assert(EndsWith(Health::kPartitioned));
+
+}  // namespace musher::fields

@@ -9,6 +9,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/event_name.hpp"
+#include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/report.hpp"
@@ -150,3 +151,99 @@ struct ActuatorRecord {
 };
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, 4> kValueNames<Presence> = {"absent", "starting",
+                                                                          "present", "lost"};
+static_assert(EndsWith(Presence::kLost));
+
+template <>
+inline constexpr std::array<std::string_view, 4> kValueNames<Launch> = {
+    "none", "blocked", "under-way", "found-running"};
+static_assert(EndsWith(Launch::kFoundRunning));
+
+template <>
+inline constexpr std::tuple kFields<PendingCommand> = {
+    Field{"number", &PendingCommand::number},
+    Field{"target", &PendingCommand::target},
+    Field{"sent", &PendingCommand::sent},
+    Field{"deadline", &PendingCommand::deadline},
+    Field{"queries", &PendingCommand::queries},
+    Field{"detached", &PendingCommand::detached},
+    Field{"clock_ahead", &PendingCommand::clock_ahead},
+};
+
+template <>
+inline constexpr std::tuple kFields<Termination> = {
+    Field{"pid", &Termination::pid},
+    Field{"terminate_at", &Termination::terminate_at},
+    Field{"kill_at", &Termination::kill_at},
+    Field{"killed", &Termination::killed},
+};
+
+template <>
+inline constexpr std::tuple kFields<ActuatorFault> = {
+    Field{"code", &ActuatorFault::code},
+    Field{"message", &ActuatorFault::message},
+    Field{"event", &ActuatorFault::event},
+};
+
+template <>
+inline constexpr std::tuple kFields<ActuatorProcess> = {
+    Field{"pid", &ActuatorProcess::pid},
+    Field{"launch", &ActuatorProcess::launch},
+    Field{"dead", &ActuatorProcess::dead},
+    Field{"termination", &ActuatorProcess::termination},
+};
+
+template <>
+inline constexpr std::tuple kFields<Restarts> = {
+    Field{"restarts", &Restarts::count},
+    Field{"restart_at", &Restarts::at},
+    Field{"reset_at", &Restarts::reset_at},
+    Field{"given_up", &Restarts::given_up},
+    Field{"restart_requested", &Restarts::requested},
+    Field{"restart_requests", &Restarts::requests},
+};
+
+template <>
+inline constexpr std::tuple kFields<ControlRecord> = {
+    Field{"controlled", &ControlRecord::incarnation},
+    Field{"control_again", &ControlRecord::again},
+    Field{"rival_until", &ControlRecord::rival_until},
+};
+
+template <>
+inline constexpr std::tuple kFields<FailedChecks> = {Field{"count", &FailedChecks::count},
+                                                     Field{"at", &FailedChecks::at}};
+
+template <>
+inline constexpr std::tuple kFields<ActuatorRecord> = {
+    Field{"presence", &ActuatorRecord::presence},
+    Field{"report", &ActuatorRecord::report},
+    Field{"other", &ActuatorRecord::other},
+    Field{"clock_theirs", &ActuatorRecord::clock_theirs},
+    Field{"clock_ours", &ActuatorRecord::clock_ours},
+    Part{&ActuatorRecord::process},
+    Part{&ActuatorRecord::restart},
+    Part{&ActuatorRecord::control},
+    Field{"set_up_by", &ActuatorRecord::set_up_by},
+    Field{"checked", &ActuatorRecord::checked},
+    Field{"join_tried", &ActuatorRecord::join_tried},
+    Field{"failed_checks", &ActuatorRecord::failed_checks},
+    Field{"set_again", &ActuatorRecord::set_again},
+    Field{"held", &ActuatorRecord::held},
+    Field{"due", &ActuatorRecord::due},
+    Field{"fault", &ActuatorRecord::fault},
+    Field{"tolerated", &ActuatorRecord::tolerated},
+    Field{"command", &ActuatorRecord::command},
+    Field{"cause", &ActuatorRecord::cause},
+    Field{"health", &ActuatorRecord::health},
+    Field{"suspended", &ActuatorRecord::suspended},
+    Field{"free_by", &ActuatorRecord::free_by},
+    Field{"elsewhere", &ActuatorRecord::elsewhere},
+};
+
+}  // namespace musher::fields

@@ -3,37 +3,11 @@
 namespace musher {
 
 std::string_view PhaseName(Phase phase) {
-  switch (phase) {
-    case Phase::kIdle:
-      return "idle";
-    case Phase::kStarting:
-      return "starting";
-    case Phase::kRunning:
-      return "running";
-    case Phase::kFailed:
-      return "failed";
-    case Phase::kStopping:
-      return "stopping";
-    case Phase::kFenced:
-      return "fenced";
-    case Phase::kStopped:
-      break;
-  }
-  return "stopped";
+  return fields::NameOf(phase);
 }
 
 std::string_view PresenceName(Presence presence) {
-  switch (presence) {
-    case Presence::kAbsent:
-      return "absent";
-    case Presence::kStarting:
-      return "starting";
-    case Presence::kPresent:
-      return "present";
-    case Presence::kLost:
-      break;
-  }
-  return "lost";
+  return fields::NameOf(presence);
 }
 
 std::string_view StoredName(Stored what) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/machine/actuator_record.hpp"
 #include "musher/lifecycle/machine/policy_state.hpp"
 #include "musher/lifecycle/machine/stored.hpp"
@@ -121,3 +122,74 @@ std::optional<Error> TroubleOf(const ActuatorRecord& record);
 std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine);
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, 7> kValueNames<Phase> = {
+    "idle", "starting", "running", "failed", "stopping", "stopped", "fenced"};
+static_assert(EndsWith(Phase::kFenced));
+
+template <>
+inline constexpr std::tuple kFields<StartUpState> = {
+    Field{"by_hand", &StartUpState::by_hand},
+    Field{"finishing", &StartUpState::finishing},
+    Field{"restarted", &StartUpState::restarted},
+    Field{"raised", &StartUpState::raised},
+    Field{"set_up", &StartUpState::set_up},
+    Field{"stage", &StartUpState::stage},
+    Field{"set_up_requests", &StartUpState::requests},
+};
+
+template <>
+inline constexpr std::tuple kFields<PendingRelease> = {
+    Field{"requests", &PendingRelease::requests}, Field{"by", &PendingRelease::by},
+    Field{"last", &PendingRelease::last},         Field{"again", &PendingRelease::again},
+    Field{"until", &PendingRelease::until},
+};
+
+template <>
+inline constexpr std::tuple kFields<EmergencyStopState> = {
+    Field{"emergency_stop", &EmergencyStopState::stop},
+    Field{"stop_cause", &EmergencyStopState::cause},
+    Field{"other_stops", &EmergencyStopState::others},
+    Field{"released_stops", &EmergencyStopState::released},
+    Field{"release", &EmergencyStopState::release},
+};
+
+template <>
+inline constexpr std::tuple kFields<FallbackState> = {
+    Field{"fallback", &FallbackState::target},
+    Field{"fallback_cause", &FallbackState::cause},
+};
+
+template <>
+inline constexpr std::tuple kFields<SavesState> = {
+    Field{"last_save", &SavesState::last},
+    Field{"unsaved", &SavesState::unsaved},
+};
+
+template <>
+inline constexpr std::tuple kFields<Machine> = {
+    Field{"phase", &Machine::phase},
+    Field{"state", &Machine::state},
+    Field{"host", &Machine::host},
+    Field{"epoch", &Machine::epoch},
+    Field{"number", &Machine::number},
+    Field{"last_switch", &Machine::last_switch},
+    Field{"requested_by", &Machine::requested_by},
+    Field{"standing", &Machine::standing},
+    Part{&Machine::start_up},
+    Field{"actuators", &Machine::actuators},
+    Field{"current", &Machine::current},
+    Field{"waiting", &Machine::waiting},
+    Part{&Machine::fallback},
+    Field{"stopping", &Machine::stopping},
+    Part{&Machine::emergency},
+    Field{"last_record", &Machine::last_record},
+    Field{"recorded_state", &Machine::recorded_state},
+    Part{&Machine::saves},
+    Field{"policy", &Machine::policy},
+};
+
+}  // namespace musher::fields

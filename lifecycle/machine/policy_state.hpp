@@ -10,6 +10,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/state.hpp"
 
@@ -139,3 +140,91 @@ struct PolicyState {
 Time PolicyNow(const MachineConfig& config, const PolicyState& policy, Time now);
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, 2> kValueNames<PolicyInput> = {"battery", "motion"};
+static_assert(EndsWith(PolicyInput::kMotion));
+
+template <>
+inline constexpr std::array<std::string_view, 4> kValueNames<BatteryLevel> = {"free", "protected",
+                                                                              "low-power", "empty"};
+static_assert(EndsWith(BatteryLevel::kEmpty));
+
+template <>
+inline constexpr std::array<std::string_view, 8> kValueNames<PolicyRequest> = {
+    "switch",          "keep",    "OTA",       "low-power switch",
+    "low-power store", "wake-up", "power-off", "reboot"};
+static_assert(EndsWith(PolicyRequest::kReboot));
+
+template <>
+inline constexpr std::tuple kFields<Lowering> = {
+    Field{"from", &Lowering::from}, Field{"to", &Lowering::to}, Field{"epoch", &Lowering::epoch}};
+
+template <>
+inline constexpr std::tuple kFields<StoredPolicy> = {
+    Field{"low_power", &StoredPolicy::low_power},
+    Field{"lowering", &StoredPolicy::lowering},
+    Field{"level", &StoredPolicy::level},
+};
+
+template <>
+inline constexpr std::tuple kFields<Keep> = {
+    Field{"state", &Keep::state},
+    Field{"seconds", &Keep::seconds},
+    Field{"until", &Keep::until},
+    Field{"switch_number", &Keep::switch_number},
+};
+
+template <>
+inline constexpr std::tuple kFields<PowerDown> = {
+    Field{"reboot", &PowerDown::reboot},     Field{"tear_down_at", &PowerDown::tear_down_at},
+    Field{"force_at", &PowerDown::force_at}, Field{"commanded", &PowerDown::commanded},
+    Field{"cause", &PowerDown::cause},
+};
+
+template <>
+inline constexpr std::tuple kFields<BatterySource> = {
+    Field{"source", &BatterySource::source},
+    Field{"percent", &BatterySource::percent},
+    Field{"charging", &BatterySource::charging},
+};
+
+template <>
+inline constexpr std::tuple kFields<LevelRun> = {
+    Field{"level", &LevelRun::level},
+    Field{"since", &LevelRun::since},
+    Field{"samples", &LevelRun::samples},
+    Field{"higher", &LevelRun::higher},
+};
+
+template <>
+inline constexpr std::tuple kFields<PolicyState> = {
+    Field{"clock", &PolicyState::clock},
+    Field{"loaded", &PolicyState::loaded},
+    Field{"batteries", &PolicyState::batteries},
+    Field{"battery", &PolicyState::battery},
+    Field{"charging", &PolicyState::charging},
+    Field{"battery_silent", &PolicyState::battery_silent},
+    Field{"invalid_recorded", &PolicyState::invalid_recorded},
+    Field{"jump_recorded", &PolicyState::jump_recorded},
+    Field{"doubled_recorded", &PolicyState::doubled_recorded},
+    Field{"level", &PolicyState::level},
+    Field{"level_cause", &PolicyState::level_cause},
+    Field{"lifting", &PolicyState::lifting},
+    Field{"emptying", &PolicyState::emptying},
+    Field{"empty", &PolicyState::empty},
+    Field{"stored", &PolicyState::stored},
+    Field{"withheld", &PolicyState::withheld},
+    Field{"low_power", &PolicyState::low_power},
+    Field{"still", &PolicyState::still},
+    Field{"still_since", &PolicyState::still_since},
+    Field{"keep", &PolicyState::keep},
+    Field{"power", &PolicyState::power},
+    Field{"failures", &PolicyState::failures},
+    Field{"retry_at", &PolicyState::retry_at},
+    Field{"calls", &PolicyState::calls},
+};
+
+}  // namespace musher::fields

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/state.hpp"
 
@@ -29,6 +30,12 @@ struct EmergencyStop {
 
   friend bool operator==(const EmergencyStop&, const EmergencyStop&) = default;
 };
+
+// " by alice (smoke)": what is known of it, behind "an emergency stop is engaged".
+inline std::string OriginOf(const EmergencyStop& stop) {
+  return (stop.by.empty() ? "" : " by " + stop.by) +
+         (stop.reason.empty() ? "" : " (" + stop.reason + ")");
+}
 
 struct ActuatorReport {
   State state{kUninitialized};
@@ -76,3 +83,45 @@ enum class Verdict {
 };
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<Verdict> = {"done", "refused",
+                                                                         "failed"};
+static_assert(EndsWith(Verdict::kFailed));
+
+template <>
+inline constexpr std::tuple kFields<ActuatorReport> = {
+    Field{"state", &ActuatorReport::state},
+    Field{"target", &ActuatorReport::target},
+    Field{"busy_number", &ActuatorReport::busy_number},
+    Field{"epoch", &ActuatorReport::epoch},
+    Field{"number", &ActuatorReport::number},
+    Field{"outcome_number", &ActuatorReport::outcome_number},
+    Field{"outcome_code", &ActuatorReport::outcome_code},
+    Field{"outcome_message", &ActuatorReport::outcome_message},
+    Field{"incarnation", &ActuatorReport::incarnation},
+    Field{"pid", &ActuatorReport::pid},
+    Field{"host", &ActuatorReport::host},
+    Field{"config_hash", &ActuatorReport::config_hash},
+    Field{"detached", &ActuatorReport::detached},
+    Field{"emergency_stop", &ActuatorReport::emergency_stop},
+    Field{"held_by_stop", &ActuatorReport::held_by_stop},
+    Field{"degraded_code", &ActuatorReport::degraded_code},
+    Field{"degraded_reason", &ActuatorReport::degraded_reason},
+    Field{"emergency_stop_by", &ActuatorReport::emergency_stop_by},
+    Field{"emergency_stop_reason", &ActuatorReport::emergency_stop_reason},
+    Field{"released_stop", &ActuatorReport::released_stop},
+    Field{"other_stops", &ActuatorReport::other_stops},
+    Field{"stamp", &ActuatorReport::stamp},
+};
+
+template <>
+inline constexpr std::tuple kFields<EmergencyStop> = {
+    Field{"id", &EmergencyStop::id},
+    Field{"by", &EmergencyStop::by},
+    Field{"reason", &EmergencyStop::reason},
+};
+
+}  // namespace musher::fields

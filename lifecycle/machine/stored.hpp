@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/report.hpp"
 
@@ -60,3 +61,32 @@ struct Unsaved {
 };
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, 6> kValueNames<Stored> = {
+    "epoch", "emergency stops", "policy", "stop intent", "remote actuators", "journal"};
+static_assert(EndsWith(Stored::kJournal));
+
+template <>
+inline constexpr std::tuple kFields<StoredStops> = {
+    Field{"engaged", &StoredStops::engaged},
+    Field{"released", &StoredStops::released},
+};
+
+template <>
+inline constexpr std::tuple kFields<RemoteActuator> = {
+    Field{"name", &RemoteActuator::name},
+    Field{"host", &RemoteActuator::host},
+};
+
+template <>
+inline constexpr std::tuple kFields<Unsaved> = {
+    Field{"what", &Unsaved::what},
+    Field{"save", &Unsaved::save},
+    Field{"since", &Unsaved::since},
+    Field{"why", &Unsaved::why},
+};
+
+}  // namespace musher::fields

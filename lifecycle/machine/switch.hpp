@@ -9,6 +9,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/event_name.hpp"
+#include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/switch_result.hpp"
 
@@ -147,3 +148,116 @@ struct Stopping {
 };
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, 6> kValueNames<Purpose> = {
+    "requested", "start-up check", "start-up activate", "fallback", "stop", "policy"};
+static_assert(EndsWith(Purpose::kPolicy));
+
+template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<Stopping::Signal> = {
+    "none", "terminate", "kill"};
+static_assert(EndsWith(Stopping::Signal::kKill));
+
+template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<Stopping::Look> = {
+    "not-yet", "under-way", "done"};
+
+template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<Leg::Progress> = {
+    "waiting", "under-way", "ended"};
+static_assert(EndsWith(Leg::Progress::kEnded));
+
+template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<AfterTearDown> = {
+    "stays down", "may start", "starts again"};
+static_assert(EndsWith(AfterTearDown::kStartsAgain));
+
+template <>
+inline constexpr std::tuple kFields<Requester> = {
+    Field{"name", &Requester::name},
+    Field{"manager", &Requester::manager},
+};
+
+template <>
+inline constexpr std::tuple kFields<ActuatorGoal> = {
+    Field{"actuator", &ActuatorGoal::actuator},
+    Field{"from", &ActuatorGoal::from},
+    Field{"target", &ActuatorGoal::target},
+    Field{"needs", &ActuatorGoal::needs},
+};
+
+template <>
+inline constexpr std::tuple kFields<Leg> = {
+    Base<ActuatorGoal>{},
+    Field{"progress", &Leg::progress},
+    Field{"outcome", &Leg::outcome},
+    Field{"ran", &Leg::ran},
+    Field{"may_fail", &Leg::may_fail},
+    Field{"code", &Leg::code},
+    Field{"message", &Leg::message},
+    Field{"event", &Leg::event},
+    Field{"started", &Leg::started},
+    Field{"duration", &Leg::duration},
+};
+
+template <>
+inline constexpr std::tuple kFields<SwitchGoal> = {
+    Field{"from", &SwitchGoal::from},
+    Field{"target", &SwitchGoal::target},
+    Field{"only", &SwitchGoal::only},
+    Field{"direction", &SwitchGoal::direction},
+};
+
+template <>
+inline constexpr std::tuple kFields<Rollback> = {
+    Field{"rolling_back", &Rollback::under_way},
+    Field{"back_number", &Rollback::number},
+    Field{"back", &Rollback::legs},
+};
+
+template <>
+inline constexpr std::tuple kFields<Switch> = {
+    Base<SwitchGoal>{},
+    Field{"number", &Switch::number},
+    Field{"purpose", &Switch::purpose},
+    Field{"requests", &Switch::requests},
+    Field{"legs", &Switch::legs},
+    Field{"others", &Switch::others},
+    Field{"stopped", &Switch::stopped},
+    Part{&Switch::rollback},
+    Field{"cause", &Switch::cause},
+};
+
+template <>
+inline constexpr std::tuple kFields<WaitingSwitch> = {
+    Field{"target", &WaitingSwitch::target}, Field{"only", &WaitingSwitch::only},
+    Field{"until", &WaitingSwitch::until},   Field{"requests", &WaitingSwitch::requests},
+    Field{"cause", &WaitingSwitch::cause},   Field{"by", &WaitingSwitch::by},
+};
+
+template <>
+inline constexpr std::tuple kFields<StandingRequest> = {
+    Field{"target", &StandingRequest::target},
+    Field{"by", &StandingRequest::by},
+    Field{"number", &StandingRequest::number},
+};
+
+template <>
+inline constexpr std::tuple kFields<Stopping> = {
+    Field{"begun", &Stopping::begun},
+    Field{"after", &Stopping::after},
+    Field{"intent_by", &Stopping::intent_by},
+    Field{"tear_down_by", &Stopping::tear_down_by},
+    Field{"terminate_at", &Stopping::terminate_at},
+    Field{"kill_at", &Stopping::kill_at},
+    Field{"give_up_at", &Stopping::give_up_at},
+    Field{"sent", &Stopping::sent},
+    Field{"look", &Stopping::look},
+    Field{"result", &Stopping::result},
+    Field{"requests", &Stopping::requests},
+};
+
+}  // namespace musher::fields

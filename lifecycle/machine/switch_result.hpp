@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "musher/base/code.hpp"
+#include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/state.hpp"
 
@@ -72,4 +74,44 @@ struct SwitchResult {
   friend bool operator==(const SwitchResult&, const SwitchResult&) = default;
 };
 
+// The answer to a request that is refused while the machine, or the one actuator, is in `state`.
+// `actuator`: "": of the machine.
+SwitchResult RefusedSwitch(const State& target, const std::string& actuator, const State& state,
+                           const Error& why);
+
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::array<std::string_view, 4> kValueNames<Direction> = {"up", "down", "level",
+                                                                           "check"};
+static_assert(EndsWith(Direction::kCheck));
+
+template <>
+inline constexpr std::array<std::string_view, 8> kValueNames<ActuatorOutcome> = {
+    "done", "refused", "failed", "overdue", "lost", "undone", "skipped", "unsupported"};
+static_assert(EndsWith(ActuatorOutcome::kUnsupported));
+
+template <>
+inline constexpr std::array<std::string_view, 5> kValueNames<SwitchOutcome> = {
+    "done", "refused", "undone", "done-degraded", "superseded"};
+static_assert(EndsWith(SwitchOutcome::kSuperseded));
+
+template <>
+inline constexpr std::tuple kFields<ActuatorResult> = {
+    Field{"name", &ActuatorResult::name},         Field{"outcome", &ActuatorResult::outcome},
+    Field{"code", &ActuatorResult::code},         Field{"message", &ActuatorResult::message},
+    Field{"duration", &ActuatorResult::duration}, Field{"state", &ActuatorResult::state},
+};
+
+template <>
+inline constexpr std::tuple kFields<SwitchResult> = {
+    Field{"number", &SwitchResult::number},       Field{"target", &SwitchResult::target},
+    Field{"actuator", &SwitchResult::actuator},   Field{"outcome", &SwitchResult::outcome},
+    Field{"code", &SwitchResult::code},           Field{"reason", &SwitchResult::reason},
+    Field{"state", &SwitchResult::state},         Field{"degraded", &SwitchResult::degraded},
+    Field{"actuators", &SwitchResult::actuators},
+};
+
+}  // namespace musher::fields

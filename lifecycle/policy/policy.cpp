@@ -5,6 +5,7 @@
 #include "musher/base/decimal.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/record/texts.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -70,11 +71,15 @@ Error AboveCeiling(const MachineConfig& config, const PolicyState& policy, Batte
   const int left_at = LeftAt(battery, level);
   const std::string percent = std::to_string(left_at) + " %";
   const bool lifting = policy.battery && *policy.battery >= left_at;
-  return {kCodeProtectedError, BatteryText(policy) + ": the machine is limited to " +
-                                   (most.empty() ? State(kLowPower) : most) + " until " +
-                                   (lifting ? "no sample has been below " + percent + " for " +
-                                                  Decimal(ToSeconds(battery.raise_after), 1) + " s"
-                                            : "it is charged to " + percent)};
+  return Refused<Refusal::kAboveCeiling>(
+      BatteryText(policy), most.empty() ? State(kLowPower) : most,
+      lifting ? "no sample has been below " + percent + " for " +
+                    Decimal(ToSeconds(battery.raise_after), 1) + " s"
+              : "it is charged to " + percent);
+}
+
+Error AboutToEnd(const PowerDown& power) {
+  return power.reboot ? Refused<Refusal::kRebootAhead>() : Refused<Refusal::kPowerOffAhead>();
 }
 
 std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine& machine,
@@ -84,9 +89,7 @@ std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine&
   const bool rises = Rises(config, machine.state, target);
   if (!config.policy || !rank || (!rises && target != machine.state)) return std::nullopt;
   if (policy.power && rises) {
-    return Error{kCodeProtectedError, policy.power->reboot
-                                          ? "the robot is about to reboot"
-                                          : "the robot is about to be powered off"};
+    return AboutToEnd(*policy.power);
   }
   const bool loading =
       machine.phase == Phase::kStarting || (machine.phase == Phase::kRunning && !policy.loaded);

@@ -26,8 +26,8 @@ std::optional<Rank> CeilingRank(BatteryLevel level);
 // none.
 State CeilingState(const MachineConfig& config, BatteryLevel level);
 
-// The level that takes the machine down: that of the present samples, without a stored one. While
-// being charged, the machine is not taken below Protected.
+// The level that takes the machine down. It follows from the present samples; a stored level takes
+// nothing down. While the robot is being charged, the machine is not taken below Protected.
 BatteryLevel TakingDownLevel(const MachineConfig& config, const PolicyState& policy);
 
 // When samples in a row have confirmed their level by time; nullopt: they are too few.
@@ -39,6 +39,8 @@ std::string BatteryText(const PolicyState& policy);
 // Why nothing goes above the ceiling of `level`, with the numbers and what to do.
 Error AboveCeiling(const MachineConfig& config, const PolicyState& policy, BatteryLevel level);
 
+// The refusal of what a reboot or a power-off, which was requested before, does not permit.
+Error AboutToEnd(const PowerDown& power);
 // Why the policy refuses a switch of the machine to `target`, with what would change that. Down is
 // always allowed.
 std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine& machine,

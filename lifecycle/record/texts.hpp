@@ -4,7 +4,7 @@
 // sentence here, and test/golden/record_texts.expected has an example of each one.
 //
 // A fault's sentence has no subject: its record is "<actuator> is degraded: <sentence>". Durations
-// are shown in ms, those of the policy in s. Pure; from any thread.
+// are shown in ms, durations of the policy in s. Pure; from any thread.
 
 #include <cstddef>
 #include <cstdint>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "musher/base/code.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -143,13 +143,9 @@ Result<Ros2Transition> ManagedNode::Begin(std::uint8_t id, std::string_view labe
   const auto* const known = std::find_if(kGraph.begin(), kGraph.end(), [&](const Ros2Edge& edge) {
     return IsRequestable(edge) && (label.empty() ? edge.id == id : edge.label == label);
   });
-  const bool exists = known != kGraph.end();
-  const std::string what = label.empty() && exists ? std::string(known->label)
-                           : label.empty()         ? std::to_string(id)
-                                                   : std::string(label.substr(0, 64));
-  return Error{exists ? kCodeStateInvalid : kCodeParametersInvalid,
-               exists ? "the node is " + std::string(Ros2StateName(now))
-                      : "there is no transition '" + what + "'"};
+  if (known != kGraph.end()) return Refused<Refusal::kTransitionImpossible>(Ros2StateName(now));
+  return Refused<Refusal::kUnknownTransition>(label.empty() ? std::to_string(id)
+                                                            : std::string(label.substr(0, 64)));
 }
 
 void ManagedNode::End(bool success) {

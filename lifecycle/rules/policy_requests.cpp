@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/lifecycle/policy/policy.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -57,9 +58,9 @@ void PolicyRequests::On(const event::PolicyRequested& requested) {
     }
     Do(action::AnswerCall{requested.request, why});
   };
-  if (!config_.policy) return refuse({kCodeUnSupport, "the config has no [policy]"}, 0);
+  if (!config_.policy) return refuse(Refused<Refusal::kNoPolicy>(), 0);
   if (machine_.phase == Phase::kIdle) {
-    return refuse({kCodeStatusError, "the machine is not set up yet"}, 0);
+    return refuse(Refused<Refusal::kNotSetUp>(), 0);
   }
   const RecordId request_record =
       RecordPolicy(kCodeOk, texts::PolicyRequested(Describe(requested), SwitchTargetOf(requested)));
@@ -68,7 +69,7 @@ void PolicyRequests::On(const event::PolicyRequested& requested) {
 
 std::optional<Error> PolicyRequests::Handle(const Requested& requested, RecordId request_record) {
   if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
-    return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
+    return Refused<Refusal::kMachineTornDown>();
   }
   switch (requested.what) {
     case PolicyRequest::kSwitch:
@@ -96,8 +97,7 @@ std::optional<Error> PolicyRequests::HandleKeep(const Requested& requested,
                                                 RecordId request_record) {
   PolicyState& policy = machine_.policy;
   if (requested.ticks < 0 || requested.ticks > kLongestKeep) {
-    return Error{kCodeParametersInvalid, "a keep lasts 0 to " + std::to_string(kLongestKeep) +
-                                             " s, not " + std::to_string(requested.ticks) + " s"};
+    return Refused<Refusal::kKeepOutOfRange>(kLongestKeep, requested.ticks);
   }
   if (policy.keep && requested.ticks == 0) {
     memory_.EndKeep("cancelled");
@@ -105,11 +105,11 @@ std::optional<Error> PolicyRequests::HandleKeep(const Requested& requested,
     return std::nullopt;
   }
   if (requested.ticks == 0 && requested.state.empty()) {
-    return Error{kCodeStateInvalid, "nothing keeps the machine in " + machine_.state};
+    return Refused<Refusal::kNothingKept>(machine_.state);
   }
   if (auto blocker = KeptOrBusy()) return blocker;
   if (machine_.state == kOta && requested.state != kOta) {
-    return Error{kCodeStateInvalid, "the machine is in OTA; leave OTA first"};
+    return Refused<Refusal::kInOta>();
   }
   if (requested.ticks > 0 && requested.state != kTearDown) {
     // Before the switch: while the machine is kept, the battery rule does not apply.
@@ -140,14 +140,14 @@ std::optional<Error> PolicyRequests::HandleOta(const Requested& requested,
   }
   if (requested.enable) return BeginRequested(requested, State(kOta), request_record);
   if (inside) return BeginUp(requested, request_record);
-  return Error{kCodeStateInvalid, "the machine is not in OTA, it is in " + machine_.state};
+  return Refused<Refusal::kNotInOta>(machine_.state);
 }
 
 std::optional<Error> PolicyRequests::HandleLowPowerSwitch(const Requested& requested,
                                                           RecordId request_record) {
   PolicyState& policy = machine_.policy;
   if (!config_.policy->low_power) {
-    return Error{kCodeUnSupport, "the config has no [policy.low_power]"};
+    return Refused<Refusal::kNoLowPowerPolicy>();
   }
   const bool off = !requested.enable;
   const bool going_down = machine_.current && machine_.current->target == kLowPower;
@@ -169,7 +169,7 @@ std::optional<Error> PolicyRequests::HandleWakeUp(const Requested& requested,
                                                   RecordId request_record) {
   if (auto blocker = KeptOrBusy()) return blocker;
   if (!InLowPower()) {
-    return Error{kCodeStateInvalid, "the machine is not in LowPower, it is in " + machine_.state};
+    return Refused<Refusal::kNotInLowPower>(machine_.state);
   }
   if (machine_.policy.level >= BatteryLevel::kLowPower) {
     return AboveCeiling(config_, machine_.policy, machine_.policy.level);
@@ -184,13 +184,12 @@ std::optional<Error> PolicyRequests::HandlePower(const Requested& requested,
   const bool reboot = requested.what == PolicyRequest::kReboot;
   auto& power = machine_.policy.power;
   if (power && power->reboot != reboot && !power->commanded) {
-    return Error{kCodeTargetBusy, power->reboot ? "the robot is about to reboot"
-                                                : "the robot is about to be powered off"};
+    return Error{kCodeTargetBusy, AboutToEnd(*power).message};
   }
   if (machine_.policy.keep) return KeptOrBusy();
   const bool updating =
       machine_.state == kOta || (machine_.current && machine_.current->target == kOta);
-  if (updating) return Error{kCodeStateInvalid, "the machine is in OTA; leave OTA first"};
+  if (updating) return Refused<Refusal::kInOta>();
   if (!power) power_.Begin(reboot, now_ + config_.policy->power.delay, request_record);
   Do(action::AnswerCall{requested.request, Ok()});
   if (std::exchange(power->commanded, false)) {
@@ -204,13 +203,11 @@ std::optional<Error> PolicyRequests::HandlePower(const Requested& requested,
 std::optional<Error> PolicyRequests::KeptOrBusy() const {
   if (const auto& keep = machine_.policy.keep) {
     const auto left = std::chrono::ceil<std::chrono::seconds>(keep->until - policy_now()).count();
-    return Error{kCodeStateInvalid, "the machine is kept in " + keep->state + " for another " +
-                                        std::to_string(left) +
-                                        " s; end it with `musher keep --end`"};
+    return Refused<Refusal::kKept>(keep->state, left);
   }
   if (!machine_.current) return std::nullopt;
-  return Error{kCodeTargetBusy, "switch " + ToString(machine_.current->number) + " (to " +
-                                    machine_.current->target + ") is under way"};
+  return Refused<Refusal::kSwitchUnderWay>(machine_.current->number,
+                                           "to " + machine_.current->target);
 }
 
 std::optional<Error> PolicyRequests::BeginRequested(const Requested& requested, const State& target,

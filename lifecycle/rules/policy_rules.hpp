@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/tear_down.hpp"
 
 namespace musher {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/refusal.hpp"
+
 namespace musher {
 namespace {
 
@@ -85,17 +87,13 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
   auto& emergency = machine_.emergency;
   // It publishes no more, although its last replies may still be on their way.
   if (machine_.phase == Phase::kStopped) {
-    return Do(action::AnswerCall{
-        requested.request, Error{kCodeStateInvalid,
-                                 "the machine is stopped; start it (`musher up`), then release "
-                                 "the emergency stop"}});
+    return Do(action::AnswerCall{requested.request, Refused<Refusal::kStoppedMachine>()});
   }
   if (emergency.release && !emergency.stop) {
     return emergency.release->requests.push_back(requested.request);
   }
   if (!emergency.stop && Unconfirmed(0).empty()) {
-    return Do(action::AnswerCall{requested.request,
-                                 Error{kCodeStateInvalid, "no emergency stop is engaged"}});
+    return Do(action::AnswerCall{requested.request, Refused<Refusal::kNoEmergencyStop>()});
   }
   StoredStops stops = StopsOf(machine_);
   for (const EmergencyStop& stop : stops.engaged) AddReleased(stops, stop.id);
@@ -149,11 +147,7 @@ void EmergencyStops::CheckRelease() {
   auto& release = machine_.emergency.release;
   if (!release) return;
   if (const auto& stop = machine_.emergency.stop) {
-    return EndRelease(
-        Error{kCodeProtectedError, "released, but an emergency stop was engaged again meanwhile" +
-                                       (stop->by.empty() ? "" : " by " + stop->by) +
-                                       (stop->reason.empty() ? "" : " (" + stop->reason + ")") +
-                                       "; release it again once its cause is removed"});
+    return EndRelease(Refused<Refusal::kStoppedAgain>(OriginOf(*stop)));
   }
   const std::vector<std::string> missing = Unconfirmed(release->last);
   if (missing.empty()) {

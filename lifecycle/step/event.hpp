@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
 #include "musher/lifecycle/per_actuator.hpp"
 
@@ -136,8 +137,8 @@ struct SetUpAwaited {
   RequestId request = 0;
   friend bool operator==(const SetUpAwaited&, const SetUpAwaited&) = default;
 };
-// A sample of the battery: each that differs from the one before of its publisher, and the samples
-// after it that confirm it. A value out of range is recorded and otherwise ignored.
+// A sample of the battery. Of each publisher, only a changed sample becomes an event, and then the
+// next samples that confirm it. A value out of range is recorded and otherwise ignored.
 struct BatterySeen {
   std::int32_t percent = 0;
   bool charging = false;
@@ -199,3 +200,211 @@ using Event = std::variant<
     event::PolicyRequested, event::SaveEnded, event::TimePassed>;
 
 }  // namespace musher
+
+namespace musher::fields {
+
+template <>
+inline constexpr std::string_view kEventName<event::Begin> = "Begin";
+template <>
+inline constexpr std::tuple kFields<event::Begin> = {
+    Field{"by_hand", &event::Begin::by_hand},     Field{"epoch", &event::Begin::epoch},
+    Field{"running", &event::Begin::running},     Field{"processes", &event::Begin::processes},
+    Field{"host", &event::Begin::host},           Field{"stops", &event::Begin::stops},
+    Field{"policy", &event::Begin::policy},       Field{"stop_intent", &event::Begin::stop_intent},
+    Field{"restarted", &event::Begin::restarted}, Field{"remote", &event::Begin::remote},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::StatusSeen> = "StatusSeen";
+template <>
+inline constexpr std::tuple kFields<event::StatusSeen> = {
+    Field{"actuator", &event::StatusSeen::actuator},
+    Field{"report", &event::StatusSeen::report},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::Replied> = "Replied";
+template <>
+inline constexpr std::tuple kFields<event::Replied> = {
+    Field{"actuator", &event::Replied::actuator}, Field{"number", &event::Replied::number},
+    Field{"query", &event::Replied::query},       Field{"verdict", &event::Replied::verdict},
+    Field{"code", &event::Replied::code},         Field{"message", &event::Replied::message},
+    Field{"report", &event::Replied::report},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::Vanished> = "Vanished";
+template <>
+inline constexpr std::tuple kFields<event::Vanished> = {
+    Field{"actuator", &event::Vanished::actuator},
+    Field{"incarnation", &event::Vanished::incarnation},
+    Field{"for_good", &event::Vanished::for_good},
+    Field{"how", &event::Vanished::how},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::ProcessStarted> = "ProcessStarted";
+template <>
+inline constexpr std::tuple kFields<event::ProcessStarted> = {
+    Field{"actuator", &event::ProcessStarted::actuator},
+    Field{"pid", &event::ProcessStarted::pid},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::ProcessNotStarted> = "ProcessNotStarted";
+template <>
+inline constexpr std::tuple kFields<event::ProcessNotStarted> = {
+    Field{"actuator", &event::ProcessNotStarted::actuator},
+    Field{"why", &event::ProcessNotStarted::why},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::ProcessesFound> = "ProcessesFound";
+template <>
+inline constexpr std::tuple kFields<event::ProcessesFound> = {
+    Field{"processes", &event::ProcessesFound::processes},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::ProcessEnded> = "ProcessEnded";
+template <>
+inline constexpr std::tuple kFields<event::ProcessEnded> = {
+    Field{"actuator", &event::ProcessEnded::actuator},   Field{"pid", &event::ProcessEnded::pid},
+    Field{"clean", &event::ProcessEnded::clean},         Field{"how", &event::ProcessEnded::how},
+    Field{"exit_code", &event::ProcessEnded::exit_code},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::HealthChanged> = "HealthChanged";
+template <>
+inline constexpr std::tuple kFields<event::HealthChanged> = {
+    Field{"actuator", &event::HealthChanged::actuator},
+    Field{"incarnation", &event::HealthChanged::incarnation},
+    Field{"health", &event::HealthChanged::health},
+    Field{"silent", &event::HealthChanged::silent},
+    Field{"how", &event::HealthChanged::how},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::BacktraceTaken> = "BacktraceTaken";
+template <>
+inline constexpr std::tuple kFields<event::BacktraceTaken> = {
+    Field{"actuator", &event::BacktraceTaken::actuator},
+    Field{"pid", &event::BacktraceTaken::pid},
+    Field{"text", &event::BacktraceTaken::text},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::RestartRequested> = "RestartRequested";
+template <>
+inline constexpr std::tuple kFields<event::RestartRequested> = {
+    Field{"request", &event::RestartRequested::request},
+    Field{"actuator", &event::RestartRequested::actuator},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::RivalSeen> = "RivalHeard";
+template <>
+inline constexpr std::tuple kFields<event::RivalSeen> = {
+    Field{"epoch", &event::RivalSeen::epoch},
+    Field{"who", &event::RivalSeen::rival},
+    Field{"has_precedence", &event::RivalSeen::has_precedence},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::EmergencyStopSeen> = "EmergencyStopSeen";
+template <>
+inline constexpr std::tuple kFields<event::EmergencyStopSeen> = {
+    Field{"stop", &event::EmergencyStopSeen::stop},
+    Field{"engaged", &event::EmergencyStopSeen::engaged}};
+
+template <>
+inline constexpr std::string_view kEventName<event::ReleaseRequested> = "ReleaseRequested";
+template <>
+inline constexpr std::tuple kFields<event::ReleaseRequested> = {
+    Field{"request", &event::ReleaseRequested::request},
+    Field{"by", &event::ReleaseRequested::by},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::SetStateRequested> = "SetStateRequested";
+template <>
+inline constexpr std::tuple kFields<event::SetStateRequested> = {
+    Field{"request", &event::SetStateRequested::request},
+    Field{"target", &event::SetStateRequested::target},
+    Field{"actuator", &event::SetStateRequested::actuator},
+    Field{"after", &event::SetStateRequested::after},
+    Field{"by", &event::SetStateRequested::by},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::SetUpAwaited> = "SetUpAwaited";
+template <>
+inline constexpr std::tuple kFields<event::SetUpAwaited> = {
+    Field{"request", &event::SetUpAwaited::request}};
+
+template <>
+inline constexpr std::string_view kEventName<event::BatterySeen> = "BatterySeen";
+template <>
+inline constexpr std::tuple kFields<event::BatterySeen> = {
+    Field{"percent", &event::BatterySeen::percent},
+    Field{"charging", &event::BatterySeen::charging},
+    Field{"source", &event::BatterySeen::source},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::BatterySourceSilent> = "BatterySourceSilent";
+template <>
+inline constexpr std::tuple kFields<event::BatterySourceSilent> = {
+    Field{"source", &event::BatterySourceSilent::source},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::MotionSeen> = "MotionSeen";
+template <>
+inline constexpr std::tuple kFields<event::MotionSeen> = {
+    Field{"motion", &event::MotionSeen::motion},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::InputSilent> = "InputSilent";
+template <>
+inline constexpr std::tuple kFields<event::InputSilent> = {
+    Field{"input", &event::InputSilent::input},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::ClockReceived> = "ClockHeard";
+template <>
+inline constexpr std::tuple kFields<event::ClockReceived> = {
+    Field{"clock", &event::ClockReceived::clock},
+    Field{"jumped", &event::ClockReceived::jumped},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::PolicyRequested> = "PolicyRequested";
+template <>
+inline constexpr std::tuple kFields<event::PolicyRequested> = {
+    Field{"request", &event::PolicyRequested::request},
+    Field{"what", &event::PolicyRequested::what},
+    Field{"state", &event::PolicyRequested::state},
+    Field{"ticks", &event::PolicyRequested::ticks},
+    Field{"enable", &event::PolicyRequested::enable},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::SaveEnded> = "SaveEnded";
+template <>
+inline constexpr std::tuple kFields<event::SaveEnded> = {
+    Field{"what", &event::SaveEnded::what},
+    Field{"save", &event::SaveEnded::save},
+    Field{"ok", &event::SaveEnded::ok},
+    Field{"why", &event::SaveEnded::why},
+};
+
+template <>
+inline constexpr std::string_view kEventName<event::TimePassed> = "TimePassed";
+template <>
+inline constexpr std::tuple<> kFields<event::TimePassed> = {};
+
+}  // namespace musher::fields

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "musher/base/suggest.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -28,10 +28,9 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
   if (wanted <= allowed || wanted <= now) return std::nullopt;
   const std::string which =
       standing->number == 0 ? "" : " (switch " + ToString(standing->number) + ")";
-  return Error{kCodeStateInvalid,
-               standing->target + " was last requested by " +
-                   (standing->by.empty() ? "a client without a name" : standing->by) + which +
-                   ", and a manager does not end that: `musher set " + target + "` does"};
+  return Refused<Refusal::kRequestedByAnother>(
+      standing->target, standing->by.empty() ? "a client without a name" : standing->by, which,
+      target);
 }
 
 void Requests::On(const event::SetStateRequested& requested) {
@@ -39,10 +38,10 @@ void Requests::On(const event::SetStateRequested& requested) {
   if (requested.actuator) {
     only = config_.IndexOf(*requested.actuator);
     if (!only) {
-      const Error unknown{kCodeParametersInvalid, NoSuchActuator(*requested.actuator, config_)};
       // An unknown actuator has no state.
       return switches_.Answer({requested.request},
-                              Refusal(requested.target, *requested.actuator, "", unknown));
+                              RefusedSwitch(requested.target, *requested.actuator, "",
+                                            UnknownActuator(*requested.actuator, config_)));
     }
   }
   const State target = requested.target.Shortened();
@@ -95,9 +94,8 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
   }
   const bool concerns_all = !only || s.only;
   if (concerns_all && Urgency(requested.target) > Urgency(s.target)) return false;
-  const Error busy{kCodeTargetBusy, "switch " + ToString(s.number) + " (" +
-                                        Describe(config_, s.target, s.only) + ") is under way"};
-  switches_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
+  switches_.Refuse(requested.target, only, {requested.request}, machine_.state,
+                   Refused<Refusal::kSwitchUnderWay>(s.number, Describe(config_, s.target, s.only)),
                    request_record);
   return true;
 }
@@ -114,10 +112,9 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
     return true;
   }
   if (!only && Urgency(requested.target) > Urgency(waiting.target)) return false;
-  const auto left = std::to_string(ToMilliseconds(waiting.until - now_));
-  const Error busy{kCodeTargetBusy, "switch " + Describe(config_, waiting.target, waiting.only) +
-                                        " is waiting to start; retry in " + left + " ms"};
-  switches_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
+  switches_.Refuse(requested.target, only, {requested.request}, machine_.state,
+                   Refused<Refusal::kSwitchWaiting>(Describe(config_, waiting.target, waiting.only),
+                                                    ToMilliseconds(waiting.until - now_)),
                    request_record);
   return true;
 }

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/tear_down.hpp"
 
 namespace musher {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
 namespace {
@@ -65,8 +66,8 @@ class Order {
 // actuator that hangs does not use the time of those that are torn down after it. Where the times
 // fit, each has all of its own.
 
-// For each actuator with a leg, the longest time that it and those that wait for it, one after
-// another, may take.
+// For each actuator with a leg: the longest time that a chain of legs takes which begins with this
+// actuator, each of the others waiting for the one before.
 PerActuator<Duration> ChainTimes(const MachineConfig& config, const std::vector<Leg>& legs) {
   PerActuator<Duration> chains(config.actuators.size(), Duration{});
   const Order order(config, legs);
@@ -103,8 +104,7 @@ CommandNumber Switches::Begin(const Plan& plan, Purpose purpose, std::vector<Req
   s.purpose = purpose;
   s.requests = std::move(requests);
   s.cause = cause;
-  EndWaiting({kCodeTargetBusy, "switch " + ToString(s.number) + " (" +
-                                   Describe(config_, s.target, s.only) + ") started before it"},
+  EndWaiting(Refused<Refusal::kSwitchStartedFirst>(s.number, Describe(config_, s.target, s.only)),
              cause);
   for (const PlanStep& step : plan.steps) AddLeg(s, step);
   if (purpose == Purpose::kRequested) PermitSwitchingOn(s);
@@ -191,16 +191,24 @@ bool Switches::StartLegs(std::vector<Leg>& legs) {
       continue;
     }
     const Leg* blocker = strict ? FindBlocker(leg, legs) : nullptr;
+    const auto needs_one = [&](const auto& is_so) {
+      return std::any_of(legs.begin(), legs.end(), [&](const Leg& other) {
+        return is_so(other) &&
+               std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
+      });
+    };
+    // Those that it needs are skipped first, so that it names what has failed.
+    const bool waits_to_be_skipped =
+        give_up && blocker == nullptr &&
+        needs_one([](const Leg& other) { return other.progress == Leg::Progress::kWaiting; });
+    if (waits_to_be_skipped) continue;
     if (give_up || blocker != nullptr) {
       SkipLeg(leg, blocker);
       changed = true;
       continue;
     }
-    const bool ready = std::all_of(legs.begin(), legs.end(), [&](const Leg& other) {
-      return other.progress == Leg::Progress::kEnded ||
-             std::find(leg.needs.begin(), leg.needs.end(), other.actuator) == leg.needs.end();
-    });
-    if (!ready) continue;
+    if (needs_one([](const Leg& other) { return other.progress != Leg::Progress::kEnded; }))
+      continue;
     Duration budget = config_.TimeFor(leg.actuator, leg.target);
     if (machine_.stopping) {
       const Duration left = machine_.stopping->tear_down_by - now_;
@@ -248,13 +256,17 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
                        false};
 }
 
-// A leg that `leg` needs and that has ended otherwise than done; null when there is none.
+// A leg that `leg` needs, directly or through one that was skipped, and that has ended otherwise
+// than done; null when there is none.
 const Leg* Switches::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const {
   const auto found = std::find_if(legs.begin(), legs.end(), [&](const Leg& other) {
     return other.failed() &&
            std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
   });
-  return found == legs.end() ? nullptr : &*found;
+  if (found == legs.end()) return nullptr;
+  const Leg* cause =
+      found->outcome == ActuatorOutcome::kSkipped ? FindBlocker(*found, legs) : nullptr;
+  return cause != nullptr ? cause : &*found;
 }
 
 // Nothing is sent for `leg`. The leg that has failed decides whether the switch is undone, unless
@@ -352,18 +364,6 @@ State Switches::WayBack(const Leg& leg) const {
 }
 
 // --- the end of a switch: its effect on the machine and on each actuator, and its answer ---
-
-SwitchResult Refusal(const State& target, const std::string& actuator, const State& state,
-                     const Error& why) {
-  SwitchResult result;
-  result.target = target;
-  result.actuator = actuator;
-  result.outcome = SwitchOutcome::kRefused;
-  result.code = why.code;
-  result.reason = why.message;
-  result.state = state;
-  return result;
-}
 
 EndedSwitch Switches::End() {
   const Switch s = *machine_.current;
@@ -519,7 +519,7 @@ void Switches::Supersede(CommandNumber by, const State& target, RecordId cause) 
 void Switches::Refuse(const State& target, std::optional<ActuatorIndex> only,
                       const std::vector<RequestId>& requests, const State& state, const Error& why,
                       RecordId cause) {
-  SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);
+  SwitchResult result = RefusedSwitch(target, only ? ConfigOf(*only).name : "", state, why);
   result.degraded = Degraded(config_, machine_);
   RecordSwitch(only, 0, why.code,
                texts::SwitchRefused(Describe(config_, target.Shortened(), only), why.message),

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/command/commands.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/policy_memory.hpp"
+#include "musher/lifecycle/switch/commands.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/switch_conclusion.hpp"
 
 namespace musher {
@@ -78,9 +78,6 @@ class Switches : StepPart {
   Commands& commands_;
 };
 
-// The answer to a request that is refused; `actuator`: of one actuator instead of the machine.
-SwitchResult Refusal(const State& target, const std::string& actuator, const State& state,
-                     const Error& why);
 // "to Active", "of eyes to Active".
 std::string Describe(const MachineConfig& config, const State& target,
                      std::optional<ActuatorIndex> only);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/refusal.hpp"
+
 namespace musher {
 namespace {
 
@@ -15,7 +17,7 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
                      AfterTearDown after, const Requester& by) {
   if (machine_.current) switches_.Supersede(machine_.number + 1, plan.target, cause);
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
-    Do(action::AnswerCall{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
+    Do(action::AnswerCall{request, Refused<Refusal::kBeingTornDown>()});
   }
   const Duration budget = config_.shutdown_budget;
   Stopping stopping;

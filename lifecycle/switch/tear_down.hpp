@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/power.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/switches.hpp"
 
 namespace musher {

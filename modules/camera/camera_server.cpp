@@ -14,7 +14,7 @@ namespace {
 using msg::CameraService;
 
 // An error of the store as a reply.
-CameraService::Response Refusal(const Error& error) {
+CameraService::Response AnswerTo(const Error& error) {
   const auto key = static_cast<KeyCode>(error.code % 100);
   const std::uint8_t result = key == KeyCode::kParametersInvalid ? CameraService::kInvalidArguments
                               : key == KeyCode::kTargetBusy      ? CameraService::kBusy
@@ -23,7 +23,7 @@ CameraService::Response Refusal(const Error& error) {
 }
 
 CameraService::Response PathOrRefusal(const Result<std::string>& path) {
-  return path ? Answer(CameraService::kSuccess, path.value()) : Refusal(path.error());
+  return path ? Answer(CameraService::kSuccess, path.value()) : AnswerTo(path.error());
 }
 
 // Fits the picture to what a codec takes.
@@ -85,12 +85,12 @@ struct CameraServer::Execute {
   void operator()(const ReportState&) { reply(server.State()); }
   void operator()(const DeleteFile& file) {
     server.store_->Delete(file.file, [reply = reply](const Result<>& deleted) {
-      reply(deleted ? Answer(CameraService::kSuccess, "") : Refusal(deleted.error()));
+      reply(deleted ? Answer(CameraService::kSuccess, "") : AnswerTo(deleted.error()));
     });
   }
   void operator()(const ListFiles&) {
     server.store_->List([reply = reply](const Result<std::vector<std::string>>& files) {
-      if (!files) return reply(Refusal(files.error()));
+      if (!files) return reply(AnswerTo(files.error()));
       std::string text;
       for (const std::string& file : files.value()) text += (text.empty() ? "" : "\n") + file;
       reply(Answer(CameraService::kSuccess, text));
@@ -158,7 +158,7 @@ void CameraServer::Take(Waiting waiting, const msg::Image& picture) {
   const NewFile file = FileFor(waiting.file, waiting.video);
   if (!ready) {
     beginning_ = beginning_ && !waiting.video;
-    return waiting.reply(Refusal(ready.error()));
+    return waiting.reply(AnswerTo(ready.error()));
   }
   if (!waiting.video) {
     return store_->Save(

@@ -30,7 +30,7 @@ std::optional<Effects> LegalEffects(std::uint8_t target, std::uint8_t mode) {
   return std::nullopt;
 }
 
-Error Refusal(LedKey key, const std::string& what) {
+Error LedError(LedKey key, const std::string& what) {
   return {LedCode(key), what};
 }
 
@@ -62,12 +62,12 @@ LedArbiter::LedArbiter() {
 Result<> LedArbiter::Execute(const Request& request) {
   const auto* const target = std::find(kLedTargets.begin(), kLedTargets.end(), request.target);
   if (target == kLedTargets.end()) {
-    return Refusal(LedKey::kNoSuchTarget, "unknown target " + std::to_string(request.target) +
-                                              "; 1 is the head, 2 the tail, 3 the mini light");
+    return LedError(LedKey::kNoSuchTarget, "unknown target " + std::to_string(request.target) +
+                                               "; 1 is the head, 2 the tail, 3 the mini light");
   }
   const auto* const client = std::find(kLedClients.begin(), kLedClients.end(), request.client);
   if (client == kLedClients.end()) {
-    return Refusal(LedKey::kNoSuchClient, "unknown client " + config_toml::Quote(request.client));
+    return LedError(LedKey::kNoSuchClient, "unknown client " + config_toml::Quote(request.client));
   }
   Stored& stored = stored_[static_cast<std::size_t>(target - kLedTargets.begin())];
   const auto index = static_cast<std::size_t>(client - kLedClients.begin());
@@ -77,21 +77,21 @@ Result<> LedArbiter::Execute(const Request& request) {
   }
   const auto effects = LegalEffects(request.target, request.mode);
   if (!effects) {
-    return Refusal(LedKey::kNoSuchMode, "unknown mode " + std::to_string(request.mode) +
-                                            "; 1 is predefined, 2 the colour given");
+    return LedError(LedKey::kNoSuchMode, "unknown mode " + std::to_string(request.mode) +
+                                             "; 1 is predefined, 2 the colour given");
   }
   if (request.effect < effects->first || request.effect > effects->last) {
-    return Refusal(LedKey::kNoSuchEffect, "target " + std::to_string(request.target) +
-                                              " has no effect " + std::to_string(request.effect) +
-                                              " in mode " + std::to_string(request.mode) +
-                                              ", but " + Range(*effects));
+    return LedError(LedKey::kNoSuchEffect, "target " + std::to_string(request.target) +
+                                               " has no effect " + std::to_string(request.effect) +
+                                               " in mode " + std::to_string(request.mode) +
+                                               ", but " + Range(*effects));
   }
   stored[index] =
       Light{request.mode, request.effect, request.r_value, request.g_value, request.b_value};
   const std::size_t shown = FirstStored(stored);
   if (shown == index) return Ok();
-  return Refusal(LedKey::kStored, "stored until client '" + std::string(kLedClients[shown]) +
-                                      "' releases the light");
+  return LedError(LedKey::kStored, "stored until client '" + std::string(kLedClients[shown]) +
+                                       "' releases the light");
 }
 
 LedArbiter::Shown LedArbiter::Show(std::uint8_t target) const {

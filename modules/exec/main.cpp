@@ -94,7 +94,7 @@ std::optional<Role> ReadRole(const std::string& state_config, const std::string&
   if (!machine.config) return std::nullopt;
   const auto index = machine.config->IndexOf(actuator);
   if (!index) {
-    std::cerr << state_config << ": " << musher::NoSuchActuator(actuator, *machine.config)
+    std::cerr << state_config << ": " << musher::UnknownActuator(actuator, *machine.config).message
               << std::endl;
     return std::nullopt;
   }

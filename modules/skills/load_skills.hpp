@@ -1,6 +1,6 @@
 #pragma once
-// The skills of a robot: those that the program has, those of them that its kind of robot has by
-// the skill config, and their limits.
+// The skills of a robot: all skills of the program, which of them this kind of robot has by the
+// skill config, and their limits.
 
 #include <functional>
 #include <optional>

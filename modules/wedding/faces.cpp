@@ -31,7 +31,7 @@ Duration StampOf(const Json& object) {
   return FromSeconds(seconds);
 }
 
-Error Refusal(const std::string& why) {
+Error InvalidFaces(const std::string& why) {
   return {kCodeFailed, "faces: " + why};
 }
 
@@ -39,22 +39,22 @@ Error Refusal(const std::string& why) {
 
 Result<Faces> ReadFaces(std::string_view json) {
   const Json document = Json::parse(json, nullptr, false);
-  if (document.is_discarded()) return Refusal("that is no JSON");
+  if (document.is_discarded()) return InvalidFaces("that is no JSON");
   const auto list = document.is_object() ? document.find("faces") : document.end();
   if (!document.is_object() || list == document.end() || !list->is_array()) {
-    return Refusal("an object with a list 'faces' is expected");
+    return InvalidFaces("an object with a list 'faces' is expected");
   }
   Faces faces;
   faces.count = static_cast<int>(list->size());
   const auto count = document.find("count");
   if (count != document.end() && count->is_number_integer()) {
     const auto given = count->get<std::int64_t>();
-    if (given < 0 || given > 1'000'000) return Refusal("a count of " + count->dump());
+    if (given < 0 || given > 1'000'000) return InvalidFaces("a count of " + count->dump());
     faces.count = static_cast<int>(given);
   }
   double largest = -1;
   for (const Json& face : *list) {
-    if (!face.is_object()) return Refusal("a face is an object");
+    if (!face.is_object()) return InvalidFaces("a face is an object");
     const auto frontal = face.find("is_frontal");
     if (frontal == face.end() || !frontal->is_boolean() || !frontal->get<bool>()) continue;
     const double area = Number(face, "area");
@@ -65,8 +65,8 @@ Result<Faces> ReadFaces(std::string_view json) {
     const auto y = Center(face, "center_y", "y", "height");
     if (x && y) {
       if (!IsInUnitRange(*x) || !IsInUnitRange(*y)) {
-        return Refusal("a centre of (" + std::to_string(*x) + ", " + std::to_string(*y) +
-                       ") is not in the picture: x and y are 0 to 1");
+        return InvalidFaces("a centre of (" + std::to_string(*x) + ", " + std::to_string(*y) +
+                            ") is not in the picture: x and y are 0 to 1");
       }
       faces.center = Gaze{*x, *y};
     }
@@ -76,7 +76,7 @@ Result<Faces> ReadFaces(std::string_view json) {
     if (id == face.end() || !id->is_number_integer()) continue;
     const auto given = id->get<std::int64_t>();
     if (given < -1 || given > std::numeric_limits<int>::max()) {
-      return Refusal("a face_id of " + id->dump());
+      return InvalidFaces("a face_id of " + id->dump());
     }
     faces.largest_frontal = static_cast<int>(given);
   }

@@ -22,8 +22,8 @@ struct Faces {
   friend bool operator==(const Faces&, const Faces&) = default;
 };
 
-// Missing fields of a face default to 0, false and -1, its centre to that of its box, `count` to
-// the length of the list. The stamp is that of the face, else that of the message.
+// Missing fields of a face default to 0, false and -1, its centre to the centre of its box, `count`
+// to the length of the list. A face without a stamp has the stamp of the message.
 Result<Faces> ReadFaces(std::string_view json);
 
 }  // namespace musher::wedding

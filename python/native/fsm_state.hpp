@@ -1,5 +1,5 @@
 #pragma once
-// A state of a machine (behavior/fsm) whose functions are those of a Python object (musher/fsm.py),
+// A state of a machine (behavior/fsm) that calls the functions of a Python object (musher/fsm.py),
 // and what they get and return.
 //
 // Threads: with the GIL.

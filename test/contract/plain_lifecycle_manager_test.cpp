@@ -18,6 +18,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
 #include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::testing::plain_lifecycle_manager_test {
 
@@ -266,8 +267,7 @@ TEST_F(AMachineAndItsManagers, ItsActuatorsRefuseAManagerWithAReasonAndAnswerQue
   EXPECT_EQ(tool.ChangeState(kActivate), false);
   EXPECT_THAT(
       ::testing::internal::GetCapturedStderr(),
-      AllOf(HasSubstr("arm: warning: change_state 3 failed: under control of the controller of "
-                      "epoch 1"),
+      AllOf(HasSubstr("arm: warning: change_state 3 failed: "), HasRefusal(Refusal::kUnderControl),
             HasSubstr("lifecycle set /" + RobotFile::name_space() + "/musher")));
   EXPECT_EQ(arm_.CurrentState(), "SelfCheck");
   ASSERT_TRUE(controller_.Switch("Active").done());
@@ -358,6 +358,19 @@ TEST_F(AnActuatorWithoutAController, LogsEachFailureOfACallbackAlsoAfterARefusal
   EXPECT_THAT(log, HasSubstr("change_state 3 failed: the node is unconfigured"));
   EXPECT_THAT(log, HasSubstr("change_state activate failed: "));
   EXPECT_THAT(log, HasSubstr("2012"));
+}
+
+TEST(AnActuatorWithoutActive, RefusesToBeActivated) {
+  const RobotFile file({"arm"}, {"SetUp", "TearDown", "SelfCheck", "DeActive"});
+  ActuatorRunner<Module> arm("arm");
+  ASSERT_TRUE(arm.Init(file.path()));
+  ASSERT_TRUE(arm.Start());
+  PlainParticipant person(Domain());
+  PlainLifecycleClient tool(person, RobotFile::name_space() + "/arm");
+  ASSERT_EQ(tool.ChangeState(kConfigure), true);
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(tool.ChangeState(kActivate), false);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasRefusal(Refusal::kNoStateForTransition));
 }
 
 TEST_F(AMachineAndItsManagers, AppearInRos2sDiagnosticsAndLog) {

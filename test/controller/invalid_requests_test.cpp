@@ -13,9 +13,11 @@
 #include "musher/lifecycle/record/texts.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/musher_msgs/policy_request.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
+#include "musher/test/support/refusals.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -26,6 +28,7 @@ using msg::GetPlan;
 using msg::SetState;
 using ::testing::FieldsAre;
 using ::testing::HasSubstr;
+using testing::IsRefused;
 using testing::kAllStates;
 using testing::RobotFile;
 
@@ -138,8 +141,8 @@ TEST_F(InvalidRequests, AStateOutsideTheFlowIsRefused) {
 
 TEST_F(InvalidRequests, OversizeStringsAreRefused) {
   const std::string huge(1'000'000, 'x');
-  EXPECT_EQ(Set(huge).code, kCodeParametersInvalid);
-  EXPECT_EQ(Set("Active", huge).code, kCodeParametersInvalid);
+  EXPECT_THAT(Set(huge), IsRefused(Refusal::kNameTooLong));
+  EXPECT_THAT(Set("Active", huge), IsRefused(Refusal::kNameTooLong));
   const auto plan = Call<GetPlan>(transport::MachineService(NameSpace(), "get_plan"), {huge, ""});
   EXPECT_FALSE(plan.allowed);
   EXPECT_EQ(plan.code, kCodeParametersInvalid);
@@ -175,7 +178,7 @@ TEST_F(InvalidRequests, ARequestForAnotherMachineIsRefused) {
   const auto response =
       Call<SetState>(transport::MachineService(NameSpace(), "set_state"), request);
   EXPECT_EQ(response.outcome, "refused");
-  EXPECT_EQ(response.code, kCodePermissionDenied);
+  EXPECT_THAT(response, IsRefused(Refusal::kRequestOfOtherMachine));
   EXPECT_THAT(response.reason, HasSubstr("meant for another machine, cat"));
   GetPlan::Request plan{"LowPower", ""};
   plan.machine = "cat";
@@ -189,7 +192,7 @@ TEST_F(InvalidRequests, ARequestForAnotherMachineIsRefused) {
 TEST_F(InvalidRequests, ACommandOfAnotherMachineIsRefusedByTheActuator) {
   const auto response = Command([](auto& request) { request.machine = "cat"; });
   EXPECT_EQ(response.verdict, ActuatorCommand::kVerdictRefused);
-  EXPECT_EQ(response.code, kCodePermissionDenied);
+  EXPECT_THAT(response, IsRefused(Refusal::kOtherMachine));
   EXPECT_THAT(response.message, HasSubstr("another machine, cat"));
 }
 
@@ -212,7 +215,13 @@ TEST_F(InvalidRequests, ACommandForAHugeOrUnknownStateIsRefusedByTheActuator) {
 TEST_F(InvalidRequests, ACommandOfAnUnknownKindIsRefusedByTheActuator) {
   const auto response = Command([](auto& request) { request.kind = 77; });
   EXPECT_EQ(response.verdict, ActuatorCommand::kVerdictRefused);
-  EXPECT_EQ(response.code, kCodeParametersInvalid);
+  EXPECT_THAT(response, IsRefused(Refusal::kUnknownKind));
+}
+
+TEST_F(InvalidRequests, AnUnknownRequestToThePolicyIsRefused) {
+  const auto response = Call<msg::RequestPolicy>(
+      transport::MachineService(NameSpace(), "request_policy"), {"dance", "", 0, false});
+  EXPECT_THAT(response, IsRefused(Refusal::kUnknownRequest));
 }
 
 }  // namespace musher::invalid_requests_test

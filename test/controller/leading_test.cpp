@@ -7,6 +7,7 @@
 
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/controller/two_controllers.hpp"
+#include "musher/test/support/refusals.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -94,8 +95,7 @@ TEST_F(Leading, AControllerThatIsRefusedBesideTheLeaderAnswersNoClient) {
   SwitchResult result;
   second_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { result = r; });
   EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
-  EXPECT_EQ(result.code, kCodeTargetBusy)
-      << "a caller in its own process gets the reason: " << result.reason;
+  EXPECT_THAT(result, IsRefused(Refusal::kAlreadyLed)) << "a caller in its own process gets it";
 }
 
 TEST_F(Leading, AFencedControllerThatKeepsRunningAnswersNoClient) {
@@ -113,8 +113,7 @@ TEST_F(Leading, ACallerInsideTheFencedProgramIsRefusedWithTheReason) {
   std::optional<SwitchResult> result;
   first_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { result = r; });
   ASSERT_TRUE(result);
-  EXPECT_EQ(result->code, kCodePermissionDenied);
-  EXPECT_THAT(result->reason, ::testing::HasSubstr("another controller leads"));
+  EXPECT_THAT(*result, IsRefused(Refusal::kLedByAnother));
 }
 
 TEST_F(Leading, EveryCallerIsNotifiedOfATakeoverDuringASwitch) {
@@ -139,6 +138,28 @@ TEST_F(Leading, ARequestThatComesWhileNoControllerLeadsReachesTheNextLeader) {
   first_.process->Begin(false);
   RunUntil([&] { return !state->empty(); });
   EXPECT_EQ(*state, "starting");
+}
+
+TEST_F(Leading, ACallerInAControllerThatIsReplacedBeforeItBeginsIsRefused) {
+  Open(first_, "first");
+  first_.process->shell().ReleaseControl("the second");
+  std::optional<SwitchResult> result;
+  first_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { result = r; });
+  ASSERT_TRUE(result);
+  EXPECT_THAT(*result, IsRefused(Refusal::kRivalTakesOver));
+}
+
+TEST_F(Leading, ARequestThatStillWaitsWhenTheMachineHasStoppedIsRefused) {
+  callback_takes_ = std::chrono::seconds(1);  // the actuators are not set up
+  Open(first_, "first");
+  first_.process->Begin(false);
+  network_.RunFor(Milliseconds(100));
+  first_.process->shell().TearDown(AfterTearDown::kStaysDown);
+  std::optional<Result<>> answer;
+  first_.process->shell().AwaitSetUp([&](const Result<>& result) { answer = result; });
+  ASSERT_TRUE(RunUntil([&] { return answer.has_value(); }));
+  ASSERT_FALSE(answer->ok());
+  EXPECT_THAT(answer->error(), IsRefused(Refusal::kMachineStopped));
 }
 
 TEST_F(Leading, ARequestForTearDownIsAnsweredBeforeTheServicesGo) {

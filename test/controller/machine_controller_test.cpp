@@ -3,14 +3,17 @@
 #include "musher/controller/machine_controller.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <fstream>
 #include <future>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/base/host.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 #include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::machine_controller_test {
 
@@ -206,6 +209,20 @@ TEST(MachineController, IsOfNoUseBeforeInit) {
   SwitchOutcome outcome = SwitchOutcome::kDone;
   controller.SwitchAsync("Active", [&](const SwitchResult& result) { outcome = result.outcome; });
   EXPECT_EQ(outcome, SwitchOutcome::kRefused);
+}
+
+TEST(MachineController, IsRefusedWhereAProcessOfAnotherUserHoldsItsName) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  const RobotFile file({"arm"}, kAllStates);
+  ASSERT_EQ(seteuid(65534), 0);
+  const auto lock = NameLock::Acquire(
+      NameLock::NameOf(transport::TestDomain(), RobotFile::name_space(), "musher/controller"));
+  ASSERT_EQ(seteuid(0), 0);
+  ASSERT_TRUE(lock);
+  MachineController controller;
+  const Result<> refused = controller.Init(file.path());
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error(), testing::IsRefused(Refusal::kNameHeld));
 }
 
 TEST(MachineController, RefusesAProtocolThatItHasNoExtensionFor) {

@@ -7,7 +7,7 @@
 
 #include "musher/cyberdog/voice_policy.hpp"  // reads [policy.voice]
 #include "musher/lifecycle/coordinator/coordinator.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
 
 namespace musher {

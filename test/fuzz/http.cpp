@@ -47,7 +47,7 @@ void CheckHeader(fuzz::Input& input) {
   }
   const http::HostNames names = {"robot", {"gateway.example"}};
   const auto checked = http::CheckHead(head, {"192.168.1.5"}, names, {"musher.view.v1"});
-  if (const auto* refusal = std::get_if<http::Refusal>(&checked)) {
+  if (const auto* refusal = std::get_if<http::HttpError>(&checked)) {
     const auto response =
         http::ErrorResponse(refusal->status, refusal->error.code, refusal->error.message);
     return Require(http::IsUtf8(*response.body) && response.status >= 400, "a refusal is text");

@@ -133,6 +133,11 @@ TEST(House, UsesTheWordsOfTheField) {
   EXPECT_EQ(ViolationsOf(IsAny, rule), "");
 }
 
+TEST(House, NoSentenceOfACommentRefersBackTwice) {
+  const Filter cpp = [](const SourceFile& file) { return file.IsCpp(); };
+  EXPECT_EQ(ViolationsOf(cpp, ChainedReferences), "");
+}
+
 TEST(House, EveryHeaderMayBeIncludedTwice) {
   EXPECT_THAT(ViolationsOf(IsHeader, MissingPragmaOnce), IsEmpty());
 }
@@ -211,6 +216,12 @@ TEST(House, TroubleshootingExplainsEveryRecordFindingAndCode) {
   EXPECT_THAT(UnexplainedFindings(page, Tree()), IsEmpty());
   EXPECT_THAT(UnexplainedCodes(page, Tree()), IsEmpty());
   EXPECT_THAT(SentencesOfNoProgram(page, Tree()), IsEmpty());
+}
+
+TEST(House, EveryRefusalHasOneSentenceATestAndARow) {
+  EXPECT_THAT(UnexplainedRefusals(File("docs/troubleshooting.md"), Tree()), IsEmpty());
+  EXPECT_THAT(UntestedRefusals(Tree()), IsEmpty());
+  EXPECT_THAT(RefusalsElsewhere(Tree()), IsEmpty());
 }
 
 TEST(House, TheReferenceOfPythonHasEveryPublicName) {

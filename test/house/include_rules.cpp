@@ -66,11 +66,10 @@ const std::map<std::string, Layers>& Rooms() {
         {"machine"},
         {"actuator", "record"},
         {"step"},
-        {"process", "policy"},
-        {"command", "plan", "config/toml"},
-        {"switch"},
-        {"startup", "recovery", "rules"},
-        {"coordinator", "fields"}}},
+        {"policy"},
+        {"switch", "config/toml"},
+        {"supervision", "rules"},
+        {"coordinator"}}},
       {"transport", {{"", "security"}, {"dds", "sim"}}},
       {"controller",
        {{"client", "journal", "link", "process"}, {"shell", "storage"}, {"ros2"}, {""}}},
@@ -141,9 +140,9 @@ bool IsHeavy(const std::string& library) {
   return heavy.contains(library);
 }
 
-// Whether another folder may include that one's headers. None may include those of programs on top
-// of everything, of modules (of which none includes another) and of test/. Those of the command
-// line are for its own hundred sources.
+// Whether another folder may include the headers of this one. Headers of programs on top of
+// everything, of modules (none includes another) and of test/ are for their own folder. So are the
+// headers of the command line, for its own hundred sources.
 bool IsSharedFolder(const std::string& folder) {
   return folder == "cli" ||
          std::any_of(MayInclude().begin(), MayInclude().end(), [&](const auto& row) {

@@ -1,8 +1,8 @@
 #pragma once
 // The page of CyberDog's interfaces (docs/cyberdog.md) held against the code.
 //
-// Names stand as `code` in the first column of its tables: under "## What is implemented" those
-// that the code has as a string, under "## What is left out" those that it has not. Every message
+// Names stand as `code` in the first column of its tables. The code has the names under "## What is
+// implemented" as strings, and has no string for a name under "## What is left out". Every message
 // type of CyberDog's package `protocol`, and every topic and service of the manager, is on the
 // page.
 

@@ -15,7 +15,6 @@ constexpr std::string_view kAnything = "…";
 constexpr std::size_t kShortestFragment = 8;  // of a sentence, to be looked up in the code
 
 constexpr const char* kSectionsOfSentences[] = {
-    "Refusals",
     "The command line and the start",
     "Logs, drawings and new projects",
     "Credentials",
@@ -158,6 +157,67 @@ std::vector<std::string> UnexplainedRecords(const SourceFile& page,
                })) {
       wrong.push_back("no row of " + event + " explains: " + sentence);
     }
+  }
+  return wrong;
+}
+
+std::vector<std::string> UnexplainedRefusals(const SourceFile& page,
+                                             const std::vector<SourceFile>& tree) {
+  static const std::regex form(R"re(\{Refusal::(k\w+), \w+,\s*"((?:[^"\\]|\\.)*)"\})re");
+  static const std::regex optional_place(R"(\{[^{}]*\?\})");
+  static const std::regex place(R"(\{[^{}]*\})");
+  static const std::regex quote(R"(\\")");
+  const std::string forms = WithJoinedLiterals(TextOf(tree, "lifecycle/refusal.hpp"));
+  const std::vector<Row> rows = RowsOf(page, "Refusals");
+  std::vector<std::string> wrong;
+  std::set<std::string> used;
+  for (std::sregex_iterator i(forms.begin(), forms.end(), form), end; i != end; ++i) {
+    std::string sentence = std::regex_replace((*i)[2].str(), optional_place, "");
+    sentence = std::regex_replace(sentence, place, std::string(kAnything));
+    sentence = std::regex_replace(sentence, quote, "\"");
+    bool found = false;
+    for (const Row& row : rows) {
+      if (!FitsPattern(sentence, row[0])) continue;
+      found = true;
+      used.insert(row[0]);
+    }
+    if (!found) wrong.push_back("no row explains " + (*i)[1].str() + ": " + sentence);
+  }
+  for (const Row& row : rows) {
+    if (!IsComplete(row, 3)) wrong.push_back("not a sentence, a cause and a cure: " + row.front());
+    if (!used.contains(row[0])) wrong.push_back("nothing is refused with: " + row[0]);
+  }
+  return wrong;
+}
+
+std::vector<std::string> UntestedRefusals(const std::vector<SourceFile>& tree) {
+  static const std::regex form(R"(\{Refusal::(k\w+),)");
+  static const std::string kept = "Refusal::";
+  std::set<std::string> tested;
+  for (const SourceFile& file : tree) {
+    if (!file.In("test/") || file.In("test/house/") || !file.IsCpp()) continue;
+    for (const std::string_view part : SplitAt(file.text, kept)) {
+      const auto end = std::find_if(part.begin(), part.end(),
+                                    [](unsigned char c) { return std::isalnum(c) == 0; });
+      tested.emplace(part.begin(), end);
+    }
+  }
+  const std::string forms = TextOf(tree, "lifecycle/refusal.hpp");
+  std::vector<std::string> untested;
+  for (std::sregex_iterator i(forms.begin(), forms.end(), form), end; i != end; ++i) {
+    if (!tested.contains((*i)[1])) untested.push_back("no test provokes Refusal::" + (*i)[1].str());
+  }
+  return untested;
+}
+
+std::vector<std::string> RefusalsElsewhere(const std::vector<SourceFile>& tree) {
+  // Codes that only a refusal has: nothing else is forbidden, busy or unsupported.
+  static const std::regex made(
+      R"(Error\{\s*kCode(?:StateInvalid|PermissionDenied|TargetBusy|UnSupport|ProtectedError),\s*")");
+  std::vector<std::string> wrong;
+  for (const SourceFile& file : tree) {
+    if (!file.In("lifecycle/") || file.path == "lifecycle/refusal.hpp") continue;
+    if (std::regex_search(file.text, made)) wrong.push_back(file.path);
   }
   return wrong;
 }

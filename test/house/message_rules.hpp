@@ -14,6 +14,14 @@ bool FitsPattern(std::string_view text, std::string_view pattern);
 std::vector<std::string> UnexplainedRecords(const SourceFile& page,
                                             const std::vector<SourceFile>& tree);
 
+// Refusals of lifecycle/refusal.hpp that no row of "Refusals" explains, and rows that explain none.
+std::vector<std::string> UnexplainedRefusals(const SourceFile& page,
+                                             const std::vector<SourceFile>& tree);
+// Refusals that no test names.
+std::vector<std::string> UntestedRefusals(const std::vector<SourceFile>& tree);
+// Files of lifecycle/ that put together the sentence of a refusal, which belongs into refusal.hpp.
+std::vector<std::string> RefusalsElsewhere(const std::vector<SourceFile>& tree);
+
 // Findings of test/golden/configs that no row of "Errors of a config" explains, and rows that
 // explain none.
 std::vector<std::string> UnexplainedFindings(const SourceFile& page,

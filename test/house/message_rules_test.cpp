@@ -59,14 +59,52 @@ TEST(MessageRules, ReportAFindingWithoutARowAndARowWithoutAFinding) {
       ElementsAre("no row explains: arms: too short", "no example of a config has: too many legs"));
 }
 
+const SourceFile kRefusalForms = {
+    "lifecycle/refusal.hpp",
+    "    {Refusal::kBusy, kCodeTargetBusy, \"{actuator} is busy{with?}\"},\n"
+    "    {Refusal::kQuoted, kCodeUnSupport,\n     \"no key \\\"a\\\" \"\n     \"in {file}\"},\n"};
+
+TEST(MessageRules, AcceptARowForEachRefusal) {
+  const SourceFile page = PageWith("Refusals",
+                                   "| `… is busy…` | why | do |\n"
+                                   "| `no key \"a\" in …` | why | do |\n");
+  EXPECT_THAT(UnexplainedRefusals(page, {kRefusalForms}), IsEmpty());
+}
+
+TEST(MessageRules, ReportARefusalWithoutARowAndARowWithoutARefusal) {
+  const SourceFile page = PageWith("Refusals",
+                                   "| `… is busy…` | why | |\n"
+                                   "| `no key \"b\" in …` | why | do |\n");
+  EXPECT_THAT(UnexplainedRefusals(page, {kRefusalForms}),
+              ElementsAre("no row explains kQuoted: no key \"a\" in …",
+                          "not a sentence, a cause and a cure: … is busy…",
+                          "nothing is refused with: no key \"b\" in …"));
+}
+
+TEST(MessageRules, ReportARefusalThatNoTestProvokes) {
+  const SourceFile test = {"test/lifecycle/a_test.cpp",
+                           "Says(Refusal::kBusyWith); Refusal::kQuoted"};
+  EXPECT_THAT(UntestedRefusals({kRefusalForms, test}),
+              ElementsAre("no test provokes Refusal::kBusy"));
+}
+
+TEST(MessageRules, ReportARefusalWhoseSentenceIsElsewhere) {
+  const std::vector<SourceFile> tree = {
+      {"lifecycle/switch/plan.cpp", "return Error{kCodeTargetBusy,\n             \"it is busy\"};"},
+      {"lifecycle/switch/other.cpp", "return Error{kCodeTargetBusy, why};"},
+      {"controller/a.cpp", "return Error{kCodeTargetBusy, \"it is busy\"};"}};
+  EXPECT_THAT(RefusalsElsewhere(tree), ElementsAre("lifecycle/switch/plan.cpp"));
+}
+
 TEST(MessageRules, ReportASentenceThatNoProgramPrints) {
   const std::vector<SourceFile> tree = {
       {"controller/a.cpp", "Print(\"no controller in \"\n      \"namespace '\" + name);"}};
+  EXPECT_THAT(
+      SentencesOfNoProgram(
+          PageWith("Credentials", "| `no controller in namespace '…'` | why | do |\n"), tree),
+      IsEmpty());
   EXPECT_THAT(SentencesOfNoProgram(
-                  PageWith("Refusals", "| `no controller in namespace '…'` | why | do |\n"), tree),
-              IsEmpty());
-  EXPECT_THAT(SentencesOfNoProgram(
-                  PageWith("Refusals", "| `no controller in … the house` | why | do |\n"), tree),
+                  PageWith("Credentials", "| `no controller in … the house` | why | do |\n"), tree),
               ElementsAre("no program prints ' the house'"));
 }
 

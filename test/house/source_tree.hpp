@@ -8,7 +8,7 @@
 namespace musher::house {
 
 struct SourceFile {
-  std::string path;  // from the root: "lifecycle/plan/plan.cpp"
+  std::string path;  // from the root: "lifecycle/switch/plan.cpp"
   std::string text;
   bool executable = false;
 
@@ -30,7 +30,7 @@ std::vector<Line> Lines(std::string_view text);
 // C++ without its comments; strings and line numbers stay.
 std::string WithoutComments(std::string_view text);
 
-// What a rule has to say about one place: "lifecycle/plan/plan.cpp:12: ...".
+// What a rule has to say about one place: "lifecycle/switch/plan.cpp:12: ...".
 std::string At(const SourceFile& file, int line, const std::string& violation);
 
 }  // namespace musher::house

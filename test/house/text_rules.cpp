@@ -1,7 +1,9 @@
 #include "musher/test/house/text_rules.hpp"
 
 #include <cctype>
+#include <iterator>
 #include <regex>
+#include <utility>
 
 namespace musher::house {
 namespace {
@@ -93,6 +95,41 @@ std::vector<std::string> ThrowingIterators(const SourceFile& file) {
   static const std::regex throwing(
       R"(\bistreambuf_iterator\b|(: |distance\()[\w:]*\bdirectory_iterator\()");
   return Find(file, WithoutComments(file.text), throwing, "may throw; base/files.hpp does not");
+}
+
+std::vector<std::string> ChainedReferences(const SourceFile& file) {
+  static const std::regex comment(R"(//\s?(.*)$)");
+  static const std::regex end_of_sentence(R"([.;:!?] )");
+  static const std::regex reference(R"(\b(?:that of|those of|those that|ones? that|of which)\b)");
+  std::vector<std::string> violations;
+  std::string text;  // of comments in a row
+  int begin = 0;
+  const auto check = [&] {
+    const std::string whole = std::exchange(text, "");
+    for (std::sregex_token_iterator i(whole.begin(), whole.end(), end_of_sentence, -1), end;
+         i != end; ++i) {
+      const std::string sentence = *i;
+      const auto references =
+          std::distance(std::sregex_iterator(sentence.begin(), sentence.end(), reference),
+                        std::sregex_iterator());
+      if (references > 1) {
+        violations.push_back(At(file, begin, "refers back twice: " + sentence.substr(0, 90)));
+      }
+    }
+  };
+  for (const Line& line : Lines(file.text)) {
+    std::smatch match;
+    const bool has =
+        line.text.find("//") != std::string::npos && std::regex_search(line.text, match, comment);
+    const bool alone = has && line.text.find_first_not_of(' ') == line.text.find("//");
+    if (!alone) check();
+    if (!has) continue;
+    if (text.empty()) begin = line.number;
+    text += match[1].str() + " ";
+    if (!alone) check();
+  }
+  check();
+  return violations;
 }
 
 std::vector<std::string> Leftovers(const SourceFile& file) {

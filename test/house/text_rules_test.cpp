@@ -23,6 +23,16 @@ TEST(TextRules, FindClocksThreadsSocketsAndTheEnvironment) {
   }
 }
 
+TEST(TextRules, FindASentenceThatRefersBackTwice) {
+  EXPECT_THAT(ChainedReferences(Cpp("// The place of the writer; of a new one that of a\n"
+                                    "// lost one, or the one that is silent.\n")),
+              ElementsAre("a.cpp:1: refers back twice: of a new one that of a lost one, or the one "
+                          "that is silent"));
+  EXPECT_THAT(ChainedReferences(Cpp("// One that runs.\nint a;  // that of the other\n")),
+              IsEmpty());
+  EXPECT_THAT(ChainedReferences(Cpp("// That of a. Those of b: one that is c.\n")), IsEmpty());
+}
+
 TEST(TextRules, LetCommentsSpeakOfClocks) {
   EXPECT_THAT(Impurities(Cpp("// not ::now()\nint a;  // std::thread\n/* #include\n<mutex> */")),
               IsEmpty());

@@ -1,6 +1,6 @@
 // A plan alone: which actuators are driven, left out or refused, for a machine described here.
 
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 
 #include <gmock/gmock.h>
 

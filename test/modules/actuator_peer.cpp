@@ -122,12 +122,13 @@ void ActuatorPeer::Send(const State& target) {
   client_->Call(request, std::chrono::seconds(180), [this](const Reply& reply) { reply_ = reply; });
 }
 
+// One that a process has not received because its predecessor, which was killed, is still the only
+// server that is known, is sent again.
 ActuatorPeer::Reply ActuatorPeer::Query() {
   answer_.reset();
   auto request = Request(msg::ActuatorCommand::kKindQuery);
   request.stop = true;
-  client_->Call(request, std::chrono::seconds(120),
-                [this](const Reply& reply) { answer_ = reply; });
+  client_->Call(request, std::chrono::seconds(3), [this](const Reply& reply) { answer_ = reply; });
   Until([this] { return answer_.has_value(); });
   return answer_.value();
 }

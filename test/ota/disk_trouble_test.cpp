@@ -15,7 +15,7 @@ class DiskTrouble : public ::testing::Test {
     count_ = 0;
     disk_->fail = [this, operation](const std::string& what) -> Result<> {
       if (++count_ < operation || what.starts_with("remove")) return Ok();
-      return Refusal(Fault::kNoSpace, what + ": No space left on device");
+      return FaultError(Fault::kNoSpace, what + ": No space left on device");
     };
   }
 

@@ -44,7 +44,7 @@ SlotContent Holds(const std::string& version) {
   return *ParseVersion(version);
 }
 SlotContent Damaged() {
-  return Refusal(Fault::kAltered, "a file is altered");
+  return FaultError(Fault::kAltered, "a file is altered");
 }
 
 struct Content {

@@ -3,6 +3,7 @@
 #include "musher/base/code.hpp"
 #include "musher/test/protocols/link_harness.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::testing::ros2_link_test {
 
@@ -179,8 +180,12 @@ TEST_F(DrivingARos2Node, ACommandThatIsNotQueriedEndsToo) {
   ros_->holds_changes = false;  // the first request is lost for good
   network_.RunFor(std::chrono::seconds(2));
   EXPECT_EQ(reply_->number, next);
-  EXPECT_EQ(reply_->code, kCodeTimeout) << "it waited too long for an earlier command";
+  EXPECT_THAT(*reply_, IsRefused(Refusal::kCommandWaitedTooLong));
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
+}
+
+TEST_F(DrivingARos2Node, ItIsNotSwitchedToSetUp) {
+  EXPECT_THAT(Do("SetUp"), IsRefused(Refusal::kNoStateToSwitchTo));
 }
 
 TEST_F(DrivingARos2Node, ARequestThatArrivesAfterAPartitionEndsAsItEnds) {

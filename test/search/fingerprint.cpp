@@ -4,7 +4,9 @@
 #include <bit>
 #include <string_view>
 
-#include "musher/lifecycle/fields/machine_fields.hpp"
+#include "musher/lifecycle/field.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/step/event.hpp"
 
 namespace musher::search {
 namespace {

@@ -20,8 +20,8 @@ std::vector<EndpointId> MatchedHandles(dds_entity_t entity, GetMatched get) {
 MatchedEndpoint Describe(dds_builtintopic_endpoint_t* endpoint) {
   if (endpoint == nullptr) return {};
   MatchedEndpoint matched;
-  // Not its instance handle: that changes when a participant returns after an outage longer than
-  // its lease, and an actuator that is attached to one participant would refuse it.
+  // Not the instance handle of the participant: the handle changes when the participant returns
+  // after an outage longer than its lease, and an actuator that obeys it would refuse it.
   matched.participant = IdOfParticipant(endpoint->participant_key);
   void* data = nullptr;
   std::size_t size = 0;

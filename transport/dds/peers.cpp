@@ -34,7 +34,7 @@ void ReadAll(dds_entity_t participant, dds_entity_t topic,
   }
 }
 
-// By Cyclone's name, or that of another DDS.
+// By Cyclone's name of the property, or by the name in another DDS.
 std::string PropertyOf(const dds_qos_t* qos, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     char* value = nullptr;
@@ -88,7 +88,7 @@ std::vector<PeerInfo> PeersOf(dds_entity_t own) {
   return peers;
 }
 
-// A client publishes the writers of its node's own services before that of its requests.
+// A client publishes the writers of its node's own services before the writer of its requests.
 std::string RosNodeOf(dds_entity_t own, ParticipantId participant) {
   std::string shortest;
   ReadAll<dds_builtintopic_endpoint_t>(

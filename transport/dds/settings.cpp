@@ -32,13 +32,13 @@ std::string Buffers(const std::string& linger) {
 }
 
 // Loopback loses only what overflows a buffer. A loss between two processes that have just
-// discovered each other is repaired by the next repetition, after 100 ms: with 400 ms the start of
-// 16 actuators takes 0.73 s instead of 0.39 s, that of 24 1.1 s instead of 0.8 s; only that of 48
-// takes some 15 % less with 400 ms. A repetition that is requested too early is not sent (Cyclone's
-// writer does not count its sample as sent yet), so it is requested again after 50 ms: the first
-// request of a ROS 2 client is often lost like that. With 10 ms the start of 32 processes sends up
-// to twice as many packets. What a new process has announced is requested after 13 ms: it discovers
-// this process within about 12 ms, and does not respond to an unknown one.
+// discovered each other is repaired by the next repetition, after 100 ms. With 400 ms the start of
+// 16 actuators takes 0.73 s instead of 0.39 s, and of 24 actuators 1.1 s instead of 0.8 s; only the
+// start of 48 takes some 15 % less with 400 ms. A repetition that is requested too early is not
+// sent (Cyclone's writer does not count its sample as sent yet), so it is requested again after 50
+// ms: the first request of a ROS 2 client is often lost like that. With 10 ms the start of 32
+// processes sends up to twice as many packets. What a new process has announced is requested after
+// 13 ms: it discovers this process within about 12 ms, and does not respond to an unknown one.
 constexpr const char* kCombinedTiming =
     "<HeartbeatInterval min=\"20ms\" minsched=\"50ms\" max=\"8s\">100ms</HeartbeatInterval>"
     "<PreEmptiveAckDelay>13ms</PreEmptiveAckDelay>"

@@ -1,5 +1,5 @@
 #pragma once
-// The writers and readers in the domain but those of this process, by DDS's builtin topics.
+// The writers and readers of all other processes in the domain, by DDS's builtin topics.
 
 #include <functional>
 #include <memory>

@@ -10,7 +10,7 @@
 namespace musher::transport::keys {
 namespace {
 
-Error Refusal(const std::string& message) {
+Error InvalidIdentity(const std::string& message) {
   return {kCodePermissionDenied, message};
 }
 
@@ -19,18 +19,19 @@ Error NotVouchedFor(const KeyFolder& folder, const std::string& name, X509* cert
   const std::string file = folder.Certificate(name);
   switch (reason) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
-      return Refusal(file + " has expired on " + FormatUtc(ValidityOf(certificate).not_after) +
-                     "; `musher keys add " + name + " --force` makes a new one");
+      return InvalidIdentity(file + " has expired on " +
+                             FormatUtc(ValidityOf(certificate).not_after) + "; `musher keys add " +
+                             name + " --force` makes a new one");
     case X509_V_ERR_CERT_NOT_YET_VALID:
-      return Refusal(file + " is valid from " + FormatUtc(ValidityOf(certificate).not_before) +
-                     "; check the clock");
+      return InvalidIdentity(file + " is valid from " +
+                             FormatUtc(ValidityOf(certificate).not_before) + "; check the clock");
     case X509_V_ERR_CERT_REVOKED:
-      return Refusal(file + " is revoked in " + folder.Revocations());
+      return InvalidIdentity(file + " is revoked in " + folder.Revocations());
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
-      return Refusal(file + " was not issued by the CA of " + folder.IdentityCa());
+      return InvalidIdentity(file + " was not issued by the CA of " + folder.IdentityCa());
     default:
-      return Refusal(file + ": " + X509_verify_cert_error_string(reason));
+      return InvalidIdentity(file + ": " + X509_verify_cert_error_string(reason));
   }
 }
 
@@ -51,14 +52,14 @@ Result<> CheckDocuments(const KeyFolder& folder, const std::string& name, X509* 
     if (!text) return text.error();
     const auto document = Signed(text.value(), authority.value().get());
     if (!document) {
-      return Refusal(file + " was not signed by the CA of " + folder.PermissionsCa() +
-                     ", or was changed");
+      return InvalidIdentity(file + " was not signed by the CA of " + folder.PermissionsCa() +
+                             ", or was changed");
     }
     if (file == folder.Governance()) continue;
     const std::string subject = Tagged(document.value(), "subject_name");
     if (subject != SubjectOf(certificate)) {
-      return Refusal(file + " is for " + subject + ", not for " + SubjectOf(certificate) + " of " +
-                     folder.Certificate(name));
+      return InvalidIdentity(file + " is for " + subject + ", not for " + SubjectOf(certificate) +
+                             " of " + folder.Certificate(name));
     }
   }
   return Ok();
@@ -70,8 +71,8 @@ Result<WallTime> Check(const KeyFolder& folder, const std::string& identity) {
   if (auto own = CheckOwnFolder(folder.path()); !own) return own.error();
   const auto authority = ReadCertificate(folder.IdentityCa());
   if (!authority) {
-    return Refusal(authority.error().message +
-                   "; `musher keys init` creates a robot's credentials");
+    return InvalidIdentity(authority.error().message +
+                           "; `musher keys init` creates a robot's credentials");
   }
   const auto revocations = ReadRevocations(folder.Revocations());
   if (!revocations) return revocations.error();
@@ -79,15 +80,16 @@ Result<WallTime> Check(const KeyFolder& folder, const std::string& identity) {
   if (!certificate) {
     std::error_code error;
     const bool broken = std::filesystem::exists(folder.Certificate(identity), error);
-    return Refusal(certificate.error().message + "; `musher keys add " + identity +
-                   (broken ? " --force` replaces it" : "` creates an identity"));
+    return InvalidIdentity(certificate.error().message + "; `musher keys add " + identity +
+                           (broken ? " --force` replaces it" : "` creates an identity"));
   }
   X509* own = certificate.value().get();
   const auto key = ReadKey(folder.Key(identity));
   if (!key) return key.error();
   if (X509_check_private_key(own, key.value().get()) != 1) {
     ERR_clear_error();
-    return Refusal(folder.Key(identity) + " is not the key of " + folder.Certificate(identity));
+    return InvalidIdentity(folder.Key(identity) + " is not the key of " +
+                           folder.Certificate(identity));
   }
   const int reason = Verify(own, authority.value().get(), revocations.value().get());
   if (reason != X509_V_OK) return NotVouchedFor(folder, identity, own, reason);

@@ -34,7 +34,7 @@ class Links {
 
   void SetFaults(const LinkFaults& faults);  // on all links, also of later hosts
   void SetFaults(HostId from, HostId to, const LinkFaults& faults) { At(from, to).faults = faults; }
-  // Of all links from and to that host, also with later hosts, instead of those of the links.
+  // All links from and to that host, also with later hosts, have these faults instead of their own.
   void SetFaultsOf(HostId host, const LinkFaults& faults) { of_hosts_[host] = faults; }
   const LinkFaults& Faults(HostId from, HostId to) const {
     if (!of_hosts_.empty()) {

@@ -8,7 +8,7 @@
 namespace musher::http {
 namespace {
 
-Refusal InvalidHead(std::string message) {
+HttpError InvalidHead(std::string message) {
   return {400, {kCodeParametersInvalid, std::move(message)}};
 }
 
@@ -57,14 +57,14 @@ std::string ChooseSubprotocol(std::string_view offered, const std::vector<std::s
   return {};
 }
 
-std::variant<CheckedHead, Refusal> CheckUpgrade(CheckedHead checked,
-                                                const std::vector<std::string>& subprotocols) {
+std::variant<CheckedHead, HttpError> CheckUpgrade(CheckedHead checked,
+                                                  const std::vector<std::string>& subprotocols) {
   const Request& request = checked.request;
   if (request.method != "GET" || checked.without_body) {
     return InvalidHead("a WebSocket begins with GET");
   }
   if (ValueOf(request, "sec-websocket-version") != "13") {
-    return Refusal{426, {kCodeUnSupport, "the server knows WebSockets of version 13 only"}};
+    return HttpError{426, {kCodeUnSupport, "the server knows WebSockets of version 13 only"}};
   }
   constexpr std::size_t kKeyLength = 24;  // 16 bytes in base64
   checked.key = ValueOf(request, "sec-websocket-key");
@@ -82,13 +82,13 @@ std::variant<CheckedHead, Refusal> CheckUpgrade(CheckedHead checked,
 
 }  // namespace
 
-std::variant<CheckedHead, Refusal> CheckHead(const Head& head, const Connection& connection,
-                                             const HostNames& names,
-                                             const std::vector<std::string>& subprotocols) {
+std::variant<CheckedHead, HttpError> CheckHead(const Head& head, const Connection& connection,
+                                               const HostNames& names,
+                                               const std::vector<std::string>& subprotocols) {
   if (head.target.size() > kMaxTarget) {
-    return Refusal{414,
-                   {kCodeParametersInvalid,
-                    "the address is longer than " + std::to_string(kMaxTarget) + " bytes"}};
+    return HttpError{414,
+                     {kCodeParametersInvalid,
+                      "the address is longer than " + std::to_string(kMaxTarget) + " bytes"}};
   }
   CheckedHead checked;
   Request& request = checked.request;
@@ -96,15 +96,15 @@ std::variant<CheckedHead, Refusal> CheckHead(const Head& head, const Connection&
   if (!repeated.empty()) return InvalidHead("the header " + repeated + " is repeated");
   if (!request.headers.contains("host")) return InvalidHead("the header Host is missing");
   const auto host = CheckHost(request.headers["host"], connection, names);
-  if (!host) return Refusal{403, host.error()};
+  if (!host) return HttpError{403, host.error()};
 
   checked.without_body = head.method == "HEAD";
   request.method = checked.without_body ? "GET" : head.method;
   if (request.method != "GET" && request.method != "POST") {
-    return Refusal{405, {kCodeUnSupport, "the server knows GET, HEAD and POST only"}};
+    return HttpError{405, {kCodeUnSupport, "the server knows GET, HEAD and POST only"}};
   }
   auto target = ParseTarget(head.target);
-  if (!target) return Refusal{400, target.error()};
+  if (!target) return HttpError{400, target.error()};
   request.path = std::move(target.value().path);
   request.query = std::move(target.value().query);
   request.cookies = ParseCookies(ValueOf(request, "cookie"));
@@ -115,12 +115,12 @@ std::variant<CheckedHead, Refusal> CheckHead(const Head& head, const Connection&
   if (upgrade || request.method == "POST") {
     const auto rule = upgrade ? OriginRule::kSameHost : OriginRule::kSamePage;
     const auto origin = CheckOrigin(request.headers, rule, connection, names);
-    if (!origin) return Refusal{403, origin.error()};
+    if (!origin) return HttpError{403, origin.error()};
   }
   const std::string_view expected = ValueOf(request, "expect");
   checked.expects_continue = LowerCase(expected) == "100-continue";
   if (!expected.empty() && !checked.expects_continue) {
-    return Refusal{417, {kCodeUnSupport, "the server knows the expectation 100-continue only"}};
+    return HttpError{417, {kCodeUnSupport, "the server knows the expectation 100-continue only"}};
   }
   return upgrade ? CheckUpgrade(std::move(checked), subprotocols) : std::move(checked);
 }

@@ -20,7 +20,7 @@ struct Head {
   std::vector<std::pair<std::string, std::string>> fields;
 };
 
-struct Refusal {
+struct HttpError {
   unsigned status;
   Error error;
 };
@@ -34,9 +34,9 @@ struct CheckedHead {
   std::string subprotocol;  // empty: the client requested none
 };
 
-std::variant<CheckedHead, Refusal> CheckHead(const Head& head, const Connection& connection,
-                                             const HostNames& names,
-                                             const std::vector<std::string>& subprotocols);
+std::variant<CheckedHead, HttpError> CheckHead(const Head& head, const Connection& connection,
+                                               const HostNames& names,
+                                               const std::vector<std::string>& subprotocols);
 
 // Whether a list ("keep-alive, Upgrade") has `token`, in any case.
 bool HasToken(std::string_view list, std::string_view token);

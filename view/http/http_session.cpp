@@ -244,7 +244,7 @@ bool HttpSession::OnHead() {
   const auto peer = socket_.remote_endpoint(error);
   if (error) return End(), false;  // it is closed already
   auto checked = CheckHead(head, connection, network_.names, network_.options.subprotocols);
-  if (const auto* refusal = std::get_if<Refusal>(&checked)) {
+  if (const auto* refusal = std::get_if<HttpError>(&checked)) {
     Refuse(refusal->status, refusal->error);
     return false;
   }

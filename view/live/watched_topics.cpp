@@ -47,8 +47,8 @@ void WatchedTopics::OnTopicsChanged() {
   }
 }
 
-// The place of the writer; of a new one that of a lost one, else a new place, else the one that has
-// been silent for the longest time.
+// The place of the writer. A new writer gets the place of a lost writer, else a new place, else the
+// place of the writer that has been silent for the longest time.
 WatchedTopics::Sample& WatchedTopics::SampleOf(Topic& topic, transport::EndpointId writer) {
   std::vector<Sample>& samples = topic.samples;
   const auto own = std::find_if(samples.begin(), samples.end(),

@@ -122,6 +122,7 @@ std::string Rule(const char* kind, const std::vector<Criteria>& all) {
 
 const Topics kStatuses = DataTopics({ActuatorStatusTopic(""), ActuatorHeartbeatTopic("")});
 const Topics kStops = DataTopics({EmergencyStopTopic("")});
+const Topics kPermits = DataTopics({PermitTopic("")});
 const Topics kAnnouncements = DataTopics({ControllerHeartbeatTopic("")});
 // Which nodes a process has (`ros2 node list`); of the others it is among what is not reserved.
 const Topics kNodeGraph = {"ros_discovery_info"};
@@ -141,13 +142,13 @@ std::vector<Criteria> OfActuator(const std::string& name, const ExtensionInterfa
   return {{"publish", kStatuses, name},
           {"publish", kStops + Replies(ServicesOf(name)) + DataTopics(extension.subscribed) +
                           Requests(called)},
-          {"subscribe", kAnnouncements + kStops + kMachine + Requests(ServicesOf(name)) +
+          {"subscribe", kAnnouncements + kStops + kPermits + kMachine + Requests(ServicesOf(name)) +
                             DataTopics(extension.published) + Replies(called)}};
 }
 
 std::vector<Criteria> OfOperator(const ExtensionInterfaces& extension) {
   const Topics called = AllServicesOf(extension);
-  return {{"publish", kStops + Requests({kAllMachineServices}) + Requests(called) +
+  return {{"publish", kStops + kPermits + Requests({kAllMachineServices}) + Requests(called) +
                           DataTopics(extension.subscribed + extension.operator_topics)},
           {"subscribe", kMachine + kStatuses + kStops + kAnnouncements +
                             Replies({kAllMachineServices}) + Replies(called) +

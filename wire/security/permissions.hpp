@@ -25,7 +25,7 @@ enum class Protection { kSigned, kEncrypted };
 std::string GovernanceXml(Protection protection);
 
 struct Grant {
-  std::string name;     // of the identity; an actuator's is that of the config
+  std::string name;     // of the identity; an actuator has its name of the config
   std::string subject;  // of its certificate, as RFC 2253 writes it
   Role role = Role::kObserver;
   WallTime not_before;

@@ -131,7 +131,7 @@ class Switch : public Control {
     ResetChildren(tick);
   }
 
-  // The case whose text, enum or number is that of the variable; else the last child.
+  // The case with the text, the enum or the number of the variable; else the last child.
   std::size_t Match() const {
     const std::string* variable = variable_.Find();
     if (variable == nullptr) return cases_.size();

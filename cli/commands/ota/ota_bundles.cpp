@@ -228,9 +228,9 @@ ExitCode OtaVerify(const OtaVerifyOptions& options, const GlobalOptions& global,
   if (!read) return console.Fail({ExitCode::kNotDone, read.error()});
   const ota::Manifest& manifest = read.value().manifest;
   if (root && manifest.robot != root->config().robot) {
-    return console.Fail({ExitCode::kNotDone, Refusal(ota::Fault::kOtherRobot,
-                                                     "it is for robot " + manifest.robot +
-                                                         ", not for " + root->config().robot)});
+    return console.Fail({ExitCode::kNotDone, FaultError(ota::Fault::kOtherRobot,
+                                                        "it is for robot " + manifest.robot +
+                                                            ", not for " + root->config().robot)});
   }
   return DoneWith(
       console, manifest, options.bundle,

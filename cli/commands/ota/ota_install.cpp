@@ -117,7 +117,7 @@ class Upgrade {
     const ConfigReading reading = ReadConfigFile(file);
     if (reading.config) {
       if (auto fault = UpgradeFault(*reading.config))
-        return Refusal(ota::Fault::kBadManifest, *fault);
+        return FaultError(ota::Fault::kBadManifest, *fault);
       return Ok();
     }
     std::string message = "its state config is invalid";
@@ -126,7 +126,7 @@ class Upgrade {
       message += ": " + FormatDiagnostic(diagnostic);
       break;
     }
-    return Refusal(ota::Fault::kBadManifest, message);
+    return FaultError(ota::Fault::kBadManifest, message);
   }
 
   Result<> MarkTrialBoot() {

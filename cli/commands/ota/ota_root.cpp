@@ -180,7 +180,7 @@ std::optional<Result<>> RootMachine::TrialBootEnd() const {
   if (!state || state->on_trial_boot) return std::nullopt;
   if (state->last && state->last->kept) return Result<>(Ok());
   const std::string why = state->last ? state->last->reason : "the reason is unknown";
-  return Result<>(Refusal(ota::Fault::kRolledBack, why));
+  return Result<>(FaultError(ota::Fault::kRolledBack, why));
 }
 
 Result<> RootMachine::AwaitTrialBoot() {

@@ -39,9 +39,9 @@ ConfigReading RefuseSize(const std::string& path) {
   return Refuse(path, "the file is too large: expected a state config of at most 8 MiB");
 }
 
-constexpr std::array<std::string_view, 10> kSections = {
-    "controller", "actuator", "state",      "transition", "transport",
-    "security",   "policy",   "capability", "ros2",       "view"};
+constexpr std::array<std::string_view, 11> kSections = {
+    "controller", "actuator", "state",      "transition", "transport", "security",
+    "safety",     "policy",   "capability", "ros2",       "view"};
 
 bool IsSection(const Value& value) {
   const auto* array = value.As<Array>();
@@ -90,6 +90,7 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadTransitions(root, draft);
   ReadTransport(root, draft);
   ReadSecurity(root, draft);
+  ReadSafety(root, draft);
   WarnOfSharedNetwork(draft);
   ReadView(root, draft);
   ReadPolicy(root, draft);

@@ -1,4 +1,4 @@
-// [controller], [transport] and [security].
+// [controller], [transport], [security] and [safety].
 
 #include <algorithm>
 
@@ -218,6 +218,15 @@ void ReadSecurity(TableReader& root, Draft& draft) {
   security.Require("keys", "a string (the folder of keys)");
   draft.config.keys = ReadPath("keys", security, draft).value_or("");
   security.RefuseOthers();
+}
+
+void ReadSafety(TableReader& root, Draft& draft) {
+  constexpr std::int64_t kShortestPermitMs = 200;  // four permits of `musher permit`
+  const Table* table = root.SubTable("safety");
+  if (table == nullptr) return;
+  TableReader safety(*table, root.At("safety"), "safety", draft.findings);
+  draft.config.permit = safety.Time("permit_ms", kShortestPermitMs);
+  safety.RefuseOthers();
 }
 
 // Two robots of one network, neither with a namespace: their topics have the same names.

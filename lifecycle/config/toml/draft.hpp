@@ -52,6 +52,7 @@ void ReadController(TableReader& root, Draft& draft);
 void ReadTransitions(TableReader& root, Draft& draft);
 void ReadTransport(TableReader& root, Draft& draft);
 void ReadSecurity(TableReader& root, Draft& draft);
+void ReadSafety(TableReader& root, Draft& draft);
 void WarnOfSharedNetwork(Draft& draft);  // after [controller], [transport] and [security]
 void ReadView(TableReader& root, Draft& draft);
 void ReadPolicy(TableReader& root, Draft& draft);  // after the states

@@ -11,8 +11,8 @@ namespace musher::config_toml {
 // Reports errors to `table`; throws nothing.
 using ManagerPolicyReader = void (*)(TableReader& table, PolicyConfig& policy);
 
-// From now on this program reads the tables of that manager, and refuses those of others; a program
-// has one at most. Without a reader, such as in an actuator, they are only listed
+// From now on this program reads the tables of that manager, and refuses the tables of others; a
+// program has one at most. Without a reader, such as in an actuator, they are only listed
 // (PolicyConfig::unread_keys), and a controller warns of them.
 //
 // To be called before main(): an inline variable of the library's header does so. Returns true.

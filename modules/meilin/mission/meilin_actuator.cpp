@@ -13,7 +13,6 @@
 #include "musher/modules/meilin/nodes/drawn_form.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
 #include "musher/modules/meilin/plan/box_map_text.hpp"
-#include "musher/modules/meilin/plan/segments_json.hpp"
 
 namespace musher::meilin {
 namespace {
@@ -55,6 +54,7 @@ Result<tree::Document> MeilinActuator::LoadTree() {
   if (!document) return document;
   const std::vector<Diagnostic> found = AcceptDrawnForm(document.value());
   if (HasError(found)) return Error{kCodeParametersInvalid, ErrorLines(found)};
+  mission_.SetForms(FormsOf(document.value()));
   for (const Diagnostic& each : found) Log(LogLevel::kWarning, FormatDiagnostic(each));
   return document;
 }
@@ -174,40 +174,30 @@ void MeilinActuator::OnMap(const std::string& text) {
 
 void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns) {
   if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
-  const bool accepted = mission_.OfferPlan(plan, Now(), written_ns);
+  LogPlan(mission_.OfferPlan(plan, Now(), written_ns));
+}
+
+// A service that does not forget what it has handed out does so twice a second.
+void MeilinActuator::OnHandedOut(const msg::Float32MultiArray& plan) {
+  const std::int64_t number = NumberOf(plan);
+  if (!mission_.WasTaken(number)) return LogPlan(mission_.OfferHandedOut(plan, Now()));
+  if (std::exchange(handed_out_again_, number) == number) return;
+  Log(LogLevel::kWarning, config_.buffer_service +
+                              " hands out a plan that was taken before: it is "
+                              "taken again once the service has said that it has none");
+}
+
+void MeilinActuator::OnSegments(const std::string& text, std::int64_t written_ns) {
+  if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
+  LogPlan(mission_.OfferSegments(text, Now(), written_ns));
+}
+
+void MeilinActuator::LogPlan(bool accepted) {
   Log(accepted ? LogLevel::kInfo : LogLevel::kWarning,
       accepted ? "plan " + mission_.plan_id() + " accepted" +
                      (mission_.begun() ? "" : "; it waits for musher-meilin start")
                : "plan refused: " + mission_.refused_plan());
   Follow();
-}
-
-void MeilinActuator::OnSegments(const std::string& text, std::int64_t written_ns) {
-  if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
-  SegmentsReading reading = ReadSegmentsJson(text);
-  for (const std::string& warning : reading.warnings) Log(LogLevel::kWarning, warning);
-  std::string why = reading.message();
-  if (why.empty() && !HasNode("PopNextSegment")) {
-    why = "the tree " + config_.tree_file +
-          " runs no plans of this form: no node of it is PopNextSegment";
-  }
-  if (why.empty()) {
-    mission_.OfferSegments(std::move(reading.segments), reading.plan_id, written_ns);
-  } else {
-    mission_.RefusePlan(why);
-    Log(LogLevel::kWarning, "plan refused: " + why);
-  }
-  Follow();
-}
-
-// By the text of the tree, in which a node is an element.
-bool MeilinActuator::HasNode(const std::string& name) {
-  const tree::Document* document = view().document;
-  if (document == nullptr) return false;
-  return std::ranges::any_of(document->files, [&](const tree::Document::File& file) {
-    return file.text.find("<" + name) != std::string::npos ||
-           file.text.find("ID=\"" + name + "\"") != std::string::npos;
-  });
 }
 
 void MeilinActuator::OnCommand(const std::string& command) {
@@ -232,7 +222,10 @@ void MeilinActuator::RequestPlan(Time now) {
   plans_->Call({}, std::chrono::seconds(2),
                [this](const Result<msg::GetActionSeq::Response>& reply) {
                  asking_ = false;
-                 if (reply && reply.value().has_data) OnPlan(reply.value().data, 0);
+                 if (!reply) return;
+                 if (reply.value().has_data) return OnHandedOut(reply.value().data);
+                 mission_.NothingHandedOut();
+                 handed_out_again_ = 0;
                });
 }
 

@@ -8,7 +8,8 @@
 // Interfaces, relative to the machine's namespace; names in mission.toml:
 //   mf_action_seq       in   std_msgs/Float32MultiArray, latched: a plan
 //   get_action_seq      client of r2_interfaces/GetActionSeq, twice a second while there is nothing
-//                       to do, with plan_service = true
+//                       to do, with plan_service = true; a plan that it hands out again is not
+//                       taken again until it has said that it has none
 //   planning/segments   in   std_msgs/String, latched: a plan of the old form, JSON; refused where
 //                            the tree has no PopNextSegment
 //   mf_r2_data          in   std_msgs/String, latched: the boxes of the field, for plans
@@ -67,8 +68,9 @@ class MeilinActuator : public TreeActuator {
   void LogStart(const Result<std::string>& begun);
   void OnMap(const std::string& text);
   void OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns);
+  void OnHandedOut(const msg::Float32MultiArray& plan);
   void OnSegments(const std::string& text, std::int64_t written_ns);
-  bool HasNode(const std::string& name);
+  void LogPlan(bool accepted);
   void SubscribePlans(transport::Endpoints& topics);
   void OnCommand(const std::string& command);
   void RequestPlan(Time now);
@@ -84,6 +86,7 @@ class MeilinActuator : public TreeActuator {
   transport::Client<msg::GetActionSeq>* plans_ = nullptr;
   Time asked_{};
   bool asking_ = false;
+  std::int64_t handed_out_again_ = 0;  // the number of the plan, so that it is logged once
   ProgressFile progress_{[this](const std::string& text) { Log(LogLevel::kWarning, text); }};
   std::string saved_;  // its text
   std::vector<std::string> can_start_;

@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "musher/modules/meilin/nodes/edge.hpp"
 #include "musher/modules/meilin/nodes/place.hpp"
+#include "musher/modules/meilin/plan/segments_json.hpp"
 
 namespace musher::meilin {
 namespace {
+
+constexpr double kMovedMm = 15;  // of a wheel
 
 using tree::Status;
 
@@ -60,8 +64,8 @@ void Mission::Begin() {
   board_->Begin(settings_);
   board_->SetState(kWaitingStart);
   SetDone({});
-  progress_.plan.clear();
-  progress_.next = 0;
+  ForgetPlan();
+  progress_.wheels_mm.clear();
   begun_ = ended_ = failed_ = restart_ = stop_ = false;
 }
 
@@ -78,7 +82,34 @@ std::set<std::string> Mission::DoneNow() const {
   return done;
 }
 
+void Mission::ForgetPlan() {
+  old_.clear();
+  progress_.segments.clear();
+  progress_.plan.clear();
+  progress_.next = 0;
+  progress_.begun = false;
+}
+
+std::int64_t Mission::steps() const {
+  return static_cast<std::int64_t>(old_.empty() ? progress_.plan.size() : old_.size());
+}
+
+// Each change is written to the disk: only what has visibly moved.
+void Mission::NoteWheels(Time now) {
+  const std::optional<Wheels> wheels = FreshWheels(robot_, now);
+  if (!wheels) return;
+  std::vector<double>& noted = progress_.wheels_mm;
+  bool moved = noted.empty();
+  for (std::size_t i = 0; i < noted.size(); ++i) {
+    moved = moved || std::abs(noted[i] - wheels->mm.at(i)) >= kMovedMm;
+  }
+  if (!moved) return;
+  noted.clear();
+  for (const double mm : wheels->mm) noted.push_back(std::round(mm));
+}
+
 void Mission::BeforeTick(Time now) {
+  NoteWheels(now);
   UpdateStart(now);
   const std::optional<PoseFix> pose = robot_.pose();
   board_->pose_received.Set(pose.has_value());
@@ -105,6 +136,7 @@ void Mission::AfterTick(Status status, const std::string& fault, Time now) {
   }
   board_->last_error.Set("");
   if (state() == kSegmentLoaded) board_->SetState(kMissionSuccess);  // PLAN_DONE was the last one
+  if (!old_.empty()) ForgetPlan();
   const std::optional<Wheels> wheels = FreshWheels(robot_, now);
   if (wheels && LongestMm(*wheels) > std::max(kOutWheelMm, settings_.normal_height_mm + 40)) {
     return Fail("the match has come to its end with its wheels out: " + WheelsText(*wheels));
@@ -115,20 +147,18 @@ void Mission::AfterTick(Status status, const std::string& fault, Time now) {
 // The first step of the plan that is not done.
 void Mission::NoteProgress() {
   const std::int64_t index = board_->segment_index.Get();
-  const auto steps = static_cast<std::int64_t>(progress_.plan.size());
   const bool open = board_->segment_open.Get();
-  if (index >= 0) progress_.next = std::clamp<std::int64_t>(open ? index : index + 1, 0, steps);
+  if (index < 0 || steps() == 0) return;
+  progress_.next = std::clamp<std::int64_t>(open ? index : index + 1, 0, steps());
+  progress_.begun = true;
 }
 
 void Mission::Fail(const std::string& otherwise) {
   failed_ = true;
   std::string error = board_->last_error.Get();
   if (error.empty()) error = otherwise;
-  const QueuePtr queue = board_->queue.Get();  // of an old plan there are no steps
-  const std::size_t steps =
-      queue != nullptr && progress_.plan.empty() ? queue->total() : progress_.plan.size();
-  if (board_->segment_open.Get() && steps > 0) {
-    error = fmt::format("segment {} of {}, {}: {}", board_->segment_index.Get() + 1, steps,
+  if (board_->segment_open.Get() && steps() > 0) {
+    error = fmt::format("segment {} of {}, {}: {}", board_->segment_index.Get() + 1, steps(),
                         board_->segment_name.Get(), error);
   }
   board_->last_error.Set(error);
@@ -142,8 +172,8 @@ void Mission::OnPause() {
     late->done(Error{kCodeStateInvalid, "the robot left Active before the match could begin"});
   }
   if (!board_ || !IsRunning()) return;
-  const bool climb = state() == kActionFailed && board_->segment_open.Get();
-  if (climb) {  // halted during a climb
+  // Halted during a climb, or on the way off the edge behind a segment that has failed.
+  if (board_->segment_open.Get() && !board_->last_error.Get().empty()) {
     ended_ = stop_ = true;
     return Fail("");
   }
@@ -193,14 +223,23 @@ std::string Mission::WhyNotThere(const std::set<std::string>& done, Time now) co
     return fmt::format("the suspension is in state {} of a sequence, which must end first",
                        sequence);
   }
+  const std::optional<Wheels> wheels = FreshWheels(robot_, now);
+  if (!wheels && !progress_.wheels_mm.empty()) {
+    Wheels last;
+    std::ranges::copy(progress_.wheels_mm, last.mm.begin());
+    if (LongestMm(last) > kOutWheelMm) {
+      return "the wheels do not report, and the last that they reported is " + WheelsText(last);
+    }
+  }
   const std::optional<PoseFix> pose = FreshPose(robot_, settings_, now);
   const bool field =
       match_.entries.empty() || (done.count(kPrepared) > 0 && done.count(kMeilinDone) == 0);
   if (!pose)
     return board_->climbing.Get() ? "a climb was not ended, and there is no fresh pose" : "";
   const Point2 here{pose->x_m, pose->y_m};
-  const OffEdge way = PlanOffEdge(settings_, *pose, FreshWheels(robot_, now));
+  const OffEdge way = PlanOffEdge(settings_, *pose, wheels);
   if (!way.unclear.empty()) return way.unclear;
+  if (!forms_.sequences) return "";  // no drive begins without a plan, whose ways are checked
   const std::optional<RobotPlace> place = PlaceOf(*pose, settings_);
   if (field) {
     if (place) return "";
@@ -221,6 +260,31 @@ std::string Mission::WhyNotThere(const std::set<std::string>& done, Time now) co
       "m, y {:.2f} m crosses {}",
       pose->x_m, pose->y_m, height_mm, target->x_m, target->y_m,
       CellText(other.value_or(place ? place->cell : Cell{})));
+}
+
+bool Mission::HasRest() const {
+  if (!old_.empty()) return true;
+  return progress_.next < steps() && DoneNow().count(kMeilinDone) == 0;
+}
+
+Result<std::vector<Segment>> Mission::Rest(Time now) const {
+  if (!old_.empty()) return OldRest(now);
+  PlanReading reading = CheckRest(now);
+  if (!reading.ok()) return Error{kCodeFailed, reading.message()};
+  return std::move(reading.segments);
+}
+
+// Without a climb whose end is where the robot is, or to where it comes off the edge.
+Result<std::vector<Segment>> Mission::OldRest(Time now) const {
+  const Result<std::optional<Point2>> at = PointAt(now);
+  if (!at) return at.error();
+  std::vector<Segment> rest(old_.begin() + progress_.next, old_.end());
+  const bool there =
+      at.value() && !rest.empty() && IsClimbTo(rest.front(), settings_.grid, *at.value());
+  if (there) rest.erase(rest.begin());
+  const std::string why = WhyNoWay(rest, settings_.grid, settings_.height_tolerance_mm, at.value());
+  if (!why.empty()) return Error{kCodeFailed, why};
+  return rest;
 }
 
 PlanReading Mission::CheckRest(Time now) const {
@@ -253,25 +317,31 @@ std::string Mission::WhyNot(const std::string& region, Time now) const {
   }
   const std::set<std::string> done = DoneFor(region);
   if (std::string why = WhyNotThere(done, now); !why.empty()) return why;
-  const bool rest = progress_.next < static_cast<std::int64_t>(progress_.plan.size());
-  if (!region.empty() || !rest || done.count(kMeilinDone) > 0) return "";
-  const PlanReading reading = CheckRest(now);
-  if (reading.ok()) return "";
+  if (!region.empty() || !HasRest()) return "";
+  const Result<std::vector<Segment>> rest = Rest(now);
+  if (rest) return "";
   return "the rest of plan " + progress_.plan_id +
-         " does not fit where the robot is: " + reading.message() +
+         " does not fit where the robot is: " + rest.error().message +
          "; start meilin, and send another plan";
 }
 
 std::string Mission::GoesOnWith() const {
   if (!board_ || IsRunning()) return "";
-  const auto steps = static_cast<std::int64_t>(progress_.plan.size());
   const std::set<std::string> done = DoneNow();
   if (done.count("final_done") > 0) return "";
-  const bool field = match_.entries.empty() || done.count(kPrepared) > 0;
-  if (progress_.next < steps && field && done.count(kMeilinDone) == 0) {
-    const PlanStep& step = progress_.plan.at(static_cast<std::size_t>(progress_.next));
-    return fmt::format("plan {} at segment {} of {}, {} {}", progress_.plan_id, progress_.next + 1,
-                       steps, step.fetch ? "fetch" : "move", CellText(step.cell));
+  const bool field = match_.entries.empty() || !old_.empty() || done.count(kPrepared) > 0;
+  if (HasRest() && field) {
+    const auto next = static_cast<std::size_t>(progress_.next);
+    const std::string plan = "plan " + progress_.plan_id;
+    if (progress_.next >= steps()) return plan + ", all of whose segments are done";
+    std::string step;
+    if (old_.empty()) {
+      step = (progress_.plan.at(next).fetch ? "fetch " : "move ") +
+             CellText(progress_.plan.at(next).cell);
+    } else {
+      step = old_.at(next).segment_type;
+    }
+    return fmt::format("{} at segment {} of {}, {}", plan, next + 1, steps(), step);
   }
   if (done.empty()) return "";
   const auto* part =
@@ -293,28 +363,16 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
   if (!board_) return Error{kCodeStateInvalid, "the match is not set up"};
   if (std::string why = WhyNot(region, now); !why.empty()) return Error{kCodeFailed, why};
   const std::string goes_on = GoesOnWith();
-  const bool begun = progress_.next > 0 || board_->segment_index.Get() >= 0;
-  if (region.empty()) {
-    const bool rest = progress_.next < static_cast<std::int64_t>(progress_.plan.size());
-    if (rest && DoneNow().count(kMeilinDone) == 0) {
-      PlanReading reading = CheckRest(now);
-      board_->queue.Set(
-          std::make_shared<SegmentQueue>(std::move(reading.segments), progress_.plan_id));
-      board_->plan_id.Set(progress_.plan_id);
-    }
-  } else if (begun || region != kMeilinRegion) {
-    if (begun) {  // the rest of an old plan is not carried out
-      board_->queue.Set(std::make_shared<SegmentQueue>());
-      board_->plan_id.Set("");
-      progress_.plan.clear();
-      progress_.next = 0;
-    }
-    if (region == kFullRegion) {
-      board_->taken.Set(0);
-      board_->dock_trues.Set(-1);
-    }
+  if (region == kFullRegion) {
+    board_->taken.Set(0);
+    board_->dock_trues.Set(-1);
   }
   SetDone(DoneFor(region));
+  if (!region.empty()) {
+    if (progress_.begun || region == kFinalRegion) ForgetPlan();
+    board_->plan_id.Set("");
+  }
+  QueueRest(now);
   board_->segment_index.Set(static_cast<int>(progress_.next) - 1);
   board_->last_error.Set("");
   board_->SetState(kWaitingPlan);
@@ -323,9 +381,29 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
   return region.empty() ? "goes on with " + goes_on : "begins with the region " + region;
 }
 
+// What is left of the plan, also where it has waited for the start, perhaps in an earlier process.
+void Mission::QueueRest(Time now) {
+  const auto queue = std::make_shared<SegmentQueue>();
+  board_->queue.Set(queue);
+  if (!HasRest()) return;
+  const std::string& id = progress_.plan_id;
+  Result<std::vector<Segment>> rest = Rest(now);
+  if (!rest) {
+    const std::string why = "plan " + id +
+                            " does not fit where the robot is: " + rest.error().message +
+                            "; send another one";
+    board_->refused_plan.Set(why);
+    robot_.Warn(why);
+    return ForgetPlan();
+  }
+  queue->Replace(std::move(rest).value(), id);
+  board_->plan_id.Set(id);
+}
+
 // Why a start waits; empty: it does not.
 std::string Mission::AwaitedForStart(Time now) const {
   if (!FreshPose(robot_, settings_, now)) return "no fresh pose";
+  if (!progress_.wheels_mm.empty() && !FreshWheels(robot_, now)) return "the wheels do not report";
   return robot_.suspension_state() == 0 ? "" : "the suspension";
 }
 
@@ -396,7 +474,26 @@ Result<PlanStart> Mission::StartAt(Time now) const {
   return StartOf(settings_.grid, known, Pose2{pose->x_m, pose->y_m, pose->yaw_rad});
 }
 
+// A climb that was ended in the middle begins where the robot comes off the edge.
+Result<std::optional<Point2>> Mission::PointAt(Time now) const {
+  const Segment segment = board_->current_segment.Get();
+  if (!ended_ && board_->segment_open.Get() && DrivesToPose(segment.segment_type)) {
+    return std::optional(Point2{segment.target_x, segment.target_y});
+  }
+  const std::optional<PoseFix> pose = FreshPose(robot_, settings_, now);
+  if (!pose) return std::optional<Point2>();
+  const OffEdge way = PlanOffEdge(settings_, *pose, FreshWheels(robot_, now));
+  if (!way.unclear.empty()) return Error{kCodeFailed, way.unclear};
+  return std::optional(way.on_edge ? settings_.grid.Centre(way.to) : Point2{pose->x_m, pose->y_m});
+}
+
 bool Mission::OfferPlan(const msg::Float32MultiArray& plan, Time now, std::int64_t written_ns) {
+  if (!forms_.sequences) {
+    RefusePlan(
+        "the tree of tree_file runs no plans of mf_action_seq: no node of it is "
+        "PopNextMeilinSegment");
+    return false;
+  }
   if (DoneNow().count(kMeilinDone) > 0) {
     RefusePlan("the part of the field is done; a plan needs RESET, or the region meilin");
     return false;
@@ -417,11 +514,37 @@ bool Mission::OfferPlan(const msg::Float32MultiArray& plan, Time now, std::int64
   return true;
 }
 
-void Mission::OfferSegments(std::vector<Segment> segments, const std::string& plan_id,
-                            std::int64_t written_ns) {
-  Accept(std::move(segments),
-         plan_id.empty() ? fmt::format("segments_{}", progress_.plans + 1) : plan_id);
+bool Mission::OfferHandedOut(const msg::Float32MultiArray& plan, Time now) {
+  const std::int64_t number = NumberOf(plan);
+  if (WasTaken(number)) return false;
+  progress_.Take(number);  // also a plan that is refused: it would be offered twice a second
+  return OfferPlan(plan, now);
+}
+
+bool Mission::OfferSegments(const std::string& text, Time now, std::int64_t written_ns) {
+  SegmentsReading reading = ReadSegmentsJson(text);
+  std::string why = reading.message();
+  if (!forms_.segments) {
+    why =
+        "the tree of tree_file runs no plans of planning/segments: no node of it is "
+        "PopNextSegment";
+  }
+  if (why.empty()) {
+    const Result<std::optional<Point2>> at = PointAt(now);
+    why = at ? WhyNoWay(reading.segments, settings_.grid, settings_.height_tolerance_mm, at.value())
+             : at.error().message;
+  }
+  if (!why.empty()) {
+    RefusePlan(why);
+    return false;
+  }
+  for (const std::string& warning : reading.warnings) robot_.Warn(warning);
+  Accept(reading.segments, reading.plan_id.empty() ? fmt::format("segments_{}", progress_.plans + 1)
+                                                   : reading.plan_id);
+  old_ = std::move(reading.segments);
+  progress_.segments = std::move(reading.text);
   progress_.Take(written_ns);
+  return true;
 }
 
 void Mission::RefusePlan(const std::string& why) {
@@ -437,8 +560,7 @@ void Mission::RefusePlan(const std::string& why) {
 void Mission::Accept(std::vector<Segment> segments, const std::string& plan_id) {
   ++progress_.plans;
   progress_.plan_id = plan_id;
-  progress_.plan.clear();
-  progress_.next = 0;
+  ForgetPlan();
   board_->queue.Set(std::make_shared<SegmentQueue>(std::move(segments), plan_id));
   board_->plan_id.Set(plan_id);
   board_->segment_index.Set(-1);
@@ -492,7 +614,17 @@ Result<> Mission::Restore(const Progress& progress) {
   if (progress.side != SideText(settings_.grid.side)) {
     return Error{kCodeFailed, "the progress is that of the " + progress.side + " side"};
   }
+  std::vector<Segment> old;
+  if (!progress.segments.empty()) {
+    SegmentsReading reading = ReadSegmentsJson(progress.segments);
+    const auto steps = static_cast<std::int64_t>(reading.segments.size());
+    if (!reading.ok() || progress.next > steps) {
+      return Error{kCodeFailed, "segments: " + (reading.ok() ? "next is none" : reading.message())};
+    }
+    old = std::move(reading.segments);
+  }
   progress_ = progress;
+  old_ = std::move(old);
   SetDone(progress.done);
   board_->row.Set(progress.cell.row);
   board_->col.Set(progress.cell.col);

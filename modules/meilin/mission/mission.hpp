@@ -10,13 +10,13 @@
 //                             parts that are not done and the rest of the plan. Refused where the
 //                             way there is not flat, or where it is not certain how to come off an
 //                             edge
-//   StartSoon(region)         the same, once there is a fresh pose and the suspension rests: a
-//                             process that has just started has received neither. At most
-//                             kStartWait, then Start() decides
+//   StartSoon(region)         the same, once there is a fresh pose, the wheels report, where they
+//                             did before, and the suspension rests: a process that has just started
+//                             has received none of them. At most kStartWait, then Start() decides
 //   a plan                    checked as a whole. Refused: refused_plan() says why, and what runs
 //                             goes on. Accepted: it replaces the queue, the action that runs ends
-//                             first, and a tree that has failed begins again. A message that was
-//                             taken before, also by an earlier process, is not taken again
+//                             first, and a tree that has failed begins again. One that was taken
+//                             before, also by an earlier process, is not taken again (progress.hpp)
 //   the tree has failed       MISSION_FAILED, the robot stands, until a plan is accepted, or
 //   Start() a pause                   PAUSED; the segment that was halted is the next one again,
 //   but after
@@ -24,7 +24,8 @@
 //
 // A plan is checked and run from one start: the end of the segment that runs; else the live pose
 // where it is fresh and inside the grid (on an edge, where the robot comes off it); else where the
-// robot is by what it has done. The nodes start from the same, and refuse another cell.
+// robot is by what it has done. The nodes start from the same, and refuse another cell. A plan of
+// the old form has poses: its ways are checked from the live pose, else from its first pose on.
 //
 // Units: those of robot.hpp. Pure: no clock, no process. Threads: one at a time, like the tree.
 
@@ -40,6 +41,7 @@
 #include "musher/modules/meilin/mission/match_config.hpp"
 #include "musher/modules/meilin/mission/progress.hpp"
 #include "musher/modules/meilin/nodes/mission_board.hpp"
+#include "musher/modules/meilin/nodes/segment_nodes.hpp"
 #include "musher/modules/meilin/plan/action_sequence.hpp"
 #include "musher/modules/meilin/robot.hpp"
 
@@ -55,7 +57,8 @@ class Mission {
   Mission(Robot& robot, const Settings& settings, MatchConfig match, bool autostart = false)
       : robot_(robot), settings_(settings), match_(std::move(match)), autostart_(autostart) {}
 
-  // Of a new tree: its first values.
+  // Of a new tree: the plans that it runs (default: all), and its first values.
+  void SetForms(const PlanForms& forms) { forms_ = forms; }
   Result<> Fill(tree::Board& board);
 
   // The live pose goes to the blackboard.
@@ -80,12 +83,14 @@ class Mission {
   // False: refused, refused_plan() says why. `written_ns`: when its message was written; 0: not
   // known.
   bool OfferPlan(const msg::Float32MultiArray& plan, Time now, std::int64_t written_ns = 0);
+  // A plan of a service that hands plans out, which is the same one until the service has said that
+  // it has none. False: refused, or it is that.
+  bool OfferHandedOut(const msg::Float32MultiArray& plan, Time now);
+  void NothingHandedOut() { progress_.ForgetHandedOut(); }
+  // A plan of the old form, JSON. Without an id it gets one.
+  bool OfferSegments(const std::string& text, Time now, std::int64_t written_ns = 0);
   // Whether that message was taken before.
   bool WasTaken(std::int64_t written_ns) const { return progress_.IsTaken(written_ns); }
-  // An old plan, that is already checked. Without an id it gets one.
-  void OfferSegments(std::vector<Segment> segments, const std::string& plan_id,
-                     std::int64_t written_ns = 0);
-  void RefusePlan(const std::string& why);
   // The boxes of the field, for plans.
   void SetBoxes(const BoxMap& map) { boxes_ = map; }
   // Fails where there is no such command.
@@ -118,7 +123,17 @@ class Mission {
   PlanRules Rules() const;
   // An error: the robot is where no plan can begin.
   Result<PlanStart> StartAt(Time now) const;
+  Result<std::optional<Point2>> PointAt(Time now) const;  // the same of an old plan
+  bool HasRest() const;
+  // What is left of the plan, from where the robot is; an error: it does not fit there.
+  Result<std::vector<Segment>> Rest(Time now) const;
   PlanReading CheckRest(Time now) const;
+  Result<std::vector<Segment>> OldRest(Time now) const;
+  std::int64_t steps() const;  // of the plan
+  void QueueRest(Time now);
+  void ForgetPlan();
+  void RefusePlan(const std::string& why);
+  void NoteWheels(Time now);
   std::string AwaitedForStart(Time now) const;
   void UpdateStart(Time now);
   std::string WhyNot(const std::string& region, Time now) const;
@@ -145,7 +160,9 @@ class Mission {
   bool autostart_;  // until it was used
   std::optional<MissionBoard> board_;
   tree::Board* root_ = nullptr;
-  Progress progress_;  // its place and parts are those of the blackboard
+  PlanForms forms_;
+  Progress progress_;         // its place and parts are those of the blackboard
+  std::vector<Segment> old_;  // the present plan, where it is one of the old form
   std::optional<BoxMap> boxes_;
   std::uint64_t refusals_ = 0;
   std::optional<LateStart> late_start_;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <sstream>
 #include <variant>
 
 #include <fmt/format.h>
 
+#include "musher/base/checksum.hpp"
 #include "musher/base/toml/document.hpp"
 #include "musher/behavior/fsm/saved_part.hpp"
 #include "musher/behavior/fsm/toml/toml_writer.hpp"
@@ -51,11 +53,13 @@ struct Texts {
   std::string plan;
   std::string taken_plans;
   std::string done;
+  std::string wheels_mm;
 };
 
 Texts TextsOf(const Progress& progress) {
   return {PlanText(progress.plan), fmt::format("{}", fmt::join(progress.taken_plans, " ")),
-          fmt::format("{}", fmt::join(progress.done, " "))};
+          fmt::format("{}", fmt::join(progress.done, " ")),
+          fmt::format("{:g}", fmt::join(progress.wheels_mm, " "))};
 }
 
 void Persist(fsm::Archive& archive, Progress& progress, Texts& texts) {
@@ -65,7 +69,9 @@ void Persist(fsm::Archive& archive, Progress& progress, Texts& texts) {
   archive.Field("taken_plans", texts.taken_plans);
   archive.Field("plan_id", progress.plan_id);
   archive.Field("plan", texts.plan);
+  archive.Field("segments", progress.segments);
   archive.Field("next", progress.next);
+  archive.Field("begun", progress.begun);
   archive.Field("done", texts.done);
   archive.Field("row", row);
   archive.Field("col", col);
@@ -73,6 +79,7 @@ void Persist(fsm::Archive& archive, Progress& progress, Texts& texts) {
   archive.Field("yaw_rad", progress.yaw_rad);
   archive.Field("at_centre", progress.at_centre);
   archive.Field("offset_mm", progress.offset_mm);
+  archive.Field("wheels_mm", texts.wheels_mm);
   archive.Field("climbing", progress.climbing);
   archive.Field("taken", progress.taken);
   archive.Field("last_end", progress.last_end);
@@ -115,8 +122,16 @@ std::string Wrong(const Progress& progress) {
   for (const double number : {progress.height_mm, progress.yaw_rad, progress.offset_mm}) {
     if (!(std::abs(number) <= kFarMm)) return "a height, yaw or offset is no number in its range";
   }
-  const auto steps = static_cast<std::int64_t>(progress.plan.size());
-  if (progress.next < 0 || progress.next > steps) return "next is no step of the plan";
+  // Of a plan of the old form by who reads it.
+  const std::size_t steps = progress.segments.empty() ? progress.plan.size() : kMostSteps;
+  if (progress.next < 0 || progress.next > static_cast<std::int64_t>(steps)) {
+    return "next is no step of the plan";
+  }
+  const auto& wheels = progress.wheels_mm;
+  const auto far = [](double mm) { return !(std::abs(mm) <= kFarMm); };
+  if ((!wheels.empty() && wheels.size() != Wheels::kCount) || std::ranges::any_of(wheels, far)) {
+    return "wheels_mm: expected the heights of four wheels";
+  }
   if (progress.taken < 0 || progress.taken >= std::int64_t{1} << (kRows * kCols)) {
     return "taken has bits of no cell";
   }
@@ -131,8 +146,19 @@ bool Progress::IsTaken(std::int64_t written_ns) const {
 
 void Progress::Take(std::int64_t written_ns) {
   if (written_ns == 0 || IsTaken(written_ns)) return;
+  if (written_ns < 0) ForgetHandedOut();
   taken_plans.push_back(written_ns);
   if (taken_plans.size() > kMostTaken) taken_plans.erase(taken_plans.begin());
+}
+
+void Progress::ForgetHandedOut() {
+  std::erase_if(taken_plans, [](std::int64_t number) { return number < 0; });
+}
+
+std::int64_t NumberOf(const msg::Float32MultiArray& plan) {
+  std::string bytes(plan.data.size() * sizeof(float), '\0');
+  if (!bytes.empty()) std::memcpy(bytes.data(), plan.data.data(), bytes.size());
+  return -static_cast<std::int64_t>(Fnv1a(bytes) >> 1) - 1;
 }
 
 std::string WriteProgress(const Progress& progress) {
@@ -164,6 +190,8 @@ Result<Progress> ReadProgress(std::string_view text, const std::string& file) {
   for (std::int64_t number = 0; numbers >> number;) progress.Take(number);
   std::istringstream words(texts.done);
   for (std::string word; words >> word;) progress.done.insert(word);
+  std::istringstream heights(texts.wheels_mm);
+  for (double mm = 0; heights >> mm;) progress.wheels_mm.push_back(mm);
   if (const std::string wrong = Wrong(progress); !wrong.empty()) return fail(1, wrong);
   return progress;
 }

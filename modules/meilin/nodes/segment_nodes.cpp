@@ -1,9 +1,17 @@
 #include "musher/modules/meilin/nodes/segment_nodes.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace musher::meilin {
 namespace {
+
+bool HasNode(const tree::Element& element, std::string_view name) {
+  const tree::Attribute* id = element.Find("ID");  // of <Action ID="…"/>
+  if (element.name == name || (id != nullptr && id->value == name)) return true;
+  return std::ranges::any_of(element.children,
+                             [name](const auto& child) { return HasNode(child, name); });
+}
 
 // The next segment of a queue, which becomes the present one of the mission.
 std::optional<Segment> TakeFrom(const tree::InPort<QueuePtr>& port, MissionBoard& board) {
@@ -28,6 +36,14 @@ std::optional<Segment> TakeFrom(const tree::InPort<QueuePtr>& port, MissionBoard
 }  // namespace
 
 using tree::Status;
+
+PlanForms FormsOf(const tree::Document& document) {
+  const auto has = [&document](std::string_view name) {
+    return std::ranges::any_of(document.trees,
+                               [name](const auto& tree) { return HasNode(tree.content, name); });
+  };
+  return {has("PopNextMeilinSegment"), has("PopNextSegment")};
+}
 
 PopNextMeilinSegment::PopNextMeilinSegment(tree::Setup& setup)
     : queue_(setup.OptionalInput<QueuePtr>("queue", "{segment_queue}")),

@@ -20,11 +20,19 @@
 #include <cstdint>
 #include <string>
 
+#include "musher/behavior/tree/document.hpp"
 #include "musher/behavior/tree/node.hpp"
 #include "musher/behavior/tree/setup.hpp"
 #include "musher/modules/meilin/nodes/mission_board.hpp"
 
 namespace musher::meilin {
+
+// The plans that a tree can run.
+struct PlanForms {
+  bool sequences = true;  // of mf_action_seq: it has a PopNextMeilinSegment
+  bool segments = true;   // of the old form: it has a PopNextSegment
+};
+PlanForms FormsOf(const tree::Document& document);
 
 class PopNextMeilinSegment final : public tree::StatefulAction {
  public:

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -21,6 +23,10 @@ struct OldType {
   int spear = 0;
 };
 
+constexpr Cell kOutside{-1, -1};
+constexpr std::string_view kClimbType = "CLIMB";
+constexpr int kClimbUp = 1;  // values of climb_mode
+constexpr int kClimbDown = 2;
 constexpr int kSafePose = 7;    // an arm command of old plans
 constexpr int kHighestArm = 6;  // that the arm's server takes
 constexpr int kHighestOldArm = 8;
@@ -32,7 +38,7 @@ constexpr std::array<OldType, 14> kOldTypes = {{
     {"DOCK", 0, 10, true, 0, 3},
     {"MOVE2", 0.5, 30, true, 0, 0},
     {"GRASP", 0, 30, true, 1, 0},
-    {"CLIMB", 0.4, 30, true, 0, 0},
+    {kClimbType, 0.4, 30, true, 0, 0},
     {"STORE1", 0, 30, false, 2, 0},
     {"STORE2", 0, 30, false, 3, 0},
     {"EXIT", 0.6, 30, true, kSafePose, 0},
@@ -82,7 +88,7 @@ Segment ReadSegment(const nlohmann::json& value, int index, JsonFaults& faults,
   const auto direction =
       segment.Choice("climb_direction", {"FORWARD", "LEFT", "RIGHT", "BACKWARD"});
   if (direction) to.climb_direction = static_cast<int>(*direction);
-  if (defaults.name == "CLIMB") segment.Require("climb_mode", "UP, DOWN or RECOVER");
+  if (defaults.name == kClimbType) segment.Require("climb_mode", "UP, DOWN or RECOVER");
   to.climb_height = segment.Number("climb_height", 0, kHighestMm).value_or(0);
   to.height_diff = segment.Number("height_diff", -kHighestMm, kHighestMm).value_or(0);
   to.arm_command = segment.Integer("arm_command", 0, kHighestOldArm).value_or(defaults.arm);
@@ -131,7 +137,92 @@ SegmentsReading ReadSegmentsJson(std::string_view text) {
   }
   reading.faults = faults.list();
   if (!reading.faults.empty()) reading.segments.clear();
+  if (reading.ok()) reading.text = document->dump(-1, ' ', true);
   return reading;
+}
+
+namespace {
+
+double HeightAt(const Grid& grid, Point2 at) {
+  const std::optional<Cell> cell = grid.CellAt(at);
+  return cell ? grid.HeightMm(*cell) : 0;
+}
+
+bool Climbs(const Segment& segment) {
+  return segment.segment_type == kClimbType &&
+         (segment.climb_mode == kClimbUp || segment.climb_mode == kClimbDown);
+}
+
+std::string WhyNoClimb(const Segment& segment, const Grid& grid, double tolerance_mm, Point2 from,
+                       Point2 to) {
+  const Cell here = grid.CellAt(from).value_or(kOutside);
+  const Cell there = grid.CellAt(to).value_or(kOutside);
+  const bool inside = IsInside(here) && IsInside(there);
+  const auto way = inside ? DirectionTo(here, there) : std::nullopt;
+  if (!way) {
+    return fmt::format(
+        "the way from x {:.2f} m, y {:.2f} m to x {:.2f} m, y {:.2f} m is not between "
+        "two cells of the field that share an edge",
+        from.x_m, from.y_m, to.x_m, to.y_m);
+  }
+  const double step_mm = HeightAt(grid, to) - HeightAt(grid, from);
+  const double expected_mm = segment.climb_mode == kClimbUp ? step_mm : -step_mm;
+  const bool any = segment.climb_height == 0;
+  if (expected_mm <= tolerance_mm ||
+      (!any && std::abs(expected_mm - segment.climb_height) > tolerance_mm)) {
+    return fmt::format("{}{}, and from {} to {} it is {:g} mm {}",
+                       segment.climb_mode == kClimbUp ? "UP" : "DOWN",
+                       any ? "" : fmt::format(" by {:g} mm", segment.climb_height), CellText(here),
+                       CellText(there), std::abs(step_mm), step_mm < 0 ? "down" : "up");
+  }
+  const Direction body = NearestDirection(NormalizeYaw(YawOf(*way) - segment.target_yaw));
+  if (CodeOf(body) == segment.climb_direction) return "";
+  return fmt::format(
+      "climb_direction is {}, and with a yaw of {:.2f} rad the way from {} to {} is {}",
+      DirectionText(kDirections.at(static_cast<std::size_t>(segment.climb_direction))),
+      segment.target_yaw, CellText(here), CellText(there), DirectionText(body));
+}
+
+std::string WhyNoDrive(const Grid& grid, double tolerance_mm, Point2 from, Point2 to) {
+  const double height_mm = HeightAt(grid, from);
+  if (const auto other = grid.OtherHeightOnLine(from, to, height_mm, tolerance_mm)) {
+    return fmt::format(
+        "the straight way from x {:.2f} m, y {:.2f} m, {:g} mm high, to x {:.2f} m, "
+        "y {:.2f} m crosses {}, which has {} mm",
+        from.x_m, from.y_m, height_mm, to.x_m, to.y_m, CellText(*other), grid.HeightMm(*other));
+  }
+  if (grid.CellAt(to) || height_mm <= tolerance_mm) return "";
+  return fmt::format("the way to x {:.2f} m, y {:.2f} m leads off the field, from {:g} mm", to.x_m,
+                     to.y_m, height_mm);
+}
+
+}  // namespace
+
+bool DrivesToPose(std::string_view type) {
+  const auto* found = std::ranges::find(kOldTypes, type, &OldType::name);
+  return found != kOldTypes.end() && found->speed_m_s > 0;
+}
+
+bool IsClimbTo(const Segment& segment, const Grid& grid, Point2 at) {
+  const auto to = grid.CellAt({segment.target_x, segment.target_y});
+  return Climbs(segment) && to && grid.CellAt(at) == to;
+}
+
+std::string WhyNoWay(const std::vector<Segment>& segments, const Grid& grid, double tolerance_mm,
+                     const std::optional<Point2>& start) {
+  std::optional<Point2> at = start;
+  for (const Segment& segment : segments) {
+    if (!DrivesToPose(segment.segment_type)) continue;
+    const Point2 to{segment.target_x, segment.target_y};
+    const std::string why = !at               ? ""
+                            : Climbs(segment) ? WhyNoClimb(segment, grid, tolerance_mm, *at, to)
+                                              : WhyNoDrive(grid, tolerance_mm, *at, to);
+    if (!why.empty()) {
+      return fmt::format("segments[{}], {}: {}", segment.index, segment.segment_type, why);
+    }
+    at = to;
+  }
+  return "";
 }
 
 }  // namespace musher::meilin

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/fields/machine_fields.hpp"
+#include "musher/lifecycle/field.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/step/event.hpp"
 
 namespace musher::recording {
 

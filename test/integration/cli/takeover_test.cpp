@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::testing::takeover_test {
 
@@ -50,6 +51,9 @@ TEST_F(Takeover, IsTheWayOutOfARefusalThatNamesTheLivingController) {
     const Ended second = Musher({"up", config_});
     EXPECT_EQ(second.exit, 2);
     EXPECT_THAT(second.err, AllOf(HasSubstr(leader_), HasSubstr("--takeover replaces it")));
+    if (other_folder) {
+      EXPECT_THAT(second.err, HasRefusal(Refusal::kNameTaken));
+    }
   }
   EXPECT_EQ(Status(), before_);  // it was not disturbed
 }
@@ -94,6 +98,9 @@ TEST_F(Takeover, NeverEndsTheControllerOfAnotherMachine) {
     EXPECT_THAT(second.err,
                 AllOf(HasSubstr(leader_), HasSubstr("another machine, robot of " + config_),
                       HasSubstr("this one"), HasSubstr("robot of " + file)));
+    if (state_dir == std::string("own")) {
+      EXPECT_THAT(second.err, HasRefusal(Refusal::kLeadsOtherMachine));
+    }
   }
   EXPECT_EQ(Status(), before_);  // it was not disturbed
 }

@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::testing::without_controller_test {
 
@@ -82,8 +83,7 @@ TEST_F(WithoutController, UpOfAnotherConfigWithTheSameNamesIsRefusedWithoutAdopt
   EXPECT_EQ(up.exit, 2);
   EXPECT_THAT(up.err, AllOf(HasSubstr(ProcessOf("legs")),
                             HasSubstr("run already, with a different config than " + other),
-                            HasSubstr("`musher down --without-controller` stops what runs"),
-                            HasSubstr("`musher up --adopt` takes control of it")));
+                            HasRefusal(Refusal::kOtherConfigRuns)));
   EXPECT_EQ(Musher({"status"}).exit, 3);
   const Ended adopted = Musher({"up", other, "--detach", "--adopt"});
   EXPECT_EQ(adopted.exit, 0) << adopted.err;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
 namespace musher::testing::battery_and_config_test {

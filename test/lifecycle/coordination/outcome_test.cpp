@@ -74,6 +74,18 @@ TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayContinue) {
   EXPECT_EQ(machine_.state, kActive);
 }
 
+TEST_F(Outcomes, NameTheActuatorThatFailedWhereTheNeededOneWasItselfSkipped) {
+  config_ = MachineOf(3);
+  config_.actuators[0].after = {"b"};
+  config_.actuators[1].after = {"c"};
+  In("LowPower");
+  RequestSwitch("Active");
+  Fail(2, kLegFailed);
+  Obey(2);  // it is rolled back
+  EXPECT_EQ(Result().actuators[0].message, texts::NeededOneFailed("c").message);
+  EXPECT_EQ(Result().actuators[1].message, texts::NeededOneFailed("c").message);
+}
+
 TEST_F(Outcomes, DependOnThePresentStatesAndNotOnAnEarlierFault) {
   StartUp();
   Of(1).fault = ActuatorFault{kCodeFailed, "its last check had failed"};

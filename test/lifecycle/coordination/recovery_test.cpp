@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::recovery_test {

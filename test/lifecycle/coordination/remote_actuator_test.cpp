@@ -1,5 +1,5 @@
-// Actuators that run on other hosts: they are stored for the next controller, whose TearDown lists
-// one that it has not received a status of.
+// Actuators that run on other hosts are stored for the next controller. Its TearDown lists each of
+// them whose status it has not received.
 
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 

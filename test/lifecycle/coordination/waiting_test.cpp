@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/base/code.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::waiting_test {

@@ -1,6 +1,7 @@
 // The module's config file, valid and invalid.
 
 #include "musher/modules/camera/camera_config.hpp"
+#include "musher/test/support/diagnostics.hpp"
 #include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
@@ -18,9 +19,7 @@ CamerasConfig Good(const std::string& text) {
 }
 std::vector<std::string> Faults(const std::string& text) {
   const CamerasReading reading = ReadCamerasText(text, "/etc/dog/cameras.toml");
-  std::vector<std::string> faults;
-  for (const Diagnostic& found : reading.diagnostics) faults.push_back(FormatDiagnostic(found));
-  return faults;
+  return musher::testing::Lines(reading.diagnostics);
 }
 
 TEST(CamerasConfig, OfTheRepositoryIsGood) {

@@ -3,8 +3,6 @@
 // world that has the pictures, the subscribers, and the clients of the service. Other sources than
 // topics, and the folder, are fakes of the test.
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -12,17 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/cameras.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/module_on_network.hpp"
 
 namespace musher::camera {
-
-template <class T>
-T Must(Result<T> result) {
-  if (!result) ADD_FAILURE() << result.error().message;
-  return std::move(result).value();
-}
 
 // A device whose pictures and failures the test makes.
 struct FakeDevice {
@@ -98,7 +89,7 @@ inline msg::Image Picture(std::uint32_t width = 64, std::uint32_t height = 48) {
   return picture;
 }
 
-class CamerasOnANetwork : public ::testing::Test {
+class CamerasOnANetwork : public test::ModuleOnNetwork {
  protected:
   CamerasOnANetwork() {
     for (const std::string name : {"front", "left"}) {
@@ -114,57 +105,45 @@ class CamerasOnANetwork : public ::testing::Test {
   }
 
   void Start(const State& state = "Active") {
-    cameras_ = Must(Cameras::Make(Around(), config_, std::make_unique<FakeStore>(saved_)));
+    cameras_ = test::Must(Cameras::Make(Around(), config_, std::make_unique<FakeStore>(saved_)));
     cameras_->Enter(state);
     Run(Milliseconds(500));  // discovery
   }
   Dependencies Around() {
     return {
-        *dog_,
+        *robot_,
         "dog1",
-        [this] { return msg::ToStamp(dog_->loop().Now().time_since_epoch()); },
+        [this] { return Stamp(); },
         [this](const LogLine& log) { log_.push_back(log); },
         [this] { return may_; },
         [this](const CameraConfig& camera, SourceEvents events) -> Result<std::unique_ptr<Source>> {
           if (camera.source == SourceKind::kWorld) {
-            return OpenTopic(*dog_, "dog1/" + camera.from, std::move(events));
+            return OpenTopic(*robot_, "dog1/" + camera.from, std::move(events));
           }
           ++device_.opened;
           device_.events = std::move(events);
           return std::unique_ptr<Source>(new FakeSource(device_));
         }};
   }
-  void Run(Duration duration) { network_.RunFor(duration); }
 
   // The world's front camera: 20 pictures a second, while it has a subscriber.
   void MakeWorld() {
-    shots_ = Must(transport::MakePublisher<msg::Image>(*world_, "dog1/world/camera/front",
-                                                       transport::kSensorDataQos));
-    ticker_ = world_->loop().Every(Milliseconds(50), [this] {
+    shots_ = Publisher<msg::Image>("dog1/world/camera/front", transport::kSensorDataQos);
+    ticker_ = desk_->loop().Every(Milliseconds(50), [this] {
       if (shots_->MatchedReaders() == 0) return;
       ++drawn_;
       msg::Image picture = shot_;
-      picture.header.stamp = msg::ToStamp(world_->loop().Now().time_since_epoch());
+      picture.header.stamp = Stamp();
       static_cast<void>(shots_->Publish(picture));
     });
   }
   template <msg::Message M>
-  std::unique_ptr<transport::Subscription> Listen(
-      const std::string& topic, std::vector<M>& received,
-      const transport::Qos& qos = transport::kSensorDataQos) {
-    return Must(transport::MakeSubscription<M>(
-        *world_, topic, [&received](const M& message, const auto&) { received.push_back(message); },
-        qos));
+  std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
+                                                  std::vector<M>& received) {
+    return ModuleOnNetwork::Listen(topic, received, transport::kSensorDataQos);
   }
   msg::CameraService::Response Call(const msg::CameraService::Request& request) {
-    std::optional<Result<msg::CameraService::Response>> answer;
-    if (!client_) {
-      client_ = Must(transport::MakeClient<msg::CameraService>(*world_, "dog1/camera_service"));
-    }
-    client_->Call(request, Milliseconds(5000), [&answer](auto reply) { answer = reply; });
-    EXPECT_TRUE(
-        network_.RunUntil([&] { return answer.has_value(); }, network_.now() + Milliseconds(6000)));
-    return Must(*answer);
+    return ModuleOnNetwork::Call<msg::CameraService>("dog1/camera_service", request);
   }
   std::vector<std::string> Lines() const {
     std::vector<std::string> lines;
@@ -172,9 +151,6 @@ class CamerasOnANetwork : public ::testing::Test {
     return lines;
   }
 
-  transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
-  std::unique_ptr<transport::Node> world_ = network_.MakeNode("desk");
   CamerasConfig config_;
   std::vector<LogLine> log_;
   Result<> may_;
@@ -183,7 +159,6 @@ class CamerasOnANetwork : public ::testing::Test {
   msg::Image shot_ = Picture();
   int drawn_ = 0;
   std::unique_ptr<transport::Publisher<msg::Image>> shots_;
-  std::unique_ptr<transport::Client<msg::CameraService>> client_;
   transport::LoopHandlePtr ticker_;
   std::unique_ptr<Cameras> cameras_;
 };

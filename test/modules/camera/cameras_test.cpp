@@ -33,8 +33,8 @@ TEST_F(CamerasTest, PublishTheWorldsPicturesUnderTheirOwnName) {
 TEST_F(CamerasTest, PublishTheWorldsCameraInfoInThePublishedSize) {
   MakeWorld();
   config_.cameras[0].format = {32, 24, "mono8"};
-  const auto infos = Must(transport::MakePublisher<msg::CameraInfo>(
-      *world_, "dog1/world/camera/front/info", transport::kLatchedQos));
+  const auto infos = test::Must(transport::MakePublisher<msg::CameraInfo>(
+      *desk_, "dog1/world/camera/front/info", transport::kLatchedQos));
   msg::CameraInfo info;
   info.width = 64;
   info.height = 48;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/test/support/diagnostics.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::exec::exec_config_test {
@@ -29,11 +30,7 @@ ExecReading Read(const std::string& text) {
 std::vector<std::string> Faults(const std::string& text) {
   const ExecReading reading = Read(text);
   EXPECT_FALSE(reading.config);
-  std::vector<std::string> faults;
-  for (const Diagnostic& diagnostic : reading.diagnostics) {
-    faults.push_back(FormatDiagnostic(diagnostic));
-  }
-  return faults;
+  return musher::testing::Lines(reading.diagnostics);
 }
 
 TEST(ExecConfig, HasTheValuesOfTheFile) {

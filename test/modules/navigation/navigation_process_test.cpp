@@ -1,14 +1,12 @@
 // musher-planner and musher-controller as a controller and the robot's other programs use them: the
 // real programs over DDS.
 
-#include <gmock/gmock.h>
-
 #include <csignal>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/modules/module_process.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
 #include "musher/test/navigation/maps.hpp"
 #include "musher/transport/action.hpp"
@@ -16,47 +14,30 @@
 
 namespace musher::navigation::navigation_process_test {
 
-using msg::ActuatorCommand;
+using ::testing::AllOf;
 using testing::At;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 using transport::GoalEnd;
-
-const std::vector<std::string> kEveryState = {"SetUp",    "TearDown", "SelfCheck",
-                                              "Active",   "DeActive", "Protected",
-                                              "LowPower", "OTA",      "Error"};
 
 constexpr const char* kFile = "self_check_ms = 15000\n[[robot]]\nname = \"jetbot_0\"\n";
 
-class NavigationProcess : public ::testing::Test {
+class NavigationProcess : public test::ModuleProcess {
  protected:
-  NavigationProcess(const std::string& actuator, const std::string& program)
-      : peer_(actuator, kEveryState, program) {}
+  using ModuleProcess::ModuleProcess;
 
-  void Start() {
-    peer_.Start(kFile);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  void StartActive(const std::string& file = kFile) {
+    PublishMap();
+    Start(file);
+    ExpectDone("SelfCheck");
+    ExpectDone("Active");
   }
   void PublishMap() {
-    map_ = transport::MakePublisher<msg::OccupancyGrid>(peer_.node(), "map", transport::kLatchedQos)
-               .value();
+    map_ = Publisher<msg::OccupancyGrid>("map", transport::kLatchedQos);
     EXPECT_TRUE(map_->Publish(testing::GridOf(walls_.map())));
-  }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
-  }
-  void ExpectFailedSelfCheck(const std::string& why) {
-    const auto done = peer_.Switch("SelfCheck");
-    ASSERT_TRUE(done);
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictFailed);
-    EXPECT_EQ(done.value().code, 5309);
-    EXPECT_THAT(done.value().message, HasSubstr(why));
   }
 
   Clearance walls_{testing::Drawn({"##########", "#........#", "#........#", "##########"}, 1, 10)};
-  test::ActuatorPeer peer_;
   testing::SimulatedRobot robot_{peer_.node(), walls_, {"jetbot_0", {{2, 2, 0}, 0}}};
   std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> map_;
 };
@@ -97,10 +78,7 @@ class ControllerProcess : public NavigationProcess {
 };
 
 TEST_F(PlannerProcess, PlansInActive) {
-  PublishMap();
-  Start();
-  ExpectDone("SelfCheck");
-  ExpectDone("Active");
+  StartActive();
   const auto client = transport::MakeActionClient<msg::ComputePathToPose>(
                           peer_.node(), "jetbot_0/compute_path_to_pose")
                           .value();
@@ -111,26 +89,19 @@ TEST_F(PlannerProcess, PlansInActive) {
   ASSERT_TRUE(peer_.Until([&] { return outcome.has_value(); })) << peer_.Output();
   EXPECT_EQ(outcome->end, GoalEnd::kSucceeded) << outcome->reason << peer_.Output();
   EXPECT_GE(outcome->result.path.poses.size(), 2U);
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  ExpectTornDown();
   EXPECT_THAT(peer_.Output(), HasSubstr("jetbot_0: a path of 6.00 m to (8.00, 2.00, 0.00)"));
 }
 
 TEST_F(PlannerProcess, FailsItsSelfCheckWithoutAMap) {
-  peer_.Start("self_check_ms = 100\n[[robot]]\nname = \"jetbot_0\"\n");
-  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-  ExpectFailedSelfCheck("jetbot_0: no map on map");
-}
-
-TEST_F(PlannerProcess, IsNotStartedWithAnInvalidFile) {
-  peer_.Start("[[robot]]\nname = 3\n");
-  EXPECT_EQ(peer_.AwaitExit(), 2);
-  EXPECT_THAT(peer_.Output(), HasSubstr("planner_server.toml:2:8: error: robot.name"));
+  Start("self_check_ms = 100\n[[robot]]\nname = \"jetbot_0\"\n");
+  EXPECT_THAT(Failure(kSelfCheck),
+              AllOf(StartsWith("5309 "), HasSubstr("jetbot_0: no map on map")));
 }
 
 TEST_F(ControllerProcess, DrivesInActiveAndStandsInTheOtherStates) {
   PublishMap();
-  Start();
+  Start(kFile);
   ExpectDone("SelfCheck");
   for (const BuiltInState state : {kDeActive, kProtected, kLowPower, kOta, kError}) {
     ExpectDone("Active");
@@ -146,10 +117,7 @@ TEST_F(ControllerProcess, DrivesInActiveAndStandsInTheOtherStates) {
 // A SelfCheck in the run phase leaves the state as it is; it ended the drive, and every goal was
 // rejected until Active was set again.
 TEST_F(ControllerProcess, ASelfCheckOfAnActiveServerLeavesItsDriveAlone) {
-  PublishMap();
-  Start();
-  ExpectDone("SelfCheck");
-  ExpectDone("Active");
+  StartActive();
   Drive();
   ASSERT_TRUE(AwaitMotion()) << peer_.Output();
   ExpectDone("SelfCheck");
@@ -160,10 +128,7 @@ TEST_F(ControllerProcess, ASelfCheckOfAnActiveServerLeavesItsDriveAlone) {
 }
 
 TEST_F(ControllerProcess, SendsAZeroVelocityWhenItIsTerminated) {
-  PublishMap();
-  Start();
-  ExpectDone("SelfCheck");
-  ExpectDone("Active");
+  StartActive();
   Drive();
   ASSERT_TRUE(AwaitMotion()) << peer_.Output();
   peer_.Signal(SIGTERM);
@@ -173,38 +138,30 @@ TEST_F(ControllerProcess, SendsAZeroVelocityWhenItIsTerminated) {
 }
 
 TEST_F(ControllerProcess, StandsAtAnEmergencyStop) {
-  PublishMap();
-  Start();
-  ExpectDone("SelfCheck");
-  ExpectDone("Active");
+  StartActive();
   Drive();
   ASSERT_TRUE(AwaitMotion()) << peer_.Output();
-  const auto stop = transport::MakePublisher<msg::EmergencyStop>(
-                        peer_.node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
-                        .value();
+  const auto stop =
+      Publisher<msg::EmergencyStop>(transport::EmergencyStopTopic(""), transport::kLatchedQos);
   msg::EmergencyStop engaged;
   engaged.id = 1;
   engaged.engaged = true;
   ASSERT_TRUE(stop->Publish(engaged));
   EXPECT_TRUE(AwaitStand());
   EXPECT_EQ(robot_.zeros(), 1);
-  EXPECT_TRUE(peer_.Until([&] {
-    return peer_.Output().find("the drive has ended: an emergency stop holds it") !=
-           std::string::npos;
-  })) << peer_.Output();
+  EXPECT_TRUE(AwaitOutput("the drive has ended: an emergency stop holds it")) << peer_.Output();
 }
 
 TEST_F(ControllerProcess, FailsItsSelfCheckWithoutOdometry) {
   robot_.odometry_silent = true;
-  peer_.Start("self_check_ms = 100\n[[robot]]\nname = \"jetbot_0\"\n");
-  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-  ExpectFailedSelfCheck("jetbot_0: no odometry on jetbot_0/odom yet");
+  Start("self_check_ms = 100\n[[robot]]\nname = \"jetbot_0\"\n");
+  EXPECT_THAT(Failure(kSelfCheck),
+              AllOf(StartsWith("5309 "), HasSubstr("jetbot_0: no odometry on jetbot_0/odom yet")));
 }
 
 TEST_F(ControllerProcess, IsDegradedWithoutOneOfItsRobots) {
   PublishMap();
-  peer_.Start("self_check_ms = 1000\n[[robot]]\nname = \"jetbot_0\"\n[[robot]]\nname = \"g1_0\"\n");
-  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  Start("self_check_ms = 1000\n[[robot]]\nname = \"jetbot_0\"\n[[robot]]\nname = \"g1_0\"\n");
   ExpectDone("SelfCheck");
   EXPECT_TRUE(peer_.AwaitStatus([](const ActuatorReport& report) {
     return report.degraded_reason == "g1_0: no odometry on g1_0/odom yet";
@@ -212,12 +169,6 @@ TEST_F(ControllerProcess, IsDegradedWithoutOneOfItsRobots) {
   ExpectDone("Active");
   Drive();
   EXPECT_TRUE(AwaitMotion()) << peer_.Output();
-}
-
-TEST_F(ControllerProcess, IsNotStartedWithAnInvalidFile) {
-  peer_.Start("[[robot]]\nname = \"a\"\nspeed_m_s = -1\n");
-  EXPECT_EQ(peer_.AwaitExit(), 2);
-  EXPECT_THAT(peer_.Output(), HasSubstr("controller_server.toml:3:13: error: robot.speed_m_s"));
 }
 
 }  // namespace musher::navigation::navigation_process_test

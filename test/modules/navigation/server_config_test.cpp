@@ -4,6 +4,7 @@
 
 #include "musher/modules/navigation/controller_server/controller_config.hpp"
 #include "musher/modules/navigation/planner_server/planner_config.hpp"
+#include "musher/test/support/diagnostics.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::navigation::server_config_test {
@@ -12,8 +13,7 @@ using ::testing::IsEmpty;
 
 template <class Reading>
 std::string ErrorIn(const Reading& reading) {
-  EXPECT_FALSE(reading.config);
-  return reading.diagnostics.empty() ? "" : FormatDiagnostic(reading.diagnostics.front());
+  return musher::testing::FirstError(reading);
 }
 
 std::string PlannerError(const std::string& text) {

@@ -8,6 +8,8 @@
 
 #include "musher/test/modules/race/race_rig.hpp"
 
+#include "musher/test/support/diagnostics.hpp"
+
 namespace musher::race::course_test {
 
 using ::testing::ElementsAre;
@@ -32,11 +34,7 @@ std::vector<std::string> Faults(const std::string& old, const std::string& with)
   EXPECT_NE(at, std::string::npos) << old;
   if (at == std::string::npos) return {};
   text.replace(at, old.size(), with);
-  std::vector<std::string> lines;
-  for (const Diagnostic& diagnostic : ReadCourseText(text, "course.toml").diagnostics) {
-    lines.push_back(FormatDiagnostic(diagnostic));
-  }
-  return lines;
+  return musher::testing::Lines(ReadCourseText(text, "course.toml").diagnostics);
 }
 
 const StateRule& State(const Course& course, const char* name) {

@@ -1,33 +1,23 @@
 // musher-race as a controller and an operator use it: the real program over DDS, with fakes of the
 // body, the voice, two detectors and the line walker.
 
-#include <fcntl.h>
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <chrono>
-#include <fstream>
-#include <iterator>
+#include <csignal>
 
-#include "musher/base/unique_fd.hpp"
 #include "musher/messages/musher_msgs/sighting.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
-#include "musher/test/support/paths.hpp"
+#include "musher/test/modules/module_process.hpp"
 
 namespace musher::race::race_process_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
-                                             "Active",   "DeActive", "Protected",
-                                             "LowPower", "OTA",      "Error"};
 
 constexpr const char* kCourse = R"(
 start = "START"
@@ -91,21 +81,23 @@ number = 46
 steps = [{ move = "lie_down" }]
 )";
 
-class RaceProcess : public ::testing::Test {
+class RaceProcess : public test::ModuleProcess {
  protected:
-  void SetUp() override {
-    info_ = Subscribe("state_machine/state_info", [this](const std::string& text) {
-      infos_.push_back(text);
-      if (text.starts_with("State:")) states_.push_back(text);
-    });
-    walker_command_ = Subscribe("yellow_line_walker/command",
-                                [this](const std::string& text) { walker_.push_back(text); });
-    servo_ =
-        transport::MakeSubscription<msg::MotionServoCmd>(
-            peer_.node(), "motion_servo_cmd",
-            [this](const msg::MotionServoCmd& frame, const auto&) { frames_.push_back(frame); },
-            transport::Qos{.depth = 0})
-            .value();
+  RaceProcess() : ModuleProcess("race", "musher-race") {
+    const transport::Qos all{.depth = 0};
+    Subscribe<msg::String>(
+        "state_machine/state_info",
+        [this](const msg::String& text) {
+          infos_.push_back(text.data);
+          if (text.data.starts_with("State:")) states_.push_back(text.data);
+        },
+        all);
+    Subscribe<msg::String>(
+        "yellow_line_walker/command",
+        [this](const msg::String& text) { walker_.push_back(text.data); }, all);
+    Subscribe<msg::MotionServoCmd>(
+        "motion_servo_cmd", [this](const msg::MotionServoCmd& frame) { frames_.push_back(frame); },
+        all);
     command_ = Publisher<msg::String>("state_machine/start_command");
     walker_status_ = Publisher<msg::String>("yellow_line_walker/status");
     lines_ = Publisher<msg::YellowLines>("yellow_line_detector/front");
@@ -135,20 +127,14 @@ class RaceProcess : public ::testing::Test {
   void OpenQr() { qr_ = Publisher<msg::Sighting>("qr_detector/sighting"); }
 
   void StartActive() {
-    peer_.Start(kCourse);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    Start(kCourse);
     ASSERT_TRUE(peer_.Until([&] {
-      return command_->MatchedReaders() == 1 && info_->MatchedWriters() == 1 &&
-             servo_->MatchedWriters() == 1 && walker_command_->MatchedWriters() == 1;
+      return command_->MatchedReaders() == 1 &&
+             std::ranges::all_of(subscriptions_,
+                                 [](const auto& one) { return one->MatchedWriters() == 1; });
     }));
     ExpectDone("SelfCheck");
     ExpectDone("Active");
-  }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, msg::ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
   }
   void Command(const std::string& text) { ASSERT_TRUE(command_->Publish({text})); }
   bool AwaitState(const std::string& text) {
@@ -158,24 +144,12 @@ class RaceProcess : public ::testing::Test {
     return static_cast<int>(
         std::ranges::count(frames_, msg::MotionServoCmd::kEnd, &msg::MotionServoCmd::cmd_type));
   }
-  // Runs the program as a person does; its output is in output_.
-  int Run(const std::vector<std::string>& words) {
-    exec::ChildSpec spec;
-    spec.argv = {BinDir() + "/musher-race"};
-    spec.argv.insert(spec.argv.end(), words.begin(), words.end());
-    spec.cwd = peer_.folder().path();
-    const std::string output = peer_.folder() / "said";
-    const UniqueFd file(open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-    exec::Child child = exec::Child::Start(spec, reaper_, file.get()).value();
-    const bool ended = peer_.Until([&] { return child.Ended(); });
-    std::ifstream stream(output);
-    output_ = {std::istreambuf_iterator<char>(stream), {}};
-    return ended ? child.Reap().number : -1000;
+  // Runs the program as a person does.
+  int RunTool(std::vector<std::string> words) {
+    words.insert(words.begin(), "musher-race");
+    return Run(std::move(words));
   }
 
-  test::ActuatorPeer peer_{"race", kAllStates, "musher-race"};
-  const exec::Reaper reaper_ = exec::Reaper::Start().value();
-  std::string output_;
   std::int32_t motion_code_ = 0;
   std::string walker_says_ = "State:IDLE,Active:False";
   std::vector<std::string> infos_;
@@ -187,18 +161,6 @@ class RaceProcess : public ::testing::Test {
   std::unique_ptr<transport::Publisher<msg::Sighting>> qr_;
 
  private:
-  std::unique_ptr<transport::Subscription> Subscribe(const std::string& topic,
-                                                     std::function<void(const std::string&)> take) {
-    return transport::MakeSubscription<msg::String>(
-               peer_.node(), topic,
-               [take = std::move(take)](const msg::String& text, const auto&) { take(text.data); },
-               transport::Qos{.depth = 0})
-        .value();
-  }
-  template <msg::Message M>
-  std::unique_ptr<transport::Publisher<M>> Publisher(const std::string& topic) {
-    return transport::MakePublisher<M>(peer_.node(), topic).value();
-  }
   void Publish() {
     if (qr_) {
       msg::Sighting sighting;
@@ -229,9 +191,6 @@ class RaceProcess : public ::testing::Test {
   std::unique_ptr<transport::Publisher<msg::MotionStatus>> body_;
   std::unique_ptr<transport::Server<msg::MotionResultCmd>> motion_;
   std::unique_ptr<transport::Server<msg::AudioTextPlay>> speech_;
-  std::unique_ptr<transport::Subscription> info_;
-  std::unique_ptr<transport::Subscription> walker_command_;
-  std::unique_ptr<transport::Subscription> servo_;
   transport::LoopHandlePtr turns_;
 };
 
@@ -259,11 +218,10 @@ TEST_F(RaceProcess, RunsACourseToItsEndAndReplaysItsRecording) {
   EXPECT_EQ(frames_.front().cmd_source, msg::MotionSource::kAlgo);
   EXPECT_THAT(frames_.front().vel_des, ElementsAre(0.4F, 0.0F, 0.0F));
   EXPECT_THAT(frames_.front().step_height, ElementsAre(0.05F, 0.05F));
-  ExpectDone("TearDown");
-  ASSERT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
-  EXPECT_EQ(Run({"replay", "race.record", "race.toml"}), 0) << output_;
-  EXPECT_THAT(output_, HasSubstr("LANE -> END"));
-  EXPECT_THAT(output_, HasSubstr("identical"));
+  ExpectTornDown();
+  EXPECT_EQ(RunTool({"replay", "race.record", "race.toml"}), 0) << Said();
+  EXPECT_THAT(Said(), HasSubstr("LANE -> END"));
+  EXPECT_THAT(Said(), HasSubstr("identical"));
 }
 
 TEST_F(RaceProcess, PausesInLowPowerAndContinuesInActive) {
@@ -286,7 +244,7 @@ TEST_F(RaceProcess, ThatWasKilledStandsInItsStartUntilTheCommand) {
   ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
   peer_.Signal(SIGKILL);
   ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
-  ASSERT_TRUE(peer_.Until([this] { return info_->MatchedWriters() == 0; }));
+  ASSERT_TRUE(peer_.Until([this] { return subscriptions_.front()->MatchedWriters() == 0; }));
   frames_.clear();
   motions_.clear();
   infos_.clear();
@@ -315,24 +273,20 @@ TEST_F(RaceProcess, GoesToErrorWithTheReasonWhenAMotionFails) {
 
 TEST_F(RaceProcess, FailsItsSelfCheckWithTheDetectorThatIsMissing) {
   qr_.reset();
-  peer_.Start(kCourse);
-  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-  const auto done = peer_.Switch("SelfCheck");
-  ASSERT_TRUE(done);
-  EXPECT_NE(done.value().verdict, msg::ActuatorCommand::kVerdictDone);
-  EXPECT_THAT(done.value().message, HasSubstr("cameras: no publisher of /qr_detector/sighting"));
+  Start(kCourse);
+  EXPECT_THAT(Failure(kSelfCheck), HasSubstr("cameras: no publisher of /qr_detector/sighting"));
   OpenQr();
   ExpectDone("SelfCheck");
 }
 
 TEST_F(RaceProcess, TakesCommandsOfItsTool) {
   StartActive();
-  EXPECT_EQ(Run({"send", "SET_QR_A:A-1"}), 0) << output_;
-  EXPECT_EQ(Run({"send", "command", "START:BOARD", "--json"}), 0) << output_;
-  EXPECT_EQ(output_, "{\"sent\": true}\n");
+  EXPECT_EQ(RunTool({"send", "SET_QR_A:A-1"}), 0) << Said();
+  EXPECT_EQ(RunTool({"send", "command", "START:BOARD", "--json"}), 0) << Said();
+  EXPECT_EQ(Said(), "{\"sent\": true}\n");
   ASSERT_TRUE(AwaitState("State:3")) << peer_.Output();
   EXPECT_THAT(infos_, Contains(HasSubstr("QRResult:A-1")));
-  EXPECT_EQ(Run({"send"}), 2);
+  EXPECT_EQ(RunTool({"send"}), 2);
 }
 
 // The tool published once any reader was matched: with a recorder of the topic the race missed it.
@@ -342,19 +296,19 @@ TEST_F(RaceProcess, ACommandOfTheToolIsForTheRaceAndNotForAnotherReader) {
       peer_.node(), "state_machine/start_command",
       [&](const msg::String&, const transport::SampleInfo&) { ++recorded; });
   ASSERT_TRUE(recorder);
-  EXPECT_EQ(Run({"send", "RESET"}), 1);
-  EXPECT_THAT(output_, HasSubstr("no race subscribes to state_machine/start_command"));
+  EXPECT_EQ(RunTool({"send", "RESET"}), 1);
+  EXPECT_THAT(Said(), HasSubstr("no race subscribes to state_machine/start_command"));
   peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
   EXPECT_EQ(recorded, 0);
 }
 
 TEST_F(RaceProcess, ChecksACourse) {
-  EXPECT_EQ(Run({"check", SourceDir() + "/config/race/course.toml"}), 0);
-  EXPECT_THAT(output_, HasSubstr("42 states"));
-  EXPECT_EQ(Run({"check", SourceDir() + "/test/modules/race/courses/stuck.toml"}), 2);
-  EXPECT_THAT(output_,
+  EXPECT_EQ(RunTool({"check", SourceDir() + "/config/race/course.toml"}), 0);
+  EXPECT_THAT(Said(), HasSubstr("42 states"));
+  EXPECT_EQ(RunTool({"check", SourceDir() + "/test/modules/race/courses/stuck.toml"}), 2);
+  EXPECT_THAT(Said(),
               HasSubstr("stuck.toml:24:8: error: state.FORK: has no transition in the case"));
-  EXPECT_EQ(Run({"check"}), 2);
+  EXPECT_EQ(RunTool({"check"}), 2);
 }
 
 }  // namespace musher::race::race_process_test

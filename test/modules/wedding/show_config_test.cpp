@@ -1,6 +1,7 @@
 // The wedding robot's config file, read and checked.
 
 #include "musher/modules/wedding/show_config.hpp"
+#include "musher/test/support/diagnostics.hpp"
 #include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
@@ -12,11 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 std::vector<std::string> Faults(const std::string& text) {
-  std::vector<std::string> lines;
-  for (const Diagnostic& diagnostic : ReadWeddingText(text, "show.toml").diagnostics) {
-    lines.push_back(FormatDiagnostic(diagnostic));
-  }
-  return lines;
+  return musher::testing::Lines(ReadWeddingText(text, "show.toml").diagnostics);
 }
 
 WeddingConfig Shipped(const char* file) {

@@ -2,12 +2,7 @@
 // The real musher-wedding on DDS, with fakes of the robot's body, audio and vision, and an
 // operator on a command line.
 
-#include <fcntl.h>
-#include <gmock/gmock.h>
-
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,14 +11,9 @@
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
-#include "musher/test/support/paths.hpp"
+#include "musher/test/modules/module_process.hpp"
 
 namespace musher::wedding {
-
-inline const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
-                                                    "Active",   "DeActive", "Protected",
-                                                    "LowPower", "OTA",      "Error"};
 
 // A show whose photos take half a second, with a longer timeout of a face: on a busy machine it
 // would say farewell too early.
@@ -73,17 +63,17 @@ class Words : public std::vector<std::string> {
   std::size_t next_ = 0;
 };
 
-class WeddingProcess : public ::testing::Test {
+class WeddingProcess : public test::ModuleProcess {
  protected:
+  WeddingProcess() : ModuleProcess("wedding", "musher-wedding") {}
+
   void SetUp() override {
     Subscribe("wedding/fsm/state", states_);
     Subscribe("wedding/motion/pose", poses_);
     Subscribe("wedding/audio/play", sounds_);
-    subscriptions_.push_back(
-        transport::MakeSubscription<msg::PointStamped>(
-            peer_.node(), "wedding/motion/look_at",
-            [this](const msg::PointStamped& look, const auto&) { looks_.push_back(look); })
-            .value());
+    ModuleProcess::Subscribe<msg::PointStamped>(
+        "wedding/motion/look_at",
+        [this](const msg::PointStamped& look) { looks_.push_back(look); });
     target_ = Publisher<msg::PointStamped>("wedding/perception/target");
     too_close_ = Publisher<msg::Bool>("wedding/perception/too_close");
     gesture_ = Publisher<msg::String>("wedding/perception/gesture");
@@ -91,8 +81,7 @@ class WeddingProcess : public ::testing::Test {
     voice_ = Publisher<msg::String>("wedding/audio/voice_command");
   }
   void Start(const std::string& file = kFile) {
-    peer_.Start(file);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    ModuleProcess::Start(file);
     ASSERT_TRUE(peer_.Until([&] {
       return target_->MatchedReaders() == 1 && too_close_->MatchedReaders() == 1 &&
              gesture_->MatchedReaders() == 1 && command_->MatchedReaders() == 1 &&
@@ -106,12 +95,6 @@ class WeddingProcess : public ::testing::Test {
     Start(file);
     ExpectDone("Active");
     ASSERT_TRUE(AwaitShown("IDLE"));
-  }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, msg::ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
   }
   // A guest stands there, published ten times a second, until the show is in `state`.
   bool AwaitWithFace(const std::string& state) {
@@ -138,20 +121,10 @@ class WeddingProcess : public ::testing::Test {
   }
   void Face(double x = 0.5) { ASSERT_TRUE(target_->Publish({{{}, "camera"}, {x, 0.5, 1.5}})); }
   void Command(const std::string& word) { ASSERT_TRUE(command_->Publish({word})); }
-  // Runs the program as a person does; its output is in output_.
-  int Run(const std::vector<std::string>& words) {
-    exec::ChildSpec spec;
-    spec.argv = {BinDir() + "/musher-wedding"};
-    spec.argv.insert(spec.argv.end(), words.begin(), words.end());
-    spec.cwd = peer_.folder().path();
-    const std::string output = peer_.folder() / "said";
-    const UniqueFd file(open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-    exec::Child child = exec::Child::Start(spec, reaper_, file.get()).value();
-    const auto look = peer_.node().loop().Every(Milliseconds(20), [] {});  // Until looks at events
-    const bool ended = peer_.Until([&] { return child.Ended(); });
-    std::ifstream stream(output);
-    output_ = {std::istreambuf_iterator<char>(stream), {}};
-    return ended ? child.Reap().number : -1000;
+  // Runs the program as a person does.
+  int RunTool(std::vector<std::string> words) {
+    words.insert(words.begin(), "musher-wedding");
+    return Run(std::move(words));
   }
   // Each state once, however often it was published.
   std::vector<std::string> Changes() const {
@@ -159,31 +132,13 @@ class WeddingProcess : public ::testing::Test {
     changes.erase(std::unique(changes.begin(), changes.end()), changes.end());
     return changes;
   }
-  template <msg::Service S>
-  typename S::Response Call(const std::string& name, const typename S::Request& request) {
-    const auto client = transport::MakeClient<S>(peer_.node(), name).value();
-    std::optional<Result<typename S::Response>> answer;
-    client->Call(request, std::chrono::seconds(20), [&](auto reply) { answer = reply; });
-    EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
-    return answer->value();
-  }
   // All of them, also several at once after a while without a CPU.
   void Subscribe(const std::string& topic, Words& words) {
-    subscriptions_.push_back(
-        transport::MakeSubscription<msg::String>(
-            peer_.node(), topic,
-            [&words](const msg::String& word, const auto&) { words.push_back(word.data); },
-            transport::Qos{.depth = 0})
-            .value());
-  }
-  template <msg::Message M>
-  std::unique_ptr<transport::Publisher<M>> Publisher(const std::string& topic) {
-    return transport::MakePublisher<M>(peer_.node(), topic).value();
+    ModuleProcess::Subscribe<msg::String>(
+        topic, [&words](const msg::String& word) { words.push_back(word.data); },
+        transport::Qos{.depth = 0});
   }
 
-  const exec::Reaper reaper_ = exec::Reaper::Start().value();
-  std::string output_;
-  test::ActuatorPeer peer_{"wedding", kAllStates, "musher-wedding"};
   Words states_;
   Words poses_;
   Words sounds_;
@@ -193,7 +148,6 @@ class WeddingProcess : public ::testing::Test {
   std::unique_ptr<transport::Publisher<msg::String>> gesture_;
   std::unique_ptr<transport::Publisher<msg::String>> command_;
   std::unique_ptr<transport::Publisher<msg::String>> voice_;
-  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
 }  // namespace musher::wedding

@@ -12,15 +12,15 @@ class WeddingTool : public WeddingProcess {};
 
 TEST_F(WeddingTool, PublishesInputsWithoutRos) {
   StartActive();
-  EXPECT_EQ(Run({"send", "target", "0.5", "0.4", "--for", "0.3"}), 0) << output_;
+  EXPECT_EQ(RunTool({"send", "target", "0.5", "0.4", "--for", "0.3"}), 0) << Said();
   ASSERT_TRUE(AwaitShown("TRACKING"));
-  EXPECT_EQ(Run({"send", "command", "photo"}), 0) << output_;
+  EXPECT_EQ(RunTool({"send", "command", "photo"}), 0) << Said();
   ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
-  EXPECT_EQ(Run({"send", "too-close", "true", "--json"}), 0) << output_;
-  EXPECT_EQ(output_, "{\"sent\": true}\n");
+  EXPECT_EQ(RunTool({"send", "too-close", "true", "--json"}), 0) << Said();
+  EXPECT_EQ(Said(), "{\"sent\": true}\n");
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
-  EXPECT_EQ(Run({"send", "gesture"}), 2);
-  EXPECT_EQ(Run({"send", "target", "left", "0.4"}), 2);
+  EXPECT_EQ(RunTool({"send", "gesture"}), 2);
+  EXPECT_EQ(RunTool({"send", "target", "left", "0.4"}), 2);
 }
 
 // The tool published once any reader was matched: with a recorder of the topic the show missed it.
@@ -30,8 +30,8 @@ TEST_F(WeddingTool, AnInputIsForTheShowAndNotForAnotherReader) {
       peer_.node(), "wedding/fsm/command",
       [&](const msg::String&, const transport::SampleInfo&) { ++recorded; });
   ASSERT_TRUE(recorder);
-  EXPECT_EQ(Run({"send", "command", "reset"}), 1);
-  EXPECT_THAT(output_, HasSubstr("no show subscribes to /wedding/fsm/command"));
+  EXPECT_EQ(RunTool({"send", "command", "reset"}), 1);
+  EXPECT_THAT(Said(), HasSubstr("no show subscribes to /wedding/fsm/command"));
   peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
   EXPECT_EQ(recorded, 0);
 }
@@ -44,8 +44,9 @@ TEST_F(WeddingTool, TimesOutOnAClockThatStandsStill) {
   const auto ticks = peer_.node().loop().Every(Milliseconds(50), [&] {
     static_cast<void>(clock->Publish({{7, 0}}));
   });
-  EXPECT_EQ(Run({"send", "target", "0.5", "0.4", "--for", "2", "--clock", "topic"}), 1) << output_;
-  EXPECT_THAT(output_, HasSubstr("/clock has stood still for 5 s"));
+  EXPECT_EQ(RunTool({"send", "target", "0.5", "0.4", "--for", "2", "--clock", "topic"}), 1)
+      << Said();
+  EXPECT_THAT(Said(), HasSubstr("/clock has stood still for 5 s"));
 }
 
 TEST_F(WeddingTool, RecordsAndReplaysIdentically) {
@@ -60,12 +61,12 @@ TEST_F(WeddingTool, RecordsAndReplaysIdentically) {
   ASSERT_TRUE(AwaitWithFace("TRACKING"));
   ExpectDone("TearDown");
   ASSERT_EQ(peer_.AwaitExit(), 0);
-  EXPECT_EQ(Run({"replay", record, "--config", peer_.folder() / "wedding.toml"}), 0) << output_;
-  EXPECT_THAT(output_, HasSubstr("TRACKING -> PHOTO_POSING  decided"));
-  EXPECT_THAT(output_, HasSubstr("identical"));
-  EXPECT_EQ(Run({"replay", record}), 1) << "photos of 6 s give a different run";
-  EXPECT_THAT(output_, HasSubstr("show.record:"));
-  EXPECT_EQ(Run({"replay", file}), 2) << "there is none";
+  EXPECT_EQ(RunTool({"replay", record, "--config", peer_.folder() / "wedding.toml"}), 0) << Said();
+  EXPECT_THAT(Said(), HasSubstr("TRACKING -> PHOTO_POSING  decided"));
+  EXPECT_THAT(Said(), HasSubstr("identical"));
+  EXPECT_EQ(RunTool({"replay", record}), 1) << "photos of 6 s give a different run";
+  EXPECT_THAT(Said(), HasSubstr("show.record:"));
+  EXPECT_EQ(RunTool({"replay", file}), 2) << "there is none";
 }
 
 }  // namespace musher::wedding::wedding_tool_test

@@ -8,15 +8,15 @@ namespace musher::http::head_test {
 using Fields = std::vector<std::pair<std::string, std::string>>;
 using testing::HasSubstr;
 
-std::variant<CheckedHead, Refusal> Check(const std::string& method, const std::string& target,
-                                         const Fields& more) {
+std::variant<CheckedHead, HttpError> Check(const std::string& method, const std::string& target,
+                                           const Fields& more) {
   Head head{method, target, {{"Host", "localhost"}}};
   head.fields.insert(head.fields.end(), more.begin(), more.end());
   return CheckHead(head, {"127.0.0.1"}, {"robot", {}}, {"second.v1", "first.v1"});
 }
 
-unsigned StatusOf(const std::variant<CheckedHead, Refusal>& checked) {
-  const auto* refusal = std::get_if<Refusal>(&checked);
+unsigned StatusOf(const std::variant<CheckedHead, HttpError>& checked) {
+  const auto* refusal = std::get_if<HttpError>(&checked);
   return refusal == nullptr ? 200 : refusal->status;
 }
 
@@ -83,7 +83,7 @@ TEST(Head, OfAWebSocketChoosesTheSubprotocolThatTheServerPrefers) {
 TEST(Head, OfAWebSocketIsRefused) {
   const auto none = Check("GET", "/", With(kUpgrade, "Sec-WebSocket-Protocol", "other"));
   EXPECT_EQ(StatusOf(none), 400u);
-  EXPECT_THAT(std::get<Refusal>(none).error.message, HasSubstr("second.v1, first.v1"));
+  EXPECT_THAT(std::get<HttpError>(none).error.message, HasSubstr("second.v1, first.v1"));
   EXPECT_EQ(StatusOf(Check("POST", "/", kUpgrade)), 400u);
   EXPECT_EQ(StatusOf(Check("HEAD", "/", kUpgrade)), 400u);
   EXPECT_EQ(StatusOf(Check("GET", "/", With(kUpgrade, "Sec-WebSocket-Version", "8"))), 426u);

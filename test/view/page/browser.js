@@ -1,7 +1,7 @@
 // A browser for the tests of the page: one for all tests of a file, a new context for each page. Errors of a
 // page, and violations of its content security policy, fail the test that closes it.
 import assert from 'node:assert/strict';
-import {readFileSync} from 'node:fs';
+import {readFileSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import path from 'node:path';
 import {chromium} from 'playwright-core';
@@ -48,10 +48,28 @@ export async function axeViolations(page) {
   return result.violations.map(v => `${v.id}: ${v.help}: ${v.nodes.map(n => `${n.target} ${n.any[0]?.message ?? ''}`).slice(0, 4).join(' | ')}`);
 }
 
-// Into docs/images with MUSHER_SCREENSHOTS=1, else nowhere.
+// What the page has said of its connection, which takes longer on a busy computer.
+const CONNECTION = /^(live|old|waiting|no controller|Connecting to the robot …|实时|已过时|等待中|无控制器|正在连接机器人…)$/;
+
+// The words on the page, one text a line, without what differs from run to run: numbers, times, its connection.
+async function wordsOf(page) {
+  const text = await page.evaluate(() => [document.body.innerText,
+    ...[...document.querySelectorAll('svg text')].map(node => node.textContent)].join('\n'));
+  return text.replace(/\d+/g, '0').split('\n').map(line => line.trim())
+    .filter(line => line && !/^[0:. ]+$/.test(line) && !CONNECTION.test(line)).join('\n') + '\n';
+}
+
+// A picture of docs/images. MUSHER_SCREENSHOTS=1 makes it; in the night it must show the present page: its words
+// are those of pictures/NAME.txt, which are written with it.
 export async function screenshot(page, name, options = {}) {
-  if (process.env.MUSHER_SCREENSHOTS) await page.screenshot({path: path.join(IMAGES, `view_${name}.png`),
-    ...options});
+  const words = path.join(IMAGES, `../../test/view/page/pictures/${name}.txt`);
+  if (process.env.MUSHER_SCREENSHOTS) {
+    await page.screenshot({path: path.join(IMAGES, `view_${name}.png`), ...options});
+    writeFileSync(words, await wordsOf(page));
+  } else if (process.env.MUSHER_NIGHTLY === '1') {
+    assert.equal(await wordsOf(page), readFileSync(words, 'utf8'),
+      `docs/images/view_${name}.png shows an older page; MUSHER_SCREENSHOTS=1 node --test page_test.js makes it again`);
+  }
 }
 
 // Waits until `read` returns something true; fails with `what` at the deadline.

@@ -209,7 +209,7 @@ TEST_F(RecordProgram, ARingKeepsWhatWentWrong) {
   testing::Process recorder({kRecord, "record", "--ring", "5m", "-o", folder_ / "kept"});
   const auto chat = Publish("chat", transport::kDefaultQos);
   Say(*chat, "before");
-  // Two readers: the one that records and the one that watches for trouble.
+  // Two readers: one records, and one watches for trouble.
   ASSERT_TRUE(loop_.RunUntil([&] { return machine->MatchedReaders() == 2; }, loop_.Now() + kLong));
   ASSERT_TRUE(machine->Flush(kLong));
   ASSERT_TRUE(

@@ -1,5 +1,6 @@
 // A match whose robot can fall, with a crash, a hang, a stop, a pause, a reset or a failed action
-// at a random moment, then the way on that is documented.
+// at a random moment, in half of the matches with another one soon after it, also on the way off an
+// edge; then the way on that is documented.
 //
 //   MUSHER_SEEDS=500 build/dev/bin/meilin_match_test     runs so many matches
 //   MUSHER_SEED=17 …                                     runs one, and prints what happens
@@ -202,7 +203,7 @@ class RoughMatch {
         prints_(prints),
         side_(seed % 2 == 0 ? Side::kBlue : Side::kRed),
         robot_(side_) {
-    trouble_ = static_cast<Trouble>(Any(static_cast<int>(Trouble::kCount)));
+    first_ = trouble_ = AnyTrouble();
     at_tick_ = 100 + Any(5'500);  // a match has some 60 s
     Begin();
     process_->mission().Start("full", robot_.Now()).value();
@@ -215,6 +216,10 @@ class RoughMatch {
       process_->Tick();
       if (robot_.fallen()) return false;
       if (tick == at_tick_) Happen();
+      if (tick == at_tick_ && troubles_ < 2 && Any(2) == 0) {
+        at_tick_ = tick + 50 + Any(2'000);
+        trouble_ = AnyTrouble();
+      }
       const std::string state = process_->mission().state();
       if (state == kMissionSuccess) return true;
       const bool stands = !process_->mission().begun() || process_->mission().failed();
@@ -227,11 +232,15 @@ class RoughMatch {
 
   const LiftRobot& robot() const { return robot_; }
   Process& process() { return *process_; }
-  const char* trouble() const { return kTroubles.at(static_cast<std::size_t>(trouble_)); }
+  const char* first_trouble() const { return NameOf(first_); }
   int by_hand() const { return by_hand_; }
 
  private:
+  static const char* NameOf(Trouble trouble) {
+    return kTroubles.at(static_cast<std::size_t>(trouble));
+  }
   int Any(int below) { return static_cast<int>(random_() % static_cast<unsigned>(below)); }
+  Trouble AnyTrouble() { return static_cast<Trouble>(Any(static_cast<int>(Trouble::kCount))); }
   void Say(const std::string& text) {
     if (!prints_) return;
     const PoseFix at = robot_.pose().value_or(PoseFix{});
@@ -246,7 +255,8 @@ class RoughMatch {
 
   // The trouble, and then some seconds without a person.
   void Happen() {
-    Say(std::string(trouble()) + " in " + process_->mission().state());
+    ++troubles_;
+    Say(std::string(NameOf(trouble_)) + " in " + process_->mission().state());
     Mission& mission = process_->mission();
     switch (trouble_) {
       case Trouble::kCrash:
@@ -263,12 +273,17 @@ class RoughMatch {
       }
       case Trouble::kStop:
       case Trouble::kPause:
+        if (Any(2) == 0) {  // the servers know of it first
+          robot_.StopAll("Aborted: an emergency stop was engaged");
+          for (int tick = Any(20); tick > 0; --tick) process_->Tick();
+        }
         process_->Pause();
         robot_.StopAll("Aborted: it is in Protected");
         for (int tick = Any(500); tick > 0; --tick) robot_.Step();
         break;
       case Trouble::kAction: {
         const int kind = Any(4);
+        broken_ = false;
         robot_.breaks = [this, kind](const LiftRobot::Live& live) {
           if (static_cast<int>(live.server) != kind || broken_) return std::string();
           broken_ = true;
@@ -325,7 +340,9 @@ class RoughMatch {
   const Side side_;
   LiftRobot robot_;
   std::unique_ptr<Process> process_;
-  Trouble trouble_ = Trouble::kCrash;
+  Trouble first_ = Trouble::kCrash;
+  Trouble trouble_ = Trouble::kCrash;  // the next one, or the last
+  int troubles_ = 0;
   int at_tick_ = 0;
   bool broken_ = false;
   int tries_ = 0;
@@ -347,8 +364,8 @@ void PlayMatches(int matches) {
     const bool done = match.Play();
     won += done ? 1 : 0;
     by_hand += match.by_hand();
-    ++of[match.trouble()].first;
-    of[match.trouble()].second += done ? 1 : 0;
+    ++of[match.first_trouble()].first;
+    of[match.first_trouble()].second += done ? 1 : 0;
     EXPECT_FALSE(match.robot().fallen()) << match.robot().body().fall();
     const std::string state = match.process().mission().state();
     EXPECT_TRUE(state == kMissionSuccess || state == kMissionFailed || state == kWaitingStart)
@@ -358,8 +375,8 @@ void PlayMatches(int matches) {
     falls += match.robot().fallen() ? 1 : 0;
     on_wheels += stands ? 1 : 0;
     if (done) continue;
-    std::cout << "seed " << seed << ", " << match.trouble() << ": not to the end, " << state << ": "
-              << match.process().mission().last_error() << "\n";
+    std::cout << "seed " << seed << ", " << match.first_trouble() << ": not to the end, " << state
+              << ": " << match.process().mission().last_error() << "\n";
   }
   std::cout << last - first + 1 << " matches: " << falls << " falls, " << on_wheels
             << " ended in a named state on four wheels, " << won << " to their end\n";

@@ -60,7 +60,7 @@ void FakeRobot::End(FakeGoal& goal) {
   goal.state = goal.outcome.end;
   goal.message = goal.outcome.message;
   if (goal.state != GoalState::kSucceeded) return;
-  if (goal.kind == Kind::kMove) fix = {goal.move.x_m, goal.move.y_m, goal.move.yaw_rad, now_};
+  if (goal.kind == Kind::kMove) fix = {goal.move.x_m, goal.move.y_m, goal.move.yaw_rad, now_, z_m};
   if (goal.kind == Kind::kSuspension && legs && legs_follow) {
     legs->mm.fill(goal.suspension.mode == 3 ? goal.suspension.height_mm : 20);
   }

@@ -3,6 +3,7 @@
 // at the target of a drive that has succeeded. Simulated time only.
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,7 +45,8 @@ class FakeRobot final : public Robot {
   // What a test sets.
   std::function<Outcome(const FakeGoal&)> decide = [](const FakeGoal&) { return Outcome{}; };
   std::optional<PoseFix> fix;
-  bool follows = true;         // the pose follows the drives, and is always fresh
+  bool follows = true;  // the pose follows the drives, and is always fresh
+  double z_m = std::numeric_limits<double>::quiet_NaN();  // of the body after a drive
   std::optional<Wheels> legs;  // always fresh; follow the suspension where they are set
   bool legs_follow = true;
   int sequence = 0;  // state of the suspension

@@ -63,6 +63,7 @@ struct Match {
     for (const Diagnostic& each : reading.diagnostics) found += FormatDiagnostic(each) + "\n";
     ASSERT_TRUE(reading.ok()) << found;
     drawn = AcceptDrawnForm(reading.document);  // as the actuator does
+    mission.SetForms(FormsOf(reading.document));
     tree::Built built = tree::Build(reading.document, factory);
     for (const Diagnostic& each : built.diagnostics) found += FormatDiagnostic(each) + "\n";
     ASSERT_NE(built.tree, nullptr) << found;
@@ -135,6 +136,9 @@ struct Match {
 
   bool Offer(const std::vector<PlanStep>& steps, std::int64_t written_ns = 0) {
     return mission.OfferPlan(ToActionSequence(steps), robot.Now(), written_ns);
+  }
+  bool OfferOld(const std::string& segments, std::int64_t written_ns = 0) {
+    return mission.OfferSegments(R"({"segments": [)" + segments + "]}", robot.Now(), written_ns);
   }
 
   FakeRobot robot;

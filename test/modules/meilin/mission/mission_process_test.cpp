@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/files.hpp"
 #include "musher/messages/action_of_motion_interfaces/move_to_pose.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/r2_interfaces/arm_action.hpp"
@@ -127,6 +128,14 @@ class MissionProcess : public ::testing::Test {
   bool AwaitPlan(const std::string& id) {
     return peer_.Until([&] { return plan_id_ == id; });
   }
+  // Until the progress on the disk has this: a process is killed then.
+  bool AwaitProgress(const std::string& part) {
+    const auto looks = peer_.node().loop().Every(Milliseconds(20), [] {});
+    return peer_.Until([&] {
+      return ReadFile(peer_.folder() / "state/meilin_progress.toml").find(part) !=
+             std::string::npos;
+    });
+  }
   // To (0, 1), up to (1, 1), and the box of (2, 1), 200 mm above it on both sides.
   static msg::Float32MultiArray Plan() {
     return ToActionSequence(
@@ -197,6 +206,24 @@ TEST_F(MissionProcess, RequestsThePlanOfABufferWhereItIsConfigured) {
   EXPECT_TRUE(AwaitPlan("mf_action_seq_1"));
 }
 
+TEST_F(MissionProcess, DoesNotCarryOutAgainWhatItsBufferDoesNotForget) {
+  int requests = 0;
+  const auto buffer = Must(transport::MakeServer<msg::GetActionSeq>(
+      peer_.node(), "get_action_seq", [&](const msg::GetActionSeq::Request&, auto reply) {
+        ++requests;
+        reply({Plan(), true});
+      }));
+  moves_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(
+      Start(StageFile(), "plan_service = true\nmeilin_default_align_timeout = 0.2\n"));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
+  const int before = requests;
+  ASSERT_TRUE(peer_.Until([&] { return requests >= before + 3; })) << peer_.Output();
+  EXPECT_EQ(moves_.goals.size(), 1U) << "the robot stands";
+  EXPECT_EQ(state_, "MISSION_FAILED");
+  EXPECT_THAT(peer_.Output(), HasSubstr("get_action_seq hands out a plan that was taken before"));
+}
+
 TEST_F(MissionProcess, CarriesOutAnOldPlanAndRefusesADamagedOne) {
   const std::string tree = peer_.folder() / "old.xml";
   std::ofstream(tree) << R"(<root BTCPP_format="4"><BehaviorTree ID="Old">
@@ -225,6 +252,28 @@ TEST_F(MissionProcess, CarriesOutAnOldPlanAndRefusesADamagedOne) {
   EXPECT_EQ(arm_->goals.size(), 1U);
 }
 
+TEST_F(MissionProcess, ThatIsKilledGoesOnWithAnOldPlanOnCommand) {
+  const std::string tree = SourceDir() + "/config/meilin/segments.xml";
+  arm_->silent = true;
+  ASSERT_NO_FATAL_FAILURE(Start(tree));
+  ASSERT_TRUE(segments_->Publish({R"({"plan_id": "seven", "segments": [
+    {"segment_type": "ALIGN", "move_target": {"x": 1.2, "y": 1.2}},
+    {"segment_type": "GRASP"}]})"}));
+  ASSERT_TRUE(peer_.Until([this] { return !arm_->goals.empty(); })) << peer_.Output();
+  ASSERT_TRUE(AwaitProgress("next = 1\n"));
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  arm_->silent = false;
+  ASSERT_NO_FATAL_FAILURE(StartWaiting(tree));
+  ASSERT_NO_FATAL_FAILURE(Await("WAITING_START"));
+  EXPECT_EQ(arm_->goals.size(), 1U);
+  EXPECT_EQ(Begin(""), "goes on with plan seven at segment 2 of 2, GRASP");
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  EXPECT_EQ(arm_->goals.size(), 2U);
+  EXPECT_EQ(moves_.goals.size(), 1U) << "what was done is not done again";
+}
+
 TEST_F(MissionProcess, AServerThatNeverEndsAGoalFailsTheMatchAndANewPlanGoesOn) {
   moves_.silent = true;
   ASSERT_NO_FATAL_FAILURE(Start(StageFile(), "meilin_default_align_timeout = 0.2\n"));
@@ -236,6 +285,26 @@ TEST_F(MissionProcess, AServerThatNeverEndsAGoalFailsTheMatchAndANewPlanGoesOn) 
   ASSERT_TRUE(plans_->Publish(Plan()));
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
   EXPECT_TRUE(AwaitPlan("mf_action_seq_2"));
+}
+
+TEST_F(MissionProcess, HasItsStateAndTheReasonInOneMessage) {
+  std::vector<std::string> all;
+  subscriptions_.push_back(Must(transport::MakeSubscription<msg::String>(
+      peer_.node(), "meilin/status",
+      [&all](const msg::String& sample, const auto&) { all.push_back(sample.data); },
+      transport::kLatchedQos)));
+  moves_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile(), "meilin_default_align_timeout = 0.2\n"));
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
+  ASSERT_TRUE(peer_.Until([&] { return !all.empty() && all.back() == status_; }));
+  int failed = 0;
+  for (const std::string& status : all) {
+    if (status.find("\"MISSION_FAILED\"") == std::string::npos) continue;
+    ++failed;
+    EXPECT_THAT(status, HasSubstr("\"last_error\":\"segment 1 of 3, move (0, 1): "));
+  }
+  EXPECT_GE(failed, 1);
 }
 
 TEST_F(MissionProcess, AGoalWhoseEndNeverComesDelaysOnlyTheNextOne) {
@@ -263,6 +332,7 @@ TEST_F(MissionProcess, LeavingActiveCancelsAndTheHaltedSegmentIsTheNext) {
   ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
   ASSERT_TRUE(peer_.Switch("Protected"));
   EXPECT_TRUE(peer_.Until([this] { return moves_.cancelled == 1; })) << peer_.Output();
+  ASSERT_NO_FATAL_FAILURE(Await("PAUSED"));
   moves_.silent = false;
   ASSERT_TRUE(peer_.Switch("Active"));
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
@@ -275,6 +345,7 @@ TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyOnCommand) {
   ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
   ASSERT_TRUE(plans_->Publish(Plan()));  // latched: the next process receives it, too
   ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
+  ASSERT_TRUE(AwaitProgress("begun = true\n"));
   // So that the status of the next process is known from this one's.
   ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
   peer_.Signal(SIGKILL);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <random>
 
-#include "musher/modules/meilin/plan/segments_json.hpp"
 #include "musher/test/modules/meilin/mission/match.hpp"
 
 namespace musher::meilin::testing {
@@ -224,6 +223,33 @@ TEST(MeilinMission, APauseDuringAClimbEndsIt) {
   EXPECT_THAT(match.mission.last_error(),
               StartsWith("segment 1 of 1, move (1, 0): Move was halted during a climb"));
 }
+// As where a server ends its goal for an emergency stop before the mission knows of it.
+TEST(MeilinMission, APauseOnTheWayOffAnEdgeAfterAFailedClimbEndsIt) {
+  Match match("meilin_stage.xml");
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  match.robot.legs = Wheels{{20, 20, 20, 20}, match.robot.Now()};
+  match.robot.decide = [](const FakeGoal& goal) {
+    Outcome outcome{GoalState::kAccepted};
+    if (goal.kind == Kind::kSuspension && goal.suspension.mode == 1) {
+      outcome = {GoalState::kFailed, "Aborted: an emergency stop was engaged"};
+    }
+    return outcome;
+  };
+  ASSERT_TRUE(match.Offer({MoveStep(1, 1, 200)}));
+  match.Tick();
+  match.robot.fix = PoseFix{1.53, 2.4, 0, match.robot.Now()};
+  match.robot.legs = Wheels{{205, 205, 205, 205}, match.robot.Now()};
+  match.RunFor(0.5);
+  ASSERT_EQ(match.mission.state(), "ACTION_RUNNING") << match.mission.last_error();
+  ASSERT_EQ(match.board->active_action.Get(), "get_off_edge");
+  match.Pause();
+  EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_THAT(match.mission.last_error(),
+              StartsWith("segment 1 of 1, move (1, 1): suspension_control: Aborted"));
+  const std::size_t goals = match.robot.goals.size();
+  match.RunFor(5);
+  EXPECT_EQ(match.robot.goals.size(), goals);
+}
 TEST(MeilinMission, APlanAfterAFailureInTheFieldDoesNotPrepareAgain) {
   Match match("full_match.xml", MatchOf("match_blue.json"));
   MakeRealistic(match);
@@ -338,12 +364,105 @@ TEST(ARestartedMission, IgnoresADamagedProgressAndThatOfTheOtherSide) {
   EXPECT_FALSE(ReadProgress("row = 99\n", "p.toml"));
   EXPECT_FALSE(ReadProgress("yaw_rad = nan\n", "p.toml"));
   EXPECT_FALSE(ReadProgress("plans = [", "p.toml"));
+  EXPECT_FALSE(ReadProgress("wheels_mm = \"20 20 20\"\n", "p.toml"));
+  EXPECT_FALSE(ReadProgress("wheels_mm = \"20 20 20 1e9\"\n", "p.toml"));
   EXPECT_TRUE(ReadProgress("", "p.toml"));
   Match match(Match::Waiting{}, "meilin_stage.xml");
   Progress red;
   red.side = "red";
   EXPECT_FALSE(match.mission.Restore(red));
+  Progress old;
+  old.segments = "{\"segments\": [{\"segment_type\": \"GRASP\"}]}";
+  EXPECT_TRUE(match.mission.Restore(old));
+  old.next = 2;
+  EXPECT_FALSE(match.mission.Restore(old));
+  old.segments = "{";
+  EXPECT_FALSE(match.mission.Restore(old));
 }
+TEST(ARestartedMission, MovesNothingWhereItsWheelsWereOutAndDoNotReportAnyMore) {
+  Match before("meilin_stage.xml");
+  before.robot.fix = PoseFix{1.2, 1.2, 0, before.robot.Now()};
+  before.robot.legs = Wheels{{20, 20, 20, 20}, before.robot.Now()};
+  ASSERT_TRUE(before.Offer({FetchStep(1, 0, 400), MoveStep(0, 0, 0)}));
+  for (int i = 0; i < 5000 && before.mission.SavedProgress().next < 1; ++i) before.Tick();
+  EXPECT_THAT(before.mission.SavedProgress().wheels_mm, ::testing::Each(430));
+  Match after(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  const std::string last = "the wheels do not report, and the last that they reported is 430, 430";
+  for (const char* region : {"", "full", "meilin"}) {
+    EXPECT_THAT(after.WhyNot(region), StartsWith(last)) << region;
+  }
+  EXPECT_TRUE(after.mission.CanStart(after.robot.Now()).empty());
+  after.robot.legs = Wheels{{30, 30, 30, 30}, after.robot.Now()};
+  after.RunFor(0.1);
+  after.Begun("");
+}
+TEST(ARestartedMission, CarriesOutThePlanThatWaitedForItsStart) {
+  Match before(Match::Waiting{}, "meilin_stage.xml");
+  before.robot.fix = PoseFix{1.2, 1.2, 0, before.robot.Now()};
+  ASSERT_TRUE(before.Offer({MoveStep(0, 1, 0)}, 7));
+  Match after(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  EXPECT_TRUE(after.mission.WasTaken(7)) << "it does not come again";
+  after.Begun("meilin").Run(20);
+  EXPECT_EQ(after.mission.state(), "MISSION_SUCCESS");
+  EXPECT_THAT(after.robot.Texts(), ::testing::ElementsAre("move 1.20 2.40 0"));
+}
+TEST(ARestartedMission, DoesNotCarryOutAPlanThatWasBegunWhereAnotherOneIsWanted) {
+  Match before("meilin_stage.xml");
+  before.robot.fix = PoseFix{1.2, 1.2, 0, before.robot.Now()};
+  before.robot.decide = [](const FakeGoal&) { return Outcome{GoalState::kAccepted}; };
+  ASSERT_TRUE(before.Offer({MoveStep(0, 1, 0)}));
+  before.RunFor(1);
+  Match after(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  after.Begun("meilin").RunFor(2);
+  EXPECT_EQ(after.mission.state(), "WAITING_MF_ACTION_SEQ");
+  EXPECT_TRUE(after.robot.goals.empty());
+}
+TEST(ARestartedMission, SaysThatThePlanThatWaitedForItsStartDoesNotFitAnyMore) {
+  Match match(Match::Waiting{}, "meilin_stage.xml");
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  ASSERT_TRUE(match.Offer({MoveStep(1, 1, 200)}));
+  match.robot.fix = PoseFix{1.2, 1.2, 0, match.robot.Now()};  // a person has put it there
+  match.Begun("meilin").Run(5);
+  EXPECT_EQ(match.mission.state(), "WAITING_MF_ACTION_SEQ");
+  EXPECT_THAT(match.mission.refused_plan(),
+              StartsWith("plan mf_action_seq_1 does not fit where the robot is: "));
+  EXPECT_TRUE(match.robot.goals.empty());
+}
+
+// --- plans that a service hands out ---
+
+TEST(APlanThatAServiceHandsOut, IsNotTakenAgainUntilTheServiceHasSaidThatItHasNone) {
+  Match before("meilin_stage.xml");
+  const auto plan = ToActionSequence({MoveStep(0, 1, 0), MoveStep(0, 2, 0)});
+  before.robot.decide = [](const FakeGoal&) { return Outcome{GoalState::kFailed, "broken"}; };
+  ASSERT_TRUE(before.mission.OfferHandedOut(plan, before.robot.Now()));
+  before.Run(20);
+  ASSERT_EQ(before.mission.state(), "MISSION_FAILED");
+  EXPECT_TRUE(before.mission.WantsPlan());
+  EXPECT_FALSE(before.mission.OfferHandedOut(plan, before.robot.Now()));
+  EXPECT_EQ(before.mission.state(), "MISSION_FAILED") << "the robot stands";
+  Match after(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  after.Begun("meilin");
+  EXPECT_FALSE(after.mission.OfferHandedOut(plan, after.robot.Now()));
+  after.RunFor(1);
+  EXPECT_TRUE(after.robot.goals.empty());
+  after.mission.NothingHandedOut();
+  EXPECT_TRUE(after.mission.OfferHandedOut(plan, after.robot.Now())) << "it was sent once more";
+}
+TEST(APlanThatAServiceHandsOut, IsAnotherOneByItsContent) {
+  Match match("meilin_stage.xml");
+  EXPECT_TRUE(match.mission.OfferHandedOut(ToActionSequence({MoveStep(0, 1, 0)}), {}));
+  EXPECT_TRUE(match.mission.OfferHandedOut(ToActionSequence({MoveStep(0, 2, 0)}), {}));
+  EXPECT_FALSE(match.mission.OfferHandedOut(ToActionSequence({MoveStep(9, 2, 0)}), {}));
+  EXPECT_EQ(match.mission.refusals(), 1U);
+  EXPECT_FALSE(match.mission.OfferHandedOut(ToActionSequence({MoveStep(9, 2, 0)}), {}));
+  EXPECT_EQ(match.mission.refusals(), 1U) << "twice a second";
+}
+
 // --- a start that waits ---
 
 struct LateStart {
@@ -400,6 +519,20 @@ TEST(AStart, IsRefusedWhereTheRobotLeavesActiveBeforeThePoseComes) {
   match.RunFor(5);
   EXPECT_FALSE(match.mission.begun());
 }
+TEST(AStart, WaitsForTheWheelsThatReportedBeforeTheRestart) {
+  Match match(Match::Waiting{}, "meilin_stage.xml");
+  Progress progress;
+  progress.wheels_mm = {20, 20, 20, 20};
+  ASSERT_TRUE(match.mission.Restore(progress));
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  LateStart start(match);
+  start.Begin("meilin");
+  match.RunFor(0.5);
+  EXPECT_TRUE(start.replies.empty());
+  match.robot.legs = Wheels{{20, 20, 20, 20}, match.robot.Now()};
+  match.RunFor(0.1);
+  EXPECT_THAT(start.replies, ::testing::ElementsAre("begins with the region meilin"));
+}
 TEST(AStart, WaitsForTheSequenceOfTheSuspensionToEnd) {
   Match match(Match::Waiting{}, "meilin_stage.xml");
   match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
@@ -417,12 +550,10 @@ TEST(AStart, WaitsForTheSequenceOfTheSuspensionToEnd) {
 
 // --- plans of the old form ---
 
-std::vector<Segment> OldPlan(const std::string& segments) {
-  const SegmentsReading reading = ReadSegmentsJson(R"({"segments": [)" + segments + "]}");
-  EXPECT_EQ(reading.message(), "");
-  return reading.segments;
-}
 constexpr const char* kDrive = R"("move_target": {"x": 2.4, "y": 2.4, "yaw": 0})";
+const std::string kClimb =
+    std::string(R"({"segment_type": "CLIMB", "climb_mode": "UP", "climb_height": 200, )") + kDrive +
+    "}";
 
 TEST(AnOldPlan, IsCarriedOutByTheShippedTree) {
   Match match("segments.xml");
@@ -431,16 +562,16 @@ TEST(AnOldPlan, IsCarriedOutByTheShippedTree) {
   match.RunFor(1);
   EXPECT_EQ(match.mission.state(), "WAITING_PLAN");
   const std::string start = R"("move_target": {"x": 1.2, "y": 1.2, "yaw": 0}})";
-  match.mission.OfferSegments(
-      OldPlan(R"({"segment_type": "SPEAR_PREP", )" + start +
-              R"(, {"segment_type": "SPEAR_GRASP"}, {"segment_type": "DOCK"},
-                 {"segment_type": "ALIGN", "move_target": {"x": 1.2, "y": 2.4, "yaw": 0}},
-                 {"segment_type": "CLIMB", "climb_mode": "UP", "climb_height": 200, )" +
-              kDrive + R"(}, {"segment_type": "GRASP"}, {"segment_type": "STORE1"},
-                 {"segment_type": "EXIT", )" +
-              kDrive + R"(}, {"segment_type": "FINAL_MOVE2", )" + kDrive +
-              R"(}, {"segment_type": "PLACE_MID"}, {"segment_type": "FINISH"})"),
-      "", 7);
+  ASSERT_TRUE(match.OfferOld(R"({"segment_type": "SPEAR_PREP", )" + start +
+                                 R"(, {"segment_type": "SPEAR_GRASP"}, {"segment_type": "DOCK"},
+             {"segment_type": "ALIGN", "move_target": {"x": 1.2, "y": 2.4, "yaw": 0}}, )" +
+                                 kClimb +
+                                 R"(, {"segment_type": "GRASP"}, {"segment_type": "STORE1"},
+             {"segment_type": "EXIT", )" +
+                                 kDrive + R"(}, {"segment_type": "FINAL_MOVE2", )" + kDrive +
+                                 R"(}, {"segment_type": "PLACE_MID"}, {"segment_type": "FINISH"})",
+                             7))
+      << match.mission.refused_plan();
   EXPECT_TRUE(match.mission.WasTaken(7)) << "another process does not carry it out again";
   for (int i = 0; i < 5000 && !match.rests; ++i) {
     match.Tick();
@@ -448,6 +579,7 @@ TEST(AnOldPlan, IsCarriedOutByTheShippedTree) {
   }
   EXPECT_EQ(match.mission.state(), "MISSION_SUCCESS") << match.mission.last_error();
   EXPECT_EQ(match.mission.plan_id(), "segments_1");
+  EXPECT_EQ(match.mission.GoesOnWith(), "");
   EXPECT_THAT(match.robot.Texts(),
               ::testing::ElementsAre("spear 1", "move 1.20 1.20 0", "spear 2", "spear 3", "spear 4",
                                      "move 1.20 2.40 0", "suspension up 0 200", "move 2.40 2.40 0",
@@ -455,14 +587,45 @@ TEST(AnOldPlan, IsCarriedOutByTheShippedTree) {
                                      "arm 5", "suspension direct 0 30"))
       << "without the arm's 7, which it rejects";
 }
-TEST(AnOldPlan, DoesNotDriveOverAnEdge) {
+TEST(AnOldPlan, BeginsOutsideOfTheField) {
+  Match match(Match::Waiting{}, "segments.xml");
+  match.robot.fix = PoseFix{0.3, 0, 0, match.robot.Now()};
+  match.Begun("full");
+  ASSERT_TRUE(match.OfferOld(R"({"segment_type": "ALIGN", "move_target": {"x": 0.5, "y": 0}})"));
+  match.Run(20);
+  EXPECT_EQ(match.mission.state(), "MISSION_SUCCESS") << match.mission.last_error();
+}
+TEST(AnOldPlan, IsRefusedAsAWholeWhereAWayOfItCrossesAnEdge) {
   Match match("segments.xml");
   match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
-  match.mission.OfferSegments(OldPlan(std::string(R"({"segment_type": "MOVE2", )") + kDrive + "}"),
-                              "p");
-  match.Run(20);
-  EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
-  EXPECT_THAT(match.mission.last_error(), HasSubstr("crosses (1, 1), which has 200 mm"));
+  EXPECT_FALSE(match.OfferOld(std::string(R"({"segment_type": "MOVE2", )") + kDrive + "}"));
+  EXPECT_THAT(match.mission.refused_plan(), HasSubstr("crosses (1, 1), which has 200 mm"));
+  EXPECT_FALSE(match.OfferOld(kClimb + R"(, {"segment_type": "GRASP"}, {"segment_type": "EXIT",
+                                             "move_target": {"x": 1.2, "y": 2.4}})"));
+  EXPECT_THAT(match.mission.refused_plan(), StartsWith("segments[2], EXIT: the straight way"));
+  match.RunFor(5);
+  EXPECT_TRUE(match.robot.goals.empty());
+}
+TEST(AnOldPlan, IsRefusedWhereAClimbOfItIsNoneFromWhereTheRobotIsThen) {
+  Match match("segments.xml");
+  match.robot.fix = PoseFix{1.2, 1.2, 0, match.robot.Now()};
+  const auto why = [&match](const std::string& segments) {
+    EXPECT_FALSE(match.OfferOld(segments)) << segments;
+    return match.mission.refused_plan();
+  };
+  EXPECT_THAT(why(kClimb), HasSubstr("is not between two cells of the field that share an edge"));
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  EXPECT_THAT(why(R"({"segment_type": "CLIMB", "climb_mode": "UP", "climb_height": 400,
+                      "move_target": {"x": 2.4, "y": 2.4}})"),
+              HasSubstr("UP by 400 mm, and from (0, 1) to (1, 1) it is 200 mm up"));
+  EXPECT_THAT(why(R"({"segment_type": "CLIMB", "climb_mode": "DOWN",
+                      "move_target": {"x": 2.4, "y": 2.4}})"),
+              HasSubstr("DOWN, and from (0, 1) to (1, 1) it is 200 mm up"));
+  EXPECT_THAT(why(R"({"segment_type": "CLIMB", "climb_mode": "UP",
+                      "move_target": {"x": 2.4, "y": 2.4, "yaw": 1.5708}})"),
+              HasSubstr("climb_direction is forward, and with a yaw of 1.57 rad the way from "
+                        "(0, 1) to (1, 1) is right"));
+  match.RunFor(5);
   EXPECT_TRUE(match.robot.goals.empty());
 }
 TEST(AnOldPlan, EndsWhereAPauseHaltsItsClimb) {
@@ -471,10 +634,7 @@ TEST(AnOldPlan, EndsWhereAPauseHaltsItsClimb) {
   match.robot.decide = [](const FakeGoal&) {
     return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
   };
-  match.mission.OfferSegments(
-      OldPlan(std::string(R"({"segment_type": "CLIMB", "climb_mode": "UP", )") + kDrive +
-              R"(, "climb_height": 200})"),
-      "p");
+  ASSERT_TRUE(match.OfferOld(kClimb));
   match.RunFor(0.3);
   ASSERT_EQ(match.robot.Running(), 2U);
   match.Pause();
@@ -485,6 +645,69 @@ TEST(AnOldPlan, EndsWhereAPauseHaltsItsClimb) {
   const std::size_t goals = match.robot.goals.size();
   match.RunFor(5);
   EXPECT_EQ(match.robot.goals.size(), goals);
+}
+TEST(AnOldPlan, GoesOnInAnotherProcessWithTheSegmentThatWasNotDone) {
+  Match before("segments.xml");
+  before.robot.fix = PoseFix{1.2, 2.4, 0, before.robot.Now()};
+  before.robot.decide = [](const FakeGoal& goal) {
+    return goal.kind == Kind::kArm ? Outcome{GoalState::kAccepted} : Outcome{};
+  };
+  ASSERT_TRUE(before.OfferOld(kClimb + R"(, {"segment_type": "GRASP"}, {"segment_type": "EXIT", )" +
+                              kDrive + "}"));
+  before.RunFor(5);
+  ASSERT_EQ(before.robot.Texts().back(), "arm 1");
+  Match after(Match::Waiting{}, "segments.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  after.RunFor(5);
+  EXPECT_EQ(after.mission.state(), "WAITING_START");
+  EXPECT_TRUE(after.robot.goals.empty());
+  EXPECT_EQ(after.mission.GoesOnWith(), "plan segments_1 at segment 2 of 3, GRASP");
+  after.Begun("").Run(20);
+  EXPECT_EQ(after.mission.state(), "MISSION_SUCCESS") << after.mission.last_error();
+  EXPECT_THAT(after.robot.Texts(), ::testing::ElementsAre("arm 1", "move 2.40 2.40 0"));
+  EXPECT_EQ(after.mission.SavedProgress().segments, "") << "it is done";
+}
+TEST(AnOldPlan, DoesNotGoOnWhereItsRestDoesNotFit) {
+  Match before("segments.xml");
+  before.robot.fix = PoseFix{1.2, 2.4, 0, before.robot.Now()};
+  before.robot.decide = [](const FakeGoal& goal) {
+    return goal.kind == Kind::kSuspension ? Outcome{GoalState::kFailed, "Timeout"} : Outcome{};
+  };
+  ASSERT_TRUE(before.OfferOld(kClimb));
+  before.Run(20);
+  ASSERT_EQ(before.mission.state(), "MISSION_FAILED");
+  Match after(Match::Waiting{}, "segments.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  after.robot.fix = PoseFix{1.2, 1.2, 0, after.robot.Now()};  // a person has put it there
+  EXPECT_THAT(after.WhyNot(""), HasSubstr("does not fit where the robot is: segments[0], CLIMB"));
+  EXPECT_EQ(after.WhyNot("meilin"), "") << "another plan may be sent";
+  after.RunFor(1);
+  EXPECT_TRUE(after.robot.goals.empty());
+}
+TEST(AnOldPlan, GoesOnBehindAClimbToWhoseEndTheRobotHasCome) {
+  Match before("segments.xml");
+  before.robot.fix = PoseFix{1.2, 2.4, 0, before.robot.Now()};
+  before.robot.decide = [](const FakeGoal& goal) {
+    return goal.kind == Kind::kSuspension ? Outcome{GoalState::kFailed, "Timeout"} : Outcome{};
+  };
+  ASSERT_TRUE(before.OfferOld(kClimb + R"(, {"segment_type": "GRASP"})"));
+  before.Run(20);
+  ASSERT_EQ(before.mission.state(), "MISSION_FAILED");
+  before.robot.fix = PoseFix{2.4, 2.4, 0, before.robot.Now()};
+  before.robot.decide = [](const FakeGoal&) { return Outcome{}; };
+  const std::size_t goals = before.robot.goals.size();
+  before.Begun("").Run(20);
+  EXPECT_EQ(before.mission.state(), "MISSION_SUCCESS") << before.mission.last_error();
+  EXPECT_EQ(before.robot.goals.size(), goals + 1);
+  EXPECT_EQ(before.robot.Texts().back(), "arm 1");
+}
+TEST(AMission, RefusesAPlanOfAFormThatItsTreeDoesNotRun) {
+  Match old("segments.xml");
+  EXPECT_FALSE(old.Offer({MoveStep(0, 1, 0)}));
+  EXPECT_THAT(old.mission.refused_plan(), HasSubstr("no node of it is PopNextMeilinSegment"));
+  Match match("meilin_stage.xml");
+  EXPECT_FALSE(match.OfferOld(R"({"segment_type": "GRASP"})"));
+  EXPECT_THAT(match.mission.refused_plan(), HasSubstr("no node of it is PopNextSegment"));
 }
 
 TEST(AMission, GoesOnBehindThePartsOfTheFinalAreaThatAreDone) {

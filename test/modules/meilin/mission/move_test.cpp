@@ -110,6 +110,14 @@ TEST(MeilinMove, HasNotSucceededWhileTheWheelsAreOut) {
   EXPECT_EQ(match.last, Status::kFailure);
   EXPECT_THAT(match.error(), HasSubstr("its wheels are still out: 410, 410, 410, 410 mm"));
 }
+TEST(MeilinMove, HasNotSucceededWithItsBodyAtAnotherHeight) {
+  NodeMatch match(MoveXml(1, 1, 200, 0));
+  match.At(1.2, 2.4);
+  match.robot.z_m = 0.42;
+  match.Run(5);
+  EXPECT_EQ(match.last, Status::kFailure);
+  EXPECT_THAT(match.error(), HasSubstr("its body is at 420 mm, on a platform of 200 mm"));
+}
 TEST(MeilinMove, LowersTheWheelsThatAreOutWhateverItRemembers) {
   NodeMatch match(MoveXml(0, 2, 0, 0));
   match.At(1.2, 2.4);

@@ -207,11 +207,8 @@ TEST_F(MeilinNode, PopNextMeilinSegmentWithoutAQueueSaysSo) {
 }
 TEST_F(MeilinNode, PopNextSegmentHasTheFieldsOfOldPlans) {
   Make("<PopNextSegment queue=\"{segment_queue}\" target_x=\"{x}\" arm_command=\"{a}\"/>");
-  Segment segment;
-  segment.segment_type = "ALIGN";
-  segment.target_x = 1.5;
-  segment.arm_command = 7;
-  match->mission.OfferSegments({segment}, "old");
+  ASSERT_TRUE(match->OfferOld(
+      R"({"segment_type": "ALIGN", "move_target": {"x": 1.5, "y": 0}, "arm_command": 7})"));
   match->Tick();
   EXPECT_EQ(match->tree->board().Get<double>("x").value(), 1.5);
   EXPECT_EQ(match->tree->board().Get<int>("a").value(), 7);

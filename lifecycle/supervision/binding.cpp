@@ -1,0 +1,75 @@
+#include "musher/lifecycle/supervision/binding.hpp"
+
+namespace musher {
+
+bool Binding::SuspendAndResume() {
+  if (machine_.phase != Phase::kRunning || machine_.current) return false;
+  bool changed = false;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    ActuatorRecord& record = Of(i);
+    const bool free =
+        record.presence == Presence::kPresent && !record.command && !record.report.busy();
+    if (!free || !record.checked) continue;
+    PerActuator<bool> seen(machine_.actuators.size(), false);
+    seen[i] = true;
+    const std::string* missing = MissingFor(i, i, seen);
+    if (missing != nullptr && !record.suspended && !record.held) {
+      Suspend(i, *missing);
+      changed = true;
+    } else if (missing == nullptr && record.suspended) {
+      record.suspended = false;
+      record.due = true;
+      changed = true;
+    }
+  }
+  return changed;
+}
+
+// Whether the actuators bound to it may be up.
+bool Binding::IsUp(ActuatorIndex i) const {
+  const ActuatorRecord& record = Of(i);
+  return record.presence == Presence::kPresent && Fits(i) && !record.restart.given_up &&
+         record.health != Health::kHung && !record.restart.requested && record.state() != kTearDown;
+}
+
+bool Binding::IsBoundTo(ActuatorIndex i, ActuatorIndex other, PerActuator<bool>& seen) const {
+  for (const std::string& name : ConfigOf(i).binds_to) {
+    const ActuatorIndex needed = *config_.IndexOf(name);
+    if (seen[needed]) continue;
+    seen[needed] = true;
+    if (needed == other || IsBoundTo(needed, other, seen)) return true;
+  }
+  return false;
+}
+
+// Whether `needed` does not require `i` to be suspended. Once `i` is suspended, `needed` has to be
+// in the state of the machine again, unless it waits for `i` in turn.
+bool Binding::Suffices(ActuatorIndex needed, ActuatorIndex i) const {
+  if (!IsUp(needed)) return false;
+  PerActuator<bool> seen(machine_.actuators.size(), false);
+  if (!Of(i).suspended || IsBoundTo(needed, i, seen)) return true;
+  return !Of(needed).command && Of(needed).state() == machine_.state;
+}
+
+// An actuator that `bound` is bound to through `i` and that is not up; null when all are up. Two
+// actuators bound to each other do not keep each other down: `seen` breaks the cycle.
+const std::string* Binding::MissingFor(ActuatorIndex bound, ActuatorIndex i,
+                                       PerActuator<bool>& seen) const {
+  for (const std::string& name : ConfigOf(i).binds_to) {
+    const ActuatorIndex needed = *config_.IndexOf(name);
+    if (seen[needed]) continue;
+    seen[needed] = true;
+    if (!Suffices(needed, bound)) return &name;
+    if (const std::string* missing = MissingFor(bound, needed, seen)) return missing;
+  }
+  return nullptr;
+}
+
+void Binding::Suspend(ActuatorIndex i, const std::string& missing) {
+  ActuatorRecord& record = Of(i);
+  record.suspended = true;
+  record.due = true;
+  Degrade(i, kCodeStatusError, texts::NotUp(missing), Of(*config_.IndexOf(missing)).cause);
+}
+
+}  // namespace musher

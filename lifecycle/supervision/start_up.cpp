@@ -1,0 +1,314 @@
+#include "musher/lifecycle/supervision/start_up.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/supervision/adoption.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
+
+namespace musher {
+namespace {
+
+// The record that Begin makes is the first one.
+constexpr RecordId kBegun = 1;
+// How long a supervisor's start that finishes a TearDown waits for unknown actuators. They run
+// already, and are discovered within a second.
+constexpr Duration kFinishingGrace = std::chrono::seconds(3);
+
+}  // namespace
+
+void StartUp::Begin(const event::Begin& begin) {
+  machine_.phase = Phase::kStarting;
+  machine_.start_up.by_hand = begin.by_hand || config_.ros2.started_by_manager;
+  machine_.host = begin.host;
+  machine_.epoch = begin.epoch + 1;
+  machine_.start_up.finishing = begin.stop_intent && begin.restarted;
+  machine_.start_up.restarted = begin.restarted && begin.epoch > 0;
+  saver_.Save(Stored::kEpoch);
+  for (const ActuatorIndex i : begin.running.Indices()) {
+    if (begin.running[i]) Of(i).process.launch = Launch::kFoundRunning;
+  }
+  for (const ActuatorIndex i : begin.processes.Indices()) Of(i).process.pid = begin.processes[i];
+  for (const RemoteActuator& remote : begin.remote) {
+    if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
+  }
+  RecordMachine(kCodeOk, texts::ControllerStarted(machine_.epoch, machine_.actuators.size()));
+  if (machine_.start_up.finishing) {
+    RecordMachine(kCodeOk, texts::TearDownResumedBySupervisor(), kBegun);
+  } else if (begin.stop_intent) {
+    saver_.Save(Stored::kStopIntent);  // clears the intent
+  }
+  StartStage(machine_.start_up.by_hand || machine_.start_up.finishing ? LastStage(config_) : 1,
+             kBegun);
+}
+
+void StartUp::StartStage(int stage, RecordId cause) {
+  machine_.start_up.stage = stage;
+  if (stage > 1 && !machine_.start_up.by_hand) {
+    cause = RecordMachine(kCodeOk, texts::StageStarted(stage), cause);
+  }
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    ActuatorRecord& record = Of(i);
+    const bool waited_for =
+        ConfigOf(i).command.empty() || record.process.launch == Launch::kFoundRunning;
+    if (ConfigOf(i).stage > stage || record.presence == Presence::kPresent || record.set_up_by)
+      continue;
+    record.cause = cause;
+    const Duration set_up = config_.TimeFor(i, kSetUp);
+    const Duration timeout =
+        machine_.start_up.finishing ? std::min(set_up, kFinishingGrace) : set_up;
+    // Only a Musher process holds its actuator's name, by which it is found running.
+    const bool may_run = machine_.start_up.finishing && ConfigOf(i).protocol != Protocol::kMusher;
+    if (waited_for || may_run) record.set_up_by = now_ + timeout;
+  }
+}
+
+bool StartUp::StartProcesses() {
+  if (machine_.start_up.finishing) return false;
+  bool changed = false;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    ActuatorRecord& record = Of(i);
+    const ActuatorConfig& actuator = ConfigOf(i);
+    const bool blocked = record.process.launch == Launch::kBlocked;
+    if (actuator.stage > machine_.start_up.stage || actuator.command.empty() ||
+        record.process.launch == Launch::kFoundRunning || record.presence != Presence::kAbsent ||
+        record.set_up_by || (record.fault && !blocked)) {
+      continue;
+    }
+    std::optional<RecordText> blocker;
+    if (!NeedsMet(i, blocker)) {
+      if (!blocker) blocker = WaitsForSuspended(i);
+      if (!blocker || blocked) continue;
+      record.process.launch = Launch::kBlocked;
+      Degrade(i, kCodeStatusError, *blocker, CauseOfBlocker(i));
+      FallBack(i);
+    } else {
+      if (blocked) record.fault.reset();
+      record.presence = Presence::kStarting;
+      record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+      record.process.launch = Launch::kUnderWay;
+      Do(action::StartProcess{i});
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+bool StartUp::Advance() {
+  if (!machine_.start_up.set_up && machine_.phase == Phase::kStarting) {
+    if (!StageIsSetUp(machine_.start_up.stage)) return false;
+    EndFirstStage();
+    return true;
+  }
+  const bool more =
+      machine_.phase == Phase::kRunning && machine_.start_up.stage < LastStage(config_);
+  if (!more || machine_.current || !StageIsSettled(machine_.start_up.stage)) return false;
+  StartStage(machine_.start_up.stage + 1, kBegun);
+  return true;
+}
+
+// All actuators of the first stage are set up, or given up.
+void StartUp::EndFirstStage() {
+  machine_.start_up.set_up = true;
+  machine_.state = State(kSetUp);
+  std::vector<std::string> missing;
+  std::size_t present = 0;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    const ActuatorRecord& record = Of(i);
+    if (record.fault) missing.push_back(ConfigOf(i).name + ": " + record.fault->message);
+    if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
+  }
+  AnswerSetUpRequests();
+  const RecordId recorded = RecordMachine(kCodeOk, texts::ActuatorsSetUp(present), kBegun);
+  if (machine_.start_up.finishing) return AdoptFrom(State(kTearDown), recorded);
+  if (const auto lowest = Adoption(config_, machine_).LowestFound())
+    return AdoptFrom(*lowest, recorded);
+  if (config_.ros2.started_by_manager) return WaitForManager(present, missing, recorded);
+  if (machine_.start_up.by_hand) return;
+  if (present == 0) {
+    return Fail(missing.empty() ? "there is no actuator in stage 1" : missing.front(), recorded);
+  }
+  if (machine_.emergency.stop) {
+    return Fail(
+        "an emergency stop is engaged; run `musher estop --release`, then `musher set SelfCheck` "
+        "and `musher set Active`",
+        recorded);
+  }
+  if (!config_.HasState(kSelfCheck)) return Activate(recorded);
+  switches_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
+                  recorded);
+}
+
+void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>& missing,
+                             RecordId cause) {
+  if (FailOnCriticalFault()) return;
+  if (present == 0) {
+    return Fail(missing.empty() ? "the machine has no actuator" : missing.front(), cause);
+  }
+  const RecordText text = texts::WaitingForManager(missing);
+  RecordMachine(kCodeOk, text, cause);
+  Do(action::StartUpEnded{true, text.message});
+}
+
+// Returns whether a critical actuator of the stages so far has a fault.
+bool StartUp::FailOnCriticalFault() {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (ConfigOf(i).stage > machine_.start_up.stage || !Critical(i) || !Of(i).fault) continue;
+    Fail("critical " + ConfigOf(i).name + ": " + CodeText(Of(i).fault->code) + ", " +
+             Of(i).fault->message,
+         Of(i).cause);
+    return true;
+  }
+  return false;
+}
+
+void StartUp::OnSwitchEnded(const EndedSwitch& ended) {
+  if (ended.purpose == Purpose::kStartUpCheck) {
+    if (!FailOnCriticalFault()) Activate(ended.record);
+    return;
+  }
+  if (ended.purpose == Purpose::kStartUpActivate && ended.undone) {
+    return Fail(ended.result.reason, ended.record);
+  }
+  if (!ended.of_machine || ended.undone || !config_.RankOf(machine_.state)) return;
+  if (machine_.phase == Phase::kStarting || machine_.phase == Phase::kFailed) {
+    const std::string trouble = ended.result.degraded.empty() ? "" : FirstTrouble();
+    BecomeRunning(texts::MachineUsable(machine_.state, trouble), ended.record);
+  }
+}
+
+// A machine whose emergency stop would not outlive its controller goes no higher than DeActive by
+// itself. A person may switch it to Active.
+void StartUp::Activate(RecordId cause) {
+  if (!config_.HasState(kActive)) {
+    return BecomeRunning(texts::MachineUsableWithoutActive(), cause);
+  }
+  const auto& unsaved = machine_.saves.unsaved;
+  const auto failed = std::ranges::find_if(
+      unsaved, [](const Unsaved& one) { return one.what == Stored::kEpoch && !one.why.empty(); });
+  State target(kActive);
+  if (failed != unsaved.end()) {
+    const RecordText text = texts::StateNotWritable(failed->why);
+    if (!config_.HasState(kDeActive)) return Fail(text.message, cause);
+    cause = RecordMachine(kCodeFailed, text, cause);
+    target = kDeActive;
+  }
+  const Plan plan = MakePlan(config_, machine_, target);
+  if (plan.refusal) return Fail(plan.refusal->message, cause);
+  switches_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
+}
+
+void StartUp::Fail(const std::string& why, RecordId cause) {
+  machine_.phase = Phase::kFailed;
+  const RecordText text = texts::StartUpFailed(machine_.state, why);
+  RecordMachine(kCodeFailed, text, cause);
+  Do(action::StartUpEnded{false, text.message});
+}
+
+// An earlier controller left actuators running: the machine continues from the least active state,
+// so that no actuator becomes more active by a restart; the others are driven there.
+void StartUp::AdoptFrom(const State& lowest, RecordId cause) {
+  if (lowest == kTearDown) {
+    const RecordText text = texts::TearDownResumed();
+    const RecordId recorded = RecordMachine(kCodeOk, text, cause);
+    Do(action::StartUpEnded{false, text.message});
+    return tear_down_.Begin(MakePlan(config_, machine_, lowest), {}, recorded);
+  }
+  machine_.state = lowest;
+  // Who has requested that is not known: a manager continues from there only down.
+  if (config_.RankOf(lowest)) machine_.standing = StandingRequest{lowest, "an earlier controller"};
+  const Adoption adoption(config_, machine_);
+  if (const std::string elsewhere = adoption.Elsewhere(); !elsewhere.empty()) {
+    cause =
+        RecordMachine(kCodeOk,
+                      adoption.FoundSwitching() ? texts::UnfinishedSwitchFound(elsewhere, lowest)
+                                                : texts::MixedStatesFound(elsewhere, lowest),
+                      cause);
+  }
+  BecomeRunning(texts::MachineAdopted(lowest), cause);
+}
+
+void StartUp::BecomeRunning(const RecordText& text, RecordId cause) {
+  machine_.phase = Phase::kRunning;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    ActuatorRecord& record = Of(i);
+    const bool there = record.presence == Presence::kPresent;
+    if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
+      record.due = true;
+    }
+    const bool away = !there || IsUnconfigured(config_, i, record);
+    if (away && record.fault && !IsComing(i)) FallBack(i);
+  }
+  RecordMachine(kCodeOk, text, cause);
+  Do(action::StartUpEnded{true, text.message});
+}
+
+// The fault of the first degraded actuator; there is one.
+std::string StartUp::FirstTrouble() const {
+  const std::string name = Degraded(config_, machine_).front();
+  return name + ": " + TroubleOf(Of(*config_.IndexOf(name)))->message;
+}
+
+void StartUp::On(const event::SetUpAwaited& awaited) {
+  machine_.start_up.requests.push_back(awaited.request);
+  if (machine_.start_up.set_up) AnswerSetUpRequests();
+}
+
+void StartUp::AnswerSetUpRequests() {
+  Result<> answer;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (!answer) break;
+    const auto& fault = Of(i).fault;
+    if (fault) answer = Error{kCodeTimeout, ConfigOf(i).name + ": " + fault->message};
+  }
+  for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
+    Do(action::AnswerCall{request, answer});
+  }
+}
+
+// --- actuators that are not set up in time, and why ---
+
+void StartUp::CheckDeadlines() {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    ActuatorRecord& record = Of(i);
+    if (!record.set_up_by || *record.set_up_by > now_ || record.presence == Presence::kPresent) {
+      continue;
+    }
+    record.set_up_by.reset();
+    if (record.fault && record.presence != Presence::kStarting)
+      continue;  // the known fault says more
+    if (machine_.start_up.finishing)
+      continue;  // an actuator that does not run need not be torn down
+    // The reason of a failed SetUp says more as well.
+    const ActuatorReport& report = record.report;
+    const bool failed = record.fault && report.incarnation != record.process.dead &&
+                        report.state == config_.default_state && report.outcome_code != kCodeOk;
+    if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
+    FallBack(i);
+  }
+}
+
+// Why it is not set up by its deadline.
+RecordText StartUp::NotSetUp(ActuatorIndex i) const {
+  const ActuatorConfig& actuator = ConfigOf(i);
+  const ActuatorRecord& record = Of(i);
+  const Duration within = config_.TimeFor(i, kSetUp);
+  const bool announced =
+      record.report.incarnation != 0 && record.report.incarnation != record.process.dead;
+  if (actuator.protocol == Protocol::kRos2Lifecycle && !announced) {
+    const std::string folder = config_.name_space.empty() ? "/" : "/" + config_.name_space + "/";
+    return texts::NodeNotDiscovered(folder + actuator.name, within, record.process.pid);
+  }
+  if (record.process.pid == 0 || announced || actuator.protocol != Protocol::kMusher) {
+    return texts::SetUpTimeout(within);
+  }
+  for (const ActuatorIndex other : machine_.actuators.Indices()) {
+    const bool shared = Of(other).process.pid == record.process.pid;  // `i` itself is not present
+    if (!shared || Of(other).presence != Presence::kPresent) continue;
+    return texts::NotAnnouncedBeside(actuator.name, ConfigOf(other).name, within,
+                                     record.process.pid);
+  }
+  return texts::NotAnnounced(actuator.name, actuator.command, within, record.process.pid);
+}
+
+}  // namespace musher

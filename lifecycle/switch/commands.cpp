@@ -1,0 +1,355 @@
+#include "musher/lifecycle/switch/commands.hpp"
+
+#include <algorithm>
+
+#include "musher/lifecycle/config/flow.hpp"
+
+namespace musher {
+namespace {
+
+// Two clocks that are 100 ppm apart differ by 6 ms after this.
+constexpr Duration kClockGoodFor = std::chrono::seconds(60);
+
+// The delay before a failed self-check is repeated; doubled each time.
+constexpr Duration kFirstCheckAgain = std::chrono::seconds(10);
+constexpr int kMostCheckDoublings = 5;  // about five minutes
+
+}  // namespace
+
+void Commands::Issue(ActuatorIndex i, CommandNumber number, const State& target, Duration budget,
+                     bool detached) {
+  machine_.number = std::max(machine_.number, number);
+  ActuatorRecord& record = Of(i);
+  record.command = PendingCommand{
+      number, target, now_, now_ + budget, 0, detached, record.clock_theirs - record.clock_ours};
+  if (target == kSelfCheck) record.join_tried = true;
+  Do(action::SendSwitch{i,
+                        {machine_.epoch, number, target, budget, record.clock_theirs,
+                         now_ - record.clock_ours, record.report.incarnation, detached}});
+}
+
+// A report that was late on its way makes the actuator's clock appear slow, and so a command older
+// than it is: the actuator refuses it, and its refusal brings the right clock. Nothing is sent
+// again that an emergency stop since then forbids to switch on.
+bool Commands::SendAgain(ActuatorIndex i) {
+  const ActuatorRecord& record = Of(i);
+  const PendingCommand command = *record.command;
+  const bool was_younger = record.clock_theirs - record.clock_ours > command.clock_ahead;
+  const bool stopped = machine_.emergency.stop || (machine_.current && machine_.current->stopped) ||
+                       (record.report.held_by_stop && !record.set_again);
+  const bool forbidden = stopped && MaySwitchOn(config_, record.state(), command.target);
+  if (!was_younger || forbidden || command.queries > 0 || now_ >= command.deadline) return false;
+  Issue(i, command.number, command.target, command.deadline - now_, command.detached);
+  Of(i).command->sent = command.sent;
+  return true;
+}
+
+// Stores a newer report. A callback that ended without a command of this controller (an overdue
+// one, or one of the previous controller) may have led to any state.
+void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
+  ActuatorRecord& record = Of(i);
+  if (ConfigOf(i).protocol == Protocol::kRos2Lifecycle) RecordDoubles(i, report);
+  // The report that it was busy may have been missed.
+  const bool was_busy =
+      record.report.busy() || (report.incarnation == record.report.incarnation &&
+                               report.outcome_number != record.report.outcome_number);
+  const bool came_free = was_busy && !report.busy() && !record.command;
+  if (!report.busy()) record.free_by.reset();
+  // In the run phase a check leaves the state as it is.
+  const bool passed_late = (report.state == kSelfCheck && record.report.state != kSelfCheck) ||
+                           (record.report.target == kSelfCheck && report.outcome_code == kCodeOk);
+  if (came_free && passed_late) record.checked = true;
+  const bool present = record.presence == Presence::kPresent;
+  if (came_free && present && record.checked && !record.held) record.due = true;
+  // A delayed report would make commands look older than they are. Once in a while a new one is
+  // used anyway: clocks drift.
+  const bool other_process = record.report.incarnation != report.incarnation;
+  const bool came_faster = report.stamp - now_ >= record.clock_theirs - record.clock_ours;
+  if (other_process || came_faster || now_ - record.clock_ours > kClockGoodFor) {
+    record.clock_theirs = report.stamp;
+    record.clock_ours = now_;
+  }
+  const bool moved = !other_process && present && !record.command &&
+                     report.state != record.report.state &&
+                     report.outcome_number == record.report.outcome_number;
+  record.report = report;
+  if (moved) Drifted(i);
+  if (came_free && !record.checked && report.outcome_code != kCodeOk) {
+    Degrade(i, report.outcome_code, texts::FailedLate(report.outcome_message));
+  }
+  stops_.Compare(report, i);
+  if (report.number < kLastNumber) machine_.number = std::max(machine_.number, report.number);
+}
+
+// The link reports two nodes with its name in the place of a partial fault.
+void Commands::RecordDoubles(ActuatorIndex i, const ActuatorReport& report) {
+  const ActuatorReport& before = Of(i).report;
+  if (report.degraded_reason == before.degraded_reason) return;
+  if (report.degraded_code != kCodeOk) {
+    RecordActuator(i, report.degraded_code, texts::TwoNodes(report.degraded_reason));
+  } else if (before.incarnation == report.incarnation) {
+    RecordActuator(i, kCodeOk,
+                   texts::ActuatorRecovered(ConfigOf(i).name, "no other node has its name"));
+  }
+}
+
+// Its state has changed without a command.
+void Commands::Drifted(ActuatorIndex i) {
+  ActuatorRecord& record = Of(i);
+  if (!record.checked) record.join_tried = false;  // it may have been configured by hand
+  const ActuatorReport& report = record.report;
+  const bool succeeded = report.outcome_code == kCodeOk;
+  record.cause = RecordActuator(
+      i, kCodeStatusError,
+      texts::ActuatorDrifted(ConfigOf(i).name, record.state(),
+                             succeeded ? std::nullopt : std::optional(report.outcome_message)));
+  const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
+  if (record.state() == kTearDown && !ends) {
+    Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), record.cause);
+  } else if (record.fault && record.fault->event == EventName::kTornDownAlone) {
+    record.fault.reset();  // what it had reported was not true
+    if (record.health == Health::kHung) {
+      Degrade(i, kCodeTimeout, texts::StillHung(), record.cause);
+    }
+  }
+  if (!record.held && MayFollow(i)) record.due = true;
+}
+
+void Commands::QueryOrLose(ActuatorIndex i) {
+  PendingCommand& command = *Of(i).command;
+  if (command.queries >= kQueryAttempts) {
+    return LoseConnection(i, texts::QueryUnanswered(command.target), Of(i).cause);
+  }
+  if (command.queries == 0) {
+    Of(i).cause =
+        RecordActuator(i, kCodeTimeout,
+                       texts::CommandUnanswered(ConfigOf(i).name, command.deadline - command.sent,
+                                                command.target, HasQuery(ConfigOf(i).protocol)),
+                       machine_.current ? machine_.current->cause : Of(i).cause);
+  }
+  ++command.queries;
+  command.deadline = now_ + kQueryTimeout;
+  Do(action::SendQuery{i, {machine_.epoch, command.number, true}});
+}
+
+CommandResult Commands::EvaluateReport(ActuatorIndex i, const PendingCommand& command) const {
+  const ActuatorReport& report = Of(i).report;
+  const Duration time = now_ - command.sent;
+  if (report.outcome_number == command.number) {
+    if (report.outcome_code == kCodeOk) return DoneUnlessContradicted(i, "");
+    return {ActuatorOutcome::kFailed, report.outcome_code,
+            texts::Reported(ActuatorOutcome::kFailed, report.outcome_message), true};
+  }
+  if (report.busy_number == command.number) {
+    return {ActuatorOutcome::kOverdue, kCodeTimeout, texts::StillBusy(command.target, time), true};
+  }
+  return {ActuatorOutcome::kOverdue, kCodeTimeout, texts::HadNotStarted(command.target, time),
+          false};
+}
+
+CommandResult Commands::DoneUnlessContradicted(ActuatorIndex i, const std::string& message) const {
+  const ActuatorRecord& record = Of(i);
+  const State& target = record.command->target;
+  if (target == kSelfCheck && record.report.degraded_code != kCodeOk) {
+    return {ActuatorOutcome::kDone, record.report.degraded_code,
+            texts::DoneDegraded(record.report.degraded_reason), true};
+  }
+  if (target == kSelfCheck || record.state() == target) {
+    return {ActuatorOutcome::kDone, kCodeOk, texts::Reported(ActuatorOutcome::kDone, message),
+            true};
+  }
+  return {ActuatorOutcome::kFailed, kCodeStatusError,
+          texts::ContradictedBy(record.state().Shortened()), true};
+}
+
+void Commands::ReportUnchecked(ActuatorIndex i) {
+  const ActuatorRecord& record = Of(i);
+  if (record.command || record.report.busy() || record.free_by) return;  // perhaps with its check
+  const bool passes_by_itself = !config_.RankOf(record.state()) && !record.join_tried;
+  if (record.state() == machine_.state || passes_by_itself || record.checked || record.fault)
+    return;
+  Degrade(i, kCodeStatusError, texts::SelfCheckMissing(record.state()));
+}
+
+// --- the end of a command, and the loss of an actuator ---
+
+void EndLeg(Leg& leg, const CommandResult& end, Time now) {
+  leg.progress = Leg::Progress::kEnded;
+  leg.outcome = end.outcome;
+  leg.code = end.code;
+  leg.message = end.text.message;
+  leg.event = end.text.event;
+  leg.ran = end.ran;
+  leg.duration = now - leg.started;
+}
+
+void Commands::End(ActuatorIndex i, const CommandResult& given) {
+  const PendingCommand command = *Of(i).command;
+  const CommandResult end = Tolerate(i, command, given);
+  const Duration took = now_ - command.sent;
+  const RecordId cause = end.cause != 0                             ? end.cause
+                         : machine_.current && command.queries == 0 ? machine_.current->cause
+                                                                    : Of(i).cause;
+  const RecordId recorded = RecordActuator(
+      i, end.code,
+      texts::CommandEnded(ConfigOf(i).name, command.target, end.outcome, took, end.text.message),
+      cause);
+  if (end.outcome != ActuatorOutcome::kDone) Of(i).cause = recorded;
+  Of(i).command.reset();
+  if (end.outcome == ActuatorOutcome::kDone) {
+    // A ROS 2 node that has reached a state is configured, and answers.
+    const bool configured =
+        ConfigOf(i).protocol == Protocol::kRos2Lifecycle && config_.RankOf(command.target);
+    if (command.target == kSelfCheck || configured) Of(i).checked = true;
+    // A failed check stays recorded until one passes, a hang until it ends; a TearDown clears every
+    // fault.
+    const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
+    if (well || command.target == kTearDown) Of(i).fault.reset();
+  }
+  if (command.target == kSelfCheck) NoteCheck(i, end);
+  // Driven on once it is free, unless a check is still running.
+  if (end.outcome == ActuatorOutcome::kOverdue && command.target != kSelfCheck) Of(i).due = true;
+  if (Leg* leg = LegUnderWay(i)) {
+    EndLeg(*leg, end, now_);
+  } else {
+    EndOwn(i, command, end);
+  }
+  // Of an actuator that cannot be queried nothing more is known until it is restarted.
+  const bool unknown = !HasQuery(ConfigOf(i).protocol) &&
+                       end.outcome == ActuatorOutcome::kOverdue &&
+                       machine_.phase != Phase::kStopping;
+  if (unknown && MayRestart(i) && ProcessOf(i) != 0) {
+    Hang(i, true, texts::HungIn(command.target, took));
+  }
+}
+
+// A self-check may fail for a passing reason, such as load: a check that has failed, or has passed
+// as degraded, is repeated.
+void Commands::NoteCheck(ActuatorIndex i, const CommandResult& end) {
+  FailedChecks& failed = Of(i).failed_checks;
+  const bool degraded = end.outcome == ActuatorOutcome::kDone && end.code != kCodeOk;
+  if (!degraded && end.outcome != ActuatorOutcome::kFailed &&
+      end.outcome != ActuatorOutcome::kOverdue) {
+    failed = {};
+    return;
+  }
+  failed.at = now_ + kFirstCheckAgain * (1 << std::min(failed.count, kMostCheckDoublings));
+  ++failed.count;
+}
+
+// A self-check that fails with a code that is not critical counts as passed, and the actuator is
+// degraded.
+CommandResult Commands::Tolerate(ActuatorIndex i, const PendingCommand& command,
+                                 const CommandResult& end) {
+  if (command.target != kSelfCheck) return end;
+  Of(i).tolerated.reset();
+  const auto& critical = ConfigOf(i).critical_codes;
+  const bool tolerated = end.outcome == ActuatorOutcome::kFailed && critical &&
+                         std::find(critical->begin(), critical->end(), end.code) == critical->end();
+  if (!tolerated) return end;
+  const std::string& message = end.text.message;
+  const std::string why = message.empty() ? "its self-check failed" : message;
+  Of(i).tolerated = Error{end.code, why};
+  return {ActuatorOutcome::kDone, end.code, texts::DoneDegraded(why), true, end.cause};
+}
+
+// The part of the switch under way that waits for this actuator; null when there is none.
+Leg* Commands::LegUnderWay(ActuatorIndex i) {
+  if (!machine_.current) return nullptr;
+  Switch& s = *machine_.current;
+  std::vector<Leg>& legs = s.driven_legs();
+  const auto found = std::find_if(legs.begin(), legs.end(), [i](const Leg& leg) {
+    return leg.actuator == i && leg.progress == Leg::Progress::kUnderWay;
+  });
+  return found == legs.end() ? nullptr : &*found;
+}
+
+// The end of a command that was not part of a switch.
+void Commands::EndOwn(ActuatorIndex i, const PendingCommand& command, const CommandResult& end) {
+  ActuatorRecord& record = Of(i);
+  if (record.restart.requested) return EndTornDown(i, end);
+  if (end.outcome == ActuatorOutcome::kDone) {
+    record.due = command.target == kSelfCheck || record.state() != PlaceOf(i);
+    return;
+  }
+  if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
+  if (command.target == kSelfCheck) record.checked = false;  // also where one has passed before
+  Degrade(i, end.code, texts::CommandNotDone(command.target, end.outcome, end.text.message),
+          record.cause);
+  // A repeated check that fails again is no new loss: a person may have gone on without it.
+  const bool repeated = command.target == kSelfCheck && record.failed_checks.count > 1;
+  if (!repeated) FallBack(i);
+}
+
+// Its TearDown before a restart has ended. A process of Musher's protocol exits by itself after
+// that, and gets SIGTERM only if it does not; a program of another protocol waits for SIGTERM.
+void Commands::EndTornDown(ActuatorIndex i, const CommandResult& end) {
+  ActuatorRecord& record = Of(i);
+  const bool ends_itself =
+      end.outcome == ActuatorOutcome::kDone && ConfigOf(i).protocol == Protocol::kMusher;
+  const std::int32_t pid = ProcessOf(i);
+  if (pid == 0) {
+    if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
+    Lose(i, texts::PidUnknown());
+    return processes_.Recover(i);
+  }
+  const Duration grace = ends_itself ? kExitGrace : Duration::zero();
+  processes_.Terminate(i, pid, grace + kEndTime);
+  if (ends_itself) {
+    record.process.termination->terminate_at = now_ + grace;
+  } else {
+    Do(action::SignalProcess{i, pid, false});
+  }
+}
+
+void Commands::AssumeTornDown(ActuatorIndex i) {
+  if (!Of(i).command || Of(i).command->target != kTearDown) return;
+  Of(i).report.state = State(kTearDown);
+  Of(i).report.detached = true;  // it was commanded alone, the machine continues
+  End(i, {ActuatorOutcome::kDone, kCodeOk, {}, true});
+}
+
+void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std::int32_t code) {
+  ActuatorRecord& record = Of(i);
+  const bool torn_down = record.state() == kTearDown;
+  const bool had_answered = record.presence == Presence::kPresent;
+  if (record.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
+  record.presence = Presence::kLost;
+  record.control.again.reset();
+  record.checked = false;
+  record.held = record.held && torn_down;  // an actuator torn down alone stays detached
+  record.due = false;
+  record.restart.reset_at.reset();
+  record.control.rival_until.reset();
+  record.free_by.reset();
+  record.report.target = {};
+  record.report.busy_number = 0;
+  if (machine_.phase == Phase::kStopping) return;
+  if (torn_down) {
+    return Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), cause);
+  }
+  // The reason why its SetUp failed says more than that its process has exited.
+  if (!record.fault || had_answered) Degrade(i, code, how, cause);
+}
+
+void Commands::LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause) {
+  Lose(i, how, cause);
+  if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
+}
+
+void Commands::Hang(ActuatorIndex i, bool silent, const RecordText& how) {
+  const std::int32_t pid = ProcessOf(i);
+  const bool killable = MayRestart(i) && pid != 0;
+  if (killable || silent) {
+    Lose(i, how);
+  } else {
+    Degrade(i, kCodeTimeout, how);
+  }
+  if (!killable) return FallBack(i);
+  Of(i).cause =
+      RecordProcess(i, kCodeTimeout, texts::BacktraceStarted(ConfigOf(i).name, pid), Of(i).cause);
+  processes_.Terminate(i, pid, kBacktraceTime);
+  Do(action::TakeBacktrace{i, pid});
+}
+
+}  // namespace musher

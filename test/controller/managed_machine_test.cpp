@@ -1,0 +1,72 @@
+// The machine as a managed node of ROS 2: what it refuses, and the reason in its records.
+
+#include "musher/controller/ros2/managed_machine.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/messages/lifecycle_msgs/services.hpp"
+#include "musher/test/controller/two_controllers.hpp"
+#include "musher/test/support/refusals.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::testing::managed_machine_test {
+
+constexpr std::uint8_t kConfigure = 1;
+constexpr std::uint8_t kActivate = 3;
+
+class TheMachineAsANode : public TwoControllers {
+ protected:
+  TheMachineAsANode() {
+    callback_takes_ = Milliseconds(500);
+    config_.ros2.activate = "Gone";  // which the machine does not have
+    simulation::ControllerProcess::Hooks hooks;
+    hooks.on_record = [this](const action::Record& record) { said_ += record.message + "\n"; };
+    first_.process = std::make_unique<simulation::ControllerProcess>(
+        network_, "first", 0, hosts_, config_, layout_.machine_id, processes_, first_.disk, hooks);
+    machine_ = ManagedMachine::Make(first_.process->node(), first_.process->shell(), "1").value();
+    client_ = transport::MakeClient<msg::ChangeState>(*desk_, "musher/change_state").value();
+    first_.process->Begin(false);
+  }
+
+  // What is recorded while a manager requests the transition in vain. A refusal within ten seconds
+  // of another one is not recorded.
+  std::string SaidOnRefusal(std::uint8_t transition) {
+    said_.clear();
+    std::optional<bool> success;
+    client_->Call({{transition, ""}}, kEnough,
+                  [&](const auto& reply) { success = reply ? reply.value().success : true; });
+    EXPECT_TRUE(RunUntil([&] { return success.has_value(); }));
+    EXPECT_EQ(success, false);
+    return said_;
+  }
+  void Run() {
+    ASSERT_TRUE(RunUntil([this] { return first_.machine().phase == Phase::kRunning; }));
+    network_.RunFor(std::chrono::seconds(11));
+    machine_->OnRecord();
+  }
+
+  std::string said_;
+  std::unique_ptr<ManagedMachine> machine_;
+  std::unique_ptr<transport::Client<msg::ChangeState>> client_;
+};
+
+TEST_F(TheMachineAsANode, RefusesAManagerWhileItStartsByItself) {
+  EXPECT_THAT(SaidOnRefusal(kConfigure), HasRefusal(Refusal::kStartsByItself));
+}
+
+TEST_F(TheMachineAsANode, RefusesAManagerWhileASwitchIsUnderWay) {
+  ASSERT_NO_FATAL_FAILURE(Run());
+  first_.process->shell().SetState("LowPower", std::nullopt, [](const auto&) {});
+  EXPECT_THAT(SaidOnRefusal(kConfigure), HasRefusal(Refusal::kMachineSwitching));
+}
+
+TEST_F(TheMachineAsANode, RefusesATransitionToAStateThatTheMachineDoesNotHave) {
+  ASSERT_NO_FATAL_FAILURE(Run());
+  std::optional<SwitchResult> down;
+  first_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { down = r; });
+  ASSERT_TRUE(RunUntil([&] { return down.has_value(); }));
+  machine_->OnRecord();
+  EXPECT_THAT(SaidOnRefusal(kActivate), HasRefusal(Refusal::kNoStateOfMachine));
+}
+
+}  // namespace musher::testing::managed_machine_test
