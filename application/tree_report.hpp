@@ -17,8 +17,8 @@ class TreeTime {
   void Continue(Time now);
   void Pause() { counts_ = false; }
 
-  // The tree time at a time of the clock. Times before the last kMostSpans pauses have the tree time
-  // at which the oldest of these spans began.
+  // The tree time at a time of the clock. Times before the last kMostSpans pauses have the tree
+  // time at which the oldest of these spans began.
   Duration At(Time when) const;
   Duration Now() const { return At(last_); }
   Time last() const { return last_; }  // of the last tick

@@ -803,8 +803,8 @@ void Checker::NoteReceived(const ControllerProcess& controller, Seen& seen) {
 // Whether a controller can know of a process on another host: it has received a report of the
 // process, or an earlier controller of its host has, and has stored that. There are two cases where
 // it cannot: it takes the machine over from a controller of a third host while the link to the
-// process is cut, or its disk was full or stalled. A process that it never received and that no disk
-// of its host has looks like a process that was never started.
+// process is cut, or its disk was full or stalled. A process that it never received and that no
+// disk of its host has looks like a process that was never started.
 bool Checker::IsKnown(const ControllerProcess& controller, ActuatorIndex i, std::size_t host,
                       const ActuatorReport& report) const {
   return host == controller.host() ||

@@ -26,8 +26,8 @@ extern const char* const kRosOnLoopback;
 std::string RosOnInterfaces(const std::vector<std::string>& outer);
 
 // Whether a CYCLONEDDS_URI replaces the settings of the profile. Two values do not: kRosOnLoopback
-// in the profile "local", which is on the loopback, too (a person exports it for ROS 2's tools); and
-// RosOnInterfaces() in the profile "lan" (a program inherits it from the ROS 2 process that has
+// in the profile "local", which is on the loopback, too (a person exports it for ROS 2's tools);
+// and RosOnInterfaces() in the profile "lan" (a program inherits it from the ROS 2 process that has
 // started it).
 bool ReplacesProfile(TransportProfile profile, std::string_view uri);
 

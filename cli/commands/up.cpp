@@ -126,7 +126,7 @@ std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
   if (is_word && !std::filesystem::exists(options.file)) {
     console.Fail({kCodeParametersInvalid,
                   fmt::format("there is no file '{0}'; `musher up robot.toml` starts a machine, "
-                              "`musher restart {0}` an actuator of one that is up",
+                              "`musher restart {0}` an actuator of a machine that runs",
                               options.file)});
     return std::nullopt;
   }

@@ -12,8 +12,6 @@
 namespace musher::cli {
 namespace {
 
-using enum CheckStatus;
-
 // A process needs some 30 descriptors, and the controller 4 more for each actuator.
 constexpr std::uint64_t kFilesOfAProcess = 256;
 constexpr std::uint64_t kFilesOfAnActuator = 8;
@@ -30,14 +28,14 @@ DoctorCheck CheckClock(const DoctorFacts& facts) {
   DoctorCheck check{"clock"};
   const ClockFacts& clock = facts.clock;
   if (clock.wall_s < kFirstPossibleTime) {
-    check.health = kError;
+    check.health = CheckStatus::kError;
     check.reason = "the wall clock shows " + WallText(clock.wall_s) +
                    ": certificates are not valid yet, and logs have wrong times";
     check.fix = "sudo timedatectl set-ntp true";
     return check;
   }
   if (clock.newest_file_s > clock.wall_s + kJumpSeconds) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason =
         fmt::format("the wall clock was set back: the state folder has a file of {}, {} s from now",
                     WallText(clock.newest_file_s), clock.newest_file_s - clock.wall_s);
@@ -54,7 +52,7 @@ DoctorCheck CheckClock(const DoctorFacts& facts) {
   // Musher's own decisions use the steady clock.
   check.reason += several_hosts ? ": records of several hosts cannot be compared"
                                 : "; that concerns only the times in logs and the journal";
-  check.health = several_hosts ? kWarning : kOk;
+  check.health = several_hosts ? CheckStatus::kWarning : CheckStatus::kOk;
   if (several_hosts) check.fix = "sudo timedatectl set-ntp true";
   return check;
 }
@@ -64,10 +62,10 @@ DoctorCheck CheckClockSource(const DoctorFacts& facts) {
   const std::string& source = facts.clock.source;
   check.reason = "clock source " + source;
   if (source.empty()) {
-    check.health = kNotApplicable;
+    check.health = CheckStatus::kNotApplicable;
     check.reason = "its source is not readable here";
   } else if (source == "jiffies" || source == "refined-jiffies") {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason += ": it advances by whole ticks, so short times are inexact";
     check.fix = "cat /sys/devices/system/clocksource/clocksource0/available_clocksource";
   }
@@ -80,7 +78,7 @@ DoctorCheck CheckOpenFiles(const DoctorFacts& facts) {
   const std::uint64_t needed = kFilesOfAProcess + kFilesOfAnActuator * actuators;
   check.reason = fmt::format("{} permitted, {} needed", facts.limits.files, needed);
   if (facts.limits.files >= needed) return check;
-  check.health = kError;
+  check.health = CheckStatus::kError;
   check.fix = facts.limits.files_hard >= needed
                   ? fmt::format("ulimit -n {}", needed)
                   : fmt::format(
@@ -119,7 +117,7 @@ DoctorCheck CheckRealTime(const DoctorFacts& facts) {
   check.reason += needed == 0 ? facts.config ? ", none requested by a command (chrt)" : ""
                               : fmt::format(", {} requests {} (chrt)", name, needed);
   if (needed <= permitted) return check;
-  check.health = kError;
+  check.health = CheckStatus::kError;
   check.reason += ": its process cannot start";
   check.fix = fmt::format(
       "echo \"$USER - rtprio {0}\" | sudo tee /etc/security/limits.d/musher-rtprio.conf and log in "
@@ -139,7 +137,7 @@ DoctorCheck CheckCoreDumps(const DoctorFacts& facts) {
           ? "to " + core.pattern
           : "to the working directory of the process, as " + core.pattern;
   if (core.limit == 0) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason =
         "a process that crashes leaves none: the limit is 0 bytes; they would go " + where;
     check.fix = core.limit_hard > 0 ? "ulimit -c unlimited; for a systemd unit LimitCORE=infinity"
@@ -150,7 +148,7 @@ DoctorCheck CheckCoreDumps(const DoctorFacts& facts) {
   const bool unlimited = core.limit == std::numeric_limits<std::uint64_t>::max();
   check.reason = where + (unlimited ? "" : fmt::format(", at most {} bytes", core.limit));
   if (core.obstacle.empty()) return check;
-  check.health = kWarning;
+  check.health = CheckStatus::kWarning;
   check.reason += ": " + core.obstacle;
   check.fix = piped ? "sudo sysctl -w kernel.core_pattern=core.%e.%p"
                     : "sudo install -d -m 1777 " +
@@ -162,7 +160,7 @@ DoctorCheck CheckBacktraces(const DoctorFacts& facts) {
   DoctorCheck check{"backtraces"};
   const Limits& limits = facts.limits;
   if (limits.tracer.empty()) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason = "neither eu-stack nor gdb is installed: a hung process is restarted without one";
     check.fix = "sudo apt-get install elfutils";
     return check;
@@ -170,7 +168,7 @@ DoctorCheck CheckBacktraces(const DoctorFacts& facts) {
   check.reason = "by " + limits.tracer;
   const int scope = limits.ptrace_scope.value_or(0);
   if (scope == 0 || limits.may_trace) return check;
-  check.health = kWarning;
+  check.health = CheckStatus::kWarning;
   check.reason += fmt::format(
       ", but kernel.yama.ptrace_scope is {}: this user may not trace the processes of the machine",
       scope);
@@ -187,7 +185,7 @@ DoctorCheck CheckCpu(const DoctorFacts& facts) {
   check.reason += fmt::format(", limited to {:g} by the cgroup, throttled for {:.1f} s so far",
                               *cpu.quota, ToSeconds(cpu.throttled));
   if (*cpu.quota < 1 || cpu.throttled > Duration{}) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason += ": heartbeats may be late";
     check.fix = "raise CPUQuota= of the systemd unit, or --cpus of the container";
   }

@@ -12,8 +12,6 @@
 namespace musher::cli {
 namespace {
 
-using enum CheckStatus;
-
 constexpr std::chrono::days kExpiresSoon(30);
 constexpr unsigned int kGroupAndOthers = 077;  // permissions of the group and of others
 
@@ -27,7 +25,7 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
                        ShellWord(facts.config->keys));
   };
   for (const KeyFacts& key : facts.keys) {
-    check.health = kError;
+    check.health = CheckStatus::kError;
     if (!key.error.empty()) {
       check.reason = key.identity + ": " + key.error;
       check.fix = facts.keys_made
@@ -42,7 +40,7 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
       return check;
     }
   }
-  check.health = kOk;
+  check.health = CheckStatus::kOk;
   if (facts.keys.empty()) return check;
   const auto first =
       std::min_element(facts.keys.begin(), facts.keys.end(),
@@ -51,7 +49,7 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
       fmt::format("{}, the first expires on {} ({})", Counted(facts.keys.size(), "certificate"),
                   FormatUtc(first->until), first->identity);
   if (first->until < facts.now + kExpiresSoon) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason += ": within 30 days; the process loses its connection then";
     check.fix = command(first->identity);
   }
@@ -69,7 +67,7 @@ DoctorCheck CheckCommands(const DoctorFacts& facts) {
     return check;
   }
   // On the robot a missing program is an error, unlike in `musher check` on another computer.
-  check.health = kError;
+  check.health = CheckStatus::kError;
   check.reason = FormatDiagnostic(facts.programs.front());
   if (facts.programs.size() > 1) {
     check.reason += fmt::format(" (and {} more)", facts.programs.size() - 1);
@@ -87,7 +85,7 @@ DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
     return check;
   }
   if (!facts.controllers.front().reachable) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason = fmt::format(
         "process {} leads a machine in {} of domain {} on this host, but does not answer in this "
         "environment",
@@ -105,7 +103,7 @@ DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
                              facts.domain);
   const bool other = facts.config && facts.controllers.front().machine != facts.config->name;
   if (!facts.config || (!other && facts.controllers.size() == 1)) return check;
-  check.health = kError;
+  check.health = CheckStatus::kError;
   check.reason += other ? fmt::format(": {} cannot start there", facts.config->name)
                         : std::string(": only one of them can lead");
   check.fix =
@@ -119,7 +117,7 @@ DoctorCheck CheckVersionOfController(const DoctorFacts& facts) {
   check.reason = "musher " + facts.version;
   for (const ControllerFacts& one : facts.controllers) {
     if (one.version.empty() || one.version == facts.version) continue;
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason = fmt::format("the controller (pid {}) is musher {}, this program is {}", one.pid,
                                one.version, facts.version);
     check.fix = one.config_file.empty()
@@ -146,7 +144,7 @@ std::vector<DoctorCheck> Diagnose(const DoctorFacts& facts) {
 }
 
 CheckStatus Worst(const std::vector<DoctorCheck>& checks) {
-  CheckStatus worst = kNotApplicable;
+  CheckStatus worst = CheckStatus::kNotApplicable;
   for (const DoctorCheck& check : checks) worst = std::max(worst, check.health);
   return worst;
 }

@@ -11,7 +11,6 @@
 namespace musher::cli {
 namespace {
 
-using enum CheckStatus;
 using transport::InterfaceUse;
 using transport::NetworkInterface;
 
@@ -67,7 +66,7 @@ DoctorCheck CheckEnvironment(const DoctorFacts& facts) {
   DoctorCheck check{"DDS environment"};
   if (!facts.domain_error.empty() || !facts.profile_error.empty()) {
     const bool domain = !facts.domain_error.empty();
-    check.health = kError;
+    check.health = CheckStatus::kError;
     check.reason = domain ? facts.domain_error : facts.profile_error;
     check.fix = domain ? "unset ROS_DOMAIN_ID" : "unset MUSHER_TRANSPORT";
     return check;
@@ -81,11 +80,11 @@ DoctorCheck CheckEnvironment(const DoctorFacts& facts) {
 DoctorCheck CheckCycloneUri(const DoctorFacts& facts) {
   DoctorCheck check{"CYCLONEDDS_URI"};
   const std::string uri = ValueOf(facts, "CYCLONEDDS_URI");
-  check.health = kNotApplicable;
+  check.health = CheckStatus::kNotApplicable;
   check.reason = "not set";
   if (uri.empty()) return check;
   check.fix = "unset CYCLONEDDS_URI";
-  check.health = kError;
+  check.health = CheckStatus::kError;
   check.reason = facts.uri_error;
   if (!facts.uri_error.empty()) return check;
   const std::vector<std::string> names = NamedInterfaces(facts.uri_text);
@@ -101,11 +100,11 @@ DoctorCheck CheckCycloneUri(const DoctorFacts& facts) {
   // Cyclone reads such a text as far as it can, without an error.
   const std::string& xml = facts.uri_text;
   if (xml.find("</CycloneDDS>") == std::string::npos && xml.find("</>") == std::string::npos) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason = "its <CycloneDDS> is not closed, so Cyclone may ignore settings";
     return check;
   }
-  check.health = kOk;
+  check.health = CheckStatus::kOk;
   check.fix.clear();
   check.reason = names.empty() ? "it names no interface: Cyclone chooses" : "on " + Joined(names);
   return check;
@@ -136,7 +135,7 @@ void CheckOuterInterfaces(const DoctorFacts& facts, DoctorCheck& check) {
   if (std::ranges::none_of(uses, &InterfaceUse::used)) {
     const auto& all = facts.interfaces;
     const auto down = std::ranges::find_if(all, [](const auto& one) { return !one.up; });
-    check.health = kError;
+    check.health = CheckStatus::kError;
     check.reason +=
         ", but no interface to other hosts: " + (uses.empty() ? "there is none" : unused);
     check.fix = down != all.end() ? "sudo ip link set " + down->name + " up"
@@ -148,7 +147,7 @@ void CheckOuterInterfaces(const DoctorFacts& facts, DoctorCheck& check) {
   for (const InterfaceUse& use : uses) {
     const NetworkInterface* found = FindInterface(facts, use.name);
     if (!use.used || found == nullptr || found->multicast) continue;
-    check.health = kError;
+    check.health = CheckStatus::kError;
     check.reason +=
         "; " + use.name + " is without multicast: processes of other hosts are not discovered";
     check.fix = "sudo ip link set " + use.name + " multicast on";
@@ -162,7 +161,7 @@ DoctorCheck CheckInterfaces(const DoctorFacts& facts) {
   const auto loopback = std::ranges::find_if(
       all, [](const auto& one) { return one.loopback && one.up && !one.addresses.empty(); });
   if (loopback == all.end()) {
-    check.health = kError;
+    check.health = CheckStatus::kError;
     check.reason =
         "no loopback interface with an IPv4 address is up; interfaces are " + NamesOf(all);
     check.fix = "sudo ip link set lo up";
@@ -207,7 +206,7 @@ DoctorCheck CheckInterfacesInUse(const DoctorFacts& facts) {
   check.reason = fmt::format("{} of this machine use them",
                              Counted(facts.members.size(), "process", "processes"));
   if (stale.empty()) return check;
-  check.health = kWarning;
+  check.health = CheckStatus::kWarning;
   check.reason =
       "not all processes use an interface that is up; it has come, or got another "
       "address, after their start: " +
@@ -221,7 +220,7 @@ DoctorCheck CheckExchange(const DoctorFacts& facts) {
   if (!facts.domain_error.empty() || !facts.profile_error.empty())
     return NotApplicable(check, "not tried: the DDS environment is not valid");
   if (!facts.dds.error.empty()) {
-    check.health = kError;
+    check.health = CheckStatus::kError;
     check.reason = facts.dds.error;
     check.fix = ValueOf(facts, "CYCLONEDDS_URI").empty()
                     ? "permit UDP, and multicast to 239.255.0.1, in the firewall of this host"
@@ -233,7 +232,7 @@ DoctorCheck CheckExchange(const DoctorFacts& facts) {
       fmt::format("two processes met after {} ms, a sample there and back takes {:.2f} ms",
                   ToMilliseconds(facts.dds.meeting), exchange_ms);
   if (facts.dds.exchange > kSlowExchange) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason += fmt::format(", more than {} ms", ToMilliseconds(kSlowExchange));
     check.fix = "see what takes the CPU: top -H";
   }
@@ -246,7 +245,7 @@ DoctorCheck CheckBuffer(const char* key, const std::optional<std::int64_t>& foun
   if (!found) return NotApplicable(check, "not readable here, as in some containers");
   check.reason = fmt::format("{} bytes; the transport requests {}", *found, wanted);
   if (*found >= wanted) return check;
-  check.health = kWarning;
+  check.health = CheckStatus::kWarning;
   check.reason += loss;
   check.fix = fmt::format(
       "echo 'net.core.{} = {}' | sudo tee /etc/sysctl.d/60-musher-{}.conf && sudo sysctl --system",
@@ -256,7 +255,7 @@ DoctorCheck CheckBuffer(const char* key, const std::optional<std::int64_t>& foun
 
 DoctorCheck CheckRos2(const DoctorFacts& facts) {
   DoctorCheck check{"ROS 2 environment"};
-  check.health = kNotApplicable;
+  check.health = CheckStatus::kNotApplicable;
   const std::string rmw = ValueOf(facts, "RMW_IMPLEMENTATION");
   const std::string distro = ValueOf(facts, "ROS_DISTRO");
   const bool nodes = facts.config && std::any_of(facts.config->actuators.begin(),
@@ -268,7 +267,7 @@ DoctorCheck CheckRos2(const DoctorFacts& facts) {
                    !ValueOf(facts, "ROS_LOCALHOST_ONLY").empty() ||
                    !ValueOf(facts, "ROS_AUTOMATIC_DISCOVERY_RANGE").empty();
   if (!facts.other_vendors.empty()) {
-    check.health = kWarning;
+    check.health = CheckStatus::kWarning;
     check.reason = fmt::format("{}: {}", fmt::join(facts.other_vendors, "; "),
                                "its services, actions and parameters do not work with Cyclone DDS");
     check.fix = "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp (in the shell that starts it)";
@@ -282,11 +281,11 @@ DoctorCheck CheckRos2(const DoctorFacts& facts) {
     obstacles = transport::RosObstacles(facts.profile, facts.environment, facts.environment);
   }
   if (obstacles.empty()) {
-    check.health = kOk;
+    check.health = CheckStatus::kOk;
     check.reason = "ROS 2 nodes of this shell discover the machine";
     return check;
   }
-  check.health = kWarning;
+  check.health = CheckStatus::kWarning;
   check.reason = fmt::format("{}", fmt::join(obstacles, "; "));
   check.fix = facts.profile == TransportProfile::kLocal && ValueOf(facts, "CYCLONEDDS_URI").empty()
                   ? fmt::format(

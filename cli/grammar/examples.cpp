@@ -30,6 +30,7 @@ constexpr auto kExamples = std::to_array<Example>({
     {"wait", "musher wait Active --timeout 30"},
     {"restart", "musher restart audio"},
     {"estop", "musher estop \"smoke\""},
+    {"permit", "musher permit"},
     {"plan", "musher plan LowPower"},
     {"wake", "musher wake"},
     {"keep", "musher keep Active --for 60"},

@@ -14,9 +14,9 @@ class Adoption : MachineView {
  public:
   using MachineView::MachineView;
 
-  // The least active state that the running actuators are in, or are switching to. Of several states
-  // with the same rank, the state of most actuators wins; only actuators that list all of these
-  // states count.
+  // The least active state that the running actuators are in, or are switching to. Of several
+  // states with the same rank, the state of most actuators wins; only actuators that list all of
+  // these states count.
   std::optional<State> LowestFound() const;
   // Whether the previous controller crashed during a switch.
   bool FoundSwitching() const;

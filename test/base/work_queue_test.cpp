@@ -81,7 +81,7 @@ TEST_F(Queue, RunsWorkInItsOrderAndAllOfItBeforeItEnds) {
   EXPECT_THAT(board_->Begun(), ElementsAre("first", "second", "third"));
 }
 
-TEST_F(Queue, DropsWhatWaitsWhenItEndsIfItIsToldSo) {
+TEST_F(Queue, DropsWhatWaitsAtItsEndIfThatIsItsOption) {
   Begin({.at_end = WorkQueueOptions::AtEnd::kDrop, .end_timeout = Milliseconds(1)});
   Do("second");
   queue_->End();

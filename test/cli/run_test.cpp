@@ -52,7 +52,7 @@ TEST(Program, RefusesToStartABadConfig) {
 TEST(Program, NamesTheCommandThatStartsAnActuatorWhereOneIsGivenAsTheFile) {
   const Ran ran = RunProgram({"up", "audio"});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.err, HasSubstr("`musher restart audio` an actuator of one that is up"));
+  EXPECT_THAT(ran.err, HasSubstr("`musher restart audio` an actuator of a machine that runs"));
 }
 
 TEST(Program, RefusesToStartAMachineInANamespaceThatIsNotItsOwn) {

@@ -76,8 +76,8 @@ TEST(IncludeRules, KeepTheRoomsOfAFolderInTheirLayers) {
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/coordinator/a.cpp", switching)), IsEmpty());
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/switch/a.cpp", switching)), IsEmpty());
   EXPECT_THAT(
-      ForbiddenIncludes(Including("lifecycle/switch/a.cpp", switching)),
-      ElementsAre("lifecycle/switch/a.cpp:2: room 'command' may not include room 'switch'"));
+      ForbiddenIncludes(Including("lifecycle/machine/a.cpp", switching)),
+      ElementsAre("lifecycle/machine/a.cpp:2: room 'machine' may not include room 'switch'"));
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/per_actuator.hpp", switching)), SizeIs(1));
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/new/a.cpp", switching)),
               ElementsAre("lifecycle/new/a.cpp:2: room 'new' of lifecycle has no layer"));

@@ -59,8 +59,8 @@ void WatchedTopics::OnTopicsChanged() {
   }
 }
 
-// The place of the writer and its skill. A new one gets the place of a lost writer, else a new place,
-// else the place that has been silent for the longest time.
+// The place of the writer and its skill. A new one gets the place of a lost writer, else a new
+// place, else the place that has been silent for the longest time.
 WatchedTopics::Sample& WatchedTopics::SampleOf(Topic& topic, transport::EndpointId writer,
                                                const std::string& skill) {
   std::vector<Sample>& samples = topic.samples;
