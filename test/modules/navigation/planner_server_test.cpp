@@ -236,4 +236,22 @@ TEST(ThreadBackground, DropsItsWorkWhenItIsDestroyed) {
   EXPECT_LE(works, 1);
 }
 
+TEST_F(PlannerServerTest, PlansAroundTheCellsOfAMaskToKeepOutOf) {
+  MaskPeer mask(*peers_, "keepout_filter_info");
+  StartServers();
+  const auto crosses = [&](const msg::Path& path) {
+    return std::ranges::any_of(path.poses, [](const auto& pose) {
+      const auto& at = pose.pose.position;
+      return at.x > 1.5 && at.x < 2.5 && at.y > 1.5 && at.y < 2.5;
+    });
+  };
+  EXPECT_TRUE(crosses(PathTo(3, 2)));
+  mask.Publish(msg::CostmapFilterInfo::kKeepout, {1.5, 1.5, 0}, 1, 100);
+  Run(1000);
+  EXPECT_FALSE(crosses(PathTo(3, 2)));
+  map_->Publish(GridOf(walls_.map())).ok();
+  Run(1000);
+  EXPECT_FALSE(crosses(PathTo(3, 2))) << "a new map keeps it";
+}
+
 }  // namespace musher::navigation::planner_server_test
