@@ -55,8 +55,7 @@ TEST(KeepOut, IsPlannedAroundWhateverTheResolutions) {
     const auto plan = planner.value().Find({{1, 1, 0}, 0}, {{5, 1, 0}, 0});
     ASSERT_TRUE(plan) << plan.error().message;
     for (const Pose& pose : plan.value().path) {
-      const bool inside =
-          pose.at.x_m > 3 && pose.at.x_m < 3.5 && pose.at.y_m < 4.5;
+      const bool inside = pose.at.x_m > 3 && pose.at.x_m < 3.5 && pose.at.y_m < 4.5;
       EXPECT_FALSE(inside) << mask_m << ": " << pose.at.x_m << ", " << pose.at.y_m;
     }
     EXPECT_GT(plan.value().length_m, 7) << "straight it is 4 m";

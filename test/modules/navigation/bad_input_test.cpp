@@ -47,8 +47,7 @@ class Rig : public testing::NavigationRig {
     }
     msg::LaserScan scan;
     scan.header.frame_id = "map";
-    scan.header.stamp =
-        msg::ToStamp(peers_->loop().Now().time_since_epoch() + stamp_off);
+    scan.header.stamp = msg::ToStamp(peers_->loop().Now().time_since_epoch() + stamp_off);
     scan.angle_min = -3.14F;
     scan.angle_increment = ranges.empty() ? 0 : 6.28F / static_cast<float>(ranges.size());
     scan.range_min = 0.05F;
@@ -140,7 +139,8 @@ const BadInput kMaps[] = {
     {"MapWithTooFewCells", [](Rig& r) { r.PublishMap([](auto& map) { map.data.resize(5); }); }},
     {"MapWithAnOriginThatIsNotANumber",
      [](Rig& r) { r.PublishMap([](auto& map) { map.info.origin.position.x = kNan; }); }},
-    {"MapWithHugeCells", [](Rig& r) { r.PublishMap([](auto& map) { map.info.resolution = 1e30F; }); }},
+    {"MapWithHugeCells",
+     [](Rig& r) { r.PublishMap([](auto& map) { map.info.resolution = 1e30F; }); }},
     {"MapThatIsAllBlocked",
      [](Rig& r) { r.PublishMap([](auto& map) { map.data.assign(map.data.size(), 100); }); }},
     {"MapThatIsAllFree",
@@ -158,8 +158,7 @@ const BadInput kScans[] = {
     {"ScanOfNotANumber",
      [](Rig& r) {
        r.robot_.scan_silent = true;
-       r.Each(Milliseconds(50),
-              [&r] { r.PublishScan(std::vector<float>(180, std::nanf(""))); });
+       r.Each(Milliseconds(50), [&r] { r.PublishScan(std::vector<float>(180, std::nanf(""))); });
      }},
     {"ScanOfZeros",
      [](Rig& r) {
@@ -174,16 +173,14 @@ const BadInput kScans[] = {
     {"ScanFromTheFuture",
      [](Rig& r) {
        r.robot_.scan_silent = true;
-       r.Each(Milliseconds(50), [&r] {
-         r.PublishScan(std::vector<float>(180, 7.9F), std::chrono::hours(1));
-       });
+       r.Each(Milliseconds(50),
+              [&r] { r.PublishScan(std::vector<float>(180, 7.9F), std::chrono::hours(1)); });
      }},
     {"ScanFromThePast",
      [](Rig& r) {
        r.robot_.scan_silent = true;
-       r.Each(Milliseconds(50), [&r] {
-         r.PublishScan(std::vector<float>(180, 7.9F), -std::chrono::seconds(5));
-       });
+       r.Each(Milliseconds(50),
+              [&r] { r.PublishScan(std::vector<float>(180, 7.9F), -std::chrono::seconds(5)); });
      }},
     {"ScanThatIsSilent", [](Rig& r) { r.robot_.scan_silent = true; }},
     {"ScanOfAWallAllAround",
@@ -194,16 +191,18 @@ const BadInput kScans[] = {
 };
 
 const BadInput kOdometries[] = {
-    {"OdometryThatJumps", [](Rig& r) { r.robot_.odometry_off = {30, 0, 0}; }},
+    {"OdometryThatJumps",
+     [](Rig& r) {
+       r.robot_.odometry_off = {30, 0, 0};
+     }},
     {"OdometryThatJumpsToAndFro",
      [](Rig& r) {
-       r.Each(Milliseconds(300),
-              [&r, i = 0]() mutable { r.robot_.odometry_off = {++i % 2 ? 1.0 : 0.0, 0, 0}; });
+       r.Each(Milliseconds(300), [&r, i = 0]() mutable {
+         r.robot_.odometry_off = {++i % 2 ? 1.0 : 0.0, 0, 0};
+       });
      }},
     {"OdometryThatDrifts",
-     [](Rig& r) {
-       r.Each(Milliseconds(20), [&r] { r.robot_.odometry_off.y_m += 0.004; });
-     }},
+     [](Rig& r) { r.Each(Milliseconds(20), [&r] { r.robot_.odometry_off.y_m += 0.004; }); }},
     {"OdometryThatStandsWithFreshStamps", [](Rig& r) { r.robot_.odometry_frozen = true; }},
     {"OdometryWithStampsThatStand", [](Rig& r) { r.robot_.stamps_stand = true; }},
     {"OdometryThatIsSilent", [](Rig& r) { r.robot_.odometry_silent = true; }},
@@ -229,10 +228,7 @@ const BadInput kOdometries[] = {
          r.PublishOdometry([](auto& odometry) { odometry.pose.pose.position.y = kHuge; });
        });
      }},
-    {"OdometryOfAnotherFrame",
-     [](Rig& r) {
-       r.robot_.odometry_frame = "odom";
-     }},
+    {"OdometryOfAnotherFrame", [](Rig& r) { r.robot_.odometry_frame = "odom"; }},
     {"WheelsThatSlip", [](Rig& r) { r.robot_.stuck = true; }},
 };
 
@@ -246,12 +242,11 @@ INSTANTIATE_TEST_SUITE_P(WithOdometry, ADrive, ::testing::ValuesIn(kOdometries),
 
 class AClock : public ::testing::TestWithParam<double> {};
 
-// The controller follows /clock, which is slower or faster than the body: the two do not agree about
-// speeds.
+// The controller follows /clock, which is slower or faster than the body: the two do not agree
+// about speeds.
 TEST_P(AClock, ThatIsWrongByTenTimesEndsADriveAtAStandWithItsReason) {
   Rig rig;
-  rig.controller_clock_ =
-      Rig::Must(transport::Clock::FromTopic(*rig.controller_node_, [] {}));
+  rig.controller_clock_ = Rig::Must(transport::Clock::FromTopic(*rig.controller_node_, [] {}));
   const auto clock = Rig::Must(transport::MakePublisher<msg::Clock>(
       *rig.peers_, transport::kClockTopic, transport::kClockQos));
   Duration shown = std::chrono::seconds(1000);
@@ -268,7 +263,7 @@ TEST_P(AClock, ThatIsWrongByTenTimesEndsADriveAtAStandWithItsReason) {
 }
 
 INSTANTIATE_TEST_SUITE_P(TooSlowOrTooFast, AClock, ::testing::Values(0.1, 10.0),
-                         [](const auto& info) { return info.param < 1 ? "Slow" : "Fast"; });
+                         [](const auto& one) { return one.param < 1 ? "Slow" : "Fast"; });
 
 struct BadGoal {
   const char* name;
@@ -301,15 +296,14 @@ TEST_P(APath, IsRefusedOrNotFollowedAndTheRobotStands) {
   EXPECT_EQ(rig.robot_.pose(), (Pose{{1, 2, 0}, 0}));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Bad, APath,
-    ::testing::Values(BadGoal{"StartFarAway", At(6.5, 2), At(5, 2)},
-                      BadGoal{"StartOutsideOfTheMap", At(-50, 2), At(5, 2)},
-                      BadGoal{"StartThatIsHuge", At(kHuge, 2), At(5, 2)},
-                      BadGoal{"GoalThatIsHuge", At(1, 2), At(kHuge, -kHuge)},
-                      BadGoal{"GoalThatIsInfinite", At(1, 2), At(kInf, 2)},
-                      BadGoal{"GoalThatIsNotANumber", At(1, 2), At(2, kNan)},
-                      BadGoal{"GoalInAWall", At(1, 2), At(3.8, 0.6)}),
-    [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Bad, APath,
+                         ::testing::Values(BadGoal{"StartFarAway", At(6.5, 2), At(5, 2)},
+                                           BadGoal{"StartOutsideOfTheMap", At(-50, 2), At(5, 2)},
+                                           BadGoal{"StartThatIsHuge", At(kHuge, 2), At(5, 2)},
+                                           BadGoal{"GoalThatIsHuge", At(1, 2), At(kHuge, -kHuge)},
+                                           BadGoal{"GoalThatIsInfinite", At(1, 2), At(kInf, 2)},
+                                           BadGoal{"GoalThatIsNotANumber", At(1, 2), At(2, kNan)},
+                                           BadGoal{"GoalInAWall", At(1, 2), At(3.8, 0.6)}),
+                         [](const auto& one) { return one.param.name; });
 
 }  // namespace musher::navigation::bad_input_test

@@ -63,8 +63,7 @@ class Goals {
 class MaskPeer {
  public:
   MaskPeer(transport::Node& node, const std::string& topic)
-      : info_(transport::MakePublisher<msg::CostmapFilterInfo>(node, topic,
-                                                               transport::kLatchedQos)
+      : info_(transport::MakePublisher<msg::CostmapFilterInfo>(node, topic, transport::kLatchedQos)
                   .value()),
         grid_(transport::MakePublisher<msg::OccupancyGrid>(node, topic + "_mask",
                                                            transport::kLatchedQos)

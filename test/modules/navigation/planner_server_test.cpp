@@ -12,6 +12,8 @@
 namespace musher::navigation::planner_server_test {
 
 using testing::At;
+using testing::GridOf;
+using testing::MaskPeer;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -249,7 +251,7 @@ TEST_F(PlannerServerTest, PlansAroundTheCellsOfAMaskToKeepOutOf) {
   mask.Publish(msg::CostmapFilterInfo::kKeepout, {1.5, 1.5, 0}, 1, 100);
   Run(1000);
   EXPECT_FALSE(crosses(PathTo(3, 2)));
-  map_->Publish(GridOf(walls_.map())).ok();
+  EXPECT_TRUE(map_->Publish(GridOf(walls_.map())));
   Run(1000);
   EXPECT_FALSE(crosses(PathTo(3, 2))) << "a new map keeps it";
 }

@@ -182,8 +182,7 @@ void AddMoversInDoors(std::vector<Scene>& scenes) {
   for (const double stands_s : {5.0, 15.0, 40.0, 300.0}) {
     Scene scene = Plain("mover in the door", fmt::format("for {} s", stands_s), RoomsWithADoor(1),
                         {{1, 2.5, 0}, 0}, {{7, 2.5, 0}, 0});
-    scene.movers = {
-        Walker({{6.5, 1, 0}, {4.1, 2.5, 0}, {1.5, 4.3, 0}}, 0.8, 0, stands_s + 3.5)};
+    scene.movers = {Walker({{6.5, 1, 0}, {4.1, 2.5, 0}, {1.5, 4.3, 0}}, 0.8, 0, stands_s + 3.5)};
     scene.passable = stands_s < 100;
     scenes.push_back(std::move(scene));
   }
@@ -235,7 +234,8 @@ void AddCorridors(std::vector<Scene>& scenes) {
       {"comes and goes back", Walker({{7, 2, 0}, {5, 2, 0}, {9, 2, 0}, {9, 1, 0}}, 0.5)},
       {"drives ahead, slowly", Walker({{2.5, 2, 0}, {8.5, 2, 0}, {9, 3.4, 0}}, 0.3)},
       {"comes and stops at the body",
-       {0.2, [at = Point{8, 2, 0}, last_s = 0.0](double at_s, const Point& robot) mutable {
+       {0.2,
+        [at = Point{8, 2, 0}, last_s = 0.0](double at_s, const Point& robot) mutable {
           const double step_m = 0.5 * std::max(0.0, at_s - last_s);
           last_s = at_s;
           if (at.x_m - robot.x_m > 0.8) at.x_m -= step_m;
@@ -245,7 +245,8 @@ void AddCorridors(std::vector<Scene>& scenes) {
   for (const auto& [name, mover] : others) {
     Scene scene = Plain("head-on corridor", name, corridor, start, goal);
     scene.movers = {mover};
-    scene.passable = std::string(name) != "stands" && std::string(name).find("body") == std::string::npos;
+    scene.passable =
+        std::string(name) != "stands" && std::string(name).find("body") == std::string::npos;
     scenes.push_back(std::move(scene));
   }
 }
@@ -257,7 +258,8 @@ void AddPersons(std::vector<Scene>& scenes) {
         {"stands in the way", Walker({{4, 3, 0}, {4, 3, 0}}, 1)},
         {"crosses", Walker({{4, 0.6, 0}, {4, 5.4, 0}}, 0.8)},
         {"comes along", Walker({{7, 3.1, 0}, {1, 3.1, 0}, {1, 5, 0}}, 0.8)},
-        {"walks to and fro", Walker({{4, 1, 0}, {4, 5, 0}, {4, 1, 0}, {4, 5, 0}, {4, 5.3, 0}}, 0.6)},
+        {"walks to and fro",
+         Walker({{4, 1, 0}, {4, 5, 0}, {4, 1, 0}, {4, 5, 0}, {4, 5.3, 0}}, 0.6)},
     };
     for (const auto& [name, person] : persons) {
       Scene scene = Plain(kind, name, Room(8, 6), {{1, 3, 0}, 0}, {{7, 3, 0}, 0});
@@ -377,7 +379,8 @@ class SceneRun {
   double ToMovers(double angle, double range_m) const {
     const double c = std::cos(angle), s = std::sin(angle);
     for (std::size_t i = 0; i < movers_.size(); ++i) {
-      const double x = movers_[i].x_m - body_.pose().at.x_m, y = movers_[i].y_m - body_.pose().at.y_m;
+      const double x = movers_[i].x_m - body_.pose().at.x_m,
+                   y = movers_[i].y_m - body_.pose().at.y_m;
       const double along = x * c + y * s, radius_m = scene_.movers[i].radius_m;
       const double square = radius_m * radius_m - (x * x + y * y - along * along);
       if (along > 0 && square >= 0) range_m = std::min(range_m, along - std::sqrt(square));
@@ -435,7 +438,8 @@ class SceneRun {
     end_.least_room_m = std::min(end_.least_room_m, room_m);
     bool touches = room_m <= 0, comes = false;
     for (std::size_t i = 0; i < movers_.size(); ++i) {
-      const double x = movers_[i].x_m - body_.pose().at.x_m, y = movers_[i].y_m - body_.pose().at.y_m;
+      const double x = movers_[i].x_m - body_.pose().at.x_m,
+                   y = movers_[i].y_m - body_.pose().at.y_m;
       if (std::hypot(x, y) > kRadiusM + scene_.movers[i].radius_m) continue;
       const Velocity v = InBodyFrame(body_.velocity(), -body_.pose().yaw_rad);
       const bool towards = v.x_m_s * x + v.y_m_s * y > kMovesMS * std::hypot(x, y);

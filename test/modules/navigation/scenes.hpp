@@ -39,9 +39,9 @@ struct Scene {
 struct SceneEnd {
   enum class Kind { kArrived, kRefused, kEndless } kind = Kind::kEndless;
   std::string reason;
-  int contacts = 0;         // of a moving body with what stands or comes
+  int contacts = 0;            // of a moving body with what stands or comes
   int contacts_of_movers = 0;  // that have come to a body that stands
-  double least_room_m = 1;  // to walls
+  double least_room_m = 1;     // to walls
   double seconds = 0;
   int plans = 0;
   std::vector<double> replan_ms;  // CPU

@@ -29,14 +29,14 @@ TEST_P(HeldScenesNightly, EndWithoutAContact) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, HeldScenesNightly, ::testing::ValuesIn(HeldScenes()),
-                         [](const auto& info) {
-                           std::string name = info.param.kind + "_" + info.param.name;
-                           std::erase_if(name, [](char c) { return c == '.' || c == ','; });
-                           std::ranges::replace_if(
-                               name, [](unsigned char c) { return !std::isalnum(c); }, '_');
-                           return name;
-                         });
+std::string NameOf(const ::testing::TestParamInfo<Scene>& scene) {
+  std::string name = scene.param.kind + "_" + scene.param.name;
+  std::erase_if(name, [](char c) { return c == '.' || c == ','; });
+  std::ranges::replace_if(name, [](unsigned char c) { return !std::isalnum(c); }, '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, HeldScenesNightly, ::testing::ValuesIn(HeldScenes()), NameOf);
 
 }  // namespace scenes_test
 }  // namespace musher::navigation::testing
