@@ -191,7 +191,7 @@ TEST(ControllerFile, ReportsErrorsOfTheGateAtTheirPlace) {
             "controller.toml:5:12: error: robot.gate.zone.corners: " + corners);
   EXPECT_EQ(ControllerError(robot + "[[robot.scanner]]\ntopic = \"a/scan\"\nyaw = 3\n"),
             "controller.toml:5:1: error: robot.scanner: unknown key \"yaw\"; expected one of "
-            "topic, x_m, y_m, z_m, yaw_deg, least_m and most_m");
+            "topic, x_m, y_m, z_m, yaw_deg, upside_down, least_m and most_m");
 }
 
 TEST(ControllerFile, MayLeaveOutMapAndScan) {
