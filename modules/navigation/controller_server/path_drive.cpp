@@ -97,8 +97,9 @@ Pose PathDrive::PoseNow(Time now) const {
 void PathDrive::OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now) {
   if (!gate_.OnScan(scanner, scan, stamp, now)) return;
   if (poses_.empty()) return;  // it is not known where the scan was taken
-  // A planar scan does not say what is at another height, so a flyer remembers nothing.
-  if (robot_.flies) seen_.Clear();
+  // A planar scan does not say what is at another height, so a flyer remembers nothing; but with
+  // several scanners the scan of one must not erase what another one sees.
+  if (robot_.flies && robot_.scanners.size() == 1) seen_.Clear();
   const ScanMount& mount = gate_.mount(scanner);
   seen_.Add(CountedBy(mount, scan), PlacedAt(poses_.At(stamp), mount.on_body), now);
   seen_at_[scanner] = now;
