@@ -85,6 +85,12 @@ class Follower {
   // No faster than that from now on, also in later trajectories; it brakes within the limits.
   void LimitSpeed(double speed_m_s) { speed_limit_m_s_ = speed_m_s; }
 
+  // When it has arrived, from now on.
+  void ArriveWithin(double arrive_m, double arrive_rad) {
+    rules_.arrive_m = arrive_m;
+    rules_.arrive_rad = arrive_rad;
+  }
+
   // Something else than its own obstacles slows the body down, for example a gate.
   void NoteSlowed(Time now);
 

@@ -84,6 +84,10 @@ ScanMount ReadScanner(TableReader& reader) {
   Set(reader, "y_m", -kFarM, kFarM, mount.on_body.at.y_m);
   Set(reader, "z_m", -kFarM, kFarM, mount.on_body.at.z_m);
   mount.on_body.yaw_rad = reader.Number("yaw_deg", -360, 360).value_or(0) * M_PI / 180;
+  mount.upside_down = reader.Bool("upside_down").value_or(false);
+  for (const char* key : {"x_m", "y_m", "z_m", "yaw_deg", "upside_down"}) {
+    mount.given = mount.given || reader.Has(key);
+  }
   Set(reader, "least_m", 0, kFarM, mount.least_m);
   if (const auto most = reader.Number("most_m", 0.1, 1000)) mount.most_m = *most;
   reader.RefuseOthers();

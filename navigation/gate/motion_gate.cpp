@@ -131,6 +131,10 @@ void MotionGate::Track::AddMoved(const std::vector<Point>& points, Time then,
 MotionGate::MotionGate(const GateRules& rules)
     : rules_(rules), views_(rules.scanners.begin(), rules.scanners.end()) {}
 
+void MotionGate::Mount(std::size_t scanner, const Pose& on_body, bool upside_down) {
+  if (!mount(scanner).given) views_[scanner].Mount(on_body, upside_down);
+}
+
 bool MotionGate::OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now) {
   Advance(now);
   return scanner < views_.size() && views_[scanner].Take(scan, stamp, now);

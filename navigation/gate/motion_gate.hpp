@@ -84,6 +84,9 @@ class MotionGate {
 
   // Of the scanner with this index in the rules. False: the scan is refused.
   bool OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now);
+  const ScanMount& mount(std::size_t scanner) const { return views_[scanner].mount(); }
+  // Where it is on the body, as a transform says; not one that the config gives.
+  void Mount(std::size_t scanner, const Pose& on_body, bool upside_down);
   // As measured, for example by odometry.
   void OnVelocity(const Velocity& velocity, Time now);
   // What was seen and measured before counts no more.

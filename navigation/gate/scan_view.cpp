@@ -17,6 +17,17 @@ bool HasMeasurement(const Scan& scan) {
 
 }  // namespace
 
+Scan CountedBy(const ScanMount& mount, const Scan& scan) {
+  Scan counted = scan;
+  counted.least_m = std::max(scan.least_m, mount.least_m);
+  counted.most_m = std::min(scan.most_m, mount.most_m);
+  if (mount.upside_down) {
+    counted.from_rad = -scan.from_rad;
+    counted.step_rad = -scan.step_rad;
+  }
+  return counted;
+}
+
 bool ScanView::IsNew(Duration stamp, Time now) {
   if (!last_stamp_) return true;
   const Duration step = stamp - *last_stamp_;
@@ -41,15 +52,8 @@ bool ScanView::Take(const Scan& scan, Duration stamp, Time now) {
     last_at_ = now;
   }
   taken_ = now - age;
-  points_ = PointsOf(Counted(scan), mount_.on_body);
+  points_ = PointsOf(CountedBy(mount_, scan), mount_.on_body);
   return true;
-}
-
-Scan ScanView::Counted(const Scan& scan) const {
-  Scan counted = scan;
-  counted.least_m = std::max(scan.least_m, mount_.least_m);
-  counted.most_m = std::min(scan.most_m, mount_.most_m);
-  return counted;
 }
 
 void ScanView::Forget() {

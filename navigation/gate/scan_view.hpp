@@ -21,9 +21,14 @@ namespace musher::navigation {
 struct ScanMount {
   std::string topic;  // of its scans, for messages
   Pose on_body{};
-  double least_m = 0;  // nearer points are of the body itself
+  bool upside_down = false;  // its rays turn the other way round
+  bool given = false;        // else a transform on /tf counts, where there is one
+  double least_m = 0;        // nearer points are of the body itself
   double most_m = std::numeric_limits<double>::infinity();
 };
+
+// The scan with the limits of the mount. One from upside down is turned, as if the scanner stood.
+Scan CountedBy(const ScanMount& mount, const Scan& scan);
 
 class ScanView {
  public:
@@ -33,10 +38,12 @@ class ScanView {
   bool Take(const Scan& scan, Duration stamp, Time now);
   void Forget();
 
-  // With the limits of the mount.
-  Scan Counted(const Scan& scan) const;
-
   const ScanMount& mount() const { return mount_; }
+  // For the scans from now on.
+  void Mount(const Pose& on_body, bool upside_down) {
+    mount_.on_body = on_body;
+    mount_.upside_down = upside_down;
+  }
   // In the frame that the body had when the scan was taken.
   const std::vector<Point>& points() const { return points_; }
   std::optional<Time> taken() const { return taken_; }

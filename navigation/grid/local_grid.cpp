@@ -35,27 +35,34 @@ bool LocalGrid::IsNear(const Point& point) const {
   return std::abs(point.x_m - middle_.x_m) < half_m && std::abs(point.y_m - middle_.y_m) < half_m;
 }
 
-// The cells that the ray passes, but those around its end.
-void LocalGrid::ClearRay(const Pose& sensor, double angle_rad, double length_m) {
-  const double step_m = rules_.resolution_m / 2, c = std::cos(angle_rad), s = std::sin(angle_rad);
-  const double end_m = std::min(length_m - 2 * rules_.resolution_m, rules_.side_m);
-  for (double along_m = 0; along_m < end_m; along_m += step_m) {
-    const Point at{sensor.at.x_m + along_m * c, sensor.at.y_m + along_m * s, 0};
-    if (!IsNear(at)) return;
-    At(IndexOf(at.x_m, at.y_m)).seen.reset();
-  }
+void LocalGrid::NotePlace(const Point& place) {
+  constexpr double kJumpM = 0.5;
+  if (place_ && Distance(*place_, place) > kJumpM) Clear();
+  place_ = place;
+}
+
+bool LocalGrid::IsPassed(const Mark& mark, const Scan& scan, const Pose& sensor) const {
+  const double x = mark.at.x_m - sensor.at.x_m, y = mark.at.y_m - sensor.at.y_m;
+  const double away_m = std::hypot(x, y);
+  // In rays from the first one on.
+  double rays = Wrapped(std::atan2(y, x) - sensor.yaw_rad - scan.from_rad) / scan.step_rad;
+  if (rays < -0.5) rays += 2 * M_PI / std::abs(scan.step_rad);
+  const double index = std::round(rays);
+  if (!(index >= 0 && index < static_cast<double>(scan.ranges_m.size()))) return false;
+  const double aside_m = away_m * std::abs((rays - index) * scan.step_rad);
+  const double range_m = scan.ranges_m[static_cast<std::size_t>(index)];
+  if (!(range_m >= scan.least_m)) return false;  // it says nothing
+  const double clears_m = std::min(range_m, scan.most_m) - 2 * rules_.resolution_m;
+  return aside_m <= rules_.resolution_m && away_m < clears_m;
 }
 
 void LocalGrid::Add(const Scan& scan, const Pose& sensor, Time now) {
   const bool known = IsFinite(sensor) && std::abs(sensor.at.x_m) < kFarthestM &&
                      std::abs(sensor.at.y_m) < kFarthestM;
-  if (!known || !std::isfinite(scan.from_rad) || !std::isfinite(scan.step_rad)) return;
+  if (!known || !std::isfinite(scan.from_rad) || !std::isnormal(scan.step_rad)) return;
   middle_ = sensor.at;
-  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const double range_m = scan.ranges_m[i];
-    if (!(range_m >= scan.least_m)) continue;  // it says nothing
-    const double angle = sensor.yaw_rad + scan.from_rad + static_cast<double>(i) * scan.step_rad;
-    ClearRay(sensor, angle, std::min(range_m, scan.most_m));
+  for (Mark& mark : marks_) {
+    if (mark.seen && IsNear(mark.at) && IsPassed(mark, scan, sensor)) mark.seen.reset();
   }
   for (const Point& point : navigation::PointsOf(scan, sensor)) {
     if (IsNear(point)) At(IndexOf(point.x_m, point.y_m)) = {point, now};
@@ -64,6 +71,7 @@ void LocalGrid::Add(const Scan& scan, const Pose& sensor, Time now) {
 
 void LocalGrid::Clear() {
   for (Mark& mark : marks_) mark.seen.reset();
+  place_.reset();
 }
 
 std::vector<Point> LocalGrid::Points(Time now) const {

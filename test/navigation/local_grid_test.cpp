@@ -81,6 +81,24 @@ TEST_F(Grid, SharesNoCellWithAPlaceFarAway) {
   EXPECT_NEAR(Points()[0].x_m, 12, 1e-6);
 }
 
+TEST_F(Grid, ForgetsWhatIsElsewhereAfterAJumpOfTheLocalisation) {
+  grid_.NotePlace({0, 0, 0});
+  See(2);
+  grid_.NotePlace({0.4, 0, 0});
+  EXPECT_THAT(Points(), SizeIs(1)) << "it has driven";
+  grid_.NotePlace({1, 0, 0});
+  EXPECT_THAT(Points(), IsEmpty());
+}
+
+TEST_F(Grid, ForgetsWhatTheNearestOfManyRaysPasses) {
+  Scan round{-M_PI, M_PI / 180, 0.05, 8, std::vector<float>(360, 2.0F)};
+  grid_.Add(round, {}, now_);
+  EXPECT_GT(Points().size(), 200U);
+  for (float& range_m : round.ranges_m) range_m = 9;
+  grid_.Add(round, {{0.3, 0, 0}, 0.4}, now_);
+  EXPECT_THAT(Points(), IsEmpty()) << "also where the circle closes";
+}
+
 TEST_F(Grid, IsEmptyAfterAClear) {
   See(2);
   grid_.Clear();

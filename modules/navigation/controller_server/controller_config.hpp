@@ -9,6 +9,7 @@
 #include "musher/base/diagnostic.hpp"
 #include "musher/modules/navigation/server/robot_table.hpp"
 #include "musher/navigation/controller/follower.hpp"
+#include "musher/navigation/controller/progress_check.hpp"
 #include "musher/navigation/gate/motion_gate.hpp"
 
 namespace musher::navigation {
@@ -28,17 +29,36 @@ struct ControllerRobot : RobotTable {
   bool stamped = false;    // the command is a TwistStamped, as nav2 has it since Kilted
 };
 
+struct NamedGoalChecker {
+  std::string name;
+  double arrive_m = 0.2;
+  double arrive_rad = 0.1;
+};
+
+struct NamedProgressChecker {
+  std::string name;
+  ProgressRules rules;
+};
+
 struct ControllerConfig {
   std::string frame = "map";
   std::string map = "map";                  // of robots on the ground; empty: none
   std::string cloud = "map_point_cloud";    // of flyers; empty: none
   std::string speed_limit = "speed_limit";  // nav2_msgs/SpeedLimit; empty: none
+  // nav2_msgs/CostmapFilterInfo; empty: none
+  std::string keep_out = "keepout_filter_info";
+  std::string speed_mask = "speed_filter_info";
   double cloud_resolution_m = 0.1;
   Duration odometry_stale = Milliseconds(400);  // older odometry ends a drive
   Duration scan_stale = Milliseconds(1000);
   Duration obstacle_time = Milliseconds(2000);  // with an obstacle in the way
   Duration late = Milliseconds(5000);           // after the trajectory's time
   Duration self_check_time = Milliseconds(5000);
+  LocalGridRules memory;  // of what scans have seen
+  TfSource tf;
+  // By the ids of a goal. Without any of a kind, ids of it are not used.
+  std::vector<NamedGoalChecker> goal_checkers;
+  std::vector<NamedProgressChecker> progress_checkers;
   std::vector<ControllerRobot> robots;
 };
 

@@ -50,6 +50,7 @@ ControllerServer::ControllerServer(const Dependencies& dependencies, ControllerC
                                    std::unique_ptr<Background> background)
     : dependencies_(dependencies),
       config_(std::move(config)),
+      frames_(config_.tf.stale),
       warnings_([this](const std::string& line) { Log(LogLevel::kWarning, line); }, kQuietPeriod),
       background_(std::move(background)),
       endpoints_(dependencies.node, dependencies.name_space) {}
@@ -78,6 +79,8 @@ Result<> ControllerServer::Open() {
     endpoints_.Subscribe<msg::SpeedLimit>(
         config_.speed_limit, [this](const msg::SpeedLimit& limit) { OnSpeedLimit(limit); });
   }
+  SubscribeMasks();
+  SubscribeFrames(endpoints_, config_.tf, dependencies_.clock, frames_);
   auto& loop = dependencies_.node.loop();
   quiet_ticks_ = loop.Every(kQuietPeriod, [this, &loop] { warnings_.Tick(loop.Now()); });
   return endpoints_.opened();
@@ -118,7 +121,13 @@ void ControllerServer::OpenRobot(Robot& robot) {
   RobotHandlers<Action> handlers;
   handlers.on_odometry = [this, &robot](const auto& odometry) { OnOdometry(robot, odometry); };
   handlers.on_scan = [this, &robot](std::size_t scanner, const auto& scan) {
+    const auto mount = frames_.Find(robot.frame, scan.header.frame_id, Now());
+    if (mount) robot.drive.Mount(scanner, mount.value());
     robot.drive.OnScan(scanner, ToScan(scan), msg::FromStamp(scan.header.stamp), Now());
+  };
+  handlers.clear_memory = [this, &robot] {
+    robot.drive.ClearMemory();
+    Log(LogLevel::kInfo, robot.config.name + ": what it has seen is forgotten");
   };
   handlers.accept = [this, &robot] {
     if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
@@ -143,7 +152,7 @@ void ControllerServer::OnMap(bool flies, MakeClearance make) {
                              dependencies_.node.loop().Now());
       }
       for (const auto& robot : robots_) {
-        if (robot->config.flies == flies) robot->drive.SetMap(made->value());
+        if (robot->config.flies == flies) robot->drive.SetMap(made->value(), Now());
       }
     };
   });
@@ -158,7 +167,8 @@ void ControllerServer::OnSpeedLimit(const msg::SpeedLimit& limit) {
   for (const auto& robot : robots_) {
     const double own_m_s = robot->config.limits.speed_m_s;
     const double wanted = limit.percentage ? limit.speed_limit / 100 * own_m_s : limit.speed_limit;
-    robot->drive.LimitSpeed(wanted > 0 ? wanted : std::numeric_limits<double>::infinity());
+    robot->limit_m_s = wanted > 0 ? wanted : std::numeric_limits<double>::infinity();
+    LimitSpeed(*robot);
   }
   Log(LogLevel::kInfo, limit.speed_limit == 0
                            ? std::string("no speed limit")
@@ -166,9 +176,79 @@ void ControllerServer::OnSpeedLimit(const msg::SpeedLimit& limit) {
                                          limit.percentage ? "%" : "m/s"));
 }
 
+void ControllerServer::SubscribeMasks() {
+  for (const std::string& topic : {config_.keep_out, config_.speed_mask}) {
+    if (topic.empty()) continue;
+    masks_.push_back(std::make_unique<MaskSource>(
+        endpoints_, topic, dependencies_.name_space, config_.frame,
+        MaskSource::Handlers{
+            [this](std::uint8_t type, FilterMask mask) { OnMask(type, std::move(mask)); },
+            [this](const std::string& why) {
+              warnings_.Log("mask", "a mask is not used: " + why, dependencies_.node.loop().Now());
+            }}));
+  }
+}
+
+void ControllerServer::OnMask(std::uint8_t type, FilterMask mask) {
+  using Info = msg::CostmapFilterInfo;
+  constexpr int kKeptOutFrom = 65;  // per cent
+  if (type == Info::kKeepout) {
+    const auto cells = std::make_shared<const CellMap>(KeepOutCells(mask, kKeptOutFrom));
+    for (const auto& robot : robots_) robot->drive.SetKeepOut(cells);
+  } else if (type == Info::kSpeedPercent || type == Info::kSpeedMS) {
+    speed_mask_ = std::move(mask);
+    speed_in_percent_ = type == Info::kSpeedPercent;
+    for (const auto& robot : robots_) LimitSpeed(*robot);
+  } else {
+    warnings_.Log("mask", fmt::format("a mask is not used: its type is {}, expected 0 to 2", type),
+                  dependencies_.node.loop().Now());
+  }
+}
+
+// As nav2 has it: an occupancy of 0, and a limit of 0, are no limit.
+void ControllerServer::LimitSpeed(Robot& robot) {
+  double limit_m_s = robot.limit_m_s;
+  const auto pose = robot.drive.pose();
+  const auto value = speed_mask_ && pose ? speed_mask_->At(pose->at) : std::nullopt;
+  const bool limits = value && *value > 0 && *value != speed_mask_->base;
+  if (limits) {
+    const double own_m_s = robot.config.limits.speed_m_s;
+    limit_m_s = std::min(limit_m_s, speed_in_percent_ ? *value / 100 * own_m_s : *value);
+  }
+  robot.drive.LimitSpeed(limit_m_s);
+}
+
+std::optional<DriveEnd> ControllerServer::ChooseCheckers(Robot& robot, const Action::Goal& goal) {
+  double arrive_m = robot.config.arrive_m, arrive_rad = robot.config.arrive_rad;
+  std::optional<ProgressRules> progress;
+  const auto unknown = [](const std::string& what, const std::string& id) {
+    return DriveEnd{FollowCode::kUnknown,
+                    fmt::format("there is no {} '{}' in the config", what, id.substr(0, 40))};
+  };
+  const auto& goals = config_.goal_checkers;
+  if (!goals.empty() && !goal.goal_checker_id.empty()) {
+    const auto found = std::ranges::find(goals, goal.goal_checker_id, &NamedGoalChecker::name);
+    if (found == goals.end()) return unknown("goal checker", goal.goal_checker_id);
+    arrive_m = found->arrive_m;
+    arrive_rad = found->arrive_rad;
+  }
+  const auto& checks = config_.progress_checkers;
+  if (!checks.empty() && !goal.progress_checker_id.empty()) {
+    const auto found =
+        std::ranges::find(checks, goal.progress_checker_id, &NamedProgressChecker::name);
+    if (found == checks.end()) return unknown("progress checker", goal.progress_checker_id);
+    progress = found->rules;
+  } else if (!checks.empty()) {
+    progress = checks.front().rules;
+  }
+  robot.drive.Check(arrive_m, arrive_rad, progress);
+  return std::nullopt;
+}
+
 void ControllerServer::OnOdometry(Robot& robot, const msg::Odometry& odometry) {
-  auto motion = ToMotion(odometry, config_.frame);
+  auto motion = ToMotion(odometry, config_.frame, frames_, Now());
   if (!motion) return Warn(robot, "odometry", "refused: " + motion.error().message);
+  robot.frame = odometry.child_frame_id;
   robot.drive.OnOdometry(motion.value(), msg::FromStamp(odometry.header.stamp), Now());
 }
 
@@ -194,6 +274,7 @@ void ControllerServer::OnGoal(Robot& robot, const Goal& goal) {
     return Conclude(
         robot, {frame ? FollowCode::kTfError : FollowCode::kInvalidPath, path.error().message});
   }
+  if (const auto unknown = ChooseCheckers(robot, goal.goal())) return Conclude(robot, *unknown);
   if (const auto refused = robot.drive.Start(path.value(), Now())) {
     return Conclude(robot, *refused);
   }
@@ -228,6 +309,7 @@ void ControllerServer::Command(Robot& robot, const msg::Twist& twist) const {
 }
 
 void ControllerServer::Update(Robot& robot) {
+  LimitSpeed(robot);
   const PathDrive::Step step = robot.drive.Update(Now());
   if (step.begins) PublishTrajectory(robot);
   if (step.end) return Conclude(robot, *step.end);
@@ -291,6 +373,7 @@ void ControllerServer::Permit(bool permitted, const std::string& why) {
 }
 
 void ControllerServer::OnTimeJump() {
+  frames_.Forget();
   for (const auto& robot : robots_) {
     Halt(*robot, "the time has jumped");
     robot->drive.Forget();

@@ -9,6 +9,7 @@
 // Threads: the loop's; the distances of a new map are computed on a Background.
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@
 #include "musher/messages/nav2_msgs/speed_limit.hpp"
 #include "musher/modules/navigation/controller_server/path_drive.hpp"
 #include "musher/modules/navigation/server/background.hpp"
+#include "musher/modules/navigation/server/mask_source.hpp"
 #include "musher/modules/navigation/server/server_actuator.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -53,7 +55,9 @@ class ControllerServer {
     const ControllerRobot& config;
     PathDrive drive;
     std::optional<Goal> goal;
+    double limit_m_s = std::numeric_limits<double>::infinity();  // by the topic
     int updates = 0;
+    std::string frame;                                                   // of the body
     transport::Publisher<msg::Twist>* command = nullptr;                 // one of these two
     transport::Publisher<msg::TwistStamped>* stamped_command = nullptr;  // by the config
     transport::Publisher<msg::JointTrajectory>* trajectory = nullptr;
@@ -70,6 +74,12 @@ class ControllerServer {
   using MakeClearance = std::function<Result<std::shared_ptr<const Clearance>>()>;
   void OnMap(bool flies, MakeClearance make);
   void OnSpeedLimit(const msg::SpeedLimit& limit);
+  void OnMask(std::uint8_t type, FilterMask mask);
+  void SubscribeMasks();
+  // By the topic and by the mask where it is.
+  void LimitSpeed(Robot& robot);
+  // By the ids of the goal. An end: there is none of that id.
+  std::optional<DriveEnd> ChooseCheckers(Robot& robot, const Action::Goal& goal);
   void OnOdometry(Robot& robot, const msg::Odometry& odometry);
   void OnGoal(Robot& robot, const Goal& goal);
   void OnCancel(Robot& robot, Goal goal);
@@ -87,6 +97,9 @@ class ControllerServer {
 
   const Dependencies dependencies_;
   const ControllerConfig config_;
+  FrameTree frames_;
+  std::optional<FilterMask> speed_mask_;
+  bool speed_in_percent_ = false;
   RateLimitedLog warnings_;
   bool permitted_ = false;
   std::string not_permitted_ = "it is not in Active";
@@ -94,6 +107,7 @@ class ControllerServer {
   transport::LoopHandlePtr quiet_ticks_;
   transport::LoopHandlePtr ticks_;  // while a robot drives
   std::unique_ptr<Background> background_;
+  std::vector<std::unique_ptr<MaskSource>> masks_;
   transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 

@@ -13,11 +13,9 @@
 namespace musher::navigation {
 namespace {
 
-constexpr std::uint16_t kObstacleStays = 104;  // PATIENCE_EXCEEDED of nav2_msgs/FollowPath
-constexpr Duration kKeptPoses = std::chrono::seconds(1);
-constexpr Duration kLongestGuess = Milliseconds(100);    // of where a body has moved on
-constexpr Duration kClockSet = std::chrono::seconds(1);  // a larger step back of stamps
-constexpr double kStandsMS = 0.05;                       // m/s; a slower body stands
+constexpr std::uint16_t kObstacleStays = 104;          // PATIENCE_EXCEEDED of nav2_msgs/FollowPath
+constexpr Duration kLongestGuess = Milliseconds(100);  // of where a body has moved on
+constexpr double kStandsMS = 0.05;                     // m/s; a slower body stands
 constexpr double kAlignedRad = 0.35;  // between the motion and a path on which it goes on
 constexpr double kMapWithinM = 0.15;  // a point so near to a wall of the map is of it
 constexpr double kAsideGain = 0.7;    // rad/m: how much an aside velocity turns a differential body
@@ -52,46 +50,37 @@ GuardRules GuardOf(const ControllerRobot& robot) {
   return rules;
 }
 
+std::string KeepOutText(const Point& at) {
+  return fmt::format("the path leads into cells to keep out of, at ({:.2f}, {:.2f})", at.x_m,
+                     at.y_m);
+}
+
 }  // namespace
 
 PathDrive::PathDrive(const ControllerRobot& robot, const ControllerConfig& config)
     : robot_(robot),
       config_(config),
       follower_(RulesOf(robot, config)),
-      seen_(robot.scanners.size()),
+      seen_(config.memory),
+      seen_at_(robot.scanners.size()),
       gate_(GateOf(robot)),
       guard_(GuardOf(robot)) {}
 
-void PathDrive::SetMap(std::shared_ptr<const Clearance> map) {
+void PathDrive::SetMap(std::shared_ptr<const Clearance> map, Time now) {
   map_ = std::move(map);
-  if (driving_) leaves_out_map_ = map_ && FitsAhead();
-  CompareWithMap();
+  if (driving_) leaves_out_map_ = map_ && Fits(PathAhead(), robot_.radius_m);
+  CompareWithMap(now);
 }
 
 void PathDrive::OnOdometry(const Motion& motion, Duration stamp, Time now) {
-  if (!poses_.empty() && stamp != Duration::zero()) {
-    const Duration step = stamp - poses_.back().stamp;
-    if (step <= Duration::zero() && step > -kClockSet) return;  // again, or late
-    if (step < Duration::zero()) poses_.clear();                // its clock was set
-  }
+  if (!poses_.Add(motion.pose, stamp)) return;
+  seen_.NotePlace(motion.pose.at);
   motion_ = motion;
   motion_at_ = now;
   gate_.OnVelocity(InBodyFrame(motion.velocity, motion.pose.yaw_rad), now);
   if (auto fault = guard_.OnPose(motion.pose, stamp, now); fault && driving_) {
     fault_ = std::move(fault);
   }
-  poses_.push_back({stamp, motion.pose});
-  while (poses_.front().stamp < stamp - kKeptPoses) poses_.pop_front();
-}
-
-Pose PathDrive::PoseAt(Duration stamp) const {
-  const Stamped* nearest = &poses_.back();
-  if (stamp == Duration::zero()) return nearest->pose;
-  for (const Stamped& pose : poses_) {
-    const auto away = std::chrono::abs(pose.stamp - stamp);
-    if (away < std::chrono::abs(nearest->stamp - stamp)) nearest = &pose;
-  }
-  return nearest->pose;
 }
 
 // Odometry comes less often than commands are sent: with the last one itself they would jump.
@@ -108,28 +97,30 @@ Pose PathDrive::PoseNow(Time now) const {
 void PathDrive::OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now) {
   if (!gate_.OnScan(scanner, scan, stamp, now)) return;
   if (poses_.empty()) return;  // it is not known where the scan was taken
-  seen_[scanner] = {PlacedAt(PoseAt(stamp), gate_.PointsOf(scanner)), now};
-  CompareWithMap();
+  // A planar scan does not say what is at another height, so a flyer remembers nothing; but with
+  // several scanners the scan of one must not erase what another one sees.
+  if (robot_.flies && robot_.scanners.size() == 1) seen_.Clear();
+  const ScanMount& mount = gate_.mount(scanner);
+  seen_.Add(CountedBy(mount, scan), PlacedAt(poses_.At(stamp), mount.on_body), now);
+  seen_at_[scanner] = now;
+  CompareWithMap(now);
 }
 
-std::vector<Point> PathDrive::SeenPoints() const {
-  std::vector<Point> points;
-  for (const Sight& seen : seen_) {
-    points.insert(points.end(), seen.points.begin(), seen.points.end());
-  }
-  return points;
-}
-
-void PathDrive::CompareWithMap() {
-  obstacles_ = SeenPoints();
+void PathDrive::CompareWithMap(Time now) {
+  obstacles_ = seen_.Points(now);
   if (leaves_out_map_ && map_) obstacles_ = NewPoints(obstacles_, *map_, kMapWithinM);
+}
+
+void PathDrive::ClearMemory() {
+  seen_.Clear();
+  obstacles_.clear();
 }
 
 void PathDrive::Forget() {
   motion_.reset();
-  poses_.clear();
-  for (Sight& seen : seen_) seen = {};
-  obstacles_.clear();
+  poses_.Clear();
+  ClearMemory();
+  std::ranges::fill(seen_at_, std::nullopt);
   gate_.Forget();
   guard_.Forget();
 }
@@ -141,8 +132,8 @@ std::optional<DriveEnd> PathDrive::Blind(Time now) const {
                                           ToSeconds(now - motion_at_))
                             : fmt::format("no odometry on {} yet", robot_.odometry)};
   }
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
-    const std::optional<Time>& at = seen_[i].at;
+  for (std::size_t i = 0; i < seen_at_.size(); ++i) {
+    const std::optional<Time>& at = seen_at_[i];
     const std::string& topic = robot_.scanners[i].topic;
     if (!at) return DriveEnd{FollowCode::kNoValidControl, fmt::format("no scan on {} yet", topic)};
     if (now - *at <= config_.scan_stale) continue;
@@ -153,16 +144,50 @@ std::optional<DriveEnd> PathDrive::Blind(Time now) const {
 }
 
 // The part of the trajectory that is not driven yet.
-bool PathDrive::FitsAhead() const {
+Path PathDrive::PathAhead() const {
   constexpr int kEvery = 5;
-  Point last = follower_.trajectory().At(reference_).pose.at;
+  Path ahead = {follower_.trajectory().At(reference_).pose};
   for (Duration at = reference_; at < follower_.trajectory().duration();) {
     at += kEvery * kTrajectoryStep;
-    const Point next = follower_.trajectory().At(at).pose.at;
-    if (!map_->FitsAlong(last, next, robot_.radius_m)) return false;
-    last = next;
+    ahead.push_back(follower_.trajectory().At(at).pose);
   }
-  return true;
+  return ahead;
+}
+
+std::optional<Point> PathDrive::EntersKeepOut(const Path& path) const {
+  if (!keep_out_) return std::nullopt;
+  const auto is_in = [&](const Point& place) {
+    Cell cell = keep_out_->CellOf(place);
+    cell.z = 0;
+    return keep_out_->Has(cell) && keep_out_->blocked[keep_out_->IndexOf(cell)] != 0;
+  };
+  bool was_out = false;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Point &from = path[i == 0 ? 0 : i - 1].at, &to = path[i].at;
+    const int steps = static_cast<int>(Distance(from, to) / keep_out_->resolution_m * 2) + 1;
+    for (int step = 1; step <= steps; ++step) {
+      const Point place = Between(from, to, static_cast<double>(step) / steps);
+      const bool inside = is_in(place);
+      if (inside && was_out) return place;
+      was_out = was_out || !inside;
+    }
+  }
+  // All of it is inside: it does not leave.
+  return was_out || path.empty() ? std::nullopt : std::optional(path.back().at);
+}
+
+void PathDrive::SetKeepOut(std::shared_ptr<const CellMap> keep_out) {
+  keep_out_ = std::move(keep_out);
+  if (!driving_) return;
+  if (const auto at = EntersKeepOut(PathAhead())) {
+    fault_ = MakeError(Fault::kInput, KeepOutText(*at));
+  }
+}
+
+void PathDrive::Check(double arrive_m, double arrive_rad,
+                      const std::optional<ProgressRules>& progress) {
+  follower_.ArriveWithin(arrive_m, arrive_rad);
+  progress_.Begin(progress);
 }
 
 bool PathDrive::Fits(const Path& path, double radius_m) const {
@@ -216,6 +241,7 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
                                MetresText(Distance(path[0].at, motion_->pose.at)),
                                MetresText(robot_.join_m)));
   }
+  if (const auto at = EntersKeepOut(joined)) return refused(KeepOutText(*at));
   leaves_out_map_ = map_ && Fits(joined, robot_.radius_m);
   if (robot_.differential) joined = LookingAhead(joined, start_speed_m_s > 0);
   TrajectoryRules rules;
@@ -228,7 +254,7 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
   for (std::size_t i = 1; i < points.size(); ++i) {
     lengths_m_.push_back(lengths_m_.back() + Distance(points[i - 1].pose.at, points[i].pose.at));
   }
-  CompareWithMap();
+  CompareWithMap(now);
   if (auto started = follower_.Start(std::move(trajectory).value(), now); !started) {
     return refused(started.error().message);
   }
@@ -248,6 +274,7 @@ void PathDrive::Stop() {
 
 DriveEnd PathDrive::Failure(const Error& error) {
   if (Is(error, Fault::kObstacle)) return {kObstacleStays, error.message};
+  if (Is(error, Fault::kInput)) return {FollowCode::kInvalidPath, error.message};
   if (Is(error, Fault::kJump)) return {FollowCode::kTfError, error.message};
   return {FollowCode::kFailedToMakeProgress, error.message};
 }
@@ -314,6 +341,13 @@ PathDrive::Step PathDrive::Update(Time now) {
                 fmt::format("an obstacle at ({:.2f}, {:.2f}, {:.2f}) has been in the way for "
                             "{:.1f} s",
                             at.x_m, at.y_m, at.z_m, ToSeconds(config_.obstacle_time))});
+  }
+  if (!progress_.Note(pose, now)) {
+    const ProgressRules& rules = *progress_.rules();
+    return end({FollowCode::kFailedToMakeProgress,
+                fmt::format("not moved by {:.2f} m within {:.1f} s{}", rules.radius_m,
+                            ToSeconds(rules.time),
+                            command.obstruction ? ": an obstacle is in the way" : "")});
   }
   if (auto held = Gate(BodyCommand(command.velocity, pose.yaw_rad), now, step)) {
     return end(std::move(*held));

@@ -9,8 +9,9 @@
 //
 // A body that moves in the direction of the new path goes on without braking.
 //
-// - Points of a scan that the map has are left out, as long as the path fits the map: they do not
-//   slow the body down. Those that are on its way stop it.
+// - What its scans have seen lately is remembered (navigation/grid). Points that the map has are
+//   left out, as long as the path fits the map: they do not slow the body down. Those that are on
+//   its way stop it.
 // - The velocity is in the frame of the body. A differential body gets none aside: its distance
 //   from the path turns it.
 // - Where the body is now: the last odometry, with its velocity since then.
@@ -21,7 +22,6 @@
 //
 // Metres, radians, the frame of the map. One thread.
 
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,8 +31,11 @@
 #include "musher/modules/navigation/controller_server/controller_config.hpp"
 #include "musher/modules/navigation/messages/conversions.hpp"
 #include "musher/navigation/controller/follower.hpp"
+#include "musher/navigation/controller/progress_check.hpp"
 #include "musher/navigation/gate/motion_guard.hpp"
+#include "musher/navigation/grid/local_grid.hpp"
 #include "musher/navigation/planner/clearance.hpp"
+#include "musher/navigation/pose_history.hpp"
 
 namespace musher::navigation {
 
@@ -50,13 +53,23 @@ class PathDrive {
 
   // Null: none is known. In the middle of a drive, the rest of its path has to fit the new map as
   // well for its points to be left out.
-  void SetMap(std::shared_ptr<const Clearance> map);
+  void SetMap(std::shared_ptr<const Clearance> map, Time now);
+  // Cells into which no drive leads; null: none. A drive that leads there ends.
+  void SetKeepOut(std::shared_ptr<const CellMap> keep_out);
+  // When a drive has arrived, and what progress it has to make; before Start().
+  void Check(double arrive_m, double arrive_rad, const std::optional<ProgressRules>& progress);
   // `stamp`: of the message, since the zero of its clock.
   void OnOdometry(const Motion& motion, Duration stamp, Time now);
   // `scanner`: its index in the config.
   void OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now);
+  // Where the scanner is on the body, by a transform.
+  void Mount(std::size_t scanner, const FramePlacement& placement) {
+    gate_.Mount(scanner, placement.pose, placement.upside_down);
+  }
   // No faster than that, also in later drives; infinite: as fast as its own limit.
   void LimitSpeed(double speed_m_s) { follower_.LimitSpeed(speed_m_s); }
+  // What was seen and is not seen any more does not count; the gate knows only the last scans.
+  void ClearMemory();
   // Odometry and scans of before are not used.
   void Forget();
 
@@ -77,24 +90,21 @@ class PathDrive {
   Step Update(Time now);
 
   bool driving() const { return driving_; }
+  // By the last odometry; nullopt: there was none.
+  std::optional<Pose> pose() const { return motion_ ? std::optional(motion_->pose) : std::nullopt; }
   const Trajectory& trajectory() const { return follower_.trajectory(); }
 
   // Why the robot cannot drive now; nothing if it can.
   std::optional<DriveEnd> Blind(Time now) const;
 
  private:
-  struct Stamped {
-    Duration stamp{};
-    Pose pose;
-  };
-
   std::optional<DriveEnd> Begin(const Path& path, double start_speed_m_s, Time now);
   bool Fits(const Path& path, double radius_m) const;
-  bool FitsAhead() const;
-  void CompareWithMap();
-  std::vector<Point> SeenPoints() const;
+  // The first place of a path in the cells to keep out of; a body that is in them may leave.
+  std::optional<Point> EntersKeepOut(const Path& path) const;
+  Path PathAhead() const;
+  void CompareWithMap(Time now);
   double AlignedSpeed(const Path& joined) const;
-  Pose PoseAt(Duration stamp) const;
   Pose PoseNow(Time now) const;
   std::optional<DriveEnd> Gate(const Velocity& wanted, Time now, Step& step);
   static DriveEnd Failure(const Error& error);
@@ -112,17 +122,16 @@ class PathDrive {
   std::vector<double> lengths_m_;  // of the trajectory up to each point
   std::optional<Motion> motion_;
   Time motion_at_;
-  std::deque<Stamped> poses_;  // of the last second
-  struct Sight {
-    std::vector<Point> points;
-    std::optional<Time> at;
-  };
-  std::vector<Sight> seen_;       // by each scanner
-  std::vector<Point> obstacles_;  // those of seen_ that count
-  Duration reference_{};          // on the trajectory
+  PoseHistory poses_;
+  LocalGrid seen_;                            // lately
+  std::vector<std::optional<Time>> seen_at_;  // by each scanner
+  std::vector<Point> obstacles_;              // those of seen_ that count
+  Duration reference_{};                      // on the trajectory
   MotionGate gate_;
   MotionGuard guard_;
-  std::optional<Error> fault_;  // found by the guard
+  std::optional<Error> fault_;  // found by the guard, or a new keep-out
+  std::shared_ptr<const CellMap> keep_out_;
+  ProgressCheck progress_;
 };
 
 }  // namespace musher::navigation

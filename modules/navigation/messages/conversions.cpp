@@ -176,12 +176,23 @@ msg::JointTrajectory ToMessage(const Trajectory& trajectory, const msg::Header& 
   return message;
 }
 
-Result<Motion> ToMotion(const msg::Odometry& odometry, const std::string& frame) {
-  if (auto checked = CheckFrame(odometry.header.frame_id, frame, "odometry"); !checked) {
-    return checked.error();
-  }
+Result<Motion> ToMotion(const msg::Odometry& odometry, const std::string& frame,
+                        const FrameTree& frames, Time now) {
   auto pose = ToPose(odometry.pose.pose, "odometry");
   if (!pose) return pose.error();
+  const std::string& own = odometry.header.frame_id;
+  if (!own.empty() && own != frame) {
+    const auto placed = frames.Find(frame, own, now);
+    if (!placed) {
+      return MakeError(Fault::kFrame,
+                       fmt::format("odometry: its frame is {}, expected {} or a transform: {}",
+                                   Quoted(own), Quoted(frame), placed.error().message));
+    }
+    if (placed.value().upside_down) {
+      return MakeError(Fault::kFrame, "odometry: its frame is upside down in the map");
+    }
+    pose = PlacedAt(placed.value().pose, pose.value());
+  }
   const msg::Vector3& v = odometry.twist.twist.linear;
   const double yaw_rate = odometry.twist.twist.angular.z;
   if (!IsFinite(Point{v.x, v.y, v.z}) || !std::isfinite(yaw_rate)) {

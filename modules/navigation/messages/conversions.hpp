@@ -15,6 +15,7 @@
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
 #include "musher/messages/trajectory_msgs/joint_trajectory.hpp"
 #include "musher/navigation/controller/obstacle_watch.hpp"
+#include "musher/navigation/frames/frame_tree.hpp"
 #include "musher/navigation/planner/cell_map.hpp"
 #include "musher/navigation/traffic/right_of_way.hpp"
 
@@ -41,8 +42,10 @@ msg::Path ToMessage(const Path& path, const msg::Header& header);
 // Joints x, y, z and yaw.
 msg::JointTrajectory ToMessage(const Trajectory& trajectory, const msg::Header& header);
 
-// The twist of the message is in the frame of the body.
-Result<Motion> ToMotion(const msg::Odometry& odometry, const std::string& frame);
+// The twist of the message is in the frame of the body. A pose in another frame than the map's, as
+// `odom`, is placed in the map by `frames`; without a transform it is refused with Fault::kFrame.
+Result<Motion> ToMotion(const msg::Odometry& odometry, const std::string& frame,
+                        const FrameTree& frames, Time now);
 
 // Where another robot is, and what it drives.
 Result<RobotIntent> ToIntent(const msg::RobotPath& path, const std::string& frame);

@@ -22,6 +22,8 @@ PlannerRobot ReadPlannerRobot(TableReader& reader, const std::vector<std::string
   config::SetTopic(reader, "action", robot.action);
   config::SetTopic(reader, "path", robot.path);
   config::SetTopic(reader, "refuge", robot.refuge);
+  robot.clear_memory = robot.name + "/clear_planner_memory";
+  config::SetTopic(reader, "clear_memory", robot.clear_memory);
   reader.RefuseOthers();
   return robot;
 }
@@ -32,6 +34,7 @@ PlannerConfig ReadPlanner(const config_toml::Table& table, Findings& findings) {
   config::SetFrame(root, config.frame);
   config::SetTopic(root, "map", config.map);
   config::SetTopic(root, "cloud", config.cloud);
+  config::SetTopic(root, "keep_out", config.keep_out, true);
   config::SetTime(root, "limit_ms", config.limit);
   config::SetTime(root, "stale_ms", config.stale);
   config::SetTime(root, "self_check_ms", config.self_check_time);
@@ -42,8 +45,8 @@ PlannerConfig ReadPlanner(const config_toml::Table& table, Findings& findings) {
   config::SetNumber(root, "cloud_resolution_m", 0.01, 10, config.cloud_resolution_m);
   config::SetNumber(root, "cloud_margin_m", 0, 100, config.cloud_margin_m);
   config::SetNumber(root, "ceiling_m", 0.1, 1000, config.ceiling_m);
-  config::SetNumber(root, "memory_m", 1, 50, config.memory.side_m);
-  config::SetTime(root, "memory_ms", config.memory.decay);
+  config::ReadMemory(root, config.memory);
+  config::ReadTf(root, config.tf);
   config.robots = config::ReadRobots(root, findings, ReadPlannerRobot);
   root.RefuseOthers();
   return config;

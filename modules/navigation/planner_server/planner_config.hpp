@@ -21,10 +21,11 @@ struct PlannerRobot : RobotTable {
 
 struct PlannerConfig {
   std::string frame = "map";
-  std::string map = "map";                // nav_msgs/OccupancyGrid, for the ground
-  std::string cloud = "map_point_cloud";  // sensor_msgs/PointCloud2, for the air
-  Duration limit = Milliseconds(5000);    // of a request
-  Duration stale = Milliseconds(500);     // older odometry and scans are not used
+  std::string map = "map";                       // nav_msgs/OccupancyGrid, for the ground
+  std::string cloud = "map_point_cloud";         // sensor_msgs/PointCloud2, for the air
+  std::string keep_out = "keepout_filter_info";  // nav2_msgs/CostmapFilterInfo; empty: none
+  Duration limit = Milliseconds(5000);           // of a request
+  Duration stale = Milliseconds(500);            // older odometry and scans are not used
   Duration self_check_time = Milliseconds(5000);
   int blocked_from = 65;  // per cent, of a cell of the map
   bool unknown_is_free = false;
@@ -32,6 +33,7 @@ struct PlannerConfig {
   double cloud_margin_m = 1;  // of free space around the points
   double ceiling_m = 3;       // flyers stay below
   LocalGridRules memory;      // of what scans have seen
+  TfSource tf;
   std::vector<PlannerRobot> robots;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
@@ -26,6 +27,7 @@ Time SteadyNow() {
 PlannerServer::PlannerServer(const Dependencies& dependencies, PlannerConfig config)
     : dependencies_(dependencies),
       config_(std::move(config)),
+      frames_(config_.tf.stale),
       warnings_([this](const std::string& line) { Log(LogLevel::kWarning, line); }, kQuietTime),
       endpoints_(dependencies.node, dependencies.name_space) {}
 
@@ -63,8 +65,8 @@ Result<> PlannerServer::Open(const MakeBackground& background) {
           const auto grid = std::make_shared<const msg::OccupancyGrid>(std::move(map));
           for (const auto& robot : robots_) {
             if (robot->config->flies) continue;
-            OnMap(*robot, [grid, config = config_, of = *robot->config] {
-              return MakePlanner(*grid, config, of);
+            OnMap(*robot, [grid, config = config_, of = *robot->config](const CellMap* keep_out) {
+              return MakePlanner(*grid, config, of, keep_out);
             });
           }
         },
@@ -77,13 +79,23 @@ Result<> PlannerServer::Open(const MakeBackground& background) {
           const auto cloud = std::make_shared<const msg::PointCloud2>(std::move(map));
           for (const auto& robot : robots_) {
             if (!robot->config->flies) continue;
-            OnMap(*robot, [cloud, config = config_, of = *robot->config] {
-              return MakePlanner(*cloud, config, of);
+            OnMap(*robot, [cloud, config = config_, of = *robot->config](const CellMap* keep_out) {
+              return MakePlanner(*cloud, config, of, keep_out);
             });
           }
         },
         transport::kLatchedQos);
   }
+  if (!config_.keep_out.empty()) {
+    masks_ = std::make_unique<MaskSource>(
+        endpoints_, config_.keep_out, dependencies_.name_space, config_.frame,
+        MaskSource::Handlers{
+            [this](std::uint8_t type, const FilterMask& mask) { OnKeepOut(type, mask); },
+            [this](const std::string& why) {
+              warnings_.Log("mask", "a mask is not used: " + why, dependencies_.node.loop().Now());
+            }});
+  }
+  SubscribeFrames(endpoints_, config_.tf, dependencies_.clock, frames_);
   auto& loop = dependencies_.node.loop();
   ticks_ = loop.Every(kQuietTime, [this, &loop] { warnings_.Tick(loop.Now()); });
   return endpoints_.opened();
@@ -98,6 +110,10 @@ void PlannerServer::OpenRobot(Robot& robot) {
   robot.seen.emplace(config_.memory);
   handlers.on_scan = [this, &robot](std::size_t scanner, const auto& scan) {
     OnScan(robot, scanner, scan);
+  };
+  handlers.clear_memory = [this, &robot] {
+    robot.seen->Clear();
+    Log(LogLevel::kInfo, robot.config->name + ": what it has seen is forgotten");
   };
   handlers.accept = [this, &robot] {
     if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
@@ -116,14 +132,31 @@ void PlannerServer::Warn(const Robot& robot, const std::string& kind, const std:
                 dependencies_.node.loop().Now());
 }
 
-void PlannerServer::OnMap(Robot& robot, std::function<Result<Planner>()> convert) {
-  if (robot.converting) {
-    robot.waiting = std::move(convert);
-    return;
+void PlannerServer::OnMap(Robot& robot, MakeFromMap make) {
+  robot.make = std::move(make);
+  Convert(robot);
+}
+
+void PlannerServer::OnKeepOut(std::uint8_t type, const FilterMask& mask) {
+  if (type != msg::CostmapFilterInfo::kKeepout) {
+    return warnings_.Log("mask",
+                         fmt::format("a mask is not used: its type is {}, expected 0", type),
+                         dependencies_.node.loop().Now());
   }
+  keep_out_ = std::make_shared<const CellMap>(KeepOutCells(mask, config_.blocked_from));
+  const auto cells = std::ranges::count(keep_out_->blocked, 1);
+  Log(LogLevel::kInfo,
+      fmt::format("{} cells of {:.2f} m to keep out of", cells, keep_out_->resolution_m));
+  for (const auto& robot : robots_) Convert(*robot);
+}
+
+void PlannerServer::Convert(Robot& robot) {
+  if (!robot.make) return;
+  robot.outdated = robot.converting;
+  if (robot.converting) return;
   robot.converting = true;
-  robot.background->Do([this, &robot, convert = std::move(convert)] {
-    auto planner = std::make_shared<Result<Planner>>(convert());
+  robot.background->Do([this, &robot, make = robot.make, keep_out = keep_out_] {
+    auto planner = std::make_shared<Result<Planner>>(make(keep_out.get()));
     return [this, &robot, planner] { OnConverted(robot, std::move(*planner)); };
   });
 }
@@ -140,32 +173,37 @@ void PlannerServer::OnConverted(Robot& robot, Result<Planner> planner) {
          "a map is not used: " + planner.error().message +
              (robot.planner ? "; the one before stays" : ""));
   }
-  if (robot.waiting) OnMap(robot, std::exchange(robot.waiting, nullptr));
+  if (robot.outdated) Convert(robot);
 }
 
 void PlannerServer::OnOdometry(Robot& robot, const msg::Odometry& odometry) {
-  auto motion = ToMotion(odometry, config_.frame);
+  auto motion = ToMotion(odometry, config_.frame, frames_, Now());
   if (!motion) return Warn(robot, "odometry", "refused: " + motion.error().message);
-  // After a jump of the localisation, what was seen is elsewhere.
-  constexpr double kJumpM = 0.5;
-  const bool jumps =
-      robot.motion && Distance(robot.motion->pose.at, motion.value().pose.at) > kJumpM;
-  if (jumps) robot.seen->Clear();
+  if (!robot.poses.Add(motion.value().pose, msg::FromStamp(odometry.header.stamp))) return;
+  robot.seen->NotePlace(motion.value().pose.at);
   robot.motion = motion.value();
   robot.motion_at = Now();
+  robot.frame = odometry.child_frame_id;
 }
 
 void PlannerServer::OnScan(Robot& robot, std::size_t scanner, const msg::LaserScan& scan) {
   ScanView& view = robot.scanners[scanner];
-  if (!view.Take(ToScan(scan), msg::FromStamp(scan.header.stamp), Now())) return;
-  if (!robot.motion || !IsFresh(robot.motion_at)) return;
-  robot.seen->Add(view.Counted(ToScan(scan)), PlacedAt(robot.motion->pose, view.mount().on_body),
-                  Now());
+  if (!view.mount().given) {
+    const auto mount = frames_.Find(robot.frame, scan.header.frame_id, Now());
+    if (mount) view.Mount(mount.value().pose, mount.value().upside_down);
+  }
+  const Duration stamp = msg::FromStamp(scan.header.stamp);
+  if (!view.Take(ToScan(scan), stamp, Now())) return;
+  if (robot.poses.empty() || !IsFresh(robot.motion_at)) return;
+  robot.seen->Add(CountedBy(view.mount(), ToScan(scan)),
+                  PlacedAt(robot.poses.At(stamp), view.mount().on_body), Now());
 }
 
 void PlannerServer::OnTimeJump() {
+  frames_.Forget();
   for (const auto& robot : robots_) {
     robot->motion.reset();
+    robot->poses.Clear();
     for (ScanView& view : robot->scanners) view.Forget();
     robot->seen->Clear();
     Drop(*robot, "the time has jumped");

@@ -19,8 +19,10 @@
 #include "musher/base/rate_limited_log.hpp"
 #include "musher/modules/navigation/planner_server/planner_work.hpp"
 #include "musher/modules/navigation/server/background.hpp"
+#include "musher/modules/navigation/server/mask_source.hpp"
 #include "musher/modules/navigation/server/server_actuator.hpp"
 #include "musher/navigation/grid/local_grid.hpp"
+#include "musher/navigation/pose_history.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::navigation {
@@ -48,6 +50,9 @@ class PlannerServer {
   using Action = msg::ComputePathToPose;
   using Goal = transport::ServerGoal<Action>;
 
+  using KeepOut = std::shared_ptr<const CellMap>;
+  using MakeFromMap = std::function<Result<Planner>(const CellMap* keep_out)>;
+
   struct Request {
     Goal goal;
     Pose to{};
@@ -56,11 +61,14 @@ class PlannerServer {
   };
   struct Robot {
     const PlannerRobot* config = nullptr;
-    std::shared_ptr<const Planner> planner;    // of the last usable map
-    std::function<Result<Planner>()> waiting;  // the newest map, while one is converted
+    std::shared_ptr<const Planner> planner;  // of the last usable map
+    MakeFromMap make;                        // by the newest map
     bool converting = false;
+    bool outdated = false;  // what is converted
     std::optional<Motion> motion;
     Time motion_at;
+    std::string frame;  // of the body
+    PoseHistory poses;
     std::vector<ScanView> scanners;
     std::optional<LocalGrid> seen;  // by them, lately
     std::optional<Request> request;
@@ -78,7 +86,9 @@ class PlannerServer {
   PlannerServer(const Dependencies& dependencies, PlannerConfig config);
   Result<> Open(const MakeBackground& background);
   void OpenRobot(Robot& robot);
-  void OnMap(Robot& robot, std::function<Result<Planner>()> convert);
+  void OnMap(Robot& robot, MakeFromMap make);
+  void OnKeepOut(std::uint8_t type, const FilterMask& mask);
+  void Convert(Robot& robot);
   void OnConverted(Robot& robot, Result<Planner> planner);
   void OnOdometry(Robot& robot, const msg::Odometry& odometry);
   void OnScan(Robot& robot, std::size_t scanner, const msg::LaserScan& scan);
@@ -104,11 +114,14 @@ class PlannerServer {
 
   const Dependencies dependencies_;
   const PlannerConfig config_;
+  FrameTree frames_;
+  KeepOut keep_out_;  // null: none
   RateLimitedLog warnings_;
   bool permitted_ = false;
   std::string not_permitted_ = "it is not in Active";
   std::vector<std::unique_ptr<Robot>> robots_;
   transport::LoopHandlePtr ticks_;
+  std::unique_ptr<MaskSource> masks_;
   transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 

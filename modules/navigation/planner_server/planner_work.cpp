@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "musher/navigation/masks/filter_mask.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 #include "musher/navigation/place_text.hpp"
 #include "musher/navigation/planner/octree_map.hpp"
@@ -277,16 +278,17 @@ std::uint16_t ErrorCodeOf(const Error& error) {
 }
 
 Result<Planner> MakePlanner(const msg::OccupancyGrid& grid, const PlannerConfig& config,
-                            const PlannerRobot& robot) {
+                            const PlannerRobot& robot, const CellMap* keep_out) {
   auto values = ToGrid(grid, config.frame);
   if (!values) return values.error();
   auto map = FromOccupancyGrid(values.value(), {config.blocked_from, config.unknown_is_free});
   if (!map) return map.error();
+  if (keep_out != nullptr) BlockKeepOut(*keep_out, map.value());
   return Planner::Make(std::move(map).value(), RulesOf(robot));
 }
 
 Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& config,
-                            const PlannerRobot& robot) {
+                            const PlannerRobot& robot, const CellMap* keep_out) {
   auto points = ToPoints(cloud, config.frame);
   if (!points) return points.error();
   auto tree = OctreeMap::Make(config.cloud_resolution_m);
@@ -296,6 +298,7 @@ Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& 
   if (!map) return map.error();
   auto between = BetweenGroundAndCeiling(map.value(), config.ceiling_m);
   if (!between) return between.error();
+  if (keep_out != nullptr) BlockKeepOut(*keep_out, between.value());
   return Planner::Make(std::move(between).value(), RulesOf(robot));
 }
 

@@ -16,12 +16,13 @@ namespace musher::navigation {
 
 using PathCode = msg::ComputePathToPose;
 
-// Of a robot on the ground; the body has room for its radius and margin.
+// Of a robot on the ground; the body has room for its radius and margin. `keep_out`: cells that no
+// path touches; null: none.
 Result<Planner> MakePlanner(const msg::OccupancyGrid& grid, const PlannerConfig& config,
-                            const PlannerRobot& robot);
+                            const PlannerRobot& robot, const CellMap* keep_out = nullptr);
 // Of a flyer, between the ground and the ceiling.
 Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& config,
-                            const PlannerRobot& robot);
+                            const PlannerRobot& robot, const CellMap* keep_out = nullptr);
 
 struct PathRequest {
   Pose start;

@@ -37,6 +37,16 @@ void SetFrame(TableReader& reader, std::string& value) {
   value = frame->text;
 }
 
+void ReadTf(TableReader& root, TfSource& tf) {
+  SetTopic(root, "tf", tf.topic, true);
+  SetTime(root, "tf_stale_ms", tf.stale);
+}
+
+void ReadMemory(TableReader& root, LocalGridRules& rules) {
+  SetNumber(root, "memory_m", 1, 50, rules.side_m);
+  SetTime(root, "memory_ms", rules.decay);
+}
+
 void ReadRobot(TableReader& reader, const std::vector<std::string>& names, RobotTable& robot) {
   reader.Require("name", "the name of the robot, as in \"jetbot_0\"");
   if (const auto name = reader.String("name")) {

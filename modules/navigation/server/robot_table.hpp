@@ -11,6 +11,7 @@
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/navigation/gate/scan_view.hpp"
+#include "musher/navigation/grid/local_grid.hpp"
 
 namespace musher::navigation {
 
@@ -22,10 +23,18 @@ struct RobotTable {
   double margin_m = 0.1;            // between the body and an obstacle, at least
   std::string odometry;             // <name>/odom
   std::vector<ScanMount> scanners;  // [[robot.scanner]], or one on `scan` (<name>/scan)
+  std::string clear_memory;         // <name>/clear_planner_memory or …/clear_controller_memory
+};
+
+// Where frames lie in each other: that of the odometry in the map, scanners on the bodies.
+struct TfSource {
+  std::string topic = "/tf";  // tf2_msgs/TFMessage; beside it <topic>_static; empty: none
+  Duration stale = Milliseconds(1000);
 };
 
 namespace config {
 
+void ReadTf(config_toml::TableReader& root, TfSource& tf);
 void SetNumber(config_toml::TableReader& reader, std::string_view key, double least, double most,
                double& value);
 void SetTime(config_toml::TableReader& reader, std::string_view key, Duration& value);
@@ -35,6 +44,9 @@ void SetTopic(config_toml::TableReader& reader, std::string_view key, std::strin
 
 // The frame of the map; not empty.
 void SetFrame(config_toml::TableReader& reader, std::string& value);
+
+// What robots remember of what they have seen.
+void ReadMemory(config_toml::TableReader& root, LocalGridRules& rules);
 
 // The keys of `robot`; reports a name that one of `names` has.
 void ReadRobot(config_toml::TableReader& reader, const std::vector<std::string>& names,

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <limits>
 
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/test/modules/navigation/navigation_rig.hpp"
 
 namespace musher::navigation::controller_server_test {
@@ -133,6 +135,111 @@ TEST_F(ControllerServerTest, KeepsASpeedLimitUntilItIsLifted) {
   EXPECT_TRUE(RunUntil([&] { return robot_.speed_m_s() > 0.8; }, 3000));
   ASSERT_TRUE(AwaitEnd(drive));
   EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded);
+}
+
+TEST_F(ControllerServerTest, IsAsSlowAsTheMaskOfNav2SaysWhereItIs) {
+  using Info = msg::CostmapFilterInfo;
+  testing::MaskPeer mask(*peers_, "speed_filter_info");
+  StartServers();
+  mask.Publish(Info::kSpeedPercent, {3, 1, 0}, 2, 20);  // of 1.5 m/s
+  Run(500);
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(6.5, 2)}));
+  double inside_m_s = 0, outside_m_s = 0;
+  while (!drives_.ends[drive] && network_.Step()) {
+    const double x_m = robot_.pose().at.x_m;
+    if (x_m > 4.6 && x_m < 4.9) inside_m_s = std::max(inside_m_s, robot_.speed_m_s());
+    if (x_m < 3 || x_m > 5.2) outside_m_s = std::max(outside_m_s, robot_.speed_m_s());
+  }
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
+  EXPECT_LT(inside_m_s, 0.32);
+  EXPECT_GT(outside_m_s, 0.8);
+  mask.Publish(Info::kBinary, {3, 1, 0}, 2, 20);
+  Run(200);
+  EXPECT_THAT(log_, Contains(HasSubstr("a mask is not used: its type is 3")));
+}
+
+TEST_F(ControllerServerTest, DrivesIntoNoCellToKeepOutOf) {
+  testing::MaskPeer mask(*peers_, "keepout_filter_info");
+  StartServers();
+  const std::size_t drive = StartDriving();
+  mask.Publish(msg::CostmapFilterInfo::kKeepout, {4, 1, 0}, 1.5, 100);
+  ASSERT_TRUE(AwaitEnd(drive)) << "a drive that leads there ends";
+  EXPECT_EQ(CodeOf(drive), 103);
+  EXPECT_THAT(log_, Contains(HasSubstr("the path leads into cells to keep out of, at (4.")));
+  Run(1000);
+  EXPECT_LT(robot_.pose().at.x_m, 4);
+  const std::size_t refused = Follow(PathOf({At(robot_.pose().at.x_m, 2), At(6.5, 2)}));
+  ASSERT_TRUE(AwaitEnd(refused));
+  EXPECT_EQ(CodeOf(refused), 103);
+  EXPECT_LT(robot_.pose().at.x_m, 4);
+}
+
+TEST_F(ControllerServerTest, ArrivesAndMakesProgressByTheCheckersOfAGoal) {
+  controller_config_.goal_checkers = {{"precise", 0.03, 0.03}};
+  controller_config_.progress_checkers = {{"fast", {0.5, Milliseconds(1500)}},
+                                          {"lenient", {0.1, std::chrono::seconds(60)}}};
+  StartServers();
+  msg::FollowPath::Goal goal{.path = PathOf({At(1, 2), At(3, 2)})};
+  goal.goal_checker_id = "precise";
+  goal.progress_checker_id = "lenient";
+  const std::size_t precise = drives_.Send(goal);
+  ASSERT_TRUE(AwaitEnd(precise));
+  EXPECT_EQ(drives_.ends[precise]->end, GoalEnd::kSucceeded) << log_.back();
+  EXPECT_NEAR(robot_.pose().at.x_m, 3, 0.035);
+  goal.goal_checker_id = "general";
+  const std::size_t unknown = drives_.Send(goal);
+  ASSERT_TRUE(AwaitEnd(unknown));
+  EXPECT_EQ(drives_.ends[unknown]->result.error_msg,
+            "there is no goal checker 'general' in the config");
+  robot_.discs = {{{4, 2, 0}, 0.2}};
+  Run(300);
+  const std::size_t stands = Follow(PathOf({At(3, 2), At(6.5, 2)}));
+  ASSERT_TRUE(AwaitEnd(stands));
+  EXPECT_EQ(CodeOf(stands), 105);
+  EXPECT_THAT(drives_.ends[stands]->result.error_msg,
+              HasSubstr("not moved by 0.50 m within 1.5 s"));
+}
+
+// Of ROS 2's localisations: odometry in `odom`, which a transform places in the map.
+TEST_F(ControllerServerTest, DrivesByOdometryInAFrameOfItsOwn) {
+  robot_.odometry_frame = "odom";
+  robot_.odometry_off = {-3, 1, 0};
+  const auto tf = Must(transport::MakePublisher<msg::TfMessage>(*peers_, "tf"));
+  StartServers();
+  const std::size_t refused = Follow(PathOf({At(1, 2), At(3, 2)}));
+  ASSERT_TRUE(AwaitEnd(refused));
+  EXPECT_EQ(CodeOf(refused), 102) << "no transform";
+  msg::TfMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.frame_id = "map";
+  message.transforms[0].child_frame_id = "odom";
+  message.transforms[0].transform.translation = {3, -1, 0};
+  auto publishing =
+      peers_->loop().Every(Milliseconds(50), [&] { static_cast<void>(tf->Publish(message)); });
+  Run(500);
+  const std::size_t drive = Follow(PathTo(6.5, 2));
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
+  EXPECT_NEAR(robot_.pose().at.x_m, 6.5, 0.2);
+  publishing.reset();
+  const std::size_t lost = Follow(PathOf({At(6.5, 2), At(1, 2)}));
+  ASSERT_TRUE(AwaitEnd(lost));
+  EXPECT_EQ(CodeOf(lost), 102) << "the localisation is lost";
+  EXPECT_GT(robot_.pose().at.x_m, 3);
+  Run(1000);
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, ForgetsWhatItHasSeenOnRequest) {
+  StartServers();
+  const auto client =
+      Must(transport::MakeClient<msg::Trigger>(*peers_, "jetbot_0/clear_controller_memory"));
+  Run(500);
+  bool cleared = false;
+  client->Call({}, Milliseconds(1000),
+               [&](const auto& reply) { cleared = reply && reply.value().success; });
+  EXPECT_TRUE(RunUntil([&] { return cleared; }, 1000));
+  EXPECT_THAT(log_, Contains(HasSubstr("what it has seen is forgotten")));
 }
 
 TEST_F(ControllerServerTest, StopsBeforeAnObstacleThatStaysAndNamesItsPlace) {

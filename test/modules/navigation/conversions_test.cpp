@@ -154,20 +154,47 @@ TEST(ToPath, NamesThePoseThatIsRefused) {
   EXPECT_EQ(ToPath({}, "map").error().message, "path: it has no pose");
 }
 
+// As localisations of ROS 2 have it: odometry in a frame of its own, which /tf places in the map.
+TEST(ToMotion, PlacesAPoseOfAnotherFrameByTf) {
+  const Time now = Time{} + std::chrono::seconds(10);
+  FrameTree frames(std::chrono::seconds(1));
+  msg::Odometry odometry;
+  odometry.header.frame_id = "odom";
+  odometry.pose.pose = ToMessage(Pose{{2, 0, 0}, 0});
+  odometry.twist.twist.linear.x = 1;
+  const auto refused = ToMotion(odometry, "map", frames, now);
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(Is(refused.error(), Fault::kFrame));
+  EXPECT_EQ(refused.error().message,
+            "odometry: its frame is 'odom', expected 'map' or a transform: no transform from map "
+            "to odom: odom has no known parent");
+  const double half = std::sqrt(0.5);
+  ASSERT_TRUE(frames.Set("map", "odom", {{1, 1, 0}, 0, 0, half, half}, false, now));
+  const auto motion = ToMotion(odometry, "map", frames, now);
+  ASSERT_TRUE(motion) << motion.error().message;
+  EXPECT_NEAR(motion.value().pose.at.x_m, 1, 1e-9);
+  EXPECT_NEAR(motion.value().pose.at.y_m, 3, 1e-9);
+  EXPECT_NEAR(motion.value().pose.yaw_rad, M_PI / 2, 1e-9);
+  EXPECT_NEAR(motion.value().velocity.y_m_s, 1, 1e-9);
+  EXPECT_FALSE(ToMotion(odometry, "map", frames, now + std::chrono::seconds(2))) << "it is old";
+}
+
 TEST(ToMotion, TurnsTheVelocityIntoTheFrameOfTheMap) {
+  const FrameTree frames(std::chrono::seconds(1));
+  const Time now{};
   msg::Odometry odometry;
   odometry.header.frame_id = "map";
   odometry.pose.pose = ToMessage(Pose{{1, 2, 0}, M_PI / 2});
   odometry.twist.twist.linear = {1, 0.5, 0.2};
   odometry.twist.twist.angular.z = 0.3;
-  const auto motion = ToMotion(odometry, "map");
+  const auto motion = ToMotion(odometry, "map", frames, now);
   ASSERT_TRUE(motion);
   EXPECT_NEAR(motion.value().velocity.x_m_s, -0.5, 1e-12);
   EXPECT_NEAR(motion.value().velocity.y_m_s, 1, 1e-12);
   EXPECT_NEAR(motion.value().velocity.z_m_s, 0.2, 1e-12);
   EXPECT_NEAR(motion.value().velocity.yaw_rad_s, 0.3, 1e-12);
   odometry.twist.twist.linear.x = kNan;
-  EXPECT_FALSE(ToMotion(odometry, "map"));
+  EXPECT_FALSE(ToMotion(odometry, "map", frames, now));
 }
 
 TEST(ToGrid, RefusesAGridWhoseSizeDoesNotFit) {

@@ -28,6 +28,7 @@ TEST(ThePlannerServer, AcceptsGoalsInActiveOnlyAndNeverInAnEmergencyUnderInjecte
     robot.action = "jetbot_0/compute_path_to_pose";
     robot.path = "jetbot_0/planned_path";
     robot.refuge = "jetbot_0/compute_refuge";
+    robot.clear_memory = "jetbot_0/clear_planner_memory";
     PlannerConfig config;
     config.robots = {robot};
     return std::make_unique<ServerActuator<PlannerServer>>("planner", config);

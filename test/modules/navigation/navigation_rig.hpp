@@ -59,6 +59,46 @@ class Goals {
   std::unique_ptr<transport::ActionClient<A>> client_;
 };
 
+// A mask over the map, as nav2's costmap filters have it, with one square of a value.
+class MaskPeer {
+ public:
+  MaskPeer(transport::Node& node, const std::string& topic)
+      : info_(transport::MakePublisher<msg::CostmapFilterInfo>(node, topic, transport::kLatchedQos)
+                  .value()),
+        grid_(transport::MakePublisher<msg::OccupancyGrid>(node, topic + "_mask",
+                                                           transport::kLatchedQos)
+                  .value()),
+        topic_(topic) {}
+
+  // Cells of 0.5 m from (0, 0) on; those from x to x + side, and so for y, have this occupancy.
+  void Publish(std::uint8_t type, const Point& from, double side_m, std::int8_t occupancy) {
+    msg::CostmapFilterInfo info;
+    info.type = type;
+    info.filter_mask_topic = topic_ + "_mask";
+    info.multiplier = 1;
+    msg::OccupancyGrid grid;
+    grid.header.frame_id = "map";
+    grid.info.resolution = 0.5F;
+    grid.info.width = 20;
+    grid.info.height = 12;
+    grid.info.origin = ToMessage(Pose{});
+    for (int y = 0; y < 12; ++y) {
+      for (int x = 0; x < 20; ++x) {
+        const double x_m = 0.5 * x + 0.25 - from.x_m, y_m = 0.5 * y + 0.25 - from.y_m;
+        const bool inside = x_m > 0 && y_m > 0 && x_m < side_m && y_m < side_m;
+        grid.data.push_back(inside ? occupancy : std::int8_t{0});
+      }
+    }
+    EXPECT_TRUE(info_->Publish(info));
+    EXPECT_TRUE(grid_->Publish(grid));
+  }
+
+ private:
+  std::unique_ptr<transport::Publisher<msg::CostmapFilterInfo>> info_;
+  std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> grid_;
+  const std::string topic_;
+};
+
 class NavigationRig : public ::testing::Test {
  protected:
   explicit NavigationRig(const SimulatedRobot::Options& options = {"jetbot_0", {{1, 2, 0}, 0}})
@@ -70,6 +110,7 @@ class NavigationRig : public ::testing::Test {
     planned.action = options.name + "/compute_path_to_pose";
     planned.path = options.name + "/planned_path";
     planned.refuge = options.name + "/compute_refuge";
+    planned.clear_memory = options.name + "/clear_planner_memory";
     planner_config_.robots = {planned};
     ControllerRobot driven;
     driven.name = options.name;
@@ -78,6 +119,7 @@ class NavigationRig : public ::testing::Test {
     driven.action = options.name + "/follow_path";
     driven.trajectory = options.name + "/timed_trajectory";
     driven.command = options.name + "/cmd_vel";
+    driven.clear_memory = options.name + "/clear_controller_memory";
     driven.differential = options.differential;
     controller_config_.robots = {driven};
   }

@@ -80,10 +80,11 @@ class RandomDrive {
 
   // The true one, none, or any other.
   void ChooseMap() {
-    if (OneIn(3)) return drive_.SetMap(nullptr);
+    if (OneIn(3)) return drive_.SetMap(nullptr, now_);
     drive_.SetMap(
         OneIn(2) ? std::make_shared<const Clearance>(walls_.map())
-                 : std::make_shared<const Clearance>(Fenced(RandomBoxes(random_(), 9, 0.05, 0.1))));
+                 : std::make_shared<const Clearance>(Fenced(RandomBoxes(random_(), 9, 0.05, 0.1))),
+        now_);
   }
 
   // Planned by the true map or by an empty one, or straight through everything.

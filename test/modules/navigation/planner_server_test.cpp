@@ -2,7 +2,9 @@
 
 #include "musher/modules/navigation/planner_server/planner_server.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <limits>
 
 #include "musher/modules/navigation/server/thread_background.hpp"
@@ -13,7 +15,9 @@ namespace musher::navigation::planner_server_test {
 
 using testing::At;
 using ::testing::Contains;
+using testing::GridOf;
 using ::testing::HasSubstr;
+using testing::MaskPeer;
 using ::testing::Not;
 using transport::GoalEnd;
 
@@ -234,6 +238,45 @@ TEST(ThreadBackground, DropsItsWorkWhenItIsDestroyed) {
   EXPECT_TRUE(loop.RunUntil([&] { return after; }, loop.Now() + std::chrono::seconds(20)));
   EXPECT_FALSE(returned);
   EXPECT_LE(works, 1);
+}
+
+// How far a path stays from the square of 1.5 to 2.5 m; between its poses as well, which may be far
+// apart on a straight line.
+double GapToSquareM(const msg::Path& path) {
+  constexpr int kSteps = 200;
+  double gap_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < path.poses.size(); ++i) {
+    const auto &a = path.poses[i - 1].pose.position, &b = path.poses[i].pose.position;
+    for (int step = 0; step <= kSteps; ++step) {
+      const double x_m = std::lerp(a.x, b.x, step / double{kSteps});
+      const double y_m = std::lerp(a.y, b.y, step / double{kSteps});
+      gap_m = std::min(gap_m, std::hypot(std::max({0.0, 1.5 - x_m, x_m - 2.5}),
+                                         std::max({0.0, 1.5 - y_m, y_m - 2.5})));
+    }
+  }
+  return gap_m;
+}
+
+TEST_F(PlannerServerTest, PlansAroundTheCellsOfAMaskToKeepOutOf) {
+  const double body_m = planner_config_.robots[0].radius_m;
+  MaskPeer mask(*peers_, "keepout_filter_info");
+  StartServers();
+  EXPECT_EQ(GapToSquareM(PathTo(3, 2)), 0) << "straight ahead";
+  mask.Publish(msg::CostmapFilterInfo::kKeepout, {1.5, 1.5, 0}, 1, 100);
+  Run(1000);
+  EXPECT_GE(GapToSquareM(PathTo(3, 2)), body_m);
+  EXPECT_TRUE(map_->Publish(GridOf(walls_.map())));
+  Run(1000);
+  EXPECT_GE(GapToSquareM(PathTo(3, 2)), body_m) << "a new map keeps it";
+  EXPECT_EQ(Plan({.goal = At(2, 2)}).result.error_code, 206) << "no goal in it";
+}
+
+TEST_F(PlannerServerTest, TakesAMaskThatWasPublishedBeforeItsStart) {
+  MaskPeer mask(*peers_, "keepout_filter_info");
+  mask.Publish(msg::CostmapFilterInfo::kKeepout, {1.5, 1.5, 0}, 1, 100);
+  Run(1000);
+  StartServers();
+  EXPECT_GE(GapToSquareM(PathTo(3, 2)), planner_config_.robots[0].radius_m);
 }
 
 }  // namespace musher::navigation::planner_server_test

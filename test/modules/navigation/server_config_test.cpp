@@ -33,6 +33,9 @@ TEST(PlannerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(file.frame, defaults.frame);
   EXPECT_EQ(file.map, defaults.map);
   EXPECT_EQ(file.cloud, defaults.cloud);
+  EXPECT_EQ(file.keep_out, defaults.keep_out);
+  EXPECT_EQ(file.tf.topic, defaults.tf.topic);
+  EXPECT_EQ(file.tf.stale, defaults.tf.stale);
   EXPECT_EQ(file.limit, defaults.limit);
   EXPECT_EQ(file.stale, defaults.stale);
   EXPECT_EQ(file.self_check_time, defaults.self_check_time);
@@ -69,6 +72,12 @@ TEST(ControllerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(file.map, defaults.map);
   EXPECT_EQ(file.cloud, defaults.cloud);
   EXPECT_EQ(file.cloud_resolution_m, defaults.cloud_resolution_m);
+  EXPECT_EQ(file.keep_out, defaults.keep_out);
+  EXPECT_EQ(file.speed_mask, defaults.speed_mask);
+  EXPECT_EQ(file.tf.topic, defaults.tf.topic);
+  EXPECT_EQ(file.tf.stale, defaults.tf.stale);
+  EXPECT_EQ(file.memory.side_m, defaults.memory.side_m);
+  EXPECT_EQ(file.memory.decay, defaults.memory.decay);
   EXPECT_EQ(file.odometry_stale, defaults.odometry_stale);
   EXPECT_EQ(file.scan_stale, defaults.scan_stale);
   EXPECT_EQ(file.obstacle_time, defaults.obstacle_time);
@@ -182,7 +191,7 @@ TEST(ControllerFile, ReportsErrorsOfTheGateAtTheirPlace) {
             "controller.toml:5:12: error: robot.gate.zone.corners: " + corners);
   EXPECT_EQ(ControllerError(robot + "[[robot.scanner]]\ntopic = \"a/scan\"\nyaw = 3\n"),
             "controller.toml:5:1: error: robot.scanner: unknown key \"yaw\"; expected one of "
-            "topic, x_m, y_m, z_m, yaw_deg, least_m and most_m");
+            "topic, x_m, y_m, z_m, yaw_deg, upside_down, least_m and most_m");
 }
 
 TEST(ControllerFile, MayLeaveOutMapAndScan) {

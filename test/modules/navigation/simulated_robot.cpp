@@ -96,6 +96,7 @@ void SimulatedRobot::SendOdometry() {
   if (odometry_silent) return;
   msg::Odometry odometry;
   odometry.header = HeaderNow();
+  odometry.header.frame_id = odometry_frame;
   odometry.child_frame_id = options_.name;
   Pose believed = pose_;
   believed.at = {pose_.at.x_m + odometry_off.x_m, pose_.at.y_m + odometry_off.y_m,

@@ -57,6 +57,7 @@ class SimulatedRobot {
   double slips = 1;              // it moves by this share of its velocity
   bool odometry_frozen = false;  // the pose stands, its stamps do not
   bool stamps_stand = false;
+  std::string odometry_frame = "map";
   Point odometry_off;  // what a wrong localisation adds to the pose
   // From the body's edge to the nearest wall, so far.
   double least_room_m() const { return least_room_m_; }

@@ -1,0 +1,86 @@
+// Drives of one robot, step by step: what it remembers of its scans.
+
+#include "musher/modules/navigation/controller_server/path_drive.hpp"
+
+#include <gmock/gmock.h>
+
+namespace musher::navigation::path_drive_test {
+
+using ::testing::HasSubstr;
+
+class Drive : public ::testing::Test {
+ protected:
+  static ControllerRobot Robot() {
+    ControllerRobot robot;
+    robot.name = "r";
+    robot.odometry = "r/odom";
+    robot.scanners = {{.topic = "r/scan"}};
+    return robot;
+  }
+  // One ray at this angle, which hits at a range.
+  void See(double angle_rad, float range_m) {
+    drive_.OnScan(0, {angle_rad, 0.01, 0.05, 8, {range_m}}, now_.time_since_epoch(), now_);
+  }
+  void BeHere() { drive_.OnOdometry({pose_, velocity_}, now_.time_since_epoch(), now_); }
+  // Until it ends, with scans of one ray that looks aside, where nothing is.
+  std::optional<DriveEnd> RunOut(double longest_s) {
+    for (int i = 0; i < 60 * longest_s; ++i) {
+      now_ += FromSeconds(1.0 / 60);
+      BeHere();
+      if (i % 6 == 0) See(1.5, 9);
+      const PathDrive::Step step = drive_.Update(now_);
+      if (step.end) return step.end;
+      velocity_ = InBodyFrame(step.command, -pose_.yaw_rad);
+      pose_.at.x_m += velocity_.x_m_s / 60;
+      pose_.at.y_m += velocity_.y_m_s / 60;
+      pose_.yaw_rad += velocity_.yaw_rad_s / 60;
+    }
+    return std::nullopt;
+  }
+
+  Time now_ = Time{} + std::chrono::seconds(10);
+  Pose pose_;
+  Velocity velocity_;
+  PathDrive drive_{Robot(), {}};
+};
+
+// The gate knows only the last scan; what is out of its sight the grid remembers, which the planner
+// has as well.
+TEST_F(Drive, StopsBeforeWhatItHasSeenAndSeesNoMore) {
+  BeHere();
+  See(0, 3);
+  ASSERT_FALSE(drive_.Start({pose_, {{5, 0, 0}, 0}}, now_));
+  const auto end = RunOut(20);
+  ASSERT_TRUE(end);
+  EXPECT_THAT(end->reason, HasSubstr("an obstacle at (3.00, 0.00"));
+  EXPECT_LT(pose_.at.x_m, 2.8);
+}
+
+TEST_F(Drive, PassesWhatItHasForgottenOnRequest) {
+  BeHere();
+  See(0, 3);
+  See(1.5, 9);  // else the gate, which has no memory, stops it
+  drive_.ClearMemory();
+  ASSERT_FALSE(drive_.Start({pose_, {{5, 0, 0}, 0}}, now_));
+  const auto end = RunOut(20);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->reason, "");
+}
+
+TEST_F(Drive, RemembersAlsoWhatANewMapContains) {
+  BeHere();
+  See(0, 3);
+  ASSERT_FALSE(drive_.Start({pose_, {{5, 0, 0}, 0}}, now_));
+  CellMap map;
+  map.resolution_m = 0.1;
+  map.origin = {{-2, -5, 0}, 0};
+  map.size_x = map.size_y = 100;
+  map.blocked.assign(100 * 100, 0);
+  map.blocked[map.IndexOf(map.CellOf({3.05, 0, 0}))] = 1;
+  drive_.SetMap(std::make_shared<const Clearance>(std::move(map)), now_);
+  const auto end = RunOut(20);
+  ASSERT_TRUE(end);
+  EXPECT_LT(pose_.at.x_m, 2.8) << end->reason;
+}
+
+}  // namespace musher::navigation::path_drive_test
