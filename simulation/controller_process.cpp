@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/refusal.hpp"
+
 namespace musher::simulation {
 
 ControllerProcess::ControllerProcess(transport::sim::Network& network, const std::string& endpoint,
@@ -130,7 +132,7 @@ void ControllerProcess::Begin(bool takeover, bool restarted) {
   event::Begin begin;
   begin.epoch = disk_.epoch;
   if (const auto& rival = shell_->rival()) {
-    if (!takeover) return shell_->Refuse({kCodeTargetBusy, "led by " + rival->process});
+    if (!takeover) return shell_->Refuse(Refused<Refusal::kAlreadyLed>(rival->process));
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
   std::vector<ChildProcess> children;
