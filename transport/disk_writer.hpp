@@ -2,7 +2,7 @@
 // Disk I/O beside the loop: a thread runs one job after the other, and the loop receives the result
 // of each. A stalled disk blocks only this thread.
 //
-//   loop:    Do(key, work, done) ─▶ WorkQueue ─▶ thread: work() ─▶ loop: done(result)
+//   loop:    Do(key, work, done) ─▶ queue ─▶ thread: work() ─▶ loop: done(result)
 //                                     ▲         │ failed
 //                                     └─────────┘ again after `retry_period`
 //
@@ -24,7 +24,6 @@
 
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
-#include "musher/base/work_queue.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::transport {
@@ -55,8 +54,9 @@ class DiskWriter {
   bool Flush(Duration timeout);
 
  private:
-  struct Job;
-  struct Shared;  // with the thread
+  struct Queue;
+
+  static void Run(const std::shared_ptr<Queue>& queue);
 
   struct Awaited {
     std::uint64_t number = 0;
@@ -66,11 +66,11 @@ class DiskWriter {
   void Ended(const std::string& key, std::uint64_t number, const Result<>& result);
 
   EventLoop& loop_;
-  const std::shared_ptr<Shared> shared_;
+  const DiskWriterOptions options_;
+  const std::shared_ptr<Queue> queue_;  // shared with the thread
   std::map<std::string, Awaited> awaited_;
   const std::shared_ptr<DiskWriter*>
       alive_;  // expires with the writer; checked by posted callbacks
-  WorkQueue thread_;
 };
 
 }  // namespace musher::transport

@@ -1,7 +1,9 @@
 #include "musher/controller/journal/history_reader.hpp"
 
 #include <algorithm>
+#include <condition_variable>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include "musher/base/words.hpp"
@@ -25,7 +27,9 @@ std::string DescribeGap(const UnwrittenEntries& unwritten) {
 
 struct HistoryReader::Shared {
   std::mutex mutex;
+  std::condition_variable ended;
   transport::EventLoop* loop = nullptr;  // none once the reader is destroyed
+  bool reading = false;
 };
 
 HistoryReader::HistoryReader(transport::EventLoop& loop, const Journal& journal)
@@ -34,8 +38,8 @@ HistoryReader::HistoryReader(transport::EventLoop& loop, const Journal& journal)
 }
 
 HistoryReader::~HistoryReader() {
-  thread_.reset();
-  const std::lock_guard lock(shared_->mutex);
+  std::unique_lock lock(shared_->mutex);
+  shared_->ended.wait_for(lock, kEndTimeout, [this] { return !shared_->reading; });
   shared_->loop = nullptr;
 }
 
@@ -58,36 +62,41 @@ Result<JournalReading> WithUnwritten(Result<JournalReading> reading,
 }
 
 void HistoryReader::Read(std::int64_t since_wall_ns, std::size_t limit, OnHistory done) {
-  if (waiting_.size() >= kMostWaiting) {
+  if (requests_.size() >= kMostWaiting) {
     return loop_.Post([done = std::move(done)] {
       done(Error{kCodeTargetBusy, "too many journal requests are waiting; try again later"});
     });
   }
-  waiting_.push_back(std::move(done));
-  if (!thread_) {
-    thread_.emplace(WorkQueueOptions{.name = "history",
-                                     .takes_signals = false,
-                                     .at_end = WorkQueueOptions::AtEnd::kDrop,
-                                     .end_timeout = kEndTimeout});
+  requests_.push_back({since_wall_ns, limit, std::move(done)});
+  if (requests_.size() == 1) ReadNext();
+}
+
+void HistoryReader::ReadNext() {
+  const Request& next = requests_.front();
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->reading = true;
   }
-  thread_->Do([this, shared = shared_, journal = journal_, since_wall_ns, limit] {
+  std::thread([this, shared = shared_, journal = journal_, since = next.since_wall_ns,
+               limit = next.limit] {
     const bool written = journal.Flush(kFlushTimeout);
-    auto reading = ReadJournal(journal.path(), since_wall_ns, limit);
-    if (!written) {
-      reading = WithUnwritten(std::move(reading), journal.Unwritten(), since_wall_ns, limit);
-    }
+    auto reading = ReadJournal(journal.path(), since, limit);
+    if (!written) reading = WithUnwritten(std::move(reading), journal.Unwritten(), since, limit);
     const std::lock_guard lock(shared->mutex);
+    shared->reading = false;
+    shared->ended.notify_all();
     if (shared->loop == nullptr) return;
     shared->loop->Post([this, weak = std::weak_ptr(shared), reading = std::move(reading)] {
       const auto alive = weak.lock();
       if (alive && alive->loop != nullptr) OnRead(reading);
     });
-  });
+  }).detach();
 }
 
 void HistoryReader::OnRead(const Result<JournalReading>& reading) {
-  const OnHistory done = std::move(waiting_.front());
-  waiting_.pop_front();
+  const OnHistory done = std::move(requests_.front().done);
+  requests_.pop_front();
+  if (!requests_.empty()) ReadNext();
   done(reading);
 }
 

@@ -9,9 +9,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include <optional>
 
-#include "musher/base/work_queue.hpp"
 #include "musher/controller/journal/journal.hpp"
 #include "musher/controller/journal/journal_reader.hpp"
 #include "musher/transport/event_loop.hpp"
@@ -43,14 +41,19 @@ class HistoryReader {
   void Read(std::int64_t since_wall_ns, std::size_t limit, OnHistory done);
 
  private:
+  struct Request {
+    std::int64_t since_wall_ns = 0;
+    std::size_t limit = 0;
+    OnHistory done;
+  };
   struct Shared;  // with the thread
+  void ReadNext();
   void OnRead(const Result<JournalReading>& reading);
 
   transport::EventLoop& loop_;
   const Journal::Access journal_;
-  std::deque<OnHistory> waiting_;  // in the order of the requests
+  std::deque<Request> requests_;  // the first one is being read
   const std::shared_ptr<Shared> shared_;
-  std::optional<WorkQueue> thread_;  // from the first request on
 };
 
 }  // namespace musher

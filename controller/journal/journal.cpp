@@ -1,27 +1,31 @@
 #include "musher/controller/journal/journal.hpp"
 
+#include <pthread.h>
+#include <sys/resource.h>
+
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <csignal>
 #include <deque>
 #include <iterator>
 #include <mutex>
+#include <thread>
 #include <type_traits>
 #include <utility>
 
-#include "musher/base/work_queue.hpp"
 #include "musher/controller/journal/journal_file.hpp"
 
 namespace musher {
 
-// What waits, and the attempts to write it. `mutex_` guards all members below it; only the thread
+// The queue and the thread that empties it. `mutex_` guards all members below it; only the thread
 // uses those above it.
-class Journal::Writer : public std::enable_shared_from_this<Journal::Writer> {
+class Journal::Writer {
  public:
   Writer(std::string path, JournalOptions options);
 
-  void Start();
-  // Writes what waits and ends the thread, but waits only `stop_timeout` for it. No callback runs
-  // after it.
+  static void Start(const std::shared_ptr<Writer>& writer);
+  // Ends the thread, but waits only `stop_timeout` for it. No callback runs after it.
   void Stop();
   const std::string& path() const { return path_; }
 
@@ -33,13 +37,12 @@ class Journal::Writer : public std::enable_shared_from_this<Journal::Writer> {
  private:
   using Lock = std::unique_lock<std::mutex>;
 
-  void Turn(Duration after);
-  Time TakeTurn();
-  void Finish();
-  bool Attempt();
+  void Run();
+  void WriteUntilStopped();
   template <typename... Arguments>
   void Notify(std::function<void(Arguments...)> JournalOptions::*callback,
               const std::type_identity_t<Arguments>&... arguments);
+  void WaitForWork(Lock& lock);
   bool Write(std::deque<JournalItem>& batch, std::uint64_t lost);
   void OnWritten();
   void OnFailed(const std::string& why);
@@ -50,7 +53,6 @@ class Journal::Writer : public std::enable_shared_from_this<Journal::Writer> {
   JournalOptions options_;
   std::mutex callbacks_;  // of the options: held while one runs
   JournalFile file_;
-  bool begun_ = false;
   bool in_trouble_ = false;
   bool removed_ = false;               // the file was, and no entry records it yet
   bool noted_ = false;                 // the state of writing is in the note beside the file
@@ -58,14 +60,18 @@ class Journal::Writer : public std::enable_shared_from_this<Journal::Writer> {
   std::atomic<bool> wants_snapshot_ = false;
 
   std::mutex mutex_;
+  std::condition_variable work_;       // the writer waits on it
+  std::condition_variable attempted_;  // Flush() waits on it
   std::deque<JournalItem> waiting_;
   std::uint64_t lost_ = 0;
   std::uint64_t attempts_begun_ = 0;
   std::uint64_t attempts_ended_ = 0;
   bool last_attempt_worked_ = true;
-  std::optional<JournalGap> gap_;      // while writing fails
-  bool write_is_due_ = false;          // the next turn of the thread writes
-  std::shared_ptr<WorkQueue> thread_;  // of the journal; none once it is destroyed
+  std::optional<JournalGap> gap_;  // while writing fails
+  bool hurry_ = false;             // try now, before the retry period is over
+  bool stop_ = false;
+  bool ended_ = false;
+  bool gathering_ = false;  // the writer needs no notification of more entries
 };
 
 namespace {
@@ -75,7 +81,6 @@ namespace {
 constexpr Duration kGatherTime = Milliseconds(5);
 // Journal writes have a lower priority than the work of a switch.
 constexpr int kNiceness = 10;
-constexpr const char* kTurn = "turn";  // the key of the thread's work
 
 std::int64_t WallNs() {
   const auto wall = std::chrono::system_clock::now().time_since_epoch();
@@ -125,23 +130,23 @@ Journal::Writer::Writer(std::string path, JournalOptions options)
       file_(path_, options_.max_bytes,
             [this](const auto& text) { Notify(&JournalOptions::on_moved, "journal: " + text); }) {}
 
-void Journal::Writer::Start() {
-  const Lock lock(mutex_);
-  thread_ = std::make_shared<WorkQueue>(WorkQueueOptions{.name = "journal",
-                                                         .niceness = kNiceness,
-                                                         .takes_signals = false,
-                                                         .end_timeout = options_.stop_timeout});
-  Turn(Duration::zero());
+// No signal is delivered to the thread.
+void Journal::Writer::Start(const std::shared_ptr<Writer>& writer) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread([writer] { writer->Run(); }).detach();
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 void Journal::Writer::Stop() {
-  std::shared_ptr<WorkQueue> thread;
   {
-    const Lock lock(mutex_);
-    thread = std::exchange(thread_, nullptr);
+    Lock lock(mutex_);
+    stop_ = true;
+    work_.notify_one();
+    attempted_.wait_for(lock, options_.stop_timeout, [this] { return ended_; });
   }
-  thread->Do([writer = shared_from_this()] { writer->Finish(); }, {.key = kTurn});
-  thread->End();
   const std::lock_guard lock(callbacks_);
   options_.on_moved = nullptr;
   options_.on_writing = nullptr;
@@ -159,83 +164,72 @@ void Journal::Writer::Append(JournalItem item) noexcept {
   try {
     waiting_.push_back(std::move(item));
     DropOldest();
-    if (!write_is_due_ && thread_) {
-      Turn(kGatherTime);
-      write_is_due_ = true;
-    }
   } catch (const std::bad_alloc&) {
     ++lost_;
   }
+  if (!gathering_) work_.notify_one();
 }
 
 bool Journal::Writer::Flush(Duration timeout) {
-  const Time end = std::chrono::steady_clock::now() + timeout;
   Lock lock(mutex_);
   if (waiting_.empty() && attempts_begun_ == attempts_ended_) return last_attempt_worked_;
   // A running attempt has already taken its entries; later ones are written by the next.
   const std::uint64_t enough = attempts_begun_ + (waiting_.empty() ? 0 : 1);
-  while (attempts_ended_ < enough) {
-    const std::shared_ptr<WorkQueue> thread = thread_;
-    lock.unlock();
-    if (!thread || !thread->Flush(end - std::chrono::steady_clock::now())) return false;
-    lock.lock();
-  }
-  return last_attempt_worked_;
+  hurry_ = true;
+  work_.notify_one();
+  const bool in_time =
+      attempted_.wait_for(lock, timeout, [&] { return attempts_ended_ >= enough; });
+  return in_time && last_attempt_worked_;
 }
 
-// With the lock: the thread's next turn. It replaces the one that waits.
-void Journal::Writer::Turn(Duration after) {
-  thread_->DoUntilDone([writer = shared_from_this()] { return std::optional(writer->TakeTurn()); },
-                       {.key = kTurn, .not_before = std::chrono::steady_clock::now() + after});
-}
-
-// Writes what waits, or looks whether the file is still there; returns the time of the next turn.
-Time Journal::Writer::TakeTurn() {
-  if (!std::exchange(begun_, true)) earlier_ = ReadGap(path_);
-  bool due = false;
-  {
-    const Lock lock(mutex_);
-    due = write_is_due_;
-  }
-  if (!due) removed_ |= file_.CloseIfRemoved();
-  const bool worked = (!due && !removed_) || Attempt();
-  const Time now = std::chrono::steady_clock::now();
-  const Lock lock(mutex_);
-  if (!worked) {
-    write_is_due_ = true;
-    return now + options_.retry_period;
-  }
-  if (due) write_is_due_ = !waiting_.empty();
-  return now + (write_is_due_ ? kGatherTime : options_.look_period);
-}
-
-// The last turn.
-void Journal::Writer::Finish() {
-  if (!std::exchange(begun_, true)) earlier_ = ReadGap(path_);
-  const auto has_work = [this] {
-    const Lock lock(mutex_);
-    return !waiting_.empty() || lost_ > 0;
-  };
-  while (has_work() && Attempt()) continue;
+void Journal::Writer::Run() {
+  WriteUntilStopped();
   file_.Close();
+  const Lock lock(mutex_);
+  ended_ = true;
+  attempted_.notify_all();
 }
 
-// Returns whether all that waited is written.
-bool Journal::Writer::Attempt() {
+void Journal::Writer::WriteUntilStopped() {
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread; unchanged if not permitted
+  earlier_ = ReadGap(path_);
   Lock lock(mutex_);
-  auto batch = std::exchange(waiting_, {});
-  const auto lost = std::exchange(lost_, 0);
-  ++attempts_begun_;
-  lock.unlock();
-  const bool worked = Write(batch, lost);
-  lock.lock();
-  if (!worked) {
-    lost_ += lost;
-    PutBack(std::move(batch));
+  while (true) {
+    WaitForWork(lock);
+    if (stop_ && waiting_.empty() && lost_ == 0) return;
+    auto batch = std::exchange(waiting_, {});
+    const auto lost = std::exchange(lost_, 0);
+    hurry_ = false;
+    ++attempts_begun_;
+    lock.unlock();
+    const bool worked = Write(batch, lost);
+    lock.lock();
+    if (!worked) {
+      lost_ += lost;
+      PutBack(std::move(batch));
+    }
+    last_attempt_worked_ = worked;
+    ++attempts_ended_;
+    attempted_.notify_all();
+    if (stop_ && (!worked || waiting_.empty())) return;
   }
-  last_attempt_worked_ = worked;
-  ++attempts_ended_;
-  return worked;
+}
+
+// Returns when there is something to write and it is time to try, or to stop.
+void Journal::Writer::WaitForWork(Lock& lock) {
+  if (in_trouble_) {
+    work_.wait_for(lock, options_.retry_period, [&] { return stop_ || hurry_; });
+  }
+  const auto has_work = [&] { return stop_ || !waiting_.empty(); };
+  while (!work_.wait_for(lock, options_.look_period, has_work)) {
+    lock.unlock();
+    removed_ |= file_.CloseIfRemoved();
+    lock.lock();
+    if (removed_) return;
+  }
+  gathering_ = true;
+  work_.wait_for(lock, kGatherTime, [&] { return stop_ || hurry_; });
+  gathering_ = false;
 }
 
 // Without the lock.
@@ -324,7 +318,7 @@ UnwrittenEntries Journal::Access::Unwritten() const {
 
 Journal::Journal(std::string path, JournalOptions options)
     : path_(std::move(path)), writer_(std::make_shared<Writer>(path_, std::move(options))) {
-  writer_->Start();
+  Writer::Start(writer_);
 }
 
 Journal::~Journal() {
