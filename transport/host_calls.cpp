@@ -17,7 +17,7 @@
 namespace musher::transport {
 namespace {
 
-constexpr std::size_t kLongestRequest = 64 << 10;
+constexpr std::size_t kLongestPacket = 64 << 10;
 constexpr std::size_t kLongestReply = 64 << 20;
 constexpr std::size_t kMostConnections = 64;
 constexpr int kBacklog = 64;
@@ -40,54 +40,69 @@ bool WriteAll(int fd, std::span<const std::byte> bytes) {
   return true;
 }
 
-void SendTaken(int socket) {
-  const char mark = 't';
-  static_cast<void>(send(socket, &mark, sizeof(mark), MSG_DONTWAIT | MSG_NOSIGNAL));
-}
+constexpr char kTaken = 't';
+constexpr char kReply = 'r';   // in this packet
+constexpr char kInFile = 'f';  // in the file of the packet's descriptor
 
-// A file in memory: however long the reply is and however slow its reader, nothing waits.
-void SendReply(int socket, const msg::Bytes& reply) {
-  const UniqueFd file(memfd_create("musher-reply", MFD_CLOEXEC));
-  if (!file.valid() || !WriteAll(file.get(), reply)) return;
-  char mark = 'r';
-  iovec part{&mark, sizeof(mark)};
+// Its failure closes the connection, as the caller notices.
+void SendPacket(int socket, char mark, std::span<const std::byte> bytes, int file) {
+  std::array<iovec, 2> parts{};
+  parts[0] = {&mark, sizeof(mark)};
+  parts[1] = {const_cast<std::byte*>(bytes.data()), bytes.size()};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
   msghdr header{};
-  header.msg_iov = &part;
-  header.msg_iovlen = 1;
-  header.msg_control = control.data();
-  header.msg_controllen = control.size();
-  cmsghdr* rights = CMSG_FIRSTHDR(&header);
-  rights->cmsg_level = SOL_SOCKET;
-  rights->cmsg_type = SCM_RIGHTS;
-  rights->cmsg_len = CMSG_LEN(sizeof(int));
-  const int fd = file.get();
-  std::memcpy(CMSG_DATA(rights), &fd, sizeof(fd));
-  // Its failure closes the connection, as the caller notices.
+  header.msg_iov = parts.data();
+  header.msg_iovlen = parts.size();
+  if (file >= 0) {
+    header.msg_control = control.data();
+    header.msg_controllen = control.size();
+    cmsghdr* rights = CMSG_FIRSTHDR(&header);
+    rights->cmsg_level = SOL_SOCKET;
+    rights->cmsg_type = SCM_RIGHTS;
+    rights->cmsg_len = CMSG_LEN(sizeof(int));
+    std::memcpy(CMSG_DATA(rights), &file, sizeof(file));
+  }
   static_cast<void>(sendmsg(socket, &header, MSG_DONTWAIT | MSG_NOSIGNAL));
 }
 
-// What the server has sent: that it has taken the request, the reply, or nothing more.
+// A long reply is a file in memory: nothing waits, however slow its reader is. A short one needs no
+// file, whose size may be limited to 0 (RLIMIT_FSIZE).
+void SendReply(int socket, const msg::Bytes& reply) {
+  if (reply.size() <= kLongestPacket) return SendPacket(socket, kReply, reply, -1);
+  const UniqueFd file(memfd_create("musher-reply", MFD_CLOEXEC));
+  if (!file.valid() || !WriteAll(file.get(), reply)) return;
+  SendPacket(socket, kInFile, {}, file.get());
+}
+
+// What the server has sent; mark 0: nothing more.
 struct Received {
-  bool taken = false;
-  UniqueFd reply{};
+  char mark = 0;
+  msg::Bytes bytes{};
+  UniqueFd file{};
 };
 
 Received Receive(int socket) {
-  char mark = 0;
-  iovec part{&mark, sizeof(mark)};
+  Received received;
+  received.bytes.resize(kLongestPacket);
+  std::array<iovec, 2> parts{};
+  parts[0] = {&received.mark, sizeof(received.mark)};
+  parts[1] = {received.bytes.data(), received.bytes.size()};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
   msghdr header{};
-  header.msg_iov = &part;
-  header.msg_iovlen = 1;
+  header.msg_iov = parts.data();
+  header.msg_iovlen = parts.size();
   header.msg_control = control.data();
   header.msg_controllen = control.size();
-  if (recvmsg(socket, &header, MSG_DONTWAIT | MSG_CMSG_CLOEXEC) <= 0) return {};
+  const ssize_t size = recvmsg(socket, &header, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  if (size <= 0) return {};
+  received.bytes.resize(static_cast<std::size_t>(size) - 1);
   const cmsghdr* rights = CMSG_FIRSTHDR(&header);
-  if (rights == nullptr || rights->cmsg_type != SCM_RIGHTS) return {mark == 't'};
-  int fd = -1;
-  std::memcpy(&fd, CMSG_DATA(rights), sizeof(fd));
-  return {true, UniqueFd(fd)};
+  if (rights != nullptr && rights->cmsg_type == SCM_RIGHTS) {
+    int fd = -1;
+    std::memcpy(&fd, CMSG_DATA(rights), sizeof(fd));
+    received.file = UniqueFd(fd);
+  }
+  return received;
 }
 
 std::optional<msg::Bytes> ReadFile(const UniqueFd& file) {
@@ -131,7 +146,7 @@ void HostServer::Accept() {
 void HostServer::Read(int id) {
   const auto found = connections_->find(id);
   if (found == connections_->end()) return;
-  msg::Bytes packet(kLongestRequest);
+  msg::Bytes packet(kLongestPacket);
   const ssize_t size = recv(found->second.socket.get(), packet.data(), packet.size(), MSG_DONTWAIT);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
   packet.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
@@ -152,7 +167,7 @@ void HostServer::Read(int id) {
     connections_->erase(id);
     return;
   }
-  SendTaken(found->second.socket.get());
+  SendPacket(found->second.socket.get(), kTaken, {}, -1);
   handler->second(std::span(packet).subspan(service.size() + 1), reply);
 }
 
@@ -167,7 +182,7 @@ std::unique_ptr<HostCall> HostCall::Make(EventLoop& loop, std::string_view name,
   for (const char letter : service) packet.push_back(static_cast<std::byte>(letter));
   packet.push_back(std::byte{0});
   packet.insert(packet.end(), request.begin(), request.end());
-  if (packet.size() > kLongestRequest ||
+  if (packet.size() > kLongestPacket ||
       send(socket.get(), packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0) {
     return nullptr;
   }
@@ -178,9 +193,11 @@ std::unique_ptr<HostCall> HostCall::Make(EventLoop& loop, std::string_view name,
 
 void HostCall::Read() {
   const Received received = Receive(socket_.get());
-  taken_ |= received.taken;
-  if (received.taken && !received.reply.valid()) return;
-  const auto reply = ReadFile(received.reply);
+  taken_ |= received.mark != 0;
+  if (received.mark == kTaken) return;
+  std::optional<msg::Bytes> reply;
+  if (received.mark == kReply) reply = received.bytes;
+  if (received.mark == kInFile) reply = ReadFile(received.file);
   watch_ = nullptr;
   const OnReply done = std::exchange(on_reply_, {});
   if (!done) return;

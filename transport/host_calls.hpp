@@ -7,7 +7,7 @@
 //   Offer<msg::GetStatus>(…)        HostCall::Make(loop, name, service, request, on_reply)
 //                     ◀── one packet: the service's name, a zero byte, the request ──
 //                     ──── one packet: the request is taken ────────────────────────▶
-//                     ──── one packet with a descriptor, whose file is the reply ───▶
+//                     ──── one packet: the reply, or a descriptor of its file ──────▶
 //
 // A call is one connection, which the server closes after the reply. Closed before the request is
 // taken, nothing was done: there is no such service, or there are too many calls. A client only

@@ -142,10 +142,8 @@ std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
     searched_ = !RunUntil([this] { return !Candidates().empty(); }, std::min(discovery(), limit));
     return ChooseNamed();
   }
-  if (NameLock::IsHeld(ControllerName())) {
-    ChooseHere(std::min(discovery_of_one_here(), limit));
-    return std::nullopt;
-  }
+  const Duration here_within = std::min(discovery_of_one_here(), limit);
+  if (NameLock::IsHeld(ControllerName()) && ChooseHere(here_within)) return std::nullopt;
   const auto any = [this] { return !Candidates().empty(); };
   searched_ = !RunUntil(any, std::min(discovery(), limit));
   if (searched_) return std::nullopt;
@@ -160,11 +158,15 @@ std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
 }
 
 // A controller of this host leads, so no other machine is meant, even while it does not answer. The
-// processes of another user, or container, cannot be inspected: then its computer has to do.
-void Link::ChooseHere(Duration limit) {
+// processes of another user, or container, cannot be inspected: then its computer has to do. False:
+// that controller has ended meanwhile, and another one that answers may be of another machine.
+bool Link::ChooseHere(Duration limit) {
   const std::string name = ControllerName();
   bool proven = true;
+  bool ended = false;
   const auto found = [&] {
+    ended = !NameLock::IsHeld(name);
+    if (ended) return true;
     for (const Found& one : Candidates()) {
       if (proven && one.info.host != HostId()) continue;
       if (proven ? !NameLock::CheckHolder(name, one.info.pid) : !IsOfThisBoot(one.info)) continue;
@@ -173,12 +175,13 @@ void Link::ChooseHere(Duration limit) {
     }
     return false;
   };
-  if (RunUntil(found, std::min(kOthersWithin, limit))) return;
+  if (RunUntil(found, std::min(kOthersWithin, limit))) return !ended;
   proven = false;
-  if (RunPatiently(found, limit)) return;
+  if (RunPatiently(found, limit)) return !ended;
   searched_ = true;
   const auto origin = OriginOfProcess(LeaderHere());
   machine_ = {origin ? origin->name : "of this host", origin ? origin->id : ""};
+  return true;
 }
 
 std::optional<Failure> Link::ChooseNamed() {

@@ -166,7 +166,7 @@ class Link {
   bool IsNamed(const MachineIdentity& machine) const;
   bool Speaks(const MachineIdentity& machine) const;
   std::string ControllerName() const;  // that the controller of this host holds
-  void ChooseHere(Duration limit);
+  bool ChooseHere(Duration limit);
   std::optional<Failure> ChooseNamed();
   std::optional<Failure> ChooseOf(const std::vector<Found>& candidates, Purpose purpose);
   std::optional<Failure> ChooseElsewhere(const std::vector<Found>& candidates, Purpose purpose);

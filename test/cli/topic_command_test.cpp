@@ -111,8 +111,9 @@ TEST_F(TopicCommand, ListsTheTopicsWithTheirTypesWritersAndReaders) {
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out, ::testing::ContainsRegex("/dog1/chat +1 +1 +std_msgs/msg/String\n"));
   const Ended json = Musher({"topic", "list", "--json"});
+  const nlohmann::json topics = Json(json.out)["topics"];
   bool found = false;
-  for (const auto& topic : Json(json.out)["topics"]) {
+  for (const auto& topic : topics) {
     if (topic["topic"] != "/dog1/chat") continue;
     found = true;
     EXPECT_EQ(topic["type"], "std_msgs/msg/String");
