@@ -3,8 +3,10 @@
 #include <memory>
 #include <utility>
 
+#include "musher/base/host.hpp"
 #include "musher/ota/posix_disk.hpp"
 #include "musher/test/integration/ota/root.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::testing::kill_test {
 
@@ -49,8 +51,12 @@ TEST_F(Killed, InstallerAndControllerInTheMiddleAreReportedByTheNextStartOnce) {
   ASSERT_NE(installer.LineWith("copy"), "");
   installer.Signal(SIGKILL);
   EXPECT_EQ(installer.Wait().exit, -1);
-  ASSERT_EQ(kill(Status()["pid"], SIGKILL), 0);
-  ASSERT_EQ(UpDetached().exit, 0);
+  const auto controller = Status()["pid"].get<pid_t>();
+  const auto process = OpenPidfd(controller);
+  ASSERT_EQ(kill(controller, SIGKILL), 0);
+  ASSERT_TRUE(AwaitReadable(process.value().get(), In(std::chrono::seconds(30))));
+  const Ended up = UpDetached();
+  ASSERT_EQ(up.exit, 0) << up.err;
   EXPECT_EQ(Where(), "OTA from a") << "it adopts the actuators as they are";
   EXPECT_THAT(History(), HasSubstr("the upgrade to version 1.1.0 did not finish"));
   ASSERT_EQ(Musher({"down"}).exit, 0);
