@@ -64,6 +64,8 @@ boot() {
   expect "the machine" Active "$(status .state)"
   await '.actuators | all(.state == "Active")'
   expect "actuators in Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  # Until its scene: between two commands a slow computer may leave the robot lying for 30 s of the world.
+  shown musher low-power off
   world speed $speed
   expect "the world runs at $speed times the speed: exit code" 0 "$code"
   motion result 111
@@ -147,11 +149,13 @@ lie_still() {
   step "It lies still for 30 s: LowPower, until it is woken up"
   motion result 101
   expect "getting down" "true 0" "$(answer '"\(.result) \(.code)"')"
+  shown musher low-power on
   await '.state == "LowPower"'
   expect "the machine" LowPower "$(status .state)"
   shown musher wake
   expect "exit code of wake" 0 "$code"
   expect "the machine" Active "$(status .state)"
+  shown musher low-power off
 }
 
 keep_state() {
