@@ -27,6 +27,8 @@ constexpr const char* kPermitKey = "[safety] permit_ms";
 constexpr Duration kFirstPermit = std::chrono::seconds(1);
 // Of a second, how much two clocks may diverge in it: 1/1000. Crystals do by 1/10000 at most.
 constexpr std::int64_t kFastestDrift = 1000;
+// The number of senders of permits that are kept: those received last.
+constexpr std::size_t kPermitSendersKept = 64;
 
 // No process of a robot runs for longer.
 constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
@@ -183,19 +185,11 @@ class Decision {
     if (ended || !confirmed) ReportStops();
   }
 
-  // A sample is as late as it was slower than the fastest one of its sender. So one that was held
-  // back on the way, or is repeated, permits no more than when it was given.
   void On(const event::PermitReceived& received) {
-    if (!machine_.permit || received.stamp <= Time() || received.stamp > Time() + kLongestRun)
-      return;
+    if (!machine_.permit || received.sender == 0) return;
+    if (received.stamp <= Time() || received.stamp > Time() + kLongestRun) return;
     Permit& permit = core_.permit;
-    const Duration taken = now_ - received.stamp;
-    const bool same = received.sender == permit.sender;
-    const Duration drift = same ? (now_ - permit.received) / kFastestDrift : Duration();
-    permit.fastest = same ? std::min(permit.fastest + drift, taken) : taken;
-    permit.sender = received.sender;
-    permit.received = now_;
-    const Time until = now_ - (taken - permit.fastest) + *machine_.permit;
+    const Time until = now_ - LatenessOf(received) + *machine_.permit;
     if (until <= permit.until) return;
     permit.until = until;
     permit.stamp = received.stamp;
@@ -274,6 +268,24 @@ class Decision {
     report_.epoch = epoch;
     core_.controller_last_heartbeat = now_;
     return std::nullopt;
+  }
+
+  // A sample is as late as it was slower than the fastest one of its sender. So one that was held
+  // back on the way, or is repeated, permits no more than when it was given, whatever other senders
+  // do meanwhile.
+  Duration LatenessOf(const event::PermitReceived& received) {
+    const Duration taken = now_ - received.stamp;
+    PermitSender sender{received.sender, taken, now_};
+    auto& senders = core_.permit.senders;
+    const auto known = std::ranges::find(senders, received.sender, &PermitSender::sender);
+    if (known != senders.end()) {
+      const Duration drift = (now_ - known->received) / kFastestDrift;
+      sender.fastest = std::min(known->fastest + drift, taken);
+      senders.erase(known);
+    }
+    senders.push_back(sender);
+    if (senders.size() > kPermitSendersKept) senders.erase(senders.begin());
+    return taken - sender.fastest;
   }
 
   bool IsPermitted() const { return !machine_.permit || now_ < core_.permit.until; }

@@ -28,9 +28,9 @@
 //     lead down succeeds without a stop: until then the actuator is held by the stop, and a
 //     command to its present state runs the callback.
 //   - With [safety] permit_ms an actuator above DeActive, or on the way there, latches a stop of
-//   its
-//     own when no permit arrives in time. A permit that is late or repeated counts for nothing. Of
-//     a process that has just started a command waits for the first one.
+//     its own when no permit arrives in time. A permit that is late or repeated, compared with the
+//     others of its sender, counts for nothing. In a process that has just started a command waits
+//     for the first one.
 //   - TearDown is the last state: after it, another TearDown is done at once, also one that has
 //     waited for it, and any other command is refused.
 //   - A manager without epochs may command until a controller has sent a command or query, and its
@@ -94,7 +94,8 @@ struct EmergencyStopReceived {
   std::string by = {};
   std::string reason = {};
 };
-// A permit to move. `stamp`: when it was given, by the clock of its sender.
+// A permit to move. `stamp`: when it was given, by the clock of its sender. An unknown sender (0)
+// permits nothing: its lateness has no measure.
 struct PermitReceived {
   Sender sender = 0;
   Time stamp{};
@@ -154,17 +155,23 @@ using ActuatorAction = std::variant<actuator_action::RunCallback, actuator_actio
                                     actuator_action::PublishStatus, actuator_action::BecomeVisible,
                                     actuator_action::Finish>;
 
+// A sender of permits: the measure for the lateness of its samples.
+struct PermitSender {
+  Sender sender = 0;
+  Duration fastest{};  // from the stamp of a sample to its arrival, between the two clocks
+  Time received{};     // its last sample
+  friend bool operator==(const PermitSender&, const PermitSender&) = default;
+};
+
 // The permit to move that [safety] permit_ms requires.
 struct Permit {
-  Time until{};             // it has one so long
-  Time first_by{};          // the first one of this process may arrive so late
-  Sender sender = 0;        // of the last sample
-  Time stamp{};             // of the newest sample, by the clock of its sender
-  Duration fastest{};       // from the stamp of a sample to its arrival, between the two clocks
-  Time received{};          // the last sample
-  std::string by;           // whose it was
-  StopId stop = 0;          // latched for want of a permit, and not released yet
-  std::uint64_t stops = 0;  // so many for want of a permit so far
+  Time until{};                       // it has one so long
+  Time first_by{};                    // the first one of this process may arrive so late
+  std::vector<PermitSender> senders;  // the last one to be received is at the end
+  Time stamp{};                       // of the sample that counts, by the clock of its sender
+  std::string by;                     // whose it was
+  StopId stop = 0;                    // latched for want of a permit, and not released yet
+  std::uint64_t stops = 0;            // so many for want of a permit so far
   friend bool operator==(const Permit&, const Permit&) = default;
 };
 

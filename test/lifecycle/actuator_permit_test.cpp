@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
 
+#include <map>
+
 #include "musher/test/lifecycle/one_actuator.hpp"
 
 namespace musher::actuator_permit_test {
@@ -31,10 +33,11 @@ class Permitted : public testing::OneActuator {
     Switch(1, "DeActive");
   }
 
-  // A permit that was given at `given` by the clock of this actuator; the holder's is apart from
-  // it.
+  // A permit that was given at `given` by the clock of this actuator; that of each sender is apart
+  // from it.
   Actions Give(Time given, Sender sender = kHolder) {
-    return Do(PermitReceived{sender, given + apart_, "alice"});
+    const std::chrono::minutes own(static_cast<int>(sender.value()));
+    return Do(PermitReceived{sender, given + apart_ + own, "alice"});
   }
   Actions Give() { return Give(now_); }
   Actions Wait(Duration time) {
@@ -216,19 +219,74 @@ TEST_F(Permitted, AnotherPersonMayGoOnGivingThem) {
   EXPECT_THAT(Wait(Milliseconds(200)), kRuns);
 }
 
+// Each sample of one console made the next one of the other console count as fresh.
+TEST_F(Permitted, TwoSendersThatAlternateMakeNoOldOneFresh) {
+  Move();
+  Give(now_, 43);
+  const Time moved = now_;
+  Time given = now_;
+  for (int i = 0; i < 18; ++i) {  // both links hold back ever more
+    now_ += Milliseconds(25);
+    given += Milliseconds(2);
+    Give(given, i % 2 == 0 ? kHolder : Sender(43));
+  }
+  EXPECT_FALSE(stopped());
+  EXPECT_LE(NextDeadline(config_, 0, core_), given + kPermit + Milliseconds(1));
+  now_ = moved + kPermit;
+  EXPECT_THAT(Wait(Milliseconds(40)), kRuns);
+}
+
+TEST_F(Permitted, AThirdSenderMakesNoOldOneOfTheOthersFresh) {
+  Move();
+  Give(now_, 43);
+  Wait(Milliseconds(100));
+  Give(now_, 44);
+  const Time newest = now_;
+  for (const Sender sender : {kHolder, Sender(43), Sender(44)}) {
+    Wait(Milliseconds(100));
+    Give(newest - Milliseconds(50), sender);
+  }
+  EXPECT_LE(NextDeadline(config_, 0, core_), newest + kPermit + Milliseconds(1));
+}
+
+TEST_F(Permitted, OfTooManySendersTheOneSilentForLongestIsForgotten) {
+  Move();
+  const Time first = now_;
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    now_ += Milliseconds(1);
+    Give(now_, Sender(kHolder.value() + i));
+    if (i == 50) Give();
+  }
+  EXPECT_EQ(core_.permit.senders.size(), 64U);
+  const Time newest = now_;
+  Wait(Milliseconds(400));
+  Give(first);
+  EXPECT_LE(NextDeadline(config_, 0, core_), newest + kPermit + Milliseconds(2))
+      << "the holder was received after most of the others";
+}
+
+TEST_F(Permitted, OneOfAnUnknownSenderCountsForNothing) {
+  now_ += std::chrono::seconds(1);
+  Give(now_, 0);
+  Do(Command(2, "Active"));
+  EXPECT_TRUE(stopped());
+}
+
 TEST_F(Permitted, WithoutTheKeyNoneIsNeededAndNoneIsKept) {
   config_.permit.reset();
   Move();
   EXPECT_EQ(NextDeadline(config_, 0, core_), std::nullopt);
   EXPECT_EQ(core_.permit.until, Time());
+  EXPECT_EQ(core_.permit.senders, std::vector<PermitSender>());
 }
 
 // Whatever arrives, late, repeated, in whichever order, of several senders: an actuator in Active
-// has received a permit that was given within permit_ms, or it is stopped.
+// has received a permit that was given within permit_ms, or it is stopped. The first of a sender
+// is not late: a delay of all its samples looks like a difference of the clocks.
 RC_GTEST_FIXTURE_PROP(Permitted, ItNeverMovesOnAnOlderOne, ()) {
   Move();
   Time newest = now_;
-  std::vector<Time> given = {now_};
+  std::map<Sender, std::vector<Time>> given = {{kHolder, {now_}}};
   const int steps = *rc::gen::inRange(1, 60);
   for (int i = 0; i < steps; ++i) {
     const Time next = now_ + Milliseconds(*rc::gen::inRange(0, 300));
@@ -238,9 +296,11 @@ RC_GTEST_FIXTURE_PROP(Permitted, ItNeverMovesOnAnOlderOne, ()) {
       Do(TimePassed{});
     }
     now_ = next;
-    if (*rc::gen::inRange(0, 3) == 0) given.push_back(now_);
-    const Time sent = given[*rc::gen::inRange<std::size_t>(0, given.size())];
-    Give(sent);
+    const Sender sender(*rc::gen::inRange<std::uint64_t>(kHolder.value(), kHolder.value() + 4));
+    std::vector<Time>& of_sender = given[sender];
+    if (of_sender.empty() || *rc::gen::inRange(0, 3) == 0) of_sender.push_back(now_);
+    const Time sent = of_sender[*rc::gen::inRange<std::size_t>(0, of_sender.size())];
+    Give(sent, sender);
     newest = std::max(newest, sent);
     if (*rc::gen::inRange(0, 10) == 0) Release();
     if (core_.report.emergency_stop == 0 && NextDeadline(config_, 0, core_) > now_) {
