@@ -43,6 +43,7 @@ bool WriteAll(int fd, std::span<const std::byte> bytes) {
 constexpr char kTaken = 't';
 constexpr char kReply = 'r';   // in this packet
 constexpr char kInFile = 'f';  // in the file of the packet's descriptor
+constexpr char kFailed = 'e';  // there is none; this packet says why
 
 // Its failure closes the connection, as the caller notices.
 void SendPacket(int socket, char mark, std::span<const std::byte> bytes, int file) {
@@ -65,13 +66,28 @@ void SendPacket(int socket, char mark, std::span<const std::byte> bytes, int fil
   static_cast<void>(sendmsg(socket, &header, MSG_DONTWAIT | MSG_NOSIGNAL));
 }
 
+// RLIMIT_FSIZE holds for files in memory, too; a controller ignores its signal.
+Result<UniqueFd> WriteFile(const msg::Bytes& reply) {
+  UniqueFd file(memfd_create("musher-reply", MFD_CLOEXEC));
+  if (file.valid() && WriteAll(file.get(), reply)) return file;
+  const int failed = errno;
+  Error error = SystemError(
+      "cannot write its reply of " + std::to_string(reply.size()) + " bytes to a file in memory",
+      failed);
+  if (failed == EFBIG) {
+    error.message += "; raise its limit of the file size: prlimit --fsize=unlimited --pid " +
+                     std::to_string(getpid()) + ", for a systemd unit LimitFSIZE=infinity";
+  }
+  return error;
+}
+
 // A long reply is a file in memory: nothing waits, however slow its reader is. A short one needs no
-// file, whose size may be limited to 0 (RLIMIT_FSIZE).
+// file, whose size may be limited to 0.
 void SendReply(int socket, const msg::Bytes& reply) {
   if (reply.size() <= kLongestPacket) return SendPacket(socket, kReply, reply, -1);
-  const UniqueFd file(memfd_create("musher-reply", MFD_CLOEXEC));
-  if (!file.valid() || !WriteAll(file.get(), reply)) return;
-  SendPacket(socket, kInFile, {}, file.get());
+  const auto file = WriteFile(reply);
+  if (file) return SendPacket(socket, kInFile, {}, file.value().get());
+  SendPacket(socket, kFailed, std::as_bytes(std::span(file.error().message)), -1);
 }
 
 // What the server has sent; mark 0: nothing more.
@@ -105,20 +121,34 @@ Received Receive(int socket) {
   return received;
 }
 
-std::optional<msg::Bytes> ReadFile(const UniqueFd& file) {
+Result<msg::Bytes> ReadFile(const UniqueFd& file) {
+  const char* const failed = "has sent a reply whose file cannot be read";
   struct stat status {};
-  if (!file.valid() || fstat(file.get(), &status) != 0) return std::nullopt;
+  if (!file.valid()) return SystemError(failed, EMFILE);  // the kernel has dropped the descriptor
+  if (fstat(file.get(), &status) != 0) return SystemError(failed);
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size > kLongestReply) return std::nullopt;
+  if (size > kLongestReply) return SystemError(failed, EFBIG);
   msg::Bytes bytes(size);
   std::size_t done = 0;
   while (done < size) {
     const ssize_t part =
         pread(file.get(), bytes.data() + done, size - done, static_cast<off_t>(done));
-    if (part <= 0) return std::nullopt;
+    if (part <= 0) return SystemError(failed, part < 0 ? errno : EIO);
     done += static_cast<std::size_t>(part);
   }
   return bytes;
+}
+
+// What the call ends with. An error's message begins with the predicate of the server.
+Result<msg::Bytes> ReplyIn(const Received& received, bool taken) {
+  if (received.mark == kReply) return received.bytes;
+  if (received.mark == kInFile) return ReadFile(received.file);
+  if (received.mark == kFailed) {
+    const auto* text = reinterpret_cast<const char*>(received.bytes.data());
+    return Error{kCodeFailed, std::string(text, received.bytes.size())};
+  }
+  if (taken) return Error{kCodeNetError, "has ended the call without a reply"};
+  return Error{kCodeUnSupport, "has not taken the request"};
 }
 
 }  // namespace
@@ -195,16 +225,13 @@ void HostCall::Read() {
   const Received received = Receive(socket_.get());
   taken_ |= received.mark != 0;
   if (received.mark == kTaken) return;
-  std::optional<msg::Bytes> reply;
-  if (received.mark == kReply) reply = received.bytes;
-  if (received.mark == kInFile) reply = ReadFile(received.file);
   watch_ = nullptr;
   const OnReply done = std::exchange(on_reply_, {});
   if (!done) return;
-  if (reply) return done(*reply);
+  auto reply = ReplyIn(received, taken_);
+  if (reply) return done(std::move(reply));
   const std::string server = "process " + std::to_string(server_);
-  done(taken_ ? Error{kCodeNetError, server + " has ended the call without a reply"}
-              : Error{kCodeUnSupport, server + " has not taken the request"});
+  done(Error{reply.error().code, server + " " + reply.error().message});
 }
 
 }  // namespace musher::transport

@@ -7,7 +7,8 @@
 //   Offer<msg::GetStatus>(…)        HostCall::Make(loop, name, service, request, on_reply)
 //                     ◀── one packet: the service's name, a zero byte, the request ──
 //                     ──── one packet: the request is taken ────────────────────────▶
-//                     ──── one packet: the reply, or a descriptor of its file ──────▶
+//                     ──── one packet: the reply, or a descriptor of its file, ─────▶
+//                          or why there is none
 //
 // A call is one connection, which the server closes after the reply. Closed before the request is
 // taken, nothing was done: there is no such service, or there are too many calls. A client only
@@ -79,6 +80,7 @@ class HostCall {
  public:
   // Runs once on the loop, never inside Make(): with the reply, or an Error. kCodeUnSupport: the
   // server has not taken the request. kCodeNetError: it has, and has ended before its reply.
+  // kCodeFailed: it has, and its reply does not arrive; the message says why.
   using OnReply = std::function<void(Result<msg::Bytes>)>;
 
   // Null: no process listens at `name`, or it is not trusted.

@@ -102,6 +102,10 @@ std::optional<std::variant<msg::Bytes, Failure>> Link::CallHere(const std::strin
   if (!reply) return NoAnswer(timeout);
   if (*reply) return std::move(*reply).value();
   if (reply->error().code == kCodeUnSupport) return std::nullopt;
+  if (reply->error().code != kCodeNetError) {
+    return Failure{ExitCode::kNoAnswer,
+                   {reply->error().code, "the controller: " + reply->error().message}};
+  }
   return Failure{
       lost,
       {kCodeNetError,

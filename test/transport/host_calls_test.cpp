@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -71,6 +72,38 @@ TEST_F(HostCalls, GetAReplyOfManyMegabytesAndOneOfNothing) {
   later_[1]({});
   EXPECT_EQ(End(*call).value().size(), 20u << 20);
   EXPECT_TRUE(End(*empty).value().empty());
+}
+
+// It was reported as an end of the server.
+TEST_F(HostCalls, WhoseReplyTheFileSizeLimitForbidsSaySo) {
+  Serve();
+  const auto call = Begin("later");
+  const auto cut = Begin("later");
+  const auto short_one = Begin("later");
+  ASSERT_TRUE(Await([&] { return later_.size() == 3; }));
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto reply_within = [&](rlim_t file_size, std::size_t caller, std::size_t reply) {
+    const rlimit limit{file_size, before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    later_[caller](BytesOf(reply));
+  };
+  reply_within(0, 0, 65'537);
+  reply_within(4096, 1, 65'537);
+  reply_within(0, 2, 65'536);
+  setrlimit(RLIMIT_FSIZE, &before);
+  signal(SIGXFSZ, handler);
+  const std::string pid = std::to_string(getpid());
+  const Error forbidden{kCodeFailed,
+                        "process " + pid +
+                            " cannot write its reply of 65537 bytes to a file in memory: File too "
+                            "large; raise its limit of the file size: prlimit --fsize=unlimited "
+                            "--pid " +
+                            pid + ", for a systemd unit LimitFSIZE=infinity"};
+  EXPECT_EQ(End(*call).error(), forbidden);
+  EXPECT_EQ(End(*cut).error(), forbidden);
+  EXPECT_EQ(End(*short_one).value().size(), 65'536U) << "it needs no file";
 }
 
 TEST_F(HostCalls, GetTheirOwnRepliesInWhicheverOrder) {
