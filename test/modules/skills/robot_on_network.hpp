@@ -121,8 +121,10 @@ class ARosRobot : public ::testing::Test {
     EXPECT_TRUE(peers_->scan->Publish(scan));
   }
   Time Now() { return body_->loop().Now(); }
-  void Stand(double x_m, double yaw_rad) {
+  void Stand(double x_m, double yaw_rad, const std::string& frame = "") {
     msg::Odometry odometry;
+    odometry.header.frame_id = frame;
+    odometry.child_frame_id = "base_link";
     odometry.pose.pose = ToMessage(navigation::Pose{{x_m, 0, 0}, yaw_rad}, {}).pose;
     odometry.twist.twist.linear.x = 0.5;
     EXPECT_TRUE(peers_->odometry->Publish(odometry));
