@@ -83,9 +83,13 @@ Result<FramePlacement> FrameTree::Find(std::string_view parent, std::string_view
   for (int i = 0; at != parent; ++i) {
     const auto found = frames_.find(at);
     if (found == frames_.end() || i >= kMostParents) {
-      return NoTransform(parent, child, fmt::format("{} has no known parent", at));
+      return NoTransform(parent, child,
+                         fmt::format("{} has no known parent", at.substr(0, kLongestName)));
     }
     const Frame& frame = found->second;
+    if (!frame.fixed && now < frame.at) {
+      return NoTransform(parent, child, "the time was set back since it came");
+    }
     if (!frame.fixed && now - frame.at > stale_) {
       return NoTransform(parent, child,
                          fmt::format("that of {} in {} is {:.1f} s old", at, frame.parent,

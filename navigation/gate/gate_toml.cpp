@@ -111,6 +111,7 @@ void ReadGate(TableReader& reader, GateRules& rules) {
   SetSeconds(*gate, "reaction_ms", rules.reaction_s);
   SetSeconds(*gate, "approach_ms", rules.approach_s);
   Set(*gate, "blind_m_s", 0, 20, rules.blind_m_s);
+  Set(*gate, "unknown_m_s", 0, 20, rules.unknown_m_s);
   rules.scan_stale = gate->Time("scan_stale_ms").value_or(rules.scan_stale);
   for (TableReader& table : gate->Subs("zone")) rules.zones.push_back(ReadZone(table));
   gate->RefuseOthers();

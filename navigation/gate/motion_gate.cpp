@@ -68,6 +68,14 @@ Pose Composed(const Pose& frame, const Pose& in_it) {
           frame.yaw_rad + in_it.yaw_rad};
 }
 
+// "12 degrees to the left".
+std::string DirectionTo(const Point& at) {
+  const double degrees = std::atan2(at.y_m, at.x_m) * 180 / M_PI;
+  if (std::abs(degrees) < 0.5) return "straight ahead";
+  if (std::abs(degrees) > 179.5) return "straight behind";
+  return fmt::format("{:.0f} degrees to the {}", std::abs(degrees), degrees > 0 ? "left" : "right");
+}
+
 }  // namespace
 
 bool GateZone::Has(const Point& point) const {
@@ -88,16 +96,15 @@ std::string Describe(const GateVerdict& verdict) {
     return fmt::format("no recent scan on {}: it does not move blindly", verdict.scanner);
   }
   const Point at = verdict.at.value_or(Point{});
-  const double degrees = std::atan2(at.y_m, at.x_m) * 180 / M_PI;
-  std::string text = fmt::format("an obstacle {:.2f} m away, ", std::hypot(at.x_m, at.y_m));
-  if (std::abs(degrees) < 0.5) {
-    text += "straight ahead, ";
-  } else {
-    text += fmt::format("{:.0f} degrees to the {}, ", std::abs(degrees),
-                        degrees > 0 ? "left" : "right");
+  const bool stops = verdict.kind == Kind::kStopped;
+  if (verdict.unknown) {
+    return fmt::format("no scanner covers the way {}: it {}", DirectionTo(at),
+                       stops ? "stops" : "goes slowly");
   }
+  std::string text =
+      fmt::format("an obstacle {:.2f} m away, {}, ", std::hypot(at.x_m, at.y_m), DirectionTo(at));
   if (!verdict.zone.empty()) text += "in the zone " + verdict.zone + ", ";
-  return text + (verdict.kind == Kind::kStopped ? "stops it" : "slows it down");
+  return text + (stops ? "stops it" : "slows it down");
 }
 
 void MotionGate::Track::Advance(const Velocity& velocity, Time from, Time to) {
@@ -107,12 +114,8 @@ void MotionGate::Track::Advance(const Velocity& velocity, Time from, Time to) {
   while (places_.size() > 2 && places_.front().at < to - kKeptTrack) places_.pop_front();
 }
 
-void MotionGate::Track::AddMoved(const std::vector<Point>& points, Time then,
-                                 std::vector<Point>& moved) const {
-  if (places_.empty()) {
-    moved.insert(moved.end(), points.begin(), points.end());
-    return;
-  }
+Pose MotionGate::Track::Since(Time then) const {
+  if (places_.empty()) return {};
   const auto first_after =
       std::lower_bound(places_.begin(), places_.end(), then,
                        [](const Place& place, Time at) { return place.at < at; });
@@ -120,12 +123,13 @@ void MotionGate::Track::AddMoved(const std::vector<Point>& points, Time then,
                     : first_after == places_.begin() ? first_after->pose
                                                      : std::prev(first_after)->pose;
   const Pose& now = places_.back().pose;
-  for (const Point& point : points) {
-    const Pose in_track = Composed(was, {point, 0});
-    Point seen = SeenFrom(now, in_track.at);
-    seen.z_m = point.z_m;
-    moved.push_back(seen);
-  }
+  return {SeenFrom(was, now.at), now.yaw_rad - was.yaw_rad};
+}
+
+void MotionGate::Track::AddMoved(const std::vector<Point>& points, Time then,
+                                 std::vector<Point>& moved) const {
+  const Pose now = Since(then);
+  for (const Point& point : points) moved.push_back(SeenFrom(now, point));
 }
 
 MotionGate::MotionGate(const GateRules& rules)
@@ -193,6 +197,19 @@ double MotionGate::AheadM(double speed_m_s) const {
   const double braking_m = speed_m_s * speed_m_s / (2 * rules_.brake_m_s2);
   return std::min(kLongestArcM, kArcStepM + braking_m +
                                     speed_m_s * std::max(rules_.reaction_s, rules_.approach_s));
+}
+
+double MotionGate::FastestMS(const Velocity& wanted) const {
+  return std::max(
+      {OverGround(wanted), OverGround(assumed_), measured_at_ ? OverGround(measured_) : 0});
+}
+
+// From which it stops within so much of its arc.
+double MotionGate::SafeMS(double free_m) const {
+  const double lost_m_s = rules_.brake_m_s2 * rules_.reaction_s;
+  const double safe_m_s =
+      std::sqrt(lost_m_s * lost_m_s + 2 * rules_.brake_m_s2 * free_m) - lost_m_s;
+  return rules_.approach_s > 0 ? std::min(safe_m_s, free_m / rules_.approach_s) : safe_m_s;
 }
 
 std::vector<MotionGate::Near> MotionGate::NearPoints(const std::vector<Point>& points,
@@ -263,6 +280,7 @@ void MotionGate::LimitByMomentum(const std::vector<Point>& points, const Velocit
     if (!touched && part < 1) limit.share *= part;
     if (!touched) return;
     limit.at = touched;
+    limit.unknown = false;
   }
   limit.share = 0;
 }
@@ -280,17 +298,47 @@ void MotionGate::LimitByArc(const std::vector<Point>& points, const Velocity& wa
                             Limit& limit) const {
   const double speed_m_s = OverGround(wanted);
   if (speed_m_s <= kStillMS) return;
-  const double fastest_m_s =
-      std::max({speed_m_s, OverGround(assumed_), measured_at_ ? OverGround(measured_) : 0});
-  const double ahead_m = AheadM(fastest_m_s);
+  const double ahead_m = AheadM(FastestMS(wanted));
   std::optional<Point> at;
   const double free_m = FreeArc(NearPoints(points, ahead_m), wanted, ahead_m, at);
   if (!at) return;
-  const double lost_m_s = rules_.brake_m_s2 * rules_.reaction_s;
-  double safe_m_s = std::sqrt(lost_m_s * lost_m_s + 2 * rules_.brake_m_s2 * free_m) - lost_m_s;
-  if (rules_.approach_s > 0) safe_m_s = std::min(safe_m_s, free_m / rules_.approach_s);
+  const double safe_m_s = SafeMS(free_m);
   const double share = safe_m_s < kStandsMS ? 0 : safe_m_s / speed_m_s;
-  if (share < limit.share) limit = {share, at, ""};
+  if (share < limit.share) limit = {share, at, "", false};
+}
+
+void MotionGate::LimitByUnknown(const Track& track, const Velocity& wanted, Time now,
+                                Limit& limit) const {
+  const double speed_m_s = OverGround(wanted);
+  const double unknown_m_s = std::max(rules_.unknown_m_s, rules_.blind_m_s);
+  if (views_.empty() || speed_m_s <= std::max(unknown_m_s, kStillMS)) return;
+  struct Sight {
+    const ScanView* view;
+    Pose now;  // of the body, in the frame of the scan
+  };
+  std::vector<Sight> sights;
+  double edge_m = rules_.radius_m + rules_.margin_m;  // from the middle of the body
+  for (const ScanView& view : views_) {
+    if (IsRecent(view, now)) sights.push_back({&view, track.Since(*view.taken())});
+    // One in front of the body looks from there.
+    const Point& sensor = view.mount().on_body.at;
+    edge_m = std::max(edge_m, std::hypot(sensor.x_m, sensor.y_m) + rules_.margin_m);
+  }
+  const double ahead_m = AheadM(FastestMS(wanted));
+  for (double along_m = kArcStepM; along_m < ahead_m + kArcStepM; along_m += kArcStepM) {
+    const Pose body = OnArc(wanted, along_m / speed_m_s);
+    const double heading_rad = std::atan2(wanted.y_m_s, wanted.x_m_s) + body.yaw_rad;
+    const Point edge{body.at.x_m + edge_m * std::cos(heading_rad),
+                     body.at.y_m + edge_m * std::sin(heading_rad), 0};
+    const bool covered = IsFinite(edge) && std::ranges::any_of(sights, [&](const Sight& sight) {
+                           return sight.view->Covers(Composed(sight.now, {edge, 0}).at);
+                         });
+    if (covered) continue;
+    const double safe_m_s = std::max(unknown_m_s, SafeMS(along_m - kArcStepM));
+    const double share = safe_m_s < kStandsMS ? 0 : safe_m_s / speed_m_s;
+    if (share < limit.share) limit = {share, edge, "", true};
+    return;
+  }
 }
 
 void MotionGate::LimitByZones(const std::vector<Point>& points, const Velocity& wanted,
@@ -307,8 +355,8 @@ void MotionGate::LimitByZones(const std::vector<Point>& points, const Velocity& 
       if (point.x_m * wanted.x_m_s + point.y_m * wanted.y_m_s > 0) towards = point;
     }
     if (inside < zone.least_points) continue;
-    if (zone.stops && towards && limit.share > 0) limit = {0, towards, zone.name};
-    if (!zone.stops && zone.share < limit.share) limit = {zone.share, nearest, zone.name};
+    if (zone.stops && towards && limit.share > 0) limit = {0, towards, zone.name, false};
+    if (!zone.stops && zone.share < limit.share) limit = {zone.share, nearest, zone.name, false};
   }
 }
 
@@ -359,6 +407,8 @@ GateVerdict MotionGate::Check(const Velocity& wanted, Time now) {
     const std::vector<Point> commanded = Seen(commanded_track_, now);
     LimitByArc(seen, verdict.command, limit);
     LimitByArc(commanded, verdict.command, limit);
+    LimitByUnknown(measured_track_, verdict.command, now, limit);
+    LimitByUnknown(commanded_track_, verdict.command, now, limit);
     LimitByZones(seen, verdict.command, limit);
     LimitByMomentum(seen, Measured(now), verdict.command, limit);
     LimitByMomentum(commanded, assumed_, verdict.command, limit);
@@ -371,6 +421,7 @@ GateVerdict MotionGate::Check(const Velocity& wanted, Time now) {
                                               : YawOfAStop(verdict.command, step_s);
   verdict.at = limit.at;
   verdict.zone = limit.zone;
+  verdict.unknown = limit.unknown;
   if (!verdict.holds()) held_since_.reset();
   if (verdict.holds() && !held_since_) held_since_ = now;
   verdict.held = held_since_ ? now - *held_since_ : Duration{};

@@ -15,9 +15,12 @@
 //   `approach_s` it also needs so long to get there, as by the model "approach" of nav2's collision
 //   monitor. A body that is too near already may go along and away, and turn: it is round.
 // - A body that moves otherwise than it is commanded keeps its momentum: a command is only let
-// through
-//   if the body, on the way from its present motion to the command and then to a stop, touches
-//   nothing; else it brakes as it moves.
+//   through if the body, on the way from its present motion to the command and then to a stop,
+//   touches nothing; else it brakes as it moves.
+// - A place that no scanner covers, outside of its angles or at rays without a measurement, is
+//   unknown: the body enters it with `unknown_m_s` at most, and brakes in time. A gap of fewer than
+//   5 degrees counts as covered, and so does what is behind a point. The gate does not remember
+//   what earlier scans have covered: a person may have come there since.
 // - Zones are polygons around the body, as those of nav2: points in one slow every motion down, or
 //   stop all that does not lead away from them.
 // - Without a recent scan of each of its scanners a body stands; a flyer, which has to hold its
@@ -51,12 +54,13 @@ struct GateZone {
 inline constexpr double kFlyerBlindMS = 0.5;
 
 struct GateRules {
-  double radius_m = 0.2;    // of the body
-  double margin_m = 0.05;   // between it and what it sees
-  double brake_m_s2 = 2;    // with which it can stop
-  double reaction_s = 0.2;  // from the scan to the begin of braking
-  double approach_s = 0;    // at least so long to a collision; 0: as far as it can brake
-  double blind_m_s = 0;     // without a recent scan
+  double radius_m = 0.2;     // of the body
+  double margin_m = 0.05;    // between it and what it sees
+  double brake_m_s2 = 2;     // with which it can stop
+  double reaction_s = 0.2;   // from the scan to the begin of braking
+  double approach_s = 0;     // at least so long to a collision; 0: as far as it can brake
+  double blind_m_s = 0;      // without a recent scan
+  double unknown_m_s = 0.3;  // where no scanner covers the way; at least blind_m_s
   Duration scan_stale = Milliseconds(500);
   std::vector<ScanMount> scanners;
   std::vector<GateZone> zones;
@@ -69,6 +73,7 @@ struct GateVerdict {
   Kind kind = Kind::kFree;
   std::optional<Point> at;  // what slows it or stops it, in the frame of the body
   std::string zone;         // in which it is, if it is a zone
+  bool unknown = false;     // `at` is no obstacle, but a place that no scanner covers
   std::string scanner;      // the topic without a recent scan
   Duration held{};          // so long a wanted motion has been stopped
 
@@ -106,6 +111,8 @@ class MotionGate {
   class Track {
    public:
     void Advance(const Velocity& velocity, Time from, Time to);
+    // Where it is now, in the frame that it had at `then`.
+    Pose Since(Time then) const;
     // The points as the body sees them now, seen from where it was at `then`.
     void AddMoved(const std::vector<Point>& points, Time then, std::vector<Point>& moved) const;
     void Clear() { places_.clear(); }
@@ -125,6 +132,7 @@ class MotionGate {
     double share = 1;  // of the wanted velocity over the ground
     std::optional<Point> at;
     std::string zone;
+    bool unknown = false;
   };
 
   void Advance(Time now);
@@ -133,10 +141,13 @@ class MotionGate {
   std::vector<Point> Seen(const Track& track, Time now) const;
   Velocity Measured(Time now) const;
   void LimitByArc(const std::vector<Point>& points, const Velocity& wanted, Limit& limit) const;
+  void LimitByUnknown(const Track& track, const Velocity& wanted, Time now, Limit& limit) const;
   void LimitByZones(const std::vector<Point>& points, const Velocity& wanted, Limit& limit) const;
   double FreeArc(const std::vector<Near>& near, const Velocity& wanted, double ahead_m,
                  std::optional<Point>& at) const;
   double AheadM(double speed_m_s) const;
+  double FastestMS(const Velocity& wanted) const;
+  double SafeMS(double free_m) const;
   std::vector<Near> NearPoints(const std::vector<Point>& points, double ahead_m) const;
   void LimitByMomentum(const std::vector<Point>& points, const Velocity& present,
                        const Velocity& wanted, Limit& limit) const;

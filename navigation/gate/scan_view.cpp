@@ -8,11 +8,22 @@ namespace {
 
 constexpr Duration kScanClockSet = std::chrono::seconds(1);  // a larger step is none of a late scan
 constexpr int kClockDrift = 5000;                            // one part in so many
+constexpr double kDegreeRad = M_PI / 180;
+constexpr double kBesideRayRad = 2.5 * kDegreeRad;  // few rays without a measurement are no gap
 
 // A ray that hit nothing is a measurement as well: there is nothing up to its range.
+bool IsMeasurement(float range_m, const Scan& scan) {
+  return range_m >= scan.least_m && range_m > 0;
+}
+
 bool HasMeasurement(const Scan& scan) {
-  return std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
-                     [&](float range) { return range >= scan.least_m && range > 0; });
+  return std::ranges::any_of(scan.ranges_m,
+                             [&](float range_m) { return IsMeasurement(range_m, scan); });
+}
+
+// From 0 to 359, for angles from -4 pi on.
+std::size_t DegreeOf(double angle_rad) {
+  return static_cast<std::size_t>(angle_rad / kDegreeRad + 720) % 360;
 }
 
 }  // namespace
@@ -52,8 +63,30 @@ bool ScanView::Take(const Scan& scan, Duration stamp, Time now) {
     last_at_ = now;
   }
   taken_ = now - age;
-  points_ = PointsOf(CountedBy(mount_, scan), mount_.on_body);
+  const Scan counted = CountedBy(mount_, scan);
+  points_ = PointsOf(counted, mount_.on_body);
+  sensor_ = mount_.on_body.at;
+  NoteCovered(counted);
   return true;
+}
+
+void ScanView::NoteCovered(const Scan& counted) {
+  covered_.reset();
+  const double beside_rad = std::clamp(std::abs(counted.step_rad) / 2, kBesideRayRad, M_PI / 2);
+  for (std::size_t i = 0; i < counted.ranges_m.size(); ++i) {
+    const double angle_rad = Wrapped(mount_.on_body.yaw_rad + counted.from_rad +
+                                     static_cast<double>(i) * counted.step_rad);
+    if (!IsMeasurement(counted.ranges_m[i], counted) || !std::isfinite(angle_rad)) continue;
+    const std::size_t last = DegreeOf(angle_rad + beside_rad);
+    for (std::size_t at = DegreeOf(angle_rad - beside_rad);; at = (at + 1) % covered_.size()) {
+      covered_.set(at);
+      if (at == last) break;
+    }
+  }
+}
+
+bool ScanView::Covers(const Point& place) const {
+  return covered_[DegreeOf(std::atan2(place.y_m - sensor_.y_m, place.x_m - sensor_.x_m))];
 }
 
 void ScanView::Forget() {

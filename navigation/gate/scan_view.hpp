@@ -1,12 +1,13 @@
 #pragma once
 // What one scanner of a body sees: its last scan as points in the frame of the body (x forward, y
-// to the left, z up from its base), and when it was taken.
+// to the left, z up from its base), the directions that it covers, and when it was taken.
 //
 // A scan without a single measurement (no rays, or all of them NaN or nearer than its least range)
 // says nothing and is refused, and so are a repeated and a late one: what a robot believed to see
 // has to get old. How late a scan came is the age of its stamp beyond that of the fastest one, so
 // the clocks need not agree. One that was set, either way, begins again. Metres; one thread.
 
+#include <bitset>
 #include <limits>
 #include <optional>
 #include <string>
@@ -47,12 +48,18 @@ class ScanView {
   // In the frame that the body had when the scan was taken.
   const std::vector<Point>& points() const { return points_; }
   std::optional<Time> taken() const { return taken_; }
+  // Whether a ray with a measurement points to this place of the same frame: what is there, or
+  // before it, is seen.
+  bool Covers(const Point& place) const;
 
  private:
   bool IsNew(Duration stamp, Time now);
+  void NoteCovered(const Scan& counted);
 
   ScanMount mount_;
   std::vector<Point> points_;
+  Point sensor_;              // of the last scan
+  std::bitset<360> covered_;  // its degrees, around the sensor
   std::optional<Time> taken_;
   std::optional<Duration> last_stamp_;
   std::optional<Duration> offset_;  // from a stamp to our time, of the fastest scan

@@ -71,6 +71,14 @@ TEST_F(Frames, AreForgottenWithTheTimeUnlessTheyAreFixed) {
   EXPECT_EQ(WhyNot("base_link", "laser"), "") << "they are sent only once";
 }
 
+TEST_F(Frames, AreNotUsedAfterTheTimeWasSetBackUntilTheyComeAgain) {
+  tree_.Set("map", "odom", {}, false, now_);
+  now_ -= std::chrono::seconds(50);
+  EXPECT_THAT(WhyNot("map", "odom"), HasSubstr("the time was set back"));
+  tree_.Set("map", "odom", {}, false, now_);
+  EXPECT_EQ(WhyNot("map", "odom"), "");
+}
+
 TEST_F(Frames, EndAlsoInACircle) {
   tree_.Set("a", "b", {}, true, now_);
   tree_.Set("b", "a", {}, true, now_);

@@ -203,6 +203,98 @@ TEST_F(Gate, DoesNotBelieveAMeasurementThatStands) {
   EXPECT_LT(Check({1.2, 0, 0, 0}).command.x_m_s, 1.1) << "it has been commanded 0.48 m nearer";
 }
 
+// --- Where no scanner looks, it is unknown what is there ---
+
+// Ahead of the scanner, as far as this to each side; nothing is near.
+Scan ScanWithin(int degrees) {
+  return {-degrees * M_PI / 180, M_PI / 180, 0.05, 8,
+          std::vector<float>(static_cast<std::size_t>(2 * degrees + 1), 9.0F)};
+}
+
+TEST_F(Gate, DoesNotTakeWhatIsBehindItsScannerForAFreeWay) {
+  ASSERT_TRUE(gate_->OnScan(0, ScanWithin(135), Duration{}, now_));
+  const GateVerdict behind = Check({-1, 0, 0, 0.1});
+  EXPECT_EQ(behind.kind, Kind::kSlowed);
+  EXPECT_NEAR(behind.command.x_m_s, -0.3, 1e-9);
+  EXPECT_NEAR(behind.command.yaw_rad_s, 0.03, 1e-9) << "on the same arc";
+  EXPECT_EQ(Describe(Check({-1, 0, 0, 0})),
+            "no scanner covers the way straight behind: it goes slowly");
+  EXPECT_EQ(Check({-0.5, 0.5, 0, 0}).kind, Kind::kFree) << "135 degrees to the left";
+  EXPECT_EQ(Check({-0.5, 0.4, 0, 0}).kind, Kind::kSlowed);
+}
+
+TEST_F(Gate, DoesNotTakeRaysWithoutAMeasurementForAFreeWay) {
+  const float infinite = std::numeric_limits<float>::infinity();
+  for (const float nothing : {std::nanf(""), 0.0F, -infinite, 0.01F}) {
+    Scan scan = ScanOf();
+    for (int degrees = -5; degrees <= 5; ++degrees) {
+      scan.ranges_m[static_cast<std::size_t>((degrees + 360) % 360)] = nothing;
+    }
+    ASSERT_TRUE(gate_->OnScan(0, scan, Duration{}, now_));
+    EXPECT_NEAR(Check({1.5, 0, 0, 0}).command.x_m_s, 0.3, 1e-9) << nothing;
+    EXPECT_EQ(Check({0, 1.5, 0, 0}).kind, Kind::kFree) << nothing;
+  }
+  Scan scan = ScanOf();
+  scan.ranges_m[0] = scan.ranges_m[1] = std::nanf("");
+  scan.ranges_m[180] = infinite;
+  ASSERT_TRUE(gate_->OnScan(0, scan, Duration{}, now_));
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree) << "two rays are no gap";
+  EXPECT_EQ(Check({-1, 0, 0, 0}).kind, Kind::kFree) << "a ray that hit nothing is a sight";
+}
+
+TEST_F(Gate, LetsABodyBackUpSlowlyAndTurnWhereNoScannerLooks) {
+  ASSERT_TRUE(gate_->OnScan(0, ScanWithin(135), Duration{}, now_));
+  for (const Velocity& wanted : {Velocity{-0.15, 0, 0, 0}, {-0.3, 0, 0, 0.2}, {0, 0, 0, 1}}) {
+    EXPECT_EQ(Check(wanted).command, wanted);
+    EXPECT_EQ(Check(wanted).kind, Kind::kFree);
+  }
+}
+
+TEST_F(Gate, GoesWhereAnotherScannerLooks) {
+  GateRules rules = Rules();
+  rules.scanners[0].on_body.at.x_m = 0.3;  // before the edge of the body
+  rules.scanners.push_back({.topic = "rear", .on_body = {{-0.15, 0, 0}, M_PI}});
+  Rebuild(rules);
+  ASSERT_TRUE(gate_->OnScan(0, ScanWithin(90), Duration{}, now_));
+  ASSERT_TRUE(gate_->OnScan(1, ScanWithin(60), Duration{}, now_));
+  EXPECT_EQ(Check({1.5, 0, 0, 0}).kind, Kind::kFree);
+  EXPECT_EQ(Check({-1.5, 0, 0, 0}).kind, Kind::kFree);
+  EXPECT_TRUE(Check({0, 1, 0, 0}).unknown);
+}
+
+TEST_F(Gate, BrakesBeforeItsArcLeavesWhatItsScannerCovers) {
+  ASSERT_TRUE(gate_->OnScan(0, ScanWithin(30), Duration{}, now_));
+  const GateVerdict verdict = Check({1.5, 0, 0, 2.5});
+  EXPECT_TRUE(verdict.unknown);
+  EXPECT_GT(verdict.command.x_m_s, 0.8) << "it may still brake";
+  EXPECT_LT(verdict.command.x_m_s, 1.4);
+  EXPECT_EQ(Check({1.5, 0, 0, 0.5}).kind, Kind::kFree);
+}
+
+TEST_F(Gate, KeepsTheDirectionsOfAScanWhileTheBodyTurns) {
+  ASSERT_TRUE(gate_->OnScan(0, ScanWithin(135), Duration{}, now_));
+  const Velocity aside{-0.5, 0.7, 0, 0};  // 126 degrees to the left
+  EXPECT_EQ(Check(aside).kind, Kind::kFree);
+  for (int i = 0; i < 40; ++i) {
+    gate_->OnVelocity({0, 0, 0, 1.5}, now_);
+    Check({0, 0, 0, 1.5});
+    now_ += Milliseconds(10);
+  }
+  EXPECT_TRUE(Check(aside).unknown) << "34 degrees farther to the left, in that scan";
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+}
+
+TEST_F(Gate, GoesNowhereWithoutASightWhereItIsConfiguredSo) {
+  GateRules rules = Rules();
+  rules.unknown_m_s = 0;
+  Rebuild(rules);
+  ASSERT_TRUE(gate_->OnScan(0, ScanWithin(135), Duration{}, now_));
+  const GateVerdict verdict = Check({-0.1, 0, 0, 0});
+  EXPECT_EQ(verdict.kind, Kind::kStopped);
+  EXPECT_EQ(Describe(verdict), "no scanner covers the way straight behind: it stops");
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+}
+
 TEST_F(Gate, StopsACommandThatIsNotFinite) {
   See();
   const double infinite = std::numeric_limits<double>::infinity();

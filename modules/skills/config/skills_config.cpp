@@ -37,6 +37,7 @@ class Reader {
     config_.hand = root.Bool("hand").value_or(false);
     config_.priority = static_cast<int>(root.Integer("priority", -1000, 1000).value_or(0));
     config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
+    config_.tf_stale = root.Time("tf_stale_ms").value_or(config_.tf_stale);
     config_.photo_folder = PathOf(root, "photo_folder",
                                   config_toml::DefaultStateDir("photos", "") + "/" + config_.robot);
     config_.skill_config = PathOf(root, "skill_config", "");
@@ -98,7 +99,8 @@ class Reader {
                      "/robot_paths",
                      prefix + "navigate_to_pose",
                      prefix + "navigate_through_poses",
-                     prefix + "follow_waypoints"};
+                     prefix + "follow_waypoints",
+                     "/tf"};
   }
 
   void ReadTopics(TableReader& reader) {
@@ -117,6 +119,7 @@ class Reader {
     Topic(reader, "navigate_to_pose", names.navigate_to_pose, true);
     Topic(reader, "navigate_through_poses", names.navigate_through_poses, true);
     Topic(reader, "follow_waypoints", names.follow_waypoints, true);
+    Topic(reader, "tf", names.tf, true);
   }
 
   static void Topic(TableReader& reader, std::string_view key, std::string& name, bool optional) {

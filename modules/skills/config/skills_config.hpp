@@ -34,6 +34,7 @@ struct InterfaceNames {
   std::string navigate_to_pose;
   std::string navigate_through_poses;
   std::string follow_waypoints;
+  std::string tf;  // tf2_msgs/TFMessage; beside it <tf>_static
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.
@@ -68,6 +69,7 @@ struct SkillsConfig {
   std::vector<DetectorView> detectors;  // empty: skills detect the objects of names.objects
   std::string photo_folder;             // absolute
   std::string skill_config;             // absolute path of the groups and limits; empty: all skills
+  Duration tf_stale = Milliseconds(1000);         // an older transform is not used
   Duration self_check_time = Milliseconds(5000);  // of the steady clock
 };
 

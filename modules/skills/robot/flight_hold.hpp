@@ -6,7 +6,7 @@
 //        ▲                                                             │
 //        └── landed, or carried farther than kLostM: another process moves it ◀┘
 //
-// Metres; the frame of the map. Pure; one thread.
+// Metres; the frame of the odometry, with its zero on the ground. Pure; one thread.
 
 #include <optional>
 
@@ -17,7 +17,7 @@ namespace musher::skills {
 
 class FlightHold {
  public:
-  static constexpr double kInTheAirM = 0.05;  // above the zero of the map; a lower one stands
+  static constexpr double kInTheAirM = 0.05;  // above the zero of the frame; a lower one stands
   static constexpr double kLostM = 1.5;
 
   // A skill or a drive moves it.

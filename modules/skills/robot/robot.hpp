@@ -85,8 +85,10 @@ class Robot {
 
   // The time of the present step.
   virtual Time Now() const = 0;
-  // Nullopt: no odometry came within the last 0.5 s.
+  // Nullopt: no odometry that has a place in the map came within the last 0.5 s.
   virtual std::optional<navigation::Pose> pose() const = 0;
+  // Why it has no pose: "No odometry of cf2x_0".
+  virtual std::string WhyNoPose() const { return "No odometry of " + name(); }
   virtual navigation::Velocity velocity() const = 0;  // in the frame of the map
 
   // Sent until the next command, at 20 Hz, as far as the gate before the base lets it pass.
@@ -132,9 +134,11 @@ class Robot {
   // vision module, what those have seen within the last second. Nullopt: not all have looked yet;
   // the first call asks them to.
   virtual std::optional<std::vector<SeenObject>> Detect() = 0;
-  // The poses that came on `topic` (nav_msgs/Odometry) within the last 0.5 s; the first call
-  // subscribes. Nullopt: none.
+  // The pose that came on `topic` (nav_msgs/Odometry) within the last 0.5 s and has a place in the
+  // map; the first call subscribes. Nullopt: none.
   virtual std::optional<navigation::Pose> PoseOf(const std::string& topic) = 0;
+  // Why there is none: "no pose on /target_0/odom".
+  virtual std::string WhyNoPoseOf(const std::string& topic) const { return "no pose on " + topic; }
   // How many have come on it since it was subscribed to.
   virtual std::uint64_t PosesOf(const std::string& topic) const = 0;
 

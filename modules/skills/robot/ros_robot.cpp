@@ -66,6 +66,13 @@ std::optional<navigation::Pose> RosRobot::pose() const {
   return wire ? wire->PoseNow() : std::nullopt;
 }
 
+std::string RosRobot::WhyNoPose() const {
+  const auto wire = wire_.lock();
+  const std::string* why = wire ? wire->refused.At(wire->Now()) : nullptr;
+  if (why == nullptr) return Robot::WhyNoPose();
+  return "No pose of " + name() + " in the map (" + config_.names.odometry + ": " + *why + ")";
+}
+
 navigation::Velocity RosRobot::velocity() const {
   const auto wire = wire_.lock();
   const Wire::Motion* motion = wire ? wire->motion.At(wire->Now()) : nullptr;
@@ -166,6 +173,15 @@ std::optional<navigation::Pose> RosRobot::PoseOf(const std::string& topic) {
   const navigation::Pose* pose = wire ? wire->PoseOf(topic) : nullptr;
   if (pose == nullptr) return std::nullopt;
   return *pose;
+}
+
+std::string RosRobot::WhyNoPoseOf(const std::string& topic) const {
+  const auto wire = wire_.lock();
+  if (!wire) return Robot::WhyNoPoseOf(topic);
+  const auto found = wire->tracked.find(topic);
+  const std::string* why =
+      found == wire->tracked.end() ? nullptr : found->second.refused.At(wire->Now());
+  return Robot::WhyNoPoseOf(topic) + (why == nullptr ? "" : " in the map (" + *why + ")");
 }
 
 std::uint64_t RosRobot::PosesOf(const std::string& topic) const {

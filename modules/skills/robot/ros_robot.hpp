@@ -51,6 +51,7 @@ class RosRobot final : public Robot {
 
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override;
+  std::string WhyNoPose() const override;
   navigation::Velocity velocity() const override;
   void SetVelocity(const navigation::Velocity& command) override;
   void StopMotion() override;
@@ -71,6 +72,7 @@ class RosRobot final : public Robot {
   bool HasObjects() const override;
   std::optional<std::vector<SeenObject>> Detect() override;
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override;
+  std::string WhyNoPoseOf(const std::string& topic) const override;
   std::uint64_t PosesOf(const std::string& topic) const override;
   bool HasCamera(const std::string& camera) const override;
   std::vector<std::string> cameras() const override;

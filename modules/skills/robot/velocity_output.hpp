@@ -17,6 +17,7 @@
 
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/navigation/frames/frame_tree.hpp"
 #include "musher/navigation/gate/motion_gate.hpp"
 #include "musher/navigation/gate/motion_guard.hpp"
 #include "musher/transport/clock.hpp"
@@ -36,11 +37,15 @@ class VelocityOutput {
 
   // False: the scan is refused.
   bool OnScan(std::size_t scanner, const msg::LaserScan& scan);
+  // Where the scanner is on the body, as a transform says.
+  void Mount(std::size_t scanner, const navigation::FramePlacement& placement) {
+    gate_.Mount(scanner, placement.pose, placement.upside_down);
+  }
   // What the scanner has seen last, in the frame of the body.
   const std::vector<navigation::Point>& PointsOf(std::size_t scanner) const {
     return gate_.PointsOf(scanner);
   }
-  // As measured; the velocity in the frame of the body.
+  // As measured: the pose in any frame that stays, the velocity in the frame of the body.
   void OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity);
 
   void Set(const navigation::Velocity& command);

@@ -5,7 +5,9 @@
 
 #include "musher/base/toml/names.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 #include "musher/transport/action_names.hpp"
 
 namespace musher::skills {
@@ -15,6 +17,9 @@ namespace {
 constexpr std::size_t kMostTracked = 16;
 constexpr Duration kHoldPeriod = Milliseconds(100);    // of a flyer at its place
 constexpr Duration kActiveWithin = Milliseconds(500);  // skills are stepped in Active only
+// As tf2 has it.
+constexpr transport::Qos kTfQos{transport::Qos::Reliability::kReliable,
+                                transport::Qos::Durability::kVolatile, 100};
 
 }  // namespace
 
@@ -23,7 +28,8 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
     : config(robot_config),
       node(endpoints.node()),
       clock(endpoints.clock()),
-      name_space(std::move(machine_name_space)) {
+      name_space(std::move(machine_name_space)),
+      frames_(robot_config.tf_stale) {
   const InterfaceNames& names = config.names;
   velocity = std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity),
                                               clock, config.gate, config.flies);
@@ -46,6 +52,7 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
                                                 [this] { return PoseNow(); });
   }
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
+  SubscribeFrames(endpoints);
   Subscribe(endpoints);
   SubscribeScans(endpoints);
   SubscribeDrives(endpoints);
@@ -57,6 +64,25 @@ std::optional<navigation::Pose> RosRobot::Wire::PoseNow() const {
   return now == nullptr ? std::nullopt : std::optional(now->pose);
 }
 
+Result<navigation::Pose> RosRobot::Wire::InMap(const std::string& frame) const {
+  if (frame.empty() || frame == kMapFrame) return navigation::Pose{};
+  const auto placed = frames_.Find(kMapFrame, frame, Now());
+  if (!placed) return placed.error();
+  if (!placed.value().upside_down) return placed.value().pose;
+  return navigation::MakeError(navigation::Fault::kFrame, "its frame is upside down in the map");
+}
+
+void RosRobot::Wire::SubscribeFrames(transport::Endpoints& endpoints) {
+  const std::string& topic = config.names.tf;
+  if (topic.empty()) return;
+  const auto take = [this](bool fixed) {
+    return [this, fixed](const msg::TfMessage& message) { frames_.Take(message, fixed, Now()); };
+  };
+  endpoints.Subscribe<msg::TfMessage>(topic, take(false), kTfQos);
+  endpoints.Subscribe<msg::TfMessage>(topic + "_static", take(true),
+                                      transport::kLatchedFromManyQos);
+}
+
 void RosRobot::Wire::SubscribeScans(transport::Endpoints& endpoints) {
   const auto& scanners = config.gate.scanners;
   obstacles.resize(scanners.size());
@@ -64,6 +90,8 @@ void RosRobot::Wire::SubscribeScans(transport::Endpoints& endpoints) {
     optional[scanners[i].topic] = endpoints.Subscribe<msg::LaserScan>(
         scanners[i].topic,
         [this, i](const msg::LaserScan& scan) {
+          const auto mount = frames_.Find(body_frame_, scan.header.frame_id, Now());
+          if (mount) velocity->Mount(i, mount.value());
           const Motion* here = motion.At(Now());
           if (!velocity->OnScan(i, scan) || here == nullptr) return;
           obstacles[i].Set(navigation::PlacedAt(here->pose, velocity->PointsOf(i)), Now());
@@ -113,13 +141,14 @@ void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
   velocity->Teleoperate(ToMapFrame(twist, 0));
 }
 
+// By its odometry alone: a flyer holds its place also while it has none in the map.
 void RosRobot::Wire::HoldPlace() {
   if (Drives() || (velocity->sending() && !holding_)) {
     if (holding_) StopMotion();
     hold.Use();
     return;
   }
-  const Motion* now = motion.At(Now());
+  const Motion* now = odometry.At(Now());
   const auto command = now == nullptr
                            ? hold.Command(std::nullopt, 0, kHoldPeriod)
                            : hold.Command(now->pose, navigation::Speed(now->velocity), kHoldPeriod);
@@ -131,17 +160,25 @@ void RosRobot::Wire::HoldPlace() {
   holding_ = true;
 }
 
+void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
+  const auto pose = ToPose(message.pose.pose);
+  const Duration stamp = msg::FromStamp(message.header.stamp);
+  const bool again = stamp != Duration::zero() && stamp == odometry_stamp_;
+  if (!pose || again) return;  // stamps that stand are of odometry that stands
+  odometry_stamp_ = stamp;
+  body_frame_ = message.child_frame_id;
+  velocity->OnMotion(*pose, ToMapFrame(message.twist.twist, 0));
+  odometry.Set({*pose, ToMapFrame(message.twist.twist, pose->yaw_rad)}, Now());
+  const auto frame = InMap(message.header.frame_id);
+  if (!frame) return refused.Set(frame.error().message, Now());
+  const navigation::Pose here = navigation::PlacedAt(frame.value(), *pose);
+  motion.Set({here, ToMapFrame(message.twist.twist, here.yaw_rad)}, Now());
+}
+
 void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
   const InterfaceNames& names = config.names;
-  endpoints.Subscribe<msg::Odometry>(names.odometry, [this](const msg::Odometry& odometry) {
-    const auto pose = ToPose(odometry.pose.pose);
-    const Duration stamp = msg::FromStamp(odometry.header.stamp);
-    const bool again = stamp != Duration::zero() && stamp == odometry_stamp_;
-    if (!pose || again) return;  // stamps that stand are of odometry that stands
-    odometry_stamp_ = stamp;
-    motion.Set({*pose, ToMapFrame(odometry.twist.twist, pose->yaw_rad)}, Now());
-    velocity->OnMotion(*pose, ToMapFrame(odometry.twist.twist, 0));
-  });
+  endpoints.Subscribe<msg::Odometry>(names.odometry,
+                                     [this](const msg::Odometry& message) { OnOdometry(message); });
   if (!names.teleop.empty()) {
     endpoints.Subscribe<msg::Twist>(names.teleop,
                                     [this](const msg::Twist& twist) { OnTeleop(twist); });
@@ -167,7 +204,12 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
 
 RosRobot::Missing RosRobot::Wire::Look() const {
   Missing missing;
-  if (motion.At(Now()) == nullptr) missing.odometry = "no odometry on " + config.names.odometry;
+  if (motion.At(Now()) == nullptr) {
+    const std::string& topic = config.names.odometry;
+    const std::string* why = refused.At(Now());
+    missing.odometry =
+        why == nullptr ? "no odometry on " + topic : "no pose in the map: " + topic + ": " + *why;
+  }
   const auto add = [&](bool there, const std::string& what) {
     if (!there) missing.others.push_back("no " + what);
   };
@@ -195,7 +237,9 @@ const navigation::Pose* RosRobot::Wire::PoseOf(const std::string& topic) {
         [this, &made](const msg::Odometry& odometry, const transport::SampleInfo&) {
           const auto pose = ToPose(odometry.pose.pose);
           if (!pose) return;
-          made.pose.Set(*pose, Now());
+          const auto frame = InMap(odometry.header.frame_id);
+          if (!frame) return made.refused.Set(frame.error().message, Now());
+          made.pose.Set(navigation::PlacedAt(frame.value(), *pose), Now());
           ++made.count;
         });
     if (subscription) made.subscription = std::move(subscription).value();

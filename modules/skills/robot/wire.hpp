@@ -19,6 +19,7 @@
 #include "musher/modules/skills/robot/ros_robot.hpp"
 #include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
+#include "musher/navigation/frames/frame_tree.hpp"
 
 namespace musher::skills {
 
@@ -57,17 +58,21 @@ struct RosRobot::Wire {
   // Of each scanner; false without one.
   bool HasScan() const;
   Time Now() const { return clock.Now(); }
+  // Where a frame of a message is in the map, as /tf says; an empty one counts as the map's. Fails
+  // with the reason where that is not known.
+  Result<navigation::Pose> InMap(const std::string& frame) const;
   // Nullopt: no recent odometry.
   std::optional<navigation::Pose> PoseNow() const;
 
   struct Motion {
     navigation::Pose pose;
-    navigation::Velocity velocity;  // in the frame of the map
+    navigation::Velocity velocity;  // in the frame of the pose
   };
   struct Tracked {
     RecentValue<navigation::Pose> pose;
-    std::uint64_t count = 0;  // of poses that have come
-    Time asked{};             // when a skill has last asked for it
+    RecentValue<std::string> refused;  // why a pose has no place in the map
+    std::uint64_t count = 0;           // of poses that have come
+    Time asked{};                      // when a skill has last asked for it
     std::unique_ptr<transport::Subscription> subscription;
   };
 
@@ -75,7 +80,9 @@ struct RosRobot::Wire {
   transport::Node& node;
   transport::Clock& clock;
   const std::string name_space;
-  RecentValue<Motion> motion;
+  RecentValue<Motion> odometry;      // in its own frame
+  RecentValue<Motion> motion;        // the same in the map
+  RecentValue<std::string> refused;  // why odometry has no place in the map
   std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
   RecentValue<Line> line;
@@ -93,14 +100,18 @@ struct RosRobot::Wire {
 
  private:
   void Subscribe(transport::Endpoints& endpoints);
+  void SubscribeFrames(transport::Endpoints& endpoints);
   void SubscribeScans(transport::Endpoints& endpoints);
   void SubscribeDrives(transport::Endpoints& endpoints);
   // Whether the controller drives, for a skill or for another client.
   bool Drives() const;
+  void OnOdometry(const msg::Odometry& message);
   void OnTeleop(const msg::Twist& twist);
   void HoldPlace();
 
-  bool holding_ = false;  // the last command is that of `hold`
+  navigation::FrameTree frames_;
+  std::string body_frame_;  // of the twist of the odometry
+  bool holding_ = false;    // the last command is that of `hold`
   Duration odometry_stamp_{};
   bool controller_drives_ = false;  // by the last status of its goals
   transport::Subscription* drives_status_ = nullptr;

@@ -68,7 +68,7 @@ std::optional<std::string> AvoidObstacle::WhyRefused(const skill::Values& parame
 
 std::optional<std::string> AvoidObstacle::Missing() const {
   if (!robot_.HasScan()) return "No scan of " + robot_.name();
-  if (!robot_.pose()) return "No odometry of " + robot_.name();
+  if (!robot_.pose()) return robot_.WhyNoPose();
   return std::nullopt;
 }
 

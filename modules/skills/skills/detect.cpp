@@ -49,9 +49,8 @@ skill::Next Detect::Step(skill::Tick& tick) {
 }
 
 skill::Next Detect::OnLimit(skill::Tick& tick) {
-  return skill::Next::Fail(std::string("Timeout: ") +
-                           (robot_.Detect() ? "no odometry" : "no objects were received") +
-                           " after " + skill::SecondsText(tick.elapsed));
+  const std::string why = robot_.Detect() ? robot_.WhyNoPose() : "no objects were received";
+  return skill::Next::Fail("Timeout: " + why + " after " + skill::SecondsText(tick.elapsed));
 }
 
 }  // namespace musher::skills

@@ -37,7 +37,7 @@ skill::Next FlightSkill::WaitForOdometry(skill::Tick& tick) {
   const double now_s = ToSeconds(tick.now);
   if (tick.data.Find(kBlindSince) == nullptr) tick.data.Set(kBlindSince, now_s);
   if (now_s - tick.data.Number(kBlindSince) >= kOdometryLimitS) {
-    return skill::Next::Fail(fmt::format("No odometry of {} for 2 s", robot_.name()));
+    return skill::Next::Fail(robot_.WhyNoPose() + " for 2 s");
   }
   tick.Report(0, "Waiting for odometry");
   return skill::Next::Stay();

@@ -97,7 +97,7 @@ Next FollowLine::Execute(Tick& tick) {
   const double distance_m = tick.parameters.Number("distance");
   if (distance_m > 0 && followed_m >= distance_m) return Complete(tick);
   blind_ = robot_.pose() ? Duration{} : blind_ + tick.step;
-  if (blind_ >= kLostAfter) return Next::Fail("No odometry of " + robot_.name());
+  if (blind_ >= kLostAfter) return Next::Fail(robot_.WhyNoPose());
   const auto line = robot_.line();
   if (!line || !std::isfinite(line->offset_m) || !std::isfinite(line->heading_rad)) {
     robot_.SetVelocity({});
@@ -165,7 +165,7 @@ Next FollowLine::Search(Tick& tick) {
 
 Next FollowLine::OnLimit(Tick& tick) {
   if (tick.state == searching_) return Next::Fail("Line lost: not found by turning to both sides");
-  if (!robot_.pose()) return Next::Fail("No odometry of " + robot_.name());
+  if (!robot_.pose()) return Next::Fail(robot_.WhyNoPose());
   return Next::Fail("No line in sight of " + robot_.name());
 }
 

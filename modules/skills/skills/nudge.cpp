@@ -31,7 +31,7 @@ bool ObstacleAhead(const Robot& robot, const navigation::Pose& now,
 Result<navigation::Velocity> NudgeCommand(const Robot& robot, const navigation::Point& target,
                                           const navigation::Point& start, double most_m) {
   const auto now = robot.pose();
-  if (!now || !navigation::IsFinite(*now)) return Error{kCodeFailed, "no odometry"};
+  if (!now || !navigation::IsFinite(*now)) return Error{kCodeFailed, robot.WhyNoPose()};
   if (!robot.HasScan()) return Error{kCodeFailed, "it comes no closer without a scan"};
   if (Horizontal(now->at, start) >= most_m) {
     return Error{kCodeFailed, "it has come as close as it may"};

@@ -77,7 +77,7 @@ Next Track::Initialize(Tick& tick) {
 Next Track::OnLimit(Tick& tick) {
   const TravelStep step = travel_.Reach();
   if (step.kind != Kind::kDone) return Next::Fail(step.why);
-  return Next::Fail("Target not seen: no pose on " + tick.parameters.Text("target_topic"));
+  return Next::Fail("Target not seen: " + robot_.WhyNoPoseOf(tick.parameters.Text("target_topic")));
 }
 
 Next Track::Execute(Tick& tick) {
@@ -92,7 +92,8 @@ Next Track::Execute(Tick& tick) {
   counted_ = came;
   const double limit_s = tick.parameters.Number("lost_limit");
   if (ToSeconds(unseen_) >= limit_s) {
-    return Next::Fail(fmt::format("Target lost: no pose on {} for {:.1f} s", topic, limit_s));
+    return Next::Fail(
+        fmt::format("Target lost: {} for {:.1f} s", robot_.WhyNoPoseOf(topic), limit_s));
   }
   PlanAndDrive(tick);
   if (ToSeconds(standstill_.time()) >= limit_s) {

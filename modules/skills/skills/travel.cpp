@@ -74,7 +74,7 @@ TravelStep Travel::Reach() const {
   if (!controller) {
     return {Kind::kPending, "Controller server not available: no controller of " + robot_.name()};
   }
-  if (!odometry) return {Kind::kPending, "No odometry of " + robot_.name()};
+  if (!odometry) return {Kind::kPending, robot_.WhyNoPose()};
   return {Kind::kDone};
 }
 
@@ -163,8 +163,9 @@ TravelStep Travel::Drive(Duration step) {
   drive_missing_ = robot_.pose() && robot_.HasController() ? Duration{} : drive_missing_ + step;
   if (drive_missing_ < kLostAfter) return {Kind::kPending};
   GiveUp();
-  return {Kind::kLost, (robot_.HasController() ? "No odometry of " : "No controller of ") +
-                           robot_.name() + fmt::format(" for {:.1f} s", ToSeconds(kLostAfter))};
+  const std::string why =
+      robot_.HasController() ? robot_.WhyNoPose() : "No controller of " + robot_.name();
+  return {Kind::kLost, why + fmt::format(" for {:.1f} s", ToSeconds(kLostAfter))};
 }
 
 TravelStep Travel::DriveEnd() {

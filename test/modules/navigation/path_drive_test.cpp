@@ -15,6 +15,7 @@ class Drive : public ::testing::Test {
     robot.name = "r";
     robot.odometry = "r/odom";
     robot.scanners = {{.topic = "r/scan"}};
+    robot.gate.unknown_m_s = robot.limits.speed_m_s;  // no ray looks ahead
     return robot;
   }
   // One ray at this angle, which hits at a range.

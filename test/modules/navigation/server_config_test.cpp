@@ -142,6 +142,7 @@ margin_m = 0.1
 brake_m_s2 = 1.5
 reaction_ms = 300
 approach_ms = 2000
+unknown_m_s = 0.1
 [[robot.gate.zone]]
 name = "ahead"
 kind = "stop"
@@ -165,6 +166,7 @@ kind = "flyer"
   EXPECT_EQ(a.gate.brake_m_s2, 1.5);
   EXPECT_EQ(a.gate.reaction_s, 0.3);
   EXPECT_EQ(a.gate.approach_s, 2);
+  EXPECT_EQ(a.gate.unknown_m_s, 0.1);
   ASSERT_EQ(a.gate.zones.size(), 1U);
   EXPECT_TRUE(a.gate.zones[0].stops);
   EXPECT_EQ(a.gate.zones[0].least_points, 2);

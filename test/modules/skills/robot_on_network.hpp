@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
 #include "musher/messages/nav2_msgs/follow_path.hpp"
@@ -107,17 +110,21 @@ class ARosRobot : public ::testing::Test {
       robot_.BeginStep(Now());
     }
   }
-  // A scan with one ray ahead.
+  // A scan around the robot, which hits something ahead.
   void See(double ahead_m) {
     msg::LaserScan scan;
     scan.range_min = 0.05F;
     scan.range_max = 10;
-    scan.ranges = {static_cast<float>(ahead_m)};
+    scan.angle_increment = static_cast<float>(M_PI / 180);
+    scan.ranges.assign(360, std::numeric_limits<float>::infinity());
+    scan.ranges[0] = static_cast<float>(ahead_m);
     EXPECT_TRUE(peers_->scan->Publish(scan));
   }
   Time Now() { return body_->loop().Now(); }
-  void Stand(double x_m, double yaw_rad) {
+  void Stand(double x_m, double yaw_rad, const std::string& frame = "") {
     msg::Odometry odometry;
+    odometry.header.frame_id = frame;
+    odometry.child_frame_id = "base_link";
     odometry.pose.pose = ToMessage(navigation::Pose{{x_m, 0, 0}, yaw_rad}, {}).pose;
     odometry.twist.twist.linear.x = 0.5;
     EXPECT_TRUE(peers_->odometry->Publish(odometry));

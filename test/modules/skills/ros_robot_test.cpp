@@ -1,5 +1,7 @@
 // A robot behind its topics.
 
+#include "musher/messages/tf2_msgs/tf_message.hpp"
+#include "musher/messages/yaw.hpp"
 #include "musher/test/modules/skills/robot_on_network.hpp"
 
 namespace musher::skills::ros_robot_test {
@@ -124,6 +126,111 @@ TEST_F(ARosRobot, ExecutesTeleoperationThroughTheGateWhileNoSkillMovesIt) {
   EXPECT_EQ(peers_->commands.back().linear.x, 0.2) << "the skill has the base";
 }
 
+// Of ROS 2's localisations: odometry in `odom`, which a transform places in the map.
+class ARosRobotWithOdometryInAFrameOfItsOwn : public ARosRobot {
+ protected:
+  ARosRobotWithOdometryInAFrameOfItsOwn()
+      : tf_(peers_->endpoints.Advertise<msg::TfMessage>("/tf")),
+        fixed_(peers_->endpoints.Advertise<msg::TfMessage>("/tf_static", transport::kLatchedQos)) {
+    Run(500);
+  }
+  static msg::TfMessage Transform(const std::string& parent, const std::string& child,
+                                  const navigation::Pose& pose) {
+    msg::TfMessage message;
+    message.transforms.resize(1);
+    message.transforms[0].header.frame_id = parent;
+    message.transforms[0].child_frame_id = child;
+    message.transforms[0].transform.translation = {pose.at.x_m, pose.at.y_m, pose.at.z_m};
+    message.transforms[0].transform.rotation = msg::FromYaw(pose.yaw_rad);
+    return message;
+  }
+  void Localise(const navigation::Pose& odom_in_map) {
+    EXPECT_TRUE(tf_->Publish(Transform("map", "odom", odom_in_map)));
+    Run(20);
+  }
+
+  transport::Publisher<msg::TfMessage>* const tf_;
+  transport::Publisher<msg::TfMessage>* const fixed_;
+};
+
+TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, HasNoPoseInTheMapBeforeATransformIsKnown) {
+  Stand(2, 0, "odom");
+  EXPECT_FALSE(robot_.pose());
+  EXPECT_EQ(robot_.velocity(), navigation::Velocity{});
+  EXPECT_EQ(robot_.WhyNoPose(),
+            "No pose of r in the map (r/odom: no transform from map to odom: odom has no known "
+            "parent)");
+  EXPECT_EQ(robot_.Look().odometry,
+            "no pose in the map: r/odom: no transform from map to odom: odom has no known parent");
+  Run(600);
+  EXPECT_EQ(robot_.WhyNoPose(), "No odometry of r");
+  Stand(2, 0, "map");
+  EXPECT_TRUE(robot_.pose());
+}
+
+TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, IsWhereTheTransformPlacesItInTheMap) {
+  Localise({{3, -1, 0}, M_PI / 2});
+  Stand(2, 0, "odom");
+  See(2);
+  Run(20);
+  ASSERT_TRUE(robot_.pose());
+  EXPECT_NEAR(robot_.pose()->at.x_m, 3, 1e-9);
+  EXPECT_NEAR(robot_.pose()->at.y_m, 1, 1e-9);
+  EXPECT_NEAR(robot_.pose()->yaw_rad, M_PI / 2, 1e-9);
+  EXPECT_NEAR(robot_.velocity().y_m_s, 0.5, 1e-9);
+  ASSERT_THAT(robot_.obstacles(), SizeIs(1));
+  EXPECT_NEAR(robot_.obstacles()[0].x_m, 3, 1e-6);
+  EXPECT_NEAR(robot_.obstacles()[0].y_m, 3, 1e-6);
+}
+
+TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, LosesItsPoseInTheMapWhenTheTransformIsLate) {
+  Localise({{3, -1, 0}, 0});
+  for (int i = 0; i < 18; ++i) {
+    Stand(2, 0, "odom");
+    Run(80);
+  }
+  EXPECT_TRUE(robot_.WhyNoPose().starts_with("No pose of r in the map"));
+  Stand(2, 0, "odom");
+  EXPECT_FALSE(robot_.pose());
+  EXPECT_THAT(robot_.WhyNoPose(), HasSubstr("that of odom in map is 1."));
+  Localise({{3, -1, 0}, 0});
+  Stand(2, 0, "odom");
+  EXPECT_TRUE(robot_.pose()) << "the localisation is there again";
+}
+
+TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, TracksATargetWhereTheTransformPlacesItOrSaysWhyNot) {
+  const std::string topic = "/target_0/odom";
+  EXPECT_FALSE(robot_.PoseOf(topic));  // subscribes
+  Run(500);
+  msg::Odometry target;
+  target.header.frame_id = "odom";
+  target.pose.pose.position.x = 7;
+  EXPECT_TRUE(peers_->target->Publish(target));
+  Run(50);
+  EXPECT_FALSE(robot_.PoseOf(topic));
+  EXPECT_EQ(robot_.PosesOf(topic), 0U);
+  EXPECT_THAT(robot_.WhyNoPoseOf(topic), HasSubstr("no transform from map to odom"));
+  Localise({{3, -1, 0}, 0});
+  EXPECT_TRUE(peers_->target->Publish(target));
+  Run(50);
+  ASSERT_TRUE(robot_.PoseOf(topic));
+  EXPECT_NEAR(robot_.PoseOf(topic)->at.x_m, 10, 1e-9);
+}
+
+TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, SeesFromWhereATransformPutsItsScanner) {
+  EXPECT_TRUE(fixed_->Publish(Transform("base_link", "laser", {{-0.1, 0, 0.2}, M_PI})));
+  Run(100);
+  Stand(0, 0, "map");
+  msg::LaserScan scan;
+  scan.header.frame_id = "laser";
+  scan.range_max = 10;
+  scan.ranges = {2};
+  EXPECT_TRUE(peers_->scan->Publish(scan));
+  Run(20);
+  ASSERT_THAT(robot_.obstacles(), SizeIs(1));
+  EXPECT_NEAR(robot_.obstacles()[0].x_m, -2.1, 1e-6);
+}
+
 class ARosFlyer : public ARosRobot {
  protected:
   ARosFlyer() : ARosRobot(FlyerConfig()) {}
@@ -140,6 +247,7 @@ class ARosFlyer : public ARosRobot {
       const bool recent = !peers_->commands.empty();
       x_m_ += 0.02 * ((recent ? peers_->commands.back().linear.x : 0) + 0.1);
       msg::Odometry odometry;
+      odometry.header.frame_id = frame_;
       odometry.pose.pose = ToMessage(navigation::Pose{{x_m_, 0, 1}, 0}, {}).pose;
       EXPECT_TRUE(peers_->odometry->Publish(odometry));
       Run(20);
@@ -147,6 +255,7 @@ class ARosFlyer : public ARosRobot {
     return x_m_;
   }
   double x_m_ = 0;
+  std::string frame_;
 };
 
 // The wind is 0.1 m/s: without a hold it is carried 2 m in 20 s.
@@ -172,6 +281,16 @@ TEST_F(ARosFlyer, KeepsItsPlaceAlsoInAPauseAndAtAStop) {
   const std::size_t count = peers_->commands.size();
   Fly(1);
   EXPECT_EQ(peers_->commands.size(), count) << "it has landed";
+}
+
+TEST_F(ARosFlyer, KeepsItsPlaceAlsoWhileItHasNoneInTheMap) {
+  frame_ = "odom";
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  const double place_m = Fly(2);
+  EXPECT_NEAR(Fly(20), place_m, 0.2);
+  EXPECT_FALSE(robot_.pose());
 }
 
 TEST_F(ARosFlyer, IsNotHeldAgainstADriveOfAnotherClient) {

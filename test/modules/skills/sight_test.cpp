@@ -86,7 +86,8 @@ TEST_F(Sight, BothWaitForObjectsAndFailAfterFiveSeconds) {
     EXPECT_THAT(bench_.messages, Contains("50 Waiting for objects"));
     bench_.robot.has_objects = true;
     bench_.robot.has_odometry = false;
-    EXPECT_EQ(bench_.Execute(skill, parameters).message, "Timeout: no odometry after 5 s");
+    EXPECT_EQ(bench_.Execute(skill, parameters).message,
+              "Timeout: No odometry of cf2x_0 after 5 s");
     bench_.Start(skill, parameters);
     bench_.StepFor(2);
     bench_.robot.has_odometry = true;

@@ -44,10 +44,12 @@ radius_m = 0.3
 hand = true
 ceiling_m = 2.2
 self_check_ms = 100
+tf_stale_ms = 300
 photo_folder = "/b/photos"
 skill_config = "../skills.toml"
 [topics]
 odometry = "/odom"
+tf = "/localisation/tf"
 scan = ""
 line = "line"
 [line]
@@ -66,6 +68,8 @@ camera_yaw_deg = -90
                                       "/a/b/dog.toml");
   ASSERT_TRUE(reading.config) << Lines(reading.diagnostics).front();
   EXPECT_EQ(reading.config->names.odometry, "/odom");
+  EXPECT_EQ(reading.config->names.tf, "/localisation/tf");
+  EXPECT_EQ(reading.config->tf_stale, Milliseconds(300));
   EXPECT_THAT(reading.config->gate.scanners, IsEmpty());
   EXPECT_EQ(reading.config->gate.margin_m, 0.15);
   EXPECT_EQ(reading.config->gate.radius_m, reading.config->radius_m);
