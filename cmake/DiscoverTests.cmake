@@ -2,7 +2,7 @@
 # regular expression, only the suites that match it, and the others as one test with the name of the program. Run by
 # musher_test() after the program is linked, with PROGRAM, OUTPUT (the file to write), and the properties of the
 # tests: TIMEOUT (s), COST, LABELS. Those whose names match LEFT_OUT are not given. NIGHTLY: the tests find
-# MUSHER_NIGHTLY in their environment.
+# MUSHER_NIGHTLY in their environment. Otherwise the properties of a program of some COST are tried with fewer cases.
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status
                 TIMEOUT 60)
 if(NOT status EQUAL 0)
@@ -10,16 +10,18 @@ if(NOT status EQUAL 0)
 endif()
 set(script)
 set(together)
-set(nightly)
+set(environment)
 if(NIGHTLY)
-  set(nightly " ENVIRONMENT MUSHER_NIGHTLY=1")
+  set(environment " ENVIRONMENT MUSHER_NIGHTLY=1")
+elseif(COST GREATER 0)
+  set(environment " ENVIRONMENT RC_PARAMS=max_success=30")  # RapidCheck's default is 100
 endif()
 function(give_to_ctest name filter)
   if(name MATCHES "${LEFT_OUT}")
     return()
   endif()
   string(APPEND script "add_test([==[${name}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==])\n"
-         "set_tests_properties([==[${name}]==] PROPERTIES TIMEOUT ${TIMEOUT} COST ${COST} LABELS [==[${LABELS}]==]${nightly})\n")
+         "set_tests_properties([==[${name}]==] PROPERTIES TIMEOUT ${TIMEOUT} COST ${COST} LABELS [==[${LABELS}]==]${environment})\n")
   set(script "${script}" PARENT_SCOPE)
 endfunction()
 string(REGEX REPLACE " *#[^\n]*" "" listed "${listed}")  # "Suite.  # TypeParam = …"

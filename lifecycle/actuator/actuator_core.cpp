@@ -49,9 +49,9 @@ bool IsAboveDeActive(const MachineConfig& config, const State& state) {
 }
 
 // Until when the actuator moves on the last permit, or a command waits for the first one; nullopt
-// where it needs none, or has stopped for want of one.
+// where it needs none, or is stopped.
 std::optional<Time> PermitDeadline(const MachineConfig& config, const ActuatorCore& core) {
-  if (!config.permit || core.permit.stop != 0) return std::nullopt;
+  if (!config.permit || !core.stops.empty()) return std::nullopt;
   const ActuatorReport& report = core.report;
   if (IsAboveDeActive(config, report.state) || IsAboveDeActive(config, report.target)) {
     return core.permit.until;
@@ -180,7 +180,6 @@ class Decision {
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
     const auto same = [&](const EmergencyStop& stop) { return stop.id == received.id; };
     const bool ended = std::erase_if(core_.stops, same) != 0;
-    if (received.id == core_.permit.stop || core_.stops.empty()) core_.permit.stop = 0;
     const bool confirmed = std::exchange(report_.released_stop, received.id) == received.id;
     if (ended || !confirmed) ReportStops();
   }
@@ -296,17 +295,19 @@ class Decision {
   }
 
   // Engages a stop if the actuator has no permit for `state`, in which it is or that it begins.
+  // Under another stop as soon as that is released: so a stop has one reason.
   void StopWithoutPermit(const State& state) {
+    if (IsPermitted() || !core_.stops.empty() || !IsAboveDeActive(machine_, state)) return;
     Permit& permit = core_.permit;
-    if (IsPermitted() || permit.stop != 0 || !IsAboveDeActive(machine_, state)) return;
     const bool any = permit.stamp != Time();
     // Actuators whose last permit was the same engage the same stop.
     const auto last = any ? static_cast<std::uint64_t>(permit.stamp.time_since_epoch().count())
                           : report_.incarnation.value();
+    StopId stop = 0;
     do {
-      permit.stop = StopId(last + ++permit.stops);
-    } while (std::ranges::count(core_.released, permit.stop) != 0);
-    Engage({permit.stop, kPermitKey,
+      stop = StopId(last + ++permit.stops);
+    } while (std::ranges::count(core_.released, stop) != 0);
+    Engage({stop, kPermitKey,
             any ? "no permit of " + permit.by + " has arrived for " +
                       std::to_string(ToMilliseconds(*machine_.permit)) + " ms"
                 : "no permit to move has arrived"});

@@ -170,7 +170,6 @@ struct Permit {
   std::vector<PermitSender> senders;  // the last one to be received is at the end
   Time stamp{};                       // of the sample that counts, by the clock of its sender
   std::string by;                     // whose it was
-  StopId stop = 0;                    // latched for want of a permit, and not released yet
   std::uint64_t stops = 0;            // so many for want of a permit so far
   friend bool operator==(const Permit&, const Permit&) = default;
 };

@@ -9,6 +9,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/test/cli/program.hpp"
+#include "musher/test/support/nightly.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
@@ -87,8 +88,9 @@ TEST_F(Simulating, EveryShippedConfigIsValid) {
 }
 
 TEST_F(Simulating, TheShippedConfigsPassEveryScenario) {
+  const std::string seeds = testing::Nightly() ? "300" : "60";
   for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml", "programs.toml"}) {
-    const Ran ran = RunProgram({"simulate", SourceDir() + "/config/" + name, "--seeds", "300"});
+    const Ran ran = RunProgram({"simulate", SourceDir() + "/config/" + name, "--seeds", seeds});
     EXPECT_EQ(ran.exit, 0) << ran.out;
   }
 }

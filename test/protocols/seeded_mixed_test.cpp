@@ -12,6 +12,7 @@
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
+#include "musher/test/support/nightly.hpp"
 
 namespace musher::testing::seeded_mixed_test {
 
@@ -186,7 +187,7 @@ std::uint64_t Environment(const char* name, std::uint64_t otherwise) {
 
 TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateAfterTheFaultsEnd) {
   const std::uint64_t only = Environment("MUSHER_SEED", 0);
-  const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 500);
+  const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", Nightly() ? 500 : 150);
   for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
     MixedScenario scenario(seed);
     scenario.Run();

@@ -28,13 +28,16 @@ class MovesByPermit : public MachineByCli {
   // The next such stop in the history: each actuator may engage one of its own.
   bool AwaitStop(const std::string& reason) const {
     const std::string line = history_->LineWith(reason);
-    EXPECT_THAT(line, HasSubstr("engaged by [safety] permit_ms"));
+    EXPECT_THAT(line, HasSubstr("engaged by [safety] permit_ms"))
+        << Musher({"history"}).out << Musher({"status"}).out;
     return !line.empty();
   }
-  static void Move() {
+  // Until all of it moves: an actuator of a later stage waits for a permit of its own.
+  void Move() {
     ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
     const Ended set = Musher({"set", "Active"});
     ASSERT_EQ(set.exit, 0) << set.err;
+    ASSERT_NE(up_->LineWith("eyes: Active done"), "");
   }
 
   std::unique_ptr<Process> up_;
