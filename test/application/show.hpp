@@ -137,18 +137,19 @@ class Show : public FsmActuator {
   ShowData data_;
 };
 
-// The controller of a machine with the show as its only actuator, and /clock.
+// The controller of a machine with the show, or another actuator, as its only one, and /clock.
 class Harness {
  public:
-  explicit Harness(const std::string& clock = "topic") {
+  explicit Harness(const std::string& clock = "topic", const std::string& actuator = "show") {
     setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
     const std::string states =
         R"(["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA",
             "Error"])";
-    std::ofstream(path()) << "[controller]\nactuators = [\"show\"]\nstates = " << states
+    std::ofstream(path()) << "[controller]\nactuators = [\"" << actuator
+                          << "\"]\nstates = " << states
                           << "\ndefault_time = 5000\ndefault_state = \"Uninitialized\""
                           << "\nclock = \"" << clock << "\"\nstate_dir = \"" << folder_ / "state"
-                          << "\"\n[actuator.show]\nstates = " << states
+                          << "\"\n[actuator." << actuator << "]\nstates = " << states
                           << "\ntimes = [5000, 5000, 5000, 5000, 5000, 5000, 5000, 5000, 5000]\n"
                           << "checkpoint_ms = 400\n";
     node_ = transport::NodeThread::Start().value();

@@ -625,6 +625,8 @@ Result<> Mission::Restore(const Progress& progress) {
   }
   progress_ = progress;
   old_ = std::move(old);
+  const bool runs = old_.empty() ? forms_.sequences : forms_.segments;
+  if (!runs) ForgetPlan();  // another tree has run it
   SetDone(progress.done);
   board_->row.Set(progress.cell.row);
   board_->col.Set(progress.cell.col);

@@ -98,7 +98,8 @@ class Mission {
 
   // What is saved, and what an earlier process has saved: before the first tick.
   Progress SavedProgress() const;
-  // Fails where it is that of the other side of the field.
+  // Fails where it is that of the other side of the field. A plan of a form that the tree does not
+  // run is left out.
   Result<> Restore(const Progress& progress);
 
   // Whether there is nothing to do: a plan may be requested.

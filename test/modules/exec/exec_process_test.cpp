@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
@@ -141,6 +142,29 @@ start = ["sh", "-c", "sleep infinity & echo $! > $MUSHER_TEST/child; echo $$ > $
   EXPECT_EQ(peer.AwaitExit(), -SIGKILL);
   EXPECT_TRUE(HasExited(program));
   EXPECT_TRUE(HasExited(child));
+}
+
+TEST(MusherExec, ThatIsKilledInActiveRunsTheCommandOfActiveOnlyWhenItIsSwitchedThereAgain) {
+  ExecPeer peer;
+  const std::string file = "[state.Active]\nshell = \"echo on >> $MUSHER_TEST/active\"\n";
+  const auto runs = [&peer] {
+    std::ifstream lines(peer.folder() / "active");
+    return std::count(std::istreambuf_iterator<char>(lines), {}, '\n');
+  };
+  peer.Start(file);
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  EXPECT_EQ(runs(), 1);
+  // So that the status of its successor is known from its own.
+  ASSERT_TRUE(peer.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer.Signal(SIGKILL);
+  ASSERT_EQ(peer.AwaitExit(), -SIGKILL);
+  peer.Start(file);
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("SelfCheck"));
+  EXPECT_EQ(runs(), 1) << "its own start runs nothing of Active";
+  ASSERT_TRUE(peer.Switch("Active"));
+  EXPECT_EQ(runs(), 2);
 }
 
 TEST(MusherExec, StopsItsProgramAndExitsOnSigterm) {

@@ -1,6 +1,7 @@
 // musher-line-walker as a controller and the robot's other modules use it: the real program over
 // DDS.
 
+#include <csignal>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,8 +31,10 @@ class WalkerProcess : public test::ModuleProcess {
     right_ = Publisher<msg::YellowLines>("yellow_line_detector/right");
     front_ = Publisher<msg::YellowLines>("yellow_line_detector/front");
     odometry_ = Publisher<msg::Odometry>("odom_out");
-    Subscribe<msg::String>("yellow_line_walker/status",
-                           [this](const msg::String& text) { status_ = text.data; });
+    Subscribe<msg::String>("yellow_line_walker/status", [this](const msg::String& text) {
+      status_ = text.data;
+      ++statuses_;
+    });
     Subscribe<msg::MotionServoCmd>("motion_servo_cmd", [this](const msg::MotionServoCmd& frame) {
       ends_ += frame.cmd_type == msg::MotionServoCmd::kEnd ? 1 : 0;
       ++frames_;
@@ -63,6 +66,7 @@ class WalkerProcess : public test::ModuleProcess {
   }
 
   std::string status_;
+  int statuses_ = 0;
   int frames_ = 0;
   int ends_ = 0;
   std::unique_ptr<transport::Publisher<msg::String>> command_;
@@ -105,6 +109,31 @@ TEST_F(WalkerProcess, EndsAWalkInEveryOtherState) {
     EXPECT_TRUE(AwaitStatus(",End:stopped")) << state;
   }
   EXPECT_THAT(peer_.Output(), HasSubstr("stopped: it is in LowPower"));
+}
+
+TEST_F(WalkerProcess, ThatIsKilledInAWalkStandsUntilTheNextStart) {
+  StartRobot();
+  Start(kFile);
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  Command("START");
+  ASSERT_TRUE(AwaitStatus("State:WALKING")) << status_ << peer_.Output();
+  // So that the status of its successor is known from its own.
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  Start(kFile);
+  frames_ = 0;
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  const int before = statuses_;
+  ASSERT_TRUE(peer_.Until([&] { return statuses_ >= before + 10; }));  // a second
+  EXPECT_THAT(status_, ::testing::StartsWith("State:IDLE,Active:False"));
+  EXPECT_EQ(frames_, 0) << "the lines are there, and no person has begun a walk";
+  // More than once: the reader of the killed process counts until its lease has expired.
+  const auto starts = peer_.node().loop().Every(
+      Milliseconds(200), [this] { static_cast<void>(command_->Publish({"START"})); });
+  EXPECT_TRUE(AwaitStatus("State:WALKING")) << status_ << peer_.Output();
 }
 
 TEST_F(WalkerProcess, FailsItsSelfCheckWithoutDetectorsAndMotion) {

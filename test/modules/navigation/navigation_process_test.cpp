@@ -127,6 +127,25 @@ TEST_F(ControllerProcess, ASelfCheckOfAnActiveServerLeavesItsDriveAlone) {
   EXPECT_TRUE(AwaitMotion()) << "a goal after the check" << peer_.Output();
 }
 
+TEST_F(ControllerProcess, ThatIsKilledInADriveStandsUntilTheNextGoal) {
+  StartActive();
+  Drive();
+  ASSERT_TRUE(AwaitMotion()) << peer_.Output();
+  // So that the status of its successor is known from its own.
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  ASSERT_TRUE(peer_.Until([&] { return end_.has_value() && robot_.speed_m_s() == 0; }));
+  const int commands = robot_.commands();
+  StartActive();
+  int looks = 0;
+  const auto look = peer_.node().loop().Every(Milliseconds(50), [&looks] { ++looks; });
+  ASSERT_TRUE(peer_.Until([&looks] { return looks == 20; }));
+  EXPECT_EQ(robot_.commands(), commands) << "the client has not sent another goal";
+  Drive();
+  EXPECT_TRUE(AwaitMotion()) << peer_.Output();
+}
+
 TEST_F(ControllerProcess, SendsAZeroVelocityWhenItIsTerminated) {
   StartActive();
   Drive();

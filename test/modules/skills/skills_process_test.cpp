@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <utility>
+#include <vector>
+
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/plan_msgs/plan.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
 #include "musher/transport/action.hpp"
@@ -77,6 +82,54 @@ TEST(DispatcherProcess, ExitsWithCode2AndTheErrorsOfItsConfig) {
   peer.Start("server_wait = 3\n");
   EXPECT_EQ(peer.AwaitExit(), 2);
   EXPECT_THAT(peer.Output(), HasSubstr("did you mean \"server_wait_ms\"?"));
+}
+
+TEST(DispatcherProcess, ThatIsKilledInAPlanSendsNoGoalUntilTheNextPlan) {
+  test::ActuatorPeer peer("plan_dispatcher", kStates, "musher-plan-dispatcher");
+  int goals = 0;
+  std::vector<transport::ServerGoal<msg::SkillExecution>> kept;  // that never end
+  transport::ActionHandlers<msg::SkillExecution> handlers;
+  handlers.start = [&](transport::ServerGoal<msg::SkillExecution> goal) {
+    ++goals;
+    kept.push_back(std::move(goal));
+  };
+  handlers.cancel = [](transport::ServerGoal<msg::SkillExecution> goal) { goal.Canceled({}); };
+  const auto robot = transport::MakeActionServer<msg::SkillExecution>(
+                         peer.node(), "r/skill_execution", std::move(handlers))
+                         .value();
+  const auto client =
+      transport::MakeActionClient<msg::PlanExecution>(peer.node(), "plan_execution").value();
+  const auto begin = [&] {
+    peer.Start("");
+    ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+    ASSERT_TRUE(peer.Switch("SelfCheck")) << peer.Output();
+    ASSERT_TRUE(peer.Switch("Active")) << peer.Output();
+  };
+  bool ended = false;
+  const auto send = [&] {
+    msg::SkillInfo skill;
+    skill.skill = "wait";
+    msg::PlanExecution::Goal goal;
+    goal.plan.steps = {{1, {{"r", {skill}}}}};
+    transport::GoalEvents<msg::PlanExecution> events;
+    events.on_end = [&ended](const auto&) { ended = true; };
+    client->SendGoal(goal, std::chrono::seconds(20), std::move(events));
+  };
+  ASSERT_NO_FATAL_FAILURE(begin());
+  send();
+  ASSERT_TRUE(peer.Until([&] { return goals == 1; })) << peer.Output();
+  // So that the status of its successor is known from its own.
+  ASSERT_TRUE(peer.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer.Signal(SIGKILL);
+  ASSERT_EQ(peer.AwaitExit(), -SIGKILL);
+  ASSERT_TRUE(peer.Until([&] { return ended; })) << "its client knows that it is lost";
+  ASSERT_NO_FATAL_FAILURE(begin());
+  int looks = 0;
+  const auto look = peer.node().loop().Every(Milliseconds(50), [&looks] { ++looks; });
+  ASSERT_TRUE(peer.Until([&looks] { return looks == 20; }));
+  EXPECT_EQ(goals, 1);
+  send();
+  EXPECT_TRUE(peer.Until([&] { return goals == 2; })) << peer.Output();
 }
 
 }  // namespace musher::skills::skills_process_test

@@ -420,6 +420,42 @@ TEST(ARestartedMission, DoesNotCarryOutAPlanThatWasBegunWhereAnotherOneIsWanted)
   EXPECT_EQ(after.mission.state(), "WAITING_MF_ACTION_SEQ");
   EXPECT_TRUE(after.robot.goals.empty());
 }
+TEST(ARestartedMission, BeginsAPlanThatCameInTheMiddleOfAnotherOneAtItsFirstSegment) {
+  Match before("meilin_stage.xml");
+  before.robot.fix = PoseFix{1.2, 1.2, 0, before.robot.Now()};
+  before.robot.decide = [](const FakeGoal&) {
+    return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
+  };
+  ASSERT_TRUE(before.Offer({MoveStep(0, 1, 0), MoveStep(0, 2, 0), MoveStep(0, 1, 0)}));
+  for (int i = 0; i < 5000 && before.mission.SavedProgress().next < 2; ++i) before.Tick();
+  before.RunFor(0.1);
+  ASSERT_TRUE(before.Offer({MoveStep(0, 2, 0), MoveStep(0, 1, 0)}))
+      << before.mission.refused_plan();
+  before.RunFor(0.1);
+  Match after(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_NO_FATAL_FAILURE(Restart(before, after));
+  EXPECT_EQ(after.mission.GoesOnWith(), "plan mf_action_seq_2 at segment 1 of 2, move (0, 2)");
+}
+TEST(ARestartedMission, DoesNotGoOnWithAPlanThatAnotherTreeHasRun) {
+  Match sequences("meilin_stage.xml");
+  sequences.robot.fix = PoseFix{1.2, 1.2, 0, sequences.robot.Now()};
+  sequences.robot.decide = [](const FakeGoal&) { return Outcome{GoalState::kAccepted}; };
+  ASSERT_TRUE(sequences.Offer({MoveStep(0, 1, 0)}, 7));
+  sequences.RunFor(1);
+  Match segments(Match::Waiting{}, "segments.xml");
+  ASSERT_TRUE(segments.mission.Restore(sequences.mission.SavedProgress()));
+  EXPECT_EQ(segments.mission.GoesOnWith(), "");
+  EXPECT_TRUE(segments.mission.WasTaken(7));
+  EXPECT_THAT(segments.WhyNot(""), HasSubstr("there is nothing to go on with"));
+  Match old("segments.xml");
+  old.robot.fix = PoseFix{1.2, 1.2, 0, old.robot.Now()};
+  old.robot.decide = sequences.robot.decide;
+  ASSERT_TRUE(old.OfferOld(R"({"segment_type": "GRASP"})"));
+  old.RunFor(1);
+  Match stage(Match::Waiting{}, "meilin_stage.xml");
+  ASSERT_TRUE(stage.mission.Restore(old.mission.SavedProgress()));
+  EXPECT_EQ(stage.mission.GoesOnWith(), "");
+}
 TEST(ARestartedMission, SaysThatThePlanThatWaitedForItsStartDoesNotFitAnyMore) {
   Match match(Match::Waiting{}, "meilin_stage.xml");
   match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
@@ -741,11 +777,34 @@ TEST(AMission, GoesOnAtADockThatHasJammed) {
   };
   Play(match, 200);
   ASSERT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_EQ(std::ranges::count(match.robot.Texts(), "spear 3"), 3) << "it is tried again";
   const std::size_t before = match.robot.goals.size();
   match.robot.decide = [](const FakeGoal&) { return Outcome{}; };
   match.Begun("");
   Play(match, 1);
   EXPECT_EQ(match.robot.goals.at(before)->Text(), "spear 3");
+}
+TEST(AMission, TriesADockThatHasJammedOnceAgainByItselfWithAPartnerThatStaysReady) {
+  Match match("full_match.xml", MatchOf("match_blue.json"));
+  MakeRealistic(match);
+  match.robot.r1_stays = true;
+  int releases = 0;
+  match.robot.decide = [&releases](const FakeGoal& goal) {
+    const bool jams = goal.kind == Kind::kSpear && goal.spear.command == 4 && ++releases == 1;
+    return jams ? Outcome{GoalState::kFailed, "jammed"} : Outcome{};
+  };
+  bool said = false;  // the partner says once that it is ready
+  for (int i = 0; i < 10'000 && !match.mission.failed(); ++i) {
+    match.Tick();
+    const std::vector<std::string> texts = match.robot.Texts();
+    if (!said && !texts.empty() && texts.back() == "spear 3") {
+      FakeRobot::Raise(match.robot.r1, true);
+      said = true;
+    }
+    if (releases == 2 && texts.back() == "move 1.20 1.20 0") break;  // it enters the field
+  }
+  EXPECT_EQ(releases, 2) << match.mission.last_error();
+  EXPECT_EQ(match.robot.Texts().back(), "move 1.20 1.20 0") << match.mission.last_error();
 }
 TEST(AMission, HasNotSucceededWithItsWheelsOut) {
   Match match("meilin_stage.xml");
@@ -767,6 +826,32 @@ TEST(AMission, ChecksAPlanFromWhereTheRobotIsByWhatItHasDone) {
   match.Run(20);  // no pose comes
   ASSERT_EQ(match.mission.state(), "MISSION_SUCCESS");
   EXPECT_TRUE(match.Offer({MoveStep(2, 1, 400)})) << match.mission.refused_plan();
+}
+TEST(AMission, DoesNotRunAStepOfAPlanFromAnotherCellThanItWasCheckedFrom) {
+  const auto carried = [](const PlanStep& step, Point2 to) {
+    Match match("meilin_stage.xml");
+    match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+    EXPECT_TRUE(match.Offer({step})) << match.mission.refused_plan();
+    match.robot.fix = PoseFix{to.x_m, to.y_m, 0, match.robot.Now()};
+    match.Run(5);
+    EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
+    EXPECT_TRUE(match.robot.goals.empty());
+    return match.mission.last_error();
+  };
+  EXPECT_THAT(carried(FetchStep(1, 1, 200), {2.4, 1.2}),
+              HasSubstr("Fetch was checked from (0, 1), and the robot is on (1, 0)"));
+  EXPECT_THAT(carried(MoveStep(1, 1, 200), {3.6, 2.4}),
+              HasSubstr("Move was checked from (0, 1), and the robot is on (2, 1)"));
+}
+TEST(AMission, HasAllBoxesOnTheFieldWhenAFullMatchBegins) {
+  Match match("meilin_stage.xml");
+  match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};
+  ASSERT_TRUE(match.Offer({FetchStep(1, 1, 200), MoveStep(0, 1, 0)}));
+  match.Run(30);
+  ASSERT_EQ(match.mission.state(), "MISSION_SUCCESS") << match.mission.last_error();
+  EXPECT_FALSE(match.Offer({FetchStep(1, 1, 200)}));
+  match.Begun("full");
+  EXPECT_TRUE(match.Offer({FetchStep(1, 1, 200)})) << match.mission.refused_plan();
 }
 TEST(AMission, RefusesAPlanAgainstTheMapOfBoxes) {
   Match match("meilin_stage.xml");

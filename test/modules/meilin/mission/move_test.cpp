@@ -97,6 +97,13 @@ TEST(MeilinMove, DoesNotBeginOnAnEdge) {
   EXPECT_THAT(match.error(), StartsWith("Move does not begin on the edge of (1, 1) and (0, 1)"));
   EXPECT_TRUE(match.robot.goals.empty());
 }
+TEST(MeilinMove, DoesNotBeginWhereItIsNotKnownHowItStandsOnAnEdge) {
+  NodeMatch match(MoveXml(0, 1, 0, 0));
+  match.At(1.75, 2.4);
+  match.Tick();
+  EXPECT_THAT(match.error(), HasSubstr("the wheels do not report; put it on a cell by hand"));
+  EXPECT_TRUE(match.robot.goals.empty());
+}
 TEST(MeilinMove, HasNotSucceededWhileTheWheelsAreOut) {
   NodeMatch match(MoveXml(1, 1, 200, 0));
   match.At(1.2, 2.4);
