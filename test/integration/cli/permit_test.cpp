@@ -37,7 +37,7 @@ class MovesByPermit : public MachineByCli {
     ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
     const Ended set = Musher({"set", "Active"});
     ASSERT_EQ(set.exit, 0) << set.err;
-    ASSERT_NE(up_->LineWith("eyes: Active done"), "");
+    ASSERT_NE(history_->LineWith("eyes: Active done"), "");
   }
 
   std::unique_ptr<Process> up_;
