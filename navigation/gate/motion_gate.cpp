@@ -243,11 +243,12 @@ double MotionGate::FreeArc(const std::vector<Near>& near, const Velocity& wanted
 std::optional<Point> MotionGate::TouchedOnTheWay(const std::vector<Near>& near,
                                                  const Velocity& present,
                                                  const Velocity& command) const {
-  constexpr double kDtS = 0.02, kLongestS = 5;
+  constexpr double kDtS = 0.02;
+  constexpr int kMostSteps = 250;
   Velocity now = present;
   Pose body;
-  for (double at_s = 0; at_s < kLongestS; at_s += kDtS) {
-    const bool brakes = at_s >= rules_.reaction_s;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const bool brakes = step * kDtS >= rules_.reaction_s;
     if (brakes && OverGround(now) < kStandsMS) break;
     const Velocity towards = brakes ? Velocity{} : command;
     const double x = towards.x_m_s - now.x_m_s, y = towards.y_m_s - now.y_m_s;
@@ -324,8 +325,9 @@ void MotionGate::LimitByUnknown(const Track& track, const Velocity& wanted, Time
     const Point& sensor = view.mount().on_body.at;
     edge_m = std::max(edge_m, std::hypot(sensor.x_m, sensor.y_m) + rules_.margin_m);
   }
-  const double ahead_m = AheadM(FastestMS(wanted));
-  for (double along_m = kArcStepM; along_m < ahead_m + kArcStepM; along_m += kArcStepM) {
+  const int steps = static_cast<int>(std::ceil(AheadM(FastestMS(wanted)) / kArcStepM));
+  for (int step = 1; step <= steps; ++step) {
+    const double along_m = step * kArcStepM;
     const Pose body = OnArc(wanted, along_m / speed_m_s);
     const double heading_rad = std::atan2(wanted.y_m_s, wanted.x_m_s) + body.yaw_rad;
     const Point edge{body.at.x_m + edge_m * std::cos(heading_rad),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/modules/skills/robot/conversions.hpp"
 #include "musher/modules/skills/robot/wire.hpp"
 
 namespace musher::skills {

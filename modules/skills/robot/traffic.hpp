@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/musher_msgs/robot_path.hpp"
 #include "musher/modules/skills/config/skills_config.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
 #include "musher/navigation/traffic/known_robots.hpp"

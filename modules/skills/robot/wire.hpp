@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "musher/messages/action_msgs/goal_status.hpp"
+#include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
