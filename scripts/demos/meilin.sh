@@ -135,6 +135,7 @@ lose_arm() {
   kill -KILL "$process"
   fails ArmAction
   shown musher-world send fault none
+  await_field '.arm.busy | not'  # it still takes its box, or another one where the robot is put meanwhile
   await ".actuators.arm | .pid > 0 and .pid != $process and .state == \"Active\""
 }
 
