@@ -102,6 +102,16 @@ TEST_F(Permitted, ItStopsAgainAtTheReleaseWhileNoneArrives) {
   EXPECT_NE(core_.report.emergency_stop, first);
 }
 
+TEST_F(Permitted, UnderAnotherStopItEngagesNoneUntilThatIsReleased) {
+  Move();
+  Do(EmergencyStopReceived{StopId(7), true, 5});
+  EXPECT_EQ(NextDeadline(config_, 0, core_), std::nullopt);
+  EXPECT_THAT(Wait(std::chrono::hours(1)), IsEmpty());
+  EXPECT_EQ(core_.stops.size(), 1U);
+  Release();
+  EXPECT_THAT(Wait({}), kRuns) << "there is still no permit";
+}
+
 TEST_F(Permitted, ADroppedStopAmongManyIsNotForgottenAtTheRelease) {
   Move();
   Wait(kPermit);
