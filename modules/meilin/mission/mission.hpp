@@ -4,8 +4,8 @@
 // and when the tree begins.
 //
 //   a new process, RESET      WAITING_START: nothing moves until Start(). With `autostart` a robot
-//                             whose fresh pose is outside the grid, and whose progress has nothing
-//                             to go on with, begins by itself, once
+//                             whose fresh pose is outside the grid, and which has no progress (also
+//                             not that of a match that has ended), begins by itself, once
 //   Start(region)             full, meilin or final; "": goes on where the progress ends, with the
 //                             parts that are not done and the rest of the plan. Refused where the
 //                             way there is not flat, or where it is not certain how to come off an
@@ -18,8 +18,8 @@
 //                             first, and a tree that has failed begins again. One that was taken
 //                             before, also by an earlier process, is not taken again (progress.hpp)
 //   the tree has failed       MISSION_FAILED, the robot stands, until a plan is accepted, or
-//   Start() a pause                   PAUSED; the segment that was halted is the next one again,
-//   but after
+//                             Start()
+//   a pause                   PAUSED; the segment that was halted is the next one again, but after
 //                             a halt during a climb the mission has failed
 //
 // A plan is checked and run from one start: the end of the segment that runs; else the live pose

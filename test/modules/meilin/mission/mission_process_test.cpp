@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <limits>
@@ -35,8 +37,9 @@ class Peer {
  public:
   Peer(transport::Node& node, const std::string& name) {
     transport::ActionHandlers<A> handlers;
-    handlers.start = [this](transport::ServerGoal<A> goal) {
+    handlers.start = [this, &node](transport::ServerGoal<A> goal) {
       goals.push_back(goal.goal());
+      came.push_back(node.loop().Now());
       if (silent) {
         kept_.push_back(std::move(goal));
         return;
@@ -57,6 +60,7 @@ class Peer {
   bool deaf = false;  // a cancelled goal does not end
   int cancelled = 0;
   std::vector<typename A::Goal> goals;
+  std::vector<Time> came;  // when each of them did
 
  private:
   std::vector<transport::ServerGoal<A>> kept_;
@@ -319,10 +323,16 @@ TEST_F(MissionProcess, AGoalWhoseEndNeverComesDelaysOnlyTheNextOne) {
   const std::size_t before = moves_.goals.size();
   ASSERT_TRUE(plans_->Publish(ToActionSequence(steps)));
   ASSERT_TRUE(peer_.Until([&] { return moves_.goals.size() > before; })) << peer_.Output();
-  const Time first = peer_.node().loop().Now();
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
-  EXPECT_LT(peer_.node().loop().Now() - first, std::chrono::seconds(4))
-      << "five goals, a second each";
+  // The wait for a lost end is a second: a busy computer may make one gap so long, not most of
+  // them.
+  std::vector<double> gaps_s;
+  for (std::size_t i = before + 1; i < moves_.came.size(); ++i) {
+    gaps_s.push_back(std::chrono::duration<double>(moves_.came[i] - moves_.came[i - 1]).count());
+  }
+  ASSERT_GE(gaps_s.size(), 5U);
+  std::ranges::sort(gaps_s);
+  EXPECT_LT(gaps_s[gaps_s.size() / 2], 1) << ::testing::PrintToString(gaps_s);
 }
 
 TEST_F(MissionProcess, LeavingActiveCancelsAndTheHaltedSegmentIsTheNext) {
