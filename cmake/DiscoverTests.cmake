@@ -14,7 +14,7 @@ set(environment)
 if(NIGHTLY)
   set(environment " ENVIRONMENT MUSHER_NIGHTLY=1")
 elseif(COST GREATER 0)
-  set(environment " ENVIRONMENT RC_PARAMS=max_success=30")  # RapidCheck's default is 100
+  set(environment " ENVIRONMENT RC_PARAMS=max_success=12")  # RapidCheck's default is 100
 endif()
 function(give_to_ctest name filter)
   if(name MATCHES "${LEFT_OUT}")

@@ -61,18 +61,18 @@ class Simulating : public ::testing::Test {
 };
 
 TEST_F(Simulating, AValidRobotPassesEveryScenario) {
-  const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", "300"});
+  const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", "100"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
-  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("VIOLATED")),
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 100 scenarios"), Not(HasSubstr("VIOLATED")),
                              HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
 }
 
 // No manager is simulated.
 TEST_F(Simulating, ARobotThatAManagerStartsIsStartedByItsController) {
   const Ran ran = RunProgram(
-      {"simulate", Config(Robot(kProvided, "[ros2]\nstart = \"manager\"\n")), "--seeds", "300"});
+      {"simulate", Config(Robot(kProvided, "[ros2]\nstart = \"manager\"\n")), "--seeds", "100"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
-  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("VIOLATED")),
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 100 scenarios"), Not(HasSubstr("VIOLATED")),
                              HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
 }
 
@@ -88,7 +88,7 @@ TEST_F(Simulating, EveryShippedConfigIsValid) {
 }
 
 TEST_F(Simulating, TheShippedConfigsPassEveryScenario) {
-  const std::string seeds = testing::Nightly() ? "300" : "60";
+  const std::string seeds = testing::Nightly() ? "300" : "20";
   for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml", "programs.toml"}) {
     const Ran ran = RunProgram({"simulate", SourceDir() + "/config/" + name, "--seeds", seeds});
     EXPECT_EQ(ran.exit, 0) << ran.out;
@@ -142,7 +142,7 @@ TEST_F(Simulating, AFlowThatForbidsTheFallbackToOnLostIsNoViolation) {
 from = ["Active", "LowPower", "Protected", "OTA", "DeActive"]
 to = ["Active", "LowPower"]
 )"));
-  const Ran ran = RunProgram({"simulate", config, "--seeds", "300"});
+  const Ran ran = RunProgram({"simulate", config, "--seeds", "100"});
   EXPECT_THAT(ran.out, Not(HasSubstr("without legs, whose on_lost is Protected")));
 }
 

@@ -80,18 +80,18 @@ class JournalDamage : public JournalTest {
 
 TEST_F(JournalDamage, CutShortAnywhereIsReadAsFarAsItGoes) {
   ASSERT_GT(whole_.size(), 100'000U);
-  for (std::size_t size = 0; size < whole_.size(); size += 1531) {
+  for (std::size_t size = 0; size < whole_.size(); size += testing::Nightly() ? 1531 : 6133) {
     Put(whole_.substr(0, size));
     ExpectReportedOrMissing("cut to " + std::to_string(size));
   }
-  EXPECT_GT(read_, 20);
-  EXPECT_GT(said_, 20);
+  EXPECT_GT(read_, 5);
+  EXPECT_GT(said_, 5);
 }
 
 TEST_F(JournalDamage, WithAPageOfGarbageIsReadFromBothEnds) {
   constexpr std::size_t kPage = 4096;
   std::size_t most = 0;
-  for (std::size_t page = 1; page < whole_.size() / kPage; ++page) {
+  for (std::size_t page = 1; page < whole_.size() / kPage; page += testing::Nightly() ? 1 : 3) {
     std::string bytes = whole_;
     for (std::size_t i = 0; i < kPage; ++i)
       bytes[page * kPage + i] = static_cast<char>(i * 37 + page);
@@ -109,15 +109,15 @@ TEST_F(JournalDamage, WithAPageOfGarbageIsReadFromBothEnds) {
 }
 
 TEST_F(JournalDamage, WithFlippedBytesIsReadWithoutACrash) {
-  const std::size_t step = testing::Nightly() ? 397 : 1201;
+  const std::size_t step = testing::Nightly() ? 397 : 4813;
   for (std::size_t at = 16; at < whole_.size(); at += step) {
     std::string bytes = whole_;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x55);
     Put(bytes);
     ExpectReportedOrMissing("flipped " + std::to_string(at));
   }
-  EXPECT_GT(read_, 100);
-  EXPECT_GT(said_, 3);
+  EXPECT_GT(read_, 25);
+  EXPECT_GT(said_, 0);
 }
 
 TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
@@ -177,7 +177,7 @@ TEST_F(JournalDamage, InHalfAWalIsReadUpToTheLastTransactionThatIsWhole) {
   }
   const auto size = fs::file_size(copy + "-wal");
   std::size_t before = 0;
-  for (std::uintmax_t cut = 0; cut <= size; cut += size / 50) {
+  for (std::uintmax_t cut = 0; cut <= size; cut += size / (testing::Nightly() ? 50 : 12)) {
     const std::string half = folder_ / "half.sqlite";
     for (const char* end : {"", "-wal"}) {
       fs::copy_file(copy + end, half + end, fs::copy_options::overwrite_existing);

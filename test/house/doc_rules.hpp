@@ -26,8 +26,11 @@ std::vector<std::string> Unexplained(const SourceFile& document, const SourceFil
 // Relative links of `document` to files that are not in `tree`.
 std::vector<std::string> DeadLinks(const SourceFile& document, const std::vector<SourceFile>& tree);
 
-// Tests that `document` cites as `Suite.Name` and that no file of `tree` has.
+// The tests in `tree`, as `Suite.Name`.
+std::set<std::string> TestsOf(const std::vector<SourceFile>& tree);
+
+// Those that `document` cites and that are not among `tests`.
 std::vector<std::string> MissingTests(const SourceFile& document,
-                                      const std::vector<SourceFile>& tree);
+                                      const std::set<std::string>& tests);
 
 }  // namespace musher::house

@@ -74,8 +74,8 @@ TEST(DocRules, FindLinksThatLeadNowhere) {
 }
 
 TEST(DocRules, FindCitedTestsThatDoNotExist) {
-  const std::vector<SourceFile> tests = {
-      {"test/a_test.cpp", "TEST_F(Doors, Open) {}\nTEST(Doors,\n     Close) {}\n"}};
+  const std::set<std::string> tests =
+      TestsOf({{"test/a_test.cpp", "TEST_F(Doors, Open) {}\nTEST(Doors,\n     Close) {}\n"}});
   EXPECT_THAT(MissingTests(Document("`Doors.Open`, `Doors.Close`, `main.cpp`"), tests), IsEmpty());
   EXPECT_THAT(MissingTests(Document("\n`Doors.Slam`"), tests),
               ElementsAre("docs/guide.md:2: there is no test Doors.Slam"));

@@ -1,5 +1,7 @@
 #include "musher/test/house/text_rules.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cctype>
 #include <iterator>
 #include <regex>
@@ -139,6 +141,15 @@ std::vector<std::string> Leftovers(const SourceFile& file) {
       "DO|FIX"
       "ME|XX"
       "X)\\b");
+  const bool any = std::ranges::any_of(
+      std::array{"TO"
+                 "DO",
+                 "FIX"
+                 "ME",
+                 "XX"
+                 "X"},
+      [&](const char* word) { return file.text.find(word) != std::string::npos; });
+  if (!any) return {};  // a regular expression takes much longer
   return Find(file, file.text, leftover, "is left over");
 }
 

@@ -146,7 +146,7 @@ std::vector<Attack> Attacks() {
       {"ManyTables", [] { return Repeat(700'000, [](auto) { return "[[a]]\n"; }); }},
       {"ManyUnknownKeys",
        [] {
-         return Controller("\"a\"") + Repeat(400'000, [](auto i) { return "key" + i + " = 1\n"; });
+         return Controller("\"a\"") + Repeat(100'000, [](auto i) { return "key" + i + " = 1\n"; });
        }},
       {"AllNamesWithoutTable", [] { return Controller(ManyNames()); }},
       {"AllNamesMisspelt",

@@ -362,7 +362,7 @@ TEST(AnyCommand, LeadsABodyIntoWallsWithoutTheGate) {
 }
 
 TEST(AnyCommand, LeadsNoBodyIntoWhatItsScanSees) {
-  ExpectNoContact(1, 40);
+  ExpectNoContact(1, 14);
 }
 
 // Its momentum has led it there, while the new command was free.

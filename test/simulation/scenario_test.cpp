@@ -106,7 +106,7 @@ TEST_P(Scenarios, HoldEveryInvariant) {
     if (!id.only) ExpectInvariantsHold(id.seed, coverage);
     return;
   }
-  const std::uint64_t seeds = std::stoull(Environment("MUSHER_SEEDS", "1400"));
+  const std::uint64_t seeds = std::stoull(Environment("MUSHER_SEEDS", "800"));
   const std::uint64_t first = std::stoull(Environment("MUSHER_FIRST", "1"));
   for (std::uint64_t seed = 1 + GetParam(); seed <= seeds && !HasFatalFailure(); seed += kParts) {
     if (seed >= first) ExpectInvariantsHold(seed, coverage);

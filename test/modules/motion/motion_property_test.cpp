@@ -4,6 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "musher/test/modules/motion/motion_fault_test.hpp"
+#include "musher/test/support/nightly.hpp"
 
 namespace musher::motion::testing::motion_property_test {
 
@@ -15,7 +16,7 @@ RC_GTEST_PROP(MotionManager, HoldsItsInvariantsUnderRandomEvents, ()) {
 
 // The same from a plain generator, without shrinking and so a lot more of it.
 TEST(MotionManager, HoldsItsInvariantsInManyRandomRuns) {
-  for (std::uint64_t seed = 1; seed <= 500; ++seed) {
+  for (std::uint64_t seed = 1; seed <= (musher::testing::Nightly() ? 500U : 100U); ++seed) {
     std::uint64_t state = seed;
     MotionFaultTest trial([&](std::size_t below) {
       state = state * 6364136223846793005U + 1442695040888963407U;

@@ -19,25 +19,51 @@ void PrintTo(const Route& route, std::ostream* out) {
   *out << "seed " << route.seed;
 }
 
+std::string Joined(const std::vector<std::string>& log) {
+  std::string all;
+  for (const std::string& line : log) all += line + "\n";
+  return all;
+}
+
 class WholeCourse : public ::testing::TestWithParam<Route> {};
 
-TEST_P(WholeCourse, IsDrivenByTheCamerasAlone) {
+DriveSettings SettingsOf(const Route& route) {
   DriveSettings settings;
-  settings.seed = GetParam().seed;
-  settings.chosen = GetParam().chosen;
-  settings.yellow_light = GetParam().yellow_light;
-  CourseDrive drive(settings);
-  const DriveResult result = drive.Run();
-  std::string log;
-  for (const std::string& line : result.log) log += line + "\n";
-  EXPECT_EQ(result.state, "END") << log;
+  settings.seed = route.seed;
+  settings.chosen = route.chosen;
+  settings.yellow_light = route.yellow_light;
+  return settings;
+}
+
+void ExpectNoFault(const DriveResult& result, const Route& route) {
+  const std::string log = Joined(result.log);
   const world::Referee& referee = result.world->referee();
-  EXPECT_TRUE(referee.finished()) << "a zone is missing, or out of order\n" << log;
   EXPECT_EQ(referee.whole_foot_count(), 0U) << "a foot was wholly on a line\n" << log;
   EXPECT_EQ(referee.collisions(), 0U) << log;
-  EXPECT_THAT(result.states, Contains("START_TO_QRA").Times(GetParam().yellow_light ? 2 : 1))
+  EXPECT_THAT(result.states, Contains("START_TO_QRA").Times(route.yellow_light ? 2 : 1))
       << "it continues behind the light";
-  EXPECT_THAT(result.states, Contains("YELLOW_LIGHT_COUNTDOWN").Times(GetParam().yellow_light));
+  EXPECT_THAT(result.states, Contains("YELLOW_LIGHT_COUNTDOWN").Times(route.yellow_light));
+}
+
+TEST_P(WholeCourse, IsDrivenByTheCamerasAlone) {
+  CourseDrive drive(SettingsOf(GetParam()));
+  const DriveResult result = drive.Run();
+  EXPECT_EQ(result.state, "END") << Joined(result.log);
+  EXPECT_TRUE(result.world->referee().finished()) << "a zone is missing, or out of order\n"
+                                                  << Joined(result.log);
+  ExpectNoFault(result, GetParam());
+}
+
+// What the gate drives: past the light, to the bay of its code, through the S lane, to the arrow.
+TEST(WayToTheArrow, IsDrivenByTheCamerasAlone) {
+  const Route route{4, {{"qr_a", "A-2"}, {"arrow", "right"}, {"qr_b", "B-1"}}, true};
+  DriveSettings settings = SettingsOf(route);
+  settings.until = "IN_R1";
+  CourseDrive drive(settings);
+  const DriveResult result = drive.Run();
+  EXPECT_EQ(result.state, "IN_R1") << Joined(result.log);
+  EXPECT_THAT(result.states, Contains("IN_A2"));
+  ExpectNoFault(result, route);
 }
 
 INSTANTIATE_TEST_SUITE_P(

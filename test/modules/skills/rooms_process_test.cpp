@@ -69,6 +69,8 @@ class Rooms : public SkillsMachine {
   }
 };
 
+using RoomsNightly = Rooms;
+
 TEST_F(Rooms, LetAPlainClientNavigateARobot) {
   EXPECT_THAT(Navigate("[1.8, 1.2, 0]"),
               MatchesRegex("offered by jetbot_0 on /jetbot_0/skill_execution: [^\n]*nav_2d[^\n]*\n"
@@ -118,14 +120,14 @@ TEST_F(Rooms, LetAClientOfNav2SendARobotToAPose) {
   EXPECT_NEAR(Distance(1.8, 1.2), 0, 0.3);
 }
 
-TEST_F(Rooms, LetARobotGoFromWayPointToWayPoint) {
+TEST_F(RoomsNightly, LetARobotGoFromWayPointToWayPoint) {
   const testing::Ended moved =
       Skill({"move", "path=[[1.8, 1.2], [1.8, 2.0], [1.2, 1.2]]", "loops=1"});
   EXPECT_EQ(moved.exit, 0) << moved.out << moved.err;
   EXPECT_NEAR(Distance(1.2, 1.2), 0, 0.3);
 }
 
-TEST_F(Rooms, LetARobotGoToAPlaceWithoutAMap) {
+TEST_F(RoomsNightly, LetARobotGoToAPlaceWithoutAMap) {
   const testing::Ended arrived = Skill({"avoid_obstacle", "goal_pos=[2.2, 1.2]"});
   EXPECT_EQ(arrived.exit, 0) << arrived.out << arrived.err;
   EXPECT_NEAR(Distance(2.2, 1.2), 0, 0.3);
@@ -133,7 +135,7 @@ TEST_F(Rooms, LetARobotGoToAPlaceWithoutAMap) {
 
 // The target is a robot of another machine, whose odometry this test publishes; the movers of the
 // scene have other names.
-TEST_F(Rooms, LetARobotFollowATarget) {
+TEST_F(RoomsNightly, LetARobotFollowATarget) {
   const auto node = transport::NodeThread::Start().value();
   std::unique_ptr<transport::Publisher<msg::Odometry>> target;
   transport::LoopHandlePtr again;

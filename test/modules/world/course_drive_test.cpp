@@ -10,6 +10,7 @@
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/modules/world/simulation/referee_report.hpp"
 #include "musher/test/modules/world/scenes.hpp"
+#include "musher/test/support/nightly.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::world::course_drive_test {
@@ -136,6 +137,7 @@ TEST(CourseDrive, ReachesAllZonesInOrderWithNoFootOnALineInEveryRun) {
                                                                    {"A-2", "left", "B-2"},
                                                                    {"A-2", "right", "B-1"}}};
   for (const auto& [qr_a, arrow, qr_b] : kChoices) {
+    if (std::string_view(arrow) == "left" && !musher::testing::Nightly()) continue;
     const SceneReading reading =
         ReadSceneFile(SourceDir() + "/config/scenes/course.toml",
                       {.seed = 5, .chosen = {{"qr_a", qr_a}, {"arrow", arrow}, {"qr_b", qr_b}}});

@@ -21,6 +21,7 @@
 #include "musher/modules/meilin/nodes/place.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
 #include "musher/test/modules/meilin/match/lift_robot.hpp"
+#include "musher/test/support/nightly.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::meilin::testing {
@@ -158,7 +159,7 @@ void ComesOff(const Climb& climb, double yaw_rad, int every, bool box = false) {
 }
 
 TEST(ARobotThatIsStoppedInAClimb, ComesOffTheEdgeFromEachOfItsMoments) {
-  const int every = Environment("MUSHER_STEP", 40);
+  const int every = Environment("MUSHER_STEP", musher::testing::Nightly() ? 40 : 120);
   const std::vector<Climb> climbs = {{{0, 1}, {1, 1}}, {{0, 0}, {1, 0}}, {{1, 1}, {1, 2}},
                                      {{3, 1}, {4, 1}}, {{4, 1}, {5, 1}}, {{2, 1}, {2, 2}}};
   int at = 0;
@@ -171,7 +172,7 @@ TEST(ARobotThatIsStoppedInAClimb, ComesOffTheEdgeFromEachOfItsMoments) {
 }
 
 TEST(ARobotThatIsStoppedInAClimb, GoesBackWhereTheWayOnIsBlocked) {
-  const int every = Environment("MUSHER_STEP", 500);
+  const int every = Environment("MUSHER_STEP", musher::testing::Nightly() ? 500 : 1400);
   ASSERT_NO_FATAL_FAILURE(ComesOff({{0, 1}, {1, 1}}, 0, every, true));
   ASSERT_NO_FATAL_FAILURE(ComesOff({{0, 0}, {1, 0}}, kPi / 2, every, true));
 }
@@ -389,7 +390,7 @@ void PlayMatches(int matches) {
 }
 
 TEST(ARoughMatch, EndsWithoutAFallInANamedStateOnFourWheels) {
-  PlayMatches(12);
+  PlayMatches(5);
 }
 TEST(FiveHundredRoughMatches, EndWithoutAFallInANamedStateOnFourWheels) {
   PlayMatches(500);

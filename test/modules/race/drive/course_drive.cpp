@@ -132,7 +132,10 @@ DriveResult CourseDrive::Run() {
   while (dog_.now() - begun < settings_.limit) {
     Step();
     const std::string_view state = race_.state();
-    if (state == course.states[course.end].name || state == course.states[course.error].name) break;
+    if (state == course.states[course.end].name || state == course.states[course.error].name ||
+        state == settings_.until) {
+      break;
+    }
   }
   // What the last state does.
   for (int i = 0; i < 50 * 8; ++i) Step();

@@ -30,6 +30,7 @@ struct DriveSettings {
   std::map<std::string, std::string> chosen;  // of the scene: qr_a, qr_b, arrow
   bool yellow_light = false;  // appears before the robot in the START lane, for some seconds
   Duration limit = std::chrono::minutes(15);
+  std::string until;                     // ends when this state begins; empty: at END
   Duration latency = Milliseconds(100);  // from a picture to what is found in it
   std::string pictures;                  // a folder for what the checks saw; empty: none
   // Called when a state begins, with the pose at that moment.
@@ -61,7 +62,7 @@ class CourseDrive : private RaceOutputs {
   explicit CourseDrive(DriveSettings settings);
   ~CourseDrive() override;
 
-  // From START to END, to ERROR, or to the limit.
+  // From START to END, to ERROR, to `until`, or to the limit.
   DriveResult Run();
 
   // What each detector of lines finds from a standing robot at a pose, a line for each: to tune the
