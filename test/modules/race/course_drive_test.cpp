@@ -58,10 +58,10 @@ TEST_P(WholeCourse, IsDrivenByTheCamerasAlone) {
 TEST(WayToTheArrow, IsDrivenByTheCamerasAlone) {
   const Route route{4, {{"qr_a", "A-2"}, {"arrow", "right"}, {"qr_b", "B-1"}}, true};
   DriveSettings settings = SettingsOf(route);
-  settings.until = "IN_R1";
+  settings.until = "R1_TO_QRB";
   CourseDrive drive(settings);
   const DriveResult result = drive.Run();
-  EXPECT_EQ(result.state, "IN_R1") << Joined(result.log);
+  EXPECT_EQ(result.state, "R1_TO_QRB") << Joined(result.log);
   EXPECT_THAT(result.states, Contains("IN_A2"));
   ExpectNoFault(result, route);
 }
