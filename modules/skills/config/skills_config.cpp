@@ -96,6 +96,8 @@ class Reader {
                      prefix + "manipulation_control",
                      "",
                      prefix + "compute_refuge",
+                     prefix + "clear_planner_memory",
+                     prefix + "clear_controller_memory",
                      "/robot_paths",
                      prefix + "navigate_to_pose",
                      prefix + "navigate_through_poses",
@@ -115,6 +117,8 @@ class Reader {
     Topic(reader, "hand", names.hand, false);
     Topic(reader, "teleop", names.teleop, true);
     Topic(reader, "refuge", names.refuge, false);
+    Topic(reader, "clear_planner", names.clear_planner, true);
+    Topic(reader, "clear_controller", names.clear_controller, true);
     Topic(reader, "robot_paths", names.robot_paths, true);
     Topic(reader, "navigate_to_pose", names.navigate_to_pose, true);
     Topic(reader, "navigate_through_poses", names.navigate_through_poses, true);

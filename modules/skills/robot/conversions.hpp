@@ -4,6 +4,7 @@
 //
 // Frames: poses in the map; twists of messages in the body's frame, x forward, y to the left.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>

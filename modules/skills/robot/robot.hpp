@@ -110,6 +110,8 @@ class Robot {
   virtual skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) = 0;
   virtual std::unique_ptr<Drive> FollowPath(const navigation::Path& path) = 0;
+  // Planner and controller forget what its scanners have seen earlier. Fails with the reason.
+  virtual skill::Future<bool> ClearMemory() { return {}; }
 
   // What the robot says of itself to others, with what is left of the path of its drive; that of a
   // drive that has just ended still counts.

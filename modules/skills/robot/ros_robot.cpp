@@ -122,6 +122,11 @@ std::unique_ptr<Drive> RosRobot::FollowPath(const navigation::Path& path) {
   return drive;
 }
 
+skill::Future<bool> RosRobot::ClearMemory() {
+  const auto wire = wire_.lock();
+  return wire ? wire->ClearMemory() : Failed<bool>(kClosed);
+}
+
 navigation::RobotIntent RosRobot::intent() {
   const auto wire = wire_.lock();
   return wire ? wire->traffic->Intent() : navigation::RobotIntent{};

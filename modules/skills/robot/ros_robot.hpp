@@ -62,6 +62,7 @@ class RosRobot final : public Robot {
   skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) override;
   std::unique_ptr<Drive> FollowPath(const navigation::Path& path) override;
+  skill::Future<bool> ClearMemory() override;
   navigation::RobotIntent intent() override;
   std::vector<navigation::RobotIntent> others() const override;
   void NoteCornered(Duration time) override;

@@ -15,8 +15,9 @@ namespace {
 
 // Topics that skills have named; of more, the one that was not asked for longest is dropped.
 constexpr std::size_t kMostTracked = 16;
-constexpr Duration kHoldPeriod = Milliseconds(100);    // of a flyer at its place
-constexpr Duration kActiveWithin = Milliseconds(500);  // skills are stepped in Active only
+constexpr Duration kHoldPeriod = Milliseconds(100);       // of a flyer at its place
+constexpr Duration kClearTime = std::chrono::seconds(2);  // of planner and controller
+constexpr Duration kActiveWithin = Milliseconds(500);     // skills are stepped in Active only
 // As tf2 has it.
 constexpr transport::Qos kTfQos{transport::Qos::Reliability::kReliable,
                                 transport::Qos::Durability::kVolatile, 100};
@@ -53,6 +54,9 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   }
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   SubscribeFrames(endpoints);
+  for (const std::string& name : {names.clear_planner, names.clear_controller}) {
+    if (!name.empty()) memories.push_back(endpoints.OpenClient<msg::Trigger>(name));
+  }
   Subscribe(endpoints);
   SubscribeScans(endpoints);
   SubscribeDrives(endpoints);
@@ -230,6 +234,22 @@ const navigation::Pose* RosRobot::Wire::PoseOf(const std::string& topic) {
       tracked.erase(std::ranges::min_element(tracked, {},
                                              [](const auto& named) { return named.second.asked; }));
     }
+// The first reason of a failure counts.
+skill::Future<bool> RosRobot::Wire::ClearMemory() {
+  const auto source = std::make_shared<skill::Source<bool>>();
+  const auto left = std::make_shared<std::size_t>(memories.size());
+  if (memories.empty()) source->Fail("the config names no memory to clear");
+  for (auto* memory : memories) {
+    if (memory == nullptr) continue;
+    memory->Call({}, kClearTime, [source, left](const auto& reply) {
+      if (!reply) return source->Fail("the memory is not cleared: " + reply.error().message);
+      if (!reply.value().success) return source->Fail(reply.value().message);
+      if (--*left == 0) source->Finish(true);
+    });
+  }
+  return source->future();
+}
+
     found = tracked.emplace(topic, Tracked{}).first;
     Tracked& made = found->second;
     auto subscription = transport::MakeSubscription<msg::Odometry>(

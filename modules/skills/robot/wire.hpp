@@ -11,6 +11,7 @@
 #include "musher/messages/action_msgs/goal_status.hpp"
 #include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
 #include "musher/modules/skills/robot/flight_hold.hpp"
@@ -52,6 +53,8 @@ struct RosRobot::Wire {
     velocity->Stop();
   }
   Missing Look() const;
+  // Of planner and controller; succeeds once all that are configured have answered.
+  skill::Future<bool> ClearMemory();
   // Subscribes at the first call.
   const navigation::Pose* PoseOf(const std::string& topic);
   // What the scanners have seen, in the map.
@@ -91,6 +94,7 @@ struct RosRobot::Wire {
   std::map<std::string, const transport::Subscription*> optional;  // by topic
   transport::Client<msg::ManipulationControl>* hand = nullptr;     // null: there is none
   std::unique_ptr<VelocityOutput> velocity;
+  std::vector<transport::Client<msg::Trigger>*> memories;          // of planner and controller
   FlightHold hold;
   Time active_at{};  // of the last step of the skills
   std::unique_ptr<Navigator> navigator;

@@ -115,7 +115,7 @@ Next AvoidObstacle::Execute(Tick& tick) {
   if (nearer) nearest_m_ = aim.left_m;
   without_progress_ = nearer ? Duration{} : without_progress_ + tick.step;
 
-  const std::vector<navigation::Point> around = Around(pose, kLookedM);
+  const std::vector<navigation::Point> around = SeenAround(robot_, pose, kLookedM);
   FieldRules rules{.radius_m = robot_.radius_m()};
   rules.range_m = std::min(kLookedM, aim.left_m + 2 * rules.radius_m + rules.margin_m);
   const auto direction = FreeDirection(around, aim.wanted_rad, direction_rad_, rules);

@@ -93,6 +93,17 @@ TEST_F(ARosRobot, StopsWhenItIsCommandedAndDoesNotMove) {
   EXPECT_EQ(peers_->commands.back().linear.x, -0.5) << "the next skill may try";
 }
 
+TEST_F(ARosRobot, ClearsTheMemoryOfPlannerAndController) {
+  EXPECT_TRUE(ResultOf(robot_.ClearMemory()));
+  EXPECT_THAT(peers_->cleared, ::testing::UnorderedElementsAre("r/clear_planner_memory",
+                                                               "r/clear_controller_memory"));
+  peers_->clears = false;
+  EXPECT_EQ(ResultOf(robot_.ClearMemory()).error().message, "it is busy");
+  peers_.reset();
+  EXPECT_THAT(ResultOf(robot_.ClearMemory()).error().message,
+              HasSubstr("the memory is not cleared: "));
+}
+
 TEST_F(ARosRobot, TakesOdometryWhoseStampsStandForNone) {
   msg::Odometry odometry;
   odometry.pose.pose.orientation.w = 1;
