@@ -174,6 +174,13 @@ std::optional<std::vector<SeenObject>> RosRobot::Detect() {
   return objects();
 }
 
+std::string RosRobot::WhyNothingSeen() const {
+  const auto wire = wire_.lock();
+  const std::string* why = wire ? wire->refused_objects.At(wire->Now()) : nullptr;
+  if (why == nullptr) return Robot::WhyNothingSeen();
+  return "no objects with a place in the map (" + config_.names.objects + ": " + *why + ")";
+}
+
 std::optional<navigation::Pose> RosRobot::PoseOf(const std::string& topic) {
   const auto wire = wire_.lock();
   const navigation::Pose* pose = wire ? wire->PoseOf(topic) : nullptr;

@@ -72,6 +72,7 @@ class RosRobot final : public Robot {
   std::vector<SeenObject> objects() const override;
   bool HasObjects() const override;
   std::optional<std::vector<SeenObject>> Detect() override;
+  std::string WhyNothingSeen() const override;
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override;
   std::string WhyNoPoseOf(const std::string& topic) const override;
   std::uint64_t PosesOf(const std::string& topic) const override;

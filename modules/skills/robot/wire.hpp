@@ -89,12 +89,13 @@ struct RosRobot::Wire {
   RecentValue<std::string> refused;  // why odometry has no place in the map
   std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
+  RecentValue<std::string> refused_objects;  // why they have no place in the map
   RecentValue<Line> line;
   std::map<std::string, Tracked> tracked;
   std::map<std::string, const transport::Subscription*> optional;  // by topic
   transport::Client<msg::ManipulationControl>* hand = nullptr;     // null: there is none
-  std::unique_ptr<VelocityOutput> velocity;
   std::vector<transport::Client<msg::Trigger>*> memories;          // of planner and controller
+  std::unique_ptr<VelocityOutput> velocity;
   FlightHold hold;
   Time active_at{};  // of the last step of the skills
   std::unique_ptr<Navigator> navigator;
