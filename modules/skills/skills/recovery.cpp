@@ -31,7 +31,7 @@ constexpr double kBackM = 0.4;
 constexpr double kRecoveryLookM = 1;  // what is farther away is not near
 constexpr double kStraightRad = 0.2;
 constexpr Duration kRecoveryHeldLimit = std::chrono::seconds(1);
-constexpr Duration kSeenAnew = std::chrono::seconds(1);
+constexpr Duration kSeenAgain = std::chrono::seconds(1);
 
 const NamedRecovery& RecoveryOf(RecoveryKind kind) {
   return *std::find_if(kRecoveries.begin(), kRecoveries.end(),
@@ -174,7 +174,7 @@ std::optional<Result<>> Recovery::StepOfClear() {
   }
   if (!cleared_.result()) return cleared_.result().error();
   if (!cleared_at_) cleared_at_ = passed_;
-  if (passed_ - *cleared_at_ < kSeenAnew) return std::nullopt;
+  if (passed_ - *cleared_at_ < kSeenAgain) return std::nullopt;
   return Result<>();
 }
 

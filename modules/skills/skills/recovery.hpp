@@ -3,7 +3,7 @@
 // steps of a skill. The gate before the base checks them as everything else.
 //
 //   leave_tight_start  turns away from what its scan sees nearest, and goes 0.3 m
-//   clear              planner and controller forget what they have seen, and see it anew for 1 s
+//   clear              planner and controller forget what they have seen, and see it again for 1 s
 //   wait               stands for 3 s
 //   back_up            0.4 m back
 //   spin               once around, for a look at all sides
