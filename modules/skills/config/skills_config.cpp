@@ -33,6 +33,8 @@ class Reader {
     config_.kind_at = root.At("kind");
     config_.radius_m = root.Number("radius_m", 0.01, 10).value_or(config_.radius_m);
     config_.flies = root.Bool("flies").value_or(false);
+    config_.goes_on_after_restart =
+        root.Choice<bool>("after_restart", {{"fail", false}, {"continue", true}}).value_or(false);
     config_.ceiling_m = root.Number("ceiling_m", 0.1, 10'000);
     config_.hand = root.Bool("hand").value_or(false);
     config_.priority = static_cast<int>(root.Integer("priority", -1000, 1000).value_or(0));

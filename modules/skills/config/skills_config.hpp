@@ -64,6 +64,8 @@ struct SkillsConfig {
   std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
   int priority = 0;  // where two robots meet; the higher one goes first
+  // With the skills that ran when the process was killed; else they have failed.
+  bool goes_on_after_restart = false;
   InterfaceNames names;
   navigation::GateRules gate;  // with its scanners
   LineView line;
