@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "musher/navigation/place_text.hpp"
+
 namespace musher::skills {
 
 using skill::Next;
@@ -174,11 +176,11 @@ Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
   const double left_m = travel_.Apart(at, Goal(tick).at);
   if (!blocked_) blocked_ = Blocked{.nearest_m = left_m};
   if (blocked_->stood < kBlockedLimit) return Next::Replan(planning_, Prefix(tick) + step.why);
-  return Next::Fail(
-      Prefix(tick) +
-      fmt::format("Blocked for {:.0f} s, {:.1f} m from the goal, at ({:.2f}, {:.2f}): {}",
-                  ToSeconds(blocked_->stood), left_m, at.x_m, at.y_m, step.why) +
-      GiveWay::NearRobotText(robot_));
+  return Next::Fail(Prefix(tick) +
+                    fmt::format("Blocked for {:.0f} s, {} m from the goal, at {}: {}",
+                                ToSeconds(blocked_->stood), LengthText(left_m),
+                                navigation::PlaceText(at, true), step.why) +
+                    GiveWay::NearRobotText(robot_));
 }
 
 Next GoalSkill::OnLimit(Tick& tick) {

@@ -28,6 +28,7 @@ constexpr double kRecoveryMS = 0.15;
 constexpr double kRecoveryRadS = 0.6;
 constexpr double kLeaveM = 0.3;
 constexpr double kBackM = 0.4;
+constexpr double kRecoveryJumpM = 1;  // farther than any of them leads
 constexpr double kRecoveryLookM = 1;  // what is farther away is not near
 constexpr double kStraightRad = 0.2;
 constexpr Duration kRecoveryHeldLimit = std::chrono::seconds(1);
@@ -128,9 +129,10 @@ void Recovery::NoteMotion(const navigation::Pose& pose) {
 
 std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
   const auto pose = robot_.pose();
-  if (!pose) return Error{kCodeFailed, robot_.WhyNoPose()};
+  if (!pose || !navigation::IsFinite(*pose)) return Error{kCodeFailed, robot_.WhyNoPose()};
   if (!robot_.HasScan()) return Error{kCodeFailed, "it does not move without a scan"};
   NoteMotion(*pose);
+  if (moved_m_ > kRecoveryJumpM) return Error{kCodeFailed, "its pose has jumped"};
   const auto around = SeenAround(robot_, *pose, kRecoveryLookM);
   if (kind_ == RecoveryKind::kLeaveTightStart) {
     if (around.empty() && moved_m_ == 0) {

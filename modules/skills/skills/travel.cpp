@@ -39,6 +39,11 @@ bool Stands(const Robot& robot) {
          std::abs(velocity.yaw_rad_s) < kStandingRadPerS;
 }
 
+std::string LengthText(double length_m) {
+  return std::abs(length_m) < 1e6 ? fmt::format("{:.1f}", length_m)
+                                  : fmt::format("{:.3g}", length_m);
+}
+
 std::vector<navigation::Point> SeenAround(const Robot& robot, const navigation::Pose& pose,
                                           double most_m) {
   std::vector<navigation::Point> around;
@@ -131,7 +136,7 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
   const double off_m = Apart(planned.value().back().at, goal.at);
   if (off_m > kArrivedWithinM) {
     return {Kind::kFailed,
-            fmt::format("Planning failed: the path ends {:.1f} m from the goal", off_m)};
+            "Planning failed: the path ends " + LengthText(off_m) + " m from the goal"};
   }
   planned_ = planned.value();
   return {Kind::kDone};
@@ -211,7 +216,7 @@ TravelStep Travel::DriveEnd() {
   if (!end.result().value()) return {Kind::kLost, "the controller has cancelled the drive"};
   if (left_m > kArrivedWithinM) {
     return {Kind::kFailed,
-            fmt::format("Navigate failed: the drive has ended {:.1f} m from the goal", left_m)};
+            "Navigate failed: the drive has ended " + LengthText(left_m) + " m from the goal"};
   }
   return {Kind::kDone};
 }

@@ -39,6 +39,9 @@ inline constexpr double kStandingRadPerS = 0.05;
 
 bool Stands(const Robot& robot);
 
+// "4.2", or "1.41e+308": a request may have any number.
+std::string LengthText(double length_m);
+
 // What its scan sees within `most_m`, in the frame of a body at `pose`.
 std::vector<navigation::Point> SeenAround(const Robot& robot, const navigation::Pose& pose,
                                           double most_m);

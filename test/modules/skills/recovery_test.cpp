@@ -99,6 +99,18 @@ TEST_F(ARecovery, MovesNothingWithoutScanOrOdometry) {
   EXPECT_EQ(robot.travelled_m, 0);
 }
 
+TEST_F(ARecovery, TakesAJumpOfThePoseForNoMotion) {
+  for (const char* name : {"back_up", "spin"}) {
+    robot.at = {};
+    ASSERT_TRUE(Start(name));
+    RunFor(0.5);
+    robot.at.at.x_m -= 3;
+    EXPECT_TRUE(RunToItsEnd(30));
+    EXPECT_EQ(feedback().status, Status::kFailed) << name;
+    EXPECT_THAT(feedback().message, HasSubstr("its pose has jumped"));
+  }
+}
+
 TEST_F(ARecovery, LeavesNoPlaceWhereItsScanSeesNothing) {
   ExpectFailure("leave_tight_start", "its scan sees nothing near");
 }
