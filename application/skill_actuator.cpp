@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/application/saved_skills.hpp"
 #include "musher/application/skill_report.hpp"
 #include "musher/application/ticks.hpp"
 #include "musher/base/check.hpp"
@@ -100,6 +101,7 @@ class SkillActuator::Impl {
     goals_.clear();
     published_.clear();
     manager_ = std::make_unique<skill::Manager>(registry.All());
+    RestoreRuns();
     manager_->OnRemoval([this](const skill::Run& run) { ReportRemoved(run); });
     Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       ticks_.Open(topics);
@@ -112,6 +114,20 @@ class SkillActuator::Impl {
     });
     owner_.RunOnLoop([&] { open_ = opened.ok(); });
     return opened;
+  }
+
+  void RestoreRuns() {
+    saved_.reset();
+    if (options_.after_restart == Options::AfterRestart::kForgotten || !owner_.node()) return;
+    const std::string& folder = owner_.machine_config().state_dir;
+    saved_.emplace(folder + "/" + owner_.name() + "_skills.toml");
+    const bool continues = options_.after_restart == Options::AfterRestart::kContinued;
+    const auto restored = saved_->Restore(*manager_, continues);
+    if (!restored) {
+      return owner_.Log(LogLevel::kWarning,
+                        "what ran before is not known: " + restored.error().message);
+    }
+    for (const std::string& line : restored.value()) owner_.Log(LogLevel::kWarning, line);
   }
 
   // Topics `skill_feedback` and `skills`, and the service `<actuator>/get_skill`.
@@ -188,6 +204,7 @@ class SkillActuator::Impl {
     own.PublishFeedback({"processing: Skill " + skill + " started (0%)"});
     published_[skill] = {transport::GoalIdText(goal.id())};
     goals_.insert_or_assign(skill, Open{std::move(own), ""});
+    SaveRuns();
     PublishChanges();
   }
 
@@ -246,8 +263,15 @@ class SkillActuator::Impl {
 
   // Feedback of the goals, and the results of those that have ended.
   void ReportGoals() {
+    SaveRuns();
     PublishChanges();
     for (const skill::Run* run : manager_->Runs()) ReportGoal(*run);
+  }
+
+  void SaveRuns() {
+    if (!saved_ || !open_) return;
+    const Result<> saved = saved_->Save(*manager_, Now());
+    if (!saved) owner_.Log(LogLevel::kWarning, saved.error().message);
   }
 
   void ReportGoal(const skill::Run& run) {
@@ -289,6 +313,7 @@ class SkillActuator::Impl {
   std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
   std::map<std::string, Open> goals_;                       // by skill
   std::map<std::string, Published> published_;              // by skill
+  std::optional<SavedSkills> saved_;                        // nothing: they are not saved
   bool open_ = false;  // SetUp is done; before, the skills belong to the worker
   bool stepping_ = false;
 };

@@ -42,12 +42,17 @@
 // (15%)", at each change. A goal succeeds only when its skill has completed; cancelling the goal
 // cancels the skill; a skill that is cancelled by anything else aborts its goal.
 //
+// With Options::after_restart the skills that run are in state_dir of the state config,
+// <actuator>_skills.toml: the process after one that was killed reports them as failed, with the
+// reason, or goes on with them.
+//
 // In a fault-injection test (simulation/actuator_fault_test.hpp) there is neither transport nor
 // clock: skills are registered and cancelled, and not stepped.
 //
 // Threads: skills, hooks and handlers of topics run on the loop, one at a time. RegisterSkills()
 // and SelfCheck() run on the actuator's worker. Times are the machine's, see [controller] clock.
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -64,6 +69,10 @@ class SkillActuator : public MachineActuator {
     std::string action = "skill_execution";
     // Goals whose `robot_id` is another one, and not the actuator's name, are refused; empty: none.
     std::string robot{};
+    // What becomes of the skills that ran when the process was killed. Those that go on do so in
+    // Active, without a goal.
+    enum class AfterRestart : std::uint8_t { kForgotten, kFailed, kContinued };
+    AfterRestart after_restart = AfterRestart::kForgotten;
   };
 
   explicit SkillActuator(const std::string& actuator_name)

@@ -1,5 +1,6 @@
 #include "musher/application/skill_report.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -28,6 +29,13 @@ std::string ChangeText(const skill::Run& run, const skill::Change& change) {
   return change.why.empty() ? text : text + ", " + change.why;
 }
 
+// What each skill takes in a request (skill::Manager::StartWithTexts()).
+std::string TimeoutText(Duration limit) {
+  const std::string otherwise =
+      limit == skill::kNoLimit ? "none" : skill::ToText(skill::Value(ToSeconds(limit)));
+  return "timeout: a number, default " + otherwise + " (s; a run that takes longer fails)";
+}
+
 }  // namespace
 
 msg::SkillOffers OfferSkills(const std::string& actuator, const std::string& action,
@@ -41,6 +49,9 @@ msg::SkillOffers OfferSkills(const std::string& actuator, const std::string& act
     for (const auto& parameter : table.parameters()) {
       offer.parameters.push_back(skill::ToText(parameter));
     }
+    const bool own = std::ranges::any_of(
+        table.parameters(), [](const auto& parameter) { return parameter.name == "timeout"; });
+    if (!own) offer.parameters.push_back(TimeoutText(table.limits().run));
     offers.skills.push_back(std::move(offer));
   }
   return offers;

@@ -45,6 +45,30 @@ Result<std::unique_ptr<Run>> MakeRun(const Entry& entry) {
   }
 }
 
+using Texts = std::vector<std::pair<std::string, std::string>>;
+
+// Takes `timeout` out of the parameters, unless the skill has one of that name. Nullopt: it is not
+// given.
+Result<std::optional<Duration>> TakeTimeout(const Run& run, Texts& parameters) {
+  constexpr std::string_view kTimeout = "timeout";
+  constexpr double kLongestS = 1e9;
+  const auto is_timeout = [&](const auto& named) { return named.first == kTimeout; };
+  const auto found = std::ranges::find_if(parameters, is_timeout);
+  const bool own = std::ranges::any_of(
+      run.table().parameters(), [&](const auto& parameter) { return parameter.name == kTimeout; });
+  if (own || found == parameters.end()) return std::optional<Duration>();
+  const Result<Value> value = Parse(Kind::kNumber, found->second);
+  const double* number = value ? std::get_if<double>(&value.value()) : nullptr;
+  const double seconds = number == nullptr ? 0 : *number;
+  if (!(seconds > 0 && seconds <= kLongestS)) {
+    return Error{kCodeParametersInvalid, run.name() + ": timeout is '" +
+                                             found->second.substr(0, 40) +
+                                             "'; expected seconds, more than 0"};
+  }
+  std::erase_if(parameters, is_timeout);
+  return std::optional(FromSeconds(seconds));
+}
+
 class InStep {
  public:
   explicit InStep(bool& flag) : flag_(flag) { flag_ = true; }
@@ -118,13 +142,21 @@ Result<> Manager::Start(std::string_view skill, const Values& parameters) {
   return Begin(std::move(run).value(), parameters);
 }
 
-Result<> Manager::StartWithTexts(
-    std::string_view skill, const std::vector<std::pair<std::string, std::string>>& parameters) {
+Result<> Manager::StartWithTexts(std::string_view skill, const Texts& parameters) {
   if (Result<> allowed = Allowed(skill); !allowed) return allowed;
   Result<std::unique_ptr<Run>> run = Make(skill);
   if (!run) return run.error();
+  Texts given = parameters;
+  const auto timeout = TakeTimeout(*run.value(), given);
+  if (!timeout) return timeout.error();
+  if (timeout.value()) {
+    Entry limited = *Lookup(skill).value();
+    limited.settings.run = *timeout.value();
+    run = MakeRun(limited);
+    if (!run) return run.error();
+  }
   const Run& made = *run.value();
-  const Result<Values> values = made.table().Parse(parameters);
+  const Result<Values> values = made.table().Parse(given);
   if (!values) return Error{values.error().code, made.name() + ": " + values.error().message};
   return Begin(std::move(run).value(), values.value());
 }

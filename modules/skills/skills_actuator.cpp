@@ -22,7 +22,10 @@ Result<> Verdict(const RosRobot::Missing& missing) {
 SkillsActuator::SkillsActuator(const std::string& actuator_name, RosRobot& robot,
                                std::vector<skill::Entry> entries)
     : SkillActuator(actuator_name, {.action = robot.config().robot + "/skill_execution",
-                                    .robot = robot.config().robot}),
+                                    .robot = robot.config().robot,
+                                    .after_restart = robot.config().goes_on_after_restart
+                                                         ? Options::AfterRestart::kContinued
+                                                         : Options::AfterRestart::kFailed}),
       robot_(robot),
       entries_(std::move(entries)) {}
 

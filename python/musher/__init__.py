@@ -27,22 +27,24 @@ from musher._node import Node, Publisher, ServiceClient, ServiceServer, Subscrip
 
 if TYPE_CHECKING:
     from musher._action import ActionClient, ActionServer, Goal, GoalCanceled, GoalFailed, ServerGoal
-    from musher import fsm
+    from musher import fsm, skill
     from musher._fsm_actuator import FsmActuator
     from musher._machine import ActuatorOutcome, Machine, Outcome, SwitchFailed
+    from musher._skill_actuator import SkillActuator
 
 # Loaded at their first use: an actuator mostly does not need them.
 _LATER = {
     "_action": ("ActionClient", "ActionServer", "Goal", "GoalCanceled", "GoalFailed", "ServerGoal"),
     "_fsm_actuator": ("FsmActuator",),
     "_machine": ("ActuatorOutcome", "Machine", "Outcome", "SwitchFailed"),
+    "_skill_actuator": ("SkillActuator",),
 }
 
 
 def __getattr__(name: str) -> Any:
     import importlib
-    if name == "fsm":
-        return importlib.import_module("musher.fsm")
+    if name in ("fsm", "skill"):
+        return importlib.import_module(f"musher.{name}")
     for module, names in _LATER.items():
         if name in names:
             return getattr(importlib.import_module(f"musher.{module}"), name)
@@ -52,5 +54,6 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "ActionClient", "ActionServer", "Actuator", "ActuatorOutcome", "ConfigError", "Failure", "FsmActuator", "Goal",
     "GoalCanceled", "GoalFailed", "Key", "Machine", "Node", "NotAllowed", "Outcome", "Publisher", "ServerGoal",
-    "ServiceClient", "ServiceServer", "Subscription", "SwitchFailed", "__version__", "fsm", "log", "run", "state",
+    "ServiceClient", "ServiceServer", "SkillActuator", "Subscription", "SwitchFailed", "__version__", "fsm", "log", "run",
+    "skill", "state",
 ]

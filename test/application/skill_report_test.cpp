@@ -41,7 +41,9 @@ TEST_F(ASkillReport, OffersEachSkillWithWhatItDoesAndItsParameters) {
   EXPECT_EQ(offers.skills[0].skill, "wait");
   EXPECT_EQ(offers.skills[0].summary, "Waits for a time");
   EXPECT_THAT(offers.skills[0].parameters,
-              ElementsAre("duration_s: a number, default 1 (seconds, 0 or more)"));
+              ElementsAre("duration_s: a number, default 1 (seconds, 0 or more)",
+                          "timeout: a number, default none (s; a run that takes longer fails)"));
+  EXPECT_THAT(offers.skills[1].parameters, ::testing::Contains(HasSubstr("timeout: a number, ")));
   EXPECT_EQ(offers.skills[1].summary, "Runs wait, then wait");
 }
 

@@ -33,6 +33,8 @@ class Reader {
     config_.kind_at = root.At("kind");
     config_.radius_m = root.Number("radius_m", 0.01, 10).value_or(config_.radius_m);
     config_.flies = root.Bool("flies").value_or(false);
+    config_.goes_on_after_restart =
+        root.Choice<bool>("after_restart", {{"fail", false}, {"continue", true}}).value_or(false);
     config_.ceiling_m = root.Number("ceiling_m", 0.1, 10'000);
     config_.hand = root.Bool("hand").value_or(false);
     config_.priority = static_cast<int>(root.Integer("priority", -1000, 1000).value_or(0));
@@ -96,6 +98,8 @@ class Reader {
                      prefix + "manipulation_control",
                      "",
                      prefix + "compute_refuge",
+                     prefix + "clear_planner_memory",
+                     prefix + "clear_controller_memory",
                      "/robot_paths",
                      prefix + "navigate_to_pose",
                      prefix + "navigate_through_poses",
@@ -115,6 +119,8 @@ class Reader {
     Topic(reader, "hand", names.hand, false);
     Topic(reader, "teleop", names.teleop, true);
     Topic(reader, "refuge", names.refuge, false);
+    Topic(reader, "clear_planner", names.clear_planner, true);
+    Topic(reader, "clear_controller", names.clear_controller, true);
     Topic(reader, "robot_paths", names.robot_paths, true);
     Topic(reader, "navigate_to_pose", names.navigate_to_pose, true);
     Topic(reader, "navigate_through_poses", names.navigate_through_poses, true);

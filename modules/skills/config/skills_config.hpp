@@ -20,15 +20,17 @@ namespace musher::skills {
 
 // Topics, services and actions; relative ones are in the machine's namespace. Empty: none.
 struct InterfaceNames {
-  std::string velocity;     // geometry_msgs/Twist, published
-  std::string odometry;     // nav_msgs/Odometry
-  std::string objects;      // musher_msgs/ObjectStates
-  std::string line;         // musher_msgs/YellowLines
-  std::string planner;      // action nav2_msgs/ComputePathToPose
-  std::string controller;   // action nav2_msgs/FollowPath
-  std::string hand;         // service musher_msgs/ManipulationControl
-  std::string teleop;       // geometry_msgs/Twist of a person
-  std::string refuge;       // service musher_msgs/ComputeRefuge
+  std::string velocity;       // geometry_msgs/Twist, published
+  std::string odometry;       // nav_msgs/Odometry
+  std::string objects;        // musher_msgs/ObjectStates
+  std::string line;           // musher_msgs/YellowLines
+  std::string planner;        // action nav2_msgs/ComputePathToPose
+  std::string controller;     // action nav2_msgs/FollowPath
+  std::string hand;           // service musher_msgs/ManipulationControl
+  std::string teleop;         // geometry_msgs/Twist of a person
+  std::string refuge;         // service musher_msgs/ComputeRefuge
+  std::string clear_planner;  // services std_srvs/Trigger: what was seen is forgotten
+  std::string clear_controller;
   std::string robot_paths;  // musher_msgs/RobotPath of all robots
   // Actions of nav2 that it serves.
   std::string navigate_to_pose;
@@ -62,6 +64,8 @@ struct SkillsConfig {
   std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
   int priority = 0;  // where two robots meet; the higher one goes first
+  // With the skills that ran when the process was killed; else they have failed.
+  bool goes_on_after_restart = false;
   InterfaceNames names;
   navigation::GateRules gate;  // with its scanners
   LineView line;

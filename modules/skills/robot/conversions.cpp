@@ -60,14 +60,17 @@ msg::PoseStamped ToMessage(const navigation::Pose& pose, const msg::Stamp& stamp
   return message;
 }
 
-std::optional<navigation::Path> ToPath(const msg::Path& path) {
+Result<navigation::Path> ToPath(const msg::Path& path, const PlaceOfFrame& in_map) {
+  const auto frame = in_map(path.header.frame_id);
+  if (!frame) return frame.error();
+  const Error no_path{kCodeFailed, "it is empty or not finite"};
   navigation::Path converted;
   for (const msg::PoseStamped& stamped : path.poses) {
     const auto pose = ToPose(stamped.pose);
-    if (!pose) return std::nullopt;
-    converted.push_back(*pose);
+    if (!pose) return no_path;
+    converted.push_back(navigation::PlacedAt(frame.value(), *pose));
   }
-  if (converted.empty()) return std::nullopt;
+  if (converted.empty()) return no_path;
   return converted;
 }
 
@@ -154,11 +157,13 @@ Result<Picture> ToPicture(const msg::Image& image) {
   return picture;
 }
 
-std::vector<SeenObject> ToObjects(const msg::ObjectStates& states) {
+std::vector<SeenObject> ToObjects(const msg::ObjectStates& states, const navigation::Pose& frame) {
   std::vector<SeenObject> objects;
   for (const msg::ObjectState& state : states.objects) {
     const auto pose = ToPose(state.pose);
-    if (pose) objects.push_back({state.name, state.category, *pose, state.held_by});
+    if (!pose) continue;
+    objects.push_back(
+        {state.name, state.category, navigation::PlacedAt(frame, *pose), state.held_by});
   }
   return objects;
 }

@@ -4,6 +4,7 @@
 //
 // Frames: poses in the map; twists of messages in the body's frame, x forward, y to the left.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +29,12 @@ inline constexpr const char* kMapFrame = "map";
 std::optional<navigation::Pose> ToPose(const msg::Pose& pose);
 msg::PoseStamped ToMessage(const navigation::Pose& pose, const msg::Stamp& stamp);
 
-// Nullopt: no pose, or one that is not finite.
-std::optional<navigation::Path> ToPath(const msg::Path& path);
+// Where the frame of a message is in the map. Fails with the reason where that is not known.
+using PlaceOfFrame = std::function<Result<navigation::Pose>(const std::string& frame)>;
+
+// In the map. Fails for a path without poses, with one that is not finite, or in a frame without a
+// place in the map.
+Result<navigation::Path> ToPath(const msg::Path& path, const PlaceOfFrame& in_map);
 msg::Path ToMessage(const navigation::Path& path, const msg::Stamp& stamp);
 
 // Nullopt: another frame than the map's, or a pose that is not finite.
@@ -45,8 +50,8 @@ navigation::Scan ToScan(const msg::LaserScan& scan);
 // bgr8, rgb8, bgra8, rgba8 and mono8.
 Result<Picture> ToPicture(const msg::Image& image);
 
-// Objects whose pose is not finite are left out.
-std::vector<SeenObject> ToObjects(const msg::ObjectStates& states);
+// Objects whose pose is not finite are left out. `frame`: of the message, in the map.
+std::vector<SeenObject> ToObjects(const msg::ObjectStates& states, const navigation::Pose& frame);
 
 // What a detector has seen, with its name where it has no text. Its place in the map: from the
 // middle of its box, and from the distance that the detector knows, else from the share of the

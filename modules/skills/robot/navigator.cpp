@@ -23,11 +23,12 @@ Error Unreached(const std::string& server, const Outcome& outcome) {
 
 Result<navigation::Path> PathOf(const transport::GoalOutcome<msg::ComputePathToPose>& outcome,
                                 const navigation::Pose& goal,
-                                const std::optional<navigation::Pose>& start) {
+                                const std::optional<navigation::Pose>& start,
+                                const PlaceOfFrame& in_map) {
   if (outcome.end == GoalEnd::kSucceeded) {
-    auto path = ToPath(outcome.result.path);
-    if (path) return *std::move(path);
-    return Error{kCodeFailed, "the planner's path is empty or not finite"};
+    auto path = ToPath(outcome.result.path, in_map);
+    if (path) return path;
+    return Error{path.error().code, "the planner's path is not used: " + path.error().message};
   }
   if (outcome.end == GoalEnd::kAborted) {
     return PlannerError(outcome.result.error_code, goal, start, outcome.result.error_msg);
@@ -95,9 +96,9 @@ skill::Future<navigation::Path> Navigator::ComputePath(
   message.use_start = start.has_value();
   if (start) message.start = ToMessage(*start, stamp);
   transport::GoalEvents<msg::ComputePathToPose> events;
-  events.on_end = [request, goal, start](const auto& outcome) {
+  events.on_end = [request, goal, start, in_map = in_map_](const auto& outcome) {
     request->ended = true;
-    request->source.Set(PathOf(outcome, goal, start));
+    request->source.Set(PathOf(outcome, goal, start, in_map));
   };
   request->id = planner_->SendGoal(message, kAnswerTime, std::move(events));
   requests_.push_back(std::move(request));

@@ -24,9 +24,14 @@ class Navigator {
   using Planner = transport::ActionClient<msg::ComputePathToPose>;
   using Controller = transport::ActionClient<msg::FollowPath>;
 
-  // Both must outlive it; null: there is none. `stamp`: of the messages.
-  Navigator(Planner* planner, Controller* controller, std::function<msg::Stamp()> stamp)
-      : planner_(planner), controller_(controller), stamp_(std::move(stamp)) {}
+  // Both must outlive it; null: there is none. `stamp`: of the messages. `in_map` places the
+  // planner's paths.
+  Navigator(Planner* planner, Controller* controller, std::function<msg::Stamp()> stamp,
+            PlaceOfFrame in_map)
+      : planner_(planner),
+        controller_(controller),
+        stamp_(std::move(stamp)),
+        in_map_(std::move(in_map)) {}
 
   ~Navigator();  // ends nothing: see CancelAll()
   Navigator(const Navigator&) = delete;
@@ -59,6 +64,7 @@ class Navigator {
   Planner* const planner_;
   Controller* const controller_;
   const std::function<msg::Stamp()> stamp_;
+  const PlaceOfFrame in_map_;
   std::vector<std::shared_ptr<Request>> requests_;  // not ended
   std::vector<std::shared_ptr<DriveGoal>> drives_;  // not ended
 };

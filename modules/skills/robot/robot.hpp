@@ -110,6 +110,8 @@ class Robot {
   virtual skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) = 0;
   virtual std::unique_ptr<Drive> FollowPath(const navigation::Path& path) = 0;
+  // Planner and controller forget what its scanners have seen earlier. Fails with the reason.
+  virtual skill::Future<bool> ClearMemory() { return {}; }
 
   // What the robot says of itself to others, with what is left of the path of its drive; that of a
   // drive that has just ended still counts.
@@ -134,6 +136,8 @@ class Robot {
   // vision module, what those have seen within the last second. Nullopt: not all have looked yet;
   // the first call asks them to.
   virtual std::optional<std::vector<SeenObject>> Detect() = 0;
+  // Why it sees none.
+  virtual std::string WhyNothingSeen() const { return "no objects were received"; }
   // The pose that came on `topic` (nav_msgs/Odometry) within the last 0.5 s and has a place in the
   // map; the first call subscribes. Nullopt: none.
   virtual std::optional<navigation::Pose> PoseOf(const std::string& topic) = 0;

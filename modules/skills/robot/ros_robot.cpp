@@ -122,6 +122,11 @@ std::unique_ptr<Drive> RosRobot::FollowPath(const navigation::Path& path) {
   return drive;
 }
 
+skill::Future<bool> RosRobot::ClearMemory() {
+  const auto wire = wire_.lock();
+  return wire ? wire->ClearMemory() : Failed<bool>(kClosed);
+}
+
 navigation::RobotIntent RosRobot::intent() {
   const auto wire = wire_.lock();
   return wire ? wire->traffic->Intent() : navigation::RobotIntent{};
@@ -167,6 +172,13 @@ std::optional<std::vector<SeenObject>> RosRobot::Detect() {
   if (wire && wire->detectors) return wire->detectors->Look();
   if (!HasObjects()) return std::nullopt;
   return objects();
+}
+
+std::string RosRobot::WhyNothingSeen() const {
+  const auto wire = wire_.lock();
+  const std::string* why = wire ? wire->refused_objects.At(wire->Now()) : nullptr;
+  if (why == nullptr) return Robot::WhyNothingSeen();
+  return "no objects with a place in the map (" + config_.names.objects + ": " + *why + ")";
 }
 
 std::optional<navigation::Pose> RosRobot::PoseOf(const std::string& topic) {

@@ -62,6 +62,7 @@ class RosRobot final : public Robot {
   skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) override;
   std::unique_ptr<Drive> FollowPath(const navigation::Path& path) override;
+  skill::Future<bool> ClearMemory() override;
   navigation::RobotIntent intent() override;
   std::vector<navigation::RobotIntent> others() const override;
   void NoteCornered(Duration time) override;
@@ -71,6 +72,7 @@ class RosRobot final : public Robot {
   std::vector<SeenObject> objects() const override;
   bool HasObjects() const override;
   std::optional<std::vector<SeenObject>> Detect() override;
+  std::string WhyNothingSeen() const override;
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override;
   std::string WhyNoPoseOf(const std::string& topic) const override;
   std::uint64_t PosesOf(const std::string& topic) const override;

@@ -76,11 +76,10 @@ skill::Future<navigation::Path> Traffic::ComputeRefuge() {
   for (const navigation::RobotIntent& other : Others()) {
     request.robots.push_back(ToMessage(other, clock_.Stamp()));
   }
-  refuge_->Call(request, kRefugeTime, [source](const auto& reply) {
+  refuge_->Call(request, kRefugeTime, [source, in_map = body_.in_map](const auto& reply) {
     if (!reply) return source->Fail("the planner: " + reply.error().message);
-    const auto path = ToPath(reply.value().path);
-    if (!reply.value().success || !path) return source->Fail(reply.value().message);
-    source->Finish(*path);
+    if (!reply.value().success) return source->Fail(reply.value().message);
+    source->Set(ToPath(reply.value().path, in_map));
   });
   return source->future();
 }

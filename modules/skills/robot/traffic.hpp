@@ -12,6 +12,7 @@
 
 #include "musher/messages/musher_msgs/robot_path.hpp"
 #include "musher/modules/skills/config/skills_config.hpp"
+#include "musher/modules/skills/robot/conversions.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
 #include "musher/navigation/traffic/known_robots.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -28,6 +29,7 @@ class Traffic {
   struct Body {
     std::function<std::optional<navigation::Pose>()> pose;
     std::function<bool()> drives;
+    PlaceOfFrame in_map;
   };
 
   // `name`: of the robot among all. The endpoints must outlive it.

@@ -15,8 +15,9 @@ namespace {
 
 // Topics that skills have named; of more, the one that was not asked for longest is dropped.
 constexpr std::size_t kMostTracked = 16;
-constexpr Duration kHoldPeriod = Milliseconds(100);    // of a flyer at its place
-constexpr Duration kActiveWithin = Milliseconds(500);  // skills are stepped in Active only
+constexpr Duration kHoldPeriod = Milliseconds(100);       // of a flyer at its place
+constexpr Duration kClearTime = std::chrono::seconds(2);  // of planner and controller
+constexpr Duration kActiveWithin = Milliseconds(500);     // skills are stepped in Active only
 // As tf2 has it.
 constexpr transport::Qos kTfQos{transport::Qos::Reliability::kReliable,
                                 transport::Qos::Durability::kVolatile, 100};
@@ -33,13 +34,14 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   const InterfaceNames& names = config.names;
   velocity = std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity),
                                               clock, config.gate, config.flies);
-  navigator =
-      std::make_unique<Navigator>(endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
-                                  endpoints.OpenActionClient<msg::FollowPath>(names.controller),
-                                  [this] { return clock.Stamp(); });
+  navigator = std::make_unique<Navigator>(
+      endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
+      endpoints.OpenActionClient<msg::FollowPath>(names.controller),
+      [this] { return clock.Stamp(); }, [this](const std::string& frame) { return InMap(frame); });
   traffic = std::make_unique<Traffic>(
       config, "/" + transport::ResolveName(name_space, config.robot),
-      Traffic::Body{[this] { return PoseNow(); }, [this] { return navigator->Drives(); }},
+      Traffic::Body{[this] { return PoseNow(); }, [this] { return navigator->Drives(); },
+                    [this](const std::string& frame) { return InMap(frame); }},
       endpoints);
   std::map<std::string, std::string> topics;
   for (const auto& [camera, topic] : config.cameras) {
@@ -52,6 +54,9 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
                                                 [this] { return PoseNow(); });
   }
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
+  for (const std::string& name : {names.clear_planner, names.clear_controller}) {
+    if (!name.empty()) memories.push_back(endpoints.OpenClient<msg::Trigger>(name));
+  }
   SubscribeFrames(endpoints);
   Subscribe(endpoints);
   SubscribeScans(endpoints);
@@ -185,8 +190,11 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
   }
   if (!names.objects.empty()) {
     optional[names.objects] = endpoints.Subscribe<msg::ObjectStates>(
-        names.objects,
-        [this](const msg::ObjectStates& states) { objects.Set(ToObjects(states), Now()); });
+        names.objects, [this](const msg::ObjectStates& states) {
+          const auto frame = InMap(states.header.frame_id);
+          if (!frame) return refused_objects.Set(frame.error().message, Now());
+          objects.Set(ToObjects(states, frame.value()), Now());
+        });
   }
   if (!names.line.empty()) {
     optional[names.line] = endpoints.Subscribe<msg::YellowLines>(
@@ -216,10 +224,30 @@ RosRobot::Missing RosRobot::Wire::Look() const {
   add(navigator->HasPlanner(), "server of " + config.names.planner);
   add(navigator->HasController(), "server of " + config.names.controller);
   if (hand != nullptr) add(hand->Ready(), "server of " + config.names.hand);
+  const std::string* refused_by = refused_objects.At(Now());
+  if (refused_by != nullptr && objects.At(Now()) == nullptr) {
+    add(false, "place in the map for " + config.names.objects + ": " + *refused_by);
+  }
   for (const auto& [topic, subscription] : optional) {
     add(subscription == nullptr || subscription->MatchedWriters() > 0, "publisher of " + topic);
   }
   return missing;
+}
+
+// The first reason of a failure counts.
+skill::Future<bool> RosRobot::Wire::ClearMemory() {
+  const auto source = std::make_shared<skill::Source<bool>>();
+  const auto left = std::make_shared<std::size_t>(memories.size());
+  if (memories.empty()) source->Fail("the config names no memory to clear");
+  for (auto* memory : memories) {
+    if (memory == nullptr) continue;
+    memory->Call({}, kClearTime, [source, left](const auto& reply) {
+      if (!reply) return source->Fail("the memory is not cleared: " + reply.error().message);
+      if (!reply.value().success) return source->Fail(reply.value().message);
+      if (--*left == 0) source->Finish(true);
+    });
+  }
+  return source->future();
 }
 
 const navigation::Pose* RosRobot::Wire::PoseOf(const std::string& topic) {

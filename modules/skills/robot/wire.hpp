@@ -11,6 +11,7 @@
 #include "musher/messages/action_msgs/goal_status.hpp"
 #include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
 #include "musher/modules/skills/robot/flight_hold.hpp"
@@ -52,6 +53,8 @@ struct RosRobot::Wire {
     velocity->Stop();
   }
   Missing Look() const;
+  // Of planner and controller; succeeds once all that are configured have answered.
+  skill::Future<bool> ClearMemory();
   // Subscribes at the first call.
   const navigation::Pose* PoseOf(const std::string& topic);
   // What the scanners have seen, in the map.
@@ -86,10 +89,12 @@ struct RosRobot::Wire {
   RecentValue<std::string> refused;  // why odometry has no place in the map
   std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
+  RecentValue<std::string> refused_objects;  // why they have no place in the map
   RecentValue<Line> line;
   std::map<std::string, Tracked> tracked;
   std::map<std::string, const transport::Subscription*> optional;  // by topic
   transport::Client<msg::ManipulationControl>* hand = nullptr;     // null: there is none
+  std::vector<transport::Client<msg::Trigger>*> memories;          // of planner and controller
   std::unique_ptr<VelocityOutput> velocity;
   FlightHold hold;
   Time active_at{};  // of the last step of the skills

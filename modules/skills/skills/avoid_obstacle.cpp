@@ -68,7 +68,8 @@ std::optional<std::string> AvoidObstacle::WhyRefused(const skill::Values& parame
 
 std::optional<std::string> AvoidObstacle::Missing() const {
   if (!robot_.HasScan()) return "No scan of " + robot_.name();
-  if (!robot_.pose()) return robot_.WhyNoPose();
+  const auto pose = robot_.pose();
+  if (!pose || !navigation::IsFinite(*pose)) return robot_.WhyNoPose();
   return std::nullopt;
 }
 
@@ -115,7 +116,7 @@ Next AvoidObstacle::Execute(Tick& tick) {
   if (nearer) nearest_m_ = aim.left_m;
   without_progress_ = nearer ? Duration{} : without_progress_ + tick.step;
 
-  const std::vector<navigation::Point> around = Around(pose, kLookedM);
+  const std::vector<navigation::Point> around = SeenAround(robot_, pose, kLookedM);
   FieldRules rules{.radius_m = robot_.radius_m()};
   rules.range_m = std::min(kLookedM, aim.left_m + 2 * rules.radius_m + rules.margin_m);
   const auto direction = FreeDirection(around, aim.wanted_rad, direction_rad_, rules);
@@ -138,8 +139,8 @@ Next AvoidObstacle::Execute(Tick& tick) {
                                   held.empty() ? "no free direction" : held + ",", limit_s));
   }
   if (without_progress_ >= kProgressLimit) {
-    return Next::Fail(fmt::format("Blocked: not nearer to the goal for {:.1f} s, {:.1f} m are left",
-                                  ToSeconds(kProgressLimit), aim.left_m));
+    return Next::Fail(fmt::format("Blocked: not nearer to the goal for {:.1f} s, {} m are left",
+                                  ToSeconds(kProgressLimit), LengthText(aim.left_m)));
   }
   tick.Detail("distance_to_goal", aim.left_m);
   tick.Detail("current_velocity", navigation::Speed(robot_.velocity()));
@@ -152,7 +153,7 @@ Next AvoidObstacle::Execute(Tick& tick) {
 
 Next AvoidObstacle::OnLimit(Tick& tick) {
   if (tick.state == initializing_) return Next::Fail(Missing().value_or("No scan"));
-  return Next::Fail(fmt::format("Timeout: {:.1f} m are left", nearest_m_.value_or(0)));
+  return Next::Fail("Timeout: " + LengthText(nearest_m_.value_or(0)) + " m are left");
 }
 
 }  // namespace musher::skills

@@ -49,7 +49,7 @@ skill::Next Detect::Step(skill::Tick& tick) {
 }
 
 skill::Next Detect::OnLimit(skill::Tick& tick) {
-  const std::string why = robot_.Detect() ? robot_.WhyNoPose() : "no objects were received";
+  const std::string why = robot_.Detect() ? robot_.WhyNoPose() : robot_.WhyNothingSeen();
   return skill::Next::Fail("Timeout: " + why + " after " + skill::SecondsText(tick.elapsed));
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace musher::skills {
 namespace {
@@ -55,6 +56,19 @@ void FlightSkill::OnEnd(const skill::Ended& /*ended*/) {
 void FlightSkill::OnPause() {
   robot_.StopMotion();
   hold_.Reset();
+}
+
+void FlightSkill::TakesRetries(skill::Table& table) {
+  table.Takes("retries", std::int64_t{0}, "attempts after the first one, 0 to 10");
+  table.Limit({.retries = 10});
+}
+
+skill::Next FlightSkill::AgainOrFail(const skill::Tick& tick, skill::StateId state,
+                                     std::string why) {
+  if (tick.retries >= tick.parameters.Get<std::int64_t>("retries", 0)) {
+    return skill::Next::Fail(std::move(why));
+  }
+  return skill::Next::Retry(state, std::move(why));
 }
 
 double FlightSkill::Ceiling(const skill::Tick& tick) const {

@@ -40,6 +40,11 @@ class FlightSkill : public skill::Skill {
   void KeepWhile(double climb_mps, const navigation::Pose& place, const navigation::Pose& now,
                  const skill::Tick& tick);
 
+  // The parameter `retries`: attempts after the first one.
+  static void TakesRetries(skill::Table& table);
+  // Another attempt from `state`; a failure once they are used up.
+  static skill::Next AgainOrFail(const skill::Tick& tick, skill::StateId state, std::string why);
+
   void NoteLanding() { robot_.NoteLanding(); }
 
   // A pose in the data of the skill, which is saved.

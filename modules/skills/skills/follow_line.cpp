@@ -131,8 +131,8 @@ Next FollowLine::Execute(Tick& tick) {
 navigation::Velocity FollowLine::BeforeObstacles(const navigation::Velocity& wanted,
                                                  const navigation::Pose& pose, Tick& tick) {
   constexpr double kStandsMPerS = 0.02;
-  const double free_m =
-      FreeAhead(Around(pose, kLineLookedM), robot_.radius_m(), kKeptAheadM, kLineLookedM);
+  const double free_m = FreeAhead(SeenAround(robot_, pose, kLineLookedM), robot_.radius_m(),
+                                  kKeptAheadM, kLineLookedM);
   const double safe_m_s = SafeSpeed(free_m);
   tick.Detail("free_ahead", free_m);
   const bool stands = safe_m_s < kStandsMPerS || !robot_.HeldBy().empty();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "musher/navigation/place_text.hpp"
+
 namespace musher::skills {
 
 using skill::Next;
@@ -30,7 +32,7 @@ void GoalSkill::Declare(skill::Table& table) {
   table.To(initializing_, initializing_, "they are not, after a loss");
   table.To(planning_, executing_, "the path is planned");
   table.To(planning_, initializing_, "the planner is lost");
-  table.To(planning_, recovering_, "the robot has no room where it stands");
+  table.To(planning_, recovering_, "no room to start, or no path");
   table.To(recovering_, planning_, "the recovery has ended");
   table.To(executing_, skill::kSucceeded, "at the goal");
   table.To(executing_, planning_, "an obstacle, a pause, another goal");
@@ -45,8 +47,8 @@ void GoalSkill::Declare(skill::Table& table) {
   table.To(stopping_, skill::kCancelled, "the robot stands");
   table.Limit({.retries = kAttempts});
   table.MonotoneProgress();
-  table.Takes("recoveries", "leave, wait, back_up, spin",
-              "what it does, one after the other, where it has no room to start");
+  table.Takes("recoveries", "leave_tight_start, clear, wait, back_up, spin",
+              "what it does, one after the other, where it has no room to start or no path");
   Describe(table);
 }
 
@@ -78,30 +80,36 @@ Next GoalSkill::Initialize(Tick& tick) {
 Next GoalSkill::Plan(Tick& tick) {
   tick.Report(tick.entered ? 15 : 30, Prefix(tick) + "Planning path...");
   const TravelStep step = travel_.Plan(Goal(tick), started_ ? std::nullopt : Start(), tick.step);
-  if (step.tight_start && !robot_.flies()) return AfterTightStart(tick, Prefix(tick) + step.why);
+  if (step.trouble) return AfterTrouble(tick, *step.trouble, Prefix(tick) + step.why);
   if (step.kind != Kind::kDone) return Decide(tick, step);
   started_ = true;
   travel_.Begin(travel_.planned());
   return Next::To(executing_);
 }
 
-Next GoalSkill::AfterTightStart(Tick& tick, const std::string& why) {
-  const auto done = tick.data.Get<std::int64_t>(kRecovered, 0);
-  if (done >= static_cast<std::int64_t>(recoveries_.size())) return Next::Fail(why);
-  tick.data.Set(kRecovered, done + 1);
-  recovery_.Begin(recoveries_[static_cast<std::size_t>(done)]);
+Next GoalSkill::AfterTrouble(Tick& tick, Trouble trouble, const std::string& why) {
+  auto next = static_cast<std::size_t>(tick.data.Get<std::int64_t>(kRecovered, 0));
+  while (next < recoveries_.size() &&
+         !Recovery::Helps(recoveries_[next], trouble, robot_.flies())) {
+    ++next;
+  }
+  if (next >= recoveries_.size()) return Next::Fail(why);
+  tick.data.Set(kRecovered, static_cast<std::int64_t>(next + 1));
+  trouble_ = trouble;
+  recovery_.Begin(recoveries_[next]);
   return Next::To(recovering_, why);
 }
 
 Next GoalSkill::Recover(Tick& tick) {
-  constexpr double kLookedM = 1;
   const auto done = static_cast<std::size_t>(tick.data.Get<std::int64_t>(kRecovered, 0));
   const bool restored = done == 0 || done > recoveries_.size();
   if (restored) return Next::To(planning_);
-  tick.Report(15, Prefix(tick) + "No room to start: " + Recovery::NameOf(recoveries_[done - 1]));
-  const auto pose = robot_.pose();
-  const auto around = pose ? Around(*pose, kLookedM) : std::vector<navigation::Point>{};
-  return recovery_.Step(around, tick.step) ? Next::To(planning_) : Next::Stay();
+  const char* what = trouble_ == Trouble::kTightStart ? "No room to start: " : "No path: ";
+  tick.Report(15, Prefix(tick) + what + Recovery::NameOf(recoveries_[done - 1]));
+  const auto end = recovery_.Step(tick.step);
+  if (!end) return Next::Stay();
+  const std::string name = Recovery::NameOf(recoveries_[done - 1]);
+  return Next::To(planning_, *end ? name + " has ended" : name + ": " + end->error().message);
 }
 
 Next GoalSkill::Execute(Tick& tick) {
@@ -168,11 +176,11 @@ Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
   const double left_m = travel_.Apart(at, Goal(tick).at);
   if (!blocked_) blocked_ = Blocked{.nearest_m = left_m};
   if (blocked_->stood < kBlockedLimit) return Next::Replan(planning_, Prefix(tick) + step.why);
-  return Next::Fail(
-      Prefix(tick) +
-      fmt::format("Blocked for {:.0f} s, {:.1f} m from the goal, at ({:.2f}, {:.2f}): {}",
-                  ToSeconds(blocked_->stood), left_m, at.x_m, at.y_m, step.why) +
-      GiveWay::NearRobotText(robot_));
+  return Next::Fail(Prefix(tick) +
+                    fmt::format("Blocked for {:.0f} s, {} m from the goal, at {}: {}",
+                                ToSeconds(blocked_->stood), LengthText(left_m),
+                                navigation::PlaceText(at, true), step.why) +
+                    GiveWay::NearRobotText(robot_));
 }
 
 Next GoalSkill::OnLimit(Tick& tick) {

@@ -5,8 +5,9 @@
 //   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s; a
 //                 flyer is in the air
 //   PLANNING      15 s
-//   RECOVERING    the robot has no room where it stands: one recovery of the parameter `recoveries`
-//                 after the other, and another plan after each; once all are used up, it fails
+//   RECOVERING    the robot has no room where it stands, or there is no path: one recovery of the
+//                 parameter `recoveries` that may help after the other, and another plan after
+//                 each; once all are used up, it fails
 //   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
 //   GIVING_WAY    another robot comes the other way and goes first (give_way.hpp): then PLANNING,
 //   not
@@ -62,7 +63,8 @@ class GoalSkill : public TravelSkill {
   skill::Next Initialize(skill::Tick& tick);
   skill::Next Plan(skill::Tick& tick);
   skill::Next Recover(skill::Tick& tick);
-  skill::Next AfterTightStart(skill::Tick& tick, const std::string& why);
+  // Begins the next recovery that may help; fails where there is none.
+  skill::Next AfterTrouble(skill::Tick& tick, Trouble trouble, const std::string& why);
   skill::Next Execute(skill::Tick& tick);
   skill::Next LetPass(skill::Tick& tick);
   skill::Next Decide(const skill::Tick& tick, const TravelStep& step);
@@ -79,6 +81,7 @@ class GoalSkill : public TravelSkill {
   Recovery recovery_;
   GiveWay give_way_;
   std::vector<RecoveryKind> recoveries_;
+  Trouble trouble_ = Trouble::kTightStart;  // for which it recovers
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
   std::optional<Blocked> blocked_;

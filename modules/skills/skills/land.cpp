@@ -24,6 +24,8 @@ void Land::Declare(skill::Table& table) {
   executing_ = table.State("EXECUTING", std::chrono::seconds(30));
   table.To(initializing_, executing_, "the height is known");
   table.To(executing_, skill::kSucceeded, "its height stands still, at the ground");
+  table.To(executing_, initializing_, "retry");
+  TakesRetries(table);
   table.MonotoneProgress();
 }
 
@@ -34,6 +36,7 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
   if (tick.state == initializing_) {
     Remember(now, tick);
     tick.data.Set(kLowest, height_m);
+    tick.data.Set(kStillFor, 0.0);
     tick.Report(0, "Landing");
     return skill::Next::To(executing_);
   }
@@ -57,9 +60,10 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
 
 skill::Next Land::OnLimit(skill::Tick& tick) {
   if (tick.data.Number(kStillFor) < 2 * kStillS) return skill::Next::Stay();
-  return skill::Next::Fail("Timeout: it stays at " + HeightText(tick.data.Number(kLowest)) +
-                           ", the ground is at " +
-                           HeightText(tick.parameters.Number("ground_height")));
+  return AgainOrFail(tick, initializing_,
+                     "Timeout: it stays at " + HeightText(tick.data.Number(kLowest)) +
+                         ", the ground is at " +
+                         HeightText(tick.parameters.Number("ground_height")));
 }
 
 }  // namespace musher::skills

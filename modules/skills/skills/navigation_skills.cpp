@@ -10,6 +10,7 @@
 #include "musher/modules/skills/skills/follow_line.hpp"
 #include "musher/modules/skills/skills/move.hpp"
 #include "musher/modules/skills/skills/navigate_to.hpp"
+#include "musher/modules/skills/skills/recovery_skill.hpp"
 #include "musher/modules/skills/skills/track.hpp"
 
 namespace musher::skills {
@@ -32,6 +33,10 @@ Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
       {"track", MadeFor<Track>(robot)},
       {"follow_line", MadeFor<FollowLine>(robot)},
       {"avoid_obstacle", MadeFor<AvoidObstacle>(robot)},
+      {"leave_tight_start", MadeFor<RecoverySkill>(robot, RecoveryKind::kLeaveTightStart)},
+      {"clear", MadeFor<RecoverySkill>(robot, RecoveryKind::kClear)},
+      {"back_up", MadeFor<RecoverySkill>(robot, RecoveryKind::kBackUp)},
+      {"spin", MadeFor<RecoverySkill>(robot, RecoveryKind::kSpin)},
   };
   for (const auto& [name, make] : skills) {
     Result<> added = registry.Add(name, make);

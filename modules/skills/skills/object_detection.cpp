@@ -53,7 +53,7 @@ skill::Next ObjectDetection::Step(skill::Tick& tick) {
 }
 
 skill::Next ObjectDetection::OnLimit(skill::Tick& tick) {
-  const std::string why = robot_.Detect() ? robot_.WhyNoPose() : "no objects were received";
+  const std::string why = robot_.Detect() ? robot_.WhyNoPose() : robot_.WhyNothingSeen();
   return skill::Next::Fail("Timeout: " + why + " after " + skill::SecondsText(tick.elapsed));
 }
 

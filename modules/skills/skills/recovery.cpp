@@ -1,8 +1,12 @@
 #include "musher/modules/skills/skills/recovery.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "musher/modules/skills/skills/travel.hpp"
 
 namespace musher::skills {
 namespace {
@@ -12,8 +16,9 @@ struct NamedRecovery {
   const char* name;
   Duration longest;
 };
-constexpr std::array<NamedRecovery, 4> kRecoveries = {{
-    {RecoveryKind::kLeave, "leave", std::chrono::seconds(10)},
+constexpr std::array<NamedRecovery, 5> kRecoveries = {{
+    {RecoveryKind::kLeaveTightStart, "leave_tight_start", std::chrono::seconds(10)},
+    {RecoveryKind::kClear, "clear", std::chrono::seconds(4)},
     {RecoveryKind::kWait, "wait", std::chrono::seconds(3)},
     {RecoveryKind::kBackUp, "back_up", std::chrono::seconds(6)},
     {RecoveryKind::kSpin, "spin", std::chrono::seconds(16)},
@@ -23,8 +28,11 @@ constexpr double kRecoveryMS = 0.15;
 constexpr double kRecoveryRadS = 0.6;
 constexpr double kLeaveM = 0.3;
 constexpr double kBackM = 0.4;
+constexpr double kRecoveryJumpM = 1;  // farther than any of them leads
+constexpr double kRecoveryLookM = 1;  // what is farther away is not near
 constexpr double kStraightRad = 0.2;
 constexpr Duration kRecoveryHeldLimit = std::chrono::seconds(1);
+constexpr Duration kSeenAgain = std::chrono::seconds(1);
 
 const NamedRecovery& RecoveryOf(RecoveryKind kind) {
   return *std::find_if(kRecoveries.begin(), kRecoveries.end(),
@@ -56,8 +64,9 @@ Result<std::vector<RecoveryKind>> Recovery::Parse(const std::string& text) {
     const auto named = std::find_if(kRecoveries.begin(), kRecoveries.end(),
                                     [&](const NamedRecovery& one) { return one.name == word; });
     if (named == kRecoveries.end()) {
-      return Error{kCodeParametersInvalid, "recoveries has '" + word.substr(0, 40) +
-                                               "'; expected leave, wait, back_up and spin"};
+      return Error{kCodeParametersInvalid,
+                   "recoveries has '" + word.substr(0, 40) +
+                       "'; expected leave_tight_start, clear, wait, back_up and spin"};
     }
     kinds.push_back(named->kind);
     word.clear();
@@ -69,55 +78,106 @@ std::string Recovery::NameOf(RecoveryKind kind) {
   return RecoveryOf(kind).name;
 }
 
+Duration Recovery::LongestOf(RecoveryKind kind) {
+  return RecoveryOf(kind).longest;
+}
+
+bool Recovery::Moves(RecoveryKind kind) {
+  return kind != RecoveryKind::kClear && kind != RecoveryKind::kWait;
+}
+
+bool Recovery::Helps(RecoveryKind kind, Trouble trouble, bool flies) {
+  return !Moves(kind) || (trouble == Trouble::kTightStart && !flies);
+}
+
 void Recovery::Begin(RecoveryKind kind) {
   kind_ = kind;
+  cleared_.Drop();
+  cleared_at_.reset();
   passed_ = held_ = {};
   begin_.reset();
-  turned_rad_ = 0;
+  moved_m_ = turned_rad_ = 0;
   turns_ = true;
 }
 
 navigation::Velocity Recovery::Command(const std::vector<navigation::Point>& around) const {
-  switch (kind_) {
-    case RecoveryKind::kWait:
-      return {};
-    case RecoveryKind::kBackUp:
-      return {.x_m_s = -kRecoveryMS};
-    case RecoveryKind::kSpin:
-      return {.yaw_rad_s = kRecoveryRadS};
-    case RecoveryKind::kLeave:
-      break;
-  }
-  if (around.empty()) return {};
+  if (kind_ == RecoveryKind::kBackUp) return {.x_m_s = -kRecoveryMS};
+  if (kind_ == RecoveryKind::kSpin) return {.yaw_rad_s = kRecoveryRadS};
   if (!turns_) return {.x_m_s = kRecoveryMS};
   const double away_rad = DirectionAway(around);
   return {.yaw_rad_s = std::clamp(2 * away_rad, -kRecoveryRadS, kRecoveryRadS)};
 }
 
-bool Recovery::Step(const std::vector<navigation::Point>& around, Duration step) {
-  passed_ += step;
-  const auto pose = robot_.pose();
-  if (!pose) {
-    robot_.StopMotion();
-    return passed_ >= RecoveryOf(kind_).longest;
-  }
+double Recovery::share() const {
+  const double of_time = ToSeconds(passed_) / ToSeconds(RecoveryOf(kind_).longest);
+  const double of_motion = kind_ == RecoveryKind::kBackUp            ? moved_m_ / kBackM
+                           : kind_ == RecoveryKind::kLeaveTightStart ? moved_m_ / kLeaveM
+                           : kind_ == RecoveryKind::kSpin            ? turned_rad_ / (2 * M_PI)
+                                                                     : of_time;
+  return std::clamp(of_motion, 0.0, 1.0);
+}
+
+void Recovery::NoteMotion(const navigation::Pose& pose) {
   if (!begin_) {
     begin_ = pose;
-    last_yaw_rad_ = pose->yaw_rad;
+    last_yaw_rad_ = pose.yaw_rad;
   }
-  turned_rad_ += std::abs(navigation::Wrapped(pose->yaw_rad - last_yaw_rad_));
-  last_yaw_rad_ = pose->yaw_rad;
-  const bool looks_away = around.empty() || std::abs(DirectionAway(around)) < kStraightRad;
-  if (kind_ == RecoveryKind::kLeave && looks_away) turns_ = false;
-  const double moved_m = std::hypot(pose->at.x_m - begin_->at.x_m, pose->at.y_m - begin_->at.y_m);
-  const bool moved = (kind_ == RecoveryKind::kLeave && (moved_m >= kLeaveM || around.empty())) ||
-                     (kind_ == RecoveryKind::kBackUp && moved_m >= kBackM) ||
-                     (kind_ == RecoveryKind::kSpin && turned_rad_ >= 2 * M_PI);
-  robot_.SetVelocity(moved ? navigation::Velocity{} : Command(around));
-  held_ = robot_.HeldBy().empty() ? Duration{} : held_ + step;
-  if (!moved && held_ < kRecoveryHeldLimit && passed_ < RecoveryOf(kind_).longest) return false;
-  robot_.StopMotion();  // the base is free for the next drive
-  return true;
+  turned_rad_ += std::abs(navigation::Wrapped(pose.yaw_rad - last_yaw_rad_));
+  last_yaw_rad_ = pose.yaw_rad;
+  moved_m_ = std::hypot(pose.at.x_m - begin_->at.x_m, pose.at.y_m - begin_->at.y_m);
+}
+
+std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
+  const auto pose = robot_.pose();
+  if (!pose || !navigation::IsFinite(*pose)) return Error{kCodeFailed, robot_.WhyNoPose()};
+  if (!robot_.HasScan()) return Error{kCodeFailed, "it does not move without a scan"};
+  NoteMotion(*pose);
+  if (moved_m_ > kRecoveryJumpM) return Error{kCodeFailed, "its pose has jumped"};
+  const auto around = SeenAround(robot_, *pose, kRecoveryLookM);
+  if (kind_ == RecoveryKind::kLeaveTightStart) {
+    if (around.empty() && moved_m_ == 0) {
+      return Error{kCodeFailed, "its scan sees nothing near that it could leave"};
+    }
+    if (around.empty() || std::abs(DirectionAway(around)) < kStraightRad) turns_ = false;
+  }
+  const bool over = kind_ == RecoveryKind::kLeaveTightStart ? moved_m_ >= kLeaveM
+                    : kind_ == RecoveryKind::kBackUp        ? moved_m_ >= kBackM
+                                                            : turned_rad_ >= 2 * M_PI;
+  if (over) return Result<>();
+  robot_.SetVelocity(Command(around));
+  const std::string held_by = robot_.HeldBy();
+  held_ = held_by.empty() ? Duration{} : held_ + step;
+  if (held_ >= kRecoveryHeldLimit) return Error{kCodeFailed, held_by};
+  if (passed_ < RecoveryOf(kind_).longest) return std::nullopt;
+  return Error{kCodeFailed,
+               fmt::format("it has moved by {:.2f} m and {:.2f} rad only", moved_m_, turned_rad_)};
+}
+
+std::optional<Result<>> Recovery::Step(Duration step) {
+  passed_ += step;
+  std::optional<Result<>> end;
+  if (kind_ == RecoveryKind::kWait) {
+    if (passed_ >= RecoveryOf(kind_).longest) end = Result<>();
+  } else if (kind_ == RecoveryKind::kClear) {
+    end = StepOfClear();
+  } else {
+    end = StepOfMotion(step);
+    if (end) robot_.StopMotion();  // the base is free for the next drive
+  }
+  return end;
+}
+
+std::optional<Result<>> Recovery::StepOfClear() {
+  if (!cleared_.valid()) cleared_ = robot_.ClearMemory();
+  if (!cleared_.valid()) return Error{kCodeFailed, "it remembers nothing"};
+  if (!cleared_.done()) {
+    if (passed_ < RecoveryOf(kind_).longest) return std::nullopt;
+    return Error{kCodeFailed, "planner and controller have not answered"};
+  }
+  if (!cleared_.result()) return cleared_.result().error();
+  if (!cleared_at_) cleared_at_ = passed_;
+  if (passed_ - *cleared_at_ < kSeenAgain) return std::nullopt;
+  return Result<>();
 }
 
 }  // namespace musher::skills

@@ -1,14 +1,15 @@
 #pragma once
-// Ways out for a robot that has no path from where it stands: each is one short motion, polled in
-// the steps of a skill. The gate before the base checks them as everything else.
+// Ways out for a robot that gets no farther: each is one short motion, or a wait, polled in the
+// steps of a skill. The gate before the base checks them as everything else.
 //
-//   leave     turns away from what its scan sees nearest, and goes 0.3 m
-//   wait      stands for 3 s
-//   back_up   0.4 m back
-//   spin      once around, for a look at all sides
+//   leave_tight_start  turns away from what its scan sees nearest, and goes 0.3 m
+//   clear              planner and controller forget what they have seen, and see it again for 1 s
+//   wait               stands for 3 s
+//   back_up            0.4 m back
+//   spin               once around, for a look at all sides
 //
-// One that is held by the gate, or makes no progress, ends after a few seconds. Frames and units of
-// robot.hpp.
+// A motion without odometry, without a scan, or that the gate holds for a second, fails. Frames and
+// units of robot.hpp.
 
 #include <cstdint>
 #include <optional>
@@ -19,32 +20,51 @@
 
 namespace musher::skills {
 
-enum class RecoveryKind : std::uint8_t { kLeave, kWait, kBackUp, kSpin };
+enum class RecoveryKind : std::uint8_t { kLeaveTightStart, kClear, kWait, kBackUp, kSpin };
+
+// What a robot has to recover from.
+enum class Trouble : std::uint8_t {
+  kTightStart,  // the planner: it has no room where it stands
+  kNoPath,      // the planner: no path, or none in its time
+};
 
 class Recovery {
  public:
-  // Of "leave, wait, back_up, spin", in any order and number; empty: none.
+  // Of "leave_tight_start, clear, wait, back_up, spin", in any order and number; empty: none.
   static Result<std::vector<RecoveryKind>> Parse(const std::string& text);
   static std::string NameOf(RecoveryKind kind);
+  static bool Moves(RecoveryKind kind);
+  // Whether it may help. A motion changes no map, and flyers are not moved.
+  static bool Helps(RecoveryKind kind, Trouble trouble, bool flies);
+  // At most, of one.
+  static Duration LongestOf(RecoveryKind kind);
 
   explicit Recovery(Robot& robot) : robot_(robot) {}
 
   void Begin(RecoveryKind kind);
-  // `around`: what the scan sees, in the frame of the body. True: it has ended, and the base
-  // stands.
-  bool Step(const std::vector<navigation::Point>& around, Duration step);
+  // Nullopt: it goes on; else its end, with the reason of a failure, and the base stands.
+  std::optional<Result<>> Step(Duration step);
+  double share() const;  // 0 to 1
+  double moved_m() const { return moved_m_; }
+  double turned_rad() const { return turned_rad_; }
 
  private:
+  std::optional<Result<>> StepOfClear();
+  std::optional<Result<>> StepOfMotion(Duration step);
+  void NoteMotion(const navigation::Pose& pose);
   navigation::Velocity Command(const std::vector<navigation::Point>& around) const;
 
   Robot& robot_;
   RecoveryKind kind_ = RecoveryKind::kWait;
+  skill::Future<bool> cleared_;
+  std::optional<Duration> cleared_at_;
   Duration passed_{};
   Duration held_{};
   std::optional<navigation::Pose> begin_;
+  double moved_m_ = 0;
   double turned_rad_ = 0;
   double last_yaw_rad_ = 0;
-  bool turns_ = true;  // of kLeave: until it looks away
+  bool turns_ = true;  // of kLeaveTightStart: until it looks away
 };
 
 }  // namespace musher::skills

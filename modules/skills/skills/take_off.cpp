@@ -22,6 +22,8 @@ void TakeOff::Declare(skill::Table& table) {
   table.To(initializing_, executing_, "the altitude is above the robot");
   table.To(initializing_, skill::kSucceeded, "the altitude is reached already");
   table.To(executing_, skill::kSucceeded, "at most 0.1 m below the altitude");
+  table.To(executing_, initializing_, "retry");
+  TakesRetries(table);
   table.MonotoneProgress();
 }
 
@@ -64,8 +66,9 @@ skill::Next TakeOff::Fly(const navigation::Pose& now, skill::Tick& tick) {
 }
 
 skill::Next TakeOff::OnLimit(skill::Tick& tick) {
-  return skill::Next::Fail("Timeout: not at " + HeightText(Remembered(tick).at.z_m) + " after " +
-                           skill::SecondsText(tick.elapsed));
+  return AgainOrFail(tick, initializing_,
+                     "Timeout: not at " + HeightText(Remembered(tick).at.z_m) + " after " +
+                         skill::SecondsText(tick.elapsed));
 }
 
 }  // namespace musher::skills

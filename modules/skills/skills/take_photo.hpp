@@ -1,11 +1,16 @@
 #pragma once
-// The skill take_photo: writes the next picture of a camera as a PNG file.
+// The skill take_photo: writes the next picture of a camera as a PNG file, or keeps it in its data.
 //
-//   INITIALIZING  checks the camera and the path; waits 0.5 s before another attempt
+//   INITIALIZING  checks the camera and the path, and waits until a `target` is in sight: 5 s;
+//   waits
+//                 0.5 s before another attempt
 //   EXECUTING     takes a picture    5 s: fails; a failure is retried twice
 //   SAVING        writes the file    10 s: fails; a failure fails it
 //
-// Details: path, width, height (pixels).
+// Without a save_path nothing is written: the data photo_data has the picture, a file of the format
+// PPM (P6) in base64, until the skill is started again. The data are those of skill::Run::Save().
+//
+// Details: path, width, height (pixels); of a target those of sight.hpp.
 
 #include "musher/behavior/skill/skill.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
@@ -22,7 +27,10 @@ class TakePhoto : public skill::Skill {
 
  private:
   skill::Next Initialize(skill::Tick& tick);
+  // Whether the target of the parameters, if there is one, is in sight.
+  bool SeesTarget(skill::Tick& tick) const;
   skill::Next Capture(skill::Tick& tick);
+  static skill::Next Keep(const Picture& picture, skill::Tick& tick);
   skill::Next Save(skill::Tick& tick);
 
   Robot& robot_;

@@ -180,7 +180,7 @@ void Track::Report(Tick& tick) const {
   const double duration_s = tick.parameters.Number("duration");
   const double share = duration_s > 0 ? ToSeconds(tick.elapsed) / duration_s : 0;
   const double apart_m = target_ ? DistanceTo(*target_) : 0;
-  std::string message = fmt::format("Tracking... ({:.1f} m)", apart_m);
+  std::string message = "Tracking... (" + LengthText(apart_m) + " m)";
   if (unseen_ >= kUnseen) {
     message = fmt::format("Target lost ({:.1f}s)", ToSeconds(unseen_));
   } else if (standstill_.time() >= (trouble_.empty() ? kStandsLong : kUnseen)) {

@@ -22,12 +22,38 @@ double LengthOf(const navigation::Path& path) {
   return length;
 }
 
+// Nullopt: no recovery helps.
+std::optional<Trouble> TroubleOf(const Error& error) {
+  using navigation::Fault;
+  if (navigation::Is(error, Fault::kStartBlocked)) return Trouble::kTightStart;
+  const bool no_path =
+      navigation::Is(error, Fault::kWalledIn) || navigation::Is(error, Fault::kTimeLimit);
+  return no_path ? std::optional(Trouble::kNoPath) : std::nullopt;
+}
+
 }  // namespace
 
 bool Stands(const Robot& robot) {
   const navigation::Velocity velocity = robot.velocity();
   return navigation::Speed(velocity) < kStandingMPerS &&
          std::abs(velocity.yaw_rad_s) < kStandingRadPerS;
+}
+
+std::string LengthText(double length_m) {
+  return std::abs(length_m) < 1e6 ? fmt::format("{:.1f}", length_m)
+                                  : fmt::format("{:.3g}", length_m);
+}
+
+std::vector<navigation::Point> SeenAround(const Robot& robot, const navigation::Pose& pose,
+                                          double most_m) {
+  std::vector<navigation::Point> around;
+  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
+  for (const navigation::Point& point : robot.obstacles()) {
+    const double x = point.x_m - pose.at.x_m, y = point.y_m - pose.at.y_m;
+    if (std::hypot(x, y) > most_m) continue;
+    around.push_back({c * x + s * y, c * y - s * x, 0});
+  }
+  return around;
 }
 
 Result<> CheckAltitude(const Robot& robot, const std::string& place, double height_m) {
@@ -101,8 +127,7 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
     if (code == kCodeNetError || !robot_.HasPlanner()) {
       return {Kind::kLost, "No response from planner: " + why};
     }
-    const bool tight = navigation::Is(planned.error(), navigation::Fault::kStartBlocked);
-    return {Kind::kFailed, "Planning failed: " + why, tight};
+    return {Kind::kFailed, "Planning failed: " + why, TroubleOf(planned.error())};
   }
   if (planned.value().empty()) return {Kind::kFailed, "Planning failed: the path has no points"};
   if (!std::ranges::all_of(planned.value(), [](const auto& pose) { return IsFinite(pose); })) {
@@ -111,7 +136,7 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
   const double off_m = Apart(planned.value().back().at, goal.at);
   if (off_m > kArrivedWithinM) {
     return {Kind::kFailed,
-            fmt::format("Planning failed: the path ends {:.1f} m from the goal", off_m)};
+            "Planning failed: the path ends " + LengthText(off_m) + " m from the goal"};
   }
   planned_ = planned.value();
   return {Kind::kDone};
@@ -191,7 +216,7 @@ TravelStep Travel::DriveEnd() {
   if (!end.result().value()) return {Kind::kLost, "the controller has cancelled the drive"};
   if (left_m > kArrivedWithinM) {
     return {Kind::kFailed,
-            fmt::format("Navigate failed: the drive has ended {:.1f} m from the goal", left_m)};
+            "Navigate failed: the drive has ended " + LengthText(left_m) + " m from the goal"};
   }
   return {Kind::kDone};
 }

@@ -8,7 +8,7 @@
 //   kDone      done
 //   kBlocked   an obstacle stays in the way: another path may help
 //   kLost      a server or the odometry is lost: waiting may help
-//   kFailed    `why` is the reason; another attempt has the same result
+//   kFailed    `why` is the reason; another attempt has the same result, unless a recovery helps
 //
 // Frames and units of robot.hpp. Threads: those of robot.hpp.
 
@@ -16,10 +16,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/base/time.hpp"
 #include "musher/behavior/skill/skill.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
+#include "musher/modules/skills/skills/recovery.hpp"
 
 namespace musher::skills {
 
@@ -36,6 +38,13 @@ inline constexpr double kStandingMPerS = 0.05;
 inline constexpr double kStandingRadPerS = 0.05;
 
 bool Stands(const Robot& robot);
+
+// "4.2", or "1.41e+308": a request may have any number.
+std::string LengthText(double length_m);
+
+// What its scan sees within `most_m`, in the frame of a body at `pose`.
+std::vector<navigation::Point> SeenAround(const Robot& robot, const navigation::Pose& pose,
+                                          double most_m);
 
 // Of a place for a flyer, named "goal_pos", "way-point 2": above 0 m, and not above its ceiling.
 Result<> CheckAltitude(const Robot& robot, const std::string& place, double height_m);
@@ -63,7 +72,7 @@ struct TravelStep {
 
   Kind kind = Kind::kPending;
   std::string why{};
-  bool tight_start = false;  // kFailed: the robot has no room where it stands
+  std::optional<Trouble> trouble{};  // kFailed: a recovery may help
 };
 
 class Travel {

@@ -1,7 +1,5 @@
 #include "musher/modules/skills/skills/travel_skill.hpp"
 
-#include <cmath>
-
 namespace musher::skills {
 namespace {
 
@@ -25,18 +23,6 @@ skill::Next TravelSkill::Stop(skill::Tick& tick, const std::string& success) {
   if (!travel_.Stop(tick.step)) return skill::Next::Stay();
   if (tick.cancelling || !tick.data.Get(kComplete, false)) return skill::Next::Cancelled();
   return skill::Next::Succeed(success);
-}
-
-std::vector<navigation::Point> TravelSkill::Around(const navigation::Pose& pose,
-                                                   double most_m) const {
-  std::vector<navigation::Point> around;
-  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
-  for (const navigation::Point& point : robot_.obstacles()) {
-    const double x = point.x_m - pose.at.x_m, y = point.y_m - pose.at.y_m;
-    if (std::hypot(x, y) > most_m) continue;
-    around.push_back({c * x + s * y, c * y - s * x, 0});
-  }
-  return around;
 }
 
 void TravelSkill::OnEnd(const skill::Ended& /*ended*/) {

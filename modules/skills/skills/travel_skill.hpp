@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <string>
-#include <vector>
 
 #include "musher/behavior/skill/skill.hpp"
 #include "musher/modules/skills/skills/travel.hpp"
@@ -30,9 +29,6 @@ class TravelSkill : public skill::Skill {
 
   // In each step of a skill that drives and does not give way: others give way to it.
   void DoNotGiveWay() { robot_.NoteCornered(std::chrono::seconds(1)); }
-
-  // What its scan sees within `most_m`, in the frame of the body.
-  std::vector<navigation::Point> Around(const navigation::Pose& pose, double most_m) const;
 
   Robot& robot_;
   Travel travel_;

@@ -49,6 +49,19 @@ TEST_F(AManager, RunsSeveralSkillsAtOnceEachWithItsOwnState) {
   EXPECT_FALSE(manager_->running());
 }
 
+TEST_F(AManager, TakesATimeoutWithEachRequestAndRefusesOneThatIsNone) {
+  for (const char* text : {"0", "-1", "nan", "soon", ""}) {
+    const Result<> refused = manager_->StartWithTexts("look", {{"goal", "[1]"}, {"timeout", text}});
+    ASSERT_FALSE(refused) << text;
+    EXPECT_EQ(refused.error().message,
+              "look: timeout is '" + std::string(text) + "'; expected seconds, more than 0");
+  }
+  ASSERT_TRUE(manager_->StartWithTexts("look", {{"goal", "[1, 2]"}, {"timeout", "60"}}));
+  EXPECT_EQ(manager_->Find("look")->table().limits().run, std::chrono::seconds(60));
+  EXPECT_EQ(manager_->Find("look")->parameters().Find("timeout"), nullptr);
+  EXPECT_FALSE(manager_->StartWithTexts("look", {{"timeout", "60"}})) << "it needs a goal";
+}
+
 TEST_F(AManager, RefusesASkillThatRunsWithItsNameAndLeavesItRunning) {
   ASSERT_TRUE(manager_->Start("walk"));
   Steps(1);

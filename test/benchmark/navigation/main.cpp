@@ -4,8 +4,8 @@
 //   benchmark_navigation [RUNS [SEED [PART]]]
 //
 // RUNS: maps of the planner; navigations among movers are as many, other parts have fewer. PART:
-// one of planner, samples, space, trajectory, controller, tracking, movers, gate. CPU time of the
-// calling thread.
+// one of planner, samples, space, trajectory, controller, tracking, movers, gate, appearances. CPU
+// time of the calling thread.
 
 #include <algorithm>
 #include <cmath>
@@ -28,6 +28,7 @@
 #include "musher/test/navigation/drive.hpp"
 #include "musher/test/navigation/gate_run.hpp"
 #include "musher/test/navigation/maps.hpp"
+#include "musher/test/navigation/scanned_body.hpp"
 
 namespace musher::benchmark {
 namespace {
@@ -311,6 +312,84 @@ void MeasureGate(int runs, std::uint64_t seed) {
   Row("a check", us, "us");
 }
 
+// What the only scanner of a body sees of a disc.
+Scan LookAt(const Pose& body, const Point& disc, double disc_radius_m) {
+  Scan scan{0, M_PI / 180, 0.02, 8, {}};
+  const double x = disc.x_m - body.at.x_m, y = disc.y_m - body.at.y_m;
+  for (int i = 0; i < 360; ++i) {
+    const double angle_rad = body.yaw_rad + scan.from_rad + i * scan.step_rad;
+    const double along = x * std::cos(angle_rad) + y * std::sin(angle_rad);
+    const double square = disc_radius_m * disc_radius_m - (x * x + y * y - along * along);
+    const bool hits = along > 0 && square >= 0;
+    scan.ranges_m.push_back(hits ? static_cast<float>(along - std::sqrt(square)) : 9.0F);
+  }
+  return scan;
+}
+
+struct Appearance {
+  double needed_m = 0;  // to stand, with a scan and a command that come at the worst moment
+  double appears_m = 0;
+  double left_m = 0;  // between body and disc, once it stands
+};
+
+// A disc appears ahead of a body that drives straight on, at any moment between two scans.
+Appearance StopBeforeADisc(std::uint64_t seed) {
+  constexpr double kDiscM = 0.2, kStepS = 1.0 / 60, kScanS = 0.1;
+  std::mt19937_64 random(seed);
+  const auto between = [&](double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random);
+  };
+  const Clearance nowhere(RandomBoxes(1, 1, 0.5, 0));
+  const ScannedBodyOptions options;
+  ScannedBody body(nowhere, {}, options);
+  GateRules rules;
+  rules.scanners = {{.topic = "scan"}};
+  rules.reaction_s = 0.2 + options.lag_s;
+  MotionGate gate(rules);
+  const double speed_m_s = between(0.2, 1.5), aside_m = between(-0.15, 0.15);
+  const double seen_at_s = 4 + between(0, kScanS);
+  Appearance result;
+  result.needed_m = speed_m_s * speed_m_s / (2 * options.acceleration_m_s2) +
+                    speed_m_s * (kScanS + options.lag_s + kStepS);
+  result.appears_m = between(0.02, 2.5);
+  Point disc{1e3, 0, 0};
+  Time now = Time{} + std::chrono::seconds(1);
+  double scan_s = 0;
+  for (double at_s = 0; at_s < 12; at_s += kStepS, now += FromSeconds(kStepS)) {
+    if (at_s >= seen_at_s && disc.x_m > 999) {
+      const double clear_m = options.radius_m + kDiscM;  // of the middles, where they touch
+      const double touch_m = std::sqrt(clear_m * clear_m - aside_m * aside_m);
+      disc = {body.pose().at.x_m + touch_m + result.appears_m, aside_m, 0};
+    }
+    if (at_s >= scan_s) {
+      scan_s += kScanS;
+      gate.OnScan(0, LookAt(body.pose(), disc, kDiscM), now.time_since_epoch(), now);
+    }
+    gate.OnVelocity(body.velocity(), now);
+    body.Move(gate.Check({speed_m_s, 0, 0, 0}, now).command, kStepS);
+  }
+  result.left_m = Distance(body.pose().at, disc) - options.radius_m - kDiscM;
+  if (body.pose().at.x_m > disc.x_m) result.left_m = -1;  // it has gone through
+  return result;
+}
+
+void MeasureAppearances(int runs, std::uint64_t seed) {
+  std::vector<double> left_m, too_near_m;
+  int contacts = 0, contacts_near = 0;
+  for (int run = 0; run < runs; ++run) {
+    const Appearance one = StopBeforeADisc(seed + run);
+    const bool possible = one.appears_m > one.needed_m;
+    (possible ? left_m : too_near_m).push_back(one.left_m);
+    (possible ? contacts : contacts_near) += one.left_m <= 0;
+  }
+  Head("A disc that appears ahead of a body at 0.2 to 1.5 m/s, scans at 10 Hz: what is left");
+  Row("where the body can stand in time", left_m, "m");
+  Row("nearer", too_near_m, "m");
+  std::printf("\nContacts: %d of %zu; nearer than it can brake: %d of %zu; least left: %.3f m.\n",
+              contacts, left_m.size(), contacts_near, too_near_m.size(),
+              left_m.empty() ? 0 : *std::min_element(left_m.begin(), left_m.end()));
+}
+
 void Run(int runs, std::uint64_t seed, const std::string& part) {
   const auto wanted = [&](const char* name) { return part.empty() || part == name; };
   if (wanted("planner")) MeasurePlanner(runs, seed);
@@ -322,6 +401,7 @@ void Run(int runs, std::uint64_t seed, const std::string& part) {
   if (wanted("movers")) MeasureNavigations(runs, seed, true);
   if (wanted("movers")) MeasureNavigations(runs, seed, false);
   if (wanted("gate")) MeasureGate(runs, seed);
+  if (wanted("appearances")) MeasureAppearances(5 * runs, seed);
 }
 
 }  // namespace

@@ -20,6 +20,12 @@ using ::testing::IsEmpty;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+Result<navigation::Pose> InMap(const std::string& frame) {
+  if (frame == "odom") return navigation::Pose{{10, 0, 0}, M_PI / 2};
+  if (frame.empty() || frame == kMapFrame) return navigation::Pose{};
+  return Error{kCodeFailed, "no transform from map to " + frame};
+}
+
 TEST(Conversions, ReadWhatTheyWrite) {
   const navigation::Pose pose{{1, -2, 3}, 2.5};
   const auto back = ToPose(ToMessage(pose, {7, 8}).pose);
@@ -27,9 +33,21 @@ TEST(Conversions, ReadWhatTheyWrite) {
   EXPECT_EQ(back->at, pose.at);
   EXPECT_NEAR(back->yaw_rad, 2.5, 1e-9);
   EXPECT_EQ(ToMessage(pose, {7, 8}).header.frame_id, "map");
-  const auto path = ToPath(ToMessage(navigation::Path{pose, pose}, {}));
+  const auto path = ToPath(ToMessage(navigation::Path{pose, pose}, {}), InMap);
   ASSERT_TRUE(path);
-  EXPECT_EQ(path->size(), 2U);
+  EXPECT_EQ(path.value().size(), 2U);
+}
+
+TEST(Conversions, PlaceAPathByItsFrame) {
+  msg::Path message = ToMessage(navigation::Path{{{2, 1, 0}, 0}}, {});
+  message.header.frame_id = "odom";
+  const auto path = ToPath(message, InMap);
+  ASSERT_TRUE(path);
+  EXPECT_NEAR(path.value()[0].at.x_m, 9, 1e-9);
+  EXPECT_NEAR(path.value()[0].at.y_m, 2, 1e-9);
+  EXPECT_NEAR(path.value()[0].yaw_rad, M_PI / 2, 1e-9);
+  message.header.frame_id = "moon";
+  EXPECT_EQ(ToPath(message, InMap).error().message, "no transform from map to moon");
 }
 
 TEST(Conversions, RefuseAPoseThatIsNotFiniteOrHasNoDirection) {
@@ -41,7 +59,7 @@ TEST(Conversions, RefuseAPoseThatIsNotFiniteOrHasNoDirection) {
   EXPECT_FALSE(ToPose(pose));
   pose.orientation = {0, 0, 0, 2};  // of another length
   EXPECT_TRUE(ToPose(pose));
-  EXPECT_FALSE(ToPath({}));
+  EXPECT_FALSE(ToPath({}, InMap));
 }
 
 TEST(Conversions, TurnTheVelocityOfTheBodyIntoTheMap) {
@@ -114,7 +132,7 @@ TEST(Conversions, LeaveOutObjectsWithoutAPlace) {
   states.objects.resize(2);
   states.objects[0].name = "box";
   states.objects[1].pose.position.z = kNan;
-  const auto objects = ToObjects(states);
+  const auto objects = ToObjects(states, {});
   ASSERT_EQ(objects.size(), 1U);
   EXPECT_EQ(objects[0].name, "box");
 }

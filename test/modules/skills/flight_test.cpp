@@ -162,6 +162,15 @@ TEST_F(Flight, TakeOffThatDoesNotClimbFailsAfterThirtySeconds) {
   ExpectZeroCommand();
 }
 
+TEST_F(Flight, TakeOffAndLandTryAgainAsOftenAsARequestSays) {
+  bench_.robot.wind.z_m_s = -2;
+  EXPECT_EQ(bench_.Execute("take_off", {{"retries", std::int64_t{2}}}).message,
+            "Timeout: not at 1.0m after 30 s");
+  EXPECT_NEAR(bench_.seconds(), 90, 1);
+  EXPECT_EQ(bench_.run().retries(), 2);
+  ExpectZeroCommand();
+}
+
 TEST_F(Flight, HoverGoesToItsAltitudeAndStaysForItsDuration) {
   InTheAir(1);
   bench_.Start("hover", {{"altitude", 2.0}, {"duration", 4.0}});

@@ -49,10 +49,14 @@ class MovingRobot : public Robot {
   double target_hz = 10;                       // of their poses
   std::vector<navigation::RobotIntent> known;  // other robots
   std::function<Result<navigation::Path>()> refuge;
+  // Planner and controller, about a request to forget what they have seen; nullopt: no reply.
+  std::optional<Result<bool>> clear_reply = Result<bool>(true);
+  std::string held_by;  // what its gate stops it for; empty: nothing
 
   // --- what a test reads ---
   int plans = 0;
   int drives = 0;
+  int cleared = 0;
   std::vector<navigation::Path> driven_paths;
   double travelled_m = 0;
   double nearest_m = 1e9;  // to a point of an obstacle, so far
@@ -103,7 +107,10 @@ class MovingRobot : public Robot {
     return navigation::Pose{{at.at.x_m, at.at.y_m, at.at.z_m + pelvis_m}, at.yaw_rad};
   }
   navigation::Velocity velocity() const override { return velocity_; }
-  void SetVelocity(const navigation::Velocity& command) override { command_ = command; }
+  void SetVelocity(const navigation::Velocity& command) override {
+    command_ = held_by.empty() ? command : navigation::Velocity{};
+  }
+  std::string HeldBy() const override { return held_by; }
   void StopMotion() override { command_.reset(); }
   bool HasPlanner() const override { return planner_up; }
   bool HasController() const override { return controller_up; }
@@ -133,6 +140,12 @@ class MovingRobot : public Robot {
       own.path.push_back(drive_->path[i].at);
     }
     return own;
+  }
+  skill::Future<bool> ClearMemory() override {
+    ++cleared;
+    clearing_ = {};
+    if (clear_reply) clearing_.Set(*clear_reply);
+    return clearing_.future();
   }
   std::vector<navigation::RobotIntent> others() const override { return known; }
   void NoteCornered(Duration /*time*/) override { cornered = true; }
@@ -306,6 +319,7 @@ class MovingRobot : public Robot {
   std::optional<navigation::Velocity> command_;
   std::vector<Request> requests_;
   std::shared_ptr<DriveState> drive_;
+  skill::Source<bool> clearing_;
 };
 
 class SkillsOnARobot {

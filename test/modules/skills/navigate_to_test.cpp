@@ -61,7 +61,7 @@ TEST_F(NavigateTo, LeavesATightStartAndGoesOn) {
     Go();
     EXPECT_TRUE(RunToState("RECOVERING", 5));
     Step();
-    EXPECT_EQ(feedback().message, "No room to start: leave");
+    EXPECT_EQ(feedback().message, "No room to start: leave_tight_start");
     EXPECT_TRUE(RunToItsEnd(60));
     EXPECT_EQ(feedback().status, Status::kCompleted) << yaw_rad << ": " << feedback().message;
     EXPECT_GT(robot.nearest_m, robot.radius_m()) << yaw_rad;
@@ -72,14 +72,15 @@ TEST_F(NavigateTo, FailsWithTheReasonOnceItsRecoveriesAreUsedUp) {
   robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
     return navigation::MakeError(navigation::Fault::kStartBlocked, "the start has no room");
   };
+  robot.points = {{-0.3, 0, 0}};
   std::set<std::string> texts;
   EachStep([&] { texts.insert(feedback().message); });
   Go();
   ExpectFailure(60, "Planning failed: the start has no room");
-  for (const char* name : {"leave", "wait", "back_up", "spin"}) {
+  for (const char* name : {"leave_tight_start", "clear", "wait", "back_up", "spin"}) {
     EXPECT_TRUE(texts.contains("No room to start: " + std::string(name))) << name;
   }
-  EXPECT_EQ(robot.plans, 5);
+  EXPECT_EQ(robot.plans, 6);
   Go({{"goal_pos", "[4, 3, 0]"}, {"recoveries", ""}});
   ExpectFailure(2, "the start has no room");
 }

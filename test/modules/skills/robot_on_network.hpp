@@ -14,6 +14,7 @@
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -68,6 +69,15 @@ class Peers {
       goal.Canceled({});
     };
     endpoints.ServeAction<msg::FollowPath>("r/follow_path", std::move(drive));
+    for (const char* memory : {"r/clear_planner_memory", "r/clear_controller_memory"}) {
+      endpoints.Serve<msg::Trigger>(memory, [this, memory](const auto&, auto reply) {
+        cleared.emplace_back(memory);
+        msg::Trigger::Response response;
+        response.success = clears;
+        response.message = "it is busy";
+        reply(response);
+      });
+    }
     endpoints.Serve<msg::ManipulationControl>("r/manipulation_control",
                                               [this](const auto& request, auto reply) {
                                                 hand_object = request.object;
@@ -84,6 +94,8 @@ class Peers {
   std::vector<PlanGoal> plans;
   std::vector<DriveGoal> drives;
   int cancels = 0;
+  std::vector<std::string> cleared;  // memories
+  bool clears = true;
   std::string hand_object;
   transport::Publisher<msg::Odometry>* odometry = nullptr;
   transport::Publisher<msg::LaserScan>* scan = nullptr;

@@ -93,6 +93,17 @@ TEST_F(ARosRobot, StopsWhenItIsCommandedAndDoesNotMove) {
   EXPECT_EQ(peers_->commands.back().linear.x, -0.5) << "the next skill may try";
 }
 
+TEST_F(ARosRobot, ClearsTheMemoryOfPlannerAndController) {
+  EXPECT_TRUE(ResultOf(robot_.ClearMemory()));
+  EXPECT_THAT(peers_->cleared, ::testing::UnorderedElementsAre("r/clear_planner_memory",
+                                                               "r/clear_controller_memory"));
+  peers_->clears = false;
+  EXPECT_EQ(ResultOf(robot_.ClearMemory()).error().message, "it is busy");
+  peers_.reset();
+  EXPECT_THAT(ResultOf(robot_.ClearMemory()).error().message,
+              HasSubstr("the memory is not cleared: "));
+}
+
 TEST_F(ARosRobot, TakesOdometryWhoseStampsStandForNone) {
   msg::Odometry odometry;
   odometry.pose.pose.orientation.w = 1;
@@ -215,6 +226,46 @@ TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, TracksATargetWhereTheTransformPlac
   Run(50);
   ASSERT_TRUE(robot_.PoseOf(topic));
   EXPECT_NEAR(robot_.PoseOf(topic)->at.x_m, 10, 1e-9);
+}
+
+TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, SeesObjectsWhereTheTransformPlacesThemOrSaysWhyNot) {
+  msg::ObjectStates states;
+  states.header.frame_id = "odom";
+  states.objects.resize(1);
+  states.objects[0].name = "cup";
+  states.objects[0].pose.position.x = 7;
+  states.objects[0].pose.orientation.w = 1;
+  EXPECT_TRUE(peers_->objects->Publish(states));
+  Run(50);
+  EXPECT_FALSE(robot_.HasObjects());
+  EXPECT_FALSE(robot_.Detect());
+  EXPECT_THAT(robot_.WhyNothingSeen(), HasSubstr("(world/objects: no transform from map to odom"));
+  EXPECT_THAT(robot_.Look().others, Contains(HasSubstr("place in the map for world/objects")));
+  Localise({{3, -1, 0}, M_PI / 2});
+  EXPECT_TRUE(peers_->objects->Publish(states));
+  Run(50);
+  ASSERT_THAT(robot_.objects(), SizeIs(1));
+  EXPECT_NEAR(robot_.objects()[0].pose.at.x_m, 3, 1e-9);
+  EXPECT_NEAR(robot_.objects()[0].pose.at.y_m, 6, 1e-9);
+}
+
+TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, DrivesAPathWhereTheTransformPlacesItOrRefusesIt) {
+  msg::ComputePathToPose::Result result;
+  result.path = ToMessage(navigation::Path{{{0, 0, 0}, 0}, {{2, 0, 0}, 0}}, {});
+  result.path.header.frame_id = "odom";
+  const auto unplaced = robot_.ComputePath({{3, 1, 0}, 0}, navigation::Pose{});
+  Run(100);
+  peers_->plans[0].Succeed(result);
+  EXPECT_THAT(ResultOf(unplaced).error().message,
+              HasSubstr("the planner's path is not used: no transform from map to odom"));
+  Localise({{3, -1, 0}, M_PI / 2});
+  const auto placed = robot_.ComputePath({{3, 1, 0}, 0}, navigation::Pose{});
+  Run(100);
+  peers_->plans[1].Succeed(result);
+  const auto path = ResultOf(placed);
+  ASSERT_TRUE(path) << path.error().message;
+  EXPECT_NEAR(path.value().back().at.x_m, 3, 1e-9);
+  EXPECT_NEAR(path.value().back().at.y_m, 1, 1e-9);
 }
 
 TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, SeesFromWhereATransformPutsItsScanner) {

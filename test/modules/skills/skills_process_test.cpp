@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/plan_msgs/plan.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
@@ -35,18 +36,43 @@ class SkillsProcess : public ::testing::Test {
     again_ = peer_.node().loop().Every(Milliseconds(20),
                                        [this] { static_cast<void>(odometry_->Publish({})); });
   }
-  // A flyer, which is commanded to rise.
-  void BeginToRise() {
-    peer_.Start("robot = \"r\"\nkind = \"cf2x\"\nflies = true\nself_check_ms = 1000\n");
+  void Begin(const std::string& more = "") {
+    peer_.Start("robot = \"r\"\nkind = \"cf2x\"\nflies = true\nself_check_ms = 1000\n" + more);
     ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
     ASSERT_TRUE(peer_.Switch("SelfCheck")) << peer_.Output();
     ASSERT_TRUE(peer_.Switch("Active")) << peer_.Output();
+  }
+  // A flyer, which is commanded to rise.
+  void BeginToRise(const std::string& more = "") {
+    ASSERT_NO_FATAL_FAILURE(Begin(more));
     msg::SkillInfo skill;
     skill.skill = "take_off";
     skill.params = {{"altitude", "2"}};
     client_->SendGoal({{"r", {skill}}}, std::chrono::seconds(20), {});
     ASSERT_TRUE(peer_.Until([this] { return !commands_.empty() && commands_.back().linear.z > 0; }))
         << peer_.Output();
+  }
+
+  // Killed in take_off, and started again.
+  void RiseAgain(const std::string& more) {
+    ASSERT_NO_FATAL_FAILURE(BeginToRise(more));
+    ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+    peer_.Signal(SIGKILL);
+    ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+    commands_.clear();
+    ASSERT_NO_FATAL_FAILURE(Begin(more));
+  }
+  msg::SkillFeedback FeedbackOfTakeOff() {
+    std::optional<msg::SkillFeedback> feedback;
+    const auto report = transport::MakeClient<msg::GetSkill>(peer_.node(), "r/get_skill").value();
+    EXPECT_TRUE(peer_.Until([&] { return report->Ready(); }));
+    msg::GetSkill::Request request;
+    request.skill = "take_off";
+    report->Call(request, std::chrono::seconds(20), [&](const auto& reply) {
+      feedback = reply ? reply.value().feedback : msg::SkillFeedback();
+    });
+    EXPECT_TRUE(peer_.Until([&] { return feedback.has_value(); }));
+    return feedback.value_or(msg::SkillFeedback());
   }
 
   test::ActuatorPeer peer_{"r", kStates, "musher-skills"};
@@ -68,6 +94,22 @@ TEST_F(SkillsProcess, StandsInLowPower) {
   BeginToRise();
   ASSERT_TRUE(peer_.Switch("LowPower")) << peer_.Output();
   EXPECT_TRUE(peer_.Until([this] { return commands_.back() == msg::Twist{}; })) << peer_.Output();
+}
+
+TEST_F(SkillsProcess, ThatWasKilledReportsItsSkillAsFailedWithTheReasonAndStands) {
+  ASSERT_NO_FATAL_FAILURE(RiseAgain(""));
+  const msg::SkillFeedback feedback = FeedbackOfTakeOff();
+  EXPECT_EQ(feedback.status, msg::SkillFeedback::kStatusFailed) << peer_.Output();
+  EXPECT_EQ(feedback.message, "its process has ended while it ran (EXECUTING)");
+  for (const msg::Twist& command : commands_) EXPECT_LE(command.linear.z, 0.3);
+  EXPECT_THAT(peer_.Output(), HasSubstr("take_off has failed: its process has ended"));
+}
+
+TEST_F(SkillsProcess, ThatWasKilledGoesOnIfItsConfigSaysSo) {
+  ASSERT_NO_FATAL_FAILURE(RiseAgain("after_restart = \"continue\"\n"));
+  EXPECT_TRUE(peer_.Until([this] { return !commands_.empty() && commands_.back().linear.z > 0; }))
+      << peer_.Output();
+  EXPECT_EQ(FeedbackOfTakeOff().status, msg::SkillFeedback::kStatusProcessing);
 }
 
 TEST_F(SkillsProcess, ExitsWithCode2AndTheErrorsOfItsConfig) {

@@ -58,13 +58,36 @@ TEST_F(TakePhotoSkill, NamesTheCamerasWhenOneIsUnknown) {
 }
 
 TEST_F(TakePhotoSkill, NeedsAPathThatEndsInPng) {
-  EXPECT_FALSE(bench_.manager().Start("take_photo", {}).ok());
   EXPECT_EQ(Take({{"save_path", "a.jpg"}}).message,
             "Invalid save_path 'a.jpg': expected a file that ends in .png");
-  EXPECT_EQ(Take({{"save_path", ""}}).message,
-            "Invalid save_path '': expected a file that ends in .png");
   EXPECT_EQ(Take({{"save_path", ".png"}}).status, Status::kFailed);
   EXPECT_EQ(Take({{"save_path", "A.PNG"}}).status, Status::kCompleted);
+}
+
+// "P6\n2 1\n255\n" and the pixels, red first.
+TEST_F(TakePhotoSkill, KeepsThePictureInItsDataWithoutAPath) {
+  const skill::Feedback& end = bench_.Execute("take_photo", {});
+  EXPECT_EQ(end.status, Status::kCompleted);
+  EXPECT_EQ(end.message, "Photo captured");
+  EXPECT_THAT(bench_.robot.files, IsEmpty());
+  EXPECT_EQ(end.details.Get<std::int64_t>("width", 0), 2);
+  const auto saved = bench_.run().Save();
+  ASSERT_TRUE(saved);
+  EXPECT_EQ(saved.value().data.Text("photo_data"), "UDYKMiAxCjI1NQoDAgEGBQQ=");
+}
+
+TEST_F(TakePhotoSkill, WaitsUntilItsTargetIsInSightOrSaysWhyNot) {
+  bench_.robot.seen = {{"car_1", "car", {{0, 5, 0}, 0}, ""}};  // to its left
+  const skill::Feedback& missed = Take({{"target", "car"}});
+  EXPECT_EQ(missed.status, Status::kFailed);
+  EXPECT_EQ(missed.message,
+            "Timeout: car is not in sight after 5 s: it is not ahead of the camera");
+  EXPECT_EQ(bench_.robot.pictures_taken, 0);
+  bench_.robot.seen = {{"car_1", "car", {{5, 1, 0}, 0}, ""}};
+  EXPECT_EQ(Take({{"target", "/World/car_1"}}).message, "Photo saved to a.png");
+  bench_.robot.has_objects = false;
+  EXPECT_EQ(Take({{"target", "car"}}).message,
+            "Timeout: car is not in sight after 5 s: no objects were received");
 }
 
 TEST_F(TakePhotoSkill, RetriesAFailedCaptureTwice) {

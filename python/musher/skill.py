@@ -1,0 +1,322 @@
+"""Skills in Python: functions that are called in each step until they have ended.
+
+    from musher.skill import SkillManager
+
+    @SkillManager.register(uses=("base",))
+    def take_off(robot, altitude: float = 1.0, **kwargs):
+        "Climbs to an altitude"
+        skills = kwargs["skill_manager"]
+        if skills.get_skill_state("take_off") is None:
+            if altitude <= 0:
+                return skills.form_feedback("failed", "Invalid altitude")
+            skills.set_skill_state("take_off", "EXECUTING")
+        if robot.height >= altitude - 0.1:
+            return skills.form_feedback("completed", "Reached altitude")
+        robot.climb(0.5)
+        return skills.form_feedback("processing", f"{robot.height:.1f}m", 100 * robot.height / altitude)
+
+    skills = SkillManager(robot)
+    feedback = skills.execute_skill("take_off", altitude=2.0, timeout=60.0)  # again and again until it has ended
+
+musher.SkillActuator runs the registered skills as goals of the action skill_execution, while its robot is Active.
+
+No thread and no DDS: one thread at a time. Times are seconds of the clock that the manager is given.
+"""
+
+import difflib
+import inspect
+import math
+import time
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
+
+PROCESSING, COMPLETED, FAILED, CANCELLED = "processing", "completed", "failed", "cancelled"
+_STATUSES = (PROCESSING, COMPLETED, FAILED, CANCELLED)
+_ENDS = {COMPLETED: "SUCCEEDED", FAILED: "FAILED", CANCELLED: "CANCELLED"}
+
+Feedback = Dict[str, Any]
+_Function = Callable[..., Feedback]
+#: (name, status) at each end of a run: bring the outputs to neutral.
+_OnEnd = Callable[[Any, str], None]
+
+
+class SkillError(Exception):
+    """A skill that cannot be registered, or a request that is refused; nothing has changed."""
+
+
+class Skill:
+    """A registered function with what its requests may and have to give."""
+
+    def __init__(self, name: str, function: _Function, timeout_s: float, uses: Tuple[str, ...],
+                 on_end: Optional[_OnEnd]) -> None:
+        self.name = name
+        self.function = function
+        self.timeout_s = timeout_s
+        self.uses = uses
+        self.on_end = on_end
+        self.summary = (inspect.getdoc(function) or "").split("\n")[0]
+        parameters = list(inspect.signature(function).parameters.values())
+        if not parameters or parameters[0].kind not in (inspect.Parameter.POSITIONAL_ONLY,
+                                                        inspect.Parameter.POSITIONAL_OR_KEYWORD):
+            raise SkillError(f"{name}: the first parameter of a skill is its robot")
+        self.takes_others = any(one.kind is inspect.Parameter.VAR_KEYWORD for one in parameters)
+        self.parameters = {one.name: one for one in parameters[1:]
+                           if one.kind in (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)}
+        if not self.takes_others and "skill_manager" not in self.parameters:
+            raise SkillError(f"{name}: a skill takes **kwargs, or skill_manager, in which its manager is given")
+        self.parameters.pop("skill_manager", None)
+
+    def check(self, given: Mapping[str, Any]) -> None:
+        """Raises SkillError for a parameter that it does not take, with the nearest, and for a missing one."""
+        for name in given:
+            if name in self.parameters or self.takes_others:
+                continue
+            near = difflib.get_close_matches(name, self.parameters, 1)
+            raise SkillError(f"{self.name}: there is no parameter {name}" + (f"; did you mean '{near[0]}'?" if near
+                                                                            else ""))
+        missing = [name for name, one in self.parameters.items()
+                   if one.default is inspect.Parameter.empty and name not in given]
+        if missing:
+            raise SkillError(f"{self.name}: the parameter {missing[0]} is missing")
+
+    def offers(self) -> List[str]:
+        """The parameters of its requests as texts: "altitude: default 1.0"."""
+        offered = [f"{name}: required" if one.default is inspect.Parameter.empty else f"{name}: default {one.default!r}"
+                   for name, one in self.parameters.items()]
+        if "timeout" not in self.parameters:
+            offered.append(f"timeout: a number, default {self.timeout_s} (s; a run that takes longer fails)")
+        return offered
+
+
+class _Run:
+    def __init__(self, skill: Skill, parameters: Dict[str, Any], timeout_s: float) -> None:
+        self.skill = skill
+        self.parameters = parameters
+        self.timeout_s = timeout_s
+        self.elapsed_s = 0.0
+        self.stepped_at: Optional[float] = None  # none: no time passes until the next step
+        self.state: Optional[str] = None
+        self.data: Dict[str, Any] = {}
+        self.feedback: Feedback = {"status": PROCESSING, "state": "IDLE", "progress": 0, "message": "", "details": {}}
+        self.cancel_why: Optional[str] = None
+
+
+class SkillManager:
+    """The skills of one robot: each runs at most once at a time, and none beside one that uses the same part."""
+
+    _global_skills: Dict[str, Skill] = {}
+
+    @classmethod
+    def register(cls, name: str = "", *, timeout: float = 600.0, uses: Iterable[str] = (),
+                 on_end: Optional[_OnEnd] = None) -> Callable[[_Function], _Function]:
+        """Makes a function a skill of all robots. `timeout`: seconds of a run, then it fails. `uses`: parts of the
+        robot that it needs for itself. `on_end(robot, status)` is called once at each end, however the run ends."""
+        if callable(name):
+            raise TypeError("write @SkillManager.register(), with parentheses")
+        _check_timeout(timeout)
+
+        def take(function: _Function) -> _Function:
+            chosen = name or function.__name__
+            known = cls._global_skills.get(chosen)
+            if known is not None and known.function is not function:
+                raise SkillError(f"there are two skills with the name {chosen}")
+            cls._global_skills[chosen] = Skill(chosen, function, timeout, tuple(uses), on_end)
+            return function
+
+        return take
+
+    def __init__(self, robot: Any, skills: Optional[Iterable[str]] = None,
+                 clock: Callable[[], float] = time.monotonic) -> None:
+        """`skills`: of those that are registered; none: all."""
+        self.robot = robot
+        self.skill_errors: Dict[str, str] = {}
+        #: Called with the skill, its state before, and the new one.
+        self.on_state_changed: Callable[[str, Optional[str], Optional[str]], None] = lambda skill, old, new: None
+        self._clock = clock
+        self._chosen = None if skills is None else list(skills)
+        for chosen in self._chosen or ():
+            self._lookup(chosen)
+        self._runs: Dict[str, _Run] = {}
+
+    # Of skills.
+
+    @property
+    def skills(self) -> Dict[str, Skill]:
+        """By name."""
+        every = self._global_skills
+        return dict(every) if self._chosen is None else {name: every[name] for name in self._chosen}
+
+    def get_skill_state(self, skill: str) -> Optional[str]:
+        """None before the first step of a run has set one, and without a run."""
+        run = self._runs.get(skill)
+        return None if run is None else run.state
+
+    def set_skill_state(self, skill: str, state: str) -> None:
+        run = self._run(skill)
+        if run.state == state:
+            return
+        old, run.state = run.state, state
+        self.on_state_changed(skill, old, state)
+
+    def get_skill_data(self, skill: str, key: str, default: Any = None) -> Any:
+        """Also after the end of the run, until it is started again or reset."""
+        run = self._runs.get(skill)
+        return default if run is None else run.data.get(key, default)
+
+    def set_skill_data(self, skill: str, key: str, value: Any) -> None:
+        self._run(skill).data[key] = value
+
+    @staticmethod
+    def form_feedback(status: str, message: str = "", progress: Optional[float] = None, **details: Any) -> Feedback:
+        """What a skill returns in each step. Without a progress the last one stays."""
+        return {"status": status, "message": message, "progress": progress, "details": details}
+
+    # Of what runs them.
+
+    def start(self, skill: str, parameters: Optional[Mapping[str, Any]] = None,
+              timeout: Optional[float] = None) -> None:
+        """Raises SkillError, and changes nothing, for an unknown skill or parameter, for one that runs, and for one
+        that needs a part of the robot which another one uses."""
+        found = self._lookup(skill)
+        given = dict(parameters or {})
+        found.check(given)
+        if timeout is not None:
+            _check_timeout(timeout)
+        for name in self.running():
+            if name == skill:
+                raise SkillError(f"{skill} is running already")
+            shared = set(found.uses) & set(self.skills[name].uses)
+            if shared:
+                raise SkillError(f"{skill} needs the {min(shared)}, which {name} is using; cancel {name} first or "
+                                 "wait for its end")
+        self.skill_errors.pop(skill, None)
+        self._runs[skill] = _Run(found, given, found.timeout_s if timeout is None else timeout)
+
+    def step(self, skill: str) -> Feedback:
+        """One step of a run; after its end nothing but its feedback."""
+        run = self._run(skill)
+        if run.feedback["status"] != PROCESSING:
+            return run.feedback
+        now = self._clock()
+        if run.stepped_at is not None:
+            run.elapsed_s += max(0.0, now - run.stepped_at)
+        run.stepped_at = now
+        if run.cancel_why is not None:
+            return self._end(run, CANCELLED, run.cancel_why)
+        if run.elapsed_s >= run.timeout_s:
+            return self._end(run, FAILED, f"Timeout: not ended after {run.timeout_s:.1f} s")
+        try:
+            returned = run.skill.function(self.robot, **{**run.parameters, "skill_manager": self})
+            status, message, progress, details = _checked(skill, returned)
+        except Exception as error:
+            return self._end(run, FAILED, f"{type(error).__name__}: {error}")
+        run.feedback["details"] = details
+        if status != PROCESSING:
+            return self._end(run, status, message)
+        if progress is not None:
+            run.feedback["progress"] = int(min(max(progress, 0), 99))  # 100 is the success
+        run.feedback["message"] = message
+        run.feedback["state"] = run.state or "IDLE"
+        return run.feedback
+
+    def execute_skill(self, skill: str, *, timeout: Optional[float] = None, **parameters: Any) -> Feedback:
+        """A step of the skill, which is started where it does not run: call it until the status is not "processing".
+        What is refused is a failure, with the reason."""
+        run = self._runs.get(skill)
+        if run is None or run.feedback["status"] != PROCESSING:
+            try:
+                self.start(skill, parameters, timeout)
+            except SkillError as error:
+                return {"status": FAILED, "state": "IDLE", "progress": 0, "message": str(error), "details": {}}
+        return self.step(skill)
+
+    def cancel_skill(self, skill: str, why: str = "Cancelled") -> None:
+        """In its next step. Raises SkillError for one that does not run."""
+        run = self._runs.get(skill)
+        if run is None or run.feedback["status"] != PROCESSING:
+            raise SkillError(f"{skill} does not run")
+        run.cancel_why = run.cancel_why or why
+
+    def cancel_all_now(self, why: str) -> None:
+        """At once, without another step."""
+        for name in self.running():
+            self._end(self._runs[name], CANCELLED, why)
+
+    def pause(self) -> None:
+        """The time until the next step does not count."""
+        for run in self._runs.values():
+            run.stepped_at = None
+
+    def reset_skill(self, skill: str) -> None:
+        """Removes its run and data; a running one is cancelled before."""
+        run = self._runs.get(skill)
+        if run is not None and run.feedback["status"] == PROCESSING:
+            self._end(run, CANCELLED, "it is reset")
+        self._runs.pop(skill, None)
+        self.skill_errors.pop(skill, None)
+
+    def running(self) -> List[str]:
+        """The names of the skills that run, in the order of their starts."""
+        return [name for name, run in self._runs.items() if run.feedback["status"] == PROCESSING]
+
+    def feedback_of(self, skill: str) -> Optional[Feedback]:
+        """None: it was not started since its last reset."""
+        run = self._runs.get(skill)
+        return None if run is None else run.feedback
+
+    # Inside.
+
+    def _lookup(self, skill: str) -> Skill:
+        known = self._global_skills if self._chosen is None else self._chosen
+        if skill in known and skill in self._global_skills:
+            return self._global_skills[skill]
+        near = difflib.get_close_matches(skill, known, 1)
+        raise SkillError(f"there is no skill '{skill}'" + (f"; did you mean '{near[0]}'?" if near else ""))
+
+    def _run(self, skill: str) -> _Run:
+        run = self._runs.get(skill)
+        if run is None:
+            raise SkillError(f"{skill} was not started")
+        return run
+
+    def _end(self, run: _Run, status: str, message: str) -> Feedback:
+        name = run.skill.name
+        if status == COMPLETED and run.cancel_why is not None:
+            status, message = CANCELLED, run.cancel_why
+        run.feedback.update(status=status, message=message)
+        if run.skill.on_end is not None:
+            try:
+                run.skill.on_end(self.robot, status)
+            except Exception as error:  # the outputs may not be neutral: no success
+                run.feedback.update(status=FAILED, message=f"on_end: {type(error).__name__}: {error}")
+        status = run.feedback["status"]
+        run.feedback["state"] = _ENDS[status]
+        if status == COMPLETED:
+            run.feedback["progress"] = 100
+        if status == FAILED:
+            self.skill_errors[name] = run.feedback["message"]
+        self.set_skill_state(name, _ENDS[status])
+        return run.feedback
+
+
+def text_of(feedback: Feedback) -> str:
+    """ "processing: Moving (30%)"."""
+    return f"{feedback['status']}: {feedback['message']} ({feedback['progress']}%)"
+
+
+def _check_timeout(timeout: float) -> None:
+    if not (isinstance(timeout, (int, float)) and timeout > 0):
+        raise SkillError(f"a timeout is a number of seconds above 0, not {timeout!r}")
+
+
+def _checked(skill: str, returned: Any) -> Tuple[str, str, Optional[float], Dict[str, Any]]:
+    """A failure is never taken for a success: only the word itself is one."""
+    if not isinstance(returned, dict) or returned.get("status") not in _STATUSES:
+        raise SkillError(f"{skill} returned {str(returned)[:80]}; expected form_feedback() with one of "
+                         + ", ".join(_STATUSES))
+    progress = returned.get("progress")
+    if progress is not None and not (isinstance(progress, (int, float)) and math.isfinite(progress)):
+        progress = None
+    return returned["status"], str(returned.get("message", "")), progress, dict(returned.get("details") or {})
+
+
+__all__ = ["Skill", "SkillError", "SkillManager"]

@@ -1,0 +1,103 @@
+// The skills that ran when a process was killed, in the process after it.
+
+#include "musher/application/saved_skills.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "musher/behavior/skill/compose.hpp"
+#include "musher/behavior/skill/wait.hpp"
+#include "musher/test/support/temp_folder.hpp"
+
+namespace musher::saved_skills_test {
+
+using skill::Status;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class ASavedSkill : public ::testing::Test {
+ protected:
+  static std::unique_ptr<skill::Manager> Skills() {
+    skill::Registry registry;
+    EXPECT_TRUE(registry.Add("wait", skill::Wait()));
+    EXPECT_TRUE(registry.Add(
+        "twice", skill::Compose(skill::Order::kInOrder, registry, {{"wait"}, {"wait"}})));
+    return std::make_unique<skill::Manager>(registry.All());
+  }
+  static Time At(double seconds) { return Time{} + FromSeconds(seconds); }
+  // Until the process is killed.
+  void RunUntil(skill::Manager& manager, double seconds) {
+    SavedSkills saved(file_);
+    for (double at_s = 0; at_s <= seconds; at_s += 0.1) {
+      manager.RunOnce(At(at_s));
+      EXPECT_TRUE(saved.Save(manager, At(at_s)));
+    }
+  }
+  Result<std::vector<std::string>> Restore(skill::Manager& manager, bool continues) const {
+    return SavedSkills(file_).Restore(manager, continues);
+  }
+
+  const TempFolder folder_;
+  const std::string file_ = folder_ / "state/r_skills.toml";
+  std::unique_ptr<skill::Manager> before_ = Skills(), after_ = Skills();
+};
+
+TEST_F(ASavedSkill, HasFailedWithTheReason) {
+  ASSERT_TRUE(before_->Start("twice", {{"wait.duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  const auto lines = Restore(*after_, false);
+  ASSERT_TRUE(lines) << lines.error().message;
+  EXPECT_THAT(lines.value(), ElementsAre(HasSubstr("twice has failed: its process has ended")));
+  const skill::Run* run = after_->Find("twice");
+  ASSERT_NE(run, nullptr);
+  EXPECT_EQ(run->feedback().status, Status::kFailed);
+  EXPECT_THAT(run->feedback().message, HasSubstr("its process has ended while it ran (RUNNING"));
+  EXPECT_EQ(run->errors().size(), 1U);
+  EXPECT_FALSE(after_->running());
+  EXPECT_TRUE(after_->Start("wait")) << "its parts are free";
+}
+
+TEST_F(ASavedSkill, GoesOnWhereItWas) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  const auto lines = Restore(*after_, true);
+  ASSERT_TRUE(lines) << lines.error().message;
+  EXPECT_THAT(lines.value(), ElementsAre("wait goes on from WAITING once it is Active"));
+  for (double at_s = 1000; at_s < 1001.5; at_s += 0.1) after_->RunOnce(At(at_s));
+  EXPECT_TRUE(after_->running()) << "the time without a process does not count";
+  for (double at_s = 1001.5; at_s < 1004; at_s += 0.1) after_->RunOnce(At(at_s));
+  EXPECT_EQ(after_->Find("wait")->feedback().status, Status::kCompleted);
+}
+
+TEST_F(ASavedSkill, IsNoneWhenNoneRan) {
+  EXPECT_THAT(Restore(*after_, true).value(), IsEmpty()) << "there is no file";
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 0.5}}));
+  RunUntil(*before_, 3);
+  ASSERT_FALSE(before_->running());
+  EXPECT_THAT(Restore(*after_, false).value(), IsEmpty()) << "it has ended before";
+}
+
+TEST_F(ASavedSkill, IsNotRestoredFromAFileThatDoesNotFit) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 1);
+  for (const std::string text : {"[[run]]\nskill = \"fly\"\n", "run = 3\n", "[[run\n"}) {
+    std::ofstream(file_) << text;
+    EXPECT_FALSE(Restore(*after_, false)) << text;
+    EXPECT_THAT(after_->Runs(), IsEmpty());
+  }
+}
+
+TEST_F(ASavedSkill, SaysOnceWhyItCannotBeSaved) {
+  std::ofstream(folder_ / "state") << "a file, no folder";
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  before_->RunOnce(At(0));
+  SavedSkills saved(file_);
+  EXPECT_THAT(saved.Save(*before_, At(0)).error().message, HasSubstr("are not saved"));
+  EXPECT_TRUE(saved.Save(*before_, At(2)));
+}
+
+}  // namespace musher::saved_skills_test

@@ -1,0 +1,121 @@
+// Held scenes with the whole chain: no robot touches anything, and each drive ends at a stand.
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "musher/test/modules/skills/scenes/scene_run.hpp"
+#include "musher/test/modules/skills/scenes/scene_world.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::skills::testing {
+
+std::vector<Scene> HeldScenes() {
+  auto scenes = ReadScenes(SourceDir() + "/test/modules/skills/scenes/scenes.toml");
+  EXPECT_TRUE(scenes) << scenes.error().message;
+  return scenes ? std::move(scenes).value() : std::vector<Scene>();
+}
+
+void ExpectRight(const Scene& scene) {
+  const SceneOutcome outcome = RunScene(scene, true, 1);
+  for (const RobotOutcome& robot : outcome.robots) {
+    const std::string what = scene.name + ": " + robot.message;
+    EXPECT_EQ(robot.contacts, 0) << what;
+    EXPECT_NE(robot.end, RobotOutcome::End::kOpen) << what;
+    EXPECT_TRUE(robot.stands) << what;
+    if (scene.expects == Scene::Expects::kArrives) {
+      EXPECT_EQ(robot.end, RobotOutcome::End::kArrived) << what;
+      EXPECT_LT(robot.off_goal_m, 0.3) << what;
+    }
+    if (scene.expects == Scene::Expects::kRefuses) {
+      EXPECT_EQ(robot.end, RobotOutcome::End::kRefused) << what;
+    }
+  }
+}
+
+TEST(HeldScenes, AreManyWithNamesOfTheirOwnAndBeginInFreePlaces) {
+  const std::vector<Scene> scenes = HeldScenes();
+  EXPECT_GE(scenes.size(), 40U);
+  std::set<std::string> names;
+  for (const Scene& scene : scenes) {
+    EXPECT_TRUE(names.insert(scene.name).second) << scene.name;
+    SceneWorld world(scene, 1);
+    world.Step(0.01);
+    for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+      EXPECT_GT(world.least_room_m(i), 0) << scene.name;
+    }
+  }
+}
+
+TEST(HeldScenes, EndWithoutContact) {
+  const std::set<std::string> few = {"U trap, shallow",
+                                     "door of 0.7 m",
+                                     "door of 0.5 m",
+                                     "person waits in the door for 8 s",
+                                     "map that contains the obstacle comes on the way",
+                                     "localisation jumps by 1 m for 3 s",
+                                     "person comes the other way",
+                                     "flyer passes a person"};
+  std::size_t found = 0;
+  for (const Scene& scene : HeldScenes()) {
+    if (!few.contains(scene.name)) continue;
+    ++found;
+    ExpectRight(scene);
+  }
+  EXPECT_EQ(found, few.size());
+}
+
+// A room of 5 m x 1 m, with a mover at 'm'.
+Scene Corridor(bool with_mover) {
+  Scene scene;
+  scene.cell_m = 1;
+  scene.map = {"#######", "#S...m#", "#######"};
+  scene.robots = {{{{1.5, 1.5, 0}, 0}, {}, 0}};
+  if (with_mover) scene.movers.push_back({.path = {{5.5, 1.5, 0}}});
+  return scene;
+}
+
+void Drive(SceneWorld& world, double speed_m_s, double seconds) {
+  world.Command(0, {.x_m_s = speed_m_s});
+  for (double at_s = 0; at_s < seconds; at_s += 0.01) world.Step(0.01);
+}
+
+// The world counts what a body touches that no gate stops.
+TEST(ASceneWorld, StopsABodyAtAWallAndCountsEachContactOnce) {
+  const Scene scene = Corridor(false);
+  SceneWorld world(scene, 1);
+  Drive(world, 1, 8);
+  EXPECT_EQ(world.contacts(0), 1);
+  EXPECT_NEAR(world.pose(0).at.x_m, 6 - kSceneBodyM, 0.02);
+  Drive(world, -1, 2);
+  EXPECT_EQ(world.contacts(0), 1);
+  Drive(world, 1, 4);
+  EXPECT_EQ(world.contacts(0), 2);
+}
+
+TEST(ASceneWorld, StopsABodyAtAMoverToo) {
+  const Scene scene = Corridor(true);
+  SceneWorld world(scene, 1);
+  Drive(world, 1, 8);
+  EXPECT_EQ(world.contacts(0), 1);
+  EXPECT_EQ(world.hits_of_movers(), 0);
+  EXPECT_NEAR(world.pose(0).at.x_m, 5.5 - 0.25 - kSceneBodyM, 0.02);
+}
+
+TEST(ASceneWorld, ShowsWallsAndMoversWhereTheyAre) {
+  const Scene empty = Corridor(false), with_mover = Corridor(true);
+  SceneWorld world(empty, 1), crowded(with_mover, 1);
+  world.Step(0.01);
+  const std::vector<float> ranges = world.Look(0, 8);
+  ASSERT_EQ(ranges.size(), 360U);
+  EXPECT_NEAR(ranges[0], 4.5, 0.01);
+  EXPECT_NEAR(ranges[90], 0.5, 0.01);
+  EXPECT_NEAR(ranges[180], 0.5, 0.01);
+  EXPECT_NEAR(crowded.Look(0, 8)[0], 5.5 - 0.25 - 1.5, 0.01);
+}
+
+TEST(HeldScenesNightly, EndWithoutContact) {
+  for (const Scene& scene : HeldScenes()) ExpectRight(scene);
+}
+
+}  // namespace musher::skills::testing

@@ -1,0 +1,239 @@
+"""Skills in Python: the manager by itself, and the actuator in a real process, with the commands of `musher`."""
+
+import json
+import time
+import unittest
+
+import musher
+from musher.skill import SkillError, SkillManager
+from robot import DEADLINE_S, Robot
+
+
+class Drone:
+    height = 0.0
+    climb = 0.0
+    ends = 0
+
+
+def _stop(robot, status):
+    robot.climb = 0.0
+    robot.ends += 1
+    robot.last = status
+
+
+# [take_off]
+@SkillManager.register(timeout=30.0, uses=("base",), on_end=_stop)
+def take_off(robot, altitude=1.0, **kwargs):
+    """Climbs to an altitude"""
+    skills = kwargs["skill_manager"]
+    if skills.get_skill_state("take_off") is None:
+        if altitude <= 0:
+            return skills.form_feedback("failed", "Invalid altitude")
+        skills.set_skill_data("take_off", "target_altitude", altitude)
+        skills.set_skill_state("take_off", "EXECUTING")
+    if robot.height >= skills.get_skill_data("take_off", "target_altitude") - 0.1:
+        return skills.form_feedback("completed", "Reached altitude")
+    robot.climb = 0.5
+    return skills.form_feedback("processing", f"{robot.height:.1f}m", 100 * robot.height / altitude)
+# [take_off end]
+
+
+@SkillManager.register(uses=("base",))
+def walk(robot, to, skill_manager):
+    return skill_manager.form_feedback("processing", f"to {to}")
+
+
+@SkillManager.register()
+def odd(robot, returns=None, raises=None, **kwargs):
+    if raises:
+        raise ValueError(raises)
+    return returns
+
+
+class AManager(unittest.TestCase):
+    def setUp(self):
+        self.now = 100.0
+        self.drone = Drone()
+        self.skills = SkillManager(self.drone, clock=lambda: self.now)
+
+    def step(self, skill="take_off", **parameters):
+        self.now += 0.1
+        self.drone.height += 0.1 * self.drone.climb
+        return self.skills.execute_skill(skill, **parameters)
+
+    def test_runs_a_skill_to_its_end(self):
+        changes = []
+        self.skills.on_state_changed = lambda *change: changes.append(change)
+        feedback = self.step(altitude=2.0)
+        self.assertEqual((feedback["status"], feedback["state"]), ("processing", "EXECUTING"))
+        for _ in range(100):
+            if feedback["status"] != "processing":
+                break
+            feedback = self.step()
+        self.assertEqual((feedback["status"], feedback["message"], feedback["progress"], feedback["state"]),
+                         ("completed", "Reached altitude", 100, "SUCCEEDED"))
+        self.assertEqual((self.drone.climb, self.drone.ends), (0.0, 1))
+        self.assertEqual(changes, [("take_off", None, "EXECUTING"), ("take_off", "EXECUTING", "SUCCEEDED")])
+        self.assertEqual(self.skills.get_skill_data("take_off", "target_altitude"), 2.0)
+
+    def test_fails_with_the_reason(self):
+        feedback = self.step(altitude=-1.0)
+        self.assertEqual((feedback["status"], feedback["message"]), ("failed", "Invalid altitude"))
+        self.assertEqual(self.skills.skill_errors, {"take_off": "Invalid altitude"})
+        self.assertEqual(self.step("odd", raises="no hand")["message"], "ValueError: no hand")
+        for returned in (None, True, "completed", {"status": "done"}, {}):
+            feedback = self.step("odd", returns=returned)
+            self.assertEqual(feedback["status"], "failed", returned)
+            self.assertIn("expected form_feedback()", feedback["message"])
+
+    def test_ends_a_run_after_its_timeout_which_a_request_may_give(self):
+        self.drone.height = -1e9
+        feedback = self.step(altitude=1.0, timeout=2.0)
+        for _ in range(21):
+            feedback = self.step()
+        self.assertEqual((feedback["status"], feedback["message"]), ("failed", "Timeout: not ended after 2.0 s"))
+        self.assertEqual(self.step(altitude=1.0, timeout=0.0)["message"],
+                         "a timeout is a number of seconds above 0, not 0.0")
+
+    def test_counts_no_time_of_a_pause_and_none_of_a_clock_that_is_set_back(self):
+        self.drone.height = -1e9
+        self.step(timeout=2.0)
+        self.skills.pause()
+        self.now += 1000
+        self.assertEqual(self.step()["status"], "processing")
+        self.now -= 500
+        self.assertEqual(self.step()["status"], "processing")
+
+    def test_refuses_what_it_cannot_start(self):
+        refused = {
+            "there is no skill 'take_of'; did you mean 'take_off'?": ("take_of", {}),
+            "walk: the parameter to is missing": ("walk", {}),
+            "walk: there is no parameter too; did you mean 'to'?": ("walk", {"too": 1}),
+        }
+        for message, (skill, parameters) in refused.items():
+            with self.assertRaises(SkillError) as error:
+                self.skills.start(skill, parameters)
+            self.assertEqual(str(error.exception), message)
+        self.step()
+        with self.assertRaises(SkillError) as error:
+            self.skills.start("take_off", {})
+        self.assertEqual(str(error.exception), "take_off is running already")
+        with self.assertRaises(SkillError) as error:
+            self.skills.start("walk", {"to": "door"})
+        self.assertIn("walk needs the base, which take_off is using", str(error.exception))
+        self.assertEqual(self.step("walk", to="door")["status"], "failed")
+
+    def test_never_reports_a_cancelled_run_as_completed(self):
+        self.step(altitude=2.0)
+        self.skills.cancel_skill("take_off", "by its client")
+        self.drone.height = 5.0
+        feedback = self.step()
+        self.assertEqual((feedback["status"], feedback["message"]), ("cancelled", "by its client"))
+        self.assertEqual(self.drone.ends, 1)
+        with self.assertRaises(SkillError):
+            self.skills.cancel_skill("take_off")
+        self.step(altitude=9.0)
+        self.skills.cancel_all_now("emergency stop")
+        self.assertEqual(self.skills.running(), [])
+        self.assertEqual((self.drone.last, self.drone.climb), ("cancelled", 0.0))
+
+    def test_registers_only_what_is_a_skill(self):
+        with self.assertRaises(SkillError):
+            SkillManager.register()(lambda: None)
+        with self.assertRaises(SkillError):
+            SkillManager.register("no_manager")(lambda robot: None)
+        with self.assertRaises(SkillError):
+            SkillManager.register("take_off")(lambda robot, **kwargs: None)
+        with self.assertRaises(TypeError):
+            SkillManager.register(take_off)
+        with self.assertRaises(SkillError):
+            SkillManager(self.drone, ["take_of"])
+
+
+ARM = """
+from musher.skill import SkillManager
+
+@SkillManager.register()
+def wave(robot, times=3, **kwargs):
+    "Waves a few times"
+    skills = kwargs["skill_manager"]
+    done = skills.get_skill_data("wave", "done", 0) + 1
+    skills.set_skill_data("wave", "done", done)
+    skills.set_skill_state("wave", "WAVING")
+    if done > times:
+        return skills.form_feedback("completed", f"Waved {times} times")
+    return skills.form_feedback("processing", f"Wave {done}", 100 * done / times, done=done)
+
+class Arm(musher.SkillActuator):
+    name = "arm"
+    robot_name = "robot_0"
+
+    def on_pause(self):
+        self.log.info("rests")
+
+musher.run(Arm)
+"""
+
+
+class AnActuator(unittest.TestCase):
+    def setUp(self):
+        self.robot = Robot({"arm": ARM})
+        self.addCleanup(self.robot.close)
+        self.robot.up()
+        self.machine = musher.Machine(self.robot.file)
+        self.addCleanup(self.machine.close)
+        self.machine.wait_until(lambda status: status.phase in ("running", "failed"), DEADLINE_S)
+
+    def skill(self, *words):
+        return self.robot.run("skill", "run", "--timeout", "30", *words)
+
+    def test_runs_skills_as_goals_while_the_robot_is_active(self):
+        ran = self.skill("wave", "times=4")
+        self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
+        self.assertIn("Waved 4 times", ran.stdout)
+        refused = self.skill("wave", "times=100", "timeout=0.5")
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("Timeout: not ended after 0.5 s", refused.stdout + refused.stderr)
+        self.machine.set("LowPower")
+        paused = self.skill("wave")
+        self.assertNotEqual(paused.returncode, 0)
+        self.assertIn("arm runs no skills in LowPower", paused.stdout + paused.stderr)
+        self.robot.await_log("arm", "rests")
+
+    def test_stands_still_in_a_pause_and_goes_on_after_it(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import Parameter, RobotSkill, SkillInfo
+        client = node.action_client("skill_execution", SkillExecution)
+
+        def request(robot_id, times):
+            info = SkillInfo(skill="wave", params=[Parameter("times", times)])
+            return SkillExecution.Goal(RobotSkill(robot_id, [info]))
+
+        end = time.monotonic() + DEADLINE_S
+        while not client.ready:
+            self.assertLess(time.monotonic(), end)
+            self.robot.run("status")
+        other = client.send(request("robot_7", "2"))
+        with self.assertRaises(musher.GoalFailed) as refused:
+            other.result(DEADLINE_S)
+        self.assertEqual(refused.exception.result.message, "the skill is for the robot 'robot_7', and this is robot_0")
+        goal = client.send(request("robot_0", "1000"))
+        next(iter(goal))
+        self.machine.set("LowPower")
+        self.machine.set("Active")
+        goal.cancel()
+        with self.assertRaises(musher.GoalFailed) as ended:
+            goal.result(DEADLINE_S)
+        self.assertEqual(ended.exception.end, "canceled")
+        self.assertIn("cancelled: by its client", ended.exception.result.message)
+
+    def test_says_what_it_offers(self):
+        listed = self.robot.run("skill", "list", "--json")
+        self.assertIn("wave", listed.stdout, listed.stderr)
+        self.assertTrue(json.loads(listed.stdout))
+
+
+if __name__ == "__main__":
+    unittest.main()
