@@ -40,7 +40,7 @@ TEST_F(InterruptedSwitch, IsReportedAtOnceAndTheSuccessorReportsTheMachinesState
   EXPECT_LT(Clock::now() - killed_, std::chrono::seconds(3)) << "60 s, as it was";
   EXPECT_EQ(Musher({"up", config_, "--detach"}).exit, 0);
   const Ended set = set_->Wait();
-  EXPECT_EQ(set.exit, 1);
+  EXPECT_EQ(set.exit, 1) << set.err;
   EXPECT_THAT(set.out, AllOf(HasSubstr("interrupted"), HasSubstr("LowPower")));
   EXPECT_THAT(set.err,
               HasSubstr("the controller of epoch 2 continues with the machine in LowPower"));
