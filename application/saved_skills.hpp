@@ -31,7 +31,9 @@ class SavedSkills {
 
  private:
   const std::string file_;
-  std::string shown_;  // the states of the runs that were written last
+  // The states of the runs that were written last. Nothing at first: what a process before has left
+  // in the file is replaced by the first Save().
+  std::optional<std::string> shown_;
   std::optional<Time> written_at_;
   std::string fault_;
 };

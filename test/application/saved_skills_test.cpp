@@ -81,6 +81,22 @@ TEST_F(ASavedSkill, IsNoneWhenNoneRan) {
   EXPECT_THAT(Restore(*after_, false).value(), IsEmpty()) << "it has ended before";
 }
 
+// It stayed in the file until another skill ran, and a config changed to "continue" went on with
+// it.
+TEST_F(ASavedSkill, ThatHasFailedIsForgottenOnceTheNextProcessSteps) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  SavedSkills saved(file_);
+  ASSERT_TRUE(saved.Restore(*after_, false));
+  after_->RunOnce(At(1000));
+  ASSERT_TRUE(saved.Save(*after_, At(1000)));
+  const auto third = Skills();
+  const auto lines = Restore(*third, true);
+  ASSERT_TRUE(lines) << lines.error().message;
+  EXPECT_THAT(lines.value(), IsEmpty());
+  EXPECT_FALSE(third->running());
+}
+
 TEST_F(ASavedSkill, IsNotRestoredFromAFileThatDoesNotFit) {
   ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
   RunUntil(*before_, 1);
