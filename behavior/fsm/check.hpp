@@ -7,10 +7,12 @@
 //   a trap          states that lead only to each other, never back to the start, to the safe state
 //                   or to a final one
 //   a final state that declares a transition
+//   a state that declares both On() and Defer() of an event
 // Warnings, since it may be intended:
 //   unreachable     only Force() reaches it
 //   a safe state without a transition out: only Force() or Reset() leaves it
 //   a transition that is declared twice, with the same text
+//   an event that a state defers, and that no state declares to handle
 //
 // Threads: any, while no other thread changes the chart.
 
