@@ -93,6 +93,13 @@ class FsmActuator::Impl : public fsm::Listener {
     log_(change.at, LogLevel::kInfo, line);
     if (!in_tick_) PublishSoon();
   }
+  void OnKept(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
+    const std::string name(machine.Name(command));
+    log_(machine.time(), LogLevel::kWarning,
+         std::string(machine.Name(state)) + " keeps command " + name +
+             ", and all later ones wait behind it; declare Defer(\"" + name +
+             "\") to let them pass");
+  }
   void OnUnhandled(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
     log_(machine.time(), LogLevel::kWarning,
          "command " + std::string(machine.Name(command)) + " is not handled in " +
