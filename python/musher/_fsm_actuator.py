@@ -358,6 +358,10 @@ class _Reports(fsm.Listener):
         if not actuator._in_tick:
             actuator._publish_soon()
 
+    def on_kept(self, command: str, state: str) -> None:
+        self._actuator._limited(WARNING, f"{state} keeps command {command}, and all later ones wait behind it; declare "
+                                         f"transitions.defer(\"{command}\") to let them pass")
+
     def on_unhandled(self, command: str, state: str) -> None:
         self._actuator._limited(WARNING, f"command {command} is not handled in {state}")
 
