@@ -24,7 +24,8 @@ struct Crossings {
 
 class CrossingSearch {
  public:
-  explicit CrossingSearch(const Chart& outermost) : outermost_(outermost) {}
+  CrossingSearch(const Chart& outermost, std::string_view place)
+      : outermost_(outermost), place_(place.empty() ? "" : std::string(place) + "/") {}
 
   Crossings Run() && {
     Search(outermost_);
@@ -50,7 +51,10 @@ class CrossingSearch {
   void Cross(const Chart& chart, const ChartTransition& transition) {
     std::vector<ChartState> from = around_;
     from.push_back({&chart, transition.from});
-    const std::vector<ChartState> to = FindPath(outermost_, transition.target);
+    std::vector<ChartState> to;  // empty: around the checked machine
+    if (transition.target.starts_with(place_)) {
+      to = FindPath(outermost_, std::string_view(transition.target).substr(place_.size()));
+    }
     for (std::size_t i = 0; i < from.size(); ++i) {
       const bool common = i < to.size() && from[i].chart == to[i].chart;
       if (!common) crossings_.of[from[i].chart].left.push_back(from[i].state);
@@ -67,6 +71,7 @@ class CrossingSearch {
   }
 
   const Chart& outermost_;
+  const std::string place_;
   std::vector<ChartState> around_;  // the states around the chart that is searched
   Crossings crossings_;
 };
@@ -201,8 +206,8 @@ class ChartCheck {
 
 }  // namespace
 
-std::vector<Problem> Check(const Chart& chart) {
-  const Crossings crossings = CrossingSearch(chart).Run();
+std::vector<Problem> Check(const Chart& chart, std::string_view place) {
+  const Crossings crossings = CrossingSearch(chart, place).Run();
   return ChartCheck(chart, crossings).Run();
 }
 

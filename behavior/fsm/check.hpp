@@ -17,6 +17,7 @@
 // Threads: any, while no other thread changes the chart.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/base/diagnostic.hpp"
@@ -33,7 +34,8 @@ struct Problem {
 };
 
 // Includes the problems of the machines inside. In the order of the states. The ids of `chart` are
-// its own.
-std::vector<Problem> Check(const Chart& chart);
+// its own. `place`: the path of the state that holds the machine (Machine::Place()); "" of the
+// outermost one.
+std::vector<Problem> Check(const Chart& chart, std::string_view place = {});
 
 }  // namespace musher::fsm

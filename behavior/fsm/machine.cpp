@@ -306,7 +306,7 @@ void Machine::CheckAll(std::string_view start) {
     errors_.push_back("the safety check " + checks_.front().name + " has no safe state to go to");
   }
   if (!errors_.empty()) return;  // missing states would look like dead ends
-  for (const Problem& problem : Check(chart_)) {
+  for (const Problem& problem : Check(chart_, Place())) {
     auto& lines = problem.severity == Severity::kError ? errors_ : warnings_;
     lines.push_back(problem.where + ": " + problem.what);
   }

@@ -189,7 +189,7 @@ TEST(Replay, FailsWhereTheMachineLacksARecordedStateOrCommand) {
             "show.record:4: error: show: runs already");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "input target", "input traget")),
             "show.record:5: error: unknown input traget");
-  EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "1 show", "1 race")),
+  EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "2 show", "2 race")),
             "show.record:1: error: it was recorded from machine race, not from show");
 }
 
