@@ -61,13 +61,16 @@ class FsmActuator::Impl : public fsm::Listener {
                                           " stands and waits for START: musher behavior " +
                                           owner_.name() + " --send START"};
     }
-    // A command queued for hours would no longer be wanted.
-    if (!ticking_) {
-      return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
-                   owner_.name() + " is paused in " + owner_.CurrentState() +
-                       (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
-    }
-    return machine_->Send(command);
+    const Result<> ready = CheckTicking();
+    return ready ? machine_->Send(command) : ready;
+  }
+
+  // A command queued for hours would no longer be wanted.
+  Result<> CheckTicking() const {
+    if (ticking_) return Ok();
+    return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
+                 owner_.name() + " is paused in " + owner_.CurrentState() +
+                     (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
   }
 
   // For calls that are on the loop only.
@@ -92,6 +95,13 @@ class FsmActuator::Impl : public fsm::Listener {
     if (change.cause == fsm::Cause::kUnsafe) line += ", " + std::string(machine.unsafe());
     log_(change.at, LogLevel::kInfo, line);
     if (!in_tick_) PublishSoon();
+  }
+  void OnKept(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
+    const std::string name(machine.Name(command));
+    log_(machine.time(), LogLevel::kWarning,
+         std::string(machine.Name(state)) + " keeps command " + name +
+             ", and all later ones wait behind it; declare Defer(\"" + name +
+             "\") to let them pass");
   }
   void OnUnhandled(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
     log_(machine.time(), LogLevel::kWarning,
@@ -269,6 +279,9 @@ fsm::Machine& FsmActuator::machine() {
 }
 Result<> FsmActuator::Send(std::string_view command) {
   return impl_->OnLoop().Send(command);
+}
+Result<> FsmActuator::CheckTicking() const {
+  return impl_->OnLoop().CheckTicking();
 }
 bool FsmActuator::ticking() const {
   return impl_->OnLoop().ticking();

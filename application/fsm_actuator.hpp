@@ -59,6 +59,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/application/begin.hpp"
@@ -116,6 +117,12 @@ class FsmActuator : public MachineActuator {
   // Fails when the machine is paused, so that no command is executed hours later, and when
   // Machine::Send() fails. On the loop only.
   Result<> Send(std::string_view command);
+  // The same for a command that carries data (behavior/fsm/event.hpp).
+  template <class T>
+  Result<> Send(std::string_view command, T data) {
+    const Result<> ready = CheckTicking();
+    return ready ? machine().Send(command, std::move(data)) : ready;
+  }
   // Whether the machine is ticked now. On the loop only.
   bool ticking() const;
   // The time of the machine's clock. On the loop only.
@@ -125,6 +132,7 @@ class FsmActuator : public MachineActuator {
   void OnEmergencyStop() override;
 
  private:
+  Result<> CheckTicking() const;
   // Not available: a callback of a derived class would replace the one that runs the machine. Use
   // OnPause() and OnResume() instead.
   using MachineActuator::RegisterStateCallback;

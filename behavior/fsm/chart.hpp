@@ -1,6 +1,7 @@
 #pragma once
 // The structure of a state machine: plain values, without the behaviour of its states.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,11 +16,22 @@ enum class Role {
   kFinal,  // the end: decides nothing more; left by Force(), Reset() and for the safe state
 };
 
+// How a transition enters a state that holds a machine.
+enum class Into : std::uint8_t {
+  kStart,        // at its start state, or as the Nested::Options of the state say
+  kHistory,      // where it was left; a machine inside of that state as Into::kStart
+  kDeepHistory,  // where it was left, down to the innermost state
+};
+
 // A transition from a state to another, as the state declared it.
 struct ChartTransition {
   StateId from = kNoState;
-  StateId to = kNoState;
-  std::string when;  // for people: "a face is seen"
+  StateId to = kNoState;  // kNoState: it leaves the machine
+  std::string when;       // for people: "a face is seen"
+  // Of a transition that leaves the machine or leads into a state that holds one: the path of its
+  // target from the outermost machine, "SHOW/PHOTO".
+  std::string target{};
+  Into into = Into::kStart;
 
   friend bool operator==(const ChartTransition&, const ChartTransition&) = default;
 };
@@ -28,7 +40,9 @@ struct Chart {
   struct Node {
     std::string name;
     Role role = Role::kNormal;
-    std::vector<Chart> inside;  // of a state that holds a machine: that machine; else empty
+    std::vector<Chart> inside;  // the machines that the state holds, which run side by side
+    std::vector<std::string> handles{};  // events that the state declared with Transitions::On()
+    std::vector<std::string> defers{};   // with Transitions::Defer()
 
     friend bool operator==(const Node&, const Node&) = default;
   };

@@ -7,14 +7,17 @@
 //   a trap          states that lead only to each other, never back to the start, to the safe state
 //                   or to a final one
 //   a final state that declares a transition
+//   a state that declares both On() and Defer() of an event
 // Warnings, since it may be intended:
 //   unreachable     only Force() reaches it
 //   a safe state without a transition out: only Force() or Reset() leaves it
 //   a transition that is declared twice, with the same text
+//   an event that a state defers, and that no state declares to handle
 //
 // Threads: any, while no other thread changes the chart.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/base/diagnostic.hpp"
@@ -31,7 +34,8 @@ struct Problem {
 };
 
 // Includes the problems of the machines inside. In the order of the states. The ids of `chart` are
-// its own.
-std::vector<Problem> Check(const Chart& chart);
+// its own. `place`: the path of the state that holds the machine (Machine::Place()); "" of the
+// outermost one.
+std::vector<Problem> Check(const Chart& chart, std::string_view place = {});
 
 }  // namespace musher::fsm

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "musher/base/time.hpp"
+#include "musher/behavior/fsm/event.hpp"
 #include "musher/behavior/fsm/ids.hpp"
 
 namespace musher::fsm {
@@ -59,6 +60,7 @@ struct Input {
   Time time{};                 // of kStart and kTick
   EventId command = kNoEvent;  // of kCommand
   StateId state = kNoState;    // of kStart and kForce
+  EventData* data = nullptr;   // of kCommand: what it carries; null: nothing
 };
 
 class Machine;
@@ -71,6 +73,12 @@ class Listener {
   virtual void OnInput(const Machine& /*machine*/, const Input& /*input*/) {}
   // The machine is in its new state; OnEnter of that state follows.
   virtual void OnChange(const Machine& /*machine*/, const Change& /*change*/) {}
+  // The same in a machine that a state holds, at any depth.
+  virtual void OnChangeInside(const Machine& /*machine*/, const Machine& /*inside*/,
+                              const Change& /*change*/) {}
+  // A state stays and keeps this command (Next::KeepCommand()): as long as it does, no other
+  // command is handled. Once for each command and state.
+  virtual void OnKept(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
   // A command was not handled in this state.
   virtual void OnUnhandled(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
   // Before the machine goes to its safe state or stops.

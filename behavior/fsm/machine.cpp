@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <stdexcept>
 #include <utility>
 
 #include "musher/base/check.hpp"
@@ -76,21 +77,53 @@ class Machine::Declaration : public Transitions {
  public:
   Declaration(Machine& machine, StateId state) : machine_(machine), state_(state) {}
 
-  StateId To(std::string_view target, std::string_view when) override {
-    const auto found = machine_.FindState(target);
-    if (!found) {
+  using Transitions::To;
+  StateId To(std::string_view target, std::string_view when, Into into) override {
+    auto route = machine_.FindRoute(target);
+    if (!route) {
       Refuse(Unknown("state", target, machine_.nodes_));
       return kNoState;
     }
-    machine_.chart_.transitions.push_back({state_, *found, std::string(when)});
-    machine_.declared_[Index(state_) * machine_.row_ + Index(*found) / 64] |=
-        std::uint64_t{1} << (Index(*found) % 64);
-    return *found;
+    const MachineState last =
+        route->down.empty() ? MachineState{route->at, route->to} : route->down.back();
+    if (into != Into::kStart && last.machine->nodes_[Index(last.state)].inside.empty()) {
+      Refuse(std::string(target) + " holds no machine, and has no history");
+    }
+    if (route->at != &machine_ || !route->down.empty() || into != Into::kStart) {
+      return Declare(std::move(*route), when, into);
+    }
+    const StateId found = route->to;
+    machine_.chart_.transitions.push_back({state_, found, std::string(when)});
+    machine_.declared_[Index(state_) * machine_.row_ + Index(found) / 64] |= std::uint64_t{1}
+                                                                             << (Index(found) % 64);
+    return found;
   }
   EventId On(std::string_view event) override {
     const auto found = machine_.FindEvent(event);
-    if (!found) Refuse(Unknown("event", event, machine_.events_));
-    return found.value_or(kNoEvent);
+    if (!found) {
+      Refuse(Unknown("event", event, machine_.events_));
+      return kNoEvent;
+    }
+    Note(machine_.nodes_[Index(state_)].handles, *found);
+    return *found;
+  }
+  EventId OnType(std::string_view event, const EventType* type) override {
+    const EventId found = On(event);
+    if (found == kNoEvent || machine_.events_[Index(found)].type == type) return found;
+    Refuse("event " + std::string(event) + " carries other data than this state expects");
+    return kNoEvent;
+  }
+  EventId Defer(std::string_view event) override {
+    const auto found = machine_.FindEvent(event);
+    if (!found) {
+      Refuse(Unknown("event", event, machine_.events_));
+      return kNoEvent;
+    }
+    Note(machine_.nodes_[Index(state_)].defers, *found);
+    for (Machine* machine = &machine_; machine != nullptr; machine = machine->around_) {
+      machine->defers_any_ = true;
+    }
+    return *found;
   }
   std::optional<EventId> Find(std::string_view event) const override {
     return machine_.FindEvent(event);
@@ -104,6 +137,20 @@ class Machine::Declaration : public Transitions {
   }
 
  private:
+  static void Note(std::vector<EventId>& events, EventId event) {
+    if (std::ranges::find(events, event) == events.end()) events.push_back(event);
+  }
+  StateId Declare(Route route, std::string_view when, Into into) {
+    route.from = state_;
+    route.into = into;
+    route.name = route.target;
+    if (into != Into::kStart) route.name += into == Into::kHistory ? "/H" : "/H*";
+    const StateId to = route.at == &machine_ ? route.to : kNoState;
+    machine_.chart_.transitions.push_back({state_, to, std::string(when), route.target, into});
+    machine_.routes_.push_back(std::move(route));
+    return static_cast<StateId>(machine_.nodes_.size() + machine_.routes_.size() - 1);
+  }
+
   Machine& machine_;
   const StateId state_;
 };
@@ -126,15 +173,20 @@ StateId Machine::Add(std::string name, std::unique_ptr<State> state, Role role) 
   const auto id = static_cast<StateId>(nodes_.size());
   MUSHER_CHECK(id < kNoState);
   if (role == Role::kSafe) safe_ = id;
-  nodes_.push_back({std::move(name), std::move(state), role});
+  const auto inside = state->inside();
+  for (const auto& machine : inside) {
+    machine->around_ = this;
+    machine->around_state_ = id;
+  }
+  nodes_.push_back({std::move(name), std::move(state), role, inside});
   return id;
 }
 
-EventId Machine::AddEvent(std::string name, Urgency urgency) {
+EventId Machine::AddEvent(std::string name, Urgency urgency, const EventType* type) {
   MUSHER_CHECK(!built_);
   if (const auto fault = NameFault("event", name)) errors_.push_back(*fault);
   if (FindEvent(name)) errors_.push_back("event " + name + ": registered twice");
-  events_.push_back({std::move(name), urgency});
+  events_.push_back({std::move(name), urgency, type});
   return static_cast<EventId>(events_.size() - 1);
 }
 
@@ -153,18 +205,93 @@ void Machine::AddData(std::string name, std::function<void(Archive&)> persist) {
 void Machine::DeclareStates() {
   row_ = (nodes_.size() + 63) / 64;
   declared_.assign(nodes_.size() * row_, 0);
+  routes_.clear();
   chart_ = {.name = options_.name, .states = {}, .transitions = {}, .start = kNoState};
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     Declaration transitions(*this, static_cast<StateId>(i));
+    nodes_[i].handles.clear();
+    nodes_[i].defers.clear();
+    const InTick guard(in_tick_);  // a state that calls its machine here is told so
     try {
       nodes_[i].state->Declare(transitions);
     } catch (const std::exception& thrown) {
       transitions.Refuse(std::string("Declare: ") + thrown.what());
     }
-    const Machine* inside = nodes_[i].state->inside();
     chart_.states.push_back({nodes_[i].name, nodes_[i].role, {}});
-    if (inside != nullptr) chart_.states.back().inside.push_back(inside->chart());
+    for (const auto& inside : nodes_[i].inside) {
+      chart_.states.back().inside.push_back(inside->chart());
+    }
+    for (const EventId event : nodes_[i].handles) {
+      chart_.states.back().handles.emplace_back(Name(event));
+    }
+    for (const EventId event : nodes_[i].defers) {
+      chart_.states.back().defers.emplace_back(Name(event));
+    }
   }
+}
+
+// A target of `from` by Name(): a state, or the end of a route.
+std::optional<StateId> Machine::FindTarget(StateId from, std::string_view name) const {
+  if (const auto state = FindState(name)) return state;
+  for (std::size_t i = 0; i < routes_.size(); ++i) {
+    if (routes_[i].from != from || routes_[i].name != name) continue;
+    return static_cast<StateId>(nodes_.size() + i);
+  }
+  return std::nullopt;
+}
+
+// The steps to a state by its path from this machine down; the machines inside need not be built.
+std::optional<std::vector<Machine::MachineState>> Machine::FindBelow(std::string_view path) {
+  const std::size_t slash = path.find('/');
+  const auto found = FindState(path.substr(0, slash));
+  if (!found) return std::nullopt;
+  const MachineState step{this, *found};
+  if (slash == std::string_view::npos) return std::vector{step};
+  for (const auto& inside : nodes_[Index(*found)].inside) {
+    auto steps = inside->FindBelow(path.substr(slash + 1));
+    if (!steps) continue;
+    steps->insert(steps->begin(), step);
+    return steps;
+  }
+  return std::nullopt;
+}
+
+// From a state of this machine to `target`, as Transitions::To() searches it.
+std::optional<Machine::Route> Machine::FindRoute(std::string_view target) {
+  Machine* first = this;  // where the path of the target begins
+  if (target.starts_with('/')) {
+    target.remove_prefix(1);
+    while (first->around_ != nullptr) first = first->around_;
+  }
+  const std::string_view name = target.substr(0, target.find('/'));
+  while (first != nullptr && !first->FindState(name)) first = first->around_;
+  auto steps = first == nullptr ? std::nullopt : first->FindBelow(target);
+  if (!steps) return std::nullopt;
+  for (const Machine* below = first; below->around_ != nullptr; below = below->around_) {
+    steps->insert(steps->begin(), {below->around_, below->around_state_});
+  }
+  Route route{kNoState, this, nullptr, kNoState, {}, Into::kStart, {}, {}};
+  const auto is_around = [this](const Machine* machine) {
+    const Machine* around = this;
+    while (around != nullptr && around != machine) around = around->around_;
+    return around != nullptr;
+  };
+  for (const MachineState& step : *steps) {
+    route.target +=
+        (route.target.empty() ? "" : "/") + step.machine->nodes_[Index(step.state)].name;
+    if (is_around(step.machine)) {
+      route.at = step.machine;
+      route.to = step.state;
+    } else {
+      route.down.push_back(step);
+    }
+  }
+  return route;
+}
+
+const Machine::Route* Machine::RouteOf(StateId target) const {
+  const std::size_t index = Index(target) - nodes_.size();
+  return Index(target) >= nodes_.size() && index < routes_.size() ? &routes_[index] : nullptr;
 }
 
 void Machine::CheckAll(std::string_view start) {
@@ -179,7 +306,7 @@ void Machine::CheckAll(std::string_view start) {
     errors_.push_back("the safety check " + checks_.front().name + " has no safe state to go to");
   }
   if (!errors_.empty()) return;  // missing states would look like dead ends
-  for (const Problem& problem : Check(chart_)) {
+  for (const Problem& problem : Check(chart_, Place())) {
     auto& lines = problem.severity == Severity::kError ? errors_ : warnings_;
     lines.push_back(problem.where + ": " + problem.what);
   }
@@ -207,14 +334,28 @@ Result<> Machine::Build(std::string_view start) {
 // --- names, listeners and texts ---
 
 bool Machine::Declared(StateId from, StateId to) const {
-  return Index(to) < nodes_.size() &&
-         (declared_[Index(from) * row_ + Index(to) / 64] >> (Index(to) % 64) & 1) != 0;
+  if (Index(to) >= nodes_.size()) {
+    const Route* const route = RouteOf(to);
+    return route != nullptr && route->from == from;
+  }
+  return (declared_[Index(from) * row_ + Index(to) / 64] >> (Index(to) % 64) & 1) != 0;
+}
+
+Result<EventId> Machine::EventOf(std::string_view event) const {
+  const auto found = FindEvent(event);
+  if (!found) return Error{kCodeFailed, name() + ": " + Unknown("event", event, events_)};
+  return *found;
 }
 
 Result<> Machine::Send(std::string_view event) {
-  const auto found = FindEvent(event);
-  if (!found) return Error{kCodeFailed, name() + ": " + Unknown("event", event, events_)};
-  return Send(*found);
+  const Result<EventId> found = EventOf(event);
+  return found ? Send(found.value()) : found.error();
+}
+
+std::shared_ptr<EventData> Machine::NewData(EventId event) const {
+  const EventType* const type =
+      Index(event) < events_.size() ? events_[Index(event)].type : nullptr;
+  return type == nullptr ? nullptr : type->make();
 }
 
 Result<> Machine::Force(std::string_view target) {
@@ -246,7 +387,9 @@ std::optional<std::size_t> Machine::FindCheck(std::string_view name) const {
 }
 
 std::string_view Machine::Name(StateId state) const {
-  return Index(state) < nodes_.size() ? std::string_view(nodes_[Index(state)].name) : "";
+  if (Index(state) < nodes_.size()) return nodes_[Index(state)].name;
+  const Route* const route = RouteOf(state);
+  return route == nullptr ? std::string_view() : route->name;
 }
 
 std::string_view Machine::Name(EventId event) const {
@@ -259,9 +402,19 @@ std::string_view Machine::unsafe() const {
 
 std::string Machine::Path() const {
   if (current_ == kNoState) return "";
-  const Machine* inside = present_->inside();
-  const std::string below = inside == nullptr ? "" : inside->Path();
+  std::string below;
+  for (const auto& inside : nodes_[Index(current_)].inside) {
+    const std::string path = inside->Path();
+    if (!path.empty()) below += (below.empty() ? "" : "|") + path;
+  }
+  if (nodes_[Index(current_)].inside.size() > 1 && !below.empty()) below = "(" + below + ")";
   return std::string(Name(current_)) + (below.empty() ? "" : "/" + below);
+}
+
+std::string Machine::Place() const {
+  if (around_ == nullptr) return "";
+  const std::string place = around_->Place();
+  return (place.empty() ? "" : place + "/") + std::string(around_->Name(around_state_));
 }
 
 std::string Machine::Describe(const Fault& fault) const {
@@ -343,6 +496,10 @@ void Machine::NotifyInput(const Input& input) {
 }
 
 Result<> Machine::StartAt(StateId state, Time now) {
+  return StartIn(state, now, {});
+}
+
+Result<> Machine::StartIn(StateId state, Time now, const Entry& entry) {
   if (in_tick_) return CallError(name(), kInTick);
   if (!built_) return CallError(name(), "cannot start before Build() has succeeded");
   if (running_) return CallError(name(), "runs already");
@@ -357,7 +514,7 @@ Result<> Machine::StartAt(StateId state, Time now) {
   unsafe_ = checks_.size();
   history_.Clear();
   fault_.reset();
-  Enter(state, Cause::kStarted, kNoEvent);
+  Enter(state, Cause::kStarted, kNoEvent, entry);
   return Reached(state);
 }
 
@@ -371,54 +528,137 @@ void Machine::Pause() {
 // [[unlikely]] moves rare code out of the path of the common tick: the state decides to stay, and
 // runs.
 void Machine::RunOnce(Time now) {
-  if (!running_ || in_tick_) return;
+  if (in_tick_) [[unlikely]] {
+    throw std::logic_error("RunOnce() of " + name() + " inside of its own tick does nothing");
+  }
+  if (!running_) return;
   const InTick guard(in_tick_);
+  if (!BeginTick(now)) return;
+  RunStep();
+  if (waiting_ > 0 && options_.commands_per_tick > 1) [[unlikely]] {
+    Drain();
+  }
+  if (!checks_.empty() && running_) PassesChecks();
+}
+
+// False: it went to its safe state.
+bool Machine::BeginTick(Time now) {
   if (!listeners_.empty()) [[unlikely]] {
     NotifyInput({.kind = Input::Kind::kTick, .time = now});
   }
   Advance(now);
   ++ticks_;
-  if (checks_.empty()) [[likely]] {
-    Step();
-  } else if (PassesChecks()) {
-    Step();
-    if (running_) PassesChecks();
+  return checks_.empty() || PassesChecks();
+}
+
+// Handles further commands, as in ticks at the same time.
+void Machine::Drain() {
+  for (std::size_t n = 1; n < options_.commands_per_tick; ++n) {
+    if (!running_ || mode_ == Mode::kTransitioning || (stays_ && use_ == Use::kKept)) return;
+    if (requested_ != nullptr || FirstWaiting() == waiting_) return;
+    tick_.step = {};
+    RunStep();
   }
 }
 
-void Machine::Step() {
+void Machine::RunStep() {
+  stays_ = Step();
+  if (stays_) Run();
+  if (requested_ != nullptr && requested_->at == this) [[unlikely]] {
+    Follow();
+  }
+}
+
+// For a state that lets the machines inside decide first: the half of a tick until it is decided
+// whether the state stays. The tick ends with RunDecided(), or with the stop of this machine.
+Machine::Use Machine::Decide(Time now, EventId command, const std::shared_ptr<EventData>& data) {
+  stays_ = false;
+  if (!running_) return Use::kNothing;
+  const InTick guard(in_tick_);
+  if (!BeginTick(now)) return command == kNoEvent ? Use::kDone : Use::kKept;
+  // Its own commands come first.
+  const bool busy = mode_ == Mode::kTransitioning || FirstWaiting() < waiting_;
+  offered_ = busy ? kNoEvent : command;
+  if (offered_ != kNoEvent) event_data_ = data;
+  stays_ = Step();
+  if (requested_ != nullptr && requested_->at == this) Follow();
+  if (busy) return command == kNoEvent ? Use::kDone : Use::kKept;
+  offered_ = kNoEvent;
+  return use_;
+}
+
+void Machine::RunDecided() {
+  if (!running_) return;
+  const InTick guard(in_tick_);
+  if (std::exchange(stays_, false)) Run();
+  if (requested_ != nullptr && requested_->at == this) Follow();
+  if (!checks_.empty() && running_) PassesChecks();
+}
+
+// Whether the state stays, so that it runs.
+bool Machine::Step() {
+  use_ = Use::kDone;
   if (mode_ == Mode::kTransitioning) [[unlikely]] {
-    return Proceed();
+    Proceed();
+    return false;
   }
   if (waiting_ > 0) [[unlikely]] {
     tick_.command = TakeCommand();
   }
+  if (offered_ != kNoEvent) [[unlikely]] {
+    tick_.command = offered_;
+    tick_.data = event_data_.get();
+  }
   Next next = Next::Stay();
-  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return;
+  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return false;
+  if (requested_ != nullptr) [[unlikely]] {  // a state inside goes elsewhere
+    const EventId command = std::exchange(tick_.command, kNoEvent);
+    if (command != kNoEvent && next.keeps()) {
+      use_ = Use::kKept;
+      if (offered_ == kNoEvent) GiveBack(command);
+    }
+    return false;
+  }
   if (!next.stays() || tick_.command != kNoEvent) [[unlikely]] {
     return Execute(next);
   }
-  Run();
+  if (!next.handles()) use_ = Use::kNothing;
+  return true;
 }
 
-// Executes the decision of the state, with or without a command.
-void Machine::Execute(Next next) {
+// Executes the decision of the state, with or without a command. Whether the state stays.
+bool Machine::Execute(Next next) {
   // The safe state is not left while a check fails.
   const bool held = mode_ == Mode::kSafeStop && unsafe_ != checks_.size();
   const bool leaves = !next.stays() && !held;
-  if (tick_.command != kNoEvent) {
+  const EventId command = tick_.command;
+  if (command != kNoEvent) {
     if (next.keeps()) {
-      GiveBack(std::exchange(tick_.command, kNoEvent));
-    } else if (!leaves && !(next.stays() && next.handles())) {
-      Unhandled(tick_.command);
+      tick_.command = kNoEvent;
+      if (!leaves) Keeps(command, next);
+      if (offered_ == kNoEvent) GiveBack(command);
+      use_ = Use::kKept;
+    } else {
+      kept_ = kNoEvent;
+      if (!leaves && !(next.stays() && next.handles())) {
+        use_ = Use::kNothing;
+        if (offered_ == kNoEvent) Unhandled(command);
+      }
     }
   }
-  if (leaves) return Begin(next);
-  if (Run()) tick_.command = kNoEvent;
+  if (leaves) Begin(next);
+  return !leaves;
 }
 
-bool Machine::Run() {
-  return Guard(Phase::kRun, [&] { present_->Run(tick_); });
+// The state stays, and keeps the command.
+void Machine::Keeps(EventId command, const Next& next) {
+  if (next.waits() || kept_ == command) return;
+  kept_ = command;
+  NotifyAll([&](Listener& listener) { listener.OnKept(*this, command, current_); });
+}
+
+void Machine::Run() {
+  if (Guard(Phase::kRun, [&] { present_->Run(tick_); })) tick_.command = kNoEvent;
 }
 
 // Whether every check passes. Goes to the safe state when one fails or throws.
@@ -442,16 +682,16 @@ bool Machine::HandleUnsafe(const SafetyCheck& check, const std::optional<std::st
   unsafe_ = index;
   if (thrown && news) Note(Phase::kSafetyCheck, check.name + ": " + *thrown);
   if (mode_ == Mode::kSafeStop) return true;
-  Switch(safe_, thrown ? Cause::kFault : Cause::kUnsafe, kNoEvent);
+  Switch(safe_, thrown ? Cause::kFault : Cause::kUnsafe, kNoEvent, {});
   return false;
 }
 
 void Machine::Begin(Next next) {
   if (!Declared(current_, next.target())) {
+    const std::string_view target = Name(next.target());
     return Fail(Phase::kCheck,
                 "it went to " +
-                    (Index(next.target()) < nodes_.size() ? std::string(Name(next.target()))
-                                                          : "an unknown state") +
+                    (target.empty() ? std::string("an unknown state") : std::string(target)) +
                     ", which it has not declared");
   }
   mode_ = Mode::kTransitioning;
@@ -465,39 +705,85 @@ void Machine::Proceed() {
   bool done = false;
   if (!Guard(Phase::kTransition, [&] { done = present_->Transition(tick_); })) return;
   if (done) {
-    Switch(tick_.target, Cause::kDecided, cause_);
+    GoTo(tick_.target);
   } else if (tick_.transition_elapsed > options_.longest_transition) {
     Fail(Phase::kTransition,
          "the transition to " + std::string(Name(tick_.target)) + " does not end");
   }
 }
 
+// The transition of the current state is complete.
+void Machine::GoTo(StateId target) {
+  const Route* const route = RouteOf(target);
+  if (route == nullptr) return Switch(target, Cause::kDecided, cause_, {});
+  for (Machine* machine = this; machine != route->at; machine = machine->around_) {
+    machine->requested_ = route;
+  }
+  route->at->requested_ = route;
+}
+
+// Goes along the requested route, which begins in this machine or in one inside.
+void Machine::Follow() {
+  const Route& route = *std::exchange(requested_, nullptr);
+  EventId command = std::exchange(route.owner->cause_, kNoEvent);
+  if (command != kNoEvent && route.owner != this) {
+    command = FindEvent(route.owner->Name(command)).value_or(kNoEvent);
+  }
+  Switch(route.to, Cause::kDecided, command, {.route = &route});
+}
+
+// A state was left or entered meanwhile: the one that requested the route is no longer present.
+void Machine::CancelRequest() {
+  const Route* const route = requested_;
+  for (Machine* machine = this; machine != nullptr; machine = machine->around_) {
+    if (machine->requested_ == route) machine->requested_ = nullptr;
+  }
+}
+
+// For the machines in the current state, before it starts them.
+void Machine::SetEntries(const Entry& entry) {
+  const bool on = entry.route != nullptr && entry.depth < entry.route->down.size();
+  for (const auto& inside : nodes_[Index(current_)].inside) {
+    if (!on) {
+      inside->entry_ = {.into = entry.route == nullptr ? entry.into : entry.route->into};
+    } else if (entry.route->down[entry.depth].machine == inside.get()) {
+      inside->entry_ = entry;
+    }
+  }
+}
+
 // From the current state to `target`.
-void Machine::Switch(StateId target, Cause cause, EventId command) {
-  if (Guard(Phase::kExit, [&] { present_->OnExit(tick_); })) Enter(target, cause, command);
+void Machine::Switch(StateId target, Cause cause, EventId command, const Entry& entry) {
+  if (Guard(Phase::kExit, [&] { present_->OnExit(tick_); })) Enter(target, cause, command, entry);
 }
 
 // The current state was left, by a change with `command`, if there was one. Ends what it has left
 // unfinished: the machine inside, where its function threw before it stopped that machine, and an
 // aborted transition, whose command was not handled.
 void Machine::EndPresent(EventId command) {
-  Machine* const inside = present_ == nullptr ? nullptr : present_->inside();
-  if (inside != nullptr) static_cast<void>(inside->Stop());
+  if (current_ != kNoState) {
+    for (const auto& inside : nodes_[Index(current_)].inside) static_cast<void>(inside->Stop());
+  }
+  if (requested_ != nullptr) CancelRequest();
+  kept_ = kNoEvent;
   const EventId behind = std::exchange(cause_, kNoEvent);
   if (behind != kNoEvent && behind != command) Unhandled(behind);
 }
 
 // The current state has been left, or there was none.
-void Machine::Enter(StateId target, Cause cause, EventId command) {
+void Machine::Enter(StateId target, Cause cause, EventId command, const Entry& entry) {
   EndPresent(command);
   const Change change{tick_.now, ticks_, current_, target, command, cause};
   current_ = target;
-  present_ = nodes_[Index(target)].state.get();
+  const Node& node = nodes_[Index(target)];
+  present_ = node.state.get();
   tick_ = {.now = tick_.now, .step = tick_.step};
   mode_ = target == safe_ ? Mode::kSafeStop : Mode::kNormal;
   if (mode_ == Mode::kNormal) unsafe_ = checks_.size();
   Remember(change);
+  if (!node.inside.empty()) SetEntries(entry);
   Guard(Phase::kEnter, [&] { present_->OnEnter(tick_); });
+  for (const auto& inside : node.inside) inside->entry_ = {};  // OnEnter may have failed before it
 }
 
 void Machine::Note(Phase phase, std::string what, const std::string& inner) {
@@ -526,7 +812,7 @@ void Machine::LeaveFailed(Phase phase) {
       ++counts_.faults;  // it is being left because it failed; the first failure is reported
     }
   }
-  Enter(safe_, Cause::kFault, kNoEvent);
+  Enter(safe_, Cause::kFault, kNoEvent, {});
 }
 
 void Machine::Halt(Cause cause) {
@@ -564,7 +850,7 @@ Result<> Machine::Force(StateId target) {
   if (Index(target) >= nodes_.size()) return CallError(name(), "has no such state");
   const InTick guard(in_tick_);
   NotifyInput({.kind = Input::Kind::kForce, .state = target});
-  Switch(target, Cause::kForced, kNoEvent);
+  Switch(target, Cause::kForced, kNoEvent, {});
   return Reached(target);
 }
 
@@ -575,7 +861,7 @@ Result<> Machine::Reset() {
   NotifyInput({.kind = Input::Kind::kReset});
   DropCommands();
   fault_.reset();
-  Switch(chart_.start, Cause::kReset, kNoEvent);
+  Switch(chart_.start, Cause::kReset, kNoEvent, {});
   return Reached(chart_.start);
 }
 
@@ -587,12 +873,17 @@ Error Machine::Failure() const {
   return {kCodeFailed, name() + ": " + Describe(*fault_)};
 }
 
-Result<> Machine::Send(EventId event) {
+Result<> Machine::SendData(EventId event, std::shared_ptr<EventData> data) {
   if (Index(event) >= events_.size()) return CallError(name(), "has no such event");
+  if (events_[Index(event)].type != (data == nullptr ? nullptr : data->type())) {
+    return Error{kCodeFailed,
+                 name() + ": event " + events_[Index(event)].name +
+                     (data == nullptr ? " carries data, which is missing" : " carries other data")};
+  }
   if (!running_) return CallError(name(), "does not run");
   if (!in_tick_) {  // a command of a state or a listener is not an input from outside
     const InTick guard(in_tick_);
-    NotifyInput({.kind = Input::Kind::kCommand, .command = event});
+    NotifyInput({.kind = Input::Kind::kCommand, .command = event, .data = data.get()});
   }
   if (events_[Index(event)].urgency == Urgency::kUrgent) DropCommands();
   if (waiting_ == commands_.size()) {
@@ -600,28 +891,61 @@ Result<> Machine::Send(EventId event) {
     return Error{kCodeFailed, name() + ": " + std::to_string(waiting_) + " commands are queued; " +
                                   events_[Index(event)].name + " is refused: the queue is full"};
   }
-  commands_[(first_command_ + waiting_) % commands_.size()] = event;
+  Queued(waiting_) = {event, std::move(data)};
   ++waiting_;
   return Ok();
 }
 
+// The oldest command that is not deferred; none: kNoEvent.
 EventId Machine::TakeCommand() {
-  const EventId event = commands_[first_command_];
+  const std::size_t first = FirstWaiting();
+  if (first == waiting_) return kNoEvent;
+  Command command = std::move(Queued(first));
+  for (std::size_t i = first; i > 0; --i) Queued(i) = std::move(Queued(i - 1));
+  event_data_ = std::move(command.data);
+  tick_.data = event_data_.get();
   first_command_ = first_command_ + 1 == commands_.size() ? 0 : first_command_ + 1;
   --waiting_;
-  return event;
+  return command.event;
+}
+
+// Its place in the queue; the number of those that wait: there is none.
+std::size_t Machine::FirstWaiting() const {
+  if (!defers_any_) return 0;
+  std::size_t i = 0;
+  while (i < waiting_ && WordOf(Queued(i).event) == Word::kDefers) ++i;
+  return i;
+}
+
+Machine::Word Machine::WordOf(EventId command) const {
+  if (current_ == kNoState || command == kNoEvent) return Word::kNothing;
+  const Node& node = nodes_[Index(current_)];
+  Word word = Word::kNothing;
+  for (const auto& inside : node.inside) {
+    const Word innermost = inside->WordOf(inside->InsideOf(command));
+    if (innermost == Word::kHandles) return innermost;
+    if (innermost == Word::kDefers) word = innermost;
+  }
+  if (word != Word::kNothing) return word;
+  if (std::ranges::find(node.handles, command) != node.handles.end()) return Word::kHandles;
+  const bool defers = std::ranges::find(node.defers, command) != node.defers.end();
+  return defers ? Word::kDefers : Word::kNothing;
+}
+
+// The event of this machine by that of the machine around it.
+EventId Machine::InsideOf(EventId outer) const {
+  return Index(outer) < by_outer_.size() ? by_outer_[Index(outer)] : kNoEvent;
 }
 
 // Back to the front of the queue, unless an urgent command was sent meanwhile or the queue is full.
 void Machine::GiveBack(EventId event) {
-  const bool swept =
-      waiting_ > 0 && events_[Index(commands_[first_command_])].urgency == Urgency::kUrgent;
+  const bool swept = waiting_ > 0 && events_[Index(Queued(0).event)].urgency == Urgency::kUrgent;
   if (swept || waiting_ == commands_.size()) {
     ++counts_.superseded;
     return;
   }
   first_command_ = (first_command_ == 0 ? commands_.size() : first_command_) - 1;
-  commands_[first_command_] = event;
+  commands_[first_command_] = {event, std::move(event_data_)};
   ++waiting_;
 }
 
@@ -634,6 +958,9 @@ void Machine::Remember(const Change& change) {
   ++counts_.changes;
   history_.Add(change);
   NotifyAll([&](Listener& listener) { listener.OnChange(*this, change); });
+  for (Machine* outer = around_; outer != nullptr; outer = outer->around_) {
+    outer->NotifyAll([&](Listener& listener) { listener.OnChangeInside(*outer, *this, change); });
+  }
 }
 
 }  // namespace musher::fsm

@@ -18,7 +18,8 @@
 // leaves the safe state only when the safe state decides so and every check passes again. A fault
 // of the safe state itself stops the machine.
 //
-// A tick makes at most one transition. It does not allocate, lock or read a clock.
+// A tick makes at most one transition, or one for each of `commands_per_tick` queued commands. It
+// does not allocate, lock or read a clock.
 //
 // Threads: one at a time. A state or a listener may call Send(); the calls that change the machine
 // fail inside of a tick.
@@ -27,6 +28,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,8 +67,11 @@ class Machine {
  public:
   struct Options {
     std::string name = "machine";
-    std::size_t history = 64;                                // changes that are kept; 0: none
-    std::size_t commands = 32;                               // that may be queued
+    std::size_t history = 64;   // changes that are kept; 0: none
+    std::size_t commands = 32;  // that may be queued
+    // The commands that a tick handles at most, in order. For each after the first the state is
+    // checked, and run if it stays, with a step of no time.
+    std::size_t commands_per_tick = 1;
     Duration longest_transition = std::chrono::seconds(10);  // a longer one is a fault
   };
 
@@ -80,7 +85,15 @@ class Machine {
 
   StateId Add(std::string name, std::unique_ptr<State> state, Role role = Role::kNormal);
   // A command by its name. An urgent one is handled before all queued ones, and drops them.
-  EventId AddEvent(std::string name, Urgency urgency = Urgency::kNormal);
+  EventId AddEvent(std::string name, Urgency urgency = Urgency::kNormal) {
+    return AddEvent(std::move(name), urgency, nullptr);
+  }
+  // The same with data; see event.hpp.
+  template <class T>
+  TypedEvent<T> AddEvent(std::string name, Urgency urgency = Urgency::kNormal) {
+    return {AddEvent(std::move(name), urgency, EventTypeOf<T>())};
+  }
+  EventId AddEvent(std::string name, Urgency urgency, const EventType* type);
   // `is_safe` is called at the beginning and at the end of each tick; false leads to the safe
   // state.
   void AddSafetyCheck(std::string name, std::function<bool(const Tick&)> is_safe);
@@ -102,7 +115,7 @@ class Machine {
   // The same, in another state.
   Result<> StartAt(StateId state, Time now);
   // Does nothing while the machine is not running. A time before the last one counts as no elapsed
-  // time.
+  // time. Throws std::logic_error inside of a tick of the same machine: a fault of the state.
   void RunOnce(Time now);
   // The time until the next tick does not count.
   void Pause();
@@ -119,8 +132,22 @@ class Machine {
 
   // A command for the state to handle. Fails when it is not registered, when the queue is full, and
   // when the machine does not run.
-  Result<> Send(EventId event);
+  Result<> Send(EventId event) { return SendData(event, nullptr); }
   Result<> Send(std::string_view event);
+  // The same with data. Fails also when the event carries other data.
+  template <class T>
+  Result<> Send(TypedEvent<T> event, T data) {
+    return SendData(event.id, std::make_shared<EventDataOf<T>>(std::move(data)));
+  }
+  template <class T>
+  Result<> Send(std::string_view event, T data) {
+    const Result<EventId> found = EventOf(event);
+    return found ? Send(TypedEvent<T>{found.value()}, std::move(data)) : found.error();
+  }
+  // For tools, which know the data of an event by its fields only: NewData() has their defaults,
+  // and is null for an event without data.
+  Result<> SendData(EventId event, std::shared_ptr<EventData> data);
+  std::shared_ptr<EventData> NewData(EventId event) const;
   // At once, whether declared or not; queued commands stay.
   Result<> Force(StateId target);
   Result<> Force(std::string_view target);
@@ -148,12 +175,16 @@ class Machine {
   std::size_t waiting_commands() const { return waiting_; }
 
   const std::string& name() const { return options_.name; }
-  std::string_view Name(StateId state) const;  // "" of kNoState
+  // "" of kNoState. Of an id that Transitions::To() returned for a state of another machine: its
+  // path from the outermost machine, with "/H" or "/H*" for the history.
+  std::string_view Name(StateId state) const;
   std::string_view Name(EventId event) const;
   std::optional<StateId> FindState(std::string_view name) const;
   std::optional<EventId> FindEvent(std::string_view name) const;
-  // "SHOW/PHOTO" where a state holds a machine.
+  // "SHOW/PHOTO" where a state holds a machine, "SHOW/(WAVE|SMILE)" where it holds two.
   std::string Path() const;
+  // Of a machine inside: the path of the state that holds it; else "".
+  std::string Place() const;
   // "SHOW/PHOTO: OnEnter: ..." of a fault.
   std::string Describe(const Fault& fault) const;
   std::size_t event_count() const { return events_.size(); }
@@ -161,14 +192,48 @@ class Machine {
   const Chart& chart() const { return chart_; }
 
  private:
+  friend class Nested;
+
   struct Node {
     std::string name;
     std::unique_ptr<State> state;
     Role role;
+    std::span<const std::unique_ptr<Machine>> inside;
+    std::vector<EventId> handles{};
+    std::vector<EventId> defers{};
+  };
+  // A state of this machine, or of one inside or around it.
+  struct MachineState {
+    Machine* machine;
+    StateId state;
+  };
+  // A transition that ends in another machine, or inside of a state of this one. It leaves and
+  // enters in `at`, the innermost machine that has both ends: the present state is left there, the
+  // innermost one first; then `to` is entered, and `down`, the outermost one first.
+  struct Route {
+    StateId from;
+    Machine* owner;  // of `from`
+    Machine* at;
+    StateId to;
+    std::vector<MachineState> down;
+    Into into;
+    std::string target;  // its path from the outermost machine
+    std::string name;    // the same, with "/H" or "/H*" for the history
+  };
+  // How a state is entered: by its start state, or along a route below this depth, or by history.
+  struct Entry {
+    const Route* route = nullptr;
+    std::size_t depth = 0;
+    Into into = Into::kStart;
   };
   struct Event {
     std::string name;
     Urgency urgency;
+    const EventType* type;  // of its data; null: it has none
+  };
+  struct Command {
+    EventId event = kNoEvent;
+    std::shared_ptr<EventData> data;
   };
   struct SafetyCheck {
     std::string name;
@@ -182,18 +247,42 @@ class Machine {
   class Restorer;
 
   void DeclareStates();
+  std::optional<Route> FindRoute(std::string_view target);
+  std::optional<std::vector<MachineState>> FindBelow(std::string_view path);
+  const Route* RouteOf(StateId target) const;
+  std::optional<StateId> FindTarget(StateId from, std::string_view name) const;
+  Result<> StartIn(StateId state, Time now, const Entry& entry);
+  void GoTo(StateId target);
+  void Follow();
+  void SetEntries(const Entry& entry);
+  void CancelRequest();
   void CheckAll(std::string_view start);
   std::optional<std::size_t> FindCheck(std::string_view name) const;
+  static std::string InsideName(const Node& node, const Machine& inside);
   Result<> SaveParts(Snapshot& saved) const;
   void Become(const Snapshot& saved, Time now);
+  // What a state and the machines inside make of a command.
+  enum class Use : std::uint8_t { kNothing, kDone, kKept };
+  // What the present states have declared of it.
+  enum class Word : std::uint8_t { kNothing, kHandles, kDefers };
+
   inline void Advance(Time now);
-  inline void Step();
-  void Execute(Next next);
-  inline bool Run();
+  inline bool BeginTick(Time now);
+  inline void RunStep();
+  inline bool Step();
+  bool Execute(Next next);
+  inline void Run();
+  void Keeps(EventId command, const Next& next);
+  void Drain();
+  Use Decide(Time now, EventId command, const std::shared_ptr<EventData>& data);
+  void RunDecided();
+  Word WordOf(EventId command) const;
+  std::size_t FirstWaiting() const;
+  EventId InsideOf(EventId outer) const;
   void Begin(Next next);
   void Proceed();
-  void Enter(StateId target, Cause cause, EventId command);
-  void Switch(StateId target, Cause cause, EventId command);
+  void Enter(StateId target, Cause cause, EventId command, const Entry& entry);
+  void Switch(StateId target, Cause cause, EventId command, const Entry& entry);
   bool PassesChecks();
   bool HandleUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown);
   void Note(Phase phase, std::string what, const std::string& inner = {});
@@ -208,6 +297,11 @@ class Machine {
   void DropCommands() {
     counts_.superseded += waiting_;
     waiting_ = 0;
+  }
+  Result<EventId> EventOf(std::string_view name) const;
+  Command& Queued(std::size_t i) { return commands_[(first_command_ + i) % commands_.size()]; }
+  const Command& Queued(std::size_t i) const {
+    return commands_[(first_command_ + i) % commands_.size()];
   }
   EventId TakeCommand();
   void GiveBack(EventId command);
@@ -226,6 +320,12 @@ class Machine {
   std::vector<std::string> errors_;  // errors found so far
   std::vector<std::string> warnings_;
   Chart chart_;
+  std::vector<Route> routes_;            // their ids follow those of the states
+  Machine* around_ = nullptr;            // null: this is the outermost machine
+  StateId around_state_ = kNoState;      // the state of it that holds this machine
+  Entry entry_;                          // for the next start, by the machine around this one
+  std::vector<EventId> by_outer_;        // the events by those of the machine around, of this name
+  bool defers_any_ = false;              // a state here or inside declares Defer()
   std::vector<std::uint64_t> declared_;  // a bit for each pair of states
   std::size_t row_ = 0;                  // words of one state in it
   StateId safe_ = kNoState;
@@ -237,16 +337,23 @@ class Machine {
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
   State* present_ = nullptr;  // the same, ready to be called
-  Tick tick_;                 // the argument of the states; with the transition under way
+  // A state inside goes along it, to be followed at the end of this step by the machine `at`.
+  const Route* requested_ = nullptr;
+  Tick tick_;  // the argument of the states; with the transition under way
   std::optional<Time> last_tick_;
   std::uint64_t ticks_ = 0;
   std::size_t waiting_ = 0;
   std::vector<Listener*> listeners_;  // null: removed during a notification
   std::vector<SafetyCheck> checks_;
 
+  std::shared_ptr<EventData> event_data_;  // of the command of the tick
+  EventId offered_ = kNoEvent;     // of the machine around, which gets it back if it is unused
+  Use use_ = Use::kNothing;        // of this step
+  bool stays_ = false;             // after Decide()
+  EventId kept_ = kNoEvent;        // reported by OnKept() for the present state
   EventId cause_ = kNoEvent;       // the command behind the transition
   std::size_t unsafe_;             // index of the check, or their number
-  std::vector<EventId> commands_;  // a ring
+  std::vector<Command> commands_;  // a ring
   std::size_t first_command_ = 0;
   History history_;
   std::optional<Fault> fault_;

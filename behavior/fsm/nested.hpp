@@ -18,6 +18,14 @@
 // machine is a fault of the outer state, reported with the path ("PHOTO/CONFIRM"). Once the inner
 // machine is in a final state, the outer one goes to `finished` in the next tick.
 //
+// A state inside may go to any state of the hierarchy (Transitions::To()): in the same tick the
+// innermost state is left first, up to the one below the machine that has both ends; then the
+// target and the states around it are entered, the outermost first.
+//
+// A state may hold several machines, which run side by side (regions): each tick ticks them in
+// order, a command goes to all that have it, and the state is finished once all of them are in a
+// final state. Their names and those of their states differ. They are left in the reverse order.
+//
 // A derived class that overrides Decide() decides more; its function has to call this class's
 // function.
 //
@@ -26,6 +34,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,11 +60,21 @@ class Nested : public State {
     // When re-entered, the inner machine continues in the state in which it was left, and re-enters
     // it. After a final or a safe state it starts from its start state anyway.
     bool resumes = false;
+    // The states inside decide before Decide(): in a tick in which one of them goes elsewhere or
+    // handles the command, Decide() is not called. Otherwise Decide() comes first, and the machine
+    // inside gets what it leaves.
+    bool inner_first = false;
+  };
+
+  struct Region {
+    std::unique_ptr<Machine> machine;
+    std::string start;
   };
 
   // `inner` has its states and is not built: Build() of the outer machine builds it.
   Nested(std::unique_ptr<Machine> inner, std::string start);
   Nested(std::unique_ptr<Machine> inner, std::string start, Options options);
+  Nested(std::vector<Region> regions, Options options);
   ~Nested() override;
 
   void Declare(Transitions& transitions) override;
@@ -64,26 +83,32 @@ class Nested : public State {
   Next CheckTransition(const Tick& tick) final;
   void OnExit(const Tick& tick) override;
   void Persist(Archive& archive) override;
-  Machine* inside() final { return inner_.get(); }
+  std::span<const std::unique_ptr<Machine>> inside() final { return machines_; }
 
  protected:
-  // Called before the inner machine: the decision of the outer state itself.
+  // The decision of the outer state itself; before the inner machine, unless that is first.
   virtual Next Decide(const Tick& /*tick*/) { return Next::Stay(); }
-  // The inner machine is in a final state.
+  // The inner machine is in a final state; all of them, where there are several.
   bool finished() const;
-  const Machine& inner() const { return *inner_; }
+  const Machine& inner() const { return *machines_.front(); }
 
  private:
-  Role inner_role() const;
-  void ThrowIfStopped() const;
+  struct Place {
+    std::string start;
+    bool built = false;
+    std::optional<StateId> left_in{};
+  };
 
-  const std::unique_ptr<Machine> inner_;
-  const std::string start_;
+  void RefuseSameNames(Transitions& transitions) const;
+  Next Pass(EventId command);
+  Machine::Use DecideInside(const Tick& tick);
+  static Role RoleOf(const Machine& machine);
+  static void ThrowIfStopped(const Machine& machine);
+
+  std::vector<std::unique_ptr<Machine>> machines_;
+  std::vector<Place> places_;  // of each machine
   const Options options_;
-  bool inner_built_ = false;
   StateId finished_transition_ = kNoState;
-  std::vector<EventId> inner_events_;  // by the outer event of the same name
-  std::optional<StateId> left_in_;
 };
 
 }  // namespace musher::fsm

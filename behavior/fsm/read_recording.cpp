@@ -28,24 +28,25 @@ constexpr Verb kVerbs[] = {
     {"stop", Kind::kStop, false, 0},   {"input", Kind::kInput, false, 2},
 };
 
-std::string ReadHeader(RecordingLine& line) {
-  if (!line.rest().starts_with(std::string(kRecordingFormat) + " ")) {
+void ReadHeader(RecordingLine& line, Recording& recording) {
+  recording.has_inside = line.rest().starts_with(std::string(kRecordingFormat) + " ");
+  if (!recording.has_inside && !line.rest().starts_with(std::string(kRecordingFormat1) + " ")) {
     line.Fail("a recording begins with \"" + std::string(kRecordingFormat) + "\" and a machine");
   }
   line.Word();
   line.Word();
-  std::string machine = line.Word();
+  recording.machine = line.Word();
   line.End();
-  return machine;
 }
 
 Line ReadLine(RecordingLine& reader, int number) {
   Line line;
   line.number = number;
   const std::string word = reader.Word();
-  if (word == "changed") {
+  if (word == "changed" || word == "inside") {
     line.kind = Kind::kChanged;
-    line.text = reader.rest();
+    if (word == "inside") line.text = "inside ";
+    line.text += reader.rest();
     while (!reader.AtEnd()) reader.Word();
     return line;
   }
@@ -54,7 +55,7 @@ Line ReadLine(RecordingLine& reader, int number) {
   }
   const auto* const verb = std::ranges::find(kVerbs, word, &Verb::word);
   if (verb == std::end(kVerbs)) {
-    std::vector<std::string_view> words{"changed"};
+    std::vector<std::string_view> words{"changed", "inside"};
     for (const Verb& known : kVerbs) words.push_back(known.word);
     reader.Fail(word + " is not a kind of line" + DidYouMean(word, words));
   }
@@ -62,6 +63,10 @@ Line ReadLine(RecordingLine& reader, int number) {
   if (verb->has_time) line.time = reader.Seconds();
   if (verb->words > 0) line.name = reader.Word();
   if (verb->words > 1) line.text = reader.Word();
+  while (line.kind == Kind::kCommand && !reader.AtEnd()) {
+    std::string field = reader.Word();
+    line.data.emplace_back(std::move(field), reader.Word());
+  }
   reader.End();
   return line;
 }
@@ -82,7 +87,7 @@ Result<Recording> ReadRecording(std::string_view text, const std::string& file) 
         break;
       }
       if (number == 1) {
-        recording.machine = ReadHeader(reader);
+        ReadHeader(reader, recording);
       } else {
         recording.lines.push_back(ReadLine(reader, number));
       }

@@ -5,6 +5,7 @@
 
 #include "musher/base/check.hpp"
 #include "musher/behavior/fsm/recording_text.hpp"
+#include "musher/behavior/fsm/saved_part.hpp"
 
 namespace musher::fsm {
 
@@ -15,6 +16,13 @@ void AppendChange(std::string& line, const Machine& machine, const Change& chang
   AppendWord(line, machine.Name(change.to));
   AppendWord(line, Name(change.cause));
   if (change.command != kNoEvent) AppendWord(line, machine.Name(change.command));
+}
+
+void AppendChangeInside(std::string& line, const Machine& inside, const Change& change) {
+  AppendWord(line, "inside");
+  AppendWord(line, inside.Place());
+  AppendWord(line, inside.name());
+  AppendChange(line, inside, change);
 }
 
 Recorder::Recorder(Machine& machine, Sink sink) : machine_(machine), sink_(std::move(sink)) {
@@ -53,6 +61,13 @@ void Recorder::OnInput(const Machine& machine, const fsm::Input& input) {
     AppendTime(line_, input.time - *first_start_);
   }
   if (input.kind == Kind::kCommand) AppendWord(line_, machine.Name(input.command));
+  if (input.data != nullptr) {
+    for (const SavedField& field :
+         SaveFields([&](Archive& archive) { input.data->Persist(archive); })) {
+      AppendWord(line_, field.name);
+      AppendWord(line_, TextOf(field.value));
+    }
+  }
   if (input.state != kNoState) AppendWord(line_, machine.Name(input.state));
   Write();
 }
@@ -61,6 +76,13 @@ void Recorder::OnChange(const Machine& machine, const Change& change) {
   running_ = change.to != kNoState;
   line_ = "changed";
   AppendChange(line_, machine, change);
+  Write();
+}
+
+void Recorder::OnChangeInside(const Machine& /*machine*/, const Machine& inside,
+                              const Change& change) {
+  line_.clear();
+  AppendChangeInside(line_, inside, change);
   Write();
 }
 

@@ -2,12 +2,13 @@
 // Records all inputs of a machine, a line each, so that replay.hpp can replay them; and its
 // changes, so that the two runs can be compared.
 //
-//   musher-fsm-recording 1 show       the first line, with the name of the machine
+//   musher-fsm-recording 2 show       the first line, with the name of the machine
 //   start 0 IDLE                      times are seconds since the first start
 //   changed 0 0 "" IDLE started       tick, machine time, from, to, cause and command
 //   input target "0.5 0.4 1.2"        an input of the application: see Input()
 //   tick 0.02
-//   command photo
+//   command photo count 3             with the names and values of its data
+//   inside SHOW photo 3 0.06 ASK TAKE decided      a change of the machine photo, which SHOW holds
 //   force PHOTO
 //   pause, reset, stop
 //   restored                          the machine went on from a snapshot, which is not recorded:
@@ -41,6 +42,7 @@ class Recorder : public Listener {
 
   void OnInput(const Machine& machine, const fsm::Input& input) override;
   void OnChange(const Machine& machine, const Change& change) override;
+  void OnChangeInside(const Machine& machine, const Machine& inside, const Change& change) override;
 
  private:
   void Write();

@@ -5,6 +5,7 @@
 
 #include "musher/base/check.hpp"
 #include "musher/behavior/fsm/recording_text.hpp"
+#include "musher/behavior/fsm/saved_part.hpp"
 
 namespace musher::fsm {
 namespace {
@@ -15,23 +16,33 @@ using Kind = Line::Kind;
 // Compares the changes of a machine with those recorded.
 class Comparison : public Listener {
  public:
+  explicit Comparison(bool has_inside) : has_inside_(has_inside) {}
   void OnChange(const Machine& machine, const Change& change) override {
     std::string text;
     AppendChange(text, machine, change);
     changes_.push_back(text.substr(1));
   }
 
+  void OnChangeInside(const Machine& /*machine*/, const Machine& inside,
+                      const Change& change) override {
+    if (!has_inside_) return;
+    std::string text;
+    AppendChangeInside(text, inside, change);
+    changes_.push_back(std::move(text));
+  }
+
   // The changes since the last line that was not a change.
   std::vector<std::string> Take() { return std::exchange(changes_, {}); }
 
  private:
+  const bool has_inside_;
   std::vector<std::string> changes_;
 };
 
 class Replayer {
  public:
   Replayer(const Recording& recording, Machine& machine, const ApplyInput& apply)
-      : recording_(recording), machine_(machine), apply_(apply) {
+      : recording_(recording), machine_(machine), apply_(apply), comparison_(recording.has_inside) {
     machine_.Listen(&comparison_);
   }
   ~Replayer() { machine_.Forget(&comparison_); }
@@ -70,10 +81,8 @@ class Replayer {
       case Kind::kPause:
         machine_.Pause();
         break;
-      case Kind::kCommand: {
-        const Result<> sent = machine_.Send(line.name);
-        return machine_.FindEvent(line.name) ? Ok() : sent;
-      }
+      case Kind::kCommand:
+        return Send(line);
       case Kind::kForce: {
         const Result<> forced = machine_.Force(line.name);
         return machine_.FindState(line.name) ? Ok() : forced;
@@ -89,6 +98,32 @@ class Replayer {
       case Kind::kChanged:
         break;  // compared, not replayed
     }
+    return Ok();
+  }
+
+  Result<> Send(const Line& line) {
+    const auto event = machine_.FindEvent(line.name);
+    if (!event) return machine_.Send(line.name);  // refuses it, with a suggestion
+    const std::shared_ptr<EventData> data = machine_.NewData(*event);
+    if (data == nullptr && !line.data.empty()) {
+      return Error{kCodeParametersInvalid, "event " + line.name + " carries no data"};
+    }
+    if (data != nullptr) {
+      const auto persist = [&](Archive& archive) { data->Persist(archive); };
+      std::vector<SavedField> fields = SaveFields(persist);
+      for (const auto& [name, text] : line.data) {
+        const auto field = std::ranges::find(fields, name, &SavedField::name);
+        const auto value = field == fields.end() ? std::nullopt : ValueOf(text, field->value);
+        if (!value) {
+          return Error{kCodeParametersInvalid,
+                       "event " + line.name + " carries no " + name + " of " + text};
+        }
+        field->value = *value;
+      }
+      std::vector<SnapshotFault> none;  // the fields are its own
+      RestoreFields(fields, "", persist, none);
+    }
+    (void)machine_.SendData(*event, data).ok();
     return Ok();
   }
 

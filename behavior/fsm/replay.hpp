@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "musher/base/result.hpp"
@@ -42,10 +43,12 @@ struct Recording {
     Duration time{};   // of kStart and kTick: since the first start
     std::string name;  // of the state, the command or the input
     std::string text;  // of kInput; of kChanged the words after it
+    std::vector<std::pair<std::string, std::string>> data;  // of kCommand: its fields
   };
 
   std::string file;  // for messages
   std::string machine;
+  bool has_inside = false;  // the changes of the machines inside are recorded too
   std::vector<Line> lines;
   // Its last line is incomplete and was left out: the recording process crashed.
   bool cut_short = false;

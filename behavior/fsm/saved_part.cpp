@@ -1,6 +1,8 @@
 #include "musher/behavior/fsm/saved_part.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <exception>
 #include <stdexcept>
 #include <utility>
@@ -92,6 +94,32 @@ class RestoringArchive : public Archive {
 };
 
 }  // namespace
+
+std::string TextOf(const SavedValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  std::array<char, 32> digits{};
+  char* const end = digits.data() + digits.size();
+  const auto* whole = std::get_if<std::int64_t>(&value);
+  const auto written = whole != nullptr
+                           ? std::to_chars(digits.data(), end, *whole)
+                           : std::to_chars(digits.data(), end, std::get<double>(value));
+  return {digits.data(), written.ptr};
+}
+
+std::optional<SavedValue> ValueOf(std::string_view text, const SavedValue& kind) {
+  const auto number = [text](auto value) -> std::optional<SavedValue> {
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, value);
+    if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
+    return SavedValue(value);
+  };
+  if (std::holds_alternative<std::string>(kind)) return SavedValue(std::string(text));
+  if (std::holds_alternative<std::int64_t>(kind)) return number(std::int64_t{});
+  if (std::holds_alternative<double>(kind)) return number(double{});
+  if (text != "true" && text != "false") return std::nullopt;
+  return SavedValue(text == "true");
+}
 
 std::string SnapshotKey(const std::string& prefix, const std::string& name) {
   return prefix.empty() ? name : prefix + "." + name;

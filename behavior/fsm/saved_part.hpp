@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -33,6 +35,10 @@ struct SnapshotFault {
 
   friend bool operator==(const SnapshotFault&, const SnapshotFault&) = default;
 };
+
+// "true", "3", "0.5" or the text itself; and back, for a field of the same kind as `kind`.
+std::string TextOf(const SavedValue& value);
+std::optional<SavedValue> ValueOf(std::string_view text, const SavedValue& kind);
 
 // "states" and "TRACKING" make "states.TRACKING".
 std::string SnapshotKey(const std::string& prefix, const std::string& name);

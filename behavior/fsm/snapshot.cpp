@@ -21,6 +21,12 @@ constexpr Duration kFarthest{kFarthestNs};
 
 // --- Machine::Save() ---
 
+// "SHOW" of the first machine inside of SHOW, "SHOW/face" of another one.
+std::string Machine::InsideName(const Node& node, const Machine& inside) {
+  const bool first = node.inside.front().get() == &inside;
+  return first ? node.name : node.name + "/" + inside.name();
+}
+
 // The persisted fields of states and data, and the machines inside.
 Result<> Machine::SaveParts(Snapshot& saved) const {
   const std::string* at = nullptr;
@@ -34,13 +40,13 @@ Result<> Machine::SaveParts(Snapshot& saved) const {
     return Error{kCodeFailed, name() + ": " + *at + ": Persist: " + thrown.what()};
   }
   for (const Node& node : nodes_) {
-    const Machine* inside = node.state->inside();
-    if (inside == nullptr) continue;
-    Result<Snapshot> inner = inside->Save();
-    if (!inner) {
-      return Error{kCodeFailed, name() + ": " + node.name + ": " + inner.error().message};
+    for (const auto& inside : node.inside) {
+      Result<Snapshot> inner = inside->Save();
+      if (!inner) {
+        return Error{kCodeFailed, name() + ": " + node.name + ": " + inner.error().message};
+      }
+      saved.inside.push_back({InsideName(node, *inside), std::move(inner).value()});
     }
-    saved.inside.push_back({node.name, std::move(inner).value()});
   }
   return Ok();
 }
@@ -66,7 +72,11 @@ Result<Snapshot> Machine::Save() const {
                         tick_.transition_time};
   }
   for (std::size_t i = 0; i < waiting_; ++i) {
-    saved.commands.push_back(text(commands_[(first_command_ + i) % commands_.size()]));
+    saved.commands.push_back(text(Queued(i).event));
+    EventData* const data = Queued(i).data.get();
+    if (data == nullptr) continue;
+    SavePart(std::to_string(i), saved.command_data,
+             [data](Archive& archive) { data->Persist(archive); });
   }
   saved.counts = counts_;
   if (fault_) {
@@ -102,6 +112,7 @@ class Machine::Restorer {
     if (std::ranges::find(saved_.commands, "") != saved_.commands.end()) {
       Fail("commands", "one has no name");
     }
+    CheckCommandData();
     if (saved_.commands.size() > machine_.commands_.size()) {
       Fail("commands", "more than " + std::to_string(machine_.commands_.size()) + " cannot wait");
     }
@@ -118,16 +129,16 @@ class Machine::Restorer {
     CheckParts("data", saved_.data);
     CheckParts("states", saved_.states);
     for (const Snapshot::Inside& inside : saved_.inside) {
-      if (!machine_.FindState(inside.state)) {
-        Fail(SnapshotKey("inside", inside.state), UnknownState(inside.state));
+      const std::string state = inside.state.substr(0, inside.state.find('/'));
+      if (!machine_.FindState(state)) {
+        Fail(SnapshotKey("inside", inside.state), UnknownState(state));
       }
     }
     const auto present = machine_.FindState(saved_.state);
-    const Machine* const runs =
-        present ? machine_.nodes_[Index(*present)].state->inside() : nullptr;
     ForInside([&](Restorer& inside) {
       inside.Validate();
-      if (present || saved_.state.empty()) inside.EvaluateRunning(&inside.machine_ == runs);
+      if (!present && !saved_.state.empty()) return;
+      inside.EvaluateRunning(present == inside.machine_.around_state_);
     });
   }
 
@@ -154,7 +165,10 @@ class Machine::Restorer {
       Fail("state", saved_.running ? "is missing" : "is set, although the machine does not run");
     }
     if (saved_.transition) {
-      State("transition.to", saved_.transition->to);
+      const auto from = machine_.FindState(saved_.state).value_or(kNoState);
+      if (!machine_.FindTarget(from, saved_.transition->to)) {
+        State("transition.to", saved_.transition->to);
+      }
       Events("transition.command", {saved_.transition->command});
     }
     const bool goes = saved_.mode == Mode::kTransitioning;
@@ -211,6 +225,26 @@ class Machine::Restorer {
     }
   }
 
+  void CheckCommandData() {
+    for (const Snapshot::Part& part : saved_.command_data) {
+      const std::string key = SnapshotKey("command_data", part.name);
+      std::size_t i = 0;
+      while (i < saved_.commands.size() && std::to_string(i) != part.name) ++i;
+      if (i == saved_.commands.size()) {
+        Fail(key, "there is no such command");
+      } else if (const auto event = machine_.FindEvent(saved_.commands[i])) {
+        if (machine_.NewData(*event) == nullptr) Fail(key, saved_.commands[i] + " carries no data");
+      }
+    }
+    for (std::size_t i = 0; i < saved_.commands.size(); ++i) {
+      const auto event = machine_.FindEvent(saved_.commands[i]);
+      const auto data = event ? machine_.NewData(*event) : nullptr;
+      if (data == nullptr) continue;
+      GivePart("command_data", saved_.command_data, std::to_string(i),
+               [&](Archive& archive) { data->Persist(archive); });
+    }
+  }
+
   void CheckParts(const std::string& key, const std::vector<Snapshot::Part>& parts) {
     std::vector<std::string> known;
     known.reserve(machine_.data_.size());
@@ -241,19 +275,27 @@ class Machine::Restorer {
   // Calls `Do` for each machine inside; an error for each that only one of the two has.
   template <class Do>
   void ForInside(Do&& act) {
+    std::vector<std::string> known;
     for (const Node& node : machine_.nodes_) {
-      Machine* const machine = node.state->inside();
-      const auto saved = std::ranges::find(saved_.inside, node.name, &Snapshot::Inside::state);
-      const bool is_saved = saved != saved_.inside.end();
-      const std::string local = SnapshotKey("inside", node.name);
-      if (machine != nullptr && is_saved) {
+      for (const auto& machine : node.inside) {
+        known.push_back(InsideName(node, *machine));
+        const auto saved = std::ranges::find(saved_.inside, known.back(), &Snapshot::Inside::state);
+        const std::string local = SnapshotKey("inside", known.back());
+        if (saved == saved_.inside.end()) {
+          Fail(local, "is missing");
+          continue;
+        }
         Restorer inside(*machine, saved->machine, SnapshotKey(prefix_, local), faults_);
         act(inside);
-      } else if (machine != nullptr) {
-        Fail(local, "is missing");
-      } else if (is_saved) {
-        Fail(local, node.name + " holds no machine");
       }
+    }
+    for (const Snapshot::Inside& saved : saved_.inside) {
+      const std::string state = saved.state.substr(0, saved.state.find('/'));
+      if (!machine_.FindState(state)) continue;  // reported already
+      if (std::ranges::find(known, saved.state) != known.end()) continue;
+      const bool second = state.size() != saved.state.size();
+      Fail(SnapshotKey("inside", saved.state),
+           state + (second ? " holds no such machine" : " holds no machine"));
     }
   }
 
@@ -299,12 +341,22 @@ void Machine::Become(const Snapshot& saved, Time now) {
   last_tick_ = saved.paused ? std::nullopt : std::optional(now);
   unsafe_ = FindCheck(saved.unsafe).value_or(checks_.size());
   const Snapshot::Transition transition = saved.transition.value_or(Snapshot::Transition{});
-  tick_.target = state(transition.to);
+  tick_.target = FindTarget(current_, transition.to).value_or(kNoState);
   tick_.transition_elapsed = transition.elapsed;
   tick_.transition_time = transition.time;
   cause_ = event(transition.command);
   first_command_ = waiting_ = 0;
-  for (const std::string& command : saved.commands) commands_[waiting_++] = event(command);
+  for (const std::string& command : saved.commands) {
+    const auto data = NewData(event(command));
+    const auto part =
+        std::ranges::find(saved.command_data, std::to_string(waiting_), &Snapshot::Part::name);
+    if (data != nullptr && part != saved.command_data.end()) {
+      Faults none;  // they were checked
+      RestoreFields(
+          part->fields, "", [&](Archive& archive) { data->Persist(archive); }, none);
+    }
+    commands_[waiting_++] = {event(command), data};
+  }
   counts_ = saved.counts;
   fault_.reset();
   if (const auto& fault = saved.fault) {

@@ -58,6 +58,7 @@ struct Snapshot {
   std::string unsafe;
   std::optional<Transition> transition;
   std::vector<std::string> commands;  // queued
+  std::vector<Part> command_data;     // of those that carry any, named by their place from 0
   Counts counts;
   std::optional<PastFault> fault;
   std::vector<PastChange> history;  // clear it to make the snapshot smaller
@@ -68,9 +69,9 @@ struct Snapshot {
   friend bool operator==(const Snapshot&, const Snapshot&) = default;
 };
 
-// The machine inside of a state.
+// A machine inside of a state.
 struct Snapshot::Inside {
-  std::string state;
+  std::string state;  // "SHOW"; "SHOW/face" of another machine in it than the first
   Snapshot machine;
   friend bool operator==(const Inside&, const Inside&) = default;
 };

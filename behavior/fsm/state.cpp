@@ -1,7 +1,7 @@
 // The default functions of a state. Not in the header, where the compiler would speculate at each
 // call that a state does not override them.
 
-#include "musher/behavior/fsm/state.hpp"
+#include "musher/behavior/fsm/machine.hpp"
 
 namespace musher::fsm {
 
@@ -16,8 +16,8 @@ bool State::Transition(const Tick& tick) {
 }
 void State::OnExit(const Tick& /*tick*/) {}
 void State::Persist(Archive& /*archive*/) {}
-Machine* State::inside() {
-  return nullptr;
+std::span<const std::unique_ptr<Machine>> State::inside() {
+  return {};
 }
 
 }  // namespace musher::fsm

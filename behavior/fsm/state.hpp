@@ -30,11 +30,13 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "musher/base/time.hpp"
 #include "musher/behavior/fsm/archive.hpp"
 #include "musher/behavior/fsm/chart.hpp"
+#include "musher/behavior/fsm/event.hpp"
 #include "musher/behavior/fsm/ids.hpp"
 
 namespace musher::fsm {
@@ -50,8 +52,10 @@ struct Tick {
 
   // The oldest queued command, for CheckTransition. That call consumes it: by a transition, by
   // Next::Handle(), or unhandled, which is counted and reported. Next::KeepCommand() keeps it
-  // queued.
+  // queued, before all others: a state that waits for something else first declares Defer().
   EventId command = kNoEvent;
+  // What the command carries; see TypedEvent::In(). Null: nothing.
+  const EventData* data = nullptr;
 
   // For Transition: its target, the time since its begin, and the duration that Next gave.
   StateId target = kNoState;
@@ -66,6 +70,12 @@ struct Tick {
   }
 };
 
+template <class T>
+const T* TypedEvent<T>::In(const Tick& tick) const {
+  if (id == kNoEvent || tick.command != id) return nullptr;
+  return &static_cast<const EventDataOf<T>*>(tick.data)->value;
+}
+
 // What CheckTransition decides.
 class Next {
  public:
@@ -77,17 +87,24 @@ class Next {
   static Next To(StateId target, Duration gradually = {}) {
     return {target, gradually, Use::kHandled};
   }
-  // The same, but not because of the command, which stays queued for the next check.
+  // The same, but not because of the command, which stays queued for the next check. A stay that
+  // keeps a command blocks the queue, which is reported (Listener::OnKept()).
   Next KeepCommand() const { return {target_, time_, Use::kKept}; }
 
   bool stays() const { return target_ == kNoState; }
   bool handles() const { return use_ == Use::kHandled; }
-  bool keeps() const { return use_ == Use::kKept; }
+  bool keeps() const { return use_ == Use::kKept || waits(); }
   StateId target() const { return target_; }
   Duration time() const { return time_; }
 
  private:
-  enum class Use : std::uint8_t { kUnhandled, kHandled, kKept };  // of the command
+  friend class Machine;
+  friend class Nested;
+  enum class Use : std::uint8_t { kUnhandled, kHandled, kKept, kWaits };  // of the command
+
+  // Stays, and keeps the command until a transition inside has ended.
+  static Next Wait() { return {kNoState, {}, Use::kWaits}; }
+  bool waits() const { return use_ == Use::kWaits; }
 
   Next(StateId target, Duration time, Use use) : target_(target), use_(use), time_(time) {}
 
@@ -102,13 +119,32 @@ class Transitions {
   virtual ~Transitions() = default;
 
   // Declares a transition, with its condition as text for the graph. An undeclared one is a fault.
-  virtual StateId To(std::string_view state, std::string_view when) = 0;
+  // `state` is searched in this machine, then in the machine around it, and so on; "SHOW/PHOTO" is
+  // PHOTO in a machine that SHOW holds; "/SHOW" is searched in the outermost machine only. The
+  // returned id is for Next::To() of this state.
+  StateId To(std::string_view state, std::string_view when) {
+    return To(state, when, Into::kStart);
+  }
+  // The same, into the history of a state that holds a machine.
+  virtual StateId To(std::string_view state, std::string_view when, Into into) = 0;
   // An event that was registered with Machine::AddEvent().
   virtual EventId On(std::string_view event) = 0;
-  // The same for an event that need not be registered.
+  // The same for an event that carries a T.
+  template <class T>
+  TypedEvent<T> On(std::string_view event) {
+    return {OnType(event, EventTypeOf<T>())};
+  }
+  // A command that waits while this state is present: it stays queued, and later ones pass it. Of
+  // the present states, the innermost that declares something of a command decides: one that
+  // declares On() gets it.
+  virtual EventId Defer(std::string_view event) = 0;
+  // The same as On() for an event that need not be registered.
   virtual std::optional<EventId> Find(std::string_view event) const = 0;
   // Reports an error of this state: Build() fails with it.
   virtual void Refuse(std::string_view why) = 0;
+
+ protected:
+  virtual EventId OnType(std::string_view event, const EventType* type) = 0;
 };
 
 class State {
@@ -133,8 +169,8 @@ class State {
   // Saves and restores what another process needs to continue from here. See archive.hpp.
   virtual void Persist(Archive& archive);
 
-  // The machine inside, of a state that holds one. See nested.hpp.
-  virtual Machine* inside();
+  // The machines inside, of a state that holds any. See nested.hpp.
+  virtual std::span<const std::unique_ptr<Machine>> inside();
 };
 
 }  // namespace musher::fsm

@@ -21,10 +21,10 @@ class TableCheck {
     }
     fsm::Marks reached(chart_.states.size());
     reached[fsm::Index(kIdle)] = true;
-    fsm::Spread(chart_, reached, false);
+    fsm::Spread(chart_.transitions, reached, false);
     fsm::Marks ends(chart_.states.size());
     for (const StateId end : {kSucceeded, kFailed, kCancelled}) ends[fsm::Index(end)] = true;
-    fsm::Spread(chart_, ends, true);
+    fsm::Spread(chart_.transitions, ends, true);
     for (std::size_t i = 0; i < chart_.states.size(); ++i) {
       const auto state = static_cast<StateId>(i);
       if (!ends[i] && state != kIdle)

@@ -1,7 +1,7 @@
 """The base class of an application that is a state machine: an actuator that runs it while the robot is Active."""
 
 import time
-from typing import Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 from musher import _native, fsm
 from musher._actuator import Actuator
@@ -116,13 +116,13 @@ class FsmActuator(Actuator):
         """Whether the machine is ticked now."""
         return self._ticking
 
-    def send(self, command: str) -> None:
-        """A command for the machine, of <name>/send_command or of a topic. Raises musher.Failure when the machine is
+    def send(self, command: str, data: Any = None) -> None:
+        """A command for the machine, of <name>/send_command or of a topic, with its data. Raises musher.Failure when the machine is
         paused, so that no command is executed hours later, and when machine.send() does."""
         if not self._ticking:
             held = ", held by the emergency stop" if self.held_by_stop else ""
             raise Failure(_STATE_INVALID, f"{self.name} is paused in {self.current_state}{held}")
-        self.machine.send(command)
+        self.machine.send(command, data)
 
     def stamp(self) -> Time:
         """The time of the machine's clock, for messages; zero in a fault-injection test."""
@@ -357,6 +357,10 @@ class _Reports(fsm.Listener):
         actuator._limited(INFO, line)
         if not actuator._in_tick:
             actuator._publish_soon()
+
+    def on_kept(self, command: str, state: str) -> None:
+        self._actuator._limited(WARNING, f"{state} keeps command {command}, and all later ones wait behind it; declare "
+                                         f"transitions.defer(\"{command}\") to let them pass")
 
     def on_unhandled(self, command: str, state: str) -> None:
         self._actuator._limited(WARNING, f"command {command} is not handled in {state}")

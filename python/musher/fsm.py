@@ -27,8 +27,9 @@ fault of the safe state itself stops the machine.
 Threads: one at a time.
 """
 
+import dataclasses
 import enum
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from musher import _native
 from musher._log import Log, log, where
@@ -47,6 +48,15 @@ class Role(enum.IntEnum):
     FINAL = 2  #: the end: decides nothing more; left by force(), reset() and for the safe state
 
 
+class Into(enum.IntEnum):
+    """How a transition enters a state that holds a machine: transitions.to("SHOW", "on", into=fsm.Into.HISTORY), and
+    Next.to("SHOW", into=fsm.Into.HISTORY)."""
+
+    START = 0  #: at its start state, or as Nested says
+    HISTORY = 1  #: where it was left; a machine inside of that state at its start
+    DEEP_HISTORY = 2  #: where it was left, down to the innermost state
+
+
 class State:
     """One state. Derive from it, and write the functions that it needs. One line a tick:
 
@@ -61,7 +71,11 @@ class State:
     """
 
     def declare(self, transitions: Transitions) -> None:
-        """Once, when the machine is built: its transitions, and the commands that it handles."""
+        """Once, when the machine is built: its transitions, and the commands that it handles or defers.
+
+        transitions.to("IDLE", "alone") is a transition: the state is searched in this machine, then in the machine
+        around it, and so on; "SHOW/PHOTO" is PHOTO in a machine that SHOW holds. transitions.on("photo") is a command
+        that it handles; transitions.defer("photo") one that waits while this state is present: later ones pass it."""
 
     def on_enter(self, tick: Tick) -> None:
         """The state is entered."""
@@ -93,18 +107,26 @@ class Nested(State):
 
     The inner machine starts when the state is entered (`resumes`: in the state in which it was left), is ticked with
     it, and is stopped when it is left. A command that decide() neither handles nor keeps goes to the inner machine, if
-    that has one of the same name. Once the inner machine is in a final state, this one goes to `finished`.
+    that has one of the same name; with `inner_first` it goes there first, and decide() gets what is left. Once the
+    inner machine is in a final state, this one goes to `finished`.
+
+    Several machines run side by side: fsm.Nested([(arms, "WAVE"), (face, "SMILE")]). A command goes to all that have
+    it, and the state is finished once all are.
 
     on_enter and run of a derived class come before the inner machine, on_exit after it.
     """
 
-    def __init__(self, machine: "Machine", start: str, *, finished: str = "", resumes: bool = False) -> None:
-        if not isinstance(machine, Machine):
+    def __init__(self, machine: Union["Machine", Sequence[Tuple["Machine", str]]], start: str = "", *,
+                 finished: str = "", resumes: bool = False, inner_first: bool = False) -> None:
+        regions = [(machine, start)] if isinstance(machine, Machine) else machine
+        if not isinstance(regions, (list, tuple)) or not regions:
             raise TypeError(f"a state holds a musher.fsm.Machine, not {machine!r}")
-        self.inner = machine
-        self._start = start
-        self._finished = finished
-        self._resumes = resumes
+        for inner, _ in regions:
+            if not isinstance(inner, Machine):
+                raise TypeError(f"a state holds a musher.fsm.Machine, not {inner!r}")
+        self.inner = regions[0][0]
+        self._regions = [(inner._native, at) for inner, at in regions]
+        self._options = (finished, resumes, inner_first)
 
     def decide(self, tick: Tick) -> Optional[Next]:
         """As check_transition(); called before the inner machine."""
@@ -117,6 +139,9 @@ class Listener:
     def on_change(self, change: Change) -> None:
         """The machine is in its new state; on_enter of that state follows."""
 
+    def on_kept(self, command: str, state: str) -> None:
+        """The state stays and keeps this command: as long as it does, no other is handled. Once for each of both."""
+
     def on_unhandled(self, command: str, state: str) -> None:
         """A command was not handled in this state."""
 
@@ -127,13 +152,14 @@ class Listener:
 class Machine:
     """A machine of states. See the module.
 
-    `history`: how many changes are kept; `commands`: how many may be queued. A longer gradual transition than
-    `longest_transition_s` is a fault.
+    `history`: how many changes are kept; `commands`: how many may be queued, `commands_per_tick`: how many of them a
+    tick handles at most; for each after the first the state is checked and run with a step of no time. A longer gradual
+    transition than `longest_transition_s` is a fault.
     """
 
-    def __init__(self, name: str = "machine", *, history: int = 64, commands: int = 32,
+    def __init__(self, name: str = "machine", *, history: int = 64, commands: int = 32, commands_per_tick: int = 1,
                  longest_transition_s: float = 10.0) -> None:
-        self._native = _native.FsmMachine(name, history, commands, longest_transition_s)
+        self._native = _native.FsmMachine(name, history, commands, commands_per_tick, longest_transition_s)
         self._log_to(log)
 
     def _log_to(self, where_to: Log) -> None:
@@ -154,18 +180,21 @@ class Machine:
         """Registers a state."""
         if not isinstance(state, State):
             raise TypeError(f"the state {name} is an object of a class derived from musher.fsm.State, not {state!r}")
+        if hasattr(state, "run_once"):
+            raise TypeError(f"the state {name} has a run_once(), which no machine calls; a state has run()")
         if isinstance(state, Nested):
             if type(state).check_transition is not State.check_transition:
                 raise TypeError(f"{type(state).__name__} has a machine inside: override decide(), not "
                                 "check_transition()")
-            self._native.add_nested(name, int(role), _hooks(state, Nested, "decide"), state.inner._native,
-                                    state._start, state._finished, state._resumes)
+            self._native.add_nested(name, int(role), _hooks(state, Nested, "decide"), state._regions,
+                                    *state._options)
         else:
             self._native.add(name, int(role), _hooks(state, State, "check_transition"))
 
-    def add_event(self, name: str, *, urgent: bool = False) -> None:
-        """A command by its name. An urgent one is handled before all queued ones, and drops them."""
-        self._native.add_event(name, urgent)
+    def add_event(self, name: str, *, urgent: bool = False, data: Optional[type] = None) -> None:
+        """A command by its name. An urgent one is handled before all queued ones, and drops them. `data`: the dataclass
+        that it carries, whose fields are bool, int, float or str and have defaults; a state reads it as tick.data."""
+        self._native.add_event(name, urgent, data)
 
     def add_safety_check(self, name: str, is_safe: Callable[[Tick], bool]) -> None:
         """Called at the beginning and at the end of each tick; False leads to the safe state."""
@@ -205,10 +234,10 @@ class Machine:
         """Leaves the state permanently."""
         self._native.stop()
 
-    def send(self, command: str) -> None:
-        """A command for the state to handle; the only call that a state or a listener may make. Raises musher.Failure
-        when it is not registered, when the queue is full, and when the machine does not run."""
-        self._native.send(command)
+    def send(self, command: str, data: Any = None) -> None:
+        """A command for the state to handle, with its data; the only call that a state or a listener may make. Raises
+        musher.Failure when it is not registered, when the queue is full, and when the machine does not run."""
+        self._native.send(command, data)
 
     def force(self, state: str) -> None:
         """To that state at once, whether declared or not."""
@@ -222,7 +251,8 @@ class Machine:
         """Reports to it from now on."""
         if not isinstance(listener, Listener):
             raise TypeError(f"a listener is an object of a class derived from musher.fsm.Listener, not {listener!r}")
-        self._native.listen(listener.on_change, lambda unhandled: listener.on_unhandled(*unhandled), listener.on_fault)
+        self._native.listen(listener.on_change, lambda unhandled: listener.on_unhandled(*unhandled), listener.on_fault,
+                            lambda kept: listener.on_kept(*kept))
 
     # Status.
 
@@ -307,8 +337,30 @@ def _hooks(state: State, base: type, check: str) -> Tuple[Optional[Callable[...,
     return tuple(own(name) for name in ("declare", "on_enter", "run", check, "transition", "on_exit"))
 
 
+def _event_fields(data: type) -> List[str]:
+    """The names of the fields of the data of an event."""
+    if not isinstance(data, type) or not dataclasses.is_dataclass(data):
+        raise TypeError(f"the data of an event is a dataclass, not {data!r}")
+    fields = dataclasses.fields(data)
+    for field in fields:
+        if field.default is dataclasses.MISSING or type(field.default) not in (bool, int, float, str):
+            raise TypeError(f"{data.__name__}.{field.name}: a field of an event has a bool, an int, a float or a str "
+                            "as its default")
+    return [field.name for field in fields]
+
+
+def _check_event(value: Any, defaults: Any, fields: List[str]) -> None:
+    """Raises TypeError unless `value` is such an object, with fields of their types."""
+    if type(value) is not type(defaults):
+        raise TypeError(f"the command carries a {type(defaults).__name__}, not {value!r}")
+    for name in fields:
+        if type(getattr(value, name)) is not type(getattr(defaults, name)):
+            raise TypeError(f"{type(value).__name__}.{name} is a {type(getattr(defaults, name)).__name__}, not "
+                            f"{getattr(value, name)!r}")
+
+
 def _ns(seconds: float) -> int:
     return round(seconds * 1e9)
 
 
-__all__ = ["Change", "Listener", "Machine", "Nested", "Next", "Role", "State", "Tick", "Transitions"]
+__all__ = ["Change", "Into", "Listener", "Machine", "Nested", "Next", "Role", "State", "Tick", "Transitions"]

@@ -18,19 +18,37 @@ Time At(std::int64_t ns) {
   return Time(std::clamp(Duration(ns), Duration(-kFarthestNs), Duration(kFarthestNs)));
 }
 
-FsmNext To(const std::string& state, double gradually_s) {
-  if (state.empty()) throw py::value_error("the name of a state is expected");
-  return {state, Seconds(gradually_s), FsmNext::Use::kHandled};
+fsm::Into IntoOf(int into) {
+  constexpr std::array kInto{fsm::Into::kStart, fsm::Into::kHistory, fsm::Into::kDeepHistory};
+  return kInto.at(static_cast<std::size_t>(into));
 }
 
-FsmNext KeepCommand(const FsmNext& next) {
-  return {next.target, next.gradually, FsmNext::Use::kKept};
+FsmNext To(const std::string& state, double gradually_s, int into) {
+  if (state.empty()) throw py::value_error("the name of a state is expected");
+  return {state, Seconds(gradually_s), FsmNext::Use::kHandled, IntoOf(into)};
+}
+
+FsmNext KeepCommand(FsmNext next) {
+  next.use = FsmNext::Use::kKept;
+  return next;
 }
 
 std::shared_ptr<FsmMachine> MakeMachine(const std::string& name, std::size_t history,
-                                        std::size_t commands, double longest_transition_s) {
-  return std::make_shared<FsmMachine>(
-      fsm::Machine::Options{name, history, commands, Seconds(longest_transition_s)});
+                                        std::size_t commands, std::size_t commands_per_tick,
+                                        double longest_transition_s) {
+  return std::make_shared<FsmMachine>(fsm::Machine::Options{
+      name, history, commands, commands_per_tick, Seconds(longest_transition_s)});
+}
+
+// `inside`: a list of a machine and the name of its start state.
+void AddNested(FsmMachine& self, const std::string& name, int role, const py::tuple& hooks,
+               const py::list& inside, fsm::Nested::Options options) {
+  std::vector<FsmMachine::Inside> machines;
+  for (const py::handle one : inside) {
+    const auto pair = one.cast<std::pair<std::shared_ptr<FsmMachine>, std::string>>();
+    machines.push_back({pair.first, pair.second});
+  }
+  self.AddNested(name, role, hooks, machines, std::move(options));
 }
 
 std::vector<py::object> History(const FsmMachine& machine) {
@@ -108,6 +126,7 @@ void AddValues(py::module_& native) {
       .def_property_readonly("elapsed_s",
                              [](const FsmTick& t) { return ToSeconds(t.tick.elapsed); })
       .def_readonly("command", &FsmTick::command)
+      .def_readonly("data", &FsmTick::data)
       .def_readonly("target", &FsmTick::target)
       .def_property_readonly("transition_elapsed_s",
                              [](const FsmTick& t) { return ToSeconds(t.tick.transition_elapsed); })
@@ -120,11 +139,18 @@ void AddValues(py::module_& native) {
                   [] {
                     return FsmNext{{}, {}, FsmNext::Use::kHandled};
                   })
-      .def_static("to", &To, py::arg("state"), py::kw_only(), py::arg("gradually_s") = 0.0)
+      .def_static("to", &To, py::arg("state"), py::kw_only(), py::arg("gradually_s") = 0.0,
+                  py::arg("into") = 0)
       .def("keep_command", &KeepCommand);
   py::class_<FsmTransitions>(native, "FsmTransitions")
-      .def("to", [](const FsmTransitions& t, const std::string& state,
-                    const std::string& when) { t.Get().To(state, when); })
+      .def(
+          "to",
+          [](const FsmTransitions& t, const std::string& state, const std::string& when, int into) {
+            t.Get();
+            t.To(state, when, IntoOf(into));
+          },
+          py::arg("state"), py::arg("when"), py::kw_only(), py::arg("into") = 0)
+      .def("defer", [](const FsmTransitions& t, const std::string& event) { t.Get().Defer(event); })
       .def("on", [](const FsmTransitions& t, const std::string& event) { t.Get().On(event); })
       .def("find", [](const FsmTransitions& t,
                       const std::string& event) { return t.Get().Find(event).has_value(); })
@@ -160,9 +186,8 @@ void AddFsm(py::module_& native) {
       .def("add", &Self::Add)
       .def("add_nested",
            [](Self& self, const std::string& name, int role, const py::tuple& hooks,
-              const std::shared_ptr<Self>& inside, const std::string& start,
-              const std::string& finished, bool resumes) {
-             self.AddNested(name, role, hooks, {inside, start, {finished, resumes}});
+              const py::list& inside, const std::string& finished, bool resumes, bool inner_first) {
+             AddNested(self, name, role, hooks, inside, {finished, resumes, inner_first});
            })
       .def("add_event", &Self::AddEvent)
       .def("add_safety_check", &Self::AddSafetyCheck)
@@ -184,10 +209,7 @@ void AddFsm(py::module_& native) {
            })
       .def("pause", [](Self& self) { self.Change([](Machine& machine) { machine.Pause(); }); })
       .def("stop", [](Self& self) { self.Change([](Machine& machine) { return machine.Stop(); }); })
-      .def("send",
-           [](Self& self, const std::string& command) {
-             self.Change([&](Machine& machine) { return machine.Send(command); });
-           })
+      .def("send", &Self::Send)
       .def("force",
            [](Self& self, const std::string& state) {
              self.Change([&](Machine& machine) { return machine.Force(state); });

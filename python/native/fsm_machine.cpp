@@ -1,5 +1,6 @@
 #include "musher/python/native/fsm_machine.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/base/code.hpp"
@@ -17,11 +18,12 @@ fsm::Role RoleOf(int role) {
 class FsmMachine::PyListener final : public fsm::Listener {
  public:
   PyListener(std::shared_ptr<PythonErrors> errors, py::object changed, py::object unhandled,
-             py::object failed)
+             py::object failed, py::object kept)
       : errors_(std::move(errors)),
         changed_(std::move(changed)),
         unhandled_(std::move(unhandled)),
-        failed_(std::move(failed)) {}
+        failed_(std::move(failed)),
+        kept_(std::move(kept)) {}
 
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
     if (!changed_.is_none()) errors_->Call(changed_, MakeChange(machine, change));
@@ -31,6 +33,11 @@ class FsmMachine::PyListener final : public fsm::Listener {
     errors_->Call(unhandled_, py::make_tuple(std::string(machine.Name(command)),
                                              std::string(machine.Name(state))));
   }
+  void OnKept(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
+    if (kept_.is_none()) return;
+    errors_->Call(kept_, py::make_tuple(std::string(machine.Name(command)),
+                                        std::string(machine.Name(state))));
+  }
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
     if (!failed_.is_none()) errors_->Call(failed_, py::str(machine.Describe(fault)));
   }
@@ -38,6 +45,7 @@ class FsmMachine::PyListener final : public fsm::Listener {
     Py_VISIT(changed_.ptr());
     Py_VISIT(unhandled_.ptr());
     Py_VISIT(failed_.ptr());
+    Py_VISIT(kept_.ptr());
     return 0;
   }
 
@@ -46,6 +54,7 @@ class FsmMachine::PyListener final : public fsm::Listener {
   const py::object changed_;
   const py::object unhandled_;
   const py::object failed_;
+  const py::object kept_;
 };
 
 FsmMachine::FsmMachine(fsm::Machine::Options options)
@@ -62,20 +71,45 @@ void FsmMachine::Add(const std::string& name, int role, const py::tuple& hooks) 
 }
 
 void FsmMachine::AddNested(const std::string& name, int role, const py::tuple& hooks,
-                           const Inside& inside) {
+                           const std::vector<Inside>& inside, fsm::Nested::Options options) {
   fsm::Machine& machine = Unbuilt();
-  if (inside.machine.get() == this) throw py::value_error("a machine cannot be inside itself");
-  inside.machine->Unbuilt();
+  for (const Inside& one : inside) {
+    if (one.machine.get() == this) throw py::value_error("a machine cannot be inside itself");
+    one.machine->Unbuilt();
+    if (std::ranges::count(inside, one.machine, &Inside::machine) > 1) {
+      throw py::value_error("a state holds a machine once");
+    }
+  }
   auto calls = CallsOf(hooks);
+  std::vector<fsm::Nested::Region> regions;
+  for (const Inside& one : inside) {
+    regions.push_back({std::move(one.machine->owned_), one.start});
+    inside_.push_back(one.machine);
+  }
   machine.Add(name,
-              std::make_unique<PyNested>(std::move(calls), std::move(inside.machine->owned_),
-                                         inside.start, inside.options),
+              std::make_unique<PyNested>(std::move(calls), std::move(regions), std::move(options)),
               RoleOf(role));
-  inside_.push_back(inside.machine);
 }
 
-void FsmMachine::AddEvent(const std::string& name, bool urgent) {
-  Unbuilt().AddEvent(name, urgent ? fsm::Urgency::kUrgent : fsm::Urgency::kNormal);
+void FsmMachine::AddEvent(const std::string& name, bool urgent, const py::object& data_class) {
+  fsm::Machine& machine = Unbuilt();
+  const fsm::EventType* const type =
+      data_class.is_none() ? nullptr : PyEventType::Of(data_class).type();
+  machine.AddEvent(name, urgent ? fsm::Urgency::kUrgent : fsm::Urgency::kNormal, type);
+}
+
+void FsmMachine::Send(const std::string& command, const py::object& data) {
+  Change([&](fsm::Machine& machine) {
+    const auto event = machine.FindEvent(command);
+    const auto expected =
+        std::dynamic_pointer_cast<PyEventData>(event ? machine.NewData(*event) : nullptr);
+    if (data.is_none()) return machine.Send(command);
+    if (!expected) {
+      throw py::type_error("the command " + command + " carries no data");
+    }
+    expected->py_type().Check(data);
+    return machine.SendData(*event, std::make_shared<PyEventData>(expected->py_type(), data));
+  });
 }
 
 void FsmMachine::AddSafetyCheck(const std::string& name, const py::object& is_safe) {
@@ -106,9 +140,9 @@ const fsm::Machine& FsmMachine::machine() const {
 }
 
 void FsmMachine::Listen(const py::object& changed, const py::object& unhandled,
-                        const py::object& failed) {
+                        const py::object& failed, const py::object& kept) {
   static_cast<void>(machine());
-  listeners_.push_back(std::make_unique<PyListener>(errors_, changed, unhandled, failed));
+  listeners_.push_back(std::make_unique<PyListener>(errors_, changed, unhandled, failed, kept));
   machine_->Listen(listeners_.back().get());
 }
 

@@ -28,10 +28,11 @@ class FsmMachine {
   struct Inside {
     std::shared_ptr<FsmMachine> machine;
     std::string start;
-    fsm::Nested::Options options;
   };
-  void AddNested(const std::string& name, int role, const py::tuple& hooks, const Inside& inside);
-  void AddEvent(const std::string& name, bool urgent);
+  void AddNested(const std::string& name, int role, const py::tuple& hooks,
+                 const std::vector<Inside>& inside, fsm::Nested::Options options);
+  // `data_class`: None, or see PyEventType.
+  void AddEvent(const std::string& name, bool urgent, const py::object& data_class);
   void AddSafetyCheck(const std::string& name, const py::object& is_safe);
   void Build(const std::string& start);
   bool built() const { return built_; }
@@ -51,10 +52,13 @@ class FsmMachine {
       Check(result);
     }
   }
+  // `data`: None, or of the event's class.
+  void Send(const std::string& command, const py::object& data);
   // Raises musher.Failure if it ended with the machine around it.
   const fsm::Machine& machine() const;
 
-  void Listen(const py::object& changed, const py::object& unhandled, const py::object& failed);
+  void Listen(const py::object& changed, const py::object& unhandled, const py::object& failed,
+              const py::object& kept);
   // Gets each exception of a state, a check or a listener.
   void ReportExceptions(const py::object& function) { errors_->Report(function); }
 

@@ -32,6 +32,61 @@ fsm::Transitions& FsmTransitions::Get() const {
   return *transitions;
 }
 
+void FsmTransitions::To(const std::string& state, const std::string& when, fsm::Into into) const {
+  calls->AddTarget(state, into, Get().To(state, when, into));
+}
+
+PyEventType::PyEventType(py::object data_class)
+    : data_class_(std::move(data_class)), type_{[this] {
+        return std::make_shared<PyEventData>(*this, data_class_());
+      }} {
+  const py::module_ fsm = py::module_::import("musher.fsm");
+  for (const py::handle field : fsm.attr("_event_fields")(data_class_)) {
+    fields_.push_back(field.cast<std::string>());
+  }
+  defaults_ = data_class_();
+}
+
+const PyEventType& PyEventType::Of(const py::object& data_class) {
+  static auto& types = *new std::map<PyObject*, std::unique_ptr<PyEventType>>;  // ends with Python
+  auto& type = types[data_class.ptr()];
+  if (!type) {
+    try {
+      type.reset(new PyEventType(data_class));
+    } catch (...) {
+      types.erase(data_class.ptr());
+      throw;
+    }
+  }
+  return *type;
+}
+
+void PyEventType::Check(const py::object& value) const {
+  py::module_::import("musher.fsm").attr("_check_event")(value, defaults_, fields_);
+}
+
+void PyEventData::Persist(fsm::Archive& archive) {
+  const auto pass = [&](const std::string& name, auto field) {
+    const auto before = field;
+    archive.Field(name, field);
+    if (field == before) return;
+    // Also of a frozen dataclass: it is being made.
+    py::module_::import("builtins").attr("object").attr("__setattr__")(value_, name, field);
+  };
+  for (const std::string& name : type_.fields()) {
+    const py::object field = value_.attr(name.c_str());
+    if (py::isinstance<py::bool_>(field)) {
+      pass(name, field.cast<bool>());
+    } else if (py::isinstance<py::int_>(field)) {
+      pass(name, field.cast<std::int64_t>());
+    } else if (py::isinstance<py::float_>(field)) {
+      pass(name, field.cast<double>());
+    } else {
+      pass(name, field.cast<std::string>());
+    }
+  }
+}
+
 py::object PythonErrors::Call(const py::object& function, const py::object& argument) {
   auto result =
       py::reinterpret_steal<py::object>(CallPython(function.ptr(), py::make_tuple(argument).ptr()));
@@ -62,9 +117,10 @@ StateCalls::StateCalls(const fsm::Machine& machine, std::shared_ptr<PythonErrors
   for (std::size_t i = 0; i < kHooks; ++i) hooks_[i] = hooks[i];
 }
 
-void StateCalls::Declare(fsm::Transitions& transitions) const {
+void StateCalls::Declare(fsm::Transitions& transitions) {
   if (!Has(kDeclare)) return;
-  const py::object passed = py::cast(FsmTransitions{&transitions});
+  targets_.clear();
+  const py::object passed = py::cast(FsmTransitions{&transitions, this});
   const auto end = [&] { passed.cast<FsmTransitions&>().transitions = nullptr; };
   try {
     errors_->Call(hooks_[kDeclare], passed);
@@ -98,6 +154,8 @@ fsm::Next StateCalls::ToNext(const py::object& returned) const {
   if (next.target.empty()) {
     return next.use == FsmNext::Use::kHandled ? fsm::Next::Handle() : with_use(fsm::Next::Stay());
   }
+  const auto declared = targets_.find({next.target, next.into});
+  if (declared != targets_.end()) return with_use(fsm::Next::To(declared->second, next.gradually));
   const auto target = machine_.FindState(next.target);
   if (!target) throw std::runtime_error("it went to " + next.target + ", which is no state");
   return with_use(fsm::Next::To(*target, next.gradually));
@@ -125,6 +183,7 @@ py::object MakeTick(const fsm::Machine& machine, const fsm::Tick& tick) {
   FsmTick made{tick};
   if (tick.command != fsm::kNoEvent)
     made.command = py::str(std::string(machine.Name(tick.command)));
+  if (const auto* data = dynamic_cast<const PyEventData*>(tick.data)) made.data = data->value();
   if (tick.target != fsm::kNoState) made.target = py::str(std::string(machine.Name(tick.target)));
   return py::cast(std::move(made));
 }

@@ -5,9 +5,12 @@
 // Threads: with the GIL.
 
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "musher/behavior/fsm/nested.hpp"
 #include "musher/python/native/parts.hpp"
@@ -19,6 +22,7 @@ struct FsmTick {
   fsm::Tick tick;
   py::object command = py::none();  // a str, or None
   py::object target = py::none();
+  py::object data = py::none();  // an object of the class that AddEvent() got, or None
 };
 
 // fsm::Next with a name for its target.
@@ -28,6 +32,43 @@ struct FsmNext {
   std::string target;  // empty: stays
   Duration gradually{};
   Use use = Use::kUnhandled;
+  fsm::Into into = fsm::Into::kStart;
+};
+
+// The class of the data of an event: a dataclass whose fields are bool, int, float or str, each
+// with a default.
+class PyEventType {
+ public:
+  // The one of this class, which lives as long as the process. Raises TypeError for another class.
+  static const PyEventType& Of(const py::object& data_class);
+
+  const fsm::EventType* type() const { return &type_; }
+  // Raises TypeError unless it is an object of the class, with fields of their types.
+  void Check(const py::object& value) const;
+  const std::vector<std::string>& fields() const { return fields_; }
+  const py::object& data_class() const { return data_class_; }
+
+ private:
+  explicit PyEventType(py::object data_class);
+
+  const py::object data_class_;
+  std::vector<std::string> fields_;
+  py::object defaults_;  // an object of the class
+  fsm::EventType type_;
+};
+
+class PyEventData final : public fsm::EventData {
+ public:
+  PyEventData(const PyEventType& type, py::object value) : type_(type), value_(std::move(value)) {}
+
+  const fsm::EventType* type() const override { return type_.type(); }
+  void Persist(fsm::Archive& archive) override;
+  const PyEventType& py_type() const { return type_; }
+  const py::object& value() const { return value_; }
+
+ private:
+  const PyEventType& type_;
+  py::object value_;
 };
 
 // fsm::Change with names for ids.
@@ -40,11 +81,15 @@ struct FsmChange {
   std::string command;
 };
 
+class StateCalls;
+
 // fsm::Transitions, as long as the state declares itself.
 struct FsmTransitions {
   fsm::Transitions* transitions = nullptr;
+  StateCalls* calls = nullptr;
 
   fsm::Transitions& Get() const;
+  void To(const std::string& state, const std::string& when, fsm::Into into) const;
 };
 
 // What a machine's Python objects raise. Its text is that of musher._log.where().
@@ -76,7 +121,10 @@ class StateCalls {
              const py::tuple& hooks);
 
   bool Has(Hook hook) const { return !hooks_[hook].is_none(); }
-  void Declare(fsm::Transitions& transitions) const;
+  void Declare(fsm::Transitions& transitions);
+  void AddTarget(const std::string& state, fsm::Into into, fsm::StateId id) {
+    targets_[{state, into}] = id;
+  }
   void Call(Hook hook, const fsm::Tick& tick) const;
   fsm::Next Check(const fsm::Tick& tick) const;
   bool Transition(const fsm::Tick& tick) const;
@@ -89,6 +137,7 @@ class StateCalls {
   const fsm::Machine& machine_;
   const std::shared_ptr<PythonErrors> errors_;
   std::array<py::object, kHooks> hooks_;
+  std::map<std::pair<std::string, fsm::Into>, fsm::StateId> targets_;  // as they were declared
 };
 
 py::object MakeTick(const fsm::Machine& machine, const fsm::Tick& tick);
@@ -112,9 +161,8 @@ class PyState final : public fsm::State {
 // Python's on_enter and run come before the machine inside, its on_exit after it.
 class PyNested final : public fsm::Nested {
  public:
-  PyNested(std::shared_ptr<StateCalls> calls, std::unique_ptr<fsm::Machine> inner,
-           std::string start, Options options)
-      : Nested(std::move(inner), std::move(start), std::move(options)), calls_(std::move(calls)) {}
+  PyNested(std::shared_ptr<StateCalls> calls, std::vector<Region> regions, Options options)
+      : Nested(std::move(regions), std::move(options)), calls_(std::move(calls)) {}
 
   void Declare(fsm::Transitions& transitions) override {
     Nested::Declare(transitions);

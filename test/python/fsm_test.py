@@ -1,5 +1,6 @@
 """State machines with states of Python, in virtual time."""
 
+import dataclasses
 import gc
 import unittest
 import weakref
@@ -296,6 +297,201 @@ class Machines(WithMachine):
         del scene
         gc.collect()
         self.assertIsNone(gone())
+
+
+@dataclasses.dataclass(frozen=True)
+class Photo:
+    count: int = 1
+    zoom: float = 1.0
+    flash: bool = False
+    of: str = ""
+
+
+class Commands(WithMachine):
+    """Commands that carry data, wait for another state, or come several to a tick."""
+
+    def asked(self, *commands, data=Photo, **options):
+        """What a state gets as tick.command and tick.data."""
+        got = []
+
+        class Takes(fsm.State):
+            def check_transition(self, tick):
+                if tick.command:
+                    got.append((tick.command, tick.data))
+                    return fsm.Next.handle()
+
+        machine = fsm.Machine("show", **options)
+        machine.add_event("photo", data=data)
+        machine.add_event("go")
+        machine.add("A", Takes())
+        machine.build("A")
+        machine.start(self.now_s)
+        for command in commands:
+            machine.send(*command)
+        self.tick(machine)
+        return got
+
+    def test_a_state_gets_the_data_of_its_command(self):
+        self.assertEqual(self.asked(("photo", Photo(3, of="Ann"))), [("photo", Photo(3, 1.0, False, "Ann"))])
+        self.assertEqual(self.asked(("go",)), [("go", None)])
+
+    def test_data_that_does_not_fit_is_refused_with_a_sentence(self):
+        for command, expected in ((("photo", 3), "the command carries a Photo, not 3"),
+                                  (("photo", Photo(count="3")), "Photo.count is a int, not '3'"),
+                                  (("go", Photo()), "the command go carries no data")):
+            with self.assertRaisesRegex(TypeError, expected):
+                self.asked(command)
+        with self.assertRaisesRegex(musher.Failure, "carries data, which is missing"):
+            self.asked(("photo",))
+        with self.assertRaisesRegex(TypeError, "the data of an event is a dataclass"):
+            self.asked(data=int)
+
+    def test_a_tick_handles_as_many_commands_as_it_may(self):
+        self.assertEqual(len(self.asked(("go",), ("go",), ("go",))), 1)
+        self.assertEqual(len(self.asked(("go",), ("go",), ("go",), commands_per_tick=2)), 2)
+
+    def test_a_deferred_command_waits_for_a_state_that_handles_it(self):
+        got = []
+
+        class Busy(Scene):
+            def declare(self, transitions):
+                super().declare(transitions)
+                transitions.defer("photo")
+
+        class Ready(Scene):
+            def check_transition(self, tick):
+                got.append(tick.command)
+
+            def declare(self, transitions):
+                super().declare(transitions)
+                transitions.on("photo")
+
+        machine = fsm.Machine("show")
+        machine.add_event("photo")
+        machine.add_event("skip")
+        machine.add("BUSY", Busy("BUSY", "READY", 9))
+        machine.add("READY", Ready("READY", "BUSY"))
+        machine.build("BUSY")
+        machine.start(self.now_s)
+        machine.send("photo")
+        machine.send("skip")
+        self.tick(machine, 2)
+        self.assertEqual((machine.path, got), ("READY", ["photo"]))
+
+    def test_a_stay_that_keeps_a_command_is_reported_once(self):
+        kept = []
+
+        class Keeps(Scene):
+            def check_transition(self, tick):
+                return fsm.Next.stay().keep_command()
+
+        class Records(fsm.Listener):
+            def on_kept(self, command, state):
+                kept.append((command, state))
+
+        machine = self.machine(Keeps("A", "A"))
+        machine.listen(Records())
+        machine.send("skip")
+        self.tick(machine, 3)
+        self.assertEqual(kept, [("skip", "A")])
+
+    def test_run_once_in_a_state_is_an_error(self):
+        class Mistaken(Scene):
+            def run_once(self, tick):
+                pass
+
+        with self.assertRaisesRegex(TypeError, "has a run_once.., which no machine calls; a state has run"):
+            fsm.Machine().add("A", Mistaken("A", "A"))
+
+        class Ticks(Scene):
+            def run(self, tick):
+                self.machine.run_once(0)
+
+        state = Ticks("A", "A")
+        state.machine = machine = self.machine(state)
+        self.tick(machine)
+        self.assertIn("inside of its own tick", machine.fault)
+
+
+class Hierarchies(WithMachine):
+    """Transitions from and into machines inside, and machines side by side."""
+
+    def show(self):
+        class Idle(fsm.State):
+            target = {}
+
+            def declare(self, transitions):
+                transitions.to("SHOW/TELL", "straight")
+                transitions.to("SHOW", "on", into=fsm.Into.HISTORY)
+
+            def check_transition(self, tick):
+                target, self.target = self.target, {}
+                return fsm.Next.to(**target) if target else None
+
+        self.idle = Idle()
+        inside = fsm.Machine("inside")
+        inside.add("ASK", Scene("ASK", "TELL", 9))
+        inside.add("TELL", Scene("TELL", "IDLE", 0.25))
+        machine = fsm.Machine("show")
+        machine.add("IDLE", self.idle)
+        machine.add("SHOW", fsm.Nested(inside, "ASK"))
+        machine.build("IDLE")
+        machine.start(self.now_s)
+        return machine
+
+    def test_a_state_goes_to_any_state_of_the_hierarchy(self):
+        machine = self.show()
+        self.idle.target = {"state": "SHOW/TELL"}
+        self.tick(machine)
+        self.assertEqual(machine.path, "SHOW/TELL")
+        self.tick(machine, 3)
+        self.assertEqual(machine.path, "IDLE")
+        self.assertEqual(LOG[-1], "TELL on_exit")
+
+    def test_history_enters_the_state_that_was_left(self):
+        machine = self.show()
+        self.idle.target = {"state": "SHOW/TELL"}
+        self.tick(machine, 4)
+        self.idle.target = {"state": "SHOW", "into": fsm.Into.HISTORY}
+        self.tick(machine)
+        self.assertEqual(machine.path, "SHOW/TELL")
+
+    def test_machines_run_side_by_side(self):
+        arms, face = fsm.Machine("arms"), fsm.Machine("face")
+        arms.add("WAVE", Scene("WAVE", "DOWN", 0.15))
+        arms.add("DOWN", Scene("DOWN", "WAVE", 9))
+        face.add("SMILE", Scene("SMILE", "SMILE", 9))
+        machine = fsm.Machine("show")
+        machine.add("SHOW", fsm.Nested([(arms, "WAVE"), (face, "SMILE")]))
+        machine.build("SHOW")
+        machine.start(self.now_s)
+        self.assertEqual(machine.path, "SHOW/(WAVE|SMILE)")
+        self.tick(machine, 2)
+        self.assertEqual(machine.path, "SHOW/(DOWN|SMILE)")
+        self.assertIn("SMILE", machine.picture("mermaid"))
+
+    def test_the_inner_state_decides_first_as_an_option(self):
+        class Outer(fsm.Nested):
+            def declare(self, transitions):
+                transitions.to("IDLE", "skipped")
+
+            def decide(self, tick):
+                return fsm.Next.to("IDLE") if tick.command == "skip" else None
+
+        for inner_first, path in ((False, "IDLE"), (True, "SHOW/TELL")):
+            inside = fsm.Machine("inside")
+            inside.add_event("skip")
+            inside.add("ASK", Scene("ASK", "TELL", 9))
+            inside.add("TELL", Scene("TELL", "ASK", 9))
+            machine = fsm.Machine("show")
+            machine.add_event("skip")
+            machine.add("SHOW", Outer(inside, "ASK", inner_first=inner_first))
+            machine.add("IDLE", Scene("IDLE", "SHOW", 9))
+            machine.build("SHOW")
+            machine.start(self.now_s)
+            machine.send("skip")
+            self.tick(machine)
+            self.assertEqual(machine.path, path)
 
 
 class NestedMachines(WithMachine):

@@ -57,6 +57,7 @@ class SnapshotReader {
     ReadCounts(table, snapshot.counts);
     ReadTransition(table, snapshot);
     ReadFault(table, snapshot);
+    snapshot.command_data = ReadParts(table, "command_data");
     snapshot.data = ReadParts(table, "data");
     snapshot.states = ReadParts(table, "states");
     ReadInside(table, snapshot);

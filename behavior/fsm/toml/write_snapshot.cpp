@@ -32,6 +32,7 @@ class SnapshotWriter : private TomlWriter {
     WriteCounts(snapshot.counts, path);
     WriteTransition(snapshot, path);
     WriteFault(snapshot, path);
+    WriteParts(snapshot.command_data, path + "command_data.");
     WriteParts(snapshot.data, path + "data.");
     WriteParts(snapshot.states, path + "states.");
     for (const Snapshot::Inside& inside : snapshot.inside) {

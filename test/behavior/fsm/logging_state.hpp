@@ -21,6 +21,7 @@ class LoggingState : public State {
 
   void Declare(Transitions& transitions) override {
     for (const std::string& way : transitions_) ids_[way] = transitions.To(way, "commanded");
+    if (declare) declare(transitions);
   }
   void OnEnter(const Tick& tick) override { Do("enter", tick); }
   void Run(const Tick& tick) override { Do("run", tick); }
@@ -42,6 +43,7 @@ class LoggingState : public State {
     next_ = Next::To(ids_.at(target), gradually);
   }
 
+  std::function<void(Transitions&)> declare;
   std::function<Next(const Tick&)> check;
   std::map<std::string, std::function<void(const Tick&)>, std::less<>> on;  // "enter", "run", ...
 

@@ -81,7 +81,7 @@ std::string RecordedShow() {
 }
 
 constexpr const char* kRecorded =
-    "musher-fsm-recording 1 show\n"
+    "musher-fsm-recording 2 show\n"
     "start 0 IDLE\n"
     "changed 0 0 \"\" IDLE started\n"
     "tick 0.02\n"
@@ -135,7 +135,7 @@ TEST(Recorder, MarksWhereTheMachineWentOnFromASnapshotInsteadOfAStart) {
   ASSERT_TRUE(show.machine.Restore(saved, now).empty());
   show.machine.RunOnce(now + kStep);
   show.machine.RunOnce(now + 2 * kStep);
-  EXPECT_EQ(text, "musher-fsm-recording 1 show\nrestored\ntick 0\ntick 0.02\n");
+  EXPECT_EQ(text, "musher-fsm-recording 2 show\nrestored\ntick 0\ntick 0.02\n");
   EXPECT_EQ(FaultOf(text),
             "show.record:2:1: error: from here on the machine was restored from a snapshot, "
             "which is not recorded");
@@ -189,7 +189,7 @@ TEST(Replay, FailsWhereTheMachineLacksARecordedStateOrCommand) {
             "show.record:4: error: show: runs already");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "input target", "input traget")),
             "show.record:5: error: unknown input traget");
-  EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "1 show", "1 race")),
+  EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "2 show", "2 race")),
             "show.record:1: error: it was recorded from machine race, not from show");
 }
 
@@ -211,7 +211,7 @@ TEST(Replay, AcceptsARecordingWhoseWriterCrashed) {
 TEST(Recording, ReportsWhereALineIsInvalid) {
   const std::string head = "musher-fsm-recording 1 show\n";
   EXPECT_EQ(FaultOf(""),
-            "show.record:1:1: error: a recording begins with \"musher-fsm-recording 1\" "
+            "show.record:1:1: error: a recording begins with \"musher-fsm-recording 2\" "
             "and a machine");
   EXPECT_EQ(FaultOf("musher-fsm-recording 1"), FaultOf(""));
   EXPECT_EQ(FaultOf("musher-fsm-recording 12 show\n"), FaultOf(""));
@@ -245,6 +245,15 @@ TEST(Recording, ReportsWhereALineIsInvalid) {
   EXPECT_EQ(FaultOf(head + "changed 1 \"a\n"),
             "show.record:2:11: error: a word has no closing quotation mark");
   EXPECT_EQ(FaultOf(head + "\ntick 1\n"), "show.record:2:1: error: a word is missing");
+}
+
+TEST(Replay, ReadsARecordingOfTheFirstFormat) {
+  std::string text = RecordedShow();
+  text.replace(text.find(" 2 "), 3, " 1 ");
+  const Result<Recording> recording = ReadRecording(text, "show.record");
+  ASSERT_TRUE(recording);
+  EXPECT_FALSE(recording.value().has_inside);
+  EXPECT_EQ(recording.value().machine, "show");
 }
 
 RC_GTEST_PROP(Replay, RepeatsAnyRun, (std::uint64_t seed)) {

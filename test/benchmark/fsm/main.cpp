@@ -34,9 +34,9 @@ constexpr int kStates = 5;
 // into the loop that measures, which it cannot do with a machine.
 class PlainLoop {
  public:
-  PlainLoop() {
+  explicit PlainLoop(Duration stay) {
     for (int i = 0; i < kStates; ++i) {
-      states_.push_back(MakePlainState(i, (i + 1) % kStates));
+      states_.push_back(MakePlainState(i, (i + 1) % kStates, stay));
     }
     current_ = states_[0].get();
   }
@@ -71,16 +71,18 @@ class Walker {
     std::size_t history = 0;
     bool listened = false;
     int checks = 0;
+    Duration stay = kStay;
   };
 
   explicit Walker(const Options& options) {
     machine_ =
         std::make_unique<Machine>(Machine::Options{.name = "walker", .history = options.history});
     for (int i = 0; i < kStates; ++i) {
-      machine_->Add(std::to_string(i), MakeState(robot_, i, (i + 1) % kStates));
+      machine_->Add(std::to_string(i), MakeState(robot_, i, (i + 1) % kStates, options.stay));
     }
     if (options.listened) machine_->Listen(&counter_);
-    if (options.checks > 0) machine_->Add("SAFE", MakeState(robot_, kStates, 0), fsm::Role::kSafe);
+    if (options.checks > 0)
+      machine_->Add("SAFE", MakeState(robot_, kStates, 0, options.stay), fsm::Role::kSafe);
     for (int i = 0; i < options.checks; ++i) {
       machine_->AddSafetyCheck(std::to_string(i),
                                [this](const fsm::Tick&) { return !robot_.wants_out; });
@@ -109,7 +111,7 @@ double TurnOf(Ticked& ticked, Time& now) {
 }
 
 void MeasureTicks(int turns) {
-  PlainLoop plain;
+  PlainLoop plain(kStay);
   Walker bare({});
   Walker watched({.history = 64, .listened = true});
   Walker checked({.history = 64, .listened = true, .checks = 2});
@@ -142,6 +144,24 @@ void MeasureTicks(int turns) {
             4);
   table.Row("the same with two safety checks / plain loop", Ratios(checked_ns, plain_ns), "x");
   table.Row("allocations in all these ticks", {static_cast<double>(allocations)}, "");
+}
+
+// Ticks that each change the state.
+void MeasureChanges(int turns) {
+  PlainLoop plain(Duration{});
+  Walker watched({.history = 64, .listened = true, .stay = Duration{}});
+  Time plain_now{};
+  Time watched_now{};
+  std::vector<double> plain_ns;
+  std::vector<double> watched_ns;
+  for (int i = 0; i < turns; ++i) {
+    plain_ns.push_back(TurnOf(plain, plain_now));
+    watched_ns.push_back(TurnOf(watched, watched_now));
+  }
+  const Table table("A tick that changes the state, beside the same loop");
+  table.Row("plain loop", plain_ns, "ns");
+  table.Row("machine with history and a listener", watched_ns, "ns");
+  table.Row("machine with history and a listener / plain loop", Ratios(watched_ns, plain_ns), "x");
 }
 
 void MeasureMemory() {
@@ -192,6 +212,7 @@ int main(int argc, char** argv) {
   const int turns = argc > 1 ? std::atoi(argv[1]) : 300;
   const int seconds = argc > 2 ? std::atoi(argv[2]) : 5;
   musher::benchmark::MeasureTicks(turns);
+  musher::benchmark::MeasureChanges(turns);
   musher::benchmark::MeasureMemory();
   musher::benchmark::MeasureMany(seconds);
 }

@@ -26,8 +26,9 @@ class PlainState {
   virtual void OnExit(Robot& robot) = 0;
 };
 
-// The one of this number, which goes to `next`; in a machine it has that name.
-std::unique_ptr<PlainState> MakePlainState(int number, int next);
-std::unique_ptr<fsm::State> MakeState(Robot& robot, int number, int next);
+// The one of this number, which goes to `next` once it has lasted longer than `stay`; in a machine
+// it has that name.
+std::unique_ptr<PlainState> MakePlainState(int number, int next, Duration stay);
+std::unique_ptr<fsm::State> MakeState(Robot& robot, int number, int next, Duration stay);
 
 }  // namespace musher::benchmark
