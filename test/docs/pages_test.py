@@ -152,6 +152,13 @@ def unpastable(text: str) -> List[str]:
     return wrong
 
 
+def untyped(text: str) -> List[str]:
+    """Blocks of commands that no test types, and that do not say why."""
+    return [f"line {block.line}: neither typed nor marked with a reason: {block.text.splitlines()[0]}"
+            for block in page.blocks(text)
+            if block.language in ("sh", "console") and block.folder is None and not block.skipped]
+
+
 def undefined(text: str) -> List[str]:
     """Words of Musher whose first place is not the one that defines them, where they are *emphasised*."""
     prose = re.sub(r"^```.*?^```$|<!--.*?-->", "", text, flags=re.MULTILINE | re.DOTALL)
@@ -181,6 +188,13 @@ class Pages(unittest.TestCase):
                 self.assertTrue(parts, f"{path} has its readers type; mark what, as test/docs/page.py says")
             if parts and path != "README.zh.md":  # its blocks are those of README.md
                 self.assertRegex(tests, rf"[ /]{re.escape(name)}(\.md)?[ )]", f"no test types {path}")
+
+    def test_of_introduction_are_typed_block_by_block_or_say_why_not(self) -> None:
+        first, *translations = [[(block.text, block.folder, block.skipped) for block in page.blocks(page.read(path))]
+                                for path in README]
+        self.assert_none([f"{path}, {wrong}" for path in README for wrong in untyped(page.read(path))])
+        for blocks in translations:  # what is typed of one is typed of all
+            self.assertEqual(blocks, first)
 
     def test_have_each_file_whole_that_a_reader_types(self) -> None:
         self.assertGreaterEqual(len(typed_parts()), 10)
@@ -235,7 +249,6 @@ class Pages(unittest.TestCase):
                                          check=False)
                     self.assertEqual((ran.returncode, ran.stderr), (0, ""), f"{path} in {shell}")
 
-
     def test_of_introduction_define_their_words_where_they_first_stand(self) -> None:
         for path in README:
             self.assert_none([f"{path}: {wrong}" for wrong in undefined(page.read(path))])
@@ -287,6 +300,10 @@ class Rules(unittest.TestCase):
         for line in ("musher top   # live", "rm a/*", "$ musher up", "A=b c", "export PATH=a:$PATH", "echo hi!"):
             self.assertEqual(len(unpastable(f"```sh\n{line}\n```\n")), 1, line)
         self.assertEqual(len(unpastable("```console\n$ a\n```\n")), 1)
+
+    def test_find_commands_that_nothing_types(self) -> None:
+        text = "```sh\na\n```\n<!-- not typed: slow -->\n```sh\nb\n```\n<!-- type into: x -->\n```sh\nc\n```\n"
+        self.assertEqual(untyped(text), ["line 1: neither typed nor marked with a reason: a"])
 
     def test_find_words_that_are_used_before_they_are_defined(self) -> None:
         good = "The **machine**, *actuator*, *controller*, *switch*, *stage*, *wave*; `*`\n```text\na_manager*\n```\n"
