@@ -1,6 +1,7 @@
 // What the page knows: messages of the server in, values for the views out. Pure: time is an argument,
 // and no message changes a state that was handed out.
 import {nsToMs, toNumber} from './format.js';
+import {numbersOf, withPoint} from './plots_model.js';
 
 export const OLD_AFTER_MS = 3000;
 const MOST_HISTORY = 5000;
@@ -20,6 +21,8 @@ export function initialState() {
     processes: {},       // by actuator
     offers: {},          // by actuator: its SkillOffers
     feedback: {},        // by "actuator skill": the last SkillFeedback
+    numbers: {},         // by the id of a plot, "battery", "cpu audio", "/imu linear.x": [{ms, value}]
+    plots: [],           // ids of the plots of topics, whose numbers are kept
     observed: {},        // by actuator ('': the machine): [{ms, state}], since the page was opened
   };
 }
@@ -64,6 +67,25 @@ function observe(observed, status, ms) {
   return result;
 }
 
+function keepNumbers(numbers, values, ms) {
+  const next = {...numbers};
+  for (const [id, value] of Object.entries(values)) next[id] = withPoint(numbers[id], ms, value);
+  return next;
+}
+
+// The numbers of a message that are plotted, by the ids of their plots.
+function plottedOf(state, topic, message) {
+  const ids = state.plots.filter(id => id.startsWith(`${topic} `));
+  const found = ids.length ? numbersOf(message) : {};
+  return Object.fromEntries(ids.map(id => [id, found[id.slice(topic.length + 1)]])
+    .filter(([, value]) => value !== undefined));
+}
+
+function usageOf(processes) {
+  return Object.fromEntries(processes.flatMap(p => [[`cpu ${p.name}`, p.cpu_percent],
+    [`memory ${p.name}`, p.rss_bytes]]));
+}
+
 const isStatus = topic => topic.endsWith('/musher/machine_status');
 
 function addLatest(state, message) {
@@ -76,7 +98,12 @@ function addLatest(state, message) {
   if (type === 'musher_msgs/msg/SkillOffers') next.offers = {...state.offers, [value.actuator]: value};
   if (type === 'musher_msgs/msg/SkillFeedback') next.feedback = {...state.feedback,
     [`${value.actuator} ${value.skill}`]: value};
-  if (isStatus(topic)) next.observed = observe(state.observed, message.message, received_ms);
+  next.numbers = keepNumbers(state.numbers, plottedOf(state, topic, value), received_ms);
+  if (isStatus(topic)) {
+    next.observed = observe(state.observed, value, received_ms);
+    const {active, battery} = value.policy ?? {};
+    if (active && battery >= 0) next.numbers = keepNumbers(next.numbers, {battery}, received_ms);
+  }
   return next;
 }
 
@@ -98,7 +125,10 @@ export function apply(before, message, now) {
     case 'older':  // of the page itself: what it has fetched from before the first entry
       return {...state, history: addOlder(state.history, message.entries ?? [])};
     case 'processes':
-      return {...state, processes: Object.fromEntries((message.actuators ?? []).map(a => [a.name, a]))};
+      return {...state, processes: Object.fromEntries((message.actuators ?? []).map(a => [a.name, a])),
+        numbers: keepNumbers(state.numbers, usageOf(message.actuators ?? []), robotNow(state, now))};
+    case 'plot':  // of the page itself
+      return {...before, plots: message.ids.filter(id => id.startsWith('/'))};
     case 'time':
       return {...state, offset: (message.time_ms ?? now) - now};
     default:

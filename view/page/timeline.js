@@ -4,6 +4,7 @@ import {h} from './dom.js';
 import {clock, day, when} from './format.js';
 import {t} from './i18n.js';
 import {card, levelShape, toneOf} from './parts.js';
+import {plotsCard, plotTopics} from './plots.js';
 import {robotNow, statusOf} from './store.js';
 import {lanesOf, panned, spansOf, ticks, zoomed} from './timeline_model.js';
 import {eventRow, eventToExplain, whyPanel} from './why.js';
@@ -300,8 +301,13 @@ export function enter(ctx) {
   if (ctx.route.rest.length) ctx.focus('why');
 }
 
+export function leave(ctx) {
+  ctx.watch([]);
+}
+
 export function view(ctx) {
   fetchOlder(ctx);
+  ctx.watch(plotTopics(ctx));
   const chosen = chosenEntry(ctx);
   return [h('h1', {class: 'hidden'}, t('nav.timeline')),
     card(t('nav.timeline'), {id: 'timeline-title', aside: controls(ctx)},
@@ -310,6 +316,7 @@ export function view(ctx) {
       location.hash = 'timeline';
       ctx.focus('chart');
     }) : null,
+    plotsCard(ctx, windowOf(ctx), geometry(ctx)),
     eventsCard(ctx, chosen)];
 }
 

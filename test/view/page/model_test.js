@@ -9,6 +9,7 @@ import {Connection} from '../../../view/page/connection.js';
 import {bytes, duration, nsToMs, percent} from '../../../view/page/format.js';
 import {layOut} from '../../../view/page/graph_layout.js';
 import {chosenLines, merged, readLines} from '../../../view/page/log_lines.js';
+import {MOST_POINTS, numbersOf, shownOf, switchTimes, withPoint} from '../../../view/page/plots_model.js';
 import {readParameter} from '../../../view/page/skills.js';
 import {allTexts, chooseLanguage} from '../../../view/page/i18n.js';
 import * as store from '../../../view/page/store.js';
@@ -335,6 +336,53 @@ test('a lost connection is opened again after growing pauses; a message resets t
   clock.tick(250);
   assert.equal(sockets.length, 4);
   assert.deepEqual(links.slice(0, 3), ['connecting', 'closed', 'connecting']);
+});
+
+test('the numbers of a message have their paths; texts have none, and true is 1', () => {
+  assert.deepEqual(numbersOf({a: {b: 1.5}, c: [2, 'x', 3], d: 'y', e: true, f: null}),
+    {'a.b': 1.5, 'c.0': 2, 'c.2': 3, e: 1});
+  assert.equal(Object.keys(numbersOf({ranges: Array(5000).fill(1)})).length, 200);
+  assert.deepEqual(numbersOf(undefined), {});
+});
+
+test('points of a plot become sparser instead of many, and keep the first time and the last value', () => {
+  let points = [];
+  for (let i = 0; i < 3 * MOST_POINTS; ++i) points = withPoint(points, i, i);
+  assert.ok(points.length <= MOST_POINTS);
+  assert.equal(points.at(-1).value, 3 * MOST_POINTS - 1);
+  assert.ok(points[0].ms < 10);
+});
+
+test('a plot shows the points of its time, and the value that held when it began', () => {
+  const points = [1, 2, 3, 4].map(n => ({ms: n * 1000, value: n}));
+  assert.deepEqual(shownOf(points, {from: 2500, to: 3500}), {points: points.slice(1, 3), least: 2, most: 3, last: 3});
+  assert.deepEqual(shownOf(points, {from: 9000, to: 9500}).points, [points[3]]);
+  assert.equal(shownOf(points, {from: 0, to: 500}), null);
+  assert.equal(shownOf([], {from: 0, to: 500}), null);
+});
+
+test('a switch takes the time from its start to its end, also when it is undone; one of another controller none', () => {
+  const entry = (event, ms, switch_number, epoch = 1) => ({event, ms, switch_number, epoch});
+  assert.deepEqual(switchTimes([entry('switch_started', 100, 2), entry('switch_done', 350, 2),
+    entry('switch_started', 400, 3), entry('switch_undone', 900, 3), entry('switch_started', 1000, 4),
+    entry('switch_done', 2000, 4, 2)]), [{ms: 350, value: 250}, {ms: 900, value: 500}]);
+});
+
+test('battery, CPU and memory are kept, and of topics the numbers that are plotted', () => {
+  const f = fixture();
+  assert.equal(f.state.numbers.battery.at(-1).value, store.statusOf(f.state).policy.battery);
+  assert.equal(f.state.numbers['cpu audio'].length, 1);
+  f.now += 1000;
+  f.send(f.robot.processes());
+  assert.deepEqual(f.state.numbers['memory audio'].map(p => p.ms), [f.now - 1000, f.now]);
+  const imu = value => f.send({op: 'latest', topic: '/imu', type: 'sensor_msgs/msg/Imu', received_ms: f.now,
+    message: {linear: {x: value, y: 2}}});
+  imu(1);
+  assert.equal(f.state.numbers['/imu linear.x'], undefined);
+  f.send({op: 'plot', ids: ['battery', '/imu linear.x']});
+  imu(3);
+  assert.deepEqual(f.state.numbers['/imu linear.x'], [{ms: f.now, value: 3}]);
+  assert.equal(f.state.numbers['/imu linear.y'], undefined);
 });
 
 test('the language is the stored one, else the first that the browser prefers, else English', () => {

@@ -234,6 +234,22 @@ test('the timeline is moved by wheel, drag, keys and buttons, and a click on a f
     /audio is degraded.*first cause.*audio's process 4103 was ended by SIGSEGV/s);
 }));
 
+test('numbers are plotted over the time of the timeline, added and removed', () => inPage({hash: 'timeline'},
+  async (page, {robot}) => {
+  const drawn = {state: 'attached'};  // a flat line has no height
+  await page.waitForSelector('.plot:has-text("battery") .plot-line', drawn);
+  await page.selectOption('#plot-add', 'cpu audio');
+  await page.waitForSelector('.plot:has-text("CPU audio") .plot-line', drawn);
+  robot.emit(robot.processes());
+  await until('the line goes on', async () => /M.*H.*V.*H/.test(
+    await page.getAttribute('.plot:has-text("CPU audio") .plot-line', 'd')));
+  await page.click('.plot:has-text("CPU audio") button');
+  await page.waitForSelector('.plot:has-text("CPU audio")', {state: 'detached'});
+  await page.selectOption('#plot-topic', '/skill_feedback');
+  await page.selectOption('#plot-field', '/skill_feedback progress');
+  await page.waitForSelector('.plot:has-text("/skill_feedback progress")');
+}));
+
 test('a state machine, a tree and a skill are drawn with what is present lit',
   () => inPage({hash: 'application/wedding'}, async (page, {server, robot}) => {
   await page.waitForSelector('.node.lit >> text=WATCH');
