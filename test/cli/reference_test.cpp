@@ -17,6 +17,7 @@ namespace musher::cli::reference_test {
 
 using ::testing::Contains;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // Of "## The `musher` program" in the reference: by its first words the rows of each command, and
 // the text around the table.
@@ -112,6 +113,21 @@ TEST(Reference, ListsNoCommandThatIsNotThere) {
     if (command != "help" && !commands.contains(command)) unknown.push_back(command);
   }
   EXPECT_THAT(unknown, IsEmpty());
+}
+
+TEST(Grammar, HasOneWordForWhatGoesOnPrintingAndOneForTheNumberOfLines) {
+  const auto grammar = ReadGrammar();
+  for (const char* command : {"status", "behavior", "history", "logs"}) {
+    EXPECT_THAT(grammar.at(command), Contains("--follow")) << command;
+  }
+  for (const char* command : {"history", "logs"}) {
+    EXPECT_THAT(grammar.at(command), Contains("--lines")) << command;
+  }
+  for (const auto& [command, words] : grammar) {
+    for (const char* other : {"--watch", "--tail", "--limit", "--count", "--number"}) {
+      EXPECT_THAT(words, Not(Contains(other))) << "of `" << command << "`";
+    }
+  }
 }
 
 TEST(Schema, DescribesTheDocumentOfEachCommand) {
