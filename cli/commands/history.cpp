@@ -188,6 +188,9 @@ std::variant<Entries, Failure> FromDisk(const Failure& failure, const Selection&
   const auto found = FindMachineFiles("", global);
   const auto* files = std::get_if<MachineFiles>(&found);
   if (files == nullptr || files->led) return failure;
+  if (const std::string why = WhyUnreadable(*files); !why.empty()) {
+    return Failure{failure.exit, {kCodePermissionDenied, failure.error.message + "; " + why}};
+  }
   const std::string journal = files->state_dir + "/journal.sqlite";
   if (!std::filesystem::exists(journal)) return failure;
   console.Note("no controller leads " + files->name + " now; reading " + journal);

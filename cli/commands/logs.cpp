@@ -170,6 +170,9 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
   auto found = FindMachineFiles(options.config, global);
   if (const auto* failure = std::get_if<Failure>(&found)) return console.Fail(*failure);
   const MachineFiles& files = std::get<MachineFiles>(found);
+  if (const std::string why = WhyUnreadable(files); !why.empty()) {
+    return console.Fail({ExitCode::kNotDone, {kCodePermissionDenied, why}});
+  }
   const std::vector<std::string> known = LogNamesOf(files);
   const bool requested = !options.actuators.empty();
   std::vector<ShownLog> logs;
