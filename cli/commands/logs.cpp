@@ -179,7 +179,8 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
   std::vector<std::string> missing;
   for (const std::string& name : requested ? options.actuators : known) {
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      return console.Fail({ExitCode::kUsage, {kCodeParametersInvalid, NoSuch("log", name, known)}});
+      return console.Fail(
+          {ExitCode::kUsage, {kCodeParametersInvalid, NoSuch("actuator", name, known)}});
     }
     const bool twice = std::any_of(logs.begin(), logs.end(),
                                    [&](const ShownLog& log) { return log.source == name; });

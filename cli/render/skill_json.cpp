@@ -13,7 +13,7 @@ namespace {
 Json OfSkillEnd(const SkillEnd& end) {
   return {{"skill", end.skill},
           {"actuator", end.actuator},
-          {"outcome", SkillOutcomeName(end.outcome)},
+          {"outcome", SkillOutcomeWord(end.outcome)},
           {"message", end.message},
           {"progress", end.progress},
           {"duration_s", end.duration_s ? Json(*end.duration_s) : Json()},
@@ -74,7 +74,7 @@ std::string SkillFeedbackJson(const msg::SkillFeedback& feedback, std::int64_t w
                    {"skill", feedback.skill},
                    {"goal_id", Known(feedback.goal_id)},
                    {"status", SkillStatusName(feedback.status)},
-                   {"state", feedback.state},
+                   {"state", Known(feedback.state)},
                    {"progress", feedback.progress},
                    {"message", feedback.message},
                    {"details", details}});

@@ -145,7 +145,7 @@ TEST_F(TopicCommand, EchoPrintsTheLatchedSampleOfATopic) {
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_EQ(ran.out, "data: hello\n---\n");
   const Ended json = Musher({"topic", "echo", "/chat", "--samples", "1", "--json"});
-  EXPECT_EQ(Json(json.out)["message"]["data"], "hello") << json.out;
+  EXPECT_EQ(Json(json.out)["sample"]["data"], "hello") << json.out;
   EXPECT_EQ(Json(json.out)["type"], "std_msgs/msg/String");
 }
 
