@@ -66,13 +66,17 @@ std::string SkillCancelJson(const std::vector<SkillEnd>& ends) {
 
 std::string SkillFeedbackJson(const msg::SkillFeedback& feedback, std::int64_t wall_ns) {
   Json details = Json::object();
-  for (const msg::SkillDetail& detail : feedback.details) details[detail.key] = detail.value;
+  Json requested_by;
+  for (const msg::SkillDetail& detail : feedback.details) {
+    (detail.key == "requested_by" ? requested_by : details[detail.key]) = detail.value;
+  }
   const std::chrono::duration<double> stamp = msg::FromStamp(feedback.header.stamp);
   return JsonLine({{"time", UtcText(wall_ns)},
                    {"stamp_s", stamp.count()},
                    {"actuator", feedback.actuator},
                    {"skill", feedback.skill},
                    {"goal_id", Known(feedback.goal_id)},
+                   {"requested_by", requested_by},
                    {"status", SkillStatusName(feedback.status)},
                    {"state", Known(feedback.state)},
                    {"progress", feedback.progress},
