@@ -38,6 +38,11 @@ Result<Request> RequestOf(const Goal& goal) {
   return request;
 }
 
+// ", requested by alice@dog1"; empty: the client does not say who it is.
+std::string OfRequester(const std::string& by) {
+  return by.empty() ? "" : ", requested by " + by;
+}
+
 }  // namespace
 
 class SkillActuator::Impl {
@@ -86,7 +91,7 @@ class SkillActuator::Impl {
   };
   // The last run of a skill, as it was published.
   struct Published {
-    std::string goal_id;
+    RunOrigin origin;
     msg::SkillFeedback feedback{};
     bool ended = false;
   };
@@ -132,17 +137,19 @@ class SkillActuator::Impl {
 
   // Topics `skill_feedback` and `skills`, and the service `<actuator>/get_skill`.
   void OpenReports(transport::Endpoints& topics) {
+    node_ = &topics.node();
     publish_ = topics.PublishFunction<msg::SkillFeedback>("skill_feedback");
     const std::string action =
         "/" + transport::ResolveName(owner_.machine_config().name_space, options_.action);
     topics.PublishFunction<msg::SkillOffers>(
         "skills", transport::kLatchedQos)(OfferSkills(owner_.name(), action, *manager_));
-    topics.Serve<msg::GetSkill>(owner_.name() + "/get_skill", [this](const auto& request,
-                                                                     auto reply) {
-      const auto published = published_.find(request.skill);
-      reply(ReportSkill(owner_.name(), *manager_, stepping_,
-                        published == published_.end() ? "" : published->second.goal_id, request));
-    });
+    topics.Serve<msg::GetSkill>(
+        owner_.name() + "/get_skill", [this](const auto& request, auto reply) {
+          const auto published = published_.find(request.skill);
+          reply(ReportSkill(owner_.name(), *manager_, stepping_,
+                            published == published_.end() ? RunOrigin() : published->second.origin,
+                            request));
+        });
   }
 
   Result<> Continue() {
@@ -193,16 +200,18 @@ class SkillActuator::Impl {
       started = manager_->StartWithTexts(request.value().skill, request.value().parameters);
     }
     Goal own = goal;
+    const std::string by = transport::NameOf(*node_, goal.caller());
     if (!started) {
-      owner_.Log(LogLevel::kWarning, "goal refused: " + started.error().message);
+      owner_.Log(LogLevel::kWarning,
+                 "goal refused" + OfRequester(by) + ": " + started.error().message);
       own.Abort({false, started.error().message});
       return;
     }
     const std::string& skill = request.value().skill;
-    owner_.Log(skill + " started");
+    owner_.Log(skill + " started" + OfRequester(by));
     own.Execute();
     own.PublishFeedback({"processing: Skill " + skill + " started (0%)"});
-    published_[skill] = {transport::GoalIdText(goal.id())};
+    published_[skill] = {{transport::GoalIdText(goal.id()), by}};
     goals_.insert_or_assign(skill, Open{std::move(own), ""});
     SaveRuns();
     PublishChanges();
@@ -251,10 +260,13 @@ class SkillActuator::Impl {
   void Publish(const skill::Run& run) {
     if (!ticks_.open()) return;
     Published& last = published_[run.name()];
-    msg::SkillFeedback feedback = ReportRun(owner_.name(), run, last.goal_id);
+    msg::SkillFeedback feedback = ReportRun(owner_.name(), run, last.origin);
     if (feedback == last.feedback) return;
     // An end is final: this run is another one, and no goal has started it.
-    if (last.ended) last.goal_id = feedback.goal_id = "";
+    if (last.ended) {
+      last.origin = {};
+      feedback = ReportRun(owner_.name(), run, last.origin);
+    }
     last.feedback = feedback;
     last.ended = run.ended();
     feedback.header.stamp = ticks_.Stamp();
@@ -310,6 +322,7 @@ class SkillActuator::Impl {
   const Options options_;
   std::unique_ptr<skill::Manager> manager_;
   Ticks ticks_;
+  const transport::Node* node_ = nullptr;                   // of the endpoints
   std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
   std::map<std::string, Open> goals_;                       // by skill
   std::map<std::string, Published> published_;              // by skill

@@ -58,12 +58,12 @@ msg::SkillOffers OfferSkills(const std::string& actuator, const std::string& act
 }
 
 msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
-                             const std::string& goal_id) {
+                             const RunOrigin& origin) {
   const skill::Feedback& feedback = run.feedback();
   msg::SkillFeedback report;
   report.actuator = actuator;
   report.skill = run.name();
-  report.goal_id = goal_id;
+  report.goal_id = origin.goal_id;
   report.status = static_cast<std::uint8_t>(feedback.status);
   report.state = feedback.state;
   report.progress = static_cast<std::uint8_t>(feedback.progress);
@@ -71,11 +71,14 @@ msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
   for (const skill::Values::Named& detail : feedback.details) {
     report.details.push_back({detail.name, skill::ToText(detail.value)});
   }
+  if (!origin.requested_by.empty()) {
+    report.details.push_back({"requested_by", origin.requested_by});
+  }
   return report;
 }
 
 msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Manager& manager,
-                                    bool stepping, const std::string& goal_id,
+                                    bool stepping, const RunOrigin& origin,
                                     const msg::GetSkill::Request& request) {
   msg::GetSkill::Response report;
   report.stepping = stepping;
@@ -90,7 +93,7 @@ msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Ma
     idle = std::move(made).value();
     run = idle.get();
   }
-  report.feedback = ReportRun(actuator, *run, idle ? "" : goal_id);
+  report.feedback = ReportRun(actuator, *run, idle ? RunOrigin() : origin);
   if (idle) report.feedback.state = idle->Path();
   for (std::size_t i = 0; i < run->history().size(); ++i) {
     report.history.push_back(ChangeText(*run, run->history()[i]));

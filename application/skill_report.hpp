@@ -14,14 +14,20 @@ namespace musher {
 msg::SkillOffers OfferSkills(const std::string& actuator, const std::string& action,
                              const skill::Manager& manager);
 
-// `goal_id`: empty when the run was not started by a goal.
+// What has started a run; empty: no goal has.
+struct RunOrigin {
+  std::string goal_id;
+  std::string requested_by;  // its client, for people; empty: it does not say who it is
+};
+
+// The last of the details is `requested_by`, if it is known.
 msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
-                             const std::string& goal_id);
+                             const RunOrigin& origin);
 
 // The reply of get_skill. `stepping`: skills are executed now. The reply has an `error` for an
 // unknown skill, with the nearest, and for an unknown format of the picture.
 msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Manager& manager,
-                                    bool stepping, const std::string& goal_id,
+                                    bool stepping, const RunOrigin& origin,
                                     const msg::GetSkill::Request& request);
 
 }  // namespace musher

@@ -117,7 +117,10 @@ std::string HostName() {
 }
 
 std::string UserAtHost() {
-  const passwd* user = getpwuid(getuid());  // NOLINT(concurrency-mt-unsafe): of the main thread
+  std::array<char, 4096> text{};
+  passwd entry{};
+  passwd* user = nullptr;
+  getpwuid_r(getuid(), &entry, text.data(), text.size(), &user);
   return (user != nullptr ? std::string(user->pw_name) : std::to_string(getuid())) + "@" +
          HostName();
 }

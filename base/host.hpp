@@ -33,7 +33,7 @@ std::string HostId();
 // The name that people know the host by; empty: unknown.
 std::string HostName();
 
-// The user of this process, for people: "alice@dog1". Of command lines: on the main thread.
+// The user of this process, for people: "alice@dog1".
 std::string UserAtHost();
 
 // Nanoseconds since the host was booted: an id for a process that starts now, higher than that of

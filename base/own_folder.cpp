@@ -1,10 +1,18 @@
 #include "musher/base/own_folder.hpp"
 
+#include <fcntl.h>
+#include <grp.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <filesystem>
 #include <string_view>
+#include <vector>
 
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/base/words.hpp"
 
 namespace musher {
@@ -18,6 +26,24 @@ Error Untrusted(const std::string& what, const std::string& command) {
   return {kCodePermissionDenied, what +
                                      ", who could replace files in it and put links there; run `" +
                                      command + "`, or choose another folder"};
+}
+
+// Those of before, which have the group of their maker.
+void ShareFiles(const std::string& folder, gid_t group) {
+  for (const std::filesystem::path& file : EntriesOf(std::filesystem::path(folder))) {
+    struct stat info {};
+    if (lstat(file.c_str(), &info) != 0) continue;
+    const bool ours = S_ISREG(info.st_mode) && info.st_uid == geteuid() && info.st_gid != group;
+    if (!ours || (info.st_mode & S_IRGRP) == 0) continue;
+    if (lchown(file.c_str(), static_cast<uid_t>(-1), group) != 0) return;
+  }
+}
+
+// As the process has it now.
+mode_t OwnUmask() {
+  const mode_t mask = umask(077);  // strict, for a file that another thread makes now
+  umask(mask);
+  return mask;
 }
 
 }  // namespace
@@ -40,6 +66,42 @@ Result<> CheckOwnFolder(const std::string& folder) {
   return Untrusted(
       folder + " is writable for " + (all ? "all users" : "group " + std::to_string(info.st_gid)),
       "chmod go-w " + quoted);
+}
+
+std::optional<gid_t> GroupNamed(const std::string& name) {
+  std::vector<char> text(1 << 10);
+  struct group entry {};
+  struct group* found = nullptr;
+  while (getgrnam_r(name.c_str(), &entry, text.data(), text.size(), &found) == ERANGE) {
+    text.resize(2 * text.size());  // it has many members
+  }
+  return found == nullptr ? std::nullopt : std::optional(entry.gr_gid);
+}
+
+Result<> ShareFolder(const std::string& folder, const std::string& group) {
+  const auto id = GroupNamed(group);
+  if (!id) return Error{kCodeParametersInvalid, "this host has no group '" + group + "'"};
+  if ((OwnUmask() & S_IRGRP) != 0) {
+    return Error{kCodePermissionDenied, "group " + group + " cannot read " + folder +
+                                            ": the umask keeps new files from it; use umask 027"};
+  }
+  const UniqueFd fd(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  struct stat info {};
+  if (!fd.valid() || fstat(fd.get(), &info) != 0) return SystemError("can't open " + folder);
+  if (info.st_gid != *id && fchown(fd.get(), static_cast<uid_t>(-1), *id) != 0) {
+    if (errno != EPERM) return SystemError("can't give " + folder + " to group " + group);
+    return Error{kCodePermissionDenied,
+                 "group " + group + " cannot read " + folder +
+                     ": only a member may give files to a group; run `sudo usermod -aG " + group +
+                     " \"$USER\"` and log in again"};
+  }
+  // What is made in it has its group, not that of the process.
+  const mode_t mode = (info.st_mode & 07777) | S_ISGID | S_IRGRP | S_IXGRP;
+  if (mode != (info.st_mode & 07777) && fchmod(fd.get(), mode) != 0) {
+    return SystemError("can't share " + folder + " with group " + group);
+  }
+  ShareFiles(folder, *id);
+  return Ok();
 }
 
 }  // namespace musher

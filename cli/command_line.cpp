@@ -18,7 +18,7 @@ A new robot
   musher up robot.toml             start it; --detach returns once it is up
 
 A robot that runs
-  musher status                    the machine and its actuators; --failed, --watch
+  musher status                    the machine and its actuators; --failed, --follow
   musher set LowPower              switch it; `musher plan LowPower` only shows what would happen
   musher estop                     stop it now; `musher down` shuts it down
   musher view                      in a browser

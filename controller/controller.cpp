@@ -12,6 +12,7 @@
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/joined.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -172,6 +173,7 @@ Result<> Controller::OpenStore() {
   if (store) {
     last_config_hash_ = store.value().LoadConfigHash();
     store_ = std::make_shared<StateStore>(std::move(store).value());
+    ShareStore();
   } else if (store.error().code == kCodeTargetBusy) {
     return Error{kCodeTargetBusy, store.error().message + "; " +
                                       HowToReplace(StateStore::OwnerOf(config_.state_dir))};
@@ -179,6 +181,17 @@ Result<> Controller::OpenStore() {
     Trouble("no journal, no saved epoch: " + store.error().message);
   }
   return Ok();
+}
+
+// A robot that runs without readers is better than none.
+void Controller::ShareStore() {
+  if (config_.log_group.empty()) return;
+  for (const std::string& folder : {config_.state_dir, config_.state_dir + "/logs"}) {
+    if (const auto shared = ShareFolder(folder, config_.log_group); !shared) {
+      Trouble("log_group: " + shared.error().message);
+      return;
+    }
+  }
 }
 
 // One controller leads the actuators of a namespace, whatever its folder is.

@@ -71,6 +71,7 @@ class Controller {
              ControllerOptions options);
   Result<> Open();
   Result<> OpenStore();
+  void ShareStore();
   Result<> TakeName();
   Result<> OpenShell();
   void AddSaves(ShellDependencies& dependencies);

@@ -79,6 +79,7 @@ class ServerGoal {
   explicit ServerGoal(std::shared_ptr<internal::TypedGoal<A>> goal) : goal_(std::move(goal)) {}
 
   const GoalId& id() const { return goal_->id(); }
+  ParticipantId caller() const { return goal_->caller(); }  // that has sent it; see NameOf()
   const typename A::Goal& goal() const { return goal_->goal; }
   GoalState state() const { return goal_->state(); }
 

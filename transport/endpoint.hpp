@@ -63,6 +63,7 @@ struct PeerInfo {
   std::int32_t pid = 0;      // of its process, on `host`; 0: not said
   std::string host;          // HostName() of its host; empty: not said
   std::uint16_t vendor = 0;  // of its DDS, as the OMG numbers them: 0x0110 is Cyclone
+  std::string name;          // of Musher: of its user ("alice@dog1") or node ("/dog1/arm")
 };
 
 // What another participant does wrong, as often as it does.

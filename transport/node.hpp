@@ -66,6 +66,21 @@ class Node {
   std::function<void(const PeerFault&)> on_peer_fault_;
 };
 
+// What people call another participant, by what it says of itself: its user, if it is a command
+// line ("alice@dog1"), its node ("/planner"), or its process ("process 4711 of dog1"); empty: it
+// says nothing. Reads all of discovery: for rare events.
+inline std::string NameOf(const Node& node, ParticipantId participant) {
+  std::string name = node.RosNodeOf(participant);
+  for (const PeerInfo& peer : node.Peers()) {
+    if (peer.id != participant) continue;
+    if (!peer.name.empty()) return peer.name;
+    if (name.empty() && peer.pid != 0) {
+      name = "process " + std::to_string(peer.pid) + " of " + peer.host;
+    }
+  }
+  return name;
+}
+
 // Resolves a name as ROS 2 does: a relative one gets the namespace ("" or "dog1"), an absolute one
 // ("/show/state") does not.
 inline std::string ResolveName(std::string_view name_space, std::string_view name) {

@@ -124,6 +124,7 @@ bool RawActionServer::OnSendGoal(const msg::RequestId& id, std::span<const std::
   }
   const RawGoalPtr& goal = *decided;
   goal->id_ = goal_id;
+  goal->caller_ = caller;
   goal->server_ = self_;
   records_[goal_id].goal = goal;
   reply(msg::Encode(internal::SendGoalReply{id, true, stamp}));

@@ -44,6 +44,7 @@ class RawGoal {
   RawGoal& operator=(const RawGoal&) = delete;
 
   const GoalId& id() const { return id_; }
+  ParticipantId caller() const { return caller_; }  // that has sent it
   GoalState state() const;
   bool Execute();
   // `reply`: an encoded reply of get_result; its request id and status are filled in.
@@ -57,6 +58,7 @@ class RawGoal {
 
   std::weak_ptr<RawActionServer*> server_;
   GoalId id_{};
+  ParticipantId caller_ = 0;
   GoalState ended_ = GoalState::kUnknown;
 };
 using RawGoalPtr = std::shared_ptr<RawGoal>;

@@ -1,4 +1,4 @@
-// musher behavior NAME [--watch] [--send COMMAND]: the state machine of a running application, or
+// musher behavior NAME [--follow] [--send COMMAND]: the state machine of a running application, or
 // with --tree its behaviour tree.
 
 #include <CLI/CLI.hpp>
@@ -20,7 +20,7 @@ namespace {
 struct BehaviorOptions {
   std::string name;
   std::uint32_t history = 10;  // changes
-  bool watch = false;
+  bool follow = false;
   std::string send;      // a command; empty: only show the state machine
   bool tree = false;     // the behaviour tree instead
   bool entries = false;  // of its blackboards, too
@@ -143,15 +143,15 @@ ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, C
       if (const auto failure = Send(*link.value(), global, options)) return console.Fail(*failure);
     }
     return ShowTree(*link.value(), global,
-                    {options.name, options.history, options.entries, options.watch}, console);
+                    {options.name, options.history, options.entries, options.follow}, console);
   }
   const auto answer = QueryBehavior(*link.value(), global, options.name,
-                                    {"", options.watch ? kAllChanges : options.history});
+                                    {"", options.follow ? kAllChanges : options.history});
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& report = std::get<Report>(answer);
   if (!options.send.empty()) {
     if (const auto failure = Send(*link.value(), global, options)) return console.Fail(*failure);
-    if (!options.watch) {
+    if (!options.follow) {
       console.Print(console.mode().json ? BehaviorSentJson(options.name, options.send)
                                         : "sent " + options.send + " to " + options.name + "\n");
       return ExitCode::kDone;
@@ -162,7 +162,7 @@ ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, C
     shown.history.erase(shown.history.begin(), shown.history.end() - options.history);
   }
   Print(options.name, shown, console);
-  if (!options.watch) return ExitCode::kDone;
+  if (!options.follow) return ExitCode::kDone;
   return Watch(*link.value(), global, options.name, console).Run(report);
 }
 
@@ -179,9 +179,9 @@ void AddBehavior(Grammar& grammar) {
   app.add_option("--history", options.history, "Number of latest changes to show; default 10")
       ->check(CLI::Range(0U, 1000U).description(""))
       ->type_name("N");
-  app.add_flag("-w,--watch", options.watch, "Show every change as it happens");
+  app.add_flag("-f,--follow", options.follow, "Show every change as it happens");
   auto* tree = app.add_flag("-t,--tree", options.tree,
-                            "Show its behaviour tree; --watch redraws it on a terminal");
+                            "Show its behaviour tree; --follow redraws it on a terminal");
   app.add_flag("--entries", options.entries, "Also show the blackboards of the tree")->needs(tree);
   grammar
       .Offer(

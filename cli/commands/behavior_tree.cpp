@@ -114,18 +114,18 @@ ExitCode ShowTree(Link& link, const GlobalOptions& global, const ShownTree& show
                   Console& console) {
   const auto answer = QueryTree(
       link, global, shown.name,
-      {"", shown.watch ? std::max(kAllTreeChanges, shown.history) : shown.history, shown.entries});
+      {"", shown.follow ? std::max(kAllTreeChanges, shown.history) : shown.history, shown.entries});
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& report = std::get<TreeReport>(answer);
   TreeReport first = report;
   if (first.history.size() > shown.history) {
     first.history.erase(first.history.begin(), first.history.end() - shown.history);
   }
-  const bool redrawn = shown.watch && console.mode().terminal && !console.mode().json;
+  const bool redrawn = shown.follow && console.mode().terminal && !console.mode().json;
   if (redrawn) console.Redraw(kHome);
   console.Print(console.mode().json ? TreeJson(shown.name, first)
                                     : TreeText(shown.name, first, console.mode().colour));
-  if (!shown.watch) return ExitCode::kDone;
+  if (!shown.follow) return ExitCode::kDone;
   return TreeWatch(link, global, shown, console).Run(report);
 }
 

@@ -13,7 +13,7 @@ struct ShownTree {
   const std::string& name;    // of the actuator
   std::uint32_t history = 0;  // the newest so many changes
   bool entries = false;       // with the blackboards
-  bool watch = false;         // every change, until Ctrl-C; redrawn on a terminal
+  bool follow = false;        // every change, until Ctrl-C; redrawn on a terminal
 };
 
 ExitCode ShowTree(Link& link, const GlobalOptions& global, const ShownTree& shown,

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "musher/cli/commands/commands.hpp"
+#include "musher/cli/config/group_check.hpp"
 #include "musher/cli/config/key_check.hpp"
 #include "musher/cli/config/program_check.hpp"
 #include "musher/cli/config/ros_check.hpp"
@@ -54,7 +55,9 @@ ExitCode Check(const CheckOptions& options, const GlobalOptions& /*global*/, Con
       reading.diagnostics.insert(reading.diagnostics.end(), keys.begin(), keys.end());
       const auto ros = CheckRos(*read, transport::OwnEnvironment());
       reading.diagnostics.insert(reading.diagnostics.end(), ros.begin(), ros.end());
-      if (HasError(found)) reading.config.reset();
+      const auto group = CheckLogGroup(*read);
+      reading.diagnostics.insert(reading.diagnostics.end(), group.begin(), group.end());
+      if (HasError(found) || HasError(group)) reading.config.reset();
     }
     all.insert(all.end(), reading.diagnostics.begin(), reading.diagnostics.end());
     if (console.mode().json) continue;

@@ -74,6 +74,8 @@ void TakeConfig(const MachineConfig& config, Description& d) {
 
 void TakeLog(const MachineFiles& files, Description& d) {
   d.log_file = LogPathOf(files, d.name);
+  d.why_no_log = WhyUnreadable(files);
+  if (!d.why_no_log.empty()) return;
   if (!std::filesystem::exists(d.log_file)) {
     d.why_no_log = WhyNoLog(files, d.name, d.log_file);
     return;

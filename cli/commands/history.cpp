@@ -36,7 +36,7 @@ struct HistoryOptions {
   std::string journal;   // empty: query the controller; without one, that of its machine
   std::string level = "info";
   bool boot = false;      // only since the host has booted
-  unsigned limit = 1000;  // 0: no limit
+  unsigned lines = 1000;  // 0: no limit
   bool csv = false;
   bool follow = false;             // then print new entries
   std::optional<std::string> why;  // explain this state instead; empty: the current one
@@ -125,7 +125,7 @@ Result<Selection> Select(const HistoryOptions& options) {
   selection.actuator = options.actuator;
   selection.event = options.event;
   selection.failures_only = options.level == kErrorLevel;
-  selection.limit = options.limit;
+  selection.limit = options.lines;
   if (!options.since.empty()) {
     const auto since = ParseSince(options.since, WallNow());
     if (!since) return since.error();
@@ -188,6 +188,9 @@ std::variant<Entries, Failure> FromDisk(const Failure& failure, const Selection&
   const auto found = FindMachineFiles("", global);
   const auto* files = std::get_if<MachineFiles>(&found);
   if (files == nullptr || files->led) return failure;
+  if (const std::string why = WhyUnreadable(*files); !why.empty()) {
+    return Failure{failure.exit, {kCodePermissionDenied, failure.error.message + "; " + why}};
+  }
   const std::string journal = files->state_dir + "/journal.sqlite";
   if (!std::filesystem::exists(journal)) return failure;
   console.Note("no controller leads " + files->name + " now; reading " + journal);
@@ -274,7 +277,7 @@ void AddHistory(Grammar& grammar) {
   grammar.OneOf(app.add_option("--level", options.level, "`error`: only failures"),
                 {"info", kErrorLevel});
   app.add_flag("--boot", options.boot, "Only since this host has booted");
-  app.add_option("--limit", options.limit,
+  app.add_option("-n,--lines", options.lines,
                  "Number of newest matching entries; default 1000, 0: all")
       ->check(CLI::Range(0U, 1'000'000U).description(""))
       ->type_name("N");

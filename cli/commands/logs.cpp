@@ -170,13 +170,17 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
   auto found = FindMachineFiles(options.config, global);
   if (const auto* failure = std::get_if<Failure>(&found)) return console.Fail(*failure);
   const MachineFiles& files = std::get<MachineFiles>(found);
+  if (const std::string why = WhyUnreadable(files); !why.empty()) {
+    return console.Fail({ExitCode::kNotDone, {kCodePermissionDenied, why}});
+  }
   const std::vector<std::string> known = LogNamesOf(files);
   const bool requested = !options.actuators.empty();
   std::vector<ShownLog> logs;
   std::vector<std::string> missing;
   for (const std::string& name : requested ? options.actuators : known) {
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      return console.Fail({ExitCode::kUsage, {kCodeParametersInvalid, NoSuch("log", name, known)}});
+      return console.Fail(
+          {ExitCode::kUsage, {kCodeParametersInvalid, NoSuch("actuator", name, known)}});
     }
     const bool twice = std::any_of(logs.begin(), logs.end(),
                                    [&](const ShownLog& log) { return log.source == name; });

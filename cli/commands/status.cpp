@@ -1,4 +1,4 @@
-// musher status [--watch]: the machine's status now, or every change of it.
+// musher status [--follow]: the machine's status now, or every change of it.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace musher::cli {
 namespace {
 
 struct StatusOptions {
-  bool watch = false;
+  bool follow = false;
   bool failed = false;
 };
 
@@ -170,7 +170,7 @@ bool IsLan() {
 
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::OpenForCalls(global, &console);
-  if (options.watch) return Watch(*link, console);
+  if (options.follow) return Watch(*link, console);
   std::unique_ptr<RunningActuators> running;
   const auto look_at_all = [&]() -> Result<> {
     if (auto joined = link->Join(); !joined) return joined.error();
@@ -215,10 +215,10 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
 
 void AddStatus(Grammar& grammar) {
   auto [app, options] = grammar.Add("status", "Show the machine and its actuators", Status);
-  auto* watch = app.add_flag("-w,--watch", options.watch, "Show every change as it happens");
+  auto* follow = app.add_flag("-f,--follow", options.follow, "Show every change as it happens");
   app.add_flag("--failed", options.failed,
                "Only the actuators that are degraded, not well, lost or being restarted")
-      ->excludes(watch);
+      ->excludes(follow);
 }
 
 }  // namespace musher::cli

@@ -19,11 +19,13 @@
 #include <vector>
 
 #include "musher/base/date_text.hpp"
+#include "musher/base/diagnostic.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/program_path.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/commands/up_launcher.hpp"
 #include "musher/cli/config/config_file.hpp"
+#include "musher/cli/config/group_check.hpp"
 #include "musher/cli/config/key_check.hpp"
 #include "musher/cli/console/signals.hpp"
 #include "musher/cli/grammar/grammar.hpp"
@@ -205,6 +207,9 @@ Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptio
                  "--namespace differs from the config: actuators use the namespace of " +
                      options.file + ", '" + config.name_space + "'"};
   }
+  // A controller that is executed again leads its machine with the group or without.
+  const auto group = options.resume ? std::vector<Diagnostic>() : CheckLogGroup(config);
+  if (!group.empty()) return Error{kCodeParametersInvalid, FormatDiagnostic(group.front())};
   return TakeKeys(config, console);
 }
 

@@ -87,8 +87,7 @@ class Rows {
     row.node.line = static_cast<std::uint32_t>(at.line);
     for (const tree::Attribute& attribute : element.attributes) {
       if (&attribute == name || &attribute == id) continue;
-      if (!row.attributes.empty()) row.attributes += ' ';
-      row.attributes += attribute.name + "=\"" + attribute.value + "\"";
+      row.attributes.emplace_back(attribute.name, attribute.value);
     }
     return row;
   }

@@ -29,7 +29,7 @@ TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::stri
 // A node of a file, as a row of a table.
 struct FileNode {
   msg::TreeNode node;
-  std::string attributes;  // `msec="5" _skipIf="x"`
+  std::vector<std::pair<std::string, std::string>> attributes;  // `msec`, `5`
 };
 
 // The nodes of a tree with those of its subtrees, or of each tree one after the other where none

@@ -24,9 +24,10 @@ Json Of(const std::vector<Diagnostic>& diagnostics) {
 }  // namespace
 
 std::string FailureJson(const Failure& failure) {
-  Json json = {{"error", failure.error.message}, {"code", failure.error.code}};
-  if (failure.switch_number != 0) json["switch"] = failure.switch_number.value();
-  return JsonLine(json);
+  return JsonLine({{"error", failure.error.message},
+                   {"code", failure.error.code},
+                   {"switch", Known(failure.switch_number.value())},
+                   {"diagnostics", Json::array()}});
 }
 
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {
@@ -36,6 +37,7 @@ std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {
 std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics) {
   return JsonLine({{"error", file + " is not a valid state config"},
                    {"code", kCodeParametersInvalid},
+                   {"switch", nullptr},
                    {"diagnostics", Of(diagnostics)}});
 }
 

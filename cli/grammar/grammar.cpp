@@ -24,7 +24,7 @@ A first tour:
   musher doctor robot.toml         check this computer for what the robot needs
   musher check robot.toml          report every error in a config
   musher up robot.toml             start the machine; Ctrl-C takes it down
-  musher status --watch            (another terminal) watch it live
+  musher status --follow           (another terminal) watch it live
   musher top                       CPU, memory and heartbeats, live
   musher describe audio            all about one actuator, and what to do next
   musher logs -f audio             what its process prints

@@ -1,9 +1,11 @@
 #include "musher/cli/machine/machine_files.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <vector>
 
@@ -23,6 +25,9 @@ namespace fs = std::filesystem;
 
 // StateDirectory= of musher@.service.
 constexpr const char* kServicePlace = "/var/lib/musher";
+
+constexpr const char* kHowToRead =
+    "run it with sudo, or let a group read them: log_group in [controller]";
 
 fs::path UserPlace() {
   return fs::path(config_toml::DefaultStateDir("any", "")).parent_path();
@@ -51,9 +56,15 @@ std::variant<MachineFiles, Failure> FromConfig(const std::string& file, int doma
   return MachineFiles{name, state_dir, fs::absolute(file), std::move(reading.config), false};
 }
 
+// False also where this user may not look.
+bool IsFolder(const std::string& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
 MachineFiles FromFolder(const std::string& state_dir, const MachineOrigin& origin) {
   MachineFiles files{origin.name, state_dir, origin.file, std::nullopt, false};
-  if (fs::is_directory(origin.file)) return files;  // an upgrade root
+  if (IsFolder(origin.file)) return files;  // an upgrade root
   files.config = ReadConfigFile(origin.file).config;
   if (files.config) TakeStateDir(*files.config, origin.domain);
   if (files.config && files.config->state_dir != state_dir) files.config.reset();
@@ -93,6 +104,20 @@ std::vector<MachineFiles> Stopped(const std::string& name_space, int domain) {
   return files;
 }
 
+// Those of the namespace and domain that this user can read, the most likely first.
+std::vector<MachineFiles> Unled(const std::string& name_space, int domain) {
+  std::vector<MachineFiles> files = Stopped(name_space, domain);
+  if (auto here = InWorkingDirectory(name_space, domain)) {
+    files.insert(files.begin(), std::move(*here));
+  }
+  return files;
+}
+
+bool IsOfAnother(const std::string& folder) {
+  struct stat info {};
+  return stat(folder.c_str(), &info) == 0 && info.st_uid != geteuid();
+}
+
 }  // namespace
 
 std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
@@ -106,10 +131,16 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
     const pid_t leader = NameLock::HolderOf(lock_of(name_space)).pid;
     return leader == 0 ? "" : StateDirOfProcess(leader);
   };
+  // A controller of another user has open files that only root sees.
+  const auto led_by_another = [&](const std::string& name_space) {
+    return led_in(name_space).empty() && NameLock::IsHeld(lock_of(name_space));
+  };
   if (!config.empty()) {
     auto files = FromConfig(config, domain.value());
     if (auto* found = std::get_if<MachineFiles>(&files)) {
-      found->led = found->state_dir == led_in(found->config->name_space);
+      const std::string& name_space = found->config->name_space;
+      const bool by_another = IsOfAnother(found->state_dir) && led_by_another(name_space);
+      found->led = by_another || found->state_dir == led_in(name_space);
     }
     return files;
   }
@@ -121,12 +152,13 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
       return files;
     }
   }
-  if (led_dir.empty() && NameLock::IsHeld(lock_of(global.name_space))) {
-    return Failure{ExitCode::kNotDone, {kCodeFailed, FilesOfAnotherUser()}};
+  const bool by_another = led_dir.empty() && led_by_another(global.name_space);
+  for (MachineFiles& files : Unled(global.name_space, domain.value())) {
+    if (by_another && !IsOfAnother(files.state_dir)) continue;  // an earlier one of this user
+    files.led = by_another;
+    return std::move(files);
   }
-  if (auto here = InWorkingDirectory(global.name_space, domain.value())) return std::move(*here);
-  auto stopped = Stopped(global.name_space, domain.value());
-  if (!stopped.empty()) return std::move(stopped.front());
+  if (by_another) return Failure{ExitCode::kNotDone, {kCodeFailed, FilesOfAnotherUser()}};
   return Failure{
       ExitCode::kNoController,
       {kCodeNetError,
@@ -151,7 +183,7 @@ std::string StateDirOf(const MachineOrigin& machine, const std::string& by_user,
   const auto origin = LoadOrigin(by_service);
   if (!origin) return by_user;
   MachineOrigin own = machine;
-  if (fs::is_directory(origin->file)) own.file = origin->file;  // an upgrade root
+  if (IsFolder(origin->file)) own.file = origin->file;  // an upgrade root
   const bool newer = !LoadOrigin(by_user) || LastUse(by_service) > LastUse(by_user);
   return newer && origin->IsOf(own, false) ? by_service.string() : by_user;
 }
@@ -163,16 +195,32 @@ void TakeStateDir(MachineConfig& config, int domain) {
 }
 
 std::string HiddenFilesNote() {
-  if (access(kServicePlace, F_OK) != 0 || access(kServicePlace, R_OK | X_OK) == 0) return "";
+  std::string hidden = kServicePlace;
+  if (access(kServicePlace, F_OK) != 0) return "";
+  if (access(kServicePlace, R_OK | X_OK) == 0) {
+    const auto folders = EntriesOf(fs::path(kServicePlace));
+    const auto closed = std::find_if(folders.begin(), folders.end(), [](const fs::path& folder) {
+      return access(folder.c_str(), R_OK | X_OK) != 0;
+    });
+    if (closed == folders.end()) return "";
+    hidden = *closed;
+  }
   return fmt::format(
-      "; {}, with the files of robots that systemd starts, cannot be read by this "
-      "user: run it with sudo",
-      kServicePlace);
+      "; {}, with the files of robots that systemd starts, cannot be read by this user: {}", hidden,
+      kHowToRead);
 }
 
 std::string FilesOfAnotherUser() {
-  return "a controller of another user leads the machine on this host, and only that user and root "
-         "may read its files: run it with sudo";
+  return fmt::format(
+      "a controller of another user leads the machine on this host, and this user may not read its "
+      "files: {}",
+      kHowToRead);
+}
+
+std::string WhyUnreadable(const MachineFiles& files) {
+  const std::string folder = files.state_dir + "/logs";
+  if (access(folder.c_str(), R_OK | X_OK) == 0 || errno != EACCES) return "";
+  return fmt::format("this user may not read {}: {}", folder, kHowToRead);
 }
 
 std::string LogPathOf(const MachineFiles& files, const std::string& actuator) {

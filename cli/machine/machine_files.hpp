@@ -44,11 +44,13 @@ std::string StateDirOf(const MachineOrigin& machine, const std::string& by_user,
                        const std::string& service_place);
 // Takes that folder for a config as it was read.
 void TakeStateDir(MachineConfig& config, int domain);
-// "; …" where this user cannot look for the files of systemd's robots; empty: they were looked for.
+// "; …" where this user cannot read files of systemd's robots; empty: it can.
 std::string HiddenFilesNote();
 
 // Why the files of a machine that is led on this host are not found.
 std::string FilesOfAnotherUser();
+// Why this user cannot read the logs; empty: it can, or there are none.
+std::string WhyUnreadable(const MachineFiles& files);
 
 // The word for the controller's own log where no actuator has that name.
 inline constexpr const char* kControllerWord = "controller";

@@ -21,7 +21,7 @@ Json Of(const ActuatorConfig& c, const Description& d) {
   return {{"file", d.config_file},
           {"line", Known(d.config_line)},
           {"times_ms", times},
-          {"command", c.command},
+          {"argv", c.command},
           {"cwd", Known(c.cwd)},
           {"protocol", ProtocolName(c.protocol)},
           {"stage", c.stage},
@@ -35,7 +35,7 @@ Json Of(const ActuatorConfig& c, const Description& d) {
 Json Of(const ProcessFacts& p) {
   return {{"pid", p.usage.pid},
           {"command", p.command},
-          {"cwd", p.cwd},
+          {"cwd", Known(p.cwd)},
           {"started", UtcText(p.started_wall_ns)},
           {"age_s", p.age_s},
           {"cpu_s", p.usage.cpu_seconds},
@@ -56,10 +56,8 @@ std::string DescriptionJson(const Description& d) {
   }
   Json stop;
   if (d.status) {
-    stop = {{"engaged", d.status->emergency_stop != 0},
-            {"by", Known(d.status->emergency_stop_by)},
-            {"reason", d.status->emergency_stop_reason},
-            {"held", d.status->held_by_stop}};
+    stop = StopJson(*d.status);
+    stop["held"] = d.status->held_by_stop;
   }
   Json reach = Json::array();
   for (const auto& r : d.reach) {
@@ -69,7 +67,7 @@ std::string DescriptionJson(const Description& d) {
   Json capabilities = Json::array();
   for (const msg::Capability& c : d.capabilities) {
     capabilities.push_back(
-        {{"name", c.name}, {"allowed", c.allowed}, {"code", c.code}, {"reason", c.reason}});
+        {{"capability", c.name}, {"allowed", c.allowed}, {"code", c.code}, {"reason", c.reason}});
   }
   Json history = Json::array();
   for (std::size_t i = 0; i < d.history.size(); ++i) {
@@ -86,24 +84,26 @@ std::string DescriptionJson(const Description& d) {
     next.push_back({{"command", step.command}, {"purpose", step.purpose}});
   }
   const std::int64_t since = SinceOf(d);
-  return JsonLine(
-      {{"actuator", d.name},
-       {"machine", Known(d.machine)},
+  Json json = {{"actuator", d.name}};
+  json.update(d.info ? ActuatorJson(*d.info)
+                     : ActuatorJson(d.status.value_or(msg::ActuatorStatus())));
+  json.update(
+      {{"machine", Known(d.machine)},
        {"machine_state", Known(d.machine_state)},
        {"machine_phase", Known(d.machine_phase)},
        {"no_machine", Known(d.why_no_machine)},
-       {"status", d.info ? ActuatorJson(*d.info) : Json()},
        {"since", since == 0 ? Json() : Json(UtcText(since))},
        {"emergency_stop", stop},
        {"heartbeat", heartbeat},
        {"process", d.process ? Of(*d.process) : Json()},
-       {"config", d.config ? Of(*d.config, d) : Json()},
+       {"configured", d.config ? Of(*d.config, d) : Json()},
        {"reachable", reach},
        {"capabilities", capabilities},
        {"offers", d.offers},
        {"history", history},
        {"log", {{"file", Known(d.log_file)}, {"missing", Known(d.why_no_log)}, {"lines", log}}},
        {"next", next}});
+  return JsonLine(json);
 }
 
 }  // namespace musher::cli

@@ -113,8 +113,8 @@ std::string DiffJson(const ConfigDiff& diff) {
     changes.push_back({{"table", change.table},
                        {"key", Known(change.key)},
                        {"change", KindName(change.kind)},
-                       {"before", change.before},
-                       {"after", change.after},
+                       {"before", Known(change.before)},
+                       {"after", Known(change.after)},
                        {"effect", EffectName(change.effect)}});
   }
   return JsonLine({{"same", diff.changes.empty()},

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "musher/base/date_text.hpp"
+#include "musher/cli/console/error_json.hpp"
 #include "musher/cli/console/json_line.hpp"
 #include "musher/cli/console/wall_time.hpp"
 
@@ -30,33 +31,17 @@ Json KnownId(const N& number) {
 }
 
 Json Of(const msg::Capability& c) {
-  return {{"name", c.name},    {"description", c.description}, {"allowed", c.allowed},
-          {"code", c.code},    {"reason", c.reason},           {"actuators", c.actuators},
+  return {{"capability", c.name}, {"description", c.description}, {"allowed", c.allowed},
+          {"code", c.code},       {"reason", c.reason},           {"uses", c.actuators},
           {"states", c.states}};
 }
 
-Json NoActuatorJson() {
-  Json json = ActuatorJson({});
-  for (auto& [key, value] : json.items()) value = Json();
-  return json;
-}
-
-// With the keys of an actuator of a machine; what only its controller knows is null.
 Json Of(const std::map<std::string, RunningActuators::Actuator>& running) {
   Json actuators = Json::object();
   for (const auto& [name, actuator] : running) {
-    const msg::ActuatorStatus& s = actuator.status;
-    Json json = NoActuatorJson();
-    json.update({{"state", Known(s.state)},
-                 {"pid", Known(s.pid)},
-                 {"target", Known(s.target)},
-                 {"code", s.outcome_code},
-                 {"message", s.outcome_message},
-                 {"host", Known(s.host)},
-                 {"heard", actuator.has_status},
-                 {"emergency_stop", s.emergency_stop != 0},
-                 {"emergency_stop_by", Known(s.emergency_stop_by)},
-                 {"emergency_stop_reason", s.emergency_stop_reason}});
+    Json json = ActuatorJson(actuator.status);
+    json["heard"] = actuator.has_status;
+    json["emergency_stop"] = StopJson(actuator.status);
     actuators[name] = std::move(json);
   }
   return actuators;
@@ -147,6 +132,24 @@ Json ActuatorJson(const msg::ActuatorInfo& a) {
           {"restarting", a.restarting}};
 }
 
+Json ActuatorJson(const msg::ActuatorStatus& s) {
+  Json json = ActuatorJson(msg::ActuatorInfo());
+  for (auto& [key, value] : json.items()) value = Json();
+  json.update({{"state", Known(s.state)},
+               {"pid", Known(s.pid)},
+               {"target", Known(s.target)},
+               {"code", s.outcome_code},
+               {"message", s.outcome_message},
+               {"host", Known(s.host)}});
+  return json;
+}
+
+Json StopJson(const msg::ActuatorStatus& status) {
+  return {{"engaged", status.emergency_stop != 0},
+          {"by", Known(status.emergency_stop_by)},
+          {"reason", status.emergency_stop_reason}};
+}
+
 std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, RunningActuators::Actuator>& unlisted,
                        const StatusSince& since) {
@@ -204,9 +207,10 @@ std::string SwitchJson(const msg::SetState::Response& result) {
 std::string EstopJson(const EstopReport& report) {
   Json actuators = Json::object();
   for (const EstopReport::Actuator& a : report.actuators) {
+    const double after_ms = std::chrono::duration<double, std::milli>(a.after).count();
     actuators[a.name] = {{"stopped", a.stopped},
                          {"before", a.before},
-                         {"after_ms", std::chrono::duration<double, std::milli>(a.after).count()},
+                         {"after_ms", a.stopped ? Json(after_ms) : Json()},
                          {"trouble", Known(a.trouble)}};
   }
   Json earlier;  // null
@@ -223,13 +227,13 @@ std::string EstopJson(const EstopReport& report) {
 std::string ReleaseJson(const msg::MachineStatus& machine) {
   return JsonLine({{"engaged", machine.emergency_stop},
                    {"machine", machine.machine},
-                   {"state", machine.state},
+                   {"state", Known(machine.state)},
                    {"phase", machine.phase}});
 }
 
 std::string PolicyJson(const msg::RequestPolicy::Request& request,
                        const msg::RequestPolicy::Response& response) {
-  return JsonLine({{"request", request.request}, {"state", response.state}});
+  return JsonLine({{"request", request.request}, {"state", Known(response.state)}});
 }
 
 std::string RestartJson(const msg::ActuatorInfo& actuator) {
@@ -296,7 +300,7 @@ std::string ReplayJson(const recording::ReplayReport& report, const std::string&
   for (const recording::ReplayLine& line : report.lines) {
     Json json = {{"mark", MarkName(line.mark)}};
     json.update(OfEntry(line.entry, line.entry.event));
-    if (!line.input.empty()) json["input"] = Json::parse(line.input);
+    json["input"] = line.input.empty() ? Json() : Json::parse(line.input);
     lines.push_back(json);
   }
   return JsonLine({{"equal", report.equal()},
@@ -371,8 +375,9 @@ std::string ProgressJson(const Progress& progress) {
 
 std::string RunningJson(const Failure& failure,
                         const std::map<std::string, RunningActuators::Actuator>& running) {
-  return JsonLine(
-      {{"error", failure.error.message}, {"code", failure.error.code}, {"actuators", Of(running)}});
+  Json json = Json::parse(FailureJson(failure));
+  json["actuators"] = Of(running);
+  return JsonLine(json);
 }
 
 std::string EndingJson(const std::vector<Ending::Outcome>& outcomes) {

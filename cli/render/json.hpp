@@ -30,6 +30,10 @@
 namespace musher::cli {
 
 Json ActuatorJson(const msg::ActuatorInfo& actuator);
+// The same keys without a controller: what only a controller knows is null.
+Json ActuatorJson(const msg::ActuatorStatus& status);
+// The stop that an actuator has latched.
+Json StopJson(const msg::ActuatorStatus& status);
 // `state_since_ns` by the wall clock, `up_s` of its controller; nullopt: not known.
 struct StatusSince {
   std::optional<std::int64_t> state_since_ns;
@@ -73,7 +77,7 @@ struct OtaRobot {
 };
 std::string OtaStatusJson(const OtaRobot& robot);
 std::string OtaStepJson(const std::string& step, std::uint64_t bytes);
-// `outcome`: "kept", "gone back", or "waiting" for the next start.
+// `outcome`: "kept", "rolled_back", or "waiting" for the next start.
 std::string OtaResultJson(const std::string& version, const std::string& outcome,
                           const std::string& reason);
 std::string OtaKeysJson(const std::string& secret, const std::string& open);

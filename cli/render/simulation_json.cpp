@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "musher/cli/console/json_line.hpp"
 #include "musher/cli/render/simulation.hpp"
 
 namespace musher::cli {
@@ -8,9 +9,7 @@ namespace {
 using nlohmann::ordered_json;
 
 ordered_json ScenarioOf(const simulation::ScenarioId& id) {
-  ordered_json json = {{"seed", id.seed}};
-  if (id.only) json["only"] = *id.only;
-  return json;
+  return {{"seed", id.seed}, {"only", id.only ? ordered_json(*id.only) : ordered_json()}};
 }
 
 ordered_json CoverageOf(const simulation::Coverage& coverage) {
@@ -40,6 +39,7 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
     json["switches"][std::string(OutcomeName(static_cast<SwitchOutcome>(i)))] = s.switches[i];
   }
+  json["settled_s"] = nullptr;
   if (!s.rests.empty()) {
     json["settled_s"] = {{"median", ToSeconds(s.rests[s.rests.size() / 2])},
                          {"longest", ToSeconds(s.rests.back())}};
@@ -50,23 +50,26 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
         {{"invariant", InvariantText(static_cast<simulation::Invariant>(i))},
          {"violated_by", s.bad[i]}});
   }
+  json["shortest_failing_scenario"] = nullptr;
   if (report.worst) {
     json["shortest_failing_scenario"] = ScenarioOf(*report.worst);
     json["shortest_failing_scenario"]["text"] = failing_scenario;
   }
-  return json.dump(2) + "\n";
+  return JsonLine(json);
 }
 
 std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
                          const std::string& text) {
   ordered_json json = ScenarioOf(id);
   json["passed"] = !ending.violation.has_value();
+  json["violated"] = nullptr;
+  json["what"] = nullptr;
   if (ending.violation) {
     json["violated"] = InvariantText(ending.violation->invariant);
     json["what"] = ending.violation->what;
   }
   json["text"] = text;
-  return json.dump(2) + "\n";
+  return JsonLine(json);
 }
 
 }  // namespace musher::cli

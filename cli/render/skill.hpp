@@ -23,6 +23,7 @@ enum class SkillOutcome {
   kTimeout,   // it has not ended within --timeout
   kRunning,   // it goes on
 };
+std::string SkillOutcomeWord(SkillOutcome outcome);       // "completed", ..., "no_answer": of JSON
 std::string_view SkillOutcomeName(SkillOutcome outcome);  // "completed", ..., "no answer", ...
 // "completed in 2.0 s", for a sentence about a run or a plan; without a duration "completed".
 std::string SkillOutcomeText(SkillOutcome outcome, std::optional<double> duration_s);

@@ -13,7 +13,7 @@ namespace {
 Json OfSkillEnd(const SkillEnd& end) {
   return {{"skill", end.skill},
           {"actuator", end.actuator},
-          {"outcome", SkillOutcomeName(end.outcome)},
+          {"outcome", SkillOutcomeWord(end.outcome)},
           {"message", end.message},
           {"progress", end.progress},
           {"duration_s", end.duration_s ? Json(*end.duration_s) : Json()},
@@ -66,15 +66,19 @@ std::string SkillCancelJson(const std::vector<SkillEnd>& ends) {
 
 std::string SkillFeedbackJson(const msg::SkillFeedback& feedback, std::int64_t wall_ns) {
   Json details = Json::object();
-  for (const msg::SkillDetail& detail : feedback.details) details[detail.key] = detail.value;
+  Json requested_by;
+  for (const msg::SkillDetail& detail : feedback.details) {
+    (detail.key == "requested_by" ? requested_by : details[detail.key]) = detail.value;
+  }
   const std::chrono::duration<double> stamp = msg::FromStamp(feedback.header.stamp);
   return JsonLine({{"time", UtcText(wall_ns)},
                    {"stamp_s", stamp.count()},
                    {"actuator", feedback.actuator},
                    {"skill", feedback.skill},
                    {"goal_id", Known(feedback.goal_id)},
+                   {"requested_by", requested_by},
                    {"status", SkillStatusName(feedback.status)},
-                   {"state", feedback.state},
+                   {"state", Known(feedback.state)},
                    {"progress", feedback.progress},
                    {"message", feedback.message},
                    {"details", details}});

@@ -79,7 +79,7 @@ std::string PlanFinishJson(const PlanFinish& finish, const PlanReport& report) {
                       {"progress", member.report.progress},
                       {"goal_id", Known(member.goal_id)}});
   }
-  return JsonLine({{"outcome", SkillOutcomeName(finish.outcome)},
+  return JsonLine({{"outcome", SkillOutcomeWord(finish.outcome)},
                    {"message", finish.message},
                    {"step", report.step()},
                    {"steps", report.steps()},

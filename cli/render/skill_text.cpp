@@ -85,6 +85,12 @@ std::string_view SkillOutcomeName(SkillOutcome outcome) {
   return kNames.at(static_cast<std::size_t>(outcome));
 }
 
+std::string SkillOutcomeWord(SkillOutcome outcome) {
+  std::string word(SkillOutcomeName(outcome));
+  std::replace(word.begin(), word.end(), ' ', '_');
+  return word;
+}
+
 std::string SkillOutcomeText(SkillOutcome outcome, std::optional<double> duration_s) {
   const auto after = [&duration_s](const char* word) {
     return duration_s ? fmt::format(" {} {:.1f} s", word, *duration_s) : "";

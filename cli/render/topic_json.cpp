@@ -51,7 +51,7 @@ std::string SampleJson(const std::string& topic, const std::string& type, std::i
   return JsonLine({{"time", UtcText(wall_ns)},
                    {"topic", topic},
                    {"type", RosTypeName(type)},
-                   {"message", Json::parse(message_json, nullptr, false)}});
+                   {"sample", Json::parse(message_json, nullptr, false)}});
 }
 
 std::string RateJson(const std::string& topic, const SampleRate& rate) {

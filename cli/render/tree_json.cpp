@@ -71,7 +71,8 @@ std::string FileTreeJson(const std::vector<FileNode>& nodes) {
   Json all = Json::array();
   for (const FileNode& one : nodes) {
     Json json = PlaceOf(one.node);
-    json["attributes"] = one.attributes;
+    json["attributes"] = Json::object();
+    for (const auto& [name, value] : one.attributes) json["attributes"][name] = value;
     all.push_back(std::move(json));
   }
   return JsonLine({{"nodes", all}});

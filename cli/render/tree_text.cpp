@@ -157,9 +157,11 @@ std::string FileTreeText(const std::vector<FileNode>& all, bool colour) {
     const std::string type = TypeText(nodes[id]);
     text += Indent(depths[id]) + Paint(Printable(nodes[id].name), Style::kBold, colour);
     if (!type.empty()) text += "  " + Printable(type);
-    if (!all[id].attributes.empty()) {
-      text += "  " + Paint(Printable(all[id].attributes), Style::kDim, colour);
+    std::string attributes;
+    for (const auto& [name, value] : all[id].attributes) {
+      attributes += (attributes.empty() ? "  " : " ") + name + "=\"" + value + "\"";
     }
+    text += Paint(Printable(attributes), Style::kDim, colour);
     text += '\n';
   }
   return text;

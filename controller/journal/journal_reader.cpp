@@ -3,8 +3,10 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fcntl.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -23,12 +25,35 @@ using Damage = std::string;
 
 constexpr const char* kNotAsWritten = ": wrong checksum or missing data";
 
+// What SQLite opens. Of a journal that no process writes now, its reader would make a shared memory
+// file beside it; a reader that may not write there reads the file as it is.
+std::string NameToOpen(const std::string& path) {
+  const std::filesystem::path file(path);
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::error_code error;
+  const bool written = std::filesystem::exists(path + "-wal", error);
+  if (written || error || access(folder.c_str(), W_OK) == 0) return path;
+  std::string uri = "file:";
+  for (const char c : path) {
+    if (c == '%') {
+      uri += "%25";
+    } else if (c == '?') {
+      uri += "%3f";
+    } else if (c == '#') {
+      uri += "%23";
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
 struct Open {
   SQLite::Database database;
 
   // Throws; the message says what is wrong.
   explicit Open(const std::string& path)
-      : database(path, SQLite::OPEN_READONLY, kReaderBusyTimeoutMs) {
+      : database(NameToOpen(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI, kReaderBusyTimeoutMs) {
     database.exec("PRAGMA cell_size_check = ON");
     // Without this SQLite does not read a truncated file at all. This connection never writes.
     database.exec("PRAGMA writable_schema = ON");

@@ -131,7 +131,8 @@ struct MachineConfig {
   Duration default_time{};
   State default_state{kUninitialized};
   Duration shutdown_budget = Milliseconds(10'000);
-  std::string log;  // file of the controller's log; empty: state_dir/controller.log
+  std::string log;        // file of the controller's log; empty: state_dir/controller.log
+  std::string log_group;  // of the host: may read state_dir; empty: the controller's user alone
   std::int64_t journal_size_bytes = 64ll << 20;  // the journal is trimmed beyond this
   std::int64_t log_size_bytes = 50ll << 20;      // of the controller's log, with its older parts
   std::int64_t logs_size_bytes = 500ll << 20;    // of all logs

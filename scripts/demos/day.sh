@@ -216,7 +216,7 @@ explain_keeping() {
 ${bold}The robot keeps running.${plain} Commands to try, also from another terminal:
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
-  musher status --watch
+  musher status --follow
   musher capabilities
   musher-world send battery 60
   musher-motion result 111 && musher-motion walk --square 1

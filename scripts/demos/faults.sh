@@ -246,7 +246,7 @@ explain_keeping() {
 ${bold}The robot keeps running.${plain} Commands to try, also from another terminal:
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
-  musher status --watch
+  musher status --follow
   musher plan LowPower
   musher set LowPower
   echo '0 9 no voice' > $faults/audio.SelfCheck   # a fault: seconds, code, message

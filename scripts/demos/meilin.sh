@@ -359,7 +359,7 @@ ${bold}The robot keeps running.${plain} Commands to try, also from another termi
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
   musher-meilin send state
-  musher behavior meilin --tree --watch
+  musher behavior meilin --tree --follow
   musher-world send field
   musher down && rm -r $scratch
 END

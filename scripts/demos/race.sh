@@ -192,7 +192,7 @@ ${bold}The robot keeps running.${plain} Commands to try, also from another termi
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
   musher-race send RESET && musher-race send START
-  musher behavior race --watch
+  musher behavior race --follow
   musher graph --behavior race -o machine.svg
   musher-world send referee
   musher down && rm -r $scratch

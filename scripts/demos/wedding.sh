@@ -134,7 +134,7 @@ explain_keeping() {
 ${bold}The robot keeps running.${plain} Commands to try, also from another terminal:
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
-  musher behavior wedding --watch
+  musher behavior wedding --follow
   musher graph --behavior wedding -o machine.svg
   musher-camera shot image_rgb seen.png
   musher down && rm -r $scratch

@@ -3,6 +3,9 @@
 
 #include "musher/application/skill_actuator.hpp"
 
+#include <cstdlib>
+
+#include "musher/base/host.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/test/application/skill_tasks.hpp"
@@ -131,6 +134,33 @@ TEST_F(APlainSkillClient, RunsASkill) {
                            "accepted\n"
                            "feedback: processing: (Skill wait started|Waiting) .[0-9]+%.\n"
                            "result of status 4: true completed: Waited .100%.\n"));
+}
+
+TEST_F(APlainSkillClient, IsNamedAsTheRequesterOfItsRun) {
+  std::vector<std::string> requesters;
+  std::unique_ptr<transport::Subscription> feedback;
+  harness_.node().RunOnLoop([&] {
+    feedback = transport::MakeSubscription<msg::SkillFeedback>(
+                   harness_.node().node(), "skill_feedback",
+                   [&](const msg::SkillFeedback& sample, const auto&) {
+                     EXPECT_EQ(sample.details.back().key, "requested_by");
+                     requesters.push_back(sample.details.back().value);
+                   })
+                   .value();
+  });
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  Await([&] { return feedback->MatchedWriters() == 1; });
+  Run(tasks, {"wait", "duration_s", "0.5"});
+  Await([&] { return !requesters.empty(); });
+  const std::string process = requesters.back();
+  EXPECT_THAT(process, MatchesRegex("process [0-9]+ of " + HostName()));
+  setenv("PEER_NAME", "alice@desk", 1);  // NOLINT(concurrency-mt-unsafe)
+  Run(tasks, {"wait", "duration_s", "0.5"});
+  unsetenv("PEER_NAME");  // NOLINT(concurrency-mt-unsafe)
+  Await([&] { return requesters.back() != process; });
+  EXPECT_EQ(requesters.back(), "alice@desk");
+  harness_.node().RunOnLoop([&] { feedback.reset(); });
 }
 
 TEST_F(APlainSkillClient, CancelsASkill) {

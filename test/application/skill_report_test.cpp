@@ -27,7 +27,7 @@ class ASkillReport : public ::testing::Test {
     msg::GetSkill::Request request;
     request.skill = skill;
     request.format = format;
-    return ReportSkill("robot_0", manager_, true, "ab12", request);
+    return ReportSkill("robot_0", manager_, true, {"ab12", "alice@desk"}, request);
   }
 
   skill::Manager manager_{Skills().All()};
@@ -59,7 +59,8 @@ TEST_F(ASkillReport, HasTheRunWithItsHistoryErrorsAndPicture) {
   EXPECT_EQ(report.feedback.state, "WAITING");
   EXPECT_EQ(report.feedback.progress, 25);
   EXPECT_EQ(report.feedback.message, "Waiting");
-  EXPECT_THAT(report.feedback.details, ElementsAre(msg::SkillDetail{"left_s", "3"}));
+  EXPECT_THAT(report.feedback.details, ElementsAre(msg::SkillDetail{"left_s", "3"},
+                                                   msg::SkillDetail{"requested_by", "alice@desk"}));
   EXPECT_THAT(report.history, ElementsAre("0.00 s IDLE → WAITING: requested"));
   EXPECT_THAT(report.graph, HasSubstr("stateDiagram-v2"));
   EXPECT_NE(report.graph, Get("twice", "mermaid").graph);
@@ -80,6 +81,7 @@ TEST_F(ASkillReport, ShowsASkillThatHasNotRunAsIdle) {
   const auto report = Get("wait", "dot");
   EXPECT_EQ(report.feedback.state, "IDLE");
   EXPECT_EQ(report.feedback.goal_id, "");
+  EXPECT_THAT(report.feedback.details, IsEmpty());
   EXPECT_THAT(report.history, IsEmpty());
   EXPECT_THAT(report.graph, HasSubstr("IDLE"));
 }

@@ -52,6 +52,19 @@ TEST_F(CheckCommand, LetsWarningsPass) {
   EXPECT_THAT(ran.out, HasSubstr("\nok: "));
 }
 
+TEST_F(CheckCommand, NamesThePlaceOfALogGroupThatThisHostDoesNotHave) {
+  std::string text = kRobotToml;
+  text.insert(text.find('\n') + 1, "log_group = \"no_such_group\"\n");
+  const std::string file = Write("dog.toml", text);
+  const Ran ran = RunProgram({"check", file});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr(file + ":2:1: error: controller.log_group: this host has no group "
+                                        "'no_such_group'"));
+  EXPECT_THAT(ran.out, Not(HasSubstr("ok")));
+  text.replace(text.find("no_such_group"), 13, "root");
+  EXPECT_EQ(RunProgram({"check", Write("dog.toml", text)}).exit, 0);
+}
+
 TEST_F(CheckCommand, WarnsOfKeysThatUpWouldRefuse) {
   const std::string file =
       Write("dog.toml", std::string(kRobotToml) + "[security]\nkeys = \"nokeys\"\n");

@@ -172,7 +172,7 @@ TEST(CommandLine, PointsFromAMistakeInAGlobalOptionToTheHelpOfTheProgram) {
 TEST(CommandLine, PointsFromEachMistakeToTheHelpOfItsCommand) {
   EXPECT_THAT(Wrong({"set"}), EndsWith("; see musher set --help"));
   EXPECT_THAT(Wrong({"set", "Active", "--now"}), EndsWith("; see musher set --help"));
-  EXPECT_THAT(Wrong({"status", "--watch=x"}), EndsWith("; see musher status --help"));
+  EXPECT_THAT(Wrong({"status", "--follow=x"}), EndsWith("; see musher status --help"));
   EXPECT_THAT(Wrong({"keys", "add"}), EndsWith("; see musher keys add --help"));
   EXPECT_THAT(Wrong({"ota", "bundle", "x"}), EndsWith("; see musher ota bundle --help"));
   EXPECT_EQ(Wrong({"keys"}), "missing command; see musher keys --help");

@@ -119,7 +119,7 @@ TEST_F(Completion, OffersTheWordsThatAnOptionTakes) {
   EXPECT_THAT(Offered({"low-power", ""}), ElementsAre("on", "off"));
   EXPECT_THAT(Offered({"history", "--event", "switch_do"}),
               ElementsAre("switch_done", "switch_done_degraded"));
-  EXPECT_THAT(Offered({"history", "--limit", ""}), IsEmpty());
+  EXPECT_THAT(Offered({"history", "--lines", ""}), IsEmpty());
 }
 
 TEST_F(Completion, OffersTheNamesOfTheConfigOnTheLine) {
@@ -163,7 +163,7 @@ const std::string kTyped = R"(musher stat
 )" + BinDir() + R"(/musher se
 musher --namespace of_no_machine set Pro
 musher keys a
-musher history --lim
+musher history --lin
 musher status --transport=lo
 musher check ro
 musher check my
@@ -182,7 +182,7 @@ const std::string kCompleted = R"(musher status
 )" + BinDir() + R"(/musher set 
 musher --namespace of_no_machine set Protected 
 musher keys add 
-musher history --limit 
+musher history --lines 
 musher status --transport=local 
 musher check robot.toml 
 musher check my\ robot.toml 

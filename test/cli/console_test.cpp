@@ -52,7 +52,7 @@ TEST(Console, PrintsAFailureOnceAsTextAndOnceAsJson) {
 
   Console programs(out, err, {true, false, false});
   EXPECT_EQ(programs.Fail({ExitCode::kNoAnswer, {107, "silence"}, 12}), ExitCode::kNoAnswer);
-  EXPECT_EQ(out.str(), "{\"error\":\"silence\",\"code\":107,\"switch\":12}\n");
+  EXPECT_EQ(out.str(), "{\"error\":\"silence\",\"code\":107,\"switch\":12,\"diagnostics\":[]}\n");
 }
 
 // A stream whose reader or disk is gone: every write fails with that errno.

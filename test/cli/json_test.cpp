@@ -117,8 +117,8 @@ TEST(Json, HasTheCapabilities) {
   const msg::Capability flip{"flip",   "backwards", false, 113, "runs in Active only",
                              {"legs"}, {"Active"}};
   const std::string one =
-      R"({"name":"flip","description":"backwards","allowed":false,"code":113,)"
-      R"("reason":"runs in Active only","actuators":["legs"],"states":["Active"]})";
+      R"({"capability":"flip","description":"backwards","allowed":false,"code":113,)"
+      R"("reason":"runs in Active only","uses":["legs"],"states":["Active"]})";
   EXPECT_EQ(CapabilityJson(flip), one);
   EXPECT_EQ(CapabilitiesJson({{flip, flip}}), R"({"capabilities":[)" + one + "," + one + "]}");
   EXPECT_EQ(CapabilitiesJson({}), R"({"capabilities":[]})");
@@ -176,7 +176,8 @@ TEST(Json, HasTheEventsOfUp) {
 
 TEST(Json, StaysJsonWhateverBytesAMessageHas) {
   EXPECT_EQ(FailureJson({ExitCode::kNotDone, {101, "bad \xff \"byte\"\n"}}),
-            "{\"error\":\"bad \xEF\xBF\xBD \\\"byte\\\"\\n\",\"code\":101}");
+            "{\"error\":\"bad \xEF\xBF\xBD \\\"byte\\\"\\n\",\"code\":101,"
+            "\"switch\":null,\"diagnostics\":[]}");
 }
 
 }  // namespace musher::cli::json_test

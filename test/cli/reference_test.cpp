@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 #include <map>
 #include <regex>
 #include <set>
@@ -17,6 +18,7 @@ namespace musher::cli::reference_test {
 
 using ::testing::Contains;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // Of "## The `musher` program" in the reference: by its first words the rows of each command, and
 // the text around the table.
@@ -114,6 +116,21 @@ TEST(Reference, ListsNoCommandThatIsNotThere) {
   EXPECT_THAT(unknown, IsEmpty());
 }
 
+TEST(Grammar, HasOneWordForWhatGoesOnPrintingAndOneForTheNumberOfLines) {
+  const auto grammar = ReadGrammar();
+  for (const char* command : {"status", "behavior", "history", "logs"}) {
+    EXPECT_THAT(grammar.at(command), Contains("--follow")) << command;
+  }
+  for (const char* command : {"history", "logs"}) {
+    EXPECT_THAT(grammar.at(command), Contains("--lines")) << command;
+  }
+  for (const auto& [command, words] : grammar) {
+    for (const char* other : {"--watch", "--tail", "--limit", "--count", "--number"}) {
+      EXPECT_THAT(words, Not(Contains(other))) << "of `" << command << "`";
+    }
+  }
+}
+
 TEST(Schema, DescribesTheDocumentOfEachCommand) {
   const std::set<std::string> without = {"completion", "play", "record", "view"};
   const auto names = testing::SchemaNames();
@@ -125,6 +142,75 @@ TEST(Schema, DescribesTheDocumentOfEachCommand) {
     if (family || command.empty() || without.contains(command)) continue;
     EXPECT_THAT(names, Contains(command)) << "docs/cli.schema.json";
   }
+}
+
+// Calls `visit(key, schema, place)` for each key of each object of the schema.
+void ForEachKey(const nlohmann::json& schema, const std::string& place,
+                const std::function<void(const std::string&, const nlohmann::json&,
+                                         const std::string&)>& visit) {
+  if (!schema.is_structured()) return;
+  if (schema.is_object() && schema.contains("properties")) {
+    for (const auto& [key, of_key] : schema["properties"].items()) visit(key, of_key, place);
+  }
+  for (const auto& [name, part] : schema.items()) ForEachKey(part, place + "." + name, visit);
+}
+
+// Its types but null, of all its forms.
+std::set<std::string> KindsOf(const nlohmann::json& schema) {
+  if (schema.contains("enum")) return {"string"};
+  if (schema.contains("$ref")) {
+    const auto to = schema["$ref"].get<std::string>();
+    return KindsOf(testing::Schema().at("$defs").at(to.substr(std::string("#/$defs/").size())));
+  }
+  std::set<std::string> kinds;
+  if (schema.contains("anyOf")) {
+    for (const nlohmann::json& form : schema["anyOf"]) kinds.merge(KindsOf(form));
+  } else if (schema["type"].is_array()) {
+    kinds = schema["type"].get<std::set<std::string>>();
+  } else {
+    kinds = {schema["type"].get<std::string>()};
+  }
+  kinds.erase("null");
+  return kinds;
+}
+
+TEST(Schema, HasEveryKeyInEveryDocument) {
+  const std::function<void(const nlohmann::json&, const std::string&)> check =
+      [&](const nlohmann::json& schema, const std::string& place) {
+        if (!schema.is_structured()) return;
+        if (schema.is_object() && schema.contains("properties")) {
+          std::set<std::string> keys;
+          for (const auto& [key, of_key] : schema["properties"].items()) keys.insert(key);
+          const auto required = schema.value("required", std::set<std::string>());
+          EXPECT_EQ(required, keys) << place << ": what is not known is null, not left out";
+        }
+        for (const auto& [name, part] : schema.items()) check(part, place + "." + name);
+      };
+  check(testing::Schema().at("$defs"), "");
+}
+
+// One word for a thing, and one kind of value for a word. Words that count or list may do both.
+TEST(Schema, HasOneKindOfValueForTheNameOfAThing) {
+  const std::map<std::string, std::string> kinds = {
+      {"actuator", "string"},   {"actuators", "object"},      {"argv", "array"},
+      {"capability", "string"}, {"code", "integer"},          {"command", "string"},
+      {"config", "string"},     {"emergency_stop", "object"}, {"epoch", "integer"},
+      {"error", "string"},      {"goal_id", "string"},        {"health", "string"},
+      {"host", "string"},       {"machine", "string"},        {"message", "string"},
+      {"outcome", "string"},    {"phase", "string"},          {"pid", "integer"},
+      {"reason", "string"},     {"skill", "string"},          {"stage", "integer"},
+      {"state", "string"},      {"status", "string"},         {"switch", "integer"},
+      {"target", "string"},     {"time", "string"},           {"topic", "string"}};
+  std::set<std::string> found;
+  ForEachKey(testing::Schema().at("$defs"), "",
+             [&](const std::string& key, const nlohmann::json& schema, const std::string& place) {
+               const auto kind = kinds.find(key);
+               if (kind == kinds.end()) return;
+               found.insert(key);
+               EXPECT_EQ(KindsOf(schema), std::set<std::string>{kind->second})
+                   << key << " in " << place;
+             });
+  EXPECT_EQ(found.size(), kinds.size()) << "a word of this list is in no document";
 }
 
 TEST(Schema, RefusesWhatItDoesNotDescribe) {

@@ -197,7 +197,7 @@ TEST_F(Replaying, HistoryOfLevelErrorContainsFailuresOnly) {
 }
 
 TEST_F(Replaying, HistoryMarksACauseThatIsOlderThanItsFirstRecord) {
-  const Ran ran = RunProgram({"history", "--journal", file_, "--why", "--limit", "5"});
+  const Ran ran = RunProgram({"history", "--journal", file_, "--why", "--lines", "5"});
   EXPECT_THAT(ran.out, EndsWith("    because of an event before these entries\n"));
 }
 

@@ -87,7 +87,7 @@ TEST(Program, ReadsTheJournalOfAnExitedController) {
   const Ran since = RunProgram({"history", "--journal", file, "--since", "1970-01-01T00:00:02Z"});
   EXPECT_THAT(since.out, Not(HasSubstr("too late")));
   EXPECT_THAT(since.out, HasSubstr("switch   done"));
-  const Ran newest = RunProgram({"history", "--journal", file, "--limit", "1"});
+  const Ran newest = RunProgram({"history", "--journal", file, "--lines", "1"});
   EXPECT_THAT(newest.out, Not(HasSubstr("too late")));
 }
 
@@ -112,7 +112,7 @@ TEST(Program, FiltersTheHistoryByEvent) {
   };
   EXPECT_EQ(entries({}), 4U);
   EXPECT_EQ(entries({"--event", "switch_done"}), 2U);
-  EXPECT_EQ(entries({"--event", "switch_done", "--limit", "1"}), 1U);
+  EXPECT_EQ(entries({"--event", "switch_done", "--lines", "1"}), 1U);
   EXPECT_EQ(entries({"--event", "switch_refused"}), 0U);
   const Ran unknown = RunProgram({"history", "--journal", file, "--event", "switch_don"});
   EXPECT_EQ(unknown.exit, 2);

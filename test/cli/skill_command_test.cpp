@@ -228,7 +228,7 @@ TEST_F(SkillCommand, FollowsEveryChangeUntilItIsInterrupted) {
   feedback.state = "RISING";
   feedback.progress = 20;
   feedback.message = "Rising";
-  feedback.details = {{"height_m", "0.4"}};
+  feedback.details = {{"height_m", "0.4"}, {"requested_by", "alice@desk"}};
   std::atomic<bool> seen = false;
   std::thread publisher([&] {
     while (!seen) {
@@ -237,12 +237,13 @@ TEST_F(SkillCommand, FollowsEveryChangeUntilItIsInterrupted) {
     }
   });
   EXPECT_THAT(text.LineWith("RISING"),
-              HasSubstr("  cf2x_0  rise   20 %  RISING  Rising  height_m 0.4"));
+              HasSubstr("  RISING  Rising  height_m 0.4  requested_by alice@desk"));
   const auto line = Json(json.LineWith("RISING"));
   seen = true;
   publisher.join();
   EXPECT_EQ(line["status"], "processing");
-  EXPECT_EQ(line["details"]["height_m"], "0.4");
+  EXPECT_EQ(line["details"], Json(R"({"height_m":"0.4"})"));
+  EXPECT_EQ(line["requested_by"], "alice@desk");
   robot.reset();
   EXPECT_NE(text.LineWith("cf2x_0 is lost"), "");
   text.Signal(SIGINT);

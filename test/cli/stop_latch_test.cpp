@@ -262,7 +262,7 @@ TEST_F(Stop, IsPrintedAsJson) {
             R"({"engaged":true,"by":"alice@desk","reason":"smoke","complete":false,)"
             R"("controller":true,"earlier":{"by":"alice@desk","reason":"smoke"},"actuators":{)"
             R"("legs":{"stopped":true,"before":true,"after_ms":0.0,"trouble":null},)"
-            R"("eyes":{"stopped":false,"before":false,"after_ms":0.0,"trouble":null}}})");
+            R"("eyes":{"stopped":false,"before":false,"after_ms":null,"trouble":null}}})");
 }
 
 }  // namespace musher::cli::stop_latch_test

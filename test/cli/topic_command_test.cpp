@@ -141,11 +141,11 @@ TEST_F(TopicCommand, ShowsTheNodesOfATopicWithTheirQosAndWhoReceivesNothing) {
 
 TEST_F(TopicCommand, EchoPrintsTheLatchedSampleOfATopic) {
   Offer("chat", {"hello"});
-  const Ended ran = Musher({"topic", "echo", "/chat", "--limit", "1"});
+  const Ended ran = Musher({"topic", "echo", "/chat", "--samples", "1"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_EQ(ran.out, "data: hello\n---\n");
-  const Ended json = Musher({"topic", "echo", "/chat", "--limit", "1", "--json"});
-  EXPECT_EQ(Json(json.out)["message"]["data"], "hello") << json.out;
+  const Ended json = Musher({"topic", "echo", "/chat", "--samples", "1", "--json"});
+  EXPECT_EQ(Json(json.out)["sample"]["data"], "hello") << json.out;
   EXPECT_EQ(Json(json.out)["type"], "std_msgs/msg/String");
 }
 

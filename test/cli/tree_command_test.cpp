@@ -197,8 +197,8 @@ TEST_F(RunningTree, IsShownWithStatusTimesAndChanges) {
 
 TEST_F(RunningTree, IsFollowedUntilItIsLost) {
   auto patrol = std::make_unique<FakeTree>("patrol");
-  Process text({BinDir() + "/musher", "behavior", "patrol", "--tree", "--watch"});
-  Process json({BinDir() + "/musher", "--json", "behavior", "patrol", "--tree", "--watch"});
+  Process text({BinDir() + "/musher", "behavior", "patrol", "--tree", "--follow"});
+  Process json({BinDir() + "/musher", "--json", "behavior", "patrol", "--tree", "--follow"});
   ASSERT_NE(text.LineWith("Patrol/there"), "");
   ASSERT_NE(json.LineWith("Patrol/there"), "");
   patrol->End(msg::TreeState::kFailure);

@@ -32,7 +32,14 @@ static inline bool OpenParticipant(const char* domain) {
       "multicast=\"true\"/></Interfaces></General></Domain></CycloneDDS>";
   const dds_domainid_t id = (dds_domainid_t)atoi(domain);
   if (dds_create_domain(id, kLoopback) < 0) return false;
-  self = dds_create_participant(id, NULL, NULL);
+  // With a name as that of a command line of Musher.
+  char user_data[kNameSize] = "enclave=/;";
+  const char* name = getenv("PEER_NAME");
+  if (name != NULL) snprintf(user_data, sizeof(user_data), "enclave=/;musher=%s;", name);
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_userdata(qos, user_data, strlen(user_data));
+  self = dds_create_participant(id, qos, NULL);
+  dds_delete_qos(qos);
   waitset = dds_create_waitset(self);
   return self > 0;
 }

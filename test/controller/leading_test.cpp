@@ -171,7 +171,8 @@ TEST_F(Leading, ARequestForTearDownIsAnsweredBeforeTheServicesGo) {
   EXPECT_THAT(status_of_, IsEmpty());
 }
 
-// It was up to 20 ms older: `musher status --watch` after `musher set` began with the state before.
+// It was up to 20 ms older: `musher status --follow` after `musher set` began with the state
+// before.
 TEST_F(Leading, TheLatchedStatusIsNeverOlderThanAnAnswer) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   transport::sim::LinkFaults in_order;  // of two topics, what is sent first also arrives first

@@ -117,6 +117,7 @@ MachineConfig AnyMachine() {
   machine.default_state = Any<State>({"Uninitialized", "Active", "Parked"});
   machine.shutdown_budget = AnyTime();
   machine.log = Any<std::string>({"", "/var/log/sled.log"});
+  machine.log_group = Any<std::string>({"", "robots"});
   machine.journal_size_bytes = *rc::gen::inRange<std::int64_t>(1, 1000) << 20;
   machine.log_size_bytes = *rc::gen::inRange<std::int64_t>(1, 1000) << 20;
   machine.logs_size_bytes = *rc::gen::inRange<std::int64_t>(1, 1000) << 20;
@@ -215,6 +216,7 @@ std::string Write(const MachineConfig& machine) {
       << "\nlog_size_mb = " << (machine.log_size_bytes >> 20)
       << "\nlogs_size_mb = " << (machine.logs_size_bytes >> 20);
   if (!machine.log.empty()) out << "\nlog = " << Quoted(machine.log);
+  if (!machine.log_group.empty()) out << "\nlog_group = " << Quoted(machine.log_group);
   out << "\n[[state]]\nname = \"Parked\"\nrank = " << machine.ranks.at("Parked")
       << "\n[transport]\nprofile = "
       << (machine.transport == TransportProfile::kLan ? "\"lan\"" : "\"local\"");

@@ -214,6 +214,7 @@ TEST(ConfigToml, ReadsTheMachinesOwnKeys) {
 namespace = "/fleet/sled_3"
 state_dir = "state/."
 log = "logs/sled.log"
+log_group = "robots"
 shutdown_budget_ms = 1
 journal_size_mb = 2
 log_size_mb = 3
@@ -223,6 +224,7 @@ logs_size_mb = 4
   EXPECT_EQ(config.name_space, "fleet/sled_3");
   EXPECT_EQ(config.state_dir, "/robots/state");
   EXPECT_EQ(config.log, "/robots/logs/sled.log");
+  EXPECT_EQ(config.log_group, "robots");
   EXPECT_EQ(config.shutdown_budget, Milliseconds(1));
   EXPECT_EQ(config.journal_size_bytes, 2 << 20);
   EXPECT_EQ(config.log_size_bytes, 3 << 20);

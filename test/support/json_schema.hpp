@@ -15,6 +15,8 @@ void CheckDocuments(const std::vector<std::string>& words, const std::string& ou
 // What is wrong with a document of that name in $defs, each with its place; empty: nothing.
 std::vector<std::string> SchemaFaults(const std::string& name, const nlohmann::json& document);
 
+// docs/cli.schema.json.
+const nlohmann::json& Schema();
 // The names in $defs.
 std::vector<std::string> SchemaNames();
 

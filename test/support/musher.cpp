@@ -16,7 +16,7 @@ namespace {
 constexpr auto kLimit = std::chrono::seconds(120);
 constexpr int kNoController = 3;
 
-// Without what differs each time, or is not known to `status --watch`.
+// Without what differs each time, or is not known to `status --follow`.
 nlohmann::json Comparable(nlohmann::json status) {
   status.erase("uptime_s");
   status.erase("since");
@@ -66,7 +66,7 @@ nlohmann::json StatusStream::Await(const IsSo& is_so, std::source_location calle
 
 bool StatusStream::Next(Time deadline) {
   while (std::chrono::steady_clock::now() < deadline) {
-    if (!watch_) watch_.emplace(Command({"status", "--watch", "--json"}));
+    if (!watch_) watch_.emplace(Command({"status", "--follow", "--json"}));
     if (const auto line = watch_->NextLine(deadline)) {
       auto printed = Json(*line);
       if (printed.contains("machine")) {

@@ -24,7 +24,7 @@ nlohmann::json Status();
 
 using IsSo = std::function<bool(const nlohmann::json& status)>;
 
-// The machine's statuses, as `musher status --watch --json` prints them, each with its change. The
+// The machine's statuses, as `musher status --follow --json` prints them, each with its change. The
 // program is started by the first Await(), and again if it has found no controller; it ends with
 // this object.
 //

@@ -196,6 +196,14 @@ std::string NodeName(const DdsOptions& options) {
   return (options.hidden ? "_" : "") + program + "_" + std::to_string(getpid());
 }
 
+// What other participants call this process.
+std::string PeerName(const DdsOptions& options) {
+  std::string name =
+      options.hidden ? UserAtHost() : "/" + ResolveName(options.name_space, NodeName(options));
+  std::erase(name, ';');
+  return name;
+}
+
 }  // namespace
 
 Result<int> DomainId(const DdsOptions& options) {
@@ -258,7 +266,7 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
       domain_id.value(),
       own_settings ? ""
                    : dds::SettingsXml(profile.value(), options.lease, discovery, unicast, outer),
-      options.credentials, ChosenDistro(options.ros_distro));
+      options.credentials, ChosenDistro(options.ros_distro), PeerName(options));
   if (!participant) return participant.error();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value(),
                                                          options.name_space, NodeName(options)));

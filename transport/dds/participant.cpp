@@ -90,13 +90,15 @@ Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture
 }
 
 Result<Participant*> Join(int domain_id, const std::string& settings,
-                          const std::optional<Credentials>& credentials, RosDistro distro) {
+                          const std::optional<Credentials>& credentials, RosDistro distro,
+                          const std::string& name) {
   LogCapture log;
   auto domain = OpenDomain(domain_id, settings, log);
   if (!domain) return domain.error();
   const QosPtr qos(dds_create_qos());
-  constexpr std::string_view kEnclave = "enclave=/;";  // as a ROS 2 node without security
-  dds_qset_userdata(qos.get(), kEnclave.data(), kEnclave.size());
+  // As a ROS 2 node without security; it ignores the second one.
+  const std::string user_data = "enclave=/;" + std::string(kNameKey) + name + ";";
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
   if (credentials) SetCredentials(qos.get(), *credentials);
   const dds_entity_t entity =
       dds_create_participant(static_cast<dds_domainid_t>(domain_id), qos.get(), nullptr);
@@ -122,7 +124,7 @@ ParticipantId Participant::IdOf(dds_entity_t participant) {
 
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
                                                      const std::optional<Credentials>& credentials,
-                                                     RosDistro distro) {
+                                                     RosDistro distro, const std::string& name) {
   // A participant that is destroyed deletes its domain with everything that another thread has
   // opened in it meanwhile: so they are created and destroyed one after the other.
   static std::mutex mutex;
@@ -131,7 +133,7 @@ Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::s
   const std::lock_guard lock(mutex);
   participant = participants[domain_id].lock();
   if (!participant) {
-    auto joined = Join(domain_id, settings, credentials, distro);
+    auto joined = Join(domain_id, settings, credentials, distro, name);
     if (!joined) return joined.error();
     participant.reset(joined.value(), [](Participant* last) {
       const std::lock_guard gone(mutex);

@@ -50,10 +50,10 @@ class Participant {
 
 // Fails with Cyclone's own message. `settings` are Cyclone's XML, empty: those of CYCLONEDDS_URI.
 // The first node of the process in this domain determines them and `distro`, the layout of
-// ros_discovery_info. From any thread.
+// ros_discovery_info, and `name`, see PeerInfo. From any thread.
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
                                                      const std::optional<Credentials>& credentials,
-                                                     RosDistro distro);
+                                                     RosDistro distro, const std::string& name);
 
 // That of a node from MakeDdsNode; null for another one.
 Participant* ParticipantOf(Node& node);

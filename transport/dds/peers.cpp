@@ -45,6 +45,19 @@ std::string PropertyOf(const dds_qos_t* qos, std::initializer_list<const char*> 
   return {};
 }
 
+// "enclave=/;musher=alice@dog1;"
+std::string NameIn(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t size = 0;
+  if (!dds_qget_userdata(qos, &data, &size) || data == nullptr) return {};
+  const std::unique_ptr<void, void (*)(void*)> freed(data, dds_free);
+  std::string_view text(static_cast<const char*>(data), size);
+  const std::size_t begin = text.find(kNameKey);
+  if (begin == std::string_view::npos) return {};
+  text.remove_prefix(begin + kNameKey.size());
+  return std::string(text.substr(0, text.find(';')));
+}
+
 std::int32_t NumberIn(std::string_view text) {
   std::int32_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -83,6 +96,7 @@ std::vector<PeerInfo> PeersOf(dds_entity_t own) {
         peer.host = PropertyOf(sample.qos, {"__Hostname", "fastdds.physical_data.host"});
         peer.host.resize(std::min(peer.host.find(':'), peer.host.size()));  // "dog1:<a number>"
         peer.vendor = static_cast<std::uint16_t>(sample.key.v[0] << 8U | sample.key.v[1]);
+        peer.name = NameIn(sample.qos);
         peers.push_back(std::move(peer));
       });
   return peers;

@@ -7,11 +7,15 @@
 #include <dds/dds.h>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/transport/endpoint.hpp"
 
 namespace musher::transport::dds {
+
+// In the user data of a participant, before its name and ";".
+inline constexpr std::string_view kNameKey = "musher=";
 
 ParticipantId IdOfParticipant(const dds_guid_t& guid);
 

@@ -156,7 +156,7 @@ class Upgrade {
     const ExitCode exit = interrupted ? ExitCode::kInterrupted : ExitCode::kNotDone;
     if (!ota::Is(failure, ota::Fault::kRolledBack)) return console_.Fail({exit, failure});
     if (console_.mode().json) {
-      console_.Print(OtaResultJson(version_, "gone back", failure.message));
+      console_.Print(OtaResultJson(version_, "rolled_back", failure.message));
     }
     console_.PrintError("version " + version_ +
                         " failed, the robot has rolled back: " + failure.message);

@@ -16,7 +16,7 @@ namespace {
 
 struct TopicEchoOptions {
   std::string topic;
-  unsigned limit = 0;  // 0: until Ctrl-C
+  unsigned samples = 0;  // 0: until Ctrl-C
   bool full_length = false;
 };
 
@@ -40,7 +40,7 @@ class SamplePrinter {
   }
   // Enough were printed, or the samples cannot be shown.
   bool done() const {
-    return (options_.limit != 0 && printed_ == options_.limit) ||
+    return (options_.samples != 0 && printed_ == options_.samples) ||
            (printed_ == 0 && !failure_.empty());
   }
   bool failed() const { return printed_ == 0 && !failure_.empty(); }
@@ -89,7 +89,7 @@ void AddTopicEcho(Grammar& grammar, CLI::App& family) {
   auto [app, options] =
       grammar.Add("echo", "Print the samples of a topic, until Ctrl-C", TopicEcho, &family);
   AddTopicName(grammar, app, options.topic);
-  app.add_option("-n,--limit", options.limit, "End after so many samples; default: none")
+  app.add_option("-n,--samples", options.samples, "End after so many samples; default: none")
       ->check(CLI::Range(1U, 1'000'000'000U).description(""))
       ->type_name("N");
   app.add_flag("--full-length", options.full_length,

@@ -125,6 +125,17 @@ std::optional<std::string> ReadPath(std::string_view key, TableReader& controlle
   return Absolute(draft.folder, path->text);
 }
 
+// Whether the host has it is asked where the machine is started.
+void ReadLogGroup(TableReader& controller, Draft& draft) {
+  const auto group = controller.String("log_group");
+  if (!group) return;
+  draft.config.log_group = group->text;
+  if (group->text.empty() || group->text.find_first_of(":/ \t\n,") != std::string::npos) {
+    controller.Fault(group->at, "log_group",
+                     "expected the name of a group, found " + Quote(group->text));
+  }
+}
+
 }  // namespace
 
 void ReadController(TableReader& root, Draft& draft) {
@@ -145,6 +156,7 @@ void ReadController(TableReader& root, Draft& draft) {
   const auto budget = controller.Time("shutdown_budget_ms");
   config.shutdown_budget = budget.value_or(config.shutdown_budget);
   config.log = ReadPath("log", controller, draft).value_or("");
+  ReadLogGroup(controller, draft);
   const auto clock = controller.Choice<ClockSource>(
       "clock", {{"steady", ClockSource::kSteady}, {"topic", ClockSource::kTopic}});
   config.clock = clock.value_or(config.clock);

@@ -131,8 +131,8 @@ TEST_F(BehaviorCommand, DrawsNoGraphIntoAFileOfAKindThatItCannotWrite) {
 TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
   ActuatorRunner<Show> show;
   Begin(show);
-  Process text({kMusher, "behavior", "show", "--watch"});
-  Process json({kMusher, "--json", "behavior", "show", "--watch"});
+  Process text({kMusher, "behavior", "show", "--follow"});
+  Process json({kMusher, "--json", "behavior", "show", "--follow"});
   ASSERT_NE(text.LineWith("decided"), "");
   ASSERT_NE(json.LineWith("\"decided\""), "");
   show.RunOnLoop([&] { show.data().unsafe = true; });
@@ -149,7 +149,7 @@ TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
 TEST_F(BehaviorCommand, ReportsThatTheApplicationWasLostAndThatItIsBack) {
   auto show = std::make_unique<ActuatorRunner<Show>>();
   Begin(*show);
-  Process watch({kMusher, "behavior", "show", "--watch"});
+  Process watch({kMusher, "behavior", "show", "--follow"});
   ASSERT_NE(watch.LineWith("decided"), "");
   show.reset();
   EXPECT_NE(watch.LineWith("show is lost"), "");

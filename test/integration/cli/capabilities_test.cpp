@@ -17,7 +17,7 @@ TEST_F(Capabilities, FollowTheMachineAndSayWhyNot) {
   EXPECT_THAT(listed.out, HasSubstr("talk        yes      Active, LowPower\n"));
   const auto all = Json(Musher({"capabilities", "--json"}).out)["capabilities"];
   ASSERT_EQ(all.size(), 3U);
-  EXPECT_EQ(all[0]["name"], "guide");
+  EXPECT_EQ(all[0]["capability"], "guide");
   EXPECT_EQ(all[0]["allowed"], false);
   EXPECT_EQ(all[0]["code"], 103);
   EXPECT_EQ(all[0]["reason"], "guide runs in Active only; legs is in LowPower");

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 class Finding : public MachineByCli {};
 
 TEST_F(Finding, EndsWithThreeWhereThereIsNoController) {
-  const std::vector<std::vector<std::string>> commands = {{"status"},        {"status", "--watch"},
+  const std::vector<std::vector<std::string>> commands = {{"status"},        {"status", "--follow"},
                                                           {"set", "Active"}, {"plan", "Active"},
                                                           {"history"},       {"down"}};
   for (std::vector<std::string> command : commands) {
@@ -58,8 +58,8 @@ TEST_F(Finding, ShowsTheStatusForPeopleAndForPrograms) {
 
 TEST_F(Finding, FollowsEveryChangeUntilCtrlC) {
   ASSERT_EQ(UpDetached().exit, 0);
-  Process lines(Command({"status", "--watch"}));
-  Process json(Command({"status", "--watch", "--json"}));
+  Process lines(Command({"status", "--follow"}));
+  Process json(Command({"status", "--follow", "--json"}));
   ASSERT_NE(lines.LineWith("robot  Active"), "");
   ASSERT_NE(json.LineWith(R"("state":"Active")"), "");
   ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);

@@ -32,10 +32,10 @@ TEST_F(History, LimitIsOfWhatMatchesAndZeroIsAll) {
   ASSERT_EQ(UpDetached().exit, 0);
   ASSERT_EQ(Musher({"down"}).exit, 0);
   const std::string journal = folder_ / "state/journal.sqlite";
-  const Ended two = Musher({"history", "--journal", journal, "--actuator", "legs", "--limit", "2"});
+  const Ended two = Musher({"history", "--journal", journal, "--actuator", "legs", "--lines", "2"});
   EXPECT_EQ(Lines(two.out), 2);
   EXPECT_THAT(two.out, HasSubstr("legs"));
-  const Ended all = Musher({"history", "--journal", journal, "--limit", "0"});
+  const Ended all = Musher({"history", "--journal", journal, "--lines", "0"});
   EXPECT_GT(Lines(all.out), 10);
 }
 
@@ -52,7 +52,7 @@ TEST_F(History, IsReadFromTheDiskWhenNoControllerLeads) {
 
 TEST_F(History, IsATableForSpreadsheets) {
   ASSERT_EQ(UpDetached().exit, 0);
-  const Ended csv = Musher({"history", "--csv", "--limit", "0"});
+  const Ended csv = Musher({"history", "--csv", "--lines", "0"});
   EXPECT_THAT(csv.out, StartsWith("time,epoch,switch,kind,actuator,code,message\r\n20"));
   EXPECT_THAT(csv.out, HasSubstr(",legs,0,legs started (pid "));
 }

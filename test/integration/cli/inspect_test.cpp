@@ -1,8 +1,11 @@
 // `musher logs`, `describe` and `top` of real processes: with the machine up, with a killed or
 // stopped actuator, with the controller dead and with the machine down.
 
+#include <grp.h>
 #include <signal.h>
 #include <unistd.h>
+
+#include <filesystem>
 
 #include "musher/test/integration/cli/machine.hpp"
 
@@ -42,22 +45,56 @@ TEST_F(Inspect, LogsAreFollowedAcrossARestartAndReadWithTheMachineDown) {
   EXPECT_TRUE(Json(json.out)["time"].is_string());
 }
 
-// `logs` said that no controller leads here, `describe` that the logs are on another host.
-TEST_F(Inspect, TheFilesOfAnotherUsersMachineAreSaidToBeTheirs) {
-  const auto as_another = [](std::vector<std::string> words) {
+// Two of user 65534: one in the group of that number, one in none that the host has.
+class AnotherUser : public Inspect {
+ protected:
+  static Ended As(const std::string& group, std::vector<std::string> words) {
     words.insert(words.begin(),
-                 {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--"});
+                 {"setpriv", "--reuid=65534", "--regid=" + group, "--clear-groups", "--"});
     return RunToEnd(words);
-  };
-  if (geteuid() != 0 || as_another({"test", "-x", BinDir() + "/musher"}).exit != 0) {
-    GTEST_SKIP() << "needs root, and programs that another user may run";
   }
+  void SetUp() override {
+    if (geteuid() != 0 || As("65534", {"test", "-x", BinDir() + "/musher"}).exit != 0) {
+      GTEST_SKIP() << "needs root, and programs that another user may run";
+    }
+    std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
+  }
+};
+
+// `logs` said that no controller leads here, `describe` that the logs are on another host.
+TEST_F(AnotherUser, SeesThatTheFilesAreOfAnother) {
   ASSERT_EQ(UpDetached().exit, 0);
   const std::string reason = "a controller of another user leads the machine on this host, and";
-  const Ended logs = as_another(Command({"logs"}));
+  const Ended logs = As("65534", Command({"logs"}));
   EXPECT_EQ(logs.exit, 1) << logs.out;
-  EXPECT_THAT(logs.err, HasSubstr(reason));
-  EXPECT_THAT(as_another(Command({"describe", "legs"})).out, HasSubstr(reason));
+  EXPECT_THAT(logs.err, AllOf(HasSubstr(reason), HasSubstr("log_group in [controller]")));
+  EXPECT_THAT(As("65534", Command({"describe", "legs"})).out, HasSubstr(reason));
+  const Ended known = As("65534", Command({"logs", "--config", config_}));
+  EXPECT_EQ(known.exit, 1) << known.out;
+  EXPECT_THAT(known.err, HasSubstr("this user may not read " + (folder_ / "state/logs") + ": "));
+}
+
+TEST_F(AnotherUser, ReadsLogsAndJournalAsAMemberOfTheLogGroup) {
+  const group* const entry = getgrgid(65534);  // NOLINT(concurrency-mt-unsafe): one thread
+  if (entry == nullptr) GTEST_SKIP() << "this host has no group 65534";
+  Replace("state_dir", "log_group = \"" + std::string(entry->gr_name) + "\"\nstate_dir");
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended logs = As("65534", Command({"logs", "controller", "--config", config_}));
+  EXPECT_EQ(logs.exit, 0) << logs.err;
+  EXPECT_THAT(logs.out, HasSubstr("the machine is Active"));
+  EXPECT_THAT(logs.err, Not(HasSubstr("no controller of this host leads it")));
+  const std::vector<std::string> journal = {"history", "--journal",
+                                            folder_ / "state/journal.sqlite"};
+  EXPECT_THAT(As("65534", Command(journal)).out, HasSubstr("the machine is Active"));
+  EXPECT_THAT(As("65533", Command({"logs", "--config", config_})).err,
+              HasSubstr("this user may not read"));
+  EXPECT_NE(As("65534", {"touch", folder_ / "state/more"}).exit, 0);
+  EXPECT_NE(As("65534", {"cat", folder_ / "state/controller.lock"}).exit, 0);
+
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const Ended ended = As("65534", Command(journal));
+  EXPECT_EQ(ended.exit, 0) << "no process has it open: " << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("the machine is Active"));
 }
 
 TEST_F(Inspect, LogsExplainWhyThereAreNone) {

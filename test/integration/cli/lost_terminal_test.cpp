@@ -39,11 +39,11 @@ TEST_F(LostTerminal, AReaderOfTheOutputThatEndsDoesNotTakeTheControllerAlong) {
   }
 }
 
-// musher status --watch | head -1: nothing happens that would be printed.
+// musher status --follow | head -1: nothing happens that would be printed.
 TEST_F(LostTerminal, ACommandThatFollowsEndsWithItsReaderAlsoWithoutAnEvent) {
   ASSERT_EQ(UpDetached().exit, 0);
   for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"status", "--watch"}, {"logs", "-f", "controller"}}) {
+       {std::vector<std::string>{"status", "--follow"}, {"logs", "-f", "controller"}}) {
     Process follows(Command(words));
     ASSERT_NE(follows.LineWith("Active"), "") << words.front();
     follows.CloseOutput();

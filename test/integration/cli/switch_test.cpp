@@ -175,7 +175,7 @@ TEST_F(Set, ShowsNoTableInAPipe) {
 TEST_F(Set, LetsTheSwitchContinueAfterCtrlC) {
   Blocks("legs", "LowPower");
   ASSERT_NO_FATAL_FAILURE(Start());
-  Process watch(Command({"status", "--watch", "--json"}));
+  Process watch(Command({"status", "--follow", "--json"}));
   ASSERT_NE(watch.LineWith(R"("state":"Active")"), "");
   Process set(Command({"set", "LowPower"}));
   ASSERT_NE(watch.LineWith(R"("target":"LowPower")"), "");
@@ -214,7 +214,7 @@ TEST_F(Set, IsRecordedInTheHistory) {
   EXPECT_EQ(history.exit, 0) << history.err;
   EXPECT_THAT(history.out, HasSubstr("legs: OTA done"));
   EXPECT_EQ(Musher({"history", "--since", "2100-01-01"}).out, "");
-  EXPECT_EQ(Json(Musher({"history", "--limit", "2", "--json"}).out)["entries"].size(), 2U);
+  EXPECT_EQ(Json(Musher({"history", "--lines", "2", "--json"}).out)["entries"].size(), 2U);
 }
 
 TEST_F(Set, IsExplainedByItsCauseAndDecidedAgainFromTheJournal) {
