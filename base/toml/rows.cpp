@@ -46,6 +46,22 @@ Row File(std::string_view key, std::string& value, std::filesystem::path folder)
   };
 }
 
+Row Program(std::string_view key, std::vector<std::string>& argv, std::filesystem::path folder,
+            ListRule rule) {
+  return [=, &argv, folder = std::move(folder)](TableReader& reader) {
+    auto words = reader.Strings(key, rule);
+    if (!words || words->empty()) return;
+    std::string& program = words->front().text;
+    if (program.empty()) {
+      reader.Fault(words->front().at, key, "expected a program, found an empty string");
+    } else if (program.find('/') != std::string::npos) {
+      program = Absolute(folder, program);
+    }
+    argv.clear();
+    for (Word& word : *words) argv.push_back(std::move(word.text));
+  };
+}
+
 Row Topic(std::string_view key, std::string& value, std::string_view example) {
   return [=, &value](TableReader& reader) {
     const auto topic = reader.String(key);

@@ -49,6 +49,10 @@ Row Bool(std::string_view key, bool& value);
 Row Text(std::string_view key, std::string& value);
 // A path, which is relative to the folder of the config.
 Row File(std::string_view key, std::string& value, std::filesystem::path folder);
+// A program and its arguments. A program with a '/' is relative to `folder`, another one is looked
+// up in PATH.
+Row Program(std::string_view key, std::vector<std::string>& argv, std::filesystem::path folder,
+            ListRule rule = {.may_repeat = true});
 // `example` is a name that a topic of this key has, in messages.
 Row Topic(std::string_view key, std::string& value, std::string_view example);
 // One of a few words, each with its meaning.
