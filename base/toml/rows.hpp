@@ -35,6 +35,9 @@ void ReadRows(TableReader& reader, const Rows& rows);
 namespace row {
 
 Row Number(std::string_view key, double& value, double least, double most);
+// As many numbers as `values` has, such as [x, y]; `expected` is the message otherwise.
+Row Numbers(std::string_view key, std::vector<double*> values, double least, double most,
+            std::string_view expected);
 // The file has degrees.
 Row Degrees(std::string_view key, double& value_rad, double least_deg, double most_deg);
 template <std::integral T>
