@@ -91,7 +91,21 @@ def key(mutant):
 
 def load_equivalent():
     with open(os.path.join(HERE, "equivalent.json")) as file:
-        return {key(e): e["reason"] for e in json.load(file)}
+        entries = json.load(file)
+    gone = [f"{e['file']} {e['function']}: {e['original']}" for e in entries if not exists(e)]
+    if gone:
+        sys.exit("equivalent.json: no such place any more; correct or remove it:\n" +
+                 "\n".join(gone))
+    return {key(e): e["reason"] for e in entries}
+
+
+def exists(entry):
+    try:
+        with open(os.path.join(HERE, "..", "..", entry["file"])) as file:
+            text = "".join(file.read().split())
+    except FileNotFoundError:
+        return False
+    return f"{entry['function']}(" in text and "".join(entry["original"].split()) in text
 
 
 def report(runs, results, equivalent, path):
