@@ -18,10 +18,10 @@ msg::SkillOffers OfferSkills(const std::string& actuator, const std::string& act
 msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
                              const std::string& goal_id);
 
-// The reply of get_skill. `stepping`: skills are executed now. The reply has an `error` for an
+// The reply of get_skill. `ticking`: skills are executed now. The reply has an `error` for an
 // unknown skill, with the nearest, and for an unknown format of the picture.
 msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Manager& manager,
-                                    bool stepping, const std::string& goal_id,
+                                    bool ticking, const std::string& goal_id,
                                     const msg::GetSkill::Request& request);
 
 }  // namespace musher
