@@ -81,7 +81,7 @@ class SkillActuator::Impl {
     MUSHER_CHECK(manager_ != nullptr, "SetUp of", owner_.name(), "has not run");
     return *manager_;
   }
-  bool stepping() const { return stepping_; }
+  bool ticking() const { return ticking_; }
   Time Now() const { return ticks_.Now(); }
 
  private:
@@ -146,7 +146,7 @@ class SkillActuator::Impl {
     topics.Serve<msg::GetSkill>(
         owner_.name() + "/get_skill", [this](const auto& request, auto reply) {
           const auto published = published_.find(request.skill);
-          reply(ReportSkill(owner_.name(), *manager_, stepping_,
+          reply(ReportSkill(owner_.name(), *manager_, ticking_,
                             published == published_.end() ? RunOrigin() : published->second.origin,
                             request));
         });
@@ -156,26 +156,26 @@ class SkillActuator::Impl {
     if (owner_.EmergencyStopped()) {
       return Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
     }
-    if (std::exchange(stepping_, true)) return Ok();
-    ticks_.Start(options_.rate_hz, [this] { Step(); });
+    if (std::exchange(ticking_, true)) return Ok();
+    ticks_.Start(options_.rate_hz, [this] { Tick(); });
     return Ok();
   }
 
-  void StopStepping() {
+  void StopTicks() {
     ticks_.Stop();
-    stepping_ = false;
+    ticking_ = false;
   }
 
   void Pause(const State& state) {
     if (options_.cancels_when_paused) return CancelAtOnce("the robot goes to " + state);
-    StopStepping();
+    StopTicks();
     if (!manager_) return;
     manager_->Pause();
     AfterPause();
   }
 
   void CancelAtOnce(const std::string& why) {
-    StopStepping();
+    StopTicks();
     if (!manager_) return;
     manager_->CancelAllNow(why);
     AfterPause();
@@ -191,7 +191,7 @@ class SkillActuator::Impl {
   void Start(const Goal& goal) {
     const Result<Request> request = RequestOf(goal);
     Result<> started = request ? CheckRobot(goal) : Result<>(request.error());
-    if (started && !stepping_) {
+    if (started && !ticking_) {
       started =
           Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + owner_.CurrentState() +
                                        (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
@@ -229,7 +229,7 @@ class SkillActuator::Impl {
     for (const auto& [skill, open] : goals_) {
       if (open.goal.id() != goal.id()) continue;
       static_cast<void>(manager_->Cancel(skill, "by its client"));
-      if (!stepping_) {  // no step would see it
+      if (!ticking_) {  // no step would see it
         static_cast<void>(manager_->CancelNow(skill, "by its client"));
         ReportGoals();
       }
@@ -239,11 +239,11 @@ class SkillActuator::Impl {
     own.Canceled({false, "cancelled: before it was started"});
   }
 
-  void Step() {
+  void Tick() {
     const Time now = Now();
-    const auto before = Thrown("BeforeStep", [&] { owner_.BeforeStep(now); });
+    const auto before = Thrown("BeforeTick", [&] { owner_.BeforeTick(now); });
     if (!before) manager_->RunOnce(now);
-    const auto after = Thrown("AfterStep", [&] { owner_.AfterStep(now); });
+    const auto after = Thrown("AfterTick", [&] { owner_.AfterTick(now); });
     for (const auto& thrown : {before, after}) {
       if (!thrown) continue;
       if (manager_->running()) owner_.Log(LogLevel::kError, "fault: " + *thrown);
@@ -328,7 +328,7 @@ class SkillActuator::Impl {
   std::map<std::string, Published> published_;              // by skill
   std::optional<SavedSkills> saved_;                        // nothing: they are not saved
   bool open_ = false;  // SetUp is done; before, the skills belong to the worker
-  bool stepping_ = false;
+  bool ticking_ = false;
 };
 
 SkillActuator::SkillActuator(const std::string& actuator_name, const Options& options)
@@ -345,8 +345,8 @@ SkillActuator::~SkillActuator() {
 skill::Manager& SkillActuator::manager() {
   return impl_->OnLoop().manager();
 }
-bool SkillActuator::stepping() const {
-  return impl_->OnLoop().stepping();
+bool SkillActuator::ticking() const {
+  return impl_->OnLoop().ticking();
 }
 Time SkillActuator::Now() const {
   return impl_->OnLoop().Now();

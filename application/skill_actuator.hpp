@@ -64,7 +64,7 @@ namespace musher {
 class SkillActuator : public MachineActuator {
  public:
   struct Options {
-    double rate_hz = 10;  // of steps; more than 0
+    double rate_hz = 10;  // of ticks; more than 0
     bool cancels_when_paused = false;
     std::string action = "skill_execution";
     // Goals whose `robot_id` is another one, and not the actuator's name, are refused; empty: none.
@@ -87,9 +87,9 @@ class SkillActuator : public MachineActuator {
   virtual void OpenTopics(transport::Endpoints& /*topics*/) {}
   // Whether its dependencies are available. May block.
   virtual Result<> SelfCheck() { return Ok(); }
-  // Before and after each step of all skills. An exception cancels all skills at once.
-  virtual void BeforeStep(Time /*now*/) {}
-  virtual void AfterStep(Time /*now*/) {}
+  // Before and after each tick, which steps all skills. An exception cancels all skills at once.
+  virtual void BeforeTick(Time /*now*/) {}
+  virtual void AfterTick(Time /*now*/) {}
   // No skill is stepped from now on: the robot is not Active, or an emergency stop was engaged.
   // Skills are already paused or cancelled. Bring the outputs to neutral; must return at once and
   // be idempotent. An exception is logged.
@@ -98,7 +98,7 @@ class SkillActuator : public MachineActuator {
   // The skills; available from SetUp on. On the loop only. Skills started here have no goal.
   skill::Manager& manager();
   // Whether skills are stepped now. On the loop only.
-  bool stepping() const;
+  bool ticking() const;
   // The time of the machine's clock. On the loop only.
   Time Now() const;
 

@@ -78,10 +78,10 @@ msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
 }
 
 msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Manager& manager,
-                                    bool stepping, const RunOrigin& origin,
+                                    bool ticking, const RunOrigin& origin,
                                     const msg::GetSkill::Request& request) {
   msg::GetSkill::Response report;
-  report.stepping = stepping;
+  report.stepping = ticking;
   const skill::Run* run = manager.Find(request.skill);
   std::unique_ptr<skill::Run> idle;
   if (run == nullptr) {

@@ -24,10 +24,10 @@ struct RunOrigin {
 msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
                              const RunOrigin& origin);
 
-// The reply of get_skill. `stepping`: skills are executed now. The reply has an `error` for an
+// The reply of get_skill. `ticking`: skills are executed now. The reply has an `error` for an
 // unknown skill, with the nearest, and for an unknown format of the picture.
 msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Manager& manager,
-                                    bool stepping, const RunOrigin& origin,
+                                    bool ticking, const RunOrigin& origin,
                                     const msg::GetSkill::Request& request);
 
 }  // namespace musher

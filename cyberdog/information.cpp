@@ -14,7 +14,7 @@
 namespace musher::cyberdog {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestName = 256;
 constexpr Duration kSerialPeriod = Milliseconds(100);
@@ -27,8 +27,8 @@ constexpr std::array<const char*, 15> kKeys = {
     "audio_state", "device_model",  "stand", "lowpower_control", "charging"};
 
 // As one line; bytes that are not UTF-8 become U+FFFD.
-std::string Text(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string Text(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ msg::BmsInfo::Response Information::Battery() const {
 // Fields of an account or of another module, which this controller does not have, are null.
 msg::DeviceInfo::Response Information::About(const std::vector<bool>& enables) const {
   if (enables.size() > kKeys.size()) return {"", kCodeParametersInvalid};
-  Json known;
+  OrderedJson known;
   known["version"] = Version();
   known["device_model"] = config_.name;
   if (!serial_number_.empty()) known["sn"] = serial_number_;
@@ -100,11 +100,11 @@ msg::DeviceInfo::Response Information::About(const std::vector<bool>& enables) c
                          {"temperature", battery_->batt_temp}};
     known["charging"] = battery_->power_wired_charging || battery_->power_wp_charging;
   }
-  Json answer = Json::object();
+  OrderedJson answer = OrderedJson::object();
   for (std::size_t i = 0; i < enables.size(); ++i) {
     if (!enables[i]) continue;
     const auto found = known.find(kKeys[i]);
-    answer[kKeys[i]] = found == known.end() ? Json() : *found;
+    answer[kKeys[i]] = found == known.end() ? OrderedJson() : *found;
   }
   return {Text(answer), kCodeOk};
 }

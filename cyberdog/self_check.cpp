@@ -10,7 +10,7 @@
 namespace musher::cyberdog {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using CheckStatus = msg::SelfCheckStatus;
 
 constexpr std::int32_t kNotKnown = -1;
@@ -25,8 +25,8 @@ std::int32_t CodeOf(const MachineConfig& config, const Machine& machine, std::st
 }
 
 // An actuator with several parts. A code of no part is another fault.
-Json Parts(const MachineConfig& config, const Machine& machine, std::string_view actuator,
-           const std::vector<const char*>& more = {}) {
+OrderedJson Parts(const MachineConfig& config, const Machine& machine, std::string_view actuator,
+                  const std::vector<const char*>& more = {}) {
   const std::int32_t code = CodeOf(config, machine, actuator);
   const auto parts = PartsOf(actuator);
   std::vector<std::int32_t> failed;
@@ -39,7 +39,7 @@ Json Parts(const MachineConfig& config, const Machine& machine, std::string_view
   const bool of_parts =
       code == kCodeOk || std::any_of(parts.begin(), parts.end(),
                                      [&](const Part& part) { return has_failed(part.code); });
-  Json json;
+  OrderedJson json;
   std::int32_t others = of_parts ? kCodeOk : code;
   for (const Part& part : parts) {
     if (part.own_key) {
@@ -59,7 +59,7 @@ std::string Describe(const MachineConfig& config, const Machine& machine) {
   const auto code = [&](std::string_view name) { return CodeOf(config, machine, name); };
   constexpr const char* kOwnKeys[] = {"audio", "motion_manager", "algorithm_manager", "vp_engine",
                                       "RealSenseActuator"};
-  Json json;
+  OrderedJson json;
   for (const char* name : kOwnKeys) json[name] = code(name);
   json["device"] = Parts(config, machine, "device_manager", {"bluetooth"});
   json["sensor"] = Parts(config, machine, "sensor_manager");

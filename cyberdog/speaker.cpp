@@ -61,7 +61,7 @@ void Speaker::Look() {
   if (const bool matched = player_->Ready(); matched != voice_.player) {
     Handle(voice_event::PlayerMatched{matched});
   }
-  const MachineView machine = ViewOf(shell_.config(), shell_.machine());
+  const MachineSummary machine = SummaryOf(shell_.config(), shell_.machine());
   if (machine != voice_.machine) Handle(voice_event::MachineSeen{machine});
 }
 

@@ -104,7 +104,7 @@ void VoiceDecision::On(const voice_event::MachineSeen& seen) {
 }
 
 void VoiceDecision::AnnounceStart() {
-  const MachineView& machine = voice_.machine;
+  const MachineSummary& machine = voice_.machine;
   if (!std::exchange(voice_.start_announced, true)) {
     if (machine.adopted) {
       voice_.loading_announced = true;
@@ -124,7 +124,7 @@ void VoiceDecision::AnnounceStart() {
 }
 
 void VoiceDecision::AnnounceFaults() {
-  for (const MachineView::Fault& fault : voice_.machine.faults) {
+  for (const MachineSummary::Fault& fault : voice_.machine.faults) {
     auto& announced = voice_.faults_announced;
     if (std::find(announced.begin(), announced.end(), fault) != announced.end()) continue;
     announced.push_back(fault);
@@ -140,7 +140,7 @@ void VoiceDecision::AnnounceFaults() {
 
 // 0: nothing to announce.
 int VoiceDecision::BatteryUrgency() const {
-  const MachineView& machine = voice_.machine;
+  const MachineSummary& machine = voice_.machine;
   if (!machine.battery) return 0;
   switch (machine.level) {
     case BatteryLevel::kEmpty:
@@ -196,7 +196,7 @@ void VoiceDecision::AnnounceSwitch(const action::Record& record) {
 }
 
 void VoiceDecision::On(const voice_event::DoubleTapped&) {
-  const MachineView& machine = voice_.machine;
+  const MachineSummary& machine = voice_.machine;
   if (machine.phase != Phase::kRunning) return;
   if (voice_.tapped && now_ < *voice_.tapped + kTapPause) return;
   voice_.tapped = now_;
@@ -207,7 +207,7 @@ void VoiceDecision::On(const voice_event::DoubleTapped&) {
 }
 
 void VoiceDecision::On(const voice_event::AppConnected&) {
-  const MachineView& machine = voice_.machine;
+  const MachineSummary& machine = voice_.machine;
   const bool awake = machine.state == kActive || machine.state == kProtected;
   if (machine.phase != Phase::kRunning || !awake || machine.charging) return;
   if (!May(Occasion::kApp) || std::exchange(voice_.greeted, true)) return;
@@ -299,23 +299,23 @@ void VoiceDecision::PlayNext() {
 
 }  // namespace
 
-MachineView ViewOf(const MachineConfig& config, const Machine& machine) {
-  MachineView view;
-  view.phase = machine.phase;
-  view.state = machine.state;
-  view.adopted = machine.last_switch == 0;
-  view.loaded = machine.policy.loaded;
-  view.battery = machine.policy.battery;
-  view.level = machine.policy.level;
-  view.empty = machine.policy.empty;
-  view.charging = machine.policy.charging;
-  view.battery_silent = machine.policy.battery_silent;
+MachineSummary SummaryOf(const MachineConfig& config, const Machine& machine) {
+  MachineSummary summary;
+  summary.phase = machine.phase;
+  summary.state = machine.state;
+  summary.adopted = machine.last_switch == 0;
+  summary.loaded = machine.policy.loaded;
+  summary.battery = machine.policy.battery;
+  summary.level = machine.policy.level;
+  summary.empty = machine.policy.empty;
+  summary.charging = machine.policy.charging;
+  summary.battery_silent = machine.policy.battery_silent;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     if (const auto fault = TroubleOf(machine.actuators[i])) {
-      view.faults.push_back({config.actuators[i].name, *fault});
+      summary.faults.push_back({config.actuators[i].name, *fault});
     }
   }
-  return view;
+  return summary;
 }
 
 std::vector<VoiceAction> Speak(const MachineConfig& config, VoiceState& voice,

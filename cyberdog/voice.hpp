@@ -29,7 +29,7 @@ struct Utterance {
 };
 
 // The part of the machine that matters here.
-struct MachineView {
+struct MachineSummary {
   struct Fault {
     std::string actuator;
     Error error;
@@ -48,14 +48,14 @@ struct MachineView {
   bool battery_silent = false;
   std::vector<Fault> faults;  // of degraded actuators
 
-  friend bool operator==(const MachineView&, const MachineView&) = default;
+  friend bool operator==(const MachineSummary&, const MachineSummary&) = default;
 };
-MachineView ViewOf(const MachineConfig& config, const Machine& machine);
+MachineSummary SummaryOf(const MachineConfig& config, const Machine& machine);
 
 namespace voice_event {
 
 struct MachineSeen {  // follows the records of its changes
-  MachineView machine;
+  MachineSummary machine;
 };
 struct Recorded {
   action::Record record;
@@ -126,7 +126,7 @@ struct VoiceState {
     friend bool operator==(const Sentence&, const Sentence&) = default;
   };
 
-  MachineView machine;
+  MachineSummary machine;
   Time now{};  // of the last step
   std::vector<Waiting> waiting;
   std::optional<Waiting> playing;  // until its deadline
@@ -140,7 +140,7 @@ struct VoiceState {
   bool silence_announced = false;
   bool greeted = false;       // the app
   int battery_announced = 0;  // urgency of the last announcement
-  std::vector<MachineView::Fault> faults_announced;
+  std::vector<MachineSummary::Fault> faults_announced;
   CommandNumber switch_number = 0;  // of the last switch that began …
   std::vector<std::int32_t> known;  // … and the codes of the actuators degraded then
   std::optional<Time> tapped;

@@ -3,9 +3,22 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
+
+#include "musher/base/toml/rows.hpp"
 
 namespace musher::cyberdog {
 namespace {
+
+namespace row = config_toml::row;
+
+void ReadSay(config_toml::TableReader& keys, VoicePolicy& voice) {
+  auto say =
+      keys.Choices<Occasion>("say", {kOccasions.begin(), kOccasions.end()}, {.may_be_empty = true});
+  if (!say) return;
+  voice.say = std::move(*say);
+  std::sort(voice.say.begin(), voice.say.end());  // their order has no meaning
+}
 
 const VoicePolicy& Defaults() {
   static const VoicePolicy defaults;
@@ -46,15 +59,9 @@ const VoicePolicy& VoiceOf(const PolicyConfig& policy) {
 void ReadVoicePolicy(config_toml::TableReader& table, PolicyConfig& policy) {
   VoicePolicy voice;
   if (auto reader = table.Sub("voice")) {
-    if (auto say = reader->Choices<Occasion>("say", {kOccasions.begin(), kOccasions.end()},
-                                             {.may_be_empty = true})) {
-      voice.say = std::move(*say);
-      std::sort(voice.say.begin(), voice.say.end());  // their order has no meaning
-    }
-    const auto percent = reader->Integer("battery_at", 0, 100, " (percent)");
-    if (percent) voice.battery_at = static_cast<int>(*percent);
-    voice.quiet_asleep = reader->Bool("quiet_asleep").value_or(voice.quiet_asleep);
-    reader->RefuseOthers();
+    ReadRows(*reader, {[&](config_toml::TableReader& keys) { ReadSay(keys, voice); },
+                       row::Integer("battery_at", voice.battery_at, 0, 100, " (percent)"),
+                       row::Bool("quiet_asleep", voice.quiet_asleep)});
     if (!policy.manager) {
       table.Warn(reader->at(), "voice", "has no effect: only policy.manager speaks");
     }

@@ -7,6 +7,16 @@
 
 namespace musher::config_toml {
 
+namespace {
+
+std::optional<double> NumberIn(const Value& value) {
+  if (const auto* integer = value.As<std::int64_t>()) return static_cast<double>(*integer);
+  if (const auto* number = value.As<double>()) return *number;
+  return std::nullopt;
+}
+
+}  // namespace
+
 void ReadRows(TableReader& reader, const Rows& rows) {
   for (const Row& row : rows) row(reader);
   reader.RefuseOthers();
@@ -17,6 +27,27 @@ namespace row {
 Row Number(std::string_view key, double& value, double least, double most) {
   return
       [=, &value](TableReader& reader) { value = reader.Number(key, least, most).value_or(value); };
+}
+
+Row Numbers(std::string_view key, std::vector<double*> values, double least, double most,
+            std::string_view expected) {
+  return [=, values = std::move(values)](TableReader& reader) {
+    const Value* list = reader.Get(key);
+    if (list == nullptr) return;
+    const auto* items = list->As<Array>();
+    if (items == nullptr || items->size() != values.size()) {
+      return reader.Fault(list->at, key, expected);
+    }
+    std::vector<double> numbers;
+    for (const Value& item : *items) {
+      const auto number = NumberIn(item);
+      if (!number || !(*number >= least && *number <= most)) {  // nan, too
+        return reader.Fault(item.at, key, expected);
+      }
+      numbers.push_back(*number);
+    }
+    for (std::size_t i = 0; i < numbers.size(); ++i) *values[i] = numbers[i];
+  };
 }
 
 Row Degrees(std::string_view key, double& value_rad, double least_deg, double most_deg) {
@@ -43,6 +74,22 @@ Row Text(std::string_view key, std::string& value) {
 Row File(std::string_view key, std::string& value, std::filesystem::path folder) {
   return [=, &value, folder = std::move(folder)](TableReader& reader) {
     if (const auto word = reader.String(key)) value = Absolute(folder, word->text);
+  };
+}
+
+Row Program(std::string_view key, std::vector<std::string>& argv, std::filesystem::path folder,
+            ListRule rule) {
+  return [=, &argv, folder = std::move(folder)](TableReader& reader) {
+    auto words = reader.Strings(key, rule);
+    if (!words || words->empty()) return;
+    std::string& program = words->front().text;
+    if (program.empty()) {
+      reader.Fault(words->front().at, key, "expected a program, found an empty string");
+    } else if (program.find('/') != std::string::npos) {
+      program = Absolute(folder, program);
+    }
+    argv.clear();
+    for (Word& word : *words) argv.push_back(std::move(word.text));
   };
 }
 

@@ -35,6 +35,9 @@ void ReadRows(TableReader& reader, const Rows& rows);
 namespace row {
 
 Row Number(std::string_view key, double& value, double least, double most);
+// As many numbers as `values` has, such as [x, y]; `expected` is the message otherwise.
+Row Numbers(std::string_view key, std::vector<double*> values, double least, double most,
+            std::string_view expected);
 // The file has degrees.
 Row Degrees(std::string_view key, double& value_rad, double least_deg, double most_deg);
 template <std::integral T>
@@ -49,6 +52,10 @@ Row Bool(std::string_view key, bool& value);
 Row Text(std::string_view key, std::string& value);
 // A path, which is relative to the folder of the config.
 Row File(std::string_view key, std::string& value, std::filesystem::path folder);
+// A program and its arguments. A program with a '/' is relative to `folder`, another one is looked
+// up in PATH.
+Row Program(std::string_view key, std::vector<std::string>& argv, std::filesystem::path folder,
+            ListRule rule = {.may_repeat = true});
 // `example` is a name that a topic of this key has, in messages.
 Row Topic(std::string_view key, std::string& value, std::string_view example);
 // One of a few words, each with its meaning.

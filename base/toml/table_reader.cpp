@@ -227,6 +227,10 @@ const Value* TableReader::Get(std::string_view key) {
   return member == nullptr ? nullptr : &member->value;
 }
 
+bool TableReader::IsFaulty(std::string_view key) const {
+  return std::find(faulty_keys_.begin(), faulty_keys_.end(), key) != faulty_keys_.end();
+}
+
 Position TableReader::At(std::string_view key) {
   const Value* value = Get(key);
   return value == nullptr ? at_ : value->at;
@@ -234,6 +238,7 @@ Position TableReader::At(std::string_view key) {
 
 void TableReader::Fault(Position at, std::string_view key, std::string_view message) {
   findings_.Error(at, Path(key) + ": " + std::string(message));
+  faulty_keys_.emplace_back(key);
 }
 
 void TableReader::Warn(Position at, std::string_view key, std::string_view message) {

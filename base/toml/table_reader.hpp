@@ -77,6 +77,8 @@ class TableReader {
   bool Has(std::string_view key) { return Get(key) != nullptr; }
   // Whether the key has been read.
   bool Knows(std::string_view key) const;
+  // Whether Fault() has reported the key.
+  bool IsFaulty(std::string_view key) const;
   // The position of the value of `key`, or of the table where the key is missing.
   Position At(std::string_view key);
   // Puts the table's path and the key before `message`.
@@ -101,6 +103,7 @@ class TableReader {
   std::string path_;
   Findings& findings_;
   std::vector<std::string> read_keys_;
+  std::vector<std::string> faulty_keys_;
 };
 
 template <typename T>

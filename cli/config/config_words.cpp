@@ -159,26 +159,37 @@ void AddStatesAndFlow(const MachineConfig& config, WordList& words) {
   words.Set("from → to", std::move(edges));
 }
 
+// Adds a word for each key of a policy.
+class PolicyWords {
+ public:
+  explicit PolicyWords(WordList& words) : words_(words) {}
+
+  void Topic(const char* key, const std::string& topic) { words_.Key(key, topic); }
+  void Percent(const char* key, int percent) { words_.Key(key, cli::Percent(percent)); }
+  void Seconds(const char* key, Duration time, double /*least*/) {
+    words_.Key(key, cli::Seconds(time));
+  }
+  void Bool(const char* key, bool value) { words_.Key(key, cli::Bool(value)); }
+  void Set(const char* key, const std::vector<std::int32_t>& numbers) {
+    words_.Set(key, Texts(numbers));
+  }
+  void Program(const char* key, const Strings& argv) { words_.Key(key, Argv(argv)); }
+
+ private:
+  WordList& words_;
+};
+
 void AddPolicy(const PolicyConfig& policy, WordList& words) {
+  PolicyWords keys(words);
   words.Table("policy");
   words.Key("manager", Bool(policy.manager));
-  if (const auto& battery = policy.battery) {
+  if (policy.battery) {
     words.Table("policy.battery");
-    words.Key("topic", battery->topic);
-    words.Key("protected_at", Percent(battery->protected_at));
-    words.Key("low_power_at", Percent(battery->low_power_at));
-    words.Key("tear_down_at", Percent(battery->tear_down_at));
-    words.Key("hysteresis", Percent(battery->hysteresis));
-    words.Key("silent_s", Seconds(battery->silent));
-    words.Key("tear_down_after_s", Seconds(battery->tear_down_after));
-    words.Key("raise_after_s", Seconds(battery->raise_after));
+    BatteryPolicy::Keys(*policy.battery, keys);
   }
-  if (const auto& low_power = policy.low_power) {
+  if (policy.low_power) {
     words.Table("policy.low_power");
-    words.Key("topic", low_power->topic);
-    words.Key("enabled", Bool(low_power->enabled));
-    words.Key("lying_still_s", Seconds(low_power->lying_still));
-    words.Set("motion_ids", Texts(low_power->motion_ids));
+    LowPowerPolicy::Keys(*policy.low_power, keys);
   }
   // Every [policy] has these; a file with the usual values has no table for them.
   const PowerPolicy& power = policy.power;
@@ -187,13 +198,11 @@ void AddPolicy(const PolicyConfig& policy, WordList& words) {
   const PowerPolicy off{power.delay, power.force_after, power.off_command, usual.reboot_command};
   if (off != usual) {
     words.Table("policy.power_off");
-    words.Key("delay_s", Seconds(power.delay));
-    words.Key("force_after_s", Seconds(power.force_after));
-    words.Key("command", Argv(power.off_command));
+    PowerPolicy::OffKeys(power, keys);
   }
   if (reboots) {
     words.Table("policy.reboot");
-    words.Key("command", Argv(power.reboot_command));
+    PowerPolicy::RebootKeys(power, keys);
   }
   std::string table;
   for (ManagerPolicy::Key& key : policy.manager_policy.Keys()) {

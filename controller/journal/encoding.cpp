@@ -34,7 +34,7 @@ using fields::kValueNames;
 using fields::Part;
 using fields::Struct;
 
-using Json = nlohmann::ordered_json;  // keys in the order they are written here
+using OrderedJson = nlohmann::ordered_json;  // keys in the order they are written here
 
 template <class T>
 concept Whole = std::is_integral_v<T> && !std::is_same_v<T, bool>;
@@ -49,77 +49,77 @@ class Writer {
  public:
   explicit Writer(bool texts_as_hex) : texts_as_hex_(texts_as_hex) {}
 
-  Json Of(bool value) const { return value; }
+  OrderedJson Of(bool value) const { return value; }
   template <Whole T>
-  Json Of(T value) const {
+  OrderedJson Of(T value) const {
     return value;
   }
   template <typename Kind>
-  Json Of(StrongNumber<Kind> number) const {
+  OrderedJson Of(StrongNumber<Kind> number) const {
     return number.value();
   }
-  Json Of(const std::string& text) const {
+  OrderedJson Of(const std::string& text) const {
     if (!texts_as_hex_) return text;
     std::string hex;
     for (const char c : text) {
       const auto byte = static_cast<unsigned char>(c);
       hex += {kDigits[byte >> 4], kDigits[byte & 0xf]};
     }
-    return Json{{kHex, hex}};
+    return OrderedJson{{kHex, hex}};
   }
-  Json Of(const State& state) const { return Of(state.name()); }
+  OrderedJson Of(const State& state) const { return Of(state.name()); }
   template <Enumeration T>
-  Json Of(T value) const {
+  OrderedJson Of(T value) const {
     const auto number = static_cast<std::size_t>(value);
     if (number < kValueNames<T>.size()) return kValueNames<T>[number];
     return number;
   }
-  Json Of(Duration value) const { return value.count(); }
-  Json Of(Time value) const { return Of(Duration(value.time_since_epoch())); }
+  OrderedJson Of(Duration value) const { return value.count(); }
+  OrderedJson Of(Time value) const { return Of(Duration(value.time_since_epoch())); }
   template <class T>
-  Json Of(const std::optional<T>& value) const {
-    return value ? Of(*value) : Json();
+  OrderedJson Of(const std::optional<T>& value) const {
+    return value ? Of(*value) : OrderedJson();
   }
   template <class T>
-  Json Of(const std::vector<T>& items) const {
+  OrderedJson Of(const std::vector<T>& items) const {
     return ListOf<T>(items);
   }
   template <class T>
-  Json Of(const PerActuator<T>& items) const {
+  OrderedJson Of(const PerActuator<T>& items) const {
     return ListOf<T>(items);
   }
   template <Struct T>
-  Json Of(const T& value) const {
-    Json json = Json::object();
+  OrderedJson Of(const T& value) const {
+    OrderedJson json = OrderedJson::object();
     AddFields(json, value);
     return json;
   }
 
   template <Struct T>
-  void AddFields(Json& json, const T& value) const {
+  void AddFields(OrderedJson& json, const T& value) const {
     static_assert(kIsComplete<T>, "lifecycle/fields has to name every member");
     std::apply([&](const auto&... fields) { (Add(json, value, fields), ...); }, kFields<T>);
   }
 
  private:
   template <class T, class M>
-  void Add(Json& json, const T& value, const Field<T, M>& field) const {
+  void Add(OrderedJson& json, const T& value, const Field<T, M>& field) const {
     static const T otherwise{};
     if (value.*field.member == otherwise.*field.member) return;
     json[field.name] = Of(value.*field.member);
   }
   template <class T, class M>
-  void Add(Json& json, const T& value, const Part<T, M>& part) const {
+  void Add(OrderedJson& json, const T& value, const Part<T, M>& part) const {
     AddFields(json, value.*part.member);
   }
   template <class T, class B>
-  void Add(Json& json, const T& value, const Base<B>& /*base*/) const {
+  void Add(OrderedJson& json, const T& value, const Base<B>& /*base*/) const {
     AddFields(json, static_cast<const B&>(value));
   }
 
   template <class T, class Items>
-  Json ListOf(const Items& items) const {
-    Json list = Json::array();
+  OrderedJson ListOf(const Items& items) const {
+    OrderedJson list = OrderedJson::array();
     for (const T& item : items) list.push_back(Of(item));
     return list;
   }
@@ -136,12 +136,12 @@ struct Fault {
 class Reader {
  public:
   template <class T>
-  void Take(const Json& json, T& value) const {
+  void Take(const OrderedJson& json, T& value) const {
     Read(json, value);
   }
 
   template <Struct T>
-  void TakeFields(const Json& json, T& value) const {
+  void TakeFields(const OrderedJson& json, T& value) const {
     if (!json.is_object()) Fail("an object", json);
     std::apply([&](const auto&... fields) { (TakeOne(json, value, fields), ...); }, kFields<T>);
   }
@@ -150,9 +150,9 @@ class Reader {
     return Reader(path_.empty() ? name : path_ + "." + name);
   }
 
-  [[noreturn]] void Fail(const std::string& expected, const Json& found) const {
+  [[noreturn]] void Fail(const std::string& expected, const OrderedJson& found) const {
     throw Fault{(path_.empty() ? "" : path_ + ": ") + "expected " + expected + ", found " +
-                found.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 60)};
+                found.dump(-1, ' ', false, OrderedJson::error_handler_t::replace).substr(0, 60)};
   }
 
   Reader() = default;
@@ -161,25 +161,25 @@ class Reader {
   explicit Reader(std::string path) : path_(std::move(path)) {}
 
   template <class T, class M>
-  void TakeOne(const Json& json, T& value, const Field<T, M>& field) const {
+  void TakeOne(const OrderedJson& json, T& value, const Field<T, M>& field) const {
     const auto found = json.find(field.name);
     if (found != json.end()) At(field.name).Read(*found, value.*field.member);
   }
   template <class T, class M>
-  void TakeOne(const Json& json, T& value, const Part<T, M>& part) const {
+  void TakeOne(const OrderedJson& json, T& value, const Part<T, M>& part) const {
     TakeFields(json, value.*part.member);
   }
   template <class T, class B>
-  void TakeOne(const Json& json, T& value, const Base<B>& /*base*/) const {
+  void TakeOne(const OrderedJson& json, T& value, const Base<B>& /*base*/) const {
     TakeFields(json, static_cast<B&>(value));
   }
 
-  void Read(const Json& json, bool& value) const {
+  void Read(const OrderedJson& json, bool& value) const {
     if (!json.is_boolean()) Fail("true or false", json);
     value = json.get<bool>();
   }
   template <Whole T>
-  void Read(const Json& json, T& value) const {
+  void Read(const OrderedJson& json, T& value) const {
     const bool fits = json.is_number_unsigned()
                           ? std::in_range<T>(json.get<std::uint64_t>())
                           : json.is_number_integer() && std::in_range<T>(json.get<std::int64_t>());
@@ -187,12 +187,12 @@ class Reader {
     value = json.get<T>();
   }
   template <typename Kind>
-  void Read(const Json& json, StrongNumber<Kind>& number) const {
+  void Read(const OrderedJson& json, StrongNumber<Kind>& number) const {
     std::uint64_t value = 0;
     Read(json, value);
     number = StrongNumber<Kind>(value);
   }
-  void Read(const Json& json, std::string& text) const {
+  void Read(const OrderedJson& json, std::string& text) const {
     if (json.is_string()) {
       text = json.get<std::string>();
       return;
@@ -208,13 +208,13 @@ class Reader {
       text += static_cast<char>(kDigits.find(digits[i]) << 4 | kDigits.find(digits[i + 1]));
     }
   }
-  void Read(const Json& json, State& state) const {
+  void Read(const OrderedJson& json, State& state) const {
     std::string name;
     Read(json, name);
     state = State(std::move(name));
   }
   template <Enumeration T>
-  void Read(const Json& json, T& value) const {
+  void Read(const OrderedJson& json, T& value) const {
     for (std::size_t i = 0; i < kValueNames<T>.size(); ++i) {
       if (json != kValueNames<T>[i]) continue;
       value = static_cast<T>(i);
@@ -224,32 +224,32 @@ class Reader {
     for (const std::string_view name : kValueNames<T>) names += ", " + std::string(name);
     Fail("one of" + names.substr(1), json);
   }
-  void Read(const Json& json, Duration& value) const {
+  void Read(const OrderedJson& json, Duration& value) const {
     std::int64_t count = 0;
     Read(json, count);
     if (count < -kFarthestNs || count > kFarthestNs) Fail("a time that can be computed with", json);
     value = Duration(count);
   }
-  void Read(const Json& json, Time& value) const {
+  void Read(const OrderedJson& json, Time& value) const {
     Duration since{};
     Read(json, since);
     value = Time(since);
   }
   template <class T>
-  void Read(const Json& json, std::optional<T>& value) const {
+  void Read(const OrderedJson& json, std::optional<T>& value) const {
     value.emplace();
     Read(json, *value);
   }
   template <class T>
-  void Read(const Json& json, std::vector<T>& items) const {
+  void Read(const OrderedJson& json, std::vector<T>& items) const {
     ReadList<T>(json, items);
   }
   template <class T>
-  void Read(const Json& json, PerActuator<T>& items) const {
+  void Read(const OrderedJson& json, PerActuator<T>& items) const {
     ReadList<T>(json, items);
   }
   template <class T, class Items>
-  void ReadList(const Json& json, Items& items) const {
+  void ReadList(const OrderedJson& json, Items& items) const {
     if (!json.is_array()) Fail("a list", json);
     items = Items();
     for (std::size_t i = 0; i < json.size(); ++i) {
@@ -259,7 +259,7 @@ class Reader {
     }
   }
   template <Struct T>
-  void Read(const Json& json, T& value) const {
+  void Read(const OrderedJson& json, T& value) const {
     TakeFields(json, value);
   }
 
@@ -271,7 +271,7 @@ template <class Make>
 std::string Encode(const Make& make) {
   try {
     return make(Writer(false)).dump();
-  } catch (const Json::type_error&) {  // a text that is not UTF-8
+  } catch (const OrderedJson::type_error&) {  // a text that is not UTF-8
     return make(Writer(true)).dump();
   }
 }
@@ -280,9 +280,9 @@ template <class T, class Take>
 Result<T> Decode(std::string_view text, const Take& take) {
   try {
     T value;
-    take(Json::parse(text), value);
+    take(OrderedJson::parse(text), value);
     return value;
-  } catch (const Json::exception& e) {
+  } catch (const OrderedJson::exception& e) {
     return Error{kCodeParametersInvalid, std::string("not JSON: ") + e.what()};
   } catch (const Fault& fault) {
     return Error{kCodeParametersInvalid, fault.message};
@@ -290,7 +290,7 @@ Result<T> Decode(std::string_view text, const Take& take) {
 }
 
 template <std::size_t I = 0>
-void TakeEvent(const Json& json, const std::string& name, Event& event) {
+void TakeEvent(const OrderedJson& json, const std::string& name, Event& event) {
   if constexpr (I == std::variant_size_v<Event>) {
     throw Fault{"event: '" + name + "' is not known"};
   } else {
@@ -307,7 +307,7 @@ std::string EncodeEvent(const Event& event, Time now) {
   return Encode([&](const Writer& writer) {
     return std::visit(
         [&]<class E>(const E& e) {
-          Json json = {{"event", kEventName<E>}, {"now", writer.Of(now)}};
+          OrderedJson json = {{"event", kEventName<E>}, {"now", writer.Of(now)}};
           writer.AddFields(json, e);
           return json;
         },
@@ -316,11 +316,11 @@ std::string EncodeEvent(const Event& event, Time now) {
 }
 
 Result<TimedEvent> DecodeEvent(std::string_view text) {
-  return Decode<TimedEvent>(text, [](const Json& json, TimedEvent& value) {
+  return Decode<TimedEvent>(text, [](const OrderedJson& json, TimedEvent& value) {
     if (!json.is_object()) Reader().Fail("an object", json);
     std::string name;
-    Reader().At("event").Take(json.value("event", Json()), name);
-    Reader().At("now").Take(json.value("now", Json()), value.now);
+    Reader().At("event").Take(json.value("event", OrderedJson()), name);
+    Reader().At("now").Take(json.value("now", OrderedJson()), value.now);
     TakeEvent(json, name, value.event);
   });
 }
@@ -331,7 +331,7 @@ std::string EncodeSnapshot(const Snapshot& snapshot) {
 
 Result<Snapshot> DecodeSnapshot(std::string_view text) {
   return Decode<Snapshot>(
-      text, [](const Json& json, Snapshot& value) { Reader().TakeFields(json, value); });
+      text, [](const OrderedJson& json, Snapshot& value) { Reader().TakeFields(json, value); });
 }
 
 std::string EncodeConfig(const ConfigText& config) {
@@ -340,7 +340,7 @@ std::string EncodeConfig(const ConfigText& config) {
 
 Result<ConfigText> DecodeConfig(std::string_view text) {
   return Decode<ConfigText>(
-      text, [](const Json& json, ConfigText& value) { Reader().TakeFields(json, value); });
+      text, [](const OrderedJson& json, ConfigText& value) { Reader().TakeFields(json, value); });
 }
 
 }  // namespace musher::recording

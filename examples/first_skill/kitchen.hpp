@@ -18,7 +18,7 @@ class Kitchen : public musher::SkillActuator {
     if (kettle_.water_l > 0) return musher::Ok();
     return musher::Error{6201, "the kettle is empty"};
   }
-  void BeforeStep(musher::Time now) override {
+  void BeforeTick(musher::Time now) override {
     if (last_) kettle_.Advance(now - *last_);
     last_ = now;
   }

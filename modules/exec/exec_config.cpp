@@ -7,112 +7,101 @@
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher::exec {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Member;
 using config_toml::Quote;
+using config_toml::Row;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
-using config_toml::Word;
 
 constexpr std::int64_t kHighestModule = 100'000;
 
-class Reader {
- public:
-  Reader(const std::string& path, const ActuatorConfig& actuator, Findings& findings)
-      : folder_(config_toml::FolderOf(path)), actuator_(actuator), findings_(findings) {}
+// A program and its arguments. A string in their place is taken for a shell line.
+Row Command(std::string_view key, std::vector<std::string>& argv,
+            const std::filesystem::path& folder) {
+  return [key, read = row::Program(key, argv, folder)](TableReader& state) {
+    const config_toml::Value* value = state.Get(key);
+    const auto* line = value == nullptr ? nullptr : value->As<std::string>();
+    if (line == nullptr) return read(state);
+    state.Fault(value->at, key,
+                "expected an array of strings, found a string; write [\"program\", \"argument\"], "
+                "or shell = " +
+                    Quote(*line) + " for a shell line");
+  };
+}
 
-  ExecConfig Read(const Table& table) {
-    TableReader root(table, {1, 1}, "", findings_);
-    const auto module = root.Integer("module", 0, kHighestModule);
-    config_.module = static_cast<std::int32_t>(module.value_or(config_.module));
-    config_.stop_time = root.Time("stop_ms").value_or(config_.stop_time);
-    if (const auto cwd = root.String("cwd")) {
-      config_.cwd = config_toml::Absolute(folder_, cwd->text);
+Rows StateRows(const State& state, StateActions& actions, const std::filesystem::path& folder) {
+  const auto read_shell = [&](TableReader& reader) {
+    const auto line = reader.String("shell");
+    if (!line) return;
+    if (reader.Has("run")) {
+      reader.Fault(line->at, "shell", "expected either run or shell, found both");
     }
-    root.Require("state", "a table [state.<name>] for each state that runs something");
-    if (const Table* states = root.SubTable("state")) {
-      for (const Member& member : *states) ReadState(member);
-    }
-    root.RefuseOthers();
-    return std::move(config_);
-  }
+    actions.run = {"/bin/sh", "-c", line->text};
+  };
+  const auto check_start = [&](TableReader& reader) {
+    if (!reader.Has("start") || state == kSetUp) return;
+    reader.Fault(reader.At("start"), "start",
+                 "a program that keeps running is started in SetUp; here only run and shell are "
+                 "possible");
+  };
+  return {Command("start", actions.start, folder), Command("run", actions.run, folder), read_shell,
+          check_start};
+}
 
- private:
-  void ReadState(const Member& member) {
-    const std::string path = "state." + member.key;
-    if (!actuator_.Lists(member.key)) {
-      const std::vector<std::string_view> listed(actuator_.states.begin(), actuator_.states.end());
-      const std::string guess = findings_.Guess(member.key, listed);
-      findings_.Error(member.at, path + ": the state config does not list this state for " +
-                                     actuator_.name + "; it lists " + config_toml::Listing(listed) +
-                                     guess);
-    }
-    const auto* table = member.value.As<Table>();
-    if (table == nullptr) {
-      return findings_.Error(member.value.at, path + ": expected a table, found " +
-                                                  std::string(TypeName(member.value)));
-    }
-    TableReader reader(*table, member.value.at, path, findings_);
-    StateActions actions;
-    actions.start = ReadCommand(reader, "start");
-    actions.run = ReadCommand(reader, "run");
-    if (const auto line = reader.String("shell")) {
-      if (reader.Has("run")) {
-        reader.Fault(line->at, "shell", "expected either run or shell, found both");
-      }
-      actions.run = {"/bin/sh", "-c", line->text};
-    }
-    if (reader.Has("start") && member.key != kSetUp) {
-      reader.Fault(reader.At("start"), "start",
-                   "a program that keeps running is started in SetUp; here only run and shell are "
-                   "possible");
-    }
-    reader.RefuseOthers();
-    config_.states.emplace(member.key, std::move(actions));
-  }
+void CheckListed(const Member& state, const ActuatorConfig& actuator, Findings& findings) {
+  if (actuator.Lists(state.key)) return;
+  const std::vector<std::string_view> listed(actuator.states.begin(), actuator.states.end());
+  const std::string guess = findings.Guess(state.key, listed);
+  findings.Error(state.at, "state." + state.key +
+                               ": the state config does not list this state for " + actuator.name +
+                               "; it lists " + config_toml::Listing(listed) + guess);
+}
 
-  std::vector<std::string> ReadCommand(TableReader& reader, std::string_view key) {
-    const config_toml::Value* value = reader.Get(key);
-    if (value == nullptr) return {};
-    if (const auto* line = value->As<std::string>()) {
-      reader.Fault(value->at, key,
-                   "expected an array of strings, found a string; write [\"program\", "
-                   "\"argument\"], or shell = " +
-                       Quote(*line) + " for a shell line");
-      return {};
+// The tables [state.<name>].
+Row States(ExecConfig& config, const ActuatorConfig& actuator, const std::filesystem::path& folder,
+           Findings& findings) {
+  return [&](TableReader& root) {
+    auto reader = root.Sub("state");
+    if (!reader) return;
+    for (const Member& member : *root.SubTable("state")) {
+      CheckListed(member, actuator, findings);
+      const State state(member.key);
+      StateActions actions;
+      row::Sub(member.key, StateRows(state, actions, folder))(*reader);
+      if (member.value.As<Table>() != nullptr) config.states.emplace(state, std::move(actions));
     }
-    const auto words = reader.Strings(key, {.may_repeat = true});
-    if (!words || words->empty()) return {};
-    std::vector<std::string> argv;
-    for (const Word& word : *words) argv.push_back(word.text);
-    if (argv.front().empty()) {
-      reader.Fault(words->front().at, key, "expected a program, found an empty string");
-    } else if (argv.front().find('/') != std::string::npos) {
-      argv.front() = config_toml::Absolute(folder_, argv.front());
-    }
-    return argv;
-  }
+  };
+}
 
-  const std::filesystem::path folder_;
-  const ActuatorConfig& actuator_;
-  Findings& findings_;
-  ExecConfig config_;
-};
+ExecConfig Read(const Table& table, const std::string& path, const ActuatorConfig& actuator,
+                Findings& findings) {
+  const std::filesystem::path folder = config_toml::FolderOf(path);
+  ExecConfig config;
+  TableReader root(table, {1, 1}, "", findings);
+  ReadRows(root,
+           {row::Integer("module", config.module, 0, kHighestModule),
+            row::Time("stop_ms", config.stop_time), row::File("cwd", config.cwd, folder),
+            row::Required("state", "a table [state.<name>] for each state that runs something",
+                          States(config, actuator, folder, findings))});
+  return config;
+}
 
 }  // namespace
 
 ExecReading ReadExecText(std::string_view text, const std::string& path,
                          const ActuatorConfig& actuator) {
   return config_toml::ReadTextWith<ExecReading>(
-      text, path, [&](const Table& root, Findings& findings) {
-        return Reader(path, actuator, findings).Read(root);
-      });
+      text, path,
+      [&](const Table& root, Findings& findings) { return Read(root, path, actuator, findings); });
 }
 
 ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator) {

@@ -59,19 +59,32 @@ std::optional<Stretch> StretchAt(TableReader& table, std::string_view key, Readi
   return read;
 }
 
-void ReadOtherwise(TableReader& table, Otherwise& otherwise, Reading& reading) {
-  const auto word = table.String("otherwise");
-  if (!word) return;
-  if (word->text == "continue") {
-    otherwise = {};
-  } else if (word->text == "default") {
-    otherwise.kind = Otherwise::Kind::kDefault;
-  } else {
-    std::vector<std::string> names = NamesOf(reading.course.states);
-    const auto state = Refer(table, "otherwise", "state", *word, names);
-    if (state) otherwise = {Otherwise::Kind::kState, *state};
-    if (!state) reading.has_leads = false;
-  }
+Row CounterRow(std::string_view key, const Reading& reading, std::optional<Index>& counter) {
+  return [key, &reading, &counter](TableReader& table) {
+    const auto word = table.String(key);
+    if (word) counter = Refer(table, key, "counter", *word, reading.course.counters);
+  };
+}
+
+Row StatesRow(std::string_view key, Reading& reading, std::vector<Index>& states) {
+  return [key, &reading, &states](TableReader& table) { states = States(table, key, reading); };
+}
+
+Row OtherwiseRow(Otherwise& otherwise, Reading& reading) {
+  return [&](TableReader& table) {
+    const auto word = table.String("otherwise");
+    if (!word) return;
+    if (word->text == "continue") {
+      otherwise = {};
+    } else if (word->text == "default") {
+      otherwise.kind = Otherwise::Kind::kDefault;
+    } else {
+      std::vector<std::string> names = NamesOf(reading.course.states);
+      const auto state = Refer(table, "otherwise", "state", *word, names);
+      if (state) otherwise = {Otherwise::Kind::kState, *state};
+      if (!state) reading.has_leads = false;
+    }
+  };
 }
 
 }  // namespace musher::race::parts

@@ -1,6 +1,6 @@
 #pragma once
 // What the readers of a course's tables share: names, references and their positions. Internal to
-// course_reader.cpp, table_readers.cpp, state_reader.cpp and course_check.cpp.
+// course_reader.cpp, table_rows.cpp, state_reader.cpp and course_check.cpp.
 
 #include <filesystem>
 #include <optional>
@@ -8,13 +8,17 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 #include "musher/modules/race/course.hpp"
 
 namespace musher::race::parts {
 
+namespace row = config_toml::row;
+
 using config_toml::Findings;
 using config_toml::Position;
+using config_toml::Row;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
 
@@ -72,17 +76,34 @@ std::optional<Stretch> ReadStretch(TableReader& table, const Reading& reading,
 // The key's table { move = …, count = … }.
 std::optional<Stretch> StretchAt(TableReader& table, std::string_view key, Reading& reading);
 
+// The same as rows; the variable keeps its value where the reading function gives nothing.
+template <class Thing>
+Row ReferenceRow(std::string_view key, std::string_view kind, const std::vector<Thing>& things,
+                 std::optional<Index>& index) {
+  return [=, &things, &index](TableReader& table) {
+    if (const auto found = Reference(table, key, kind, things)) index = found;
+  };
+}
+// A key that has to be there.
+template <class Thing>
+Row ReferenceRow(std::string_view key, std::string_view kind, const std::vector<Thing>& things,
+                 Index& index) {
+  return [=, &things, &index](TableReader& table) {
+    table.Require(key, "the name of a " + std::string(kind));
+    index = Reference(table, key, kind, things).value_or(index);
+  };
+}
+Row CounterRow(std::string_view key, const Reading& reading, std::optional<Index>& counter);
+Row StatesRow(std::string_view key, Reading& reading, std::vector<Index>& states);
 // The key `otherwise`.
-void ReadOtherwise(TableReader& table, Otherwise& otherwise, Reading& reading);
+Row OtherwiseRow(Otherwise& otherwise, Reading& reading);
 
-// Takes the time of the key, where it has one.
-void Take(TableReader& table, const char* key, Duration& time, std::int64_t least_ms = 1);
-
-// The bodies of [robot], [movement.NAME], [result.NAME] and [speech.NAME]. table_readers.cpp.
-void ReadRobot(TableReader& table, const std::filesystem::path& folder, RobotRules& robot);
-void ReadMovement(TableReader& table, Movement& movement);
-void ReadResult(TableReader& table, ResultRule& result);
-void ReadSpeech(TableReader& table, Speech& speech, Reading& reading);
+// The rows of [robot], [movement.NAME], [result.NAME] and [speech.NAME]. table_rows.cpp. `table` is
+// the one that they are for.
+Rows RobotRows(const std::filesystem::path& folder, RobotRules& robot);
+Rows MovementRows(TableReader& table, Movement& movement);
+Rows ResultRows(ResultRule& result);
+Rows SpeechRows(Speech& speech, Reading& reading);
 
 // The body of [state.NAME].
 void ReadState(TableReader& table, StateRule& state, StatePlace& place, Reading& reading);

@@ -23,27 +23,23 @@ class CourseReader {
 
   Course Read() {
     Collect();
-    Each("detector", course().detectors, [this](auto& t, auto& d) { ReadDetector(t, d); });
-    Each("movement", course().movements, ReadMovement);
-    Each("result", course().results, ReadResult);
-    ReadTop();
-    In("checks", [this](TableReader& t) { ReadCheckRules(t); });
-    In("robot", [this](TableReader& t) { ReadRobot(t, folder_, course().robot); });
-    In("body", [this](TableReader& t) {
-      Take(t, "silent_ms", course().body.silent, 0);
-      Take(t, "refused_ms", course().body.refused);
-    });
-    Each("check", course().checks, [this](auto& t, auto& c) { ReadCheck(t, c); });
-    Each("keep", course().keeps, [this](auto& t, auto& k) { ReadKeep(t, k); });
-    Each("wait", course().waits, [this](auto& t, auto& w) { ReadWait(t, w); });
-    Each("until", course().untils, [this](auto& t, auto& u) { ReadUntil(t, u); });
-    Each("walk", course().walks, [this](auto& t, auto& w) { ReadWalk(t, w); });
-    Each("speech", course().speeches, [this](auto& t, auto& s) { ReadSpeech(t, s, reading_); });
-    In("light", [this](TableReader& t) { ReadLight(t); });
-    Each("command", course().commands, [this](auto& t, auto& c) { ReadCommand(t, c); });
+    Each("detector", course().detectors, [](TableReader&, auto& d) { return DetectorRows(d); });
+    Each("movement", course().movements, MovementRows);
+    Each("result", course().results, [](TableReader&, auto& r) { return ResultRows(r); });
+    for (const Row& row : TopRows()) row(root_);
+    Each("check", course().checks, [&](TableReader&, auto& c) { return CheckRows(c); });
+    Each("keep", course().keeps, [&](TableReader&, auto& k) { return KeepRows(k); });
+    Each("wait", course().waits, [&](TableReader& t, auto& w) { return WaitRows(t, w); });
+    Each("until", course().untils, [&](TableReader&, auto& u) { return UntilRows(u); });
+    Each("walk", course().walks, [&](TableReader&, auto& w) { return WalkRows(w); });
+    Each("speech", course().speeches,
+         [&](TableReader&, auto& s) { return SpeechRows(s, reading_); });
+    ReadLight();
+    Each("command", course().commands, [&](TableReader&, auto& c) { return CommandRows(c); });
     Index state = 0;
-    Each("state", course().states, [&](TableReader& t, StateRule& s) {
-      ReadState(t, s, reading_.places[state++], reading_);
+    Each("state", course().states, [&](TableReader&, StateRule& rule) {
+      StatePlace& place = reading_.places[state++];
+      return Rows{[&](TableReader& t) { ReadState(t, rule, place, reading_); }};
     });
     CheckCommands(root_, reading_);
     root_.RefuseOthers();
@@ -95,9 +91,9 @@ class CourseReader {
     root_.Require("state", "the states, tables [state.NAME]");
   }
 
-  // `read` gets each table [section.NAME], in the order of the names.
-  template <class Thing, class Read>
-  void Each(const char* section, std::vector<Thing>& things, Read&& read) {
+  // Reads each table [section.NAME], in the order of the names, by the rows that `rows` has for it.
+  template <class Thing, class RowsOf>
+  void Each(const char* section, std::vector<Thing>& things, RowsOf&& rows) {
     const Table* all = root_.SubTable(section);
     if (all == nullptr) return;
     Index next = 0;
@@ -105,86 +101,94 @@ class CourseReader {
       const Table* table = member.value.As<Table>();
       if (table == nullptr) continue;
       TableReader reader(*table, member.at, std::string(section) + "." + member.key, findings_);
-      read(reader, things[next++]);
-      reader.RefuseOthers();
+      ReadRows(reader, rows(reader, things[next++]));
     }
   }
-  template <class Read>
-  void In(const char* section, Read&& read) {
-    const Table* table = root_.SubTable(section);
-    if (table == nullptr) return;
-    TableReader reader(*table, root_.At(section), section, findings_);
-    read(reader);
-    reader.RefuseOthers();
-  }
 
-  template <class Thing>
-  void TakeReference(TableReader& table, const char* key, const char* kind,
-                     const std::vector<Thing>& things, Index& index) {
-    table.Require(key, "the name of a " + std::string(kind));
-    index = Reference(table, key, kind, things).value_or(index);
-  }
-  void TakeTopic(TableReader& table, const char* key, std::string& topic) {
-    table.Require(key, "a topic");
-    const auto word = table.String(key);
-    if (!word) return;
-    topic = word->text;
-    if (!config_toml::IsTopic(topic)) {
+  static Row TopicRow(std::string_view key, std::string& topic) {
+    return row::Required(key, "a topic", [key, &topic](TableReader& table) {
+      const auto word = table.String(key);
+      if (!word) return;
+      topic = word->text;
+      if (config_toml::IsTopic(topic)) return;
       table.Fault(
           word->at, key,
           "expected a topic, as in \"/qr_detector/sighting\", found " + config_toml::Quote(topic));
-    }
+    });
   }
 
   // The state of a key of the file, another one than those of the keys before it.
-  void TakeEnd(const char* key, Index& index, const std::vector<const char*>& before) {
-    root_.Require(key, "the name of a state");
-    const auto state = Reference(root_, key, "state", course().states);
-    if (!state) reading_.has_ends = false;
-    index = state.value_or(index);
-    for (const char* other : before) {
-      const auto same = root_.String(other);
-      if (!state || !same || same->text != course().states[*state].name) continue;
-      reading_.has_ends = false;
-      root_.Fault(root_.At(key), key,
-                  same->text + " is also the state of \"" + other + "\"; expected another one");
-    }
-  }
-
-  void ReadTop() {
-    TakeEnd("start", course().start, {});
-    TakeEnd("end", course().end, {"start"});
-    TakeEnd("error", course().error, {"start", "end"});
-    root_.Require("stand", "the name of a movement");
-    if (const auto stand = Reference(root_, "stand", "movement", course().movements)) {
-      course().stand = *stand;
-      if (course().movements[*stand].walks) {
-        root_.Fault(root_.At("stand"), "stand", "expected one motion, found a walk");
+  Row EndRow(const char* key, Index& index, const std::vector<const char*>& before) {
+    return [this, key, &index, before](TableReader& root) {
+      root.Require(key, "the name of a state");
+      const auto state = Reference(root, key, "state", course().states);
+      if (!state) reading_.has_ends = false;
+      index = state.value_or(index);
+      for (const char* other : before) {
+        const auto same = root.String(other);
+        if (!state || !same || same->text != course().states[*state].name) continue;
+        reading_.has_ends = false;
+        root.Fault(root.At(key), key,
+                   same->text + " is also the state of \"" + other + "\"; expected another one");
       }
-    }
-    Take(root_, "step_ms", course().step, 50);
-    course().language =
-        root_.Choice<Language>("language", {{"zh", Language::kChinese}, {"en", Language::kEnglish}})
-            .value_or(course().language);
+    };
   }
 
-  void ReadDetector(TableReader& table, Detector& detector) {
+  void ReadStand(TableReader& root) {
+    root.Require("stand", "the name of a movement");
+    const auto stand = Reference(root, "stand", "movement", course().movements);
+    if (!stand) return;
+    course().stand = *stand;
+    if (!course().movements[*stand].walks) return;
+    root.Fault(root.At("stand"), "stand", "expected one motion, found a walk");
+  }
+
+  Rows TopRows() {
+    return {
+        EndRow("start", course().start, {}),
+        EndRow("end", course().end, {"start"}),
+        EndRow("error", course().error, {"start", "end"}),
+        [this](TableReader& root) { ReadStand(root); },
+        row::Time("step_ms", course().step, 50),
+        row::Choice("language", course().language,
+                    {{"zh", Language::kChinese}, {"en", Language::kEnglish}}),
+        row::Sub("checks", CheckRuleRows()),
+        row::Sub("robot", RobotRows(folder_, course().robot)),
+        row::Sub("body", {row::Time("silent_ms", course().body.silent, 0),
+                          row::Time("refused_ms", course().body.refused)}),
+    };
+  }
+
+  static Rows DetectorRows(Detector& detector) {
     using Kind = Detector::Kind;
-    TakeTopic(table, "topic", detector.topic);
-    table.Require("type", "\"sighting\" or \"lines\"");
-    detector.kind =
-        table.Choice<Kind>("type", {{"sighting", Kind::kSighting}, {"lines", Kind::kLines}})
-            .value_or(detector.kind);
+    return {TopicRow("topic", detector.topic),
+            row::Required("type", "\"sighting\" or \"lines\"",
+                          row::Choice("type", detector.kind,
+                                      {{"sighting", Kind::kSighting}, {"lines", Kind::kLines}}))};
   }
 
-  void ReadCheckRules(TableReader& table) {
+  Rows CheckRuleRows() {
     CheckRules& rules = course().check;
-    rules.max_corrections =
-        static_cast<int>(table.Integer("max_corrections", 0, 100).value_or(rules.max_corrections));
-    Take(table, "settle_ms", rules.settle, 0);
-    Take(table, "picture_ms", rules.picture);
-    Take(table, "open_ms", rules.open, 0);
-    Take(table, "silent_ms", rules.silent);
+    return {
+        row::Integer("max_corrections", rules.max_corrections, 0, 100),
+        row::Time("settle_ms", rules.settle, 0),
+        row::Time("picture_ms", rules.picture),
+        row::Time("open_ms", rules.open, 0),
+        row::Time("silent_ms", rules.silent),
+    };
+  }
+
+  Row DetectorRow(Detector::Kind kind, Index& index) {
+    return [this, kind, &index](TableReader& table) {
+      table.Require("detector", "the name of a detector");
+      const auto found = Reference(table, "detector", "detector", course().detectors);
+      if (!found) return;
+      index = *found;
+      if (course().detectors[index].kind == kind) return;
+      table.Fault(table.At("detector"), "detector",
+                  course().detectors[index].name + " is not a detector of type \"" +
+                      (kind == Detector::Kind::kLines ? "lines" : "sighting") + "\"");
+    };
   }
 
   void ReadCorrections(TableReader& table, bool by_dy, Corrections& corrections) {
@@ -195,114 +199,132 @@ class CourseReader {
     take(by_dy ? "back" : "right", by_dy ? LineWord::kBack : LineWord::kRight);
   }
 
-  void TakeDetector(TableReader& table, Detector::Kind kind, Index& index) {
-    table.Require("detector", "the name of a detector");
-    const auto found = Reference(table, "detector", "detector", course().detectors);
-    if (!found) return;
-    index = *found;
-    if (course().detectors[index].kind == kind) return;
-    table.Fault(table.At("detector"), "detector",
-                course().detectors[index].name + " is not a detector of type \"" +
-                    (kind == Detector::Kind::kLines ? "lines" : "sighting") + "\"");
-  }
-
-  void ReadCheck(TableReader& table, Check& check) {
+  Rows CheckRows(Check& check) {
     using By = Check::By;
-    table.Require("word", "\"ycy\", \"dy\" or \"box\"");
-    check.by = table.Choice<By>("word", {{"ycy", By::kYcy}, {"dy", By::kDy}, {"box", By::kBox}})
-                   .value_or(By::kYcy);
-    const bool of_box = check.by == By::kBox;
-    TakeDetector(table, of_box ? Detector::Kind::kSighting : Detector::Kind::kLines,
-                 check.detector);
-    if (of_box) check.threshold = table.Number("threshold", 0, 0.5).value_or(check.threshold);
-    if (const auto most = table.Integer("max_corrections", 0, 1000)) {
-      check.max_corrections = static_cast<int>(*most);
-    }
-    ReadCorrections(table, check.by == By::kDy, check.usual);
-    check.after_turn = check.usual;
-    const Table* turn = table.SubTable("after_turn");
-    if (turn == nullptr) return;
-    TableReader reader(*turn, table.At("after_turn"), table.path() + ".after_turn", findings_);
-    ReadCorrections(reader, check.by == By::kDy, check.after_turn);
-    reader.RefuseOthers();
+    const auto corrections = [this, &check](Corrections& which) {
+      return [this, &check, &which](TableReader& table) {
+        ReadCorrections(table, check.by == By::kDy, which);
+      };
+    };
+    return {
+        row::Required(
+            "word", "\"ycy\", \"dy\" or \"box\"",
+            row::Choice("word", check.by, {{"ycy", By::kYcy}, {"dy", By::kDy}, {"box", By::kBox}})),
+        [this, &check](TableReader& table) {
+          const bool of_box = check.by == By::kBox;
+          DetectorRow(of_box ? Detector::Kind::kSighting : Detector::Kind::kLines,
+                      check.detector)(table);
+          if (of_box) row::Number("threshold", check.threshold, 0, 0.5)(table);
+        },
+        [&check](TableReader& table) {
+          const auto most = table.Integer("max_corrections", 0, 1000);
+          if (most) check.max_corrections = static_cast<int>(*most);
+        },
+        corrections(check.usual),
+        [&check](TableReader&) { check.after_turn = check.usual; },
+        row::Sub("after_turn", {corrections(check.after_turn)}),
+    };
   }
 
-  void ReadWait(TableReader& table, Wait& wait) {
-    if (table.Has("time_ms")) return Take(table, "time_ms", wait.limit);
-    wait.detector = 0;
-    TakeDetector(table, Detector::Kind::kSighting, *wait.detector);
-    TakeReference(table, "result", "result", course().results, wait.result);
-    table.Require("limit_ms", "milliseconds, or time_ms for a plain wait");
-    Take(table, "limit_ms", wait.limit);
-    wait.retries = static_cast<int>(table.Integer("retries", 0, 100).value_or(0));
-    if (const auto retry = StretchAt(table, "retry", reading_)) wait.retry = *retry;
-    if (wait.retries > 0) table.Require("retry", "a walk, as in { move = \"forward\", count = 2 }");
-    wait.adds = CounterAt(table, "adds");
-    ReadOtherwise(table, wait.otherwise, reading_);
-    const bool by_default = wait.otherwise.kind == Otherwise::Kind::kDefault;
-    if (by_default && wait.result < course().results.size() &&
-        !course().results[wait.result].by_default) {
-      table.Fault(table.At("otherwise"), "otherwise",
-                  "the result " + course().results[wait.result].name + " has no default");
-    }
+  Row RetryRow(Wait& wait) {
+    return [this, &wait](TableReader& table) {
+      if (const auto retry = StretchAt(table, "retry", reading_)) wait.retry = *retry;
+      if (wait.retries == 0) return;
+      table.Require("retry", "a walk, as in { move = \"forward\", count = 2 }");
+    };
   }
 
-  std::optional<Index> CounterAt(TableReader& table, const char* key) {
-    const auto word = table.String(key);
-    return word ? Refer(table, key, "counter", *word, course().counters) : std::nullopt;
+  void CheckDefault(TableReader& table, const Wait& wait) {
+    if (wait.otherwise.kind != Otherwise::Kind::kDefault) return;
+    if (wait.result >= course().results.size()) return;
+    const ResultRule& result = course().results[wait.result];
+    if (result.by_default) return;
+    table.Fault(table.At("otherwise"), "otherwise",
+                "the result " + result.name + " has no default");
   }
 
-  void ReadKeep(TableReader& table, Keep& keep) {
-    TakeDetector(table, Detector::Kind::kLines, keep.detector);
-    keep.yaw_rad_s = table.Number("yaw_rad_s", 0, 20).value_or(keep.yaw_rad_s);
-    keep.most_rad_s = table.Number("most_rad_s", 0, 2).value_or(keep.most_rad_s);
-    Take(table, "fresh_ms", keep.fresh);
+  Rows WaitRows(TableReader& table, Wait& wait) {
+    if (table.Has("time_ms")) return {row::Time("time_ms", wait.limit)};
+    return {
+        DetectorRow(Detector::Kind::kSighting, wait.detector.emplace(0)),
+        ReferenceRow("result", "result", course().results, wait.result),
+        row::Required("limit_ms", "milliseconds, or time_ms for a plain wait",
+                      row::Time("limit_ms", wait.limit)),
+        row::Integer("retries", wait.retries, 0, 100),
+        RetryRow(wait),
+        CounterRow("adds", reading_, wait.adds),
+        OtherwiseRow(wait.otherwise, reading_),
+        [this, &wait](TableReader& reader) { CheckDefault(reader, wait); },
+    };
   }
 
-  void RefuseDefault(TableReader& table, Otherwise& otherwise) {
-    ReadOtherwise(table, otherwise, reading_);
-    if (otherwise.kind != Otherwise::Kind::kDefault) return;
-    table.Fault(table.At("otherwise"), "otherwise", "expected \"continue\" or a state");
+  Rows KeepRows(Keep& keep) {
+    return {
+        DetectorRow(Detector::Kind::kLines, keep.detector),
+        row::Number("yaw_rad_s", keep.yaw_rad_s, 0, 20),
+        row::Number("most_rad_s", keep.most_rad_s, 0, 2),
+        row::Time("fresh_ms", keep.fresh),
+    };
   }
 
-  void ReadUntil(TableReader& table, Until& until) {
-    TakeDetector(table, Detector::Kind::kSighting, until.detector);
-    table.Require("phase", "the phase of a sighting, as in \"top\"");
-    if (const auto phase = table.String("phase")) until.phase = phase->text;
-    table.Require("most", "the most steps");
-    if (const auto most = ReadStretch(table, reading_, "most")) until.most = *most;
-    RefuseDefault(table, until.otherwise);
+  // Without a default.
+  Row EndOrStateRow(Otherwise& otherwise) {
+    return [this, &otherwise](TableReader& table) {
+      OtherwiseRow(otherwise, reading_)(table);
+      if (otherwise.kind != Otherwise::Kind::kDefault) return;
+      table.Fault(table.At("otherwise"), "otherwise", "expected \"continue\" or a state");
+    };
   }
 
-  void ReadWalk(TableReader& table, LaneWalk& walk) {
-    TakeTopic(table, "command", walk.command);
-    TakeTopic(table, "status", walk.status);
-    if (const auto end = table.String("end")) walk.end = end->text;
-    Take(table, "limit_ms", walk.limit);
-    Take(table, "silent_ms", walk.silent);
-    RefuseDefault(table, walk.otherwise);
+  Rows UntilRows(Until& until) {
+    const auto read_most = [this, &until](TableReader& table) {
+      const auto most = ReadStretch(table, reading_, "most");
+      if (most) until.most = *most;
+    };
+    return {
+        DetectorRow(Detector::Kind::kSighting, until.detector),
+        row::Required("phase", "the phase of a sighting, as in \"top\"",
+                      row::Text("phase", until.phase)),
+        row::Required("most", "the most steps", read_most),
+        EndOrStateRow(until.otherwise),
+    };
   }
 
-  void ReadLight(TableReader& table) {
+  Rows WalkRows(LaneWalk& walk) {
+    return {
+        TopicRow("command", walk.command),   TopicRow("status", walk.status),
+        row::Text("end", walk.end),          row::Time("limit_ms", walk.limit),
+        row::Time("silent_ms", walk.silent), EndOrStateRow(walk.otherwise),
+    };
+  }
+
+  void ReadLight() {
+    auto table = root_.Sub("light");
+    if (!table) return;
     LightRule& light = course().light.emplace();
-    TakeDetector(table, Detector::Kind::kSighting, light.detector);
-    light.within_m = table.Number("stop_within_m", 0.01, 100).value_or(light.within_m);
-    table.Require("state", "the name of a state");
-    const auto state = Reference(table, "state", "state", course().states);
-    if (!state) reading_.has_leads = false;
-    light.state = state.value_or(light.state);
-    Take(table, "clear_ms", light.clear);
-    Take(table, "again_ms", light.again);
-    Take(table, "blind_ms", light.blind);
+    const auto read_state = [&](TableReader& reader) {
+      const auto state = Reference(reader, "state", "state", course().states);
+      if (!state) reading_.has_leads = false;
+      light.state = state.value_or(light.state);
+    };
+    ReadRows(*table, {DetectorRow(Detector::Kind::kSighting, light.detector),
+                      row::Number("stop_within_m", light.within_m, 0.01, 100),
+                      row::Required("state", "the name of a state", read_state),
+                      row::Time("clear_ms", light.clear), row::Time("again_ms", light.again),
+                      row::Time("blind_ms", light.blind)});
   }
 
-  void ReadCommand(TableReader& table, CourseCommand& command) {
-    table.Require("accepted", "the states in which it is accepted");
-    command.accepted = States(table, "accepted", reading_);
-    command.leaves = States(table, "leaves", reading_);
-    command.counter = CounterAt(table, "set");
-    if (table.Has("set")) table.Require("to", "the value of the counter");
-    command.value = static_cast<int>(table.Integer("to", 0, kMostSteps).value_or(0));
+  Rows CommandRows(CourseCommand& command) {
+    return {
+        row::Required("accepted", "the states in which it is accepted",
+                      StatesRow("accepted", reading_, command.accepted)),
+        StatesRow("leaves", reading_, command.leaves),
+        CounterRow("set", reading_, command.counter),
+        [](TableReader& table) {
+          if (table.Has("set")) table.Require("to", "the value of the counter");
+        },
+        row::Integer("to", command.value, 0, kMostSteps),
+    };
   }
 
   const std::filesystem::path folder_;

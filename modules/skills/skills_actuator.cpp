@@ -51,11 +51,11 @@ void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
 }
 
 Result<> SkillsActuator::MayStart() {
-  if (stepping()) return Ok();
+  if (ticking()) return Ok();
   return Error{kCodeStateInvalid, name() + " runs no skills in " + CurrentState()};
 }
 
-void SkillsActuator::AfterStep(Time /*now*/) {
+void SkillsActuator::AfterTick(Time /*now*/) {
   if (const auto nav2 = nav2_.lock()) nav2->Update();
 }
 

@@ -38,8 +38,8 @@ class SkillsActuator : public SkillActuator {
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> MayStart();
   Result<> SelfCheck() override;
-  void BeforeStep(Time now) override { robot_.BeginStep(now); }
-  void AfterStep(Time now) override;
+  void BeforeTick(Time now) override { robot_.BeginStep(now); }
+  void AfterTick(Time now) override;
   void OnPause() override;
 
   RosRobot& robot_;

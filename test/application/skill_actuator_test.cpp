@@ -265,7 +265,7 @@ TEST_F(ASkillActuator, CancelsItsSkillsAtOnceByAnEmergencyStop) {
     static_cast<void>(button->Publish({7, true, "a test", ""}));
   });
   EXPECT_EQ(EndOf(sent), "aborted false cancelled: emergency stop (0%)");
-  EXPECT_FALSE(tasks.Of([](Tasks& t) { return t.stepping(); }));
+  EXPECT_FALSE(tasks.Of([](Tasks& t) { return t.ticking(); }));
   harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
@@ -276,7 +276,7 @@ TEST_F(ASkillActuator, CancelsItsSkillsWhenAHookThrows) {
   AwaitAccepted(sent);
   tasks.RunOnLoop([&] { tasks.throws = "no camera"; });
   harness_.Tick(tasks, 1);
-  EXPECT_EQ(EndOf(sent), "aborted false cancelled: BeforeStep: no camera (0%)");
+  EXPECT_EQ(EndOf(sent), "aborted false cancelled: BeforeTick: no camera (0%)");
 }
 
 TEST_F(ASkillActuator, FailsItsSetUpWithoutASkill) {

@@ -33,7 +33,7 @@ class SkillTasks : public SkillActuator {
     return Of([&](SkillTasks& tasks) { return tasks.manager().StateOf(skill).value_or("?"); });
   }
 
-  std::string throws;  // the exception of BeforeStep; by RunOnLoop()
+  std::string throws;  // the exception of BeforeTick; by RunOnLoop()
   std::function<void()> after_step;
   bool registers = true;
   int pauses = 0;
@@ -41,7 +41,7 @@ class SkillTasks : public SkillActuator {
 
   using SkillActuator::manager;
   using SkillActuator::Now;
-  using SkillActuator::stepping;
+  using SkillActuator::ticking;
 
  private:
   Result<> RegisterSkills(skill::Registry& registry) override {
@@ -54,10 +54,10 @@ class SkillTasks : public SkillActuator {
     if (Result<> added = registry.Add("fail", fails); !added) return added;
     return registry.Add("wait", skill::Wait());
   }
-  void BeforeStep(Time /*now*/) override {
+  void BeforeTick(Time /*now*/) override {
     if (!throws.empty()) throw std::runtime_error(throws);
   }
-  void AfterStep(Time /*now*/) override {
+  void AfterTick(Time /*now*/) override {
     if (after_step) after_step();
   }
   void OnPause() override {

@@ -29,6 +29,9 @@ struct Lamp {
   std::string name = "lamp";
   std::string file = "/etc/lamp.png";
   std::string topic = "lamp/state";
+  std::vector<std::string> dimmer;
+  double x_m = 1;
+  double y_m = 2;
   Colour colour = Colour::kRed;
   int least = 1;
   int most = 9;
@@ -50,6 +53,9 @@ Reading Read(std::string_view text) {
                         row::Time("wait_ms", lamp.wait, 10), row::Bool("on", lamp.on),
                         row::Text("name", lamp.name), row::File("file", lamp.file, "/etc"),
                         row::Topic("topic", lamp.topic, "lamp/state"),
+                        row::Program("dimmer", lamp.dimmer, "/opt"),
+                        row::Numbers("at_m", {&lamp.x_m, &lamp.y_m}, -5, 5,
+                                     "expected [x, y] in metres, each -5 to 5"),
                         row::Choice("colour", lamp.colour,
                                     {{"red", Colour::kRed}, {"blue", Colour::kBlue}}),
                         row::Sub("range", {row::Required("least", "a number of lamps",
@@ -80,6 +86,8 @@ on = false
 name = "torch"
 file = "torch.png"
 topic = "/torch"
+dimmer = ["bin/dim", "50", "50"]
+at_m = [4, -0.5]
 colour = "blue"
 [range]
 least = 2
@@ -94,6 +102,9 @@ most = 3
   EXPECT_EQ(reading.lamp->name, "torch");
   EXPECT_EQ(reading.lamp->file, "/etc/torch.png");
   EXPECT_EQ(reading.lamp->topic, "/torch");
+  EXPECT_THAT(reading.lamp->dimmer, ElementsAre("/opt/bin/dim", "50", "50"));
+  EXPECT_EQ(reading.lamp->x_m, 4);
+  EXPECT_EQ(reading.lamp->y_m, -0.5);
   EXPECT_EQ(reading.lamp->colour, Colour::kBlue);
   EXPECT_EQ(reading.lamp->least, 2);
   EXPECT_EQ(reading.lamp->most, 3);
@@ -120,6 +131,27 @@ TEST(Rows, ReportEachWrongValueWithItsLine) {
           "lamp.toml:4:9: error: topic: expected the name of a topic, as in \"lamp/state\"",
           "lamp.toml:5:10: error: colour: expected one of red and blue, found \"bleu\"; did you "
           "mean \"blue\"?"));
+}
+
+TEST(Rows, ReportTheFirstOfSeveralNumbersThatIsWrongAndAListOfAnotherSize) {
+  const std::string expected = "error: at_m: expected [x, y] in metres, each -5 to 5";
+  for (const auto& [value, column] : {std::pair("[1, 6]", "12"),
+                                      {"[nan, 1]", "9"},
+                                      {"[\"1\", 1]", "9"},
+                                      {"[1]", "8"},
+                                      {"3", "8"}}) {
+    EXPECT_THAT(ErrorsOf(std::string("at_m = ") + value),
+                ElementsAre("lamp.toml:1:" + std::string(column) + ": " + expected));
+  }
+}
+
+TEST(Rows, ReportAProgramWithoutAName) {
+  EXPECT_THAT(ErrorsOf("dimmer = [\"\"]"),
+              ElementsAre("lamp.toml:1:11: error: dimmer: expected a program, found an empty "
+                          "string"));
+  EXPECT_THAT(ErrorsOf("dimmer = []"),
+              ElementsAre("lamp.toml:1:10: error: dimmer: expected at least one string, found an "
+                          "empty array"));
 }
 
 TEST(Rows, ReportKeysThatNoneOfThemHas) {

@@ -29,8 +29,8 @@ MachineConfig ConfigWith(const VoicePolicy& voice) {
   return config;
 }
 
-MachineView AnyGlimpse() {
-  MachineView machine;
+MachineSummary AnyGlimpse() {
+  MachineSummary machine;
   machine.phase = *rc::gen::weightedElement<Phase>(
       {{1, Phase::kStarting}, {8, Phase::kRunning}, {1, Phase::kFailed}, {1, Phase::kStopping}});
   machine.state = *rc::gen::element<State>(State(kActive), State(kProtected), State(kLowPower));
@@ -130,7 +130,7 @@ RC_GTEST_PROP(VoiceProperty, AQuietSleeperIsQuiet, ()) {
   VoiceState voice;
   Time now{std::chrono::seconds(100)};
   const auto feed = [&](const VoiceEvent& what) { return Speak(config, voice, what, now); };
-  MachineView machine;
+  MachineSummary machine;
   machine.phase = Phase::kRunning;
   machine.state = kLowPower;
   machine.adopted = true;

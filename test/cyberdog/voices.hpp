@@ -97,7 +97,7 @@ class Voices : public ::testing::Test {
 
   MachineConfig config_ = ManagedConfig();
   VoiceState voice_;
-  MachineView machine_;
+  MachineSummary machine_;
   Time now_{std::chrono::seconds(1000)};
   bool answers_ = true;
   std::optional<Time> answer_at_;

@@ -2,50 +2,46 @@
 
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/file.hpp"
-#include "musher/base/toml/findings.hpp"
-#include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 
 namespace musher::meilin {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
+using config_toml::Row;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
 
-void SetTopicName(TableReader& reader, std::string_view key, std::string& value) {
-  const auto topic = reader.String(key);
-  if (!topic) return;
-  if (!config_toml::IsTopic(topic->text)) {
-    reader.Fault(topic->at, key, "expected the name of a topic, as in \"mf_r2_data\"");
-  }
-  value = topic->text;
+constexpr std::string_view kTopic = "mf_r2_data";
+
+Rows TopicRows(PlannerTopics& topics) {
+  return {
+      row::Topic("map", topics.map, kTopic),
+      row::Topic("paths", topics.paths, kTopic),
+      row::Topic("plan", topics.plan, kTopic),
+      row::Topic("command", topics.command, kTopic),
+      row::Topic("last_error", topics.last_error, kTopic),
+      row::Topic("buffer_status", topics.buffer_status, kTopic),
+      row::Topic("buffer_service", topics.buffer_service, kTopic),
+  };
 }
 
-void SetSeconds(TableReader& reader, std::string_view key, double& value) {
-  value = reader.Number(key, 0, 1000).value_or(value);
+Row Seconds(std::string_view key, double& value_s) {
+  return row::Number(key, value_s, 0, 1000);
 }
 
-void ReadTopics(TableReader& reader, PlannerTopics& topics) {
-  SetTopicName(reader, "map", topics.map);
-  SetTopicName(reader, "paths", topics.paths);
-  SetTopicName(reader, "plan", topics.plan);
-  SetTopicName(reader, "command", topics.command);
-  SetTopicName(reader, "last_error", topics.last_error);
-  SetTopicName(reader, "buffer_status", topics.buffer_status);
-  SetTopicName(reader, "buffer_service", topics.buffer_service);
-  reader.RefuseOthers();
-}
-
-void ReadCosts(TableReader& reader, StepCosts& costs) {
-  SetSeconds(reader, "flat_s", costs.flat_s);
-  SetSeconds(reader, "up_200_s", costs.up_200_s);
-  SetSeconds(reader, "up_400_s", costs.up_400_s);
-  SetSeconds(reader, "down_200_s", costs.down_200_s);
-  SetSeconds(reader, "down_400_s", costs.down_400_s);
-  SetSeconds(reader, "fetch_s", costs.fetch_s);
-  SetSeconds(reader, "fetch_turn_s", costs.fetch_turn_s);
-  reader.RefuseOthers();
+Rows CostRows(StepCosts& costs) {
+  return {
+      Seconds("flat_s", costs.flat_s),
+      Seconds("up_200_s", costs.up_200_s),
+      Seconds("up_400_s", costs.up_400_s),
+      Seconds("down_200_s", costs.down_200_s),
+      Seconds("down_400_s", costs.down_400_s),
+      Seconds("fetch_s", costs.fetch_s),
+      Seconds("fetch_turn_s", costs.fetch_turn_s),
+  };
 }
 
 void ReadEntrance(TableReader& root, Cell& entrance) {
@@ -60,27 +56,16 @@ void ReadEntrance(TableReader& root, Cell& entrance) {
 
 PlannerConfig ReadPlanner(const Table& table, Findings& findings) {
   PlannerConfig config;
-  TableReader root(table, {1, 1}, "", findings);
   RouteRules& rules = config.rules;
-  config.auto_send = root.Time("auto_send_ms", 0).value_or(config.auto_send);
-  if (const auto most = root.Integer("most_routes", 1, 100)) {
-    rules.most_routes = static_cast<std::size_t>(*most);
-  }
-  rules.plan.normal_height_mm =
-      root.Number("normal_height_mm", 0, 1000).value_or(rules.plan.normal_height_mm);
-  rules.plan.highest_wheel_mm =
-      root.Number("highest_wheel_mm", 0, 1000).value_or(rules.plan.highest_wheel_mm);
-  rules.plan.kfs1_blocks = root.Bool("kfs1_blocks").value_or(rules.plan.kfs1_blocks);
-  ReadEntrance(root, rules.entrance);
-  if (const Table* topics = root.SubTable("topics")) {
-    TableReader reader(*topics, root.At("topics"), "topics", findings);
-    ReadTopics(reader, config.topics);
-  }
-  if (const Table* costs = root.SubTable("costs")) {
-    TableReader reader(*costs, root.At("costs"), "costs", findings);
-    ReadCosts(reader, rules.costs);
-  }
-  root.RefuseOthers();
+  TableReader root(table, {1, 1}, "", findings);
+  ReadRows(root, {row::Time("auto_send_ms", config.auto_send, 0),
+                  row::Integer("most_routes", rules.most_routes, 1, 100),
+                  row::Number("normal_height_mm", rules.plan.normal_height_mm, 0, 1000),
+                  row::Number("highest_wheel_mm", rules.plan.highest_wheel_mm, 0, 1000),
+                  row::Bool("kfs1_blocks", rules.plan.kfs1_blocks),
+                  [&](TableReader& reader) { ReadEntrance(reader, rules.entrance); },
+                  row::Sub("topics", TopicRows(config.topics)),
+                  row::Sub("costs", CostRows(rules.costs))});
   return config;
 }
 

@@ -1,151 +1,132 @@
 #include "musher/modules/meilin/servers/server_config.hpp"
 
-#include <array>
-#include <cmath>
 #include <set>
 #include <utility>
 
 #include "musher/base/toml/file.hpp"
-#include "musher/base/toml/findings.hpp"
-#include "musher/base/toml/names.hpp"
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 
 namespace musher::meilin::servers {
 namespace {
 
+namespace row = config_toml::row;
+using config_toml::Row;
+using config_toml::Rows;
 using config_toml::TableReader;
-using config_toml::Value;
 
 enum class Kind { kMove, kSuspension, kArm, kSpear };
 
-void SetNumber(TableReader& reader, std::string_view key, double least, double most,
-               double& value) {
-  value = reader.Number(key, least, most).value_or(value);
+// A topic, with its default as the example.
+Row Topic(std::string_view key, std::string& topic) {
+  return row::Topic(key, topic, topic);
 }
 
-void SetTime(TableReader& reader, std::string_view key, Duration& value) {
-  value = reader.Time(key).value_or(value);
-}
-
-void SetTopic(TableReader& reader, std::string_view key, std::string& value) {
-  const auto topic = reader.String(key);
-  if (!topic) return;
-  if (!config_toml::IsTopic(topic->text)) {
-    reader.Fault(topic->at, key, "expected the name of a topic, as in \"" + value + "\"");
-  }
-  value = topic->text;
-}
-
-std::optional<double> GainOf(const Value& value) {
-  const auto* integer = value.As<std::int64_t>();
-  const auto* number = value.As<double>();
-  if (integer == nullptr && number == nullptr) return std::nullopt;
-  const double gain = integer != nullptr ? static_cast<double>(*integer) : *number;
-  constexpr double kMost = 1000;
-  if (!std::isfinite(gain) || gain < 0 || gain > kMost) return std::nullopt;
-  return gain;
-}
-
-void SetGains(TableReader& reader, std::string_view key, PidGains& gains) {
-  const Value* value = reader.Get(key);
-  if (value == nullptr) return;
-  constexpr const char* kExpected = "expected three numbers from 0 to 1000: [p, i, d]";
-  const auto* list = value->As<config_toml::Array>();
-  if (list == nullptr || list->size() != 3) return reader.Fault(value->at, key, kExpected);
-  std::array<double, 3> read{};
-  for (std::size_t i = 0; i < read.size(); ++i) {
-    const auto gain = GainOf((*list)[i]);
-    if (!gain) return reader.Fault((*list)[i].at, key, kExpected);
-    read[i] = *gain;
-  }
-  gains = {read[0], read[1], read[2]};
-}
-
-// Reports the key of a least value that is greater than the most.
-void CheckOrder(TableReader& reader, std::string_view key, double least, double most) {
-  if (least > most) reader.Fault(reader.At(key), key, "greater than the greatest speed");
-}
-
-MoveConfig ReadMove(TableReader& root) {
-  MoveConfig config;
-  MoveSettings& s = config.settings;
-  SetTime(root, "period_ms", s.period);
-  SetTime(root, "pose_wait_ms", s.pose_wait);
-  SetTime(root, "pose_stale_ms", s.pose_stale);
-  SetTime(root, "yaw_limit_ms", s.yaw_limit);
-  SetTime(root, "xy_limit_ms", s.xy_limit);
-  SetTime(root, "brake_ms", s.brake_time);
-  SetNumber(root, "yaw_tolerance_deg", 0.01, 90, s.yaw_tolerance_deg);
-  SetNumber(root, "xy_tolerance_m", 0.001, 1, s.xy_tolerance_m);
-  SetNumber(root, "max_m_s", 0.01, 10, s.max_m_s);
-  SetNumber(root, "min_m_s", 0, 10, s.min_m_s);
-  SetNumber(root, "climb_m_s", 0, 10, s.climb_m_s);
-  SetNumber(root, "brake_m_s2", 0, 100, s.brake_m_s2);
-  SetNumber(root, "max_yaw_rad_s", 0.01, 20, s.max_yaw_rad_s);
-  SetNumber(root, "min_yaw_rad_s", 0, 20, s.min_yaw_rad_s);
-  SetNumber(root, "max_xy_yaw_rad_s", 0, 20, s.max_xy_yaw_rad_s);
-  SetNumber(root, "integral_limit", 0, 1000, s.integral_limit);
-  SetGains(root, "yaw_pid", s.yaw);
-  SetGains(root, "xy_yaw_pid", s.xy_yaw);
-  SetGains(root, "x_pid", s.x);
-  SetGains(root, "y_pid", s.y);
-  CheckOrder(root, "min_m_s", s.min_m_s, s.max_m_s);
-  CheckOrder(root, "min_yaw_rad_s", s.min_yaw_rad_s, s.max_yaw_rad_s);
-  if (const auto frame = root.String("frame")) config.frame = frame->text;
-  SetTopic(root, "action", config.action);
-  SetTopic(root, "pose", config.pose);
-  SetTopic(root, "command", config.command);
-  SetTopic(root, "climb_state", config.climb_state);
-  return config;
+Row Gains(std::string_view key, PidGains& gains) {
+  return row::Numbers(key, {&gains.p, &gains.i, &gains.d}, 0, 1000,
+                      "expected three numbers from 0 to 1000: [p, i, d]");
 }
 
 // Where front-left, front-right, rear-left and rear-right are: each of 0 to 3 once.
-void SetOrder(TableReader& reader, std::string_view key, Corners& order) {
-  const auto read = reader.Integers(key, 0, kWheels - 1);
-  if (!read) return;
-  const std::set<std::int64_t> each(read->begin(), read->end());
-  if (read->size() != kWheels || each.size() != kWheels) {
-    reader.Fault(reader.At(key), key, "expected each of 0, 1, 2 and 3 once");
-    return;
-  }
-  for (std::size_t i = 0; i < kWheels; ++i) order[i] = static_cast<std::size_t>((*read)[i]);
+Row Order(std::string_view key, Corners& order) {
+  return [key, &order](TableReader& reader) {
+    const auto read = reader.Integers(key, 0, kWheels - 1);
+    if (!read) return;
+    const std::set<std::int64_t> each(read->begin(), read->end());
+    if (read->size() != kWheels || each.size() != kWheels) {
+      reader.Fault(reader.At(key), key, "expected each of 0, 1, 2 and 3 once");
+      return;
+    }
+    for (std::size_t i = 0; i < kWheels; ++i) order[i] = static_cast<std::size_t>((*read)[i]);
+  };
 }
 
-SuspensionConfig ReadSuspension(TableReader& root) {
-  SuspensionConfig config;
+Rows MoveRows(MoveConfig& config) {
+  MoveSettings& s = config.settings;
+  return {
+      row::Time("period_ms", s.period),
+      row::Time("pose_wait_ms", s.pose_wait),
+      row::Time("pose_stale_ms", s.pose_stale),
+      row::Time("yaw_limit_ms", s.yaw_limit),
+      row::Time("xy_limit_ms", s.xy_limit),
+      row::Time("brake_ms", s.brake_time),
+      row::Number("yaw_tolerance_deg", s.yaw_tolerance_deg, 0.01, 90),
+      row::Number("xy_tolerance_m", s.xy_tolerance_m, 0.001, 1),
+      row::Number("max_m_s", s.max_m_s, 0.01, 10),
+      row::Number("min_m_s", s.min_m_s, 0, 10),
+      row::Number("climb_m_s", s.climb_m_s, 0, 10),
+      row::Number("brake_m_s2", s.brake_m_s2, 0, 100),
+      row::Number("max_yaw_rad_s", s.max_yaw_rad_s, 0.01, 20),
+      row::Number("min_yaw_rad_s", s.min_yaw_rad_s, 0, 20),
+      row::Number("max_xy_yaw_rad_s", s.max_xy_yaw_rad_s, 0, 20),
+      row::Number("integral_limit", s.integral_limit, 0, 1000),
+      Gains("yaw_pid", s.yaw),
+      Gains("xy_yaw_pid", s.xy_yaw),
+      Gains("x_pid", s.x),
+      Gains("y_pid", s.y),
+      row::Check(
+          "min_m_s", [&] { return s.min_m_s <= s.max_m_s; }, "greater than the greatest speed"),
+      row::Check(
+          "min_yaw_rad_s", [&] { return s.min_yaw_rad_s <= s.max_yaw_rad_s; },
+          "greater than the greatest speed"),
+      row::Text("frame", config.frame),
+      Topic("action", config.action),
+      Topic("pose", config.pose),
+      Topic("command", config.command),
+      Topic("climb_state", config.climb_state),
+  };
+}
+
+Rows SuspensionRows(SuspensionConfig& config) {
   SuspensionSettings& s = config.settings;
-  SetNumber(root, "rest_mm", 0, 1000, s.rest_mm);
-  SetNumber(root, "low_mm", 0, 1000, s.low_mm);
-  SetNumber(root, "high_mm", 0, 1000, s.high_mm);
-  SetNumber(root, "low_step_mm", 0, 1000, s.low_step_mm);
-  SetNumber(root, "highest_step_mm", 0, 1000, s.highest_step_mm);
-  SetNumber(root, "highest_mm", 0, 1000, s.highest_mm);
-  SetNumber(root, "tolerance_mm", 0.1, 100, s.tolerance_mm);
-  SetTime(root, "limit_ms", s.time_limit);
-  SetTime(root, "stale_ms", s.stale);
-  if (s.high_mm > s.highest_mm) {
-    root.Fault(root.At("high_mm"), "high_mm", "no wheel reaches it, see highest_mm");
-  }
-  if (s.low_mm > s.high_mm) root.Fault(root.At("low_mm"), "low_mm", "greater than high_mm");
-  SetOrder(root, "wheel_order", config.wheel_order);
-  SetOrder(root, "switch_order", config.switch_order);
-  SetTopic(root, "action", config.action);
-  SetTopic(root, "command", config.command);
-  SetTopic(root, "chassis", config.chassis);
-  SetTopic(root, "distances", config.distances);
-  SetTopic(root, "state", config.state);
-  return config;
+  return {
+      row::Number("rest_mm", s.rest_mm, 0, 1000),
+      row::Number("low_mm", s.low_mm, 0, 1000),
+      row::Number("high_mm", s.high_mm, 0, 1000),
+      row::Number("low_step_mm", s.low_step_mm, 0, 1000),
+      row::Number("highest_step_mm", s.highest_step_mm, 0, 1000),
+      row::Number("highest_mm", s.highest_mm, 0, 1000),
+      row::Number("tolerance_mm", s.tolerance_mm, 0.1, 100),
+      row::Time("limit_ms", s.time_limit),
+      row::Time("stale_ms", s.stale),
+      row::Check(
+          "high_mm", [&] { return s.high_mm <= s.highest_mm; },
+          "no wheel reaches it, see highest_mm"),
+      row::Check(
+          "low_mm", [&] { return s.low_mm <= s.high_mm; }, "greater than high_mm"),
+      Order("wheel_order", config.wheel_order),
+      Order("switch_order", config.switch_order),
+      Topic("action", config.action),
+      Topic("command", config.command),
+      Topic("chassis", config.chassis),
+      Topic("distances", config.distances),
+      Topic("state", config.state),
+  };
 }
 
-template <class Config>
-Config ReadTool(TableReader& root) {
-  Config config;
-  SetTime(root, "limit_ms", config.time_limit);
-  SetTopic(root, "action", config.action);
-  SetTopic(root, "command", config.command);
-  SetTopic(root, "report", config.report);
-  if (!config.runtime_state.empty()) SetTopic(root, "runtime_state", config.runtime_state);
-  return config;
+Rows ToolRows(ToolConfig& config) {
+  Rows rows = {
+      row::Time("limit_ms", config.time_limit),
+      Topic("action", config.action),
+      Topic("command", config.command),
+      Topic("report", config.report),
+  };
+  if (!config.runtime_state.empty()) rows.push_back(Topic("runtime_state", config.runtime_state));
+  return rows;
+}
+
+// Those of the server, whose defaults `config` has from now on.
+Rows RowsOf(Kind kind, ServerConfig& config) {
+  switch (kind) {
+    case Kind::kMove:
+      return MoveRows(config.server.emplace<MoveConfig>());
+    case Kind::kSuspension:
+      return SuspensionRows(config.server.emplace<SuspensionConfig>());
+    case Kind::kArm:
+      return ToolRows(config.server.emplace<ArmConfig>());
+    case Kind::kSpear:
+      break;
+  }
+  return ToolRows(config.server.emplace<SpearConfig>());
 }
 
 ServerConfig ReadServer(const config_toml::Table& table, config_toml::Findings& findings) {
@@ -156,23 +137,10 @@ ServerConfig ReadServer(const config_toml::Table& table, config_toml::Findings& 
                                                  {"suspension", Kind::kSuspension},
                                                  {"arm", Kind::kArm},
                                                  {"spear", Kind::kSpear}});
-  if (!kind) return config;
-  SetTime(root, "self_check_ms", config.self_check_time);
-  switch (*kind) {
-    case Kind::kMove:
-      config.server = ReadMove(root);
-      break;
-    case Kind::kSuspension:
-      config.server = ReadSuspension(root);
-      break;
-    case Kind::kArm:
-      config.server = ReadTool<ArmConfig>(root);
-      break;
-    case Kind::kSpear:
-      config.server = ReadTool<SpearConfig>(root);
-      break;
-  }
-  root.RefuseOthers();
+  if (!kind) return config;  // without it no other key is known
+  Rows rows = RowsOf(*kind, config);
+  rows.insert(rows.begin(), row::Time("self_check_ms", config.self_check_time));
+  ReadRows(root, rows);
   return config;
 }
 

@@ -10,14 +10,15 @@
 namespace musher::world {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Listing;
 using config_toml::Position;
 using config_toml::Quote;
+using config_toml::Row;
 using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Word;
-using keys::Set;
 
 std::vector<std::string_view> KeysOf(const Table& table) {
   std::vector<std::string_view> keys;
@@ -53,28 +54,28 @@ Choices::Choices(TableReader& root, std::uint64_t seed,
 }
 
 void Choices::ReadChoices(TableReader& root, std::uint64_t seed) {
-  keys::Section(root, "choices", findings_, [&](TableReader& reader) {
-    for (const std::string_view key : KeysOf(*root.SubTable("choices"))) {
-      const std::string name(key);
-      if (!config_toml::IsName(name)) {
-        reader.Fault(reader.At(name), name,
-                     "expected " + std::string(config_toml::kNameRule) + " as the name");
-      }
-      const auto values = reader.Strings(name);
-      if (!values || values->empty()) continue;
-      choices_.push_back({name, Texts(*values), SampleOf(seed, name) % values->size()});
-    }
-  });
+  row::Sub("choices", {[&](TableReader& reader) {
+             for (const std::string_view key : KeysOf(*root.SubTable("choices"))) {
+               const std::string name(key);
+               if (!config_toml::IsName(name)) {
+                 reader.Fault(reader.At(name), name,
+                              "expected " + std::string(config_toml::kNameRule) + " as the name");
+               }
+               const auto values = reader.Strings(name);
+               if (!values || values->empty()) continue;
+               choices_.push_back({name, Texts(*values), SampleOf(seed, name) % values->size()});
+             }
+           }})(root);
 }
 
 void Choices::ReadChosen(TableReader& root) {
-  keys::Section(root, "chosen", findings_, [&](TableReader& reader) {
-    for (const std::string_view key : KeysOf(*root.SubTable("chosen"))) {
-      const std::string name(key);
-      if (const auto value = reader.String(name))
-        Fix(name, value->text, value->at, "chosen." + name);
-    }
-  });
+  row::Sub("chosen", {[&](TableReader& reader) {
+             for (const std::string_view key : KeysOf(*root.SubTable("chosen"))) {
+               const std::string name(key);
+               if (const auto value = reader.String(name))
+                 Fix(name, value->text, value->at, "chosen." + name);
+             }
+           }})(root);
 }
 
 void Choices::Fix(const std::string& name, const std::string& value, Position at,
@@ -98,26 +99,27 @@ void Choices::Fix(const std::string& name, const std::string& value, Position at
 }
 
 void Choices::ReadFollows(TableReader& root) {
-  keys::Section(root, "follows", findings_, [&](TableReader& follows) {
-    for (const Choice& choice : choices_) {
-      const Table* table = follows.SubTable(choice.name);
-      if (table == nullptr) continue;
-      TableReader reader(*table, follows.At(choice.name), "follows." + choice.name, findings_);
-      for (const std::string_view key : KeysOf(*table)) {
-        const auto values = reader.Strings(key, {.may_repeat = true});
-        if (!values) continue;
-        if (values->size() != choice.values.size()) {
-          reader.Fault(reader.At(key), key,
-                       "expected " + std::to_string(choice.values.size()) +
-                           " values, one for each of choices." + choice.name);
-          continue;
-        }
-        if (!values_.emplace(key, (*values)[choice.chosen].text).second) {
-          reader.Fault(reader.At(key), key, "expected a name that is not used yet");
-        }
-      }
-    }
-  });
+  row::Sub("follows", {[&](TableReader& follows) {
+             for (const Choice& choice : choices_) {
+               const Table* table = follows.SubTable(choice.name);
+               if (table == nullptr) continue;
+               TableReader reader(*table, follows.At(choice.name), "follows." + choice.name,
+                                  findings_);
+               for (const std::string_view key : KeysOf(*table)) {
+                 const auto values = reader.Strings(key, {.may_repeat = true});
+                 if (!values) continue;
+                 if (values->size() != choice.values.size()) {
+                   reader.Fault(reader.At(key), key,
+                                "expected " + std::to_string(choice.values.size()) +
+                                    " values, one for each of choices." + choice.name);
+                   continue;
+                 }
+                 if (!values_.emplace(key, (*values)[choice.chosen].text).second) {
+                   reader.Fault(reader.At(key), key, "expected a name that is not used yet");
+                 }
+               }
+             }
+           }})(root);
 }
 
 std::vector<std::string_view> Choices::Names() const {
@@ -147,63 +149,63 @@ std::optional<Word> Choices::String(TableReader& reader, std::string_view key) c
   return Resolve(reader, key, std::move(*word));
 }
 
-void ReadReferee(TableReader& root, const Choices& choices, Findings& findings, Scene& scene) {
-  keys::Each(root, "zone", findings, [&](TableReader& reader) {
-    reader.Require("name", "the name of the zone");
-    for (const char* key : {"length_m", "width_m"}) reader.Require(key, "a length in metres");
-    Zone zone;
-    zone.name = keys::Name(reader);
-    zone.center_m = keys::Center(reader);
-    zone.half_m = {keys::Length(reader, "length_m").value_or(1) / 2,
-                   keys::Length(reader, "width_m").value_or(1) / 2};
-    Set(zone.yaw_rad, keys::Angle(reader, "yaw_deg"));
-    Set(zone.lie, reader.Bool("lie"));
-    scene.zones.push_back(std::move(zone));
-  });
-  keys::Section(root, "referee", findings, [&](TableReader& reader) {
-    RefereeSpec& referee = scene.referee;
-    for (const auto& [key, length] :
-         {std::pair("stance_length_m", &referee.stance_length_m),
-          std::pair("stance_width_m", &referee.stance_width_m),
-          std::pair("foot_m", &referee.foot_m), std::pair("body_length_m", &referee.body_length_m),
-          std::pair("body_width_m", &referee.body_width_m)}) {
-      Set(*length, keys::Length(reader, key));
-    }
-    std::vector<std::string_view> names;
-    for (const Zone& zone : scene.zones) names.emplace_back(zone.name);
-    const auto order = reader.Strings("order", {.may_be_empty = true, .may_repeat = true});
-    for (const Word& word : order.value_or(std::vector<Word>())) {
-      const Word zone = choices.Resolve(reader, "order", word);
-      referee.order.push_back(zone.text);
-      if (zone.text == word.text && word.text.starts_with('$')) continue;  // reported
-      if (std::find(names.begin(), names.end(), zone.text) != names.end()) continue;
-      reader.Fault(zone.at, "order",
-                   "unknown zone " + Quote(zone.text) +
-                       (names.empty() ? "; the scene has no [[zone]]"
-                                      : "; expected one of " + Listing(names) +
-                                            findings.Guess(zone.text, names)));
-    }
-  });
+namespace {
+
+void ReadZone(TableReader& reader, Scene& scene) {
+  Zone zone;
+  keys::ReadSome(reader,
+                 {row::Required("name", "the name of the zone", row::Text("name", zone.name)),
+                  keys::Half("length_m", zone.half_m.x()), keys::Half("width_m", zone.half_m.y()),
+                  keys::Center(zone.center_m), keys::Angle("yaw_deg", zone.yaw_rad),
+                  row::Bool("lie", zone.lie)});
+  scene.zones.push_back(std::move(zone));
 }
 
-Variation ReadVariation(TableReader& root, Findings& findings) {
-  Variation by;
-  keys::Section(root, "vary", findings, [&](TableReader& reader) {
-    constexpr double kMostK = 4000;
-    constexpr double kMostNoise = 32;
-    Set(by.start_m, reader.Number("start_m", 0, 2));
-    Set(by.start_rad, keys::Angle(reader, "start_deg", 0, 180));
-    Set(by.board_rad, keys::Angle(reader, "board_deg", 0, 60));
-    Set(by.brightness, reader.Number("brightness", 0, 0.9));
-    Set(by.temperature_k, reader.Number("temperature_k", 0, kMostK));
-    Set(by.slip, reader.Number("slip", 0, 0.5));
-    Set(by.yaw_slip, reader.Number("yaw_slip", 0, 0.5));
-    Set(by.odometry_scale, reader.Number("odometry_scale", 0, 0.5));
-    Set(by.odometry_yaw_drift_rad_per_m,
-        keys::Angle(reader, "odometry_yaw_drift_deg_per_m", 0, 45));
-    Set(by.camera_noise, reader.Number("camera_noise", 0, kMostNoise));
-  });
-  return by;
+// The zones in the order in which they are visited.
+void ReadOrder(TableReader& reader, const Choices& choices, Findings& findings, Scene& scene) {
+  std::vector<std::string_view> names;
+  for (const Zone& zone : scene.zones) names.emplace_back(zone.name);
+  const auto order = reader.Strings("order", {.may_be_empty = true, .may_repeat = true});
+  for (const Word& word : order.value_or(std::vector<Word>())) {
+    const Word zone = choices.Resolve(reader, "order", word);
+    scene.referee.order.push_back(zone.text);
+    if (zone.text == word.text && word.text.starts_with('$')) continue;  // reported
+    if (std::find(names.begin(), names.end(), zone.text) != names.end()) continue;
+    reader.Fault(zone.at, "order",
+                 "unknown zone " + Quote(zone.text) +
+                     (names.empty() ? "; the scene has no [[zone]]"
+                                    : "; expected one of " + Listing(names) +
+                                          findings.Guess(zone.text, names)));
+  }
+}
+
+}  // namespace
+
+void ReadReferee(TableReader& root, const Choices& choices, Findings& findings, Scene& scene) {
+  keys::Each(root, "zone", findings, [&](TableReader& reader) { ReadZone(reader, scene); });
+  RefereeSpec& referee = scene.referee;
+  row::Sub(
+      "referee",
+      {keys::Length("stance_length_m", referee.stance_length_m),
+       keys::Length("stance_width_m", referee.stance_width_m),
+       keys::Length("foot_m", referee.foot_m), keys::Length("body_length_m", referee.body_length_m),
+       keys::Length("body_width_m", referee.body_width_m),
+       [&](TableReader& reader) { ReadOrder(reader, choices, findings, scene); }})(root);
+}
+
+Row VariationRow(Variation& by) {
+  constexpr double kMostK = 4000;
+  constexpr double kMostNoise = 32;
+  return row::Sub(
+      "vary",
+      {row::Number("start_m", by.start_m, 0, 2), keys::Angle("start_deg", by.start_rad, 0, 180),
+       keys::Angle("board_deg", by.board_rad, 0, 60),
+       row::Number("brightness", by.brightness, 0, 0.9),
+       row::Number("temperature_k", by.temperature_k, 0, kMostK),
+       row::Number("slip", by.slip, 0, 0.5), row::Number("yaw_slip", by.yaw_slip, 0, 0.5),
+       row::Number("odometry_scale", by.odometry_scale, 0, 0.5),
+       keys::Angle("odometry_yaw_drift_deg_per_m", by.odometry_yaw_drift_rad_per_m, 0, 45),
+       row::Number("camera_noise", by.camera_noise, 0, kMostNoise)});
 }
 
 }  // namespace musher::world

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 #include "musher/modules/world/scene/scene.hpp"
 
 namespace musher::world {
@@ -58,6 +58,6 @@ void ReadReferee(config_toml::TableReader& root, const Choices& choices,
                  config_toml::Findings& findings, Scene& scene);
 
 // [vary].
-Variation ReadVariation(config_toml::TableReader& root, config_toml::Findings& findings);
+config_toml::Row VariationRow(Variation& by);
 
 }  // namespace musher::world

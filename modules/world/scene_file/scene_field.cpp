@@ -11,10 +11,11 @@
 namespace musher::world {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Position;
+using config_toml::Rows;
 using config_toml::TableReader;
-using keys::Set;
 
 constexpr int kMostFieldCells = 50;  // in a row or a column
 constexpr double kHighestMm = 2000;
@@ -32,13 +33,12 @@ class FieldReader {
 
   void Read(TableReader& root) {
     at_ = root.At("field");
-    keys::Section(root, "field", findings_, [&](TableReader& reader) { ReadGrid(reader); });
+    row::Sub("field", {[&](TableReader& reader) { ReadGrid(reader); }})(root);
     keys::Each(root, "kfs", findings_, [&](TableReader& reader) { ReadBox(reader); });
     const Position robot_at = root.At("r2");
-    keys::Section(root, "r2", findings_, [&](TableReader& reader) { ReadRobot(reader); });
-    keys::Section(root, "r1", findings_, [&](TableReader& reader) {
-      Set(field_.partner.ready_after_s, reader.Number("ready_after_s", 0, kLongestToolS));
-    });
+    row::Sub("r2", RobotRows(field_.robot))(root);
+    row::Sub("r1",
+             {row::Number("ready_after_s", field_.partner.ready_after_s, 0, kLongestToolS)})(root);
     if (findings_.HasErrors()) return;
     CheckPlace();
     if (const auto refused =
@@ -58,14 +58,10 @@ class FieldReader {
                          findings_.Guess(side->text, {"blue", "red"}));
       }
     }
-    if (const auto rows = reader.Integer("rows", 1, kMostFieldCells)) {
-      field_.rows = static_cast<int>(*rows);
-    }
-    if (const auto cols = reader.Integer("cols", 1, kMostFieldCells)) {
-      field_.cols = static_cast<int>(*cols);
-    }
-    Set(field_.cell_m, reader.Number("cell_m", 0.7, 10));
-    Set(field_.origin_m, keys::Pair(reader, "origin_m"));
+    keys::ReadSome(reader, {row::Integer("rows", field_.rows, 1, kMostFieldCells),
+                            row::Integer("cols", field_.cols, 1, kMostFieldCells),
+                            row::Number("cell_m", field_.cell_m, 0.7, 10),
+                            keys::Point("origin_m", field_.origin_m)});
     for (const char* side : {"blue", "red"}) {
       const std::string key = std::string(side) + "_mm";
       reader.Require(key, "the heights of the platforms, row by row");
@@ -89,15 +85,15 @@ class FieldReader {
       box.name = name->text;
       Unique(reader, *name);
     }
-    reader.Require("kind", "KFS1, KFS2 or fake");
-    Set(box.kind, reader.Choice<KfsKind>("kind", {{"KFS1", KfsKind::kKfs1},
-                                                  {"KFS2", KfsKind::kKfs2},
-                                                  {"fake", KfsKind::kFake}}));
-    for (const auto& [key, index, most] : {std::tuple("row", &box.cell.row, field_.rows),
-                                           std::tuple("col", &box.cell.col, field_.cols)}) {
-      reader.Require(key, "a place in the grid");
-      if (const auto number = reader.Integer(key, 0, most - 1)) *index = static_cast<int>(*number);
-    }
+    keys::ReadSome(reader, {row::Required("kind", "KFS1, KFS2 or fake",
+                                          row::Choice("kind", box.kind,
+                                                      {{"KFS1", KfsKind::kKfs1},
+                                                       {"KFS2", KfsKind::kKfs2},
+                                                       {"fake", KfsKind::kFake}})),
+                            row::Required("row", "a place in the grid",
+                                          row::Integer("row", box.cell.row, 0, field_.rows - 1)),
+                            row::Required("col", "a place in the grid",
+                                          row::Integer("col", box.cell.col, 0, field_.cols - 1))});
     const auto side = reader.Choice<std::string_view>("side", {{"blue", "blue"}, {"red", "red"}});
     if (side && *side != field_.side) return;
     const auto [other, first] = cells_.try_emplace({box.cell.row, box.cell.col}, box.name);
@@ -122,34 +118,33 @@ class FieldReader {
     }
   }
 
-  void ReadRobot(TableReader& reader) {
-    LiftSpec& robot = field_.robot;
-    robot.start_m = keys::Center(reader);
-    Set(robot.start_yaw_rad, keys::Angle(reader, "yaw_deg"));
-    Set(robot.speed_m_s, reader.Number("speed_m_s", 0.01, 5));
-    Set(robot.acceleration_m_s2, reader.Number("acceleration_m_s2", 0.05, 50));
-    Set(robot.turn_rad_s, reader.Number("turn_rad_s", 0.01, 10));
-    Set(robot.turn_acceleration_rad_s2, reader.Number("turn_acceleration_rad_s2", 0.05, 100));
-    Set(robot.command_timeout, reader.Time("command_timeout_ms"));
-    Set(robot.wheel_mm_s, reader.Number("wheel_mm_s", 10, 5000));
-    Set(robot.most_mm, reader.Number("most_mm", 50, 1000));
-    Set(robot.rest_mm, reader.Number("rest_mm", 0, 50));
-    Set(robot.reach_m, reader.Number("reach_m", 0.5, 5));
-    Set(robot.grasp_tolerance_mm, reader.Number("grasp_tolerance_mm", 1, 500));
-    if (const auto stores = reader.Integer("stores", 0, 20)) {
-      robot.stores = static_cast<int>(*stores);
-    }
-    ReadTimes(reader, "arm", kArmKeys, robot.arm_s);
-    ReadTimes(reader, "spear", kSpearKeys, robot.spear_s);
+  static Rows RobotRows(LiftSpec& robot) {
+    return {
+        keys::Center(robot.start_m),
+        keys::Angle("yaw_deg", robot.start_yaw_rad),
+        row::Number("speed_m_s", robot.speed_m_s, 0.01, 5),
+        row::Number("acceleration_m_s2", robot.acceleration_m_s2, 0.05, 50),
+        row::Number("turn_rad_s", robot.turn_rad_s, 0.01, 10),
+        row::Number("turn_acceleration_rad_s2", robot.turn_acceleration_rad_s2, 0.05, 100),
+        row::Time("command_timeout_ms", robot.command_timeout),
+        row::Number("wheel_mm_s", robot.wheel_mm_s, 10, 5000),
+        row::Number("most_mm", robot.most_mm, 50, 1000),
+        row::Number("rest_mm", robot.rest_mm, 0, 50),
+        row::Number("reach_m", robot.reach_m, 0.5, 5),
+        row::Number("grasp_tolerance_mm", robot.grasp_tolerance_mm, 1, 500),
+        row::Integer("stores", robot.stores, 0, 20),
+        row::Sub("arm", TimeRows(kArmKeys, robot.arm_s)),
+        row::Sub("spear", TimeRows(kSpearKeys, robot.spear_s)),
+    };
   }
 
   template <std::size_t N>
-  void ReadTimes(TableReader& reader, const char* tool, const std::array<const char*, N>& names,
-                 std::array<double, N>& times) {
-    keys::Section(reader, tool, findings_, [&](TableReader& table) {
-      for (std::size_t i = 0; i < N; ++i)
-        Set(times.at(i), table.Number(names.at(i), 0, kLongestToolS));
-    });
+  static Rows TimeRows(const std::array<const char*, N>& keys, std::array<double, N>& times_s) {
+    Rows rows;
+    for (std::size_t i = 0; i < N; ++i) {
+      rows.push_back(row::Number(keys.at(i), times_s.at(i), 0, kLongestToolS));
+    }
+    return rows;
   }
 
   void CheckPlace() {

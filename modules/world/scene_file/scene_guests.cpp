@@ -15,10 +15,10 @@
 namespace musher::world {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Position;
 using config_toml::TableReader;
-using keys::Set;
 
 constexpr int kMostFace = 999;
 constexpr double kLeastTallM = 0.5;
@@ -46,14 +46,13 @@ class GuestReader {
 
   void Read(TableReader& reader) {
     GuestSpec guest;
-    guest.name = keys::Name(reader);
-    guest.from_m = keys::Center(reader);
-    Set(guest.yaw_rad, keys::Angle(reader, "yaw_deg"));
-    guest.face = static_cast<int>(reader.Integer("face", 0, kMostFace).value_or(0));
-    Set(guest.height_m, reader.Number("height_m", kLeastTallM, kMostTallM));
-    Set(guest.speed_m_s, reader.Number("speed_m_s", kLeastWalk, kMostWalk));
-    Set(guest.color, keys::ReadColor(reader, "color", findings_));
-    Set(guest.gown, reader.Bool("gown"));
+    keys::ReadSome(
+        reader,
+        {row::Text("name", guest.name), keys::Center(guest.from_m),
+         keys::Angle("yaw_deg", guest.yaw_rad), row::Integer("face", guest.face, 0, kMostFace),
+         row::Number("height_m", guest.height_m, kLeastTallM, kMostTallM),
+         row::Number("speed_m_s", guest.speed_m_s, kLeastWalk, kMostWalk),
+         keys::Colour("color", guest.color, findings_), row::Bool("gown", guest.gown)});
     keys::Each(reader, "act", findings_, [&](TableReader& act) { ReadAct(act, guest); });
     const auto earlier = [](const GuestAct& a, const GuestAct& b) { return a.at < b.at; };
     if (!std::is_sorted(guest.acts.begin(), guest.acts.end(), earlier)) {
@@ -88,20 +87,21 @@ class GuestReader {
   void ReadAct(TableReader& reader, GuestSpec& guest) {
     using LookAt = GuestLook::At;
     GuestAct act;
-    reader.Require("at_s", "a time");
-    act.at = FromSeconds(reader.Number("at_s", 0, kLongestTimetableS).value_or(0));
-    act.walk_to_m = keys::Pair(reader, "walk_to_m");
+    double at_s = 0;
+    row::Required("at_s", "a time", row::Number("at_s", at_s, 0, kLongestTimetableS))(reader);
+    act.at = FromSeconds(at_s);
+    act.walk_to_m = keys::ReadPoint(reader, "walk_to_m");
     act.speed_m_s = reader.Number("speed_m_s", kLeastWalk, kMostWalk);
     if (const auto look = reader.Choice<LookAt>(
             "look",
             {{"robot", LookAt::kRobot}, {"away", LookAt::kAway}, {"ahead", LookAt::kAhead}})) {
       act.look = GuestLook{*look};
     }
-    if (const auto yaw = keys::Angle(reader, "look_deg")) {
+    if (const auto degrees = reader.Number("look_deg", -360, 360)) {
       if (act.look) {
         reader.Fault(reader.At("look_deg"), "look_deg", "expected either look or look_deg");
       }
-      act.look = GuestLook{LookAt::kYaw, *yaw};
+      act.look = GuestLook{LookAt::kYaw, keys::Radians(*degrees)};
     }
     std::vector<std::pair<std::string_view, Gesture>> gestures;
     for (std::size_t i = 0; i < kGestureNames.size(); ++i) {
@@ -167,12 +167,10 @@ class GuestReader {
 }  // namespace
 
 void ReadGuests(TableReader& root, Findings& findings, Scene& scene) {
-  keys::Section(root, "guests", findings, [&](TableReader& reader) {
-    if (const auto seconds = reader.Number("repeat_s", 0, kLongestTimetableS)) {
-      scene.guests_repeat = FromSeconds(*seconds);
-    }
-    Set(scene.gesture_topic, keys::Topic(reader, "gesture_topic"));
-  });
+  double repeat_s = ToSeconds(scene.guests_repeat);
+  row::Sub("guests", {row::Number("repeat_s", repeat_s, 0, kLongestTimetableS),
+                      keys::Topic("gesture_topic", scene.gesture_topic)})(root);
+  scene.guests_repeat = FromSeconds(repeat_s);
   GuestReader guests(findings, scene);
   keys::Each(root, "guest", findings, [&](TableReader& reader) { guests.Read(reader); });
   if (!findings.HasErrors()) guests.Try();

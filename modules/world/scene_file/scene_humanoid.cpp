@@ -14,10 +14,12 @@
 namespace musher::world {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
+using config_toml::Row;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
-using keys::Set;
 
 constexpr double kMostJointSpeed = 20;     // rad/s
 constexpr double kMostAcceleration = 200;  // rad/s^2
@@ -47,23 +49,36 @@ class PoseReader {
  private:
   void ReadPose(TableReader& reader) {
     PoseSpec pose;
-    reader.Require("name", "what it is called by");
-    if (const auto name = reader.String("name")) AddName(reader, *name, pose);
-    for (const auto& name : reader.Strings("also").value_or(std::vector<config_toml::Word>())) {
-      AddName(reader, name, pose);
-    }
-    keys::Section(reader, "angles_deg", findings_, [&](TableReader& angles) {
-      for (std::size_t i = 0; i < kJoints; ++i) ReadAngle(angles, i, pose);
-    });
-    keys::Each(reader, "swing", findings_, [&](TableReader& swing) { ReadSwing(swing, pose); });
-    for (const auto& [key, side] : {std::pair("hand_l", 0U), std::pair("hand_r", 1U)}) {
-      Set(pose.hands[side], reader.Choice<HandShape>(key, {{"open", HandShape::kOpen},
-                                                           {"curled", HandShape::kCurled},
-                                                           {"fist", HandShape::kFist},
-                                                           {"v", HandShape::kV},
-                                                           {"thumb", HandShape::kThumb}}));
-    }
+    const auto read_names = [&](TableReader& table) {
+      table.Require("name", "what it is called by");
+      if (const auto name = table.String("name")) AddName(table, *name, pose);
+      for (const auto& name : table.Strings("also").value_or(std::vector<config_toml::Word>())) {
+        AddName(table, name, pose);
+      }
+    };
+    const auto read_swings = [&](TableReader& table) {
+      keys::Each(table, "swing", findings_, [&](TableReader& swing) { ReadSwing(swing, pose); });
+    };
+    keys::ReadSome(reader, {read_names, row::Sub("angles_deg", AngleRows(pose)), read_swings,
+                            HandRow("hand_l", pose.hands[0]), HandRow("hand_r", pose.hands[1])});
     poses_.push_back(std::move(pose));
+  }
+
+  static Row HandRow(std::string_view key, HandShape& hand) {
+    return row::Choice(key, hand,
+                       {{"open", HandShape::kOpen},
+                        {"curled", HandShape::kCurled},
+                        {"fist", HandShape::kFist},
+                        {"v", HandShape::kV},
+                        {"thumb", HandShape::kThumb}});
+  }
+
+  static Rows AngleRows(PoseSpec& pose) {
+    Rows rows;
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      rows.push_back([i, &pose](TableReader& angles) { ReadAngle(angles, i, pose); });
+    }
+    return rows;
   }
 
   void AddName(TableReader& reader, const config_toml::Word& name, PoseSpec& pose) {
@@ -91,12 +106,13 @@ class PoseReader {
   void ReadSwing(TableReader& reader, PoseSpec& pose) {
     constexpr double kMostAmplitudeDeg = 90;
     Swing swing;
+    swing.amplitude_rad = 0;
     reader.Require("joint", "the name of a joint");
-    reader.Require("amplitude_deg", "to either side");
-    reader.Require("period_s", "a time");
-    const double amplitude_deg = reader.Number("amplitude_deg", 0, kMostAmplitudeDeg).value_or(0);
-    swing.amplitude_rad = amplitude_deg * M_PI / 180;
-    Set(swing.period_s, reader.Number("period_s", 0.1, 60));
+    keys::ReadSome(
+        reader,
+        {row::Required("amplitude_deg", "to either side",
+                       row::Degrees("amplitude_deg", swing.amplitude_rad, 0, kMostAmplitudeDeg)),
+         row::Required("period_s", "a time", row::Number("period_s", swing.period_s, 0.1, 60))});
     std::vector<std::pair<std::string_view, std::size_t>> joints;
     for (std::size_t i = 0; i < kJoints; ++i) joints.emplace_back(JointTable()[i].name, i);
     const auto joint = reader.Choice("joint", joints);
@@ -119,40 +135,42 @@ class PoseReader {
   std::set<std::string> taken_;
 };
 
-void ReadLimits(TableReader& reader, HumanoidSpec& spec) {
-  const std::pair<std::string, JointGroup> groups[] = {{"leg", JointGroup::kLeg},
-                                                       {"waist", JointGroup::kWaist},
-                                                       {"arm", JointGroup::kArm},
-                                                       {"head", JointGroup::kHead}};
-  for (const auto& [name, group] : groups) {
-    MotionLimits& limits = spec.limits[static_cast<std::size_t>(group)];
-    Set(limits.speed_rad_s, reader.Number(name + "_speed_rad_s", 0.01, kMostJointSpeed));
-    Set(limits.acceleration_rad_s2,
-        reader.Number(name + "_acceleration_rad_s2", 0.01, kMostAcceleration));
-  }
+// Of the joints whose keys begin with `group`.
+Row LimitsRow(std::string group, MotionLimits& limits) {
+  return [group = std::move(group), &limits](TableReader& reader) {
+    row::Number(group + "_speed_rad_s", limits.speed_rad_s, 0.01, kMostJointSpeed)(reader);
+    row::Number(group + "_acceleration_rad_s2", limits.acceleration_rad_s2, 0.01,
+                kMostAcceleration)(reader);
+  };
+}
+
+Rows HumanoidRows(HumanoidSpec& spec, const std::string& folder) {
+  const auto limits = [&](const char* name, JointGroup group) {
+    return LimitsRow(name, spec.limits[static_cast<std::size_t>(group)]);
+  };
+  return {
+      limits("leg", JointGroup::kLeg),
+      limits("waist", JointGroup::kWaist),
+      limits("arm", JointGroup::kArm),
+      limits("head", JointGroup::kHead),
+      keys::Angle("head_yaw_deg", spec.head_yaw_rad, 0, kWidestYawDeg),
+      keys::Angle("waist_yaw_deg", spec.waist_yaw_rad, 0, kWidestYawDeg),
+      keys::Angle("pitch_deg", spec.pitch_rad, 0, kWidestPitchDeg),
+      row::File("poses", spec.poses_file, folder),
+      keys::Topic("pose_topic", spec.pose_topic),
+      keys::Topic("look_at_topic", spec.look_at_topic),
+      keys::Topic("joint_states_topic", spec.joint_states_topic),
+      keys::Topic("joint_commands_topic", spec.joint_commands_topic),
+  };
 }
 
 }  // namespace
 
-std::optional<HumanoidSpec> ReadHumanoid(TableReader& root, const std::string& folder,
-                                         Findings& findings) {
-  std::optional<HumanoidSpec> humanoid;
-  keys::Section(root, "humanoid", findings, [&](TableReader& reader) {
-    HumanoidSpec& spec = humanoid.emplace();
-    ReadLimits(reader, spec);
-    Set(spec.head_yaw_rad, keys::Angle(reader, "head_yaw_deg", 0, kWidestYawDeg));
-    Set(spec.waist_yaw_rad, keys::Angle(reader, "waist_yaw_deg", 0, kWidestYawDeg));
-    Set(spec.pitch_rad, keys::Angle(reader, "pitch_deg", 0, kWidestPitchDeg));
-    if (const auto file = reader.String("poses")) {
-      spec.poses_file = config_toml::Absolute(folder, file->text);
-    }
-    const std::pair<std::string_view, std::string*> topics[] = {
-        {"pose_topic", &spec.pose_topic},
-        {"look_at_topic", &spec.look_at_topic},
-        {"joint_states_topic", &spec.joint_states_topic},
-        {"joint_commands_topic", &spec.joint_commands_topic}};
-    for (const auto& [key, topic] : topics) Set(*topic, keys::Topic(reader, key));
-  });
+std::optional<HumanoidSpec> ReadHumanoid(TableReader& root, const std::string& folder) {
+  auto reader = root.Sub("humanoid");
+  if (!reader) return std::nullopt;
+  HumanoidSpec humanoid;
+  ReadRows(*reader, HumanoidRows(humanoid, folder));
   return humanoid;
 }
 

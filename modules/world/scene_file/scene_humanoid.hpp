@@ -13,8 +13,7 @@
 namespace musher::world {
 
 // [humanoid], if present. Its file of poses is relative to `folder`, and not read yet.
-std::optional<HumanoidSpec> ReadHumanoid(config_toml::TableReader& root, const std::string& folder,
-                                         config_toml::Findings& findings);
+std::optional<HumanoidSpec> ReadHumanoid(config_toml::TableReader& root, const std::string& folder);
 
 struct PosesReading {
   std::optional<std::vector<PoseSpec>> poses;  // present exactly when no diagnostic is an error

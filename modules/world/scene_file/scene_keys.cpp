@@ -1,6 +1,7 @@
 #include "musher/modules/world/scene_file/scene_keys.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "musher/base/toml/names.hpp"
 #include "musher/modules/world/scene_file/picture_file.hpp"
@@ -34,30 +35,35 @@ double Radians(double degrees) {
   return std::remainder(degrees, 360) * M_PI / 180;
 }
 
-std::optional<double> Coordinate(TableReader& reader, std::string_view key) {
-  return reader.Number(key, -kFarthestM, kFarthestM);
+Row Coordinate(std::string_view key, double& value_m) {
+  return row::Number(key, value_m, -kFarthestM, kFarthestM);
 }
 
-std::optional<double> Length(TableReader& reader, std::string_view key) {
-  return reader.Number(key, kSmallestM, kFarthestM);
+Row Length(std::string_view key, double& value_m) {
+  return row::Number(key, value_m, kSmallestM, kFarthestM);
 }
 
-std::optional<double> Height(TableReader& reader, std::string_view key) {
-  return reader.Number(key, 0, kFarthestM);
+Row Half(std::string_view key, double& half_m) {
+  return row::Required(key, "a length in metres", [key, &half_m](TableReader& reader) {
+    half_m = reader.Number(key, kSmallestM, kFarthestM).value_or(1) / 2;
+  });
 }
 
-std::optional<double> Share(TableReader& reader, std::string_view key) {
-  return reader.Number(key, 0, 1);
+Row Height(std::string_view key, double& value_m) {
+  return row::Number(key, value_m, 0, kFarthestM);
 }
 
-std::optional<double> Angle(TableReader& reader, std::string_view key, double least_deg,
-                            double most_deg) {
-  const auto degrees = reader.Number(key, least_deg, most_deg);
-  if (!degrees) return std::nullopt;
-  return Radians(*degrees);
+Row Share(std::string_view key, double& value) {
+  return row::Number(key, value, 0, 1);
 }
 
-std::optional<Vector2d> Pair(TableReader& reader, std::string_view key) {
+Row Angle(std::string_view key, double& value_rad, double least_deg, double most_deg) {
+  return [=, &value_rad](TableReader& reader) {
+    if (const auto degrees = reader.Number(key, least_deg, most_deg)) value_rad = Radians(*degrees);
+  };
+}
+
+std::optional<Vector2d> ReadPoint(TableReader& reader, std::string_view key) {
   const Value* value = reader.Get(key);
   if (value == nullptr) return std::nullopt;
   auto pair = PairOf(*value);
@@ -67,7 +73,7 @@ std::optional<Vector2d> Pair(TableReader& reader, std::string_view key) {
   return pair;
 }
 
-std::optional<std::vector<Vector2d>> Points(TableReader& reader, std::string_view key) {
+std::optional<std::vector<Vector2d>> ReadPoints(TableReader& reader, std::string_view key) {
   const Value* value = reader.Get(key);
   if (value == nullptr) return std::nullopt;
   const auto* array = value->As<Array>();
@@ -85,60 +91,74 @@ std::optional<std::vector<Vector2d>> Points(TableReader& reader, std::string_vie
   return std::nullopt;
 }
 
-std::optional<Vector2d> Range(TableReader& reader, std::string_view key, double gap) {
-  auto range = Pair(reader, key);
-  if (!range) return std::nullopt;
-  if (range->y() - range->x() >= gap) return range;
-  reader.Fault(reader.At(key), key,
-               gap >= 1 ? "expected [least, most], at least a metre apart"
-                        : "expected [least, most], at least a centimetre apart");
-  return std::nullopt;
+Row Point(std::string_view key, Vector2d& point_m) {
+  return [key, &point_m](TableReader& reader) { Set(point_m, ReadPoint(reader, key)); };
 }
 
-Vector2d Center(TableReader& reader) {
-  for (const char* key : {"x_m", "y_m"}) reader.Require(key, "a position in metres");
-  const double x = Coordinate(reader, "x_m").value_or(0);
-  return {x, Coordinate(reader, "y_m").value_or(0)};
+Row Range(std::string_view key, std::optional<Vector2d>& range, double gap) {
+  return [key, &range, gap](TableReader& reader) {
+    const auto read = ReadPoint(reader, key);
+    if (!read) return;
+    if (read->y() - read->x() >= gap) {
+      range = read;
+      return;
+    }
+    reader.Fault(reader.At(key), key,
+                 gap >= 1 ? "expected [least, most], at least a metre apart"
+                          : "expected [least, most], at least a centimetre apart");
+  };
 }
 
-std::string Name(TableReader& reader) {
-  const auto name = reader.String("name");
-  return name ? name->text : "";
+Row Center(Eigen::Ref<Vector2d> center_m) {
+  return [center_m](TableReader& reader) mutable {
+    center_m.setZero();
+    for (const char* key : {"x_m", "y_m"}) reader.Require(key, "a position in metres");
+    ReadSome(reader, {Coordinate("x_m", center_m.x()), Coordinate("y_m", center_m.y())});
+  };
 }
 
-std::optional<std::string> Topic(TableReader& reader, std::string_view key) {
-  const auto word = reader.String(key);
-  if (!word) return std::nullopt;
-  if (config_toml::IsTopic(word->text)) return word->text;
-  reader.Fault(word->at, key,
-               "expected a topic, as in \"/show/pose\", found " + config_toml::Quote(word->text));
-  return std::nullopt;
+Row Topic(std::string_view key, std::string& topic) {
+  return [key, &topic](TableReader& reader) {
+    const auto word = reader.String(key);
+    if (!word) return;
+    if (config_toml::IsTopic(word->text)) {
+      topic = word->text;
+      return;
+    }
+    reader.Fault(word->at, key,
+                 "expected a topic, as in \"/show/pose\", found " + config_toml::Quote(word->text));
+  };
 }
 
-std::optional<Color> ReadColor(TableReader& reader, std::string_view key, Findings& findings) {
-  const auto word = reader.String(key);
-  if (!word) return std::nullopt;
-  const auto color = ParseColor(word->text);
-  if (!color) {
+Row Colour(std::string_view key, Color& color, Findings& findings) {
+  return [key, &color, &findings](TableReader& reader) {
+    const auto word = reader.String(key);
+    if (!word) return;
+    if (const auto parsed = ParseColor(word->text)) {
+      color = *parsed;
+      return;
+    }
     reader.Fault(word->at, key,
                  "expected a colour, \"#rrggbb\" or one of " + config_toml::Listing(ColorNames()) +
                      ", found " + config_toml::Quote(word->text) +
                      findings.Guess(word->text, ColorNames()));
-  }
-  return color;
+  };
 }
 
-std::optional<std::string> PictureFile(TableReader& reader, std::string_view key,
-                                       const std::string& folder) {
-  const auto word = reader.String(key);
-  if (!word) return std::nullopt;
-  std::string path = config_toml::Absolute(folder, word->text);
-  const Result<> readable = CheckPicture(path);
-  if (readable) return path;
-  reader.Fault(word->at, key,
-               "the picture " + config_toml::Quote(word->text) +
-                   " cannot be shown: " + readable.error().message);
-  return std::nullopt;
+Row PictureFile(std::string_view key, std::string& path, const std::string& folder) {
+  return [key, &path, &folder](TableReader& reader) {
+    const auto word = reader.String(key);
+    if (!word) return;
+    std::string absolute = config_toml::Absolute(folder, word->text);
+    const Result<> readable = CheckPicture(absolute);
+    if (readable) {
+      path = std::move(absolute);
+      return;
+    }
+    reader.Fault(word->at, key,
+                 "the picture " + config_toml::Quote(word->text) +
+                     " cannot be shown: " + readable.error().message);
+  };
 }
 
 }  // namespace musher::world::keys

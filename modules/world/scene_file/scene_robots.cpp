@@ -18,12 +18,12 @@
 namespace musher::world {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Position;
 using config_toml::TableReader;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using keys::Set;
 
 constexpr double kMostW = 10'000;
 constexpr double kMostWh = 100'000;
@@ -43,48 +43,44 @@ class RobotReader {
 
   void ReadRobot(TableReader& reader) {
     RobotSpec robot;
+    bool flyer = false;
     robot.color = kRobotColors[scene_.robots.size() % kRobotColors.size()];
-    robot.name = TopicName(reader);
-    reader.Require("kind", "ground or flyer");
-    const bool flyer =
-        reader.Choice<bool>("kind", {{"ground", false}, {"flyer", true}}).value_or(false);
-    ReadDrive(reader, flyer, robot);
-    robot.start_m.head<2>() = keys::Center(reader);
-    Set(robot.start_yaw_rad, keys::Angle(reader, "yaw_deg"));
-    Set(robot.radius_m, reader.Number("radius_m", 0.05, 2));
-    Set(robot.height_m, reader.Number("height_m", 0.05, 3));
-    Set(robot.color, keys::ReadColor(reader, "color", findings_));
-    Set(robot.command_timeout, reader.Time("command_timeout_ms"));
-    Set(robot.stamped_command, reader.Bool("command_stamped"));
-    ReadLimits(reader, robot.limits);
-    keys::Section(reader, "battery", findings_,
-                  [&](TableReader& table) { ReadBattery(table, robot.battery); });
-    keys::Section(reader, "lidar", findings_,
-                  [&](TableReader& table) { ReadLidar(table, robot.lidar); });
-    keys::Section(reader, "hand", findings_,
-                  [&](TableReader& table) { ReadHand(table, robot.hand.emplace()); });
-    keys::Section(reader, "camera", findings_, [&](TableReader& table) {
-      CameraSpec& camera = robot.camera.emplace();
-      camera.position_m = {robot.radius_m, 0, robot.height_m / 2};
-      camera.rate_hz = 5;
-      ReadRobotCamera(table, camera);
-    });
+    keys::ReadSome(
+        reader,
+        {[&](TableReader& table) { robot.name = TopicName(table); },
+         row::Required("kind", "ground or flyer",
+                       row::Choice("kind", flyer, {{"ground", false}, {"flyer", true}})),
+         [&](TableReader& table) { ReadDrive(table, flyer, robot); },
+         keys::Center(robot.start_m.head<2>()), keys::Angle("yaw_deg", robot.start_yaw_rad),
+         row::Number("radius_m", robot.radius_m, 0.05, 2),
+         row::Number("height_m", robot.height_m, 0.05, 3),
+         keys::Colour("color", robot.color, findings_),
+         row::Time("command_timeout_ms", robot.command_timeout),
+         row::Bool("command_stamped", robot.stamped_command),
+         row::Number("speed_m_s", robot.limits.speed_m_s, 0.01, 20),
+         row::Number("acceleration_m_s2", robot.limits.acceleration_m_s2, 0.05, 100),
+         row::Number("turn_rad_s", robot.limits.turn_rad_s, 0.01, 20),
+         row::Number("turn_acceleration_rad_s2", robot.limits.turn_acceleration_rad_s2, 0.05, 200),
+         row::Sub("battery", BatteryRows(robot.battery)), row::Sub("lidar", LidarRows(robot.lidar)),
+         [&](TableReader& table) { ReadHand(table, robot); },
+         [&](TableReader& table) { ReadCamera(table, robot); }});
     written_robots_.push_back({reader.at(), reader.path()});
     scene_.robots.push_back(std::move(robot));
   }
 
   void ReadObject(TableReader& reader) {
     ObjectSpec object;
+    Vector2d at = Vector2d::Zero();
+    double bottom = 0;
     object.name = OwnName(reader, object_names_);
-    reader.Require("category", "a word such as \"box\"");
-    if (const auto category = reader.String("category")) object.category = category->text;
-    const Vector2d at = keys::Center(reader);
-    Set(object.yaw_rad, keys::Angle(reader, "yaw_deg"));
-    Set(object.round, reader.Choice<bool>("shape", {{"box", false}, {"cylinder", true}}));
-    int axis = 0;
-    for (const char* key : {"length_m", "width_m", "height_m"}) {
-      Set(object.size_m[axis++], reader.Number(key, keys::kSmallestM, 2));
-    }
+    keys::ReadSome(reader,
+                   {row::Required("category", "a word such as \"box\"",
+                                  row::Text("category", object.category)),
+                    keys::Center(at), keys::Angle("yaw_deg", object.yaw_rad),
+                    row::Choice("shape", object.round, {{"box", false}, {"cylinder", true}}),
+                    row::Number("length_m", object.size_m.x(), keys::kSmallestM, 2),
+                    row::Number("width_m", object.size_m.y(), keys::kSmallestM, 2),
+                    row::Number("height_m", object.size_m.z(), keys::kSmallestM, 2)});
     if (object.round) {
       if (reader.Has("width_m")) {
         reader.Fault(reader.At("width_m"), "width_m",
@@ -92,9 +88,9 @@ class RobotReader {
       }
       object.size_m.y() = object.size_m.x();
     }
-    const double bottom = keys::Height(reader, "bottom_m").value_or(0);
+    keys::ReadSome(
+        reader, {keys::Height("bottom_m", bottom), keys::Colour("color", object.color, findings_)});
     object.middle_m = {at.x(), at.y(), bottom + object.size_m.z() / 2};
-    Set(object.color, keys::ReadColor(reader, "color", findings_));
     written_objects_.push_back({reader.at(), reader.path()});
     scene_.objects.push_back(std::move(object));
   }
@@ -103,15 +99,16 @@ class RobotReader {
     MoverSpec mover;
     mover.name = TopicName(reader);
     reader.Require("points_m", "two points or more, as in [[0, 0], [1.5, -2.0]]");
-    const auto points = keys::Points(reader, "points_m");
-    Set(mover.round_trip, reader.Choice<bool>("way", {{"to_and_fro", false}, {"round", true}}));
-    Set(mover.radius_m, reader.Number("radius_m", 0.05, 2));
-    Set(mover.height_m, reader.Number("height_m", 0.05, 3));
-    Set(mover.speed_m_s, reader.Number("speed_m_s", 0.01, 5));
-    Set(mover.speed_vary, reader.Number("speed_vary", 0, 0.9));
-    Set(mover.wait_s, reader.Number("wait_s", 0, 3600));
-    Set(mover.color, keys::ReadColor(reader, "color", findings_));
-    Set(mover.tracked, reader.Bool("tracked"));
+    const auto points = keys::ReadPoints(reader, "points_m");
+    keys::ReadSome(
+        reader,
+        {row::Choice("way", mover.round_trip, {{"to_and_fro", false}, {"round", true}}),
+         row::Number("radius_m", mover.radius_m, 0.05, 2),
+         row::Number("height_m", mover.height_m, 0.05, 3),
+         row::Number("speed_m_s", mover.speed_m_s, 0.01, 5),
+         row::Number("speed_vary", mover.speed_vary, 0, 0.9),
+         row::Number("wait_s", mover.wait_s, 0, 3600),
+         keys::Colour("color", mover.color, findings_), row::Bool("tracked", mover.tracked)});
     if (!points) return;
     mover.points_m = *points;
     written_movers_.push_back({reader.At("points_m"), reader.path() + ".points_m"});
@@ -161,13 +158,11 @@ class RobotReader {
                    "a flyer has none: expected it of a robot on the ground");
     }
     if (flyer) {
-      Set(robot.start_m.z(), keys::Height(reader, "z_m"));
-      Set(robot.limits.climb_m_s, reader.Number("climb_m_s", 0.01, 10));
-      keys::Section(reader, "wind", findings_, [&](TableReader& table) {
-        Set(robot.wind.drift_m_s, table.Number("drift_m_s", 0, 5));
-        Set(robot.wind.gust_s, table.Number("gust_s", 0.1, 60));
-      });
-      return;
+      return keys::ReadSome(
+          reader, {keys::Height("z_m", robot.start_m.z()),
+                   row::Number("climb_m_s", robot.limits.climb_m_s, 0.01, 10),
+                   row::Sub("wind", {row::Number("drift_m_s", robot.wind.drift_m_s, 0, 5),
+                                     row::Number("gust_s", robot.wind.gust_s, 0.1, 60)})});
     }
     for (const char* key : {"z_m", "climb_m_s", "wind"}) {
       if (reader.Has(key))
@@ -175,18 +170,23 @@ class RobotReader {
     }
   }
 
-  void ReadLimits(TableReader& reader, RobotLimits& limits) {
-    Set(limits.speed_m_s, reader.Number("speed_m_s", 0.01, 20));
-    Set(limits.acceleration_m_s2, reader.Number("acceleration_m_s2", 0.05, 100));
-    Set(limits.turn_rad_s, reader.Number("turn_rad_s", 0.01, 20));
-    Set(limits.turn_acceleration_rad_s2, reader.Number("turn_acceleration_rad_s2", 0.05, 200));
+  static void ReadHand(TableReader& robot_table, RobotSpec& robot) {
+    auto reader = robot_table.Sub("hand");
+    if (!reader) return;
+    HandSpec& hand = robot.hand.emplace();
+    ReadRows(*reader, {row::Number("x_m", hand.position_m.x(), -2, 2),
+                       row::Number("y_m", hand.position_m.y(), -2, 2),
+                       row::Number("z_m", hand.position_m.z(), 0, 3),
+                       row::Number("reach_m", hand.reach_m, 0.05, 5)});
   }
 
-  void ReadHand(TableReader& reader, HandSpec& hand) {
-    Set(hand.position_m.x(), reader.Number("x_m", -2, 2));
-    Set(hand.position_m.y(), reader.Number("y_m", -2, 2));
-    Set(hand.position_m.z(), reader.Number("z_m", 0, 3));
-    Set(hand.reach_m, reader.Number("reach_m", 0.05, 5));
+  static void ReadCamera(TableReader& robot_table, RobotSpec& robot) {
+    auto reader = robot_table.Sub("camera");
+    if (!reader) return;
+    CameraSpec& camera = robot.camera.emplace();
+    camera.position_m = {robot.radius_m, 0, robot.height_m / 2};
+    camera.rate_hz = 5;
+    ReadRows(*reader, RobotCameraRows(camera));
   }
 
   std::string OwnName(TableReader& reader, std::map<std::string, Position>& taken) {
@@ -270,15 +270,17 @@ class RobotReader {
 
 }  // namespace
 
-void ReadBattery(TableReader& reader, BatterySpec& battery) {
-  Set(battery.capacity_wh, reader.Number("capacity_wh", 0.01, kMostWh));
-  Set(battery.start_percent, reader.Number("start_percent", 0, 100));
-  Set(battery.off_w, reader.Number("off_w", 0, kMostW));
-  Set(battery.lying_w, reader.Number("lying_w", 0, kMostW));
-  Set(battery.standing_w, reader.Number("standing_w", 0, kMostW));
-  Set(battery.moving_w, reader.Number("moving_w", 0, kMostW));
-  Set(battery.cable_w, reader.Number("cable_w", 0, kMostW));
-  Set(battery.pad_w, reader.Number("pad_w", 0, kMostW));
+config_toml::Rows BatteryRows(BatterySpec& battery) {
+  return {
+      row::Number("capacity_wh", battery.capacity_wh, 0.01, kMostWh),
+      row::Number("start_percent", battery.start_percent, 0, 100),
+      row::Number("off_w", battery.off_w, 0, kMostW),
+      row::Number("lying_w", battery.lying_w, 0, kMostW),
+      row::Number("standing_w", battery.standing_w, 0, kMostW),
+      row::Number("moving_w", battery.moving_w, 0, kMostW),
+      row::Number("cable_w", battery.cable_w, 0, kMostW),
+      row::Number("pad_w", battery.pad_w, 0, kMostW),
+  };
 }
 
 void ReadRobots(TableReader& root, Findings& findings, Scene& scene) {

@@ -7,10 +7,9 @@
 namespace musher::world {
 namespace {
 
-using config_toml::Findings;
+namespace row = config_toml::row;
+using config_toml::Rows;
 using config_toml::TableReader;
-using keys::Angle;
-using keys::Set;
 
 constexpr double kLeastHz = 0.1;
 constexpr double kMostHz = 50;  // a reading in each step of the world
@@ -20,92 +19,107 @@ constexpr int kMostRays = 4096;
 constexpr std::int64_t kMostSatellites = 64;
 constexpr double kMostLatitudeDeg = 89;  // at a pole east is nowhere
 
-void ReadReach(TableReader& reader, Reach& reach) {
-  Set(reach.least_m, reader.Number("least_m", 0, keys::kFarthestM));
-  Set(reach.most_m, reader.Number("most_m", keys::kSmallestM, keys::kFarthestM));
-  Set(reach.noise_m, reader.Number("noise_m", 0, kMostNoiseM));
-  Set(reach.rate_hz, reader.Number("rate_hz", kLeastHz, kMostHz));
-  if (reach.most_m > reach.least_m) return;
-  const std::string_view key = reader.Has("most_m") ? "most_m" : "least_m";
-  reader.Fault(reader.At(key), key, "expected most_m beyond least_m, it would measure nothing");
+// Those of `rows` behind those before it.
+Rows With(Rows first, const Rows& rows) {
+  first.insert(first.end(), rows.begin(), rows.end());
+  return first;
 }
 
-void ReadMount(TableReader& reader, Mount& mount) {
-  int axis = 0;
-  for (const char* key : {"x_m", "y_m", "z_m"}) {
-    Set(mount.position_m[axis++], reader.Number(key, -kFarthestMountM, kFarthestMountM));
-  }
-  Set(mount.yaw_rad, Angle(reader, "yaw_deg"));
-  Set(mount.pitch_rad, Angle(reader, "pitch_deg", -90, 90));
+Rows ReachRows(Reach& reach) {
+  const auto check = [&](TableReader& reader) {
+    if (reach.most_m > reach.least_m) return;
+    const std::string_view key = reader.Has("most_m") ? "most_m" : "least_m";
+    reader.Fault(reader.At(key), key, "expected most_m beyond least_m, it would measure nothing");
+  };
+  return {
+      row::Number("least_m", reach.least_m, 0, keys::kFarthestM),
+      row::Number("most_m", reach.most_m, keys::kSmallestM, keys::kFarthestM),
+      row::Number("noise_m", reach.noise_m, 0, kMostNoiseM),
+      row::Number("rate_hz", reach.rate_hz, kLeastHz, kMostHz),
+      check,
+  };
 }
 
-void ReadUltrasonic(TableReader& reader, UltrasonicSpec& ultrasonic) {
-  Set(ultrasonic.enabled, reader.Bool("enabled"));
-  ReadReach(reader, ultrasonic.reach);
-  ReadMount(reader, ultrasonic.mount);
-  Set(ultrasonic.cone_rad, Angle(reader, "cone_deg", 1, 120));
+Rows MountRows(Mount& mount) {
+  Eigen::Vector3d& at = mount.position_m;
+  return {
+      row::Number("x_m", at.x(), -kFarthestMountM, kFarthestMountM),
+      row::Number("y_m", at.y(), -kFarthestMountM, kFarthestMountM),
+      row::Number("z_m", at.z(), -kFarthestMountM, kFarthestMountM),
+      keys::Angle("yaw_deg", mount.yaw_rad),
+      keys::Angle("pitch_deg", mount.pitch_rad, -90, 90),
+  };
 }
 
-void ReadTof(TableReader& reader, TofSpec& tof) {
-  Set(tof.enabled, reader.Bool("enabled"));
-  ReadReach(reader, tof.reach);
-  Set(tof.view_rad, Angle(reader, "view_deg", 1, 120));
-  Set(tof.ahead_m, reader.Number("ahead_m", 0, kFarthestMountM));
-  Set(tof.aside_m, reader.Number("aside_m", 0, kFarthestMountM));
-  Set(tof.up_m, reader.Number("up_m", -kFarthestMountM, kFarthestMountM));
-  Set(tof.outward_rad, Angle(reader, "outward_deg", -90, 90));
-  Set(tof.down_rad, Angle(reader, "down_deg", -90, 90));
+Rows UltrasonicRows(UltrasonicSpec& ultrasonic) {
+  return With({row::Bool("enabled", ultrasonic.enabled)},
+              With(With(ReachRows(ultrasonic.reach), MountRows(ultrasonic.mount)),
+                   {keys::Angle("cone_deg", ultrasonic.cone_rad, 1, 120)}));
 }
 
-void ReadGps(TableReader& reader, GpsSpec& gps) {
+Rows TofRows(TofSpec& tof) {
+  return With(With({row::Bool("enabled", tof.enabled)}, ReachRows(tof.reach)),
+              {
+                  keys::Angle("view_deg", tof.view_rad, 1, 120),
+                  row::Number("ahead_m", tof.ahead_m, 0, kFarthestMountM),
+                  row::Number("aside_m", tof.aside_m, 0, kFarthestMountM),
+                  row::Number("up_m", tof.up_m, -kFarthestMountM, kFarthestMountM),
+                  keys::Angle("outward_deg", tof.outward_rad, -90, 90),
+                  keys::Angle("down_deg", tof.down_rad, -90, 90),
+              });
+}
+
+Rows GpsRows(GpsSpec& gps) {
   using Fix = GpsSpec::Fix;
-  Set(gps.enabled, reader.Bool("enabled"));
-  Set(gps.latitude_deg, reader.Number("latitude_deg", -kMostLatitudeDeg, kMostLatitudeDeg));
-  Set(gps.longitude_deg, reader.Number("longitude_deg", -180, 180));
-  Set(gps.altitude_m, reader.Number("altitude_m", -keys::kFarthestM, 10 * keys::kFarthestM));
-  Set(gps.noise_m, reader.Number("noise_m", 0, kMostNoiseM));
-  Set(gps.rate_hz, reader.Number("rate_hz", kLeastHz, kMostHz));
-  Set(gps.fix,
-      reader.Choice<Fix>(
-          "fix",
-          {{"none", Fix::kNone}, {"fix", Fix::kFix}, {"sbas", Fix::kSbas}, {"gbas", Fix::kGbas}}));
-  if (const auto satellites = reader.Integer("satellites", 0, kMostSatellites)) {
-    gps.satellites = static_cast<int>(*satellites);
-  }
+  return {
+      row::Bool("enabled", gps.enabled),
+      row::Number("latitude_deg", gps.latitude_deg, -kMostLatitudeDeg, kMostLatitudeDeg),
+      row::Number("longitude_deg", gps.longitude_deg, -180, 180),
+      row::Number("altitude_m", gps.altitude_m, -keys::kFarthestM, 10 * keys::kFarthestM),
+      row::Number("noise_m", gps.noise_m, 0, kMostNoiseM),
+      row::Number("rate_hz", gps.rate_hz, kLeastHz, kMostHz),
+      row::Choice(
+          "fix", gps.fix,
+          {{"none", Fix::kNone}, {"fix", Fix::kFix}, {"sbas", Fix::kSbas}, {"gbas", Fix::kGbas}}),
+      row::Integer("satellites", gps.satellites, 0, kMostSatellites),
+  };
 }
 
-void ReadUwb(TableReader& reader, UwbSpec& uwb) {
-  Set(uwb.enabled, reader.Bool("enabled"));
-  Set(uwb.tag_m.x(), reader.Number("tag_x_m", -keys::kFarthestM, keys::kFarthestM));
-  Set(uwb.tag_m.y(), reader.Number("tag_y_m", -keys::kFarthestM, keys::kFarthestM));
-  Set(uwb.most_m, reader.Number("most_m", keys::kSmallestM, keys::kFarthestM));
-  Set(uwb.noise_m, reader.Number("noise_m", 0, kMostNoiseM));
-  Set(uwb.noise_rad, Angle(reader, "noise_deg", 0, 90));
-  Set(uwb.rate_hz, reader.Number("rate_hz", kLeastHz, kMostHz));
+Rows UwbRows(UwbSpec& uwb) {
+  return {
+      row::Bool("enabled", uwb.enabled),
+      keys::Coordinate("tag_x_m", uwb.tag_m.x()),
+      keys::Coordinate("tag_y_m", uwb.tag_m.y()),
+      row::Number("most_m", uwb.most_m, keys::kSmallestM, keys::kFarthestM),
+      row::Number("noise_m", uwb.noise_m, 0, kMostNoiseM),
+      keys::Angle("noise_deg", uwb.noise_rad, 0, 90),
+      row::Number("rate_hz", uwb.rate_hz, kLeastHz, kMostHz),
+  };
 }
 
 }  // namespace
 
-void ReadLidar(TableReader& reader, LidarSpec& lidar) {
-  Set(lidar.enabled, reader.Bool("enabled"));
-  ReadReach(reader, lidar.reach);
-  ReadMount(reader, lidar.mount);
-  if (const auto from = reader.Number("from_deg", -180, 180)) lidar.from_rad = *from * M_PI / 180;
-  if (const auto to = reader.Number("to_deg", -180, 180)) lidar.to_rad = *to * M_PI / 180;
-  if (const auto rays = reader.Integer("rays", 2, kMostRays)) lidar.rays = static_cast<int>(*rays);
-  if (lidar.to_rad > lidar.from_rad) return;
-  const std::string_view key = reader.Has("to_deg") ? "to_deg" : "from_deg";
-  reader.Fault(reader.At(key), key, "expected to_deg beyond from_deg: rays go counter-clockwise");
+Rows LidarRows(LidarSpec& lidar) {
+  const auto check = [&](TableReader& reader) {
+    if (lidar.to_rad > lidar.from_rad) return;
+    const std::string_view key = reader.Has("to_deg") ? "to_deg" : "from_deg";
+    reader.Fault(reader.At(key), key, "expected to_deg beyond from_deg: rays go counter-clockwise");
+  };
+  return With(
+      With({row::Bool("enabled", lidar.enabled)}, ReachRows(lidar.reach)),
+      With(MountRows(lidar.mount), {row::Degrees("from_deg", lidar.from_rad, -180, 180),
+                                    row::Degrees("to_deg", lidar.to_rad, -180, 180),
+                                    row::Integer("rays", lidar.rays, 2, kMostRays), check}));
 }
 
-void ReadSensors(TableReader& root, Findings& findings, SensorSpecs& sensors) {
-  keys::Section(root, "lidar", findings,
-                [&](TableReader& reader) { ReadLidar(reader, sensors.lidar); });
-  keys::Section(root, "ultrasonic", findings,
-                [&](TableReader& reader) { ReadUltrasonic(reader, sensors.ultrasonic); });
-  keys::Section(root, "tof", findings, [&](TableReader& reader) { ReadTof(reader, sensors.tof); });
-  keys::Section(root, "gps", findings, [&](TableReader& reader) { ReadGps(reader, sensors.gps); });
-  keys::Section(root, "uwb", findings, [&](TableReader& reader) { ReadUwb(reader, sensors.uwb); });
+Rows SensorRows(SensorSpecs& sensors) {
+  return {
+      row::Sub("lidar", LidarRows(sensors.lidar)),
+      row::Sub("ultrasonic", UltrasonicRows(sensors.ultrasonic)),
+      row::Sub("tof", TofRows(sensors.tof)),
+      row::Sub("gps", GpsRows(sensors.gps)),
+      row::Sub("uwb", UwbRows(sensors.uwb)),
+  };
 }
 
 }  // namespace musher::world

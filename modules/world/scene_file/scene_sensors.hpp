@@ -1,15 +1,14 @@
 #pragma once
-// Reads the tables of the sensors on the body: [lidar], [ultrasonic], [tof] and [gps].
+// The tables of the sensors on the body: [lidar], [ultrasonic], [tof], [gps] and [uwb].
 
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 #include "musher/modules/world/scene/sensor_specs.hpp"
 
 namespace musher::world {
 
-void ReadSensors(config_toml::TableReader& root, config_toml::Findings& findings,
-                 SensorSpecs& sensors);
+config_toml::Rows SensorRows(SensorSpecs& sensors);
 
-// [lidar], and that of a robot.
-void ReadLidar(config_toml::TableReader& reader, LidarSpec& lidar);
+// Those of [lidar], also of a robot's.
+config_toml::Rows LidarRows(LidarSpec& lidar);
 
 }  // namespace musher::world

@@ -12,10 +12,11 @@
 namespace musher::world {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
+using config_toml::Row;
 using config_toml::TableReader;
 using Eigen::Vector2d;
-using keys::Set;
 
 constexpr int kMostFaceOfThing = 999;
 constexpr std::size_t kLongestCode = 300;  // bytes; more squares than a camera can resolve
@@ -31,22 +32,22 @@ class Things {
       : folder_(std::move(folder)), choices_(choices), findings_(findings), scene_(scene) {}
 
   void ReadBox(TableReader& reader) {
-    Box box{keys::Name(reader), keys::Center(reader), {}};
-    for (const char* key : {"length_m", "width_m"}) reader.Require(key, "a length in metres");
-    box.half_m.x() = keys::Length(reader, "length_m").value_or(1) / 2;
-    box.half_m.y() = keys::Length(reader, "width_m").value_or(1) / 2;
-    Set(box.yaw_rad, keys::Angle(reader, "yaw_deg"));
-    ReadLook(reader, box);
+    Box box;
+    keys::ReadSome(reader,
+                   {row::Text("name", box.name), keys::Center(box.center_m),
+                    keys::Half("length_m", box.half_m.x()), keys::Half("width_m", box.half_m.y()),
+                    keys::Angle("yaw_deg", box.yaw_rad), LookRow(box)});
     scene_.boxes.push_back(std::move(box));
   }
 
   void ReadWall(TableReader& reader) {
     for (const char* key : {"from_m", "to_m"}) reader.Require(key, "a point, as in [1.5, -2.0]");
-    const auto from = keys::Pair(reader, "from_m");
-    const auto to = keys::Pair(reader, "to_m");
-    const double thickness = keys::Length(reader, "thickness_m").value_or(0.1);
-    Box wall{keys::Name(reader), {}, {}};
-    ReadLook(reader, wall);
+    const auto from = keys::ReadPoint(reader, "from_m");
+    const auto to = keys::ReadPoint(reader, "to_m");
+    double thickness = 0.1;
+    Box wall{};
+    keys::ReadSome(reader, {keys::Length("thickness_m", thickness), row::Text("name", wall.name),
+                            LookRow(wall)});
     if (!from || !to) return;
     const Vector2d along = *to - *from;
     if (along.norm() < keys::kSmallestM) {
@@ -68,10 +69,13 @@ class Things {
   };
 
   void ReadDoor(TableReader& reader, const Box& wall, std::vector<Door>& doors) {
-    reader.Require("at_m", "the distance from from_m to its middle");
-    const double at = keys::Height(reader, "at_m").value_or(0);
-    const double half = keys::Length(reader, "width_m").value_or(0.9) / 2;
-    const double height = keys::Length(reader, "height_m").value_or(wall.height_m);
+    double at = 0;
+    double width = 0.9;
+    double height = wall.height_m;
+    keys::ReadSome(reader, {row::Required("at_m", "the distance from from_m to its middle",
+                                          keys::Height("at_m", at)),
+                            keys::Length("width_m", width), keys::Length("height_m", height)});
+    const double half = width / 2;
     const double length = 2 * wall.half_m.x();
     if (at - half < 0 || at + half > length) {
       return reader.Fault(
@@ -108,26 +112,27 @@ class Things {
   }
 
   void ReadCircle(TableReader& reader) {
-    Circle circle{keys::Name(reader), keys::Center(reader), 0};
-    reader.Require("radius_m", "a length in metres");
-    circle.radius_m = keys::Length(reader, "radius_m").value_or(1);
-    ReadLook(reader, circle);
+    Circle circle;
+    circle.radius_m = 1;
+    keys::ReadSome(reader, {row::Text("name", circle.name), keys::Center(circle.center_m),
+                            row::Required("radius_m", "a length in metres",
+                                          keys::Length("radius_m", circle.radius_m)),
+                            LookRow(circle)});
     scene_.circles.push_back(std::move(circle));
   }
 
   void ReadBall(TableReader& reader) {
     Ball ball;
-    ball.center_m.head<2>() = keys::Center(reader);
-    Set(ball.radius_m, keys::Length(reader, "radius_m"));
-    ball.center_m.z() = keys::Height(reader, "bottom_m").value_or(0) + ball.radius_m;
-    Set(ball.color, keys::ReadColor(reader, "color", findings_));
-    Set(ball.glows, reader.Bool("glows"));
-    ball.name = keys::Name(reader);
-    Set(ball.shown, reader.Bool("shown"));
-    Set(ball.show_within_m, keys::Height(reader, "show_within_m"));
-    if (const auto show_for_s = reader.Number("show_for_s", 0, kLongestShowS)) {
-      ball.show_for = FromSeconds(*show_for_s);
-    }
+    double bottom_m = 0;
+    double show_for_s = ToSeconds(ball.show_for);
+    keys::ReadSome(
+        reader, {keys::Center(ball.center_m.head<2>()), keys::Length("radius_m", ball.radius_m),
+                 keys::Height("bottom_m", bottom_m), keys::Colour("color", ball.color, findings_),
+                 row::Bool("glows", ball.glows), row::Text("name", ball.name),
+                 row::Bool("shown", ball.shown), keys::Height("show_within_m", ball.show_within_m),
+                 row::Number("show_for_s", show_for_s, 0, kLongestShowS)});
+    ball.center_m.z() = bottom_m + ball.radius_m;
+    ball.show_for = FromSeconds(show_for_s);
     if (reader.Has("show_within_m") != reader.Has("show_for_s")) {
       findings_.Error(reader.at(),
                       reader.path() + ": expected both show_within_m and show_for_s, or neither");
@@ -140,17 +145,16 @@ class Things {
 
   void ReadBoard(TableReader& reader) {
     Board board;
-    board.name = keys::Name(reader);
-    board.center_m = keys::Center(reader);
-    Set(board.yaw_rad, keys::Angle(reader, "yaw_deg"));
-    Set(board.width_m, keys::Length(reader, "width_m"));
-    Set(board.height_m, keys::Length(reader, "height_m"));
-    Set(board.bottom_m, keys::Height(reader, "bottom_m"));
-    Set(board.color, keys::ReadColor(reader, "color", findings_));
-    const auto ink = keys::ReadColor(reader, "ink", findings_);
-    if (reader.Has("arrow")) board.sign.ink = kArrowInk;
-    Set(board.sign.ink, ink);
-    Set(board.round, reader.Choice<bool>("shape", {{"square", false}, {"round", true}}));
+    const auto take_arrow = [&](TableReader& table) {
+      if (table.Has("arrow")) board.sign.ink = kArrowInk;
+    };
+    keys::ReadSome(
+        reader, {row::Text("name", board.name), keys::Center(board.center_m),
+                 keys::Angle("yaw_deg", board.yaw_rad), keys::Length("width_m", board.width_m),
+                 keys::Length("height_m", board.height_m), keys::Height("bottom_m", board.bottom_m),
+                 keys::Colour("color", board.color, findings_), take_arrow,
+                 keys::Colour("ink", board.sign.ink, findings_),
+                 row::Choice("shape", board.round, {{"square", false}, {"round", true}})});
     ReadSign(reader, board.sign);
     scene_.boards.push_back(std::move(board));
   }
@@ -183,12 +187,13 @@ class Things {
     if (reader.Has("picture")) {
       ++signs;
       sign.kind = Sign::Kind::kPicture;
-      Set(sign.content, keys::PictureFile(reader, "picture", folder_));
+      keys::PictureFile("picture", sign.content, folder_)(reader);
     }
     if (reader.Has("face")) {
       ++signs;
       sign.kind = Sign::Kind::kFace;
-      sign.face = static_cast<int>(reader.Integer("face", 0, kMostFaceOfThing).value_or(0));
+      sign.face = 0;
+      row::Integer("face", sign.face, 0, kMostFaceOfThing)(reader);
     }
     if (signs > 1) {
       findings_.Error(reader.at(), reader.path() +
@@ -200,21 +205,24 @@ class Things {
   // Straight from point to point, or an arc round a centre.
   void ReadLine(TableReader& reader) {
     Line line;
-    Set(line.width_m, keys::Length(reader, "width_m"));
-    Set(line.color, keys::ReadColor(reader, "color", findings_));
-    Set(line.watched, reader.Bool("watched"));
-    const bool closed = reader.Bool("closed").value_or(false);
+    bool closed = false;
+    keys::ReadSome(reader, {keys::Length("width_m", line.width_m),
+                            keys::Colour("color", line.color, findings_),
+                            row::Bool("watched", line.watched), row::Bool("closed", closed)});
     if (reader.Has("points_m") == reader.Has("center_m")) {
       findings_.Error(reader.at(), reader.path() +
                                        ": expected either points_m, or center_m with radius_m for "
                                        "an arc");
     }
-    Set(line.points_m, keys::Points(reader, "points_m"));
-    if (const auto center = keys::Pair(reader, "center_m")) {
-      reader.Require("radius_m", "a length in metres");
-      const double radius = keys::Length(reader, "radius_m").value_or(1);
-      const double from = reader.Number("from_deg", -720, 720).value_or(0) * M_PI / 180;
-      const double to = reader.Number("to_deg", -720, 720).value_or(360) * M_PI / 180;
+    keys::Set(line.points_m, keys::ReadPoints(reader, "points_m"));
+    if (const auto center = keys::ReadPoint(reader, "center_m")) {
+      double radius = 1;
+      double from = 0;
+      double to = 2 * M_PI;
+      keys::ReadSome(
+          reader,
+          {row::Required("radius_m", "a length in metres", keys::Length("radius_m", radius)),
+           row::Degrees("from_deg", from, -720, 720), row::Degrees("to_deg", to, -720, 720)});
       const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(to - from) / kArcStep)));
       for (int i = 0; i <= steps; ++i) {
         const double angle = from + (to - from) * i / steps;
@@ -226,22 +234,28 @@ class Things {
   }
 
   void ReadLabel(TableReader& reader) {
-    reader.Require("text", "what is written there");
-    const auto text = reader.String("text");
-    scene_.labels.push_back({text ? text->text : "", keys::Center(reader)});
+    GroundLabel label;
+    keys::ReadSome(reader,
+                   {row::Required("text", "what is written there", row::Text("text", label.text)),
+                    keys::Center(label.middle_m)});
+    scene_.labels.push_back(std::move(label));
   }
 
   void ReadPad(TableReader& reader) {
-    const Vector2d center = keys::Center(reader);
-    scene_.pads.push_back({center, keys::Length(reader, "size_m").value_or(0.8)});
+    Pad pad;
+    pad.size_m = 0.8;
+    keys::ReadSome(reader, {keys::Center(pad.center_m), keys::Length("size_m", pad.size_m)});
+    scene_.pads.push_back(pad);
   }
 
  private:
   template <class Thing>
-  void ReadLook(TableReader& reader, Thing& thing) {
-    Set(thing.height_m, keys::Length(reader, "height_m"));
-    Set(thing.bottom_m, keys::Height(reader, "bottom_m"));
-    Set(thing.color, keys::ReadColor(reader, "color", findings_));
+  Row LookRow(Thing& thing) {
+    return [this, &thing](TableReader& reader) {
+      keys::ReadSome(reader, {keys::Length("height_m", thing.height_m),
+                              keys::Height("bottom_m", thing.bottom_m),
+                              keys::Colour("color", thing.color, findings_)});
+    };
   }
 
   const std::string folder_;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "musher/base/toml/table_reader.hpp"
+#include "musher/base/toml/rows.hpp"
 #include "musher/modules/world/scene/scene.hpp"
 #include "musher/modules/world/scene_file/scene_course.hpp"
 
@@ -18,7 +18,7 @@ void ReadThings(config_toml::TableReader& root, const std::string& folder, const
 void ReadGuests(config_toml::TableReader& root, config_toml::Findings& findings, Scene& scene);
 
 // The camera of a robot.
-void ReadRobotCamera(config_toml::TableReader& reader, CameraSpec& camera);
+config_toml::Rows RobotCameraRows(CameraSpec& camera);
 
 // [ground], [light], [cameras] and [camera.*].
 void ReadViews(config_toml::TableReader& root, const std::string& folder,

@@ -25,12 +25,13 @@
 namespace musher::world {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Position;
+using config_toml::Row;
+using config_toml::Rows;
 using config_toml::Table;
 using config_toml::TableReader;
-using keys::Coordinate;
-using keys::Set;
 
 constexpr double kLongestS = 1e6;  // eleven days
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
@@ -49,32 +50,29 @@ class Reader {
 
   Scene Read(const Table& table, const std::string& path) {
     TableReader root(table, {1, 1}, "", findings_);
+    const std::string folder = config_toml::FolderOf(path).string();
     scene_.name = std::filesystem::path(path).stem().string();
-    if (auto name = root.String("name")) scene_.name = name->text;
-    if (const auto seed = root.Integer("seed", 0, kMostSeed)) {
-      scene_.seed = static_cast<std::uint64_t>(*seed);
-    }
-    Set(scene_.seed, run_.seed);
+    keys::ReadSome(
+        root, {row::Text("name", scene_.name), row::Integer("seed", scene_.seed, 0, kMostSeed)});
+    keys::Set(scene_.seed, run_.seed);
     const Choices choices(root, scene_.seed, run_.chosen, findings_);
     scene_.sampled = choices.sampled();
-    Set(scene_.speed, root.Number("speed", kLeastSpeed, kMostSpeed));
-    Set(scene_.lockstep, root.Bool("lockstep"));
-    Section(root, "place", [&](TableReader& reader) { ReadPlace(reader); });
-    Section(root, "body", [&](TableReader& reader) { ReadBody(reader); });
-    Section(root, "battery", [&](TableReader& reader) { ReadBattery(reader, scene_.battery); });
-    Section(root, "picture", [&](TableReader& reader) { ReadPicture(reader); });
+    Variation by;
     placed_.push_back({scene_.start, {1, 1}, "start"});
-    Section(root, "start", [&](TableReader& reader) { ReadStart(reader); });
-    const std::string folder = config_toml::FolderOf(path).string();
+    keys::ReadSome(root,
+                   {row::Number("speed", scene_.speed, kLeastSpeed, kMostSpeed),
+                    row::Bool("lockstep", scene_.lockstep), row::Sub("place", PlaceRows()),
+                    row::Sub("body", BodyRows()), row::Sub("battery", BatteryRows(scene_.battery)),
+                    row::Sub("picture", PictureRows()), row::Sub("start", StartRows())});
     ReadThings(root, folder, choices, findings_, scene_);
-    scene_.humanoid = ReadHumanoid(root, folder, findings_);
+    scene_.humanoid = ReadHumanoid(root, folder);
     ReadViews(root, folder, findings_, scene_);
-    ReadSensors(root, findings_, scene_.sensors);
+    keys::ReadSome(root, SensorRows(scene_.sensors));
     has_field_ = root.Has("field");
     Each(root, "motion", [&](TableReader& reader) { ReadMotion(reader); });
     Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
     ReadReferee(root, choices, findings_, scene_);
-    const Variation by = ReadVariation(root, findings_);
+    VariationRow(by)(root);
     ReadRobots(root, findings_, scene_);
     ReadField(root, choices, findings_, scene_);
     ReadGuests(root, findings_, scene_);
@@ -93,65 +91,67 @@ class Reader {
 
  private:
   template <typename Read>
-  void Section(TableReader& root, std::string_view key, Read read) {
-    keys::Section(root, key, findings_, read);
-  }
-  template <typename Read>
   void Each(TableReader& root, std::string_view key, Read read) {
     keys::Each(root, key, findings_, read);
   }
 
-  void ReadPlace(TableReader& reader) {
-    for (const auto& [key, axis] : {std::pair("x_m", 0), std::pair("y_m", 1)}) {
-      const auto range = keys::Range(reader, key, 1);
-      if (!range) continue;
-      scene_.least_m[axis] = range->x();
-      scene_.most_m[axis] = range->y();
-    }
-    Set(scene_.fence_height_m, keys::Height(reader, "fence_height_m"));
-    Set(scene_.ceiling_m, reader.Number("ceiling_m", 0.5, kHighestFlightM));
-    Set(scene_.fence_color, keys::ReadColor(reader, "fence_color", findings_));
+  Rows PlaceRows() {
+    const auto range = [this](std::string_view key, int axis) -> Row {
+      return [this, key, axis](TableReader& reader) {
+        std::optional<Eigen::Vector2d> read;
+        keys::Range(key, read, 1)(reader);
+        if (!read) return;
+        scene_.least_m[axis] = read->x();
+        scene_.most_m[axis] = read->y();
+      };
+    };
+    return {range("x_m", 0), range("y_m", 1), keys::Height("fence_height_m", scene_.fence_height_m),
+            row::Number("ceiling_m", scene_.ceiling_m, 0.5, kHighestFlightM),
+            keys::Colour("fence_color", scene_.fence_color, findings_)};
   }
 
-  void ReadStart(TableReader& reader) {
-    Set(scene_.start.position_m.x(), Coordinate(reader, "x_m"));
-    Set(scene_.start.position_m.y(), Coordinate(reader, "y_m"));
-    Set(scene_.start.yaw_rad, keys::Angle(reader, "yaw_deg"));
-    Set(scene_.start_standing, reader.Bool("standing"));
-    placed_.back() = {scene_.start, reader.at(), "start"};
+  Rows StartRows() {
+    Pose2& start = scene_.start;
+    return {keys::Coordinate("x_m", start.position_m.x()),
+            keys::Coordinate("y_m", start.position_m.y()), keys::Angle("yaw_deg", start.yaw_rad),
+            row::Bool("standing", scene_.start_standing), [this](TableReader& reader) {
+              placed_.back() = {scene_.start, reader.at(), "start"};
+            }};
   }
 
-  void ReadBody(TableReader& reader) {
+  Rows BodyRows() {
     BodySpec& body = scene_.body;
-    Set(scene_.has_body, reader.Bool("present"));
-    Set(body.radius_m, reader.Number("radius_m", 0.05, 2));
-    Set(body.stand_height_m, reader.Number("stand_height_m", 0.1, 2));
-    Set(body.lie_height_m, reader.Number("lie_height_m", 0.01, 1));
-    Set(body.lag, reader.Time("lag_ms"));
-    Set(body.slip, reader.Number("slip", 0, 0.9));
-    if (const auto yaw_slip = reader.Number("yaw_slip", 0, 0.9)) body.yaw_slip = yaw_slip;
-    Set(body.noise, reader.Number("noise", 0, 0.5));
-    Set(body.odometry_scale, reader.Number("odometry_scale", 0.5, 2));
-    Set(body.odometry_yaw_drift_rad_per_m,
-        keys::Angle(reader, "odometry_yaw_drift_deg_per_m", -45, 45));
-    Set(body.command_timeout, reader.Time("command_timeout_ms"));
-    if (body.stand_height_m <= body.lie_height_m) {
-      reader.Fault(reader.At("stand_height_m"), "stand_height_m",
-                   "expected more than lie_height_m, the body would lie when it stands");
-    }
+    return {
+        row::Bool("present", scene_.has_body),
+        row::Number("radius_m", body.radius_m, 0.05, 2),
+        row::Number("stand_height_m", body.stand_height_m, 0.1, 2),
+        row::Number("lie_height_m", body.lie_height_m, 0.01, 1),
+        row::Time("lag_ms", body.lag),
+        row::Number("slip", body.slip, 0, 0.9),
+        [&body](TableReader& reader) {
+          if (const auto yaw_slip = reader.Number("yaw_slip", 0, 0.9)) body.yaw_slip = yaw_slip;
+        },
+        row::Number("noise", body.noise, 0, 0.5),
+        row::Number("odometry_scale", body.odometry_scale, 0.5, 2),
+        keys::Angle("odometry_yaw_drift_deg_per_m", body.odometry_yaw_drift_rad_per_m, -45, 45),
+        row::Time("command_timeout_ms", body.command_timeout),
+        row::Check(
+            "stand_height_m", [&body] { return body.stand_height_m > body.lie_height_m; },
+            "expected more than lie_height_m, the body would lie when it stands"),
+    };
   }
 
-  void ReadPicture(TableReader& reader) {
-    if (const auto file = reader.String("file")) {
-      scene_.picture.file = file->text;
-      if (!file->text.ends_with(".png")) {
-        reader.Fault(file->at, "file", "expected the name of a .png file");
-      }
-    }
-    Set(scene_.picture.at_teardown, reader.Bool("at_teardown"));
-    Set(scene_.picture.scan, reader.Bool("scan"));
-    Set(scene_.picture.way, reader.Choice<Picture::Way>("way", {{"state", Picture::Way::kState},
-                                                                {"time", Picture::Way::kTime}}));
+  Rows PictureRows() {
+    using Way = Picture::Way;
+    return {row::Text("file", scene_.picture.file),
+            [this](TableReader& reader) {
+              if (!reader.Has("file") || reader.IsFaulty("file")) return;
+              if (scene_.picture.file.ends_with(".png")) return;
+              reader.Fault(reader.At("file"), "file", "expected the name of a .png file");
+            },
+            row::Bool("at_teardown", scene_.picture.at_teardown),
+            row::Bool("scan", scene_.picture.scan),
+            row::Choice("way", scene_.picture.way, {{"state", Way::kState}, {"time", Way::kTime}})};
   }
 
   void ReadMotion(TableReader& reader) {
@@ -232,8 +232,8 @@ class Reader {
 
   Carry ReadCarry(TableReader& reader) {
     Pose2 pose;
-    Set(pose.position_m, keys::Pair(reader, "place_m"));
-    Set(pose.yaw_rad, keys::Angle(reader, "yaw_deg"));
+    keys::ReadSome(reader,
+                   {keys::Point("place_m", pose.position_m), keys::Angle("yaw_deg", pose.yaw_rad)});
     placed_.push_back({pose, reader.At("place_m"), reader.path() + ".place_m"});
     return {pose};
   }

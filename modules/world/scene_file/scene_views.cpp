@@ -1,7 +1,7 @@
 // Reads the lighting and the cameras of a scene.
 
 #include <cmath>
-#include <utility>
+#include <optional>
 
 #include "musher/modules/world/scene_file/scene_keys.hpp"
 #include "musher/modules/world/scene_file/scene_things.hpp"
@@ -9,9 +9,10 @@
 namespace musher::world {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
+using config_toml::Rows;
 using config_toml::TableReader;
-using keys::Set;
 
 constexpr int kLeastPx = 16;
 constexpr int kMostPx = 4096;
@@ -20,29 +21,25 @@ constexpr double kMostViewHz = 50;  // a shot in each step of the world
 constexpr double kWidestPinholeDeg = 150;
 constexpr double kWidestFisheyeDeg = 220;
 
-void ReadGround(TableReader& reader, const std::string& folder, Findings& findings,
-                Ground& ground) {
-  using Texture = Ground::Texture;
-  Set(ground.texture, reader.Choice<Texture>("texture", {{"plain", Texture::kPlain},
-                                                         {"checker", Texture::kChecker},
-                                                         {"grass", Texture::kGrass},
-                                                         {"picture", Texture::kPicture}}));
-  if (ground.texture == Texture::kGrass) {
-    ground.color = {98, 134, 60};
-    ground.other_color = {64, 98, 40};
-  }
-  Set(ground.color, keys::ReadColor(reader, "color", findings));
-  Set(ground.other_color, keys::ReadColor(reader, "other_color", findings));
-  Set(ground.tile_m, keys::Length(reader, "tile_m"));
-  Set(ground.finest_per_m, reader.Number("texels_per_m", 1, 2000));
-  const bool picture = ground.texture == Texture::kPicture;
+void TakeGrass(Ground& ground) {
+  if (ground.texture != Ground::Texture::kGrass) return;
+  ground.color = {98, 134, 60};
+  ground.other_color = {64, 98, 40};
+}
+
+// The picture, and where it is laid out.
+void ReadPicture(TableReader& reader, const std::string& folder, Ground& ground) {
+  const bool picture = ground.texture == Ground::Texture::kPicture;
+  std::optional<Eigen::Vector2d> x;
+  std::optional<Eigen::Vector2d> y;
   if (picture) reader.Require("file", "a picture, relative to the scene");
-  Set(ground.file, keys::PictureFile(reader, "file", folder));
-  const auto x = keys::Range(reader, "x_m", keys::kSmallestM);
-  const auto y = keys::Range(reader, "y_m", keys::kSmallestM);
+  keys::ReadSome(
+      reader, {keys::PictureFile("file", ground.file, folder),
+               keys::Range("x_m", x, keys::kSmallestM), keys::Range("y_m", y, keys::kSmallestM)});
   ground.once = x && y;
   if (reader.Has("x_m") != reader.Has("y_m")) {
-    reader.Fault(reader.At(reader.Has("x_m") ? "x_m" : "y_m"), reader.Has("x_m") ? "x_m" : "y_m",
+    const char* key = reader.Has("x_m") ? "x_m" : "y_m";
+    reader.Fault(reader.At(key), key,
                  "expected x_m and y_m together: where the picture is laid out");
   }
   if (ground.once) {
@@ -56,32 +53,43 @@ void ReadGround(TableReader& reader, const std::string& folder, Findings& findin
   }
 }
 
-void ReadLight(TableReader& reader, Findings& findings, Lighting& light) {
-  Set(light.brightness, reader.Number("brightness", 0, 10));
-  Set(light.temperature_k, reader.Number("temperature_k", 1500, 20'000));
-  Set(light.yaw_rad, keys::Angle(reader, "yaw_deg"));
-  Set(light.height_rad, keys::Angle(reader, "height_deg", 5, 90));
-  Set(light.ambient, keys::Share(reader, "ambient"));
-  Set(light.gradient, keys::Share(reader, "gradient"));
-  Set(light.gradient_yaw_rad, keys::Angle(reader, "gradient_yaw_deg"));
-  Set(light.shadows, reader.Bool("shadows"));
-  Set(light.sky, keys::ReadColor(reader, "sky", findings));
+Rows GroundRows(const std::string& folder, Findings& findings, Ground& ground) {
+  using Texture = Ground::Texture;
+  return {
+      row::Choice("texture", ground.texture,
+                  {{"plain", Texture::kPlain},
+                   {"checker", Texture::kChecker},
+                   {"grass", Texture::kGrass},
+                   {"picture", Texture::kPicture}}),
+      [&](TableReader&) { TakeGrass(ground); },
+      keys::Colour("color", ground.color, findings),
+      keys::Colour("other_color", ground.other_color, findings),
+      keys::Length("tile_m", ground.tile_m),
+      row::Number("texels_per_m", ground.finest_per_m, 1, 2000),
+      [&](TableReader& reader) { ReadPicture(reader, folder, ground); },
+  };
 }
 
-void ReadFieldOfView(TableReader& reader, CameraSpec& camera) {
-  const auto degrees = reader.Number("hfov_deg", 5, kWidestFisheyeDeg);
-  if (degrees) camera.hfov_rad = *degrees * M_PI / 180;
-  if (camera.model == CameraModel::kFisheye) return;
-  if (camera.hfov_rad <= kWidestPinholeDeg * M_PI / 180) return;
-  reader.Fault(reader.At("hfov_deg"), "hfov_deg",
-               "expected at most 150 of a pinhole; a fisheye may have 220");
+Rows LightRows(Findings& findings, Lighting& light) {
+  return {
+      row::Number("brightness", light.brightness, 0, 10),
+      row::Number("temperature_k", light.temperature_k, 1500, 20'000),
+      keys::Angle("yaw_deg", light.yaw_rad),
+      keys::Angle("height_deg", light.height_rad, 5, 90),
+      keys::Share("ambient", light.ambient),
+      keys::Share("gradient", light.gradient),
+      keys::Angle("gradient_yaw_deg", light.gradient_yaw_rad),
+      row::Bool("shadows", light.shadows),
+      keys::Colour("sky", light.sky, findings),
+  };
 }
 
 void ReadMount(TableReader& reader, bool has_head, bool is_front, CameraSpec& camera) {
   constexpr double kFarthestOnBodyM = 2;
-  Set(camera.on, reader.Choice<CameraMount>("on", {{"body", CameraMount::kBody},
-                                                   {"head", CameraMount::kHead},
-                                                   {"place", CameraMount::kPlace}}));
+  row::Choice(
+      "on", camera.on,
+      {{"body", CameraMount::kBody}, {"head", CameraMount::kHead}, {"place", CameraMount::kPlace}})(
+      reader);
   const bool in_place = camera.on == CameraMount::kPlace;
   if (camera.on == CameraMount::kHead && !has_head) {
     reader.Fault(reader.At("on"), "on", "there is no head without [humanoid]");
@@ -96,55 +104,56 @@ void ReadMount(TableReader& reader, bool has_head, bool is_front, CameraSpec& ca
   }
   const double farthest_m = in_place ? keys::kFarthestM : kFarthestOnBodyM;
   const double lowest_m = in_place ? keys::kSmallestM : -kFarthestOnBodyM;
-  Set(camera.position_m.x(), reader.Number("x_m", -farthest_m, farthest_m));
-  Set(camera.position_m.y(), reader.Number("y_m", -farthest_m, farthest_m));
-  Set(camera.position_m.z(), reader.Number("z_m", lowest_m, farthest_m));
-  Set(camera.yaw_rad, keys::Angle(reader, "yaw_deg"));
-  Set(camera.pitch_rad, keys::Angle(reader, "pitch_deg", -90, 90));
-  Set(camera.roll_rad, keys::Angle(reader, "roll_deg"));
+  keys::ReadSome(reader, {row::Number("x_m", camera.position_m.x(), -farthest_m, farthest_m),
+                          row::Number("y_m", camera.position_m.y(), -farthest_m, farthest_m),
+                          row::Number("z_m", camera.position_m.z(), lowest_m, farthest_m),
+                          keys::Angle("yaw_deg", camera.yaw_rad),
+                          keys::Angle("pitch_deg", camera.pitch_rad, -90, 90),
+                          keys::Angle("roll_deg", camera.roll_rad)});
 }
 
-void ReadCamera(TableReader& reader, bool has_head, bool is_front, CameraSpec& camera) {
-  Set(camera.enabled, reader.Bool("enabled"));
-  ReadMount(reader, has_head, is_front, camera);
-  Set(camera.model, reader.Choice<CameraModel>("model", {{"pinhole", CameraModel::kPinhole},
-                                                         {"fisheye", CameraModel::kFisheye}}));
-  const auto pixels = [&](const char* key, int& field) {
-    const auto count = reader.Integer(key, kLeastPx, kMostPx);
-    if (count) field = static_cast<int>(*count);
+Rows CameraRows(bool has_head, bool is_front, CameraSpec& camera) {
+  return {
+      row::Bool("enabled", camera.enabled),
+      [=, &camera](TableReader& reader) { ReadMount(reader, has_head, is_front, camera); },
+      row::Choice("model", camera.model,
+                  {{"pinhole", CameraModel::kPinhole}, {"fisheye", CameraModel::kFisheye}}),
+      row::Integer("width_px", camera.width_px, kLeastPx, kMostPx),
+      row::Integer("height_px", camera.height_px, kLeastPx, kMostPx),
+      row::Degrees("hfov_deg", camera.hfov_rad, 5, kWidestFisheyeDeg),
+      row::Check(
+          "hfov_deg",
+          [&camera] {
+            return camera.model == CameraModel::kFisheye ||
+                   camera.hfov_rad <= kWidestPinholeDeg * M_PI / 180;
+          },
+          "expected at most 150 of a pinhole; a fisheye may have 220"),
+      row::Number("rate_hz", camera.rate_hz, kLeastViewHz, kMostViewHz),
+      row::Number("noise", camera.noise, 0, 64),
+      row::Number("exposure", camera.exposure, 0, 10),
+      keys::Share("vignette", camera.vignette),
   };
-  pixels("width_px", camera.width_px);
-  pixels("height_px", camera.height_px);
-  ReadFieldOfView(reader, camera);
-  Set(camera.rate_hz, reader.Number("rate_hz", kLeastViewHz, kMostViewHz));
-  Set(camera.noise, reader.Number("noise", 0, 64));
-  Set(camera.exposure, reader.Number("exposure", 0, 10));
-  Set(camera.vignette, keys::Share(reader, "vignette"));
 }
 
 }  // namespace
 
-void ReadRobotCamera(TableReader& reader, CameraSpec& camera) {
-  ReadCamera(reader, false, true, camera);
+Rows RobotCameraRows(CameraSpec& camera) {
+  return CameraRows(false, true, camera);
 }
 
 void ReadViews(TableReader& root, const std::string& folder, Findings& findings, Scene& scene) {
-  keys::Section(root, "ground", findings,
-                [&](TableReader& reader) { ReadGround(reader, folder, findings, scene.ground); });
-  keys::Section(root, "light", findings,
-                [&](TableReader& reader) { ReadLight(reader, findings, scene.light); });
   using Late = CameraSet::Late;
-  keys::Section(root, "cameras", findings, [&](TableReader& reader) {
-    Set(scene.cameras.late,
-        reader.Choice<Late>("late", {{"skip", Late::kSkip}, {"wait", Late::kWait}}));
-  });
-  keys::Section(root, "camera", findings, [&](TableReader& reader) {
-    for (std::size_t i = 0; i < kCameras; ++i) {
-      keys::Section(reader, kCameraNames[i], findings, [&](TableReader& camera) {
-        ReadCamera(camera, scene.humanoid.has_value(), i == 0, scene.cameras.cameras[i]);
-      });
-    }
-  });
+  Rows cameras;
+  for (std::size_t i = 0; i < kCameras; ++i) {
+    cameras.push_back(row::Sub(
+        kCameraNames[i], CameraRows(scene.humanoid.has_value(), i == 0, scene.cameras.cameras[i])));
+  }
+  keys::ReadSome(
+      root, {row::Sub("ground", GroundRows(folder, findings, scene.ground)),
+             row::Sub("light", LightRows(findings, scene.light)),
+             row::Sub("cameras", {row::Choice("late", scene.cameras.late,
+                                              {{"skip", Late::kSkip}, {"wait", Late::kWait}})}),
+             row::Sub("camera", cameras)});
 }
 
 }  // namespace musher::world

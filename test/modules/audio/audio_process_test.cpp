@@ -16,19 +16,15 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/audio/sound_file.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/modules/module_process.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 #include "musher/transport/clock.hpp"
 
 namespace musher::audio::audio_process_test {
 
-using msg::ActuatorCommand;
 using ::testing::HasSubstr;
 
-const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
-                                             "Active",   "DeActive", "Protected",
-                                             "LowPower", "OTA",      "Error"};
 const std::string kPhrases = "phrases = \"" + SourceDir() + "/config/audio/phrases.toml\"\n";
 const std::string kWav = "output = \"wav\"\nfolder = \"spoken\"\n" + kPhrases;
 
@@ -40,48 +36,32 @@ const std::string kLongText =
 using Answer = std::optional<Result<msg::AudioTextPlay::Response>>;
 using Response = msg::AudioTextPlay::Response;
 
-class AudioManagerProcess : public ::testing::Test {
+class AudioManagerProcess : public test::ModuleProcess {
  protected:
+  AudioManagerProcess() : ModuleProcess("audio", "musher-audio-manager") {}
+
   void Start(const std::string& file) {
-    peer_.Start(file);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-    Listen();
+    ASSERT_NO_FATAL_FAILURE(ModuleProcess::Start(file));
+    OpenTopics();
   }
   // On the time of a world, which begins to publish it.
   void StartInAWorld(const std::string& file) {
-    const std::string config = peer_.folder() / "world.toml";
-    std::ofstream(config) << R"([controller]
-actuators = ["audio"]
-states = ["SetUp", "Active"]
-default_time = 20000
-default_state = "Uninitialized"
-clock = "topic"
-[actuator.audio]
-states = ["SetUp", "Active"]
-times = [20000, 20000]
-)";
-    const std::string module = peer_.folder() / "module.toml";
-    std::ofstream(module) << file;
-    peer_.StartWith({"--actuator", "audio", "--config", config, module});
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-    Listen();
-    world_ =
-        transport::MakePublisher<msg::Clock>(peer_.node(), "clock", transport::kClockQos).value();
+    ASSERT_NO_FATAL_FAILURE(StartOnWorldTime(file));
+    OpenTopics();
+    world_ = Publisher<msg::Clock>("clock", transport::kClockQos);
     ticker_ = peer_.node().loop().Every(Milliseconds(5), [this] {
       static_cast<void>(world_->Publish({msg::ToStamp(world_time_ += world_step_)}));
     });
   }
 
-  void Listen() {
-    transport::Node& node = peer_.node();
-    text_ = transport::MakeClient<msg::AudioTextPlay>(node, "speech_text_play").value();
-    play_ = transport::MakePublisher<msg::AudioPlay>(node, "speech_play").value();
-    report_ = transport::MakeSubscription<msg::Bool>(
-                  node, "audio_notification_report",
-                  [this](const msg::Bool& report, const auto&) { sounds_ = report.data; })
-                  .value();
+  void OpenTopics() {
+    text_ = transport::MakeClient<msg::AudioTextPlay>(peer_.node(), "speech_text_play").value();
+    play_ = Publisher<msg::AudioPlay>("speech_play");
+    Subscribe<msg::Bool>("audio_notification_report",
+                         [this](const msg::Bool& report) { sounds_ = report.data; });
     ASSERT_TRUE(peer_.Until([this] {
-      return text_->Ready() && play_->MatchedReaders() > 0 && report_->MatchedWriters() > 0;
+      return text_->Ready() && play_->MatchedReaders() > 0 &&
+             subscriptions_.back()->MatchedWriters() > 0;
     }));
   }
   void RequestText(const msg::AudioTextPlay::Request& request, Answer& answer) {
@@ -97,32 +77,27 @@ times = [20000, 20000]
     return there && *answer ? answer->value() : Response{255, -1};
   }
   // Waits for a log line that begins so: what plays may still be the sound before.
-  bool AwaitWords(const std::string& words) {
-    return peer_.Until(
-        [&] { return peer_.Output().find("plays \"" + words) != std::string::npos; });
-  }
-  Response Said(const std::string& text) {
+  bool AwaitWords(const std::string& words) { return AwaitOutput("plays \"" + words); }
+  Response ReplyTo(const std::string& text) {
     Answer answer;
     Say(text, answer);
     return Await(answer);
   }
   std::string Spoken(const std::string& name) const { return peer_.folder() / ("spoken/" + name); }
 
-  test::ActuatorPeer peer_{"audio", kAllStates, "musher-audio-manager"};
   bool sounds_ = false;
   Duration world_time_ = std::chrono::seconds(1'000);
   Duration world_step_{};  // of each 5 ms
   std::unique_ptr<transport::Publisher<msg::Clock>> world_;
   std::unique_ptr<transport::Client<msg::AudioTextPlay>> text_;
   std::unique_ptr<transport::Publisher<msg::AudioPlay>> play_;
-  std::unique_ptr<transport::Subscription> report_;
   transport::LoopHandlePtr ticker_;
 };
 
 TEST_F(AudioManagerProcess, AnswersATextWhenItsSoundHasEnded) {
   Start(kWav);
   const Time begun = std::chrono::steady_clock::now();
-  EXPECT_EQ(Said("Good morning"), (Response{0, 0})) << peer_.Output();
+  EXPECT_EQ(ReplyTo("Good morning"), (Response{0, 0})) << peer_.Output();
   const Duration took = std::chrono::steady_clock::now() - begun;
   const Result<Sound> received = ReadSound(Spoken("0001.wav"));
   ASSERT_TRUE(received);
@@ -132,13 +107,11 @@ TEST_F(AudioManagerProcess, AnswersATextWhenItsSoundHasEnded) {
 
 TEST_F(AudioManagerProcess, SpeaksInEveryStateAndFallsSilentAtTearDown) {
   Start("output = \"silent\"\n" + kPhrases);
-  for (const BuiltInState state : {kSelfCheck, kActive, kDeActive, kProtected, kOta, kError}) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done);
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone) << state << peer_.Output();
+  for (const BuiltInState state :
+       {kSelfCheck, kActive, kDeActive, kProtected, kOta, kError, kLowPower}) {
+    ExpectDone(state);
   }
-  EXPECT_EQ(peer_.Switch("LowPower").value().verdict, ActuatorCommand::kVerdictDone);
-  EXPECT_EQ(Said("One"), (Response{0, 0}));
+  EXPECT_EQ(ReplyTo("One"), (Response{0, 0}));
   Answer answer;
   Say(kLongText, answer);
   ASSERT_TRUE(AwaitWords(kLongText.substr(0, 20)));
@@ -150,12 +123,8 @@ TEST_F(AudioManagerProcess, SpeaksInEveryStateAndFallsSilentAtTearDown) {
 
 TEST_F(AudioManagerProcess, SwitchesVoiceControlOffForAnUpgrade) {
   Start("output = \"silent\"\n" + kPhrases);
-  EXPECT_EQ(peer_.Switch("OTA").value().verdict, ActuatorCommand::kVerdictDone);
-  const auto client = transport::MakeClient<msg::Trigger>(peer_.node(), "audio_action_get").value();
-  std::optional<Result<msg::Trigger::Response>> answer;
-  client->Call({}, std::chrono::seconds(20), [&](auto reply) { answer = reply; });
-  ASSERT_TRUE(peer_.Until([&] { return answer.has_value(); }));
-  EXPECT_EQ(answer->value(), (msg::Trigger::Response{false, "off"}));
+  ExpectDone("OTA");
+  EXPECT_EQ(Call<msg::Trigger>("audio_action_get", {}), (msg::Trigger::Response{false, "off"}));
 }
 
 TEST_F(AudioManagerProcess, IsInterruptedByATopic) {
@@ -173,8 +142,7 @@ TEST_F(AudioManagerProcess, PlaysTheCuesOfTheWedding) {
   const std::string config = SourceDir() + "/config/audio/";
   Start("output = \"silent\"\nlanguage = \"zh\"\n" + kPhrases +
         "[[cues]]\ntopic = \"/wedding/audio/play\"\nfile = \"" + config + "wedding_cues.toml\"\n");
-  const auto cues =
-      transport::MakePublisher<msg::String>(peer_.node(), "wedding/audio/play").value();
+  const auto cues = Publisher<msg::String>("wedding/audio/play");
   ASSERT_TRUE(peer_.Until([&] { return cues->MatchedReaders() > 0; }));
   ASSERT_TRUE(cues->Publish({"hiccup"}));
   ASSERT_TRUE(cues->Publish({"greeting"}));
@@ -187,7 +155,7 @@ TEST_F(AudioManagerProcess, PlaysTheCuesOfTheWedding) {
 TEST_F(AudioManagerProcess, UsesTheWorldsClockAndAnswersAfterTenSecondsOfIt) {
   StartInAWorld("output = \"silent\"\n" + kPhrases);
   world_step_ = Milliseconds(10);
-  EXPECT_EQ(Said("One"), (Response{0, 0})) << "as the world's time advances";
+  EXPECT_EQ(ReplyTo("One"), (Response{0, 0})) << "as the world's time advances";
   world_step_ = Duration::zero();
   std::string text;
   for (int i = 0; i < 150; ++i) text += "word ";
@@ -195,7 +163,7 @@ TEST_F(AudioManagerProcess, UsesTheWorldsClockAndAnswersAfterTenSecondsOfIt) {
   Say(text, answer);
   ASSERT_TRUE(AwaitWords("word word"));
   world_time_ += Milliseconds(9'900);
-  EXPECT_EQ(Said(""), (Response{1, 5024}));
+  EXPECT_EQ(ReplyTo(""), (Response{1, 5024}));
   EXPECT_FALSE(answer);
   world_time_ += Milliseconds(200);
   EXPECT_EQ(Await(answer), (Response{1, 5007}));
@@ -203,9 +171,9 @@ TEST_F(AudioManagerProcess, UsesTheWorldsClockAndAnswersAfterTenSecondsOfIt) {
 
 TEST_F(AudioManagerProcess, RefusesInvalidRequestsEachWithItsCode) {
   Start("output = \"silent\"\n" + kPhrases);
-  EXPECT_EQ(Said(""), (Response{1, 5024}));
-  EXPECT_EQ(Said(std::string(10'240, 'x')), (Response{1, 5025}));
-  EXPECT_EQ(Said("a\xFF"), (Response{1, 5026}));
+  EXPECT_EQ(ReplyTo(""), (Response{1, 5024}));
+  EXPECT_EQ(ReplyTo(std::string(10'240, 'x')), (Response{1, 5025}));
+  EXPECT_EQ(ReplyTo("a\xFF"), (Response{1, 5026}));
   Answer unknown;
   RequestText({"test", false, {"test", 4711}, ""}, unknown);
   EXPECT_EQ(Await(unknown), (Response{1, 5023}));
@@ -214,35 +182,29 @@ TEST_F(AudioManagerProcess, RefusesInvalidRequestsEachWithItsCode) {
 
 TEST_F(AudioManagerProcess, ContinuesWithoutItsOutputAndLogsItOnce) {
   Start(kWav);
-  EXPECT_EQ(Said("One"), (Response{0, 0}));
+  EXPECT_EQ(ReplyTo("One"), (Response{0, 0}));
   std::filesystem::remove_all(peer_.folder() / "spoken");
   std::ofstream(peer_.folder() / "spoken") << "in the way";
-  EXPECT_EQ(Said("Two"), (Response{1, 5012}));
-  EXPECT_EQ(Said("Three"), (Response{1, 5012}));
+  EXPECT_EQ(ReplyTo("Two"), (Response{1, 5012}));
+  EXPECT_EQ(ReplyTo("Three"), (Response{1, 5012}));
   const std::string log = peer_.Output();
   EXPECT_EQ(log.find("is not played"), log.rfind("is not played")) << log;
   EXPECT_EQ(peer_.Switch("SelfCheck").value().code, 5109);
   std::filesystem::remove(peer_.folder() / "spoken");
-  EXPECT_EQ(Said("Four"), (Response{0, 0}));
+  EXPECT_EQ(ReplyTo("Four"), (Response{0, 0}));
   EXPECT_EQ(peer_.Switch("SelfCheck").value().code, 0);
   EXPECT_THAT(peer_.Output(), HasSubstr("the sound device is available again"));
 }
 
 TEST_F(AudioManagerProcess, FailsItsSelfCheckWhereAVoiceIsMissing) {
   Start("output = \"silent\"\n" + kPhrases + "[voice]\nchinese = \"unknown\"\n");
-  const auto checked = peer_.Switch("SelfCheck");
-  ASSERT_TRUE(checked);
-  EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
-  EXPECT_EQ(checked.value().code, 5009);
-  EXPECT_EQ(checked.value().message, "espeak-ng: there is no voice \"unknown\"");
-  EXPECT_EQ(Said("早上好"), (Response{1, 5027}));
-  EXPECT_EQ(Said("One"), (Response{0, 0}));
+  EXPECT_EQ(Failure("SelfCheck"), "5009 espeak-ng: there is no voice \"unknown\"");
+  EXPECT_EQ(ReplyTo("早上好"), (Response{1, 5027}));
+  EXPECT_EQ(ReplyTo("One"), (Response{0, 0}));
 }
 
 TEST_F(AudioManagerProcess, ReportsAnInvalidFileAndExitsWithTwo) {
-  peer_.Start("output = \"radio\"\n" + kPhrases);
-  EXPECT_EQ(peer_.AwaitExit(), 2);
-  EXPECT_THAT(peer_.Output(), HasSubstr("audio.toml:1:10: error: output"));
+  ExpectRefused("output = \"radio\"\n" + kPhrases, "audio.toml:1:10: error: output");
 }
 
 // Its errors are in its output.

@@ -150,7 +150,7 @@ TEST_F(SpeechGoals, AreLostWhenTheModuleExits) {
   Seen seen;
   SendText(std::string(90, 'a'), seen);
   network_.RunFor(Milliseconds(500));
-  network_.Crash(*dog_);
+  network_.Crash(*robot_);
   network_.RunUntil([&] { return seen.outcome.has_value(); },
                     network_.now() + std::chrono::seconds(60));
   ASSERT_TRUE(seen.outcome);

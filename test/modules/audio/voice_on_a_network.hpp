@@ -12,7 +12,7 @@
 
 #include "musher/modules/audio/audio_shell.hpp"
 #include "musher/test/modules/audio/harness.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/module_on_network.hpp"
 
 namespace musher::audio::testing {
 
@@ -36,24 +36,23 @@ class StandInMaker : public SoundMaker {
   transport::LoopHandlePtr timer_;
 };
 
-class VoiceOnANetwork : public ::testing::Test {
+class VoiceOnANetwork : public test::ModuleOnNetwork {
  protected:
   VoiceOnANetwork() {
     config_.phrases = ThePhrases();
     config_.cue_topics = TheCueTopics();
-    shell_ = AudioShell::Make(
-                 {*dog_, *clock_, "dog1", [this](const std::string& line) { log_ += line + "\n"; }},
-                 config_, maker_, output_)
+    shell_ = AudioShell::Make({*robot_, *clock_, "dog1",
+                               [this](const std::string& line) { log_ += line + "\n"; }},
+                              config_, maker_, output_)
                  .value();
     report_ = transport::MakeSubscription<msg::Bool>(
                   *desk_, "dog1/audio_notification_report",
                   [this](const msg::Bool& report, const auto&) { reports_.push_back(report.data); })
                   .value();
-    play_ = transport::MakePublisher<msg::AudioPlay>(*desk_, "dog1/speech_play").value();
-    extended_ =
-        transport::MakePublisher<msg::AudioPlayExtend>(*desk_, "dog1/speech_play_extend").value();
+    play_ = Publisher<msg::AudioPlay>("dog1/speech_play");
+    extended_ = Publisher<msg::AudioPlayExtend>("dog1/speech_play_extend");
     text_ = transport::MakeClient<msg::AudioTextPlay>(*desk_, "dog1/speech_text_play").value();
-    network_.RunFor(Milliseconds(500));  // discovery
+    Run(Milliseconds(500));  // discovery
   }
 
   using Answer = std::optional<msg::AudioTextPlay::Response>;
@@ -70,20 +69,11 @@ class VoiceOnANetwork : public ::testing::Test {
 
   template <msg::Service S>
   typename S::Response Call(const std::string& service, const typename S::Request& request) {
-    const auto client = transport::MakeClient<S>(*desk_, "dog1/" + service).value();
-    std::optional<Result<typename S::Response>> answer;
-    client->Call(request, Milliseconds(5000), [&answer](auto reply) { answer = reply; });
-    network_.RunUntil([&] { return answer.has_value(); }, network_.now() + Milliseconds(6000));
-    EXPECT_TRUE(answer && *answer) << service;
-    return answer && *answer ? answer->value() : typename S::Response{};
+    return ModuleOnNetwork::Call<S>("dog1/" + service, request);
   }
 
-  transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(dog_->loop());
   AudioConfig config_;
-  StandInMaker maker_{dog_->loop()};
+  StandInMaker maker_{robot_->loop()};
   SilentOutput output_{*clock_};
   std::string log_;
   std::vector<bool> reports_;

@@ -45,7 +45,7 @@ class Skills : public SkillsActuator {
                        *LoadSkills(robot->config(), *robot, RegisterAll).entries),
         robot_(std::move(robot)) {}
 
-  bool steps() const { return stepping(); }
+  bool steps() const { return ticking(); }
 
  private:
   std::unique_ptr<RosRobot> robot_;

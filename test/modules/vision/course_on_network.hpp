@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "musher/messages/stamp.hpp"
 #include "musher/modules/vision/course/course_topics.hpp"
+#include "musher/test/modules/module_on_network.hpp"
 #include "musher/test/modules/vision/faces.hpp"
-#include "musher/transport/sim/network.hpp"
 
 namespace musher::vision {
 
@@ -42,14 +41,8 @@ class FakeCourseWorker : public DetectorWorker<CourseProcessor> {
   std::function<void(DetectionResult<CourseProcessor>)> on_result;
 };
 
-class CourseTopicsTest : public ::testing::Test {
+class CourseTopicsTest : public test::ModuleOnNetwork {
  protected:
-  template <class T>
-  static T Must(Result<T> result) {
-    if (!result) ADD_FAILURE() << result.error().message;
-    return std::move(result).value();
-  }
-
   CourseTopicsTest() {
     entry_.name = "qr_detector";
     entry_.publish = "/qr_detector/qr_info";
@@ -61,14 +54,12 @@ class CourseTopicsTest : public ::testing::Test {
     worker_.on_result = [this](const DetectionResult<CourseProcessor>& result) {
       topics_->OnResult(result);
     };
-    pictures_ = Must(transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb",
-                                                          transport::kSensorDataQos));
-    infos_ = Must(transport::MakePublisher<msg::CameraInfo>(*desk_, "robot1/image_rgb/camera_info",
-                                                            transport::kSensorDataQos));
+    pictures_ = Publisher<msg::Image>("robot1/image_rgb", transport::kSensorDataQos);
+    infos_ = Publisher<msg::CameraInfo>("robot1/image_rgb/camera_info", transport::kSensorDataQos);
   }
 
   void Start(bool on = true) {
-    topics_ = Must(CourseTopics::Make(
+    topics_ = test::Must(CourseTopics::Make(
         {*robot_, *clock_, "robot1", [this] { return clock_->Now().time_since_epoch().count(); },
          [this](const Error& error) {
            log_.push_back(std::to_string(error.code) + " " + error.message);
@@ -77,12 +68,11 @@ class CourseTopicsTest : public ::testing::Test {
     EXPECT_TRUE(topics_->SetOn(on));
     Run(Milliseconds(500));  // discovery
   }
-  void Run(Duration duration) { network_.RunFor(duration); }
   // The camera sends so many, each 100 ms.
   void Shoot(int pictures = 1, const msg::Image& picture = Picture()) {
     for (int i = 0; i < pictures; ++i) {
       msg::Image shot = picture;
-      shot.header.stamp = msg::ToStamp(network_.now().time_since_epoch());
+      shot.header.stamp = Stamp();
       EXPECT_TRUE(pictures_->Publish(shot));
       Run(Milliseconds(100));
     }
@@ -91,10 +81,8 @@ class CourseTopicsTest : public ::testing::Test {
   std::unique_ptr<transport::Subscription> Listen(
       const std::string& topic, std::vector<M>& received,
       const transport::Qos& qos = transport::kDefaultQos) {
-    auto subscription = Must(transport::MakeSubscription<M>(
-        *desk_, topic, [&received](const M& message, const auto&) { received.push_back(message); },
-        qos));
-    Run(Milliseconds(500));
+    auto subscription = ModuleOnNetwork::Listen(topic, received, qos);
+    Run(Milliseconds(500));  // discovery
     return subscription;
   }
   std::string Failing() const {
@@ -103,10 +91,6 @@ class CourseTopicsTest : public ::testing::Test {
     return checked ? "" : checked.error().message;
   }
 
-  transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
   CourseEntry entry_;
   FakeCourseWorker worker_;
   std::vector<std::string> log_;

@@ -27,7 +27,7 @@ TEST_F(FaultyVision, SubscribesToPicturesOnlyWhileTheTextHasASubscriber) {
   StartWithCamera(kFaultyFile);
   EXPECT_TRUE(peer_.Until([&] { return camera_->MatchedReaders() == 0; }));
   std::optional<msg::String> text;
-  Listen("qr_detector/qr_info", text);
+  Watch("qr_detector/qr_info", text);
   EXPECT_TRUE(peer_.Until([&] { return text.has_value(); })) << peer_.Output();
   EXPECT_EQ(text->data, "found");
   ExpectDone("Protected");
@@ -36,17 +36,15 @@ TEST_F(FaultyVision, SubscribesToPicturesOnlyWhileTheTextHasASubscriber) {
   EXPECT_TRUE(peer_.Until([&] { return camera_->MatchedReaders() == 1; }));
   subscriptions_.clear();
   EXPECT_TRUE(peer_.Until([&] { return camera_->MatchedReaders() == 0; }));
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  ExpectTornDown();
 }
 
 TEST_F(FaultyVision, ExitsWithOneWhenADetectorOfACourseFailsRepeatedly) {
   StartWithCamera(kFaultyFile);
   std::optional<msg::String> text;
-  Listen("qr_detector/qr_info", text);
+  Watch("qr_detector/qr_info", text);
   SetDetector("throw");
-  ASSERT_TRUE(
-      peer_.Until([&] { return peer_.Output().find("detector is lost") != std::string::npos; }));
+  ASSERT_TRUE(AwaitOutput("detector is lost"));
   EXPECT_EQ(peer_.AwaitExit(), 1);
   EXPECT_THAT(peer_.Output(),
               HasSubstr("vision: warning: the detector is lost: board: 5 pictures in a row: the "
@@ -55,10 +53,10 @@ TEST_F(FaultyVision, ExitsWithOneWhenADetectorOfACourseFailsRepeatedly) {
 
 TEST_F(FaultyVision, HangsWhenADetectorOfACourseDoesNotReturn) {
   std::optional<msg::ActuatorHeartbeat> heartbeat;
-  Listen(transport::ActuatorHeartbeatTopic(""), heartbeat);
+  Watch(transport::ActuatorHeartbeatTopic(""), heartbeat);
   StartWithCamera(kFaultyFile);
   std::optional<msg::String> text;
-  Listen("qr_detector/qr_info", text);
+  Watch("qr_detector/qr_info", text);
   // It looks: the text's reader is discovered there, and then its reader of pictures here.
   ASSERT_TRUE(peer_.Until([&] { return text.has_value(); }))
       << "pictures have " << camera_->MatchedReaders() << " readers; " << peer_.Output();
@@ -70,8 +68,7 @@ TEST_F(FaultyVision, HangsWhenADetectorOfACourseDoesNotReturn) {
   SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
   EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorHeartbeat::kWorkWell; }));
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0);
+  ExpectTornDown();
 }
 
 constexpr const char* kCourseFile = R"(
@@ -102,9 +99,7 @@ class CourseProcess : public VisionProcess {
  protected:
   void StartCameras() {
     for (const char* topic : {"image_left", "image_rgb"}) {
-      cameras_.push_back(
-          transport::MakePublisher<msg::Image>(peer_.node(), topic, transport::kSensorDataQos)
-              .value());
+      cameras_.push_back(Publisher<msg::Image>(topic, transport::kSensorDataQos));
     }
     ticker_ = peer_.node().loop().Every(Milliseconds(100), [this] {
       picture_.header.stamp = msg::ToStamp(peer_.node().loop().Now().time_since_epoch());
@@ -121,9 +116,9 @@ TEST_F(CourseProcess, SeesTheLinesAndTheArrow) {
   std::optional<msg::YellowLines> lines;
   std::optional<msg::Sighting> arrow;
   std::optional<msg::Image> drawing;
-  Listen("yellow_line_detector/left", lines);
-  Listen("green_arrow_detector/sighting", arrow);
-  Listen("green_arrow_detector/debug_image", drawing);
+  Watch("yellow_line_detector/left", lines);
+  Watch("green_arrow_detector/sighting", arrow);
+  Watch("green_arrow_detector/debug_image", drawing);
   StartCameras();
   Start(kCourseFile);
   ExpectDone("SelfCheck");
@@ -136,8 +131,7 @@ TEST_F(CourseProcess, SeesTheLinesAndTheArrow) {
   EXPECT_EQ(arrow->text, "left");
   EXPECT_EQ(drawing->width, 640U);
   EXPECT_EQ(drawing->encoding, "bgr8");
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  ExpectTornDown();
 }
 
 TEST_F(CourseProcess, FailsItsSelfCheckWithTheDetectorThatHasNoPictures) {

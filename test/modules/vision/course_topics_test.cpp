@@ -191,7 +191,7 @@ TEST_F(CourseTopicsTest, CheckThemselvesWithoutASubscriber) {
   EXPECT_TRUE(topics_->SetChecked(true));
   Run(Milliseconds(100));
   EXPECT_EQ(Failing(), "no publisher of robot1/image_rgb");
-  pictures_ = Must(
+  pictures_ = test::Must(
       transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb", transport::kSensorDataQos));
   Run(Milliseconds(100));
   EXPECT_EQ(Failing(), "no picture came on robot1/image_rgb");
@@ -221,7 +221,7 @@ TEST_F(CourseTopicsTest, OfTwoDetectorsOnOneCameraAreIndependent) {
   second.on_result = [&](const DetectionResult<CourseProcessor>& result) {
     topics->OnResult(result);
   };
-  topics = Must(CourseTopics::Make(
+  topics = test::Must(CourseTopics::Make(
       {*robot_, *clock_, "robot1", [] { return std::int64_t{1}; }, [](const Error&) {}}, second,
       arrow, Milliseconds(2000)));
   EXPECT_TRUE(topics->SetOn(true));

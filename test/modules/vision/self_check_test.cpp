@@ -16,7 +16,7 @@ TEST_F(FaceTopicsTest, CheckThemselves) {
   EXPECT_TRUE(topics_->SetChecked(true));
   Run(Milliseconds(100));
   EXPECT_EQ(Failing(), "no publisher of robot1/image_rgb");
-  pictures_ = Must(
+  pictures_ = test::Must(
       transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb", transport::kSensorDataQos));
   Run(Milliseconds(100));
   EXPECT_EQ(Failing(), "no picture came on robot1/image_rgb");

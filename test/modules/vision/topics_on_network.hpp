@@ -6,18 +6,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "musher/messages/stamp.hpp"
 #include "musher/modules/vision/face_topics.hpp"
+#include "musher/test/modules/module_on_network.hpp"
 #include "musher/test/modules/vision/faces.hpp"
-#include "musher/transport/sim/network.hpp"
 
 namespace musher::vision {
-
-template <class T>
-T Must(Result<T> result) {
-  if (!result) ADD_FAILURE() << result.error().message;
-  return std::move(result).value();
-}
 
 class FakeDetectorWorker : public DetectorWorker<Detector> {
  public:
@@ -36,7 +29,7 @@ class FakeDetectorWorker : public DetectorWorker<Detector> {
   std::function<void(DetectionResult<Detector>)> on_result;
 };
 
-class FaceTopicsTest : public ::testing::Test {
+class FaceTopicsTest : public test::ModuleOnNetwork {
  protected:
   FaceTopicsTest() {
     config_.rate_hz = 0;
@@ -45,20 +38,18 @@ class FaceTopicsTest : public ::testing::Test {
     };
     target_ = Listen<msg::PointStamped>("wedding/perception/target", targets_);
     too_close_ = Listen<msg::Bool>("wedding/perception/too_close", closes_);
-    faces_ = Must(transport::MakeSubscription<msg::String>(
+    faces_ = test::Must(transport::MakeSubscription<msg::String>(
         *desk_, "wedding/perception/faces_json",
         [this](const msg::String& text, const auto&) {
           counts_.push_back(nlohmann::json::parse(text.data).at("count"));
         },
         transport::kSensorDataQos));
-    pictures_ = Must(transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb",
-                                                          transport::kSensorDataQos));
-    infos_ = Must(transport::MakePublisher<msg::CameraInfo>(*desk_, "robot1/image_rgb/camera_info",
-                                                            transport::kSensorDataQos));
+    pictures_ = Publisher<msg::Image>("robot1/image_rgb", transport::kSensorDataQos);
+    infos_ = Publisher<msg::CameraInfo>("robot1/image_rgb/camera_info", transport::kSensorDataQos);
   }
 
   void Start(bool on = true) {
-    topics_ = Must(FaceTopics::Make(
+    topics_ = test::Must(FaceTopics::Make(
         {*robot_, *clock_, "robot1", [this] { return clock_->Now().time_since_epoch().count(); },
          [this](const Error& error) {
            log_.push_back(std::to_string(error.code) + " " + error.message);
@@ -67,23 +58,15 @@ class FaceTopicsTest : public ::testing::Test {
     EXPECT_TRUE(topics_->SetOn(on));
     Run(Milliseconds(500));  // discovery
   }
-  void Run(Duration duration) { network_.RunFor(duration); }
   // The camera sends so many, each 100 ms, with the lens.
   void Shoot(int pictures = 1, const msg::Image& picture = Picture()) {
     for (int i = 0; i < pictures; ++i) {
       msg::Image shot = picture;
-      shot.header.stamp = msg::ToStamp(network_.now().time_since_epoch());
+      shot.header.stamp = Stamp();
       EXPECT_TRUE(infos_->Publish(info_));
       EXPECT_TRUE(pictures_->Publish(shot));
       Run(Milliseconds(100));
     }
-  }
-  template <msg::Message M>
-  std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
-                                                  std::vector<M>& received) {
-    return Must(transport::MakeSubscription<M>(
-        *desk_, topic,
-        [&received](const M& message, const auto&) { received.push_back(message); }));
   }
   void Forget() {
     targets_.clear();
@@ -97,10 +80,6 @@ class FaceTopicsTest : public ::testing::Test {
     return checked ? "" : checked.error().message;
   }
 
-  transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
   VisionConfig config_;
   msg::CameraInfo info_ = FrontInfo();
   FakeDetectorWorker worker_;

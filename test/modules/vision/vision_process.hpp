@@ -14,46 +14,21 @@
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/stamp.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/modules/module_process.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::vision {
 
-class VisionProcess : public ::testing::Test {
+class VisionProcess : public test::ModuleProcess {
  protected:
   explicit VisionProcess(const std::string& program = "musher-vision-manager")
-      : peer_("vision",
-              {"SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower",
-               "OTA", "Error"},
-              program) {}
+      : ModuleProcess("vision", program) {}
 
-  void Start(const std::string& file) {
-    peer_.Start(file);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-  }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, msg::ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
-  }
-  std::string Failure(const State& state) {
-    const auto done = peer_.Switch(state);
-    if (!done) return "no answer";
-    EXPECT_EQ(done.value().verdict, msg::ActuatorCommand::kVerdictFailed);
-    return std::to_string(done.value().code) + " " + done.value().message;
-  }
+  // The latest message of a stream.
   template <msg::Message M>
-  void Listen(const std::string& topic, std::optional<M>& last) {
-    subscriptions_.push_back(transport::MakeSubscription<M>(
-                                 peer_.node(), topic,
-                                 [&last](const M& message, const auto&) { last = message; },
-                                 transport::kSensorDataQos)
-                                 .value());
+  void Watch(const std::string& topic, std::optional<M>& last) {
+    Listen(topic, last, transport::kSensorDataQos);
   }
-
-  test::ActuatorPeer peer_;
-  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
 // For the message of a failed expectation.
@@ -76,9 +51,7 @@ class FaultyVision : public VisionProcess {
     rename((peer_.folder() / "detector.new").c_str(), (peer_.folder() / "detector").c_str());
   }
   void StartWithCamera(const std::string& file) {
-    camera_ =
-        transport::MakePublisher<msg::Image>(peer_.node(), "image_rgb", transport::kSensorDataQos)
-            .value();
+    camera_ = Publisher<msg::Image>("image_rgb", transport::kSensorDataQos);
     Start(file);
     picture_.width = 8;
     picture_.height = 8;

@@ -43,28 +43,16 @@ self_check_ms = 15000
 face_m = 0.208
 )";
 
-class VisionInWorld : public VisionProcess {
- protected:
-  void StartWorld() {
-    std::ofstream(peer_.folder() / "scene.toml") << kScene;
-    exec::ChildSpec spec;
-    spec.argv = {BinDir() + "/musher-world", peer_.folder() / "scene.toml", "--alone"};
-    spec.cwd = peer_.folder().path();
-    world_.emplace(exec::Child::Start(spec, reaper_).value());
-  }
-
-  const exec::Reaper reaper_ = exec::Reaper::Start().value();
-  std::optional<exec::Child> world_;
-};
+using VisionInWorld = VisionProcess;
 
 TEST_F(VisionInWorld, SeesTheFaceInTheWorldAndHowFarAwayItIs) {
   std::optional<msg::PointStamped> target;
   std::optional<msg::Bool> too_close;
   std::optional<msg::String> faces;
-  Listen("wedding/perception/target", target);
-  Listen("wedding/perception/too_close", too_close);
-  Listen("wedding/perception/faces_json", faces);
-  StartWorld();
+  Watch("wedding/perception/target", target);
+  Watch("wedding/perception/too_close", too_close);
+  Watch("wedding/perception/faces_json", faces);
+  StartWorld(kScene);
   Start(kFile);
   ExpectDone("SelfCheck");
   EXPECT_FALSE(target) << "a check is no looking";
@@ -77,15 +65,12 @@ TEST_F(VisionInWorld, SeesTheFaceInTheWorldAndHowFarAwayItIs) {
   EXPECT_FALSE(too_close->data);
   ASSERT_TRUE(
       peer_.Until([&] { return nlohmann::json::parse(faces->data).at("count").get<int>() == 1; }));
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  ExpectTornDown();
 }
 
 TEST_F(VisionInWorld, LooksInActiveOnlySoThatTheWorldNeedNotDraw) {
-  const auto camera = transport::MakePublisher<msg::Image>(peer_.node(), "world/camera/front",
-                                                           transport::kSensorDataQos)
-                          .value();
-  StartWorld();
+  const auto camera = Publisher<msg::Image>("world/camera/front", transport::kSensorDataQos);
+  StartWorld(kScene);
   Start(kFile);
   for (const BuiltInState state : {kDeActive, kProtected, kLowPower, kOta, kError}) {
     ExpectDone("Active");
@@ -109,9 +94,7 @@ TEST_F(VisionProcess, FailsItsSelfCheckAndDoesNotLookWithoutAModel) {
 }
 
 TEST_F(VisionProcess, IsNotStartedWithAnInvalidFile) {
-  peer_.Start("rate = 3\n");
-  EXPECT_EQ(peer_.AwaitExit(), 2);
-  EXPECT_THAT(peer_.Output(), HasSubstr("vision.toml:1:1: error: unknown key \"rate\""));
+  ExpectRefused("rate = 3\n", "vision.toml:1:1: error: unknown key \"rate\"");
 }
 
 constexpr const char* kFaultyFile =
@@ -120,8 +103,7 @@ constexpr const char* kFaultyFile =
 TEST_F(FaultyVision, ExitsWithOneWhenTheDetectorFailsRepeatedly) {
   StartWithCamera(kFaultyFile);
   SetDetector("throw");
-  ASSERT_TRUE(
-      peer_.Until([&] { return peer_.Output().find("detector is lost") != std::string::npos; }));
+  ASSERT_TRUE(AwaitOutput("detector is lost"));
   EXPECT_EQ(peer_.AwaitExit(), 1);
   EXPECT_THAT(
       peer_.Output(),
@@ -131,12 +113,7 @@ TEST_F(FaultyVision, ExitsWithOneWhenTheDetectorFailsRepeatedly) {
 
 TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
   std::optional<msg::ActuatorHeartbeat> heartbeat;
-  subscriptions_.push_back(
-      transport::MakeSubscription<msg::ActuatorHeartbeat>(
-          peer_.node(), transport::ActuatorHeartbeatTopic(""),
-          [&](const msg::ActuatorHeartbeat& message, const auto&) { heartbeat = message; },
-          transport::kHeartbeatQos)
-          .value());
+  Listen(transport::ActuatorHeartbeatTopic(""), heartbeat, transport::kHeartbeatQos);
   StartWithCamera(kFaultyFile);
   SetDetector("hang");
   ASSERT_TRUE(peer_.Until([&] {
@@ -146,8 +123,7 @@ TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
   SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
   EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorHeartbeat::kWorkWell; }));
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0);
+  ExpectTornDown();
 }
 
 }  // namespace musher::vision::vision_process_test

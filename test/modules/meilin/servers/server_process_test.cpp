@@ -9,48 +9,32 @@
 
 #include "musher/messages/r2_interfaces/arm_action.hpp"
 #include "musher/messages/std_msgs/multi_array.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/modules/module_process.hpp"
 #include "musher/transport/action.hpp"
 
 namespace musher::meilin::servers::server_process_test {
 
-using msg::ActuatorCommand;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 using transport::GoalEnd;
 
-const std::vector<std::string> kEveryState = {"SetUp",    "TearDown", "SelfCheck",
-                                              "Active",   "DeActive", "Protected",
-                                              "LowPower", "OTA",      "Error"};
-
-class ServerProcess : public ::testing::Test {
+class ServerProcess : public test::ModuleProcess {
  protected:
-  ServerProcess() : peer_("arm", kEveryState, "musher-meilin-server") {}
+  ServerProcess() : ModuleProcess("arm", "musher-meilin-server") {}
 
-  void Start(const std::string& file) {
-    peer_.Start(file);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-  }
   // The arm: each command is done after some reports.
   void OpenHardware() {
-    command_in_ = transport::MakeSubscription<msg::Float32MultiArray>(
-                      peer_.node(), "t0x0103_",
-                      [this](const msg::Float32MultiArray& message, const auto&) {
-                        commands_.push_back(message.data.at(0));
-                        reports_ = 0;
-                      })
-                      .value();
-    report_out_ = transport::MakePublisher<msg::Float32MultiArray>(peer_.node(), "r0x0203").value();
+    Subscribe<msg::Float32MultiArray>("t0x0103_", [this](const msg::Float32MultiArray& message) {
+      commands_.push_back(message.data.at(0));
+      reports_ = 0;
+    });
+    report_out_ = Publisher<msg::Float32MultiArray>("r0x0203");
     hardware_ = peer_.node().loop().Every(Milliseconds(10), [this] {
       msg::Float32MultiArray report;
       report.data = {++reports_ > takes_ ? 1.0F : 0.0F, 0, 0, 0, 0, 0, 0, 0, 0};
       EXPECT_TRUE(report_out_->Publish(report));
     });
-  }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
   }
   void Send(std::uint8_t command) {
     if (!client_) {
@@ -62,11 +46,9 @@ class ServerProcess : public ::testing::Test {
     client_->SendGoal({command, true, 60}, Milliseconds(10'000), std::move(events));
   }
 
-  test::ActuatorPeer peer_;
   std::vector<float> commands_;
   int reports_ = 1'000'000;
   int takes_ = 20;
-  std::unique_ptr<transport::Subscription> command_in_;
   std::unique_ptr<transport::Publisher<msg::Float32MultiArray>> report_out_;
   transport::LoopHandlePtr hardware_;
   std::unique_ptr<transport::ActionClient<msg::ArmAction>> client_;
@@ -89,23 +71,17 @@ TEST_F(ServerProcess, CarriesOutAGoalInActiveAndAbortsItOtherwise) {
   ASSERT_TRUE(peer_.Until([this] { return end_.has_value() && commands_.back() == 0; }));
   EXPECT_EQ(end_->end, GoalEnd::kAborted);
   EXPECT_EQ(end_->result.message, "Aborted: it is in Protected");
-  ExpectDone("TearDown");
-  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  ExpectTornDown();
 }
 
 TEST_F(ServerProcess, FailsItsSelfCheckWithoutHardware) {
   Start("server = \"arm\"\nself_check_ms = 100\n");
-  const auto done = peer_.Switch("SelfCheck");
-  ASSERT_TRUE(done);
-  EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictFailed);
-  EXPECT_EQ(done.value().code, 709);
-  EXPECT_THAT(done.value().message, HasSubstr("no publisher of r0x0203"));
+  EXPECT_THAT(Failure("SelfCheck"),
+              AllOf(StartsWith("709 "), HasSubstr("no publisher of r0x0203")));
 }
 
 TEST_F(ServerProcess, IsNotStartedWithAnInvalidFile) {
-  peer_.Start("server = \"amr\"\n");
-  EXPECT_EQ(peer_.AwaitExit(), 2);
-  EXPECT_THAT(peer_.Output(), HasSubstr("arm.toml:1:10: error: server"));
+  ExpectRefused("server = \"amr\"\n", "arm.toml:1:10: error: server");
 }
 
 TEST_F(ServerProcess, IsNotStartedWithoutAFile) {
