@@ -17,6 +17,7 @@
 //     if (const Photo* photo = photo_.In(tick)) ...
 //
 // The fields are recorded, replayed, saved and restored with the event.
+// Threads: that of the machine. Errors: bugs are asserted.
 
 #include <functional>
 #include <memory>

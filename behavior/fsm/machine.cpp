@@ -211,7 +211,7 @@ void Machine::DeclareStates() {
     Declaration transitions(*this, static_cast<StateId>(i));
     nodes_[i].handles.clear();
     nodes_[i].defers.clear();
-    const InTick guard(in_tick_);  // a state that calls its machine here is told so
+    const InTick guard(in_tick_);  // a state that calls its machine here gets an error
     try {
       nodes_[i].state->Declare(transitions);
     } catch (const std::exception& thrown) {

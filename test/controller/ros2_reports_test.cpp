@@ -126,8 +126,9 @@ TEST(TheLogOfRos2, HasWarningsAndErrorsOfTheController) {
 TEST(ParticipantsOfAnotherDds, AreNamedWithTheirProcess) {
   transport::sim::Network network{1};
   const auto node = network.MakeNode("robot");
-  EXPECT_THAT(DescribeOtherVendors(
-                  *node, {{1, 812, "dog1", 0x010f}, {2, 813, "dog1", 0x0110}, {3, 0, "", 0x0142}}),
+  const std::vector<transport::PeerInfo> peers = {
+      {1, 812, "dog1", 0x010f, ""}, {2, 813, "dog1", 0x0110, ""}, {3, 0, "", 0x0142, ""}};
+  EXPECT_THAT(DescribeOtherVendors(*node, peers),
               ElementsAre("a process runs another DDS (vendor 01.42)",
                           "process 812 of host dog1 runs Fast DDS"));
 }

@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "musher/test/modules/vision/course_pictures.hpp"
+#include "musher/test/support/nightly.hpp"
 
 namespace musher::vision::arrow_finder_test {
 
@@ -106,8 +107,8 @@ class ArrowBoard : public ::testing::Test {
 };
 
 TEST_F(ArrowBoard, IsReadFromHalfAMetreToThreeAndTurnedBy15Degrees) {
-  for (const double far_m : {0.6, 1.0, 2.0, 3.0}) {
-    for (const double yaw_deg : {-15.0, 0.0, 15.0}) {
+  for (const double far_m : testing::Ends({0.6, 1.0, 2.0, 3.0})) {
+    for (const double yaw_deg : testing::Ends({-15.0, 0.0, 15.0})) {
       EXPECT_EQ(Direction(Shot(true, far_m, yaw_deg)), "left") << far_m << " m " << yaw_deg;
       EXPECT_EQ(Direction(Shot(false, far_m, yaw_deg)), "right") << far_m << " m " << yaw_deg;
     }

@@ -10,6 +10,7 @@
 
 #include "musher/modules/vision/course/marker_tracker.hpp"
 #include "musher/test/modules/vision/course_pictures.hpp"
+#include "musher/test/support/nightly.hpp"
 
 namespace musher::vision::marker_finder_test {
 
@@ -91,8 +92,8 @@ TEST(HighSign, HasItsDistanceFromNearToFarAndTurned) {
   square(cv::Rect(50, 50, 200, 200)).setTo(kYellow);
   for (const auto& [name, picture] : {std::pair("round.png", round), {"square.png", square}}) {
     cv::imwrite(folder / name, picture);
-    for (const double far_m : {2.5, 3.0, 4.0, 5.0}) {
-      for (const double yaw_deg : {-20.0, 0.0, 20.0}) {
+    for (const double far_m : testing::Ends({2.5, 3.0, 4.0, 5.0})) {
+      for (const double yaw_deg : testing::Ends({-20.0, 0.0, 20.0})) {
         world::Scene scene = Hall();
         world::Board board = BoardAt(far_m, 0.3, yaw_deg, 0.65);
         board.sign = {world::Sign::Kind::kPicture, folder / name};

@@ -23,7 +23,7 @@ cv::Mat BoardShot(world::Sign::Kind kind, const std::string& content, double siz
 
 TEST(CodeOfABoard, IsReadFarAndTurnedByOneOfTheLooks) {
   int quick = 0, all = 0;
-  for (const double far_m : {0.6, 1.0, 1.5, 2.0, 2.9}) {
+  for (const double far_m : testing::Ends({0.6, 1.0, 1.5, 2.0, 2.9})) {
     for (const double yaw_deg : {-15.0, -8.0, 0.0, 8.0, 15.0}) {
       const cv::Mat bgr = BoardShot(world::Sign::Kind::kQr, "A-1", 0.4, far_m, yaw_deg);
       auto code = FindCode(bgr);
@@ -51,8 +51,8 @@ class Letters : public ::testing::Test {
 TEST_F(Letters, OfABoardAreReadFarAndTurned) {
   ASSERT_TRUE(reader_);
   for (const std::string word : {"A-1", "A-2", "B-1", "B-2"}) {
-    for (const double far_m : {0.6, 1.0, 2.0, 2.9}) {
-      for (const double yaw_deg : {-15.0, 0.0, 15.0}) {
+    for (const double far_m : testing::Ends({0.6, 1.0, 2.0, 2.9})) {
+      for (const double yaw_deg : testing::Ends({-15.0, 0.0, 15.0})) {
         EXPECT_EQ(Read(BoardShot(world::Sign::Kind::kText, word, 0.3, far_m, yaw_deg)), word)
             << far_m << " m " << yaw_deg;
       }

@@ -8,6 +8,7 @@
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/modules/world/render/shot.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/test/support/nightly.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::vision::wedding_scene_test {
@@ -46,7 +47,7 @@ class WeddingScene : public ::testing::Test {
 };
 
 TEST_F(WeddingScene, TheBrideIsSeenWhereSheStands) {
-  const std::vector<Sight> sights = Watch(9, 18);
+  const std::vector<Sight> sights = Watch(9, testing::Nightly() ? 18 : 12);
   ASSERT_TRUE(sights.back().target);
   const int bride = sights.back().target->id;
   int seen = 0;
