@@ -32,10 +32,10 @@ inline constexpr std::string_view kBack = "back";  // its word in the file
 // reaches other programs, too, and what they report of it may arrive before the robot's pause.
 inline constexpr Duration kStopGrace = Milliseconds(300);
 
-// A topic of a detector (modules/vision): a musher_msgs/Sighting or musher_msgs/YellowLines for
-// each picture.
+// A topic of a detector: of modules/vision a musher_msgs/Sighting or musher_msgs/YellowLines for
+// each picture; of any other node a std_msgs/String with a word when it sees one ("A-1", "left").
 struct Detector {
-  enum class Kind : std::uint8_t { kSighting, kLines };
+  enum class Kind : std::uint8_t { kSighting, kLines, kText };
 
   std::string name;
   std::string topic;

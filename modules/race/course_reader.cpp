@@ -162,9 +162,11 @@ class CourseReader {
   static Rows DetectorRows(Detector& detector) {
     using Kind = Detector::Kind;
     return {TopicRow("topic", detector.topic),
-            row::Required("type", "\"sighting\" or \"lines\"",
+            row::Required("type", "\"sighting\", \"lines\" or \"text\"",
                           row::Choice("type", detector.kind,
-                                      {{"sighting", Kind::kSighting}, {"lines", Kind::kLines}}))};
+                                      {{"sighting", Kind::kSighting},
+                                       {"lines", Kind::kLines},
+                                       {"text", Kind::kText}}))};
   }
 
   Rows CheckRuleRows() {
@@ -178,16 +180,19 @@ class CourseReader {
     };
   }
 
-  Row DetectorRow(Detector::Kind kind, Index& index) {
-    return [this, kind, &index](TableReader& table) {
+  // `or_text`: a detector of words will do, too.
+  Row DetectorRow(Detector::Kind kind, Index& index, bool or_text = false) {
+    return [this, kind, &index, or_text](TableReader& table) {
       table.Require("detector", "the name of a detector");
       const auto found = Reference(table, "detector", "detector", course().detectors);
       if (!found) return;
       index = *found;
-      if (course().detectors[index].kind == kind) return;
+      const Detector::Kind is = course().detectors[index].kind;
+      if (is == kind || (or_text && is == Detector::Kind::kText)) return;
       table.Fault(table.At("detector"), "detector",
                   course().detectors[index].name + " is not a detector of type \"" +
-                      (kind == Detector::Kind::kLines ? "lines" : "sighting") + "\"");
+                      (kind == Detector::Kind::kLines ? "lines" : "sighting") + "\"" +
+                      (or_text ? " or \"text\"" : ""));
     };
   }
 
@@ -246,7 +251,7 @@ class CourseReader {
   Rows WaitRows(TableReader& table, Wait& wait) {
     if (table.Has("time_ms")) return {row::Time("time_ms", wait.limit)};
     return {
-        DetectorRow(Detector::Kind::kSighting, wait.detector.emplace(0)),
+        DetectorRow(Detector::Kind::kSighting, wait.detector.emplace(0), true),
         ReferenceRow("result", "result", course().results, wait.result),
         row::Required("limit_ms", "milliseconds, or time_ms for a plain wait",
                       row::Time("limit_ms", wait.limit)),

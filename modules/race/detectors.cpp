@@ -43,6 +43,11 @@ void Detectors::Subscribe(Index detector) {
           handlers_.on_sighting(detector, sighting);
         },
         transport::kSensorDataQos);
+  } else if (rule.kind == Detector::Kind::kText) {
+    open.subscription = open.endpoints->Subscribe<msg::String>(
+        rule.topic,
+        [this, detector](const msg::String& text) { handlers_.on_text(detector, text.data); },
+        transport::kSensorDataQos);
   } else {
     open.subscription = open.endpoints->Subscribe<msg::YellowLines>(
         rule.topic,

@@ -11,6 +11,7 @@
 
 #include "musher/messages/musher_msgs/sighting.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/race/course.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -21,6 +22,7 @@ class Detectors {
   struct Handlers {
     std::function<void(Index detector, const msg::Sighting&)> on_sighting;
     std::function<void(Index detector, const msg::YellowLines&)> on_lines;
+    std::function<void(Index detector, const std::string& text)> on_text;
     std::function<void(const std::string&)> log;
   };
 

@@ -7,7 +7,9 @@ namespace musher::race {
 
 bool Perception::Takes(Index detector, Detector::Kind kind, Time taken) {
   if (detector >= open_.size() || !open_[detector]) return false;
-  if (course_.detectors[detector].kind != kind) return false;
+  const Detector::Kind expected = course_.detectors[detector].kind;
+  const bool is_word = kind == Detector::Kind::kSighting && expected == Detector::Kind::kText;
+  if (expected != kind && !is_word) return false;
   Watched& watched = watched_[detector];
   watched.received = true;
   watched.taken = taken;
@@ -56,7 +58,10 @@ std::optional<Index> Perception::EndTick(Duration now) {
       watched.received_at = now;
       watched.silent = Duration(0);
     }
-    if (watched.wanted && now - watched.received_at >= course_.check.silent) silent = i;
+    // A detector of words publishes when it sees one; the others for each picture.
+    const bool of_pictures = course_.detectors[i].kind != Detector::Kind::kText;
+    const bool is_silent = now - watched.received_at >= course_.check.silent;
+    if (watched.wanted && of_pictures && is_silent) silent = i;
   }
   if (changed) outputs_.Watch(open_);
   return silent;

@@ -12,7 +12,8 @@
 
 namespace musher::race {
 
-// What a detector has found in a picture, as of musher_msgs/Sighting.
+// What a detector has found in a picture, as of musher_msgs/Sighting; of a detector of words its
+// text alone.
 struct Sighting {
   bool seen = false;
   double distance_m = 0;  // NaN: not known

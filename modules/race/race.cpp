@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "musher/base/suggest.hpp"
+#include "musher/modules/race/command_words.hpp"
 #include "musher/modules/race/course_state.hpp"
 #include "musher/modules/race/printable.hpp"
 #include "musher/modules/race/recording.hpp"
@@ -102,6 +103,12 @@ void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
   runner_.perception().OnSighting(detector, std::move(sighting), taken);
 }
 
+void Race::OnText(Index detector, std::string_view text, Time now) {
+  const std::string word(Trimmed(text));
+  OnSighting(detector, {!word.empty(), std::numeric_limits<double>::quiet_NaN(), "", word}, now,
+             now);
+}
+
 // What makes no sense is left out and logged. The rest counts, so that a detector that works is not
 // taken for a silent one.
 void Race::Clean(Index detector, Sighting& sighting) {
@@ -182,13 +189,16 @@ void Race::OnServoReply(bool accepted, std::int32_t code, Time now) {
 
 void Race::OnCommand(std::string_view text, Time now) {
   now_ = now;
-  const std::string_view word = Trimmed(text);
-  if (word.empty() || word.size() > kMostText) {
+  const std::string_view typed = Trimmed(text);
+  if (typed.empty() || typed.size() > kMostText) {
     return Refuse("command", "a command is refused: it is empty or too long");
   }
+  const Result<std::string> meant = CommandOf(course_, typed);
+  if (!meant) return Refuse("command", "the command is refused: " + meant.error().message);
+  const std::string& word = meant.value();
   if (word != command::kStart) {
-    if (!first_start_ && early_commands_.size() < kMostEarly) early_commands_.emplace_back(word);
-    Record(input::kCommand, {std::string(word)});
+    if (!first_start_ && early_commands_.size() < kMostEarly) early_commands_.push_back(word);
+    Record(input::kCommand, {word});
     return Execute(word);
   }
   // The machine records its own commands.

@@ -44,11 +44,13 @@ class Race : private fsm::Listener {
   // --- inputs: each logs what it refuses, and then changes nothing; of a sighting that is in part
   //     without sense the rest counts ---
 
-  // START, START:<name or number>, STOP, RESET, SET_<result>:<value>, SET_<result>_DEFAULT, and
-  // those of the course.
+  // START, START:<name or number>, STOP, RESET, SET_<result>:<value>, SET_<result>_DEFAULT, those
+  // of the course, and what command_words.hpp takes for one of them.
   void OnCommand(std::string_view text, Time now);
   // `taken`: when the picture was taken, of the same clock as `now`.
   void OnSighting(Index detector, Sighting sighting, Time taken, Time now);
+  // A word of another node: "A-1", "left".
+  void OnText(Index detector, std::string_view text, Time now);
   void OnLines(Index detector, std::uint32_t contours, std::string_view ycy, std::string_view dy,
                double middle_offset, Time taken, Time now);
   void OnWalkerStatus(Index walk, std::string_view status, Time now);

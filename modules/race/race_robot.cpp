@@ -99,6 +99,8 @@ Detectors::Handlers RaceRobot::DetectorHandlers() {
                 race_.OnLines(detector, lines.contours, lines.ycy, lines.dy, lines.middle_offset,
                               TakenAt(lines.header.stamp), Now());
               },
+          .on_text = [this](Index detector,
+                            const std::string& text) { race_.OnText(detector, text, Now()); },
           .log = [this](const std::string& line) { Log(line); }};
 }
 

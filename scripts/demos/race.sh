@@ -82,7 +82,7 @@ boot() {
   musher_up "$files/race.toml" > "$scratch/up$robot.log" 2>&1
   expect "exit code of up" 0 $?
   expect "the machine" Active "$(status .state)"
-  expect "actuators in Active" 7 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  expect "actuators in Active" 8 "$(status '[.actuators[] | select(.state == "Active")] | length')"
 }
 
 # A picture of the three cameras in each state.

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -54,12 +55,15 @@ TEST_F(CheckCommand, LetsWarningsPass) {
 
 TEST_F(CheckCommand, NamesThePlaceOfALogGroupThatThisHostDoesNotHave) {
   std::string text = kRobotToml;
-  text.insert(text.find('\n') + 1, "log_group = \"no_such_group\"\n");
+  const auto at = text.find("[controller]\n") + std::string("[controller]\n").size();
+  text.insert(at, "log_group = \"no_such_group\"\n");
+  const auto line = 1 + std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n');
   const std::string file = Write("dog.toml", text);
   const Ran ran = RunProgram({"check", file});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.out, HasSubstr(file + ":2:1: error: controller.log_group: this host has no group "
-                                        "'no_such_group'"));
+  EXPECT_THAT(ran.out, HasSubstr(file + ":" + std::to_string(line) +
+                                 ":1: error: controller.log_group: this host has no group "
+                                 "'no_such_group'"));
   EXPECT_THAT(ran.out, Not(HasSubstr("ok")));
   text.replace(text.find("no_such_group"), 13, "root");
   EXPECT_EQ(RunProgram({"check", Write("dog.toml", text)}).exit, 0);

@@ -26,7 +26,7 @@ TEST(Program, AnswersWrongUseInJsonToo) {
   const Ran ran = RunProgram({"set", "--json"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.out, ::testing::StartsWith(R"({"error":"STATE is required)"));
-  EXPECT_THAT(ran.out, HasSubstr(R"("code":110})"));
+  EXPECT_THAT(ran.out, HasSubstr(R"("code":110,"switch":null,)"));
   EXPECT_NE(ran.err, "");
 }
 

@@ -146,7 +146,7 @@ TEST(BadInput, AStatusOfTheWalkerWithoutSenseIsShortAndPrintableInTheReason) {
 
 TEST(BadInput, AValueThatIsRubbishIsRefusedWithTheValuesThatThereAre) {
   for (const std::string& rubbish :
-       {std::string("SET_QR_A:"), std::string("SET_QR_A:\x01\xff"), std::string("SET_QR_A:a-1"),
+       {std::string("SET_QR_A:"), std::string("SET_QR_A:\x01\xff"), std::string("SET_QR_A:a-3"),
         "SET_QR_A:" + std::string(180, 'x'), std::string("SET_QR_A:A-1:A-2")}) {
     Rig rig;
     rig.Command("START:IN_QR_A");

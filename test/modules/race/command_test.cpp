@@ -153,6 +153,60 @@ TEST(Command, ExitOfZoneBOnTheWayToTheOtherBayLeavesFromThere) {
   EXPECT_TRUE(rig.field.Logged("EXIT_B_ZONE is refused in B2_TO_L1"));
 }
 
+TEST(Command, OfAnyCaseIsTheSame) {
+  Rig rig;
+  rig.Command("start:in_qr_a");
+  rig.Tick(3);
+  rig.Command("set_qr_a: a-2");
+  ASSERT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(1000)));
+  rig.Command("Stop");
+  rig.Tick(3);
+  EXPECT_EQ(rig.state(), "START");
+  rig.Command("start");
+  rig.Tick(3);
+  EXPECT_EQ(rig.state(), "START_TO_QRA");
+}
+
+TEST(Command, OfAStatesNameAloneGoesThereAndOfAValueAloneSetsItsResult) {
+  Rig rig;
+  rig.Command("in_qr_a");
+  rig.Tick(3);
+  EXPECT_EQ(rig.state(), "IN_QR_A");
+  rig.Command("a-2");
+  ASSERT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(1000)));
+  rig.Command("IN_S2");
+  rig.Command("LEFT");
+  ASSERT_TRUE(rig.RunTo("S2_TO_L1", Milliseconds(1000)));
+}
+
+TEST(Command, OfAValueOfTwoResultsNamesBothCommands) {
+  Course course = TheCourse();
+  course.results[FindByName(course.results, "qr_b").value()].values.push_back("A-1");
+  Rig rig(course);
+  rig.Command("a-1");
+  EXPECT_TRUE(
+      rig.field.Logged("'a-1' is a value of two results: send SET_QR_A:A-1 or SET_QR_B:A-1"));
+}
+
+// The detectors of another team publish a std_msgs/String when they see something, and nothing
+// else.
+TEST(DetectorOfWords, LeadsTheRaceAndMayBeSilent) {
+  Course course = TheCourse();
+  const Index qr = FindByName(course.detectors, "qr").value();
+  course.detectors[qr].kind = Detector::Kind::kText;
+  Rig rig(course);
+  rig.script.silent = {"qr"};
+  rig.Command("START:IN_QR_A");
+  rig.Run(course.check.silent + Milliseconds(2000));
+  EXPECT_EQ(rig.state(), "IN_QR_A") << "no picture is expected of it";
+  rig.race->OnText(qr, "nonsense", rig.now);
+  rig.race->OnText(qr, "", rig.now);
+  rig.Run(Milliseconds(500));
+  EXPECT_EQ(rig.state(), "IN_QR_A");
+  rig.race->OnText(qr, " A-2\n", rig.now);
+  EXPECT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(1000)));
+}
+
 TEST(Command, ThatIsUnknownIsRefusedAndLoggedAtALimitedRate) {
   Rig rig;
   for (int i = 0; i < 1000; ++i) rig.Command("STRAT");

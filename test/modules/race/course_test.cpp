@@ -151,6 +151,15 @@ TEST(CourseFile, ReportsStatesThatCannotBeTheSame) {
   ExpectGolden("same_states");
 }
 
+TEST(CourseFile, TakesADetectorOfWordsForAWaitAndForNothingElse) {
+  const std::string sighting = "topic = \"/green_arrow_detector/sighting\"\ntype = \"sighting\"";
+  EXPECT_THAT(Faults(sighting, "topic = \"/green_arrow_detector/direction\"\ntype = \"text\""),
+              IsEmpty());
+  const std::string barrier = "topic = \"/red_barrier_detector/sighting\"\ntype = \"sighting\"";
+  EXPECT_THAT(Faults(barrier, "topic = \"/red_barrier_detector/distance\"\ntype = \"text\""),
+              ElementsAre(HasSubstr("barrier is not a detector of type \"sighting\"")));
+}
+
 TEST(CourseFile, ReportsCommandsThatHideOthers) {
   ExpectGolden("hidden_commands");
 }
