@@ -102,6 +102,7 @@ class ParametersReader {
       }
     }
     Integer("min_repeats", 1, kMostPictures, qr.min_repeats);
+    Integer("letter_repeats", 1, kMostPictures, qr.letter_repeats);
     Integer("thorough_every", 1, kMostPictures, qr.thorough_every);
     qr.letters = reader_.Bool("letters").value_or(qr.letters);
     if (const auto language = reader_.String("language")) {

@@ -99,24 +99,28 @@ std::optional<LettersFound> LetterReader::Read(const cv::Mat& bgr) {
   CheckCoursePicture(bgr);
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  const auto word_in = [&](const cv::Mat& letters) -> std::optional<std::string> {
+  std::optional<LettersFound> found;
+  bool is_doubtful = false;  // two words
+  const auto read = [&](const cv::Mat& letters, const cv::Rect& box) {
     for (const int page_mode : parameters_.page_modes) {
       const std::string text = engine_->Text(letters, page_mode, parameters_.least_confidence);
-      if (auto word = WordOfLetters(text, parameters_.words)) return word;
+      for (const std::string& word : WordsOfLetters(text, parameters_.words)) {
+        is_doubtful = is_doubtful || (found && found->word != word);
+        if (!found) found = LettersFound{word, box};
+      }
     }
-    return std::nullopt;
   };
   for (const cv::Rect& line : FindTextLines(grey)) {
     for (const double letter_px : {30.0, 38.0}) {  // read best; one is read where the other is not
-      const auto word = word_in(LinePicture(grey, line, letter_px));
-      if (word) return LettersFound{*word, line};
+      if (!is_doubtful) read(LinePicture(grey, line, letter_px), line);
     }
   }
   for (const Region& region : parameters_.regions) {
+    if (found) break;
     const cv::Rect box = RectOf(region, grey.size());
-    if (const auto word = word_in(RegionPicture(grey, box))) return LettersFound{*word, box};
+    read(RegionPicture(grey, box), box);
   }
-  return std::nullopt;
+  return is_doubtful ? std::nullopt : found;
 }
 
 }  // namespace musher::vision

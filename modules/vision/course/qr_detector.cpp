@@ -11,7 +11,9 @@ namespace {
 class QrDetector : public CourseDetector {
  public:
   explicit QrDetector(QrParameters parameters)
-      : parameters_(std::move(parameters)), repeats_(parameters_.min_repeats) {}
+      : parameters_(std::move(parameters)),
+        codes_(parameters_.min_repeats),
+        letters_(parameters_.letter_repeats) {}
 
   CourseSight Look(const cv::Mat& bgr, std::int64_t /*stamp_ns*/,
                    const std::optional<Lens>& /*lens*/) override {
@@ -20,30 +22,46 @@ class QrDetector : public CourseDetector {
     box_ = {};
     shown_.clear();
     auto code = FindCode(bgr);
+    // Letters that were read once are looked for again at once.
     const bool is_thorough =
-        !code && without_code_++ % std::max(1, parameters_.thorough_every) == 0;
+        !code &&
+        (letters_.is_pending() || without_code_++ % std::max(1, parameters_.thorough_every) == 0);
     if (!code && !is_thorough) return sight;
     if (!code) code = FindCodeThoroughly(bgr);
-    std::optional<std::string> word;
     if (code) {
-      word = WordOfCode(code->content, parameters_.words);
-      Show(word ? *word : Excerpt(code->content), code->box, bgr, sight);
-    } else if (parameters_.letters) {
-      if (const auto letters = Reader().Read(bgr)) {
-        word = letters->word;
-        Show(*word, letters->box, bgr, sight);
-      }
+      OnCode(*code, bgr, sight);
+    } else {
+      LookForLetters(bgr, sight);
     }
-    sight.text = repeats_.OnPicture(word);
     return sight;
   }
 
   void Draw(cv::Mat& bgr) const override {
+    DrawRegion(bgr, {0, 1, 0, 1});  // all of it is searched
     for (const Region& region : parameters_.regions) DrawRegion(bgr, region);
     if (!shown_.empty()) DrawBox(bgr, box_, shown_);
   }
 
  private:
+  void OnCode(const CodeFound& code, const cv::Mat& bgr, CourseSight& sight) {
+    letters_.OnPicture(std::nullopt);
+    const auto word = WordOfCode(code.content, parameters_.words);
+    sight.text = codes_.OnPicture(word);
+    Show(word ? *word : Excerpt(code.content), code.box, bgr, sight);
+    if (word && !sight.text) sight.sighting->text.clear();
+  }
+
+  void LookForLetters(const cv::Mat& bgr, CourseSight& sight) {
+    codes_.OnPicture(std::nullopt);
+    if (!parameters_.letters) return;
+    std::optional<LettersFound> letters;
+    if (!ShowsCode(bgr)) letters = Reader().Read(bgr);
+    sight.text = letters_.OnPicture(letters ? std::optional(letters->word) : std::nullopt);
+    if (!letters) return;
+    Show(letters->word, letters->box, bgr, sight);
+    if (!sight.text) sight.sighting->text.clear();
+  }
+
   void Show(const std::string& text, const cv::Rect& box, const cv::Mat& bgr, CourseSight& sight) {
     box_ = box;
     shown_ = text;
@@ -62,7 +80,8 @@ class QrDetector : public CourseDetector {
 
   const QrParameters parameters_;
   std::unique_ptr<LetterReader> reader_;
-  WordRepeats repeats_;
+  WordRepeats codes_;
+  WordRepeats letters_;
   unsigned without_code_ = 0;  // pictures
   cv::Rect box_;
   std::string shown_;

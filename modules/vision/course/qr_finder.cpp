@@ -15,6 +15,7 @@ namespace {
 
 struct Sign {
   cv::Rect box;
+  double area = 0;     // inside of its outline
   double darkest = 0;  // of its pixels
 };
 
@@ -68,6 +69,17 @@ void AddLines(std::vector<Sign> signs, std::vector<cv::Rect>& lines) {
   }
 }
 
+// Whether the light area has four sides, and most of it is light.
+bool IsBoard(const Contour& outline, const std::vector<Sign>& signs) {
+  constexpr double kLeastShareOfHull = 0.85, kMostShareOfSigns = 0.5;
+  Contour hull;
+  cv::convexHull(outline, hull);
+  const double area = cv::contourArea(outline);
+  double dark = 0;
+  for (const Sign& sign : signs) dark += sign.area;
+  return area > kLeastShareOfHull * cv::contourArea(hull) && dark < kMostShareOfSigns * area;
+}
+
 // Of the light areas that are brighter than that level.
 void AddLinesAt(double level, const cv::Mat& grey, std::vector<cv::Rect>& lines) {
   cv::Mat light;
@@ -80,13 +92,14 @@ void AddLinesAt(double level, const cv::Mat& grey, std::vector<cv::Rect>& lines)
     constexpr std::size_t kLeastCorners = 4;
     const int parent = tree[i][3];
     if (parent < 0 || outlines[i].size() < kLeastCorners) continue;
-    Sign sign{cv::boundingRect(outlines[i])};
+    Sign sign{cv::boundingRect(outlines[i]), cv::contourArea(outlines[i])};
     cv::minMaxLoc(grey(sign.box), &sign.darkest);
     holes[parent].push_back(sign);
   }
   constexpr std::size_t kMostHoles = 400;  // more are a texture
   for (auto& [area, signs] : holes) {
-    if (signs.size() <= kMostHoles) AddLines(std::move(signs), lines);
+    if (signs.size() > kMostHoles || !IsBoard(outlines[std::size_t(area)], signs)) continue;
+    AddLines(std::move(signs), lines);
   }
 }
 
@@ -148,6 +161,12 @@ std::optional<CodeFound> FindCodeThoroughly(const cv::Mat& bgr) {
     if (!code) code = CodeIn(grey, scale);
   }
   return code;
+}
+
+bool ShowsCode(const cv::Mat& bgr) {
+  CheckCoursePicture(bgr);
+  std::vector<cv::Point2f> corners;
+  return cv::QRCodeDetector().detect(bgr, corners);
 }
 
 std::vector<cv::Rect> FindTextLines(const cv::Mat& grey) {

@@ -7,13 +7,14 @@
 // lets OpenCV find the corners of the code, and reads it after a rectification or at twice and
 // three times the size, which reads the others.
 //
-// Letters are read by Tesseract, first where dark signs stand in a line on something light,
-// cropped to that line and scaled to the size that is read best; then in fixed regions. (Fixed
-// regions alone depend on the distance: the edge of a board in them is read as a letter, and small
-// letters are not read at all.)
+// Letters are read by Tesseract where dark signs stand in a line on a board: a light area with four
+// sides, most of which stays light (the joints of a brick wall are a light area, too). Each line is
+// cropped and scaled to the two sizes that are read best. Two words in one picture, or at the two
+// sizes, are none; and none is read while the finder patterns of a code are seen, whose squares
+// look like letters. Fixed regions are read where a config has them: they depend on the distance,
+// and the edge of a board in them is read as a letter.
 //
-// Units: pixels, fractions of the picture. The regions are those of a course whose boards hang over
-// the middle of the picture, or stand in it. Threads: one call at a time for each LetterReader.
+// Units: pixels, fractions of the picture. Threads: one call at a time for each LetterReader.
 // Errors: a model that is missing is an Error with the package to install.
 
 #include <memory>
@@ -29,16 +30,14 @@ namespace musher::vision {
 
 struct QrParameters {
   std::vector<std::string> words{"A-1", "A-2", "B-1", "B-2"};  // see words.hpp
-  int min_repeats = 1;             // pictures in a row that have to agree
+  int min_repeats = 1;             // pictures in a row whose codes have to agree
+  int letter_repeats = 2;          // looks in a row whose letters have to agree
   int thorough_every = 5;          // pictures without a code: then a thorough look, and letters
   bool letters = true;             // read letters where no code is
   std::string language = "eng";    // Tesseract's; "chi_sim", or several: "eng+chi_sim"
   double least_confidence = 60;    // 0 to 100, Tesseract's
   std::vector<int> page_modes{7};  // Tesseract's: 6 a block, 7 a line, 8 a word, 13 a raw line
-  std::vector<Region> regions{{0.05, 0.30, 0.35, 0.65},
-                              {0.08, 0.25, 0.40, 0.60},
-                              {0.00, 0.35, 0.30, 0.70},
-                              {0.35, 0.65, 0.35, 0.65}};
+  std::vector<Region> regions;     // where letters are also read that stand on no board
 
   friend bool operator==(const QrParameters&, const QrParameters&) = default;
 };
@@ -51,7 +50,10 @@ struct CodeFound {
 std::optional<CodeFound> FindCode(const cv::Mat& bgr);            // 4 ms
 std::optional<CodeFound> FindCodeThoroughly(const cv::Mat& bgr);  // 25 ms
 
-// Lines of dark signs on something light, the largest first, at most eight.
+// Whether the finder patterns of a code are seen, even of one that cannot be read. 10 ms.
+bool ShowsCode(const cv::Mat& bgr);
+
+// Lines of dark signs on a board, the largest first, at most eight.
 std::vector<cv::Rect> FindTextLines(const cv::Mat& grey);
 
 struct LettersFound {
@@ -65,7 +67,7 @@ class LetterReader {
   static Result<std::unique_ptr<LetterReader>> Make(const QrParameters& parameters);
   ~LetterReader();
 
-  // The first word that is read; takes about 0.1 s of CPU where there is none.
+  // The word that is read; nothing where there are two. Takes up to 0.2 s of CPU.
   std::optional<LettersFound> Read(const cv::Mat& bgr);
 
  private:

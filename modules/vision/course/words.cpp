@@ -34,8 +34,6 @@ std::string Essence(std::string_view text, bool loosely) {
       essence += '1';
     } else if (loosely && upper == 'Z') {
       essence += '2';
-    } else if (loosely && upper == '8') {
-      essence += 'B';
     } else if (std::isalnum(static_cast<unsigned char>(upper))) {
       essence += upper;
     }
@@ -63,20 +61,25 @@ std::optional<std::string> WordOfCode(std::string_view content,
   return word == words.end() ? std::nullopt : std::optional(*word);
 }
 
-std::optional<std::string> WordOfLetters(std::string_view text,
-                                         const std::vector<std::string>& words) {
+std::vector<std::string> WordsOfLetters(std::string_view text,
+                                        const std::vector<std::string>& words) {
   constexpr std::size_t kMostExtra = 2;
   const bool loosely = HasDash(text);
   const std::string essence = Essence(text, loosely);
-  std::optional<std::string> match;
+  std::vector<std::string> matches;
   for (const std::string& word : words) {
     const std::string sought = Essence(word, loosely);
     if (sought.empty() || essence.size() > sought.size() + kMostExtra) continue;
-    if (!ContainsInOrder(essence, sought)) continue;
-    if (match && *match != word) return std::nullopt;
-    match = word;
+    const bool is_known = std::find(matches.begin(), matches.end(), word) != matches.end();
+    if (!is_known && ContainsInOrder(essence, sought)) matches.push_back(word);
   }
-  return match;
+  return matches;
+}
+
+std::optional<std::string> WordOfLetters(std::string_view text,
+                                         const std::vector<std::string>& words) {
+  const std::vector<std::string> matches = WordsOfLetters(text, words);
+  return matches.size() == 1 ? std::optional(matches.front()) : std::nullopt;
 }
 
 std::string Excerpt(std::string_view text) {

@@ -130,7 +130,10 @@ TEST(QrDetector, WaitsForRepeats) {
   parameters.min_repeats = 2;
   parameters.letters = false;
   Series codes(MakeQrDetector(parameters));
-  EXPECT_EQ(codes.Look(WithCode("A-2")).text, std::nullopt);
+  const CourseSight first = codes.Look(WithCode("A-2"));
+  EXPECT_EQ(first.text, std::nullopt);
+  EXPECT_TRUE(first.sighting->seen);
+  EXPECT_EQ(first.sighting->text, "") << "who reads the sighting waits, too";
   EXPECT_EQ(codes.Look(WithCode("A-1")).text, std::nullopt);
   EXPECT_THAT(codes.Look(WithCode("A-1")).text, Optional(Eq("A-1")));
   EXPECT_EQ(codes.Look(GreyPicture()).text, std::nullopt);
@@ -141,12 +144,40 @@ TEST(QrDetector, ReadsLettersInEachSoManyPicturesWithoutACode) {
   cv::putText(bgr, "B-1", {220, 260}, cv::FONT_HERSHEY_SIMPLEX, 3, {20, 20, 20}, 8, cv::LINE_AA);
   QrParameters parameters;
   parameters.thorough_every = 3;
+  parameters.letter_repeats = 1;
   Series codes(MakeQrDetector(parameters));
   for (int i = 0; i < 7; ++i) {
     const CourseSight sight = codes.Look(bgr);
     EXPECT_EQ(sight.text.has_value(), i % 3 == 0) << i;
     EXPECT_EQ(sight.text.value_or("B-1"), "B-1");
   }
+}
+
+TEST(QrDetector, SaysAWordOfLettersThatTwoLooksInARowAgreeOn) {
+  cv::Mat bgr(480, 640, CV_8UC3, kWhite);
+  cv::putText(bgr, "B-1", {220, 260}, cv::FONT_HERSHEY_SIMPLEX, 3, {20, 20, 20}, 8, cv::LINE_AA);
+  Series codes(MakeQrDetector({}));
+  const CourseSight first = codes.Look(bgr);
+  EXPECT_TRUE(first.sighting->seen);
+  EXPECT_EQ(first.sighting->text, "");
+  EXPECT_EQ(first.text, std::nullopt);
+  const CourseSight second = codes.Look(bgr);
+  EXPECT_EQ(second.text, "B-1");
+  EXPECT_EQ(second.sighting->text, "B-1");
+}
+
+TEST(QrDetector, ReadsNoLettersWhileACodeIsSeenThatCannotBeRead) {
+  cv::Mat bgr = WithCode("A-2");
+  bgr(cv::Rect(180, 180, 260, 260)).setTo(kWhite);
+  cv::putText(bgr, "B-1", {200, 330}, cv::FONT_HERSHEY_SIMPLEX, 3, {20, 20, 20}, 8, cv::LINE_AA);
+  ASSERT_FALSE(FindCode(bgr) || FindCodeThoroughly(bgr));
+  Series codes(MakeQrDetector({}));
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(codes.Look(bgr).text, std::nullopt);
+  bgr(cv::Rect(30, 30, 150, 430)).setTo(kWhite);  // without its finder patterns
+  bgr(cv::Rect(30, 30, 430, 150)).setTo(kWhite);
+  int read = 0;
+  for (int i = 0; i < 7; ++i) read += codes.Look(bgr).text == "B-1" ? 1 : 0;
+  EXPECT_GT(read, 0);
 }
 
 TEST(QrDetector, ThrowsWithThePackageWhenItCannotReadLetters) {
@@ -159,6 +190,28 @@ TEST(QrDetector, ThrowsWithThePackageWhenItCannotReadLetters) {
   parameters.letters = false;
   EXPECT_TRUE(CheckLetters(parameters));
   EXPECT_TRUE(CheckLetters({}));
+}
+
+// Bricks are dark signs on the light area of the joints.
+TEST(QrDetector, ReadsNoLettersFromABrickWall) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    cv::RNG random(seed);
+    cv::Mat bgr(480, 640, CV_8UC3, cv::Scalar(190, 195, 200));
+    for (int row = 0; row * 24 < bgr.rows; ++row) {
+      for (int x = row % 2 * -30; x < bgr.cols; x += 60) {
+        const cv::Rect brick(x + 2, row * 24 + 2, 56, 20);
+        const int shade = random.uniform(-25, 25);
+        bgr(brick & cv::Rect({0, 0}, bgr.size()))
+            .setTo(cv::Scalar(50 + shade, 70 + shade, 140 + shade));
+      }
+    }
+    cv::Mat noise(bgr.size(), bgr.type());
+    random.fill(noise, cv::RNG::NORMAL, 0, 12);
+    cv::add(bgr, noise, bgr);
+    cv::GaussianBlur(bgr, bgr, {3, 3}, 0);
+    Series codes(MakeQrDetector({}));
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(codes.Look(bgr).text, std::nullopt) << seed;
+  }
 }
 
 TEST(LinesDetector, SaysOnlyLines) {

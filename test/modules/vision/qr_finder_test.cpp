@@ -65,7 +65,7 @@ TEST_F(Letters, OfAHighBoardAreRead) {
 }
 
 TEST_F(Letters, OfOtherWordsAreNone) {
-  for (const std::string text : {"A-3", "STOP", "C-1", "A\n1\nB\n2"}) {
+  for (const std::string text : {"A-3", "STOP", "C-1", "8-1", "A-1 A-2", "A\n1\nB\n2"}) {
     EXPECT_EQ(Read(BoardShot(world::Sign::Kind::kText, text, 0.4, 1)), "") << text;
   }
 }
