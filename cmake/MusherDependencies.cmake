@@ -68,6 +68,7 @@ if(MUSHER_MODULES)
   musher_require_found(SNDFILE_FOUND libsndfile1-dev)
   musher_require_found(TESSERACT_FOUND libtesseract-dev)
   musher_require_found(ZXING_FOUND libzxing-dev)
+  target_compile_definitions(PkgConfig::ZXING INTERFACE ZX_USE_UTF8)  # text() is UTF-8, as from ZXing 2.0 on
   # Not by their pkg-config files, which link libraries that are not used here: dlib's names some that its package does
   # not install. OMPL's sets an older C++, too.
   find_path(OMPL_INCLUDE_DIR ompl/geometric/PathSimplifier.h PATH_SUFFIXES ompl-1.5 ompl-1.6)
