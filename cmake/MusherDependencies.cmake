@@ -16,6 +16,13 @@ endmacro()
 musher_dependency(CycloneDDS cyclonedds-dev 0.10.2)
 musher_dependency(tomlplusplus libtomlplusplus-dev)
 musher_dependency(tinyxml2 libtinyxml2-dev)
+# Debian 13's asks for a macro that has no effect where a pointer has 64 bits, but with which GCC does not read headers
+# that were precompiled without it.
+get_target_property(asked tinyxml2::tinyxml2 INTERFACE_COMPILE_DEFINITIONS)
+if(asked AND CMAKE_SIZEOF_VOID_P EQUAL 8)
+  list(REMOVE_ITEM asked _FILE_OFFSET_BITS=64)
+  set_target_properties(tinyxml2::tinyxml2 PROPERTIES INTERFACE_COMPILE_DEFINITIONS "${asked}")
+endif()
 musher_dependency(fmt libfmt-dev)
 musher_dependency(SQLiteCpp libsqlitecpp-dev)
 musher_dependency(OpenSSL libssl-dev 3.0)
