@@ -84,7 +84,9 @@ std::string TextOfLogLine(std::string_view line, std::string_view name) {
     return true;
   };
   if (!name.empty()) drop(name);
-  std::any_of(kNames.begin(), kNames.end(), drop);
+  for (const std::string_view level : kNames) {
+    if (drop(level)) break;
+  }
   return std::string(line);
 }
 

@@ -2,13 +2,18 @@
 # regular expression, only the suites that match it, and the others as one test with the name of the program. Run by
 # musher_test() after the program is linked, with PROGRAM, OUTPUT (the file to write), and the properties of the
 # tests: TIMEOUT (s), COST, LABELS. Those whose names match LEFT_OUT are not given. NIGHTLY: the tests find
-# MUSHER_NIGHTLY in their environment. Otherwise the properties of a program of some COST are tried with fewer cases.
-execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status
+# MUSHER_NIGHTLY in their environment. EMULATOR runs the program, if it is of another architecture. Otherwise the properties of a program of some COST are tried with fewer cases.
+execute_process(COMMAND ${EMULATOR} ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status
                 TIMEOUT 60)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} --gtest_list_tests failed: ${status}")
 endif()
 set(script)
+set(emulator)
+if(EMULATOR)
+  list(TRANSFORM EMULATOR REPLACE "(.+)" "[==[\\1]==] " OUTPUT_VARIABLE emulator)
+  list(JOIN emulator "" emulator)
+endif()
 set(together)
 set(environment)
 if(NIGHTLY)
@@ -20,7 +25,7 @@ function(give_to_ctest name filter)
   if(name MATCHES "${LEFT_OUT}")
     return()
   endif()
-  string(APPEND script "add_test([==[${name}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==])\n"
+  string(APPEND script "add_test([==[${name}]==] ${emulator}[==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==])\n"
          "set_tests_properties([==[${name}]==] PROPERTIES TIMEOUT ${TIMEOUT} COST ${COST} LABELS [==[${LABELS}]==]${environment})\n")
   set(script "${script}" PARENT_SCOPE)
 endfunction()

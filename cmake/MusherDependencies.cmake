@@ -16,6 +16,13 @@ endmacro()
 musher_dependency(CycloneDDS cyclonedds-dev 0.10.2)
 musher_dependency(tomlplusplus libtomlplusplus-dev)
 musher_dependency(tinyxml2 libtinyxml2-dev)
+# Debian 13's asks for a macro that has no effect where a pointer has 64 bits, but with which GCC does not read headers
+# that were precompiled without it.
+get_target_property(asked tinyxml2::tinyxml2 INTERFACE_COMPILE_DEFINITIONS)
+if(asked AND CMAKE_SIZEOF_VOID_P EQUAL 8)
+  list(REMOVE_ITEM asked _FILE_OFFSET_BITS=64)
+  set_target_properties(tinyxml2::tinyxml2 PROPERTIES INTERFACE_COMPILE_DEFINITIONS "${asked}")
+endif()
 musher_dependency(fmt libfmt-dev)
 musher_dependency(SQLiteCpp libsqlitecpp-dev)
 musher_dependency(OpenSSL libssl-dev 3.0)
@@ -68,6 +75,7 @@ if(MUSHER_MODULES)
   musher_require_found(SNDFILE_FOUND libsndfile1-dev)
   musher_require_found(TESSERACT_FOUND libtesseract-dev)
   musher_require_found(ZXING_FOUND libzxing-dev)
+  target_compile_definitions(PkgConfig::ZXING INTERFACE ZX_USE_UTF8)  # text() is UTF-8, as from ZXing 2.0 on
   # Not by their pkg-config files, which link libraries that are not used here: dlib's names some that its package does
   # not install. OMPL's sets an older C++, too.
   find_path(OMPL_INCLUDE_DIR ompl/geometric/PathSimplifier.h PATH_SUFFIXES ompl-1.5 ompl-1.6)

@@ -17,11 +17,17 @@ endif()
 # Some 180 programs are linked, each in a fraction of the time.
 include(CheckLinkerFlag)
 find_program(MOLD mold)
-if(MOLD AND PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CROSSCOMPILING)
+if(MOLD AND PROJECT_IS_TOP_LEVEL)
   check_linker_flag(CXX -fuse-ld=mold MUSHER_HAS_MOLD)
   if(MUSHER_HAS_MOLD)
     add_link_options(-fuse-ld=mold)
   endif()
+endif()
+
+# What runs the programs of another architecture; empty where they run as they are.
+set(MUSHER_EMULATOR "")
+if(CMAKE_CROSSCOMPILING)
+  set(MUSHER_EMULATOR ${CMAKE_CROSSCOMPILING_EMULATOR})
 endif()
 
 # musher_target(<target>) sets what all targets have in common: the warnings, and a unity build of
@@ -33,12 +39,16 @@ endif()
 # (its bugs 105651 and 105562). -Wno-subobject-linkage: GCC warns of a class with a member of a type in
 # an anonymous namespace unless both are in the main file, which in a unity build they are not.
 #
+# -ffp-contract=off: ARM has instructions that multiply and add without rounding in between, which GCC uses where it
+# can. What a robot has recorded is decided again on a laptop, number for number. x86-64 has them with -march only.
+#
 # The parameters of GCC: it collects garbage a few times less, 12 % of the time of a build, for some MB.
 include(MusherUnity)
 include(MusherPrecompiled)
 function(musher_target target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=
+    $<$<NOT:$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>>:-ffp-contract=off>
     $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
     "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:SHELL:--param ggc-min-expand=200 --param ggc-min-heapsize=1048576>"
     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow=local -Wno-restrict -Wno-maybe-uninitialized>
@@ -94,7 +104,7 @@ function(musher_program name)
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
   add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-  if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CROSSCOMPILING)
+  if(PROJECT_IS_TOP_LEVEL AND (NOT CMAKE_CROSSCOMPILING OR CMAKE_CROSSCOMPILING_EMULATOR))
     musher_man_page(${name})
   endif()
   if(MUSHER_TESTS)
@@ -112,7 +122,7 @@ function(musher_man_page name)
   set(generator ${PROJECT_SOURCE_DIR}/cmake/packages/man_page.py)
   set(page ${PROJECT_BINARY_DIR}/share/man/${name}.1)
   add_custom_command(OUTPUT ${page} DEPENDS ${name} ${generator} VERBATIM
-    COMMAND ${Python3_EXECUTABLE} ${generator} $<TARGET_FILE:${name}> ${page})
+    COMMAND ${Python3_EXECUTABLE} ${generator} $<TARGET_FILE:${name}> ${page} ${MUSHER_EMULATOR})
   add_custom_target(${name}_man_page DEPENDS ${page})
   add_dependencies(man_pages ${name}_man_page)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
@@ -151,7 +161,7 @@ function(musher_test name)
   endif()
   set(tests ${CMAKE_CURRENT_BINARY_DIR}/${name}_tests.cmake)
   add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${tests}
-    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DOUTPUT=${tests} -DEACH=${ARG_EACH} "-DALONE=${ARG_ALONE}"
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> "-DEMULATOR=${MUSHER_EMULATOR}" -DOUTPUT=${tests} -DEACH=${ARG_EACH} "-DALONE=${ARG_ALONE}"
             -DNIGHTLY=${MUSHER_NIGHTLY}
             -DTIMEOUT=${ARG_TIMEOUT} -DCOST=${ARG_COST} "-DLABELS=${ARG_LABELS}"
             "-DLEFT_OUT=${ARG_NIGHTLY_TESTS}"

@@ -3,6 +3,7 @@
 // the IDL has the newer one.
 
 #include <algorithm>
+#include <cstdint>
 
 #include "musher/messages/rmw_dds_common/participant_entities.hpp"
 #include "musher/messages/sensor_msgs/range.hpp"

@@ -2,6 +2,7 @@
 // ROS 2's stamps and C++'s times. Any thread.
 
 #include <chrono>
+#include <cstdint>
 
 #include "musher/messages/builtin_interfaces/time.hpp"
 

@@ -2,6 +2,7 @@
 // What the renderings of trees share. Reports come from the network: a parent may be any number.
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -15,7 +15,7 @@ foreach(component ${CPACK_COMPONENTS_ALL})
   endif()
   file(GLOB libraries ${root}/usr/lib/*.a ${root}/usr/lib/*/*.a)
   foreach(library ${libraries})
-    execute_process(COMMAND strip --strip-debug --enable-deterministic-archives
+    execute_process(COMMAND ${CPACK_MUSHER_STRIP} --strip-debug --enable-deterministic-archives
                             --remove-section=.comment --remove-section=.note ${library}
                     COMMAND_ERROR_IS_FATAL ANY)
   endforeach()

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Writes the manual page of a program from its help, and from that of each of its commands.
 
-    man_page.py PROGRAM PAGE
+    man_page.py PROGRAM PAGE [EMULATOR ...]
 
-The help is printed by the grammar that parses the command line, so the page has the same options.
+The help is printed by the grammar that parses the command line, so the page has the same options. The emulator runs
+programs of another architecture.
 """
 
 import datetime
@@ -13,6 +14,7 @@ import subprocess
 import sys
 
 # Commands of `musher` that are programs of their own, with a page of their own.
+EMULATOR = sys.argv[3:]
 EXTERNAL = {"view": "musher-view", "record": "musher-record", "play": "musher-record"}
 
 
@@ -38,7 +40,7 @@ class Help:
     """The help of a program or command, in its parts."""
 
     def __init__(self, words):
-        run = subprocess.run([*words, "--help"], capture_output=True, text=True, check=False)
+        run = subprocess.run([*EMULATOR, *words, "--help"], capture_output=True, text=True, check=False)
         if run.returncode != 0:
             sys.exit(f"man_page.py: {' '.join(words)} --help fails: {run.stderr}")
         before, _, after = run.stdout.partition("Usage:")
@@ -105,9 +107,9 @@ def footer(paragraphs):
 
 
 def main():
-    program, file = sys.argv[1:]
+    program, file = sys.argv[1:3]
     name = os.path.basename(program)
-    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    version = subprocess.run([*EMULATOR, program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     day = datetime.datetime.fromtimestamp(
         int(os.environ.get("SOURCE_DATE_EPOCH", datetime.datetime.now().timestamp())), datetime.timezone.utc)
     help = Help([program])

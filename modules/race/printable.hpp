@@ -13,7 +13,7 @@ inline constexpr std::size_t kMostShown = 40;  // bytes of one text
 inline std::string Printable(std::string_view text, std::size_t most = kMostShown) {
   std::string shown(text.substr(0, most));
   std::ranges::replace_if(
-      shown, [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; }, '?');
+      shown, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; }, '?');
   return shown;
 }
 

@@ -33,7 +33,7 @@ std::string Shown(std::string_view text) {
 
 bool IsWord(std::string_view text) {
   return text.size() <= kMostText &&
-         std::ranges::all_of(text, [](char c) { return c > ' ' && c != 0x7f; });
+         std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; });
 }
 
 }  // namespace

@@ -75,8 +75,9 @@ Rows ResultRows(ResultRule& result) {
   const auto check_shown = [&](TableReader& table) {
     if (!result.shown) return;
     for (const std::string& value : result.values) {
-      const bool fits = std::ranges::none_of(
-          value, [](char c) { return c == ',' || (c >= 0 && c < ' ') || c == 0x7f; });
+      const bool fits = std::ranges::none_of(value, [](char c) {
+        return c == ',' || static_cast<unsigned char>(c) < ' ' || c == 0x7f;
+      });
       if (fits) continue;
       table.Fault(table.At("values"), "values",
                   "expected no comma and no control character, which state_info would show, "

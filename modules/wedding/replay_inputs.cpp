@@ -1,5 +1,6 @@
 // Applies the recorded inputs of a show.
 
+#include <algorithm>
 #include <array>
 
 #include "musher/modules/wedding/recording.hpp"

@@ -1,6 +1,7 @@
 #include "musher/python/native/fsm_machine.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "musher/base/code.hpp"

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <memory>
+#include <stdexcept>
 
 #include "musher/behavior/fsm/nested.hpp"
 

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <stdexcept>
 
 #include "musher/base/files.hpp"
 #include "musher/test/support/temp_folder.hpp"

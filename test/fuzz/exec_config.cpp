@@ -47,7 +47,7 @@ void CheckLastLine(std::string_view text) {
   const std::string line = whole.Get();
   Require(line == parts.Get(), "the result does not depend on the pieces of the output");
   Require(line.size() <= 200, "a reason is short");
-  Require(std::none_of(line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; }),
+  Require(std::none_of(line.begin(), line.end(), [](unsigned char c) { return c < ' '; }),
           "a reason has no control characters");
 }
 

@@ -24,7 +24,7 @@ void RequireJson(const std::string& text) {
 
 void RequirePrintable(const std::string& text) {
   for (const char c : text) {
-    const bool control = (c >= 0 && c < ' ' && c != '\n') || c == 0x7f;
+    const bool control = (static_cast<unsigned char>(c) < ' ' && c != '\n') || c == 0x7f;
     Require(!control, "a text has no control characters: " + std::to_string(int{c}));
   }
 }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "musher/test/house/build_rules.hpp"
 
 namespace musher::house::text_rules_test {

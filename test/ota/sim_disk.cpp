@@ -1,5 +1,6 @@
 #include "musher/test/ota/sim_disk.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 namespace musher::ota::testing {

@@ -6,6 +6,7 @@
 #include <openssl/rand.h>
 
 #include <array>
+#include <cstdio>
 #include <ctime>
 
 namespace musher::transport::keys {

@@ -1,5 +1,6 @@
 #include "musher/view/json/message_layout.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <map>
 #include <string_view>

@@ -1,5 +1,6 @@
 #include "musher/modules/meilin/nodes/place.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 

@@ -1,7 +1,6 @@
 #include "musher/modules/vision/course/qr_finder.hpp"
 
 #include <ZXing/ReadBarcode.h>
-#include <ZXing/TextUtfEncoding.h>
 
 #include <algorithm>
 #include <cmath>
@@ -107,19 +106,25 @@ bool IsSame(const cv::Rect& one, const cv::Rect& other) {
   return (one & other).area() * 10 > 8 * (one | other).area();
 }
 
+#if __has_include(<ZXing/ReaderOptions.h>)  // from ZXing 2.2 on
+using CodeOptions = ZXing::ReaderOptions;
+#else
+using CodeOptions = ZXing::DecodeHints;
+#endif
+
 // In the picture after scaling.
 std::optional<CodeFound> CodeIn(const cv::Mat& grey, double scale) {
   cv::Mat scaled = grey;
   if (scale != 1) cv::resize(grey, scaled, {}, scale, scale, cv::INTER_CUBIC);
-  const auto hints = ZXing::DecodeHints().setFormats(ZXing::BarcodeFormat::QRCode);
+  const auto options = CodeOptions().setFormats(ZXing::BarcodeFormat::QRCode);
   const auto code =
-      ZXing::ReadBarcode({scaled.data, scaled.cols, scaled.rows, ZXing::ImageFormat::Lum}, hints);
+      ZXing::ReadBarcode({scaled.data, scaled.cols, scaled.rows, ZXing::ImageFormat::Lum}, options);
   if (!code.isValid()) return std::nullopt;
   Contour corners;
   for (const auto& corner : code.position()) {
     corners.emplace_back(cvRound(corner.x / scale), cvRound(corner.y / scale));
   }
-  return CodeFound{ZXing::TextUtfEncoding::ToUtf8(code.text()), cv::boundingRect(corners)};
+  return CodeFound{code.text(), cv::boundingRect(corners)};
 }
 
 std::optional<CodeFound> RectifiedCode(const cv::Mat& grey) {

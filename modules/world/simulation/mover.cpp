@@ -1,5 +1,6 @@
 #include "musher/modules/world/simulation/mover.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace musher::world {

@@ -5,6 +5,7 @@
 #include <dds/dds.h>
 #include <musher_idl.h>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>

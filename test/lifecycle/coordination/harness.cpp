@@ -1,5 +1,6 @@
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace musher::testing {

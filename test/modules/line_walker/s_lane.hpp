@@ -2,6 +2,7 @@
 // A closed loop in virtual time: a lane like an S with an end line, a body with lag, slip and
 // noise, and cameras by the world's camera model with noise and delay, driven by a LineWalker.
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <functional>

@@ -2,6 +2,7 @@
 // Valid readings.
 
 #include <cmath>
+#include <cstdint>
 
 #include "musher/messages/protocol/sensor.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <stdexcept>
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/objdetect.hpp>
 

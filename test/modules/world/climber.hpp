@@ -2,6 +2,7 @@
 // A robot on a small field for tests, and the sequence of wheel heights that brings it over an
 // edge, driven by the sensors of the field alone.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>

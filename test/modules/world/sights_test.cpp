@@ -1,7 +1,6 @@
 // The cameras' pictures are good enough for detectors: codes are read, faces found.
 
 #include <ZXing/ReadBarcode.h>
-#include <ZXing/TextUtfEncoding.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -39,8 +38,7 @@ Image NoisyShot(const Scene& scene) {
 
 std::string Read(const Image& image) {
   const cv::Mat grey = GreyOf(image);
-  const auto found = ZXing::ReadBarcode({grey.data, grey.cols, grey.rows, ZXing::ImageFormat::Lum});
-  return ZXing::TextUtfEncoding::ToUtf8(found.text());
+  return ZXing::ReadBarcode({grey.data, grey.cols, grey.rows, ZXing::ImageFormat::Lum}).text();
 }
 
 TEST(Code, OfTwentyCentimetresIsReadFromAMetreAndMore) {

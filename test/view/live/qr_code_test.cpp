@@ -1,7 +1,6 @@
 #include "musher/view/live/qr_code.hpp"
 
 #include <ZXing/ReadBarcode.h>
-#include <ZXing/TextUtfEncoding.h>
 #include <gmock/gmock.h>
 
 #include <opencv2/imgproc.hpp>
@@ -21,10 +20,9 @@ std::string Read(const QrModules& modules) {
   }
   cv::Mat picture;
   cv::resize(small, picture, {}, 8, 8, cv::INTER_NEAREST);
-  const auto hints = ZXing::DecodeHints().setFormats(ZXing::BarcodeFormat::QRCode);
-  const auto code = ZXing::ReadBarcode(
-      {picture.data, picture.cols, picture.rows, ZXing::ImageFormat::Lum}, hints);
-  return ZXing::TextUtfEncoding::ToUtf8(code.text());
+  const auto code =
+      ZXing::ReadBarcode({picture.data, picture.cols, picture.rows, ZXing::ImageFormat::Lum});
+  return code.format() == ZXing::BarcodeFormat::QRCode ? code.text() : "";
 }
 
 TEST(QrCode, IsReadByACameraAtEachSize) {
