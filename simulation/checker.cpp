@@ -168,12 +168,12 @@ void Checker::OnWrongConfig(const std::string& name) {
   if (leader == nullptr) return;
   const ActuatorIndex i = *config_.IndexOf(name);
   const RestartConfig& restart = config_.actuators[i].restart;
-  const ActuatorRecord& record = leader->shell().machine().actuators[i];
-  const bool its_child = record.process.pid != 0 &&
-                         record.process.pid == robot_.processes().PidOf(name, leader->host()) &&
-                         record.process.launch != Launch::kFoundRunning;
+  const KnownActuator& known = leader->shell().machine().actuators[i];
+  const bool its_child = known.process.pid != 0 &&
+                         known.process.pid == robot_.processes().PidOf(name, leader->host()) &&
+                         known.process.launch != Launch::kFoundRunning;
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
-  if (its_child && counts && !record.restart.requested) config_errors_[name] = leader->serial();
+  if (its_child && counts && !known.restart.requested) config_errors_[name] = leader->serial();
 }
 
 void Checker::OnStart(const ControllerProcess& controller, const std::string& name) {
@@ -385,9 +385,9 @@ void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid)
   const Machine& machine = controller.shell().machine();
   bool unproven = true;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
-    const ActuatorRecord& record = machine.actuators[i];
-    const bool terminated = record.process.termination && record.process.termination->pid == pid;
-    const bool meant = record.process.pid == pid || terminated || record.report.pid == pid;
+    const KnownActuator& known = machine.actuators[i];
+    const bool terminated = known.process.termination && known.process.termination->pid == pid;
+    const bool meant = known.process.pid == pid || terminated || known.report.pid == pid;
     const bool holds =
         robot_.processes().PidOf(config_.actuators[i].name, controller.host()) == pid;
     unproven &= !(meant && holds);
@@ -433,8 +433,8 @@ void Checker::CheckKill(const ControllerProcess& controller, std::int32_t pid) {
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
     if (robot_.processes().PidOf(name, controller.host()) != pid) continue;
-    const ActuatorRecord& record = machine.actuators[i];
-    if (record.restart.requested || !IsWell(controller, name)) return;
+    const KnownActuator& known = machine.actuators[i];
+    if (known.restart.requested || !IsWell(controller, name)) return;
     killed = name;
   }
   if (killed.empty()) return;
@@ -825,8 +825,8 @@ void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchRes
       const auto reported = false_reporters_.find(name);
       if (reported != false_reporters_.end() && reported->second == kTearDown) continue;
       // The controller may have no report yet of an actuator that is starting.
-      const ActuatorRecord& record = controller.shell().machine().actuators[i];
-      const bool received = record.report.incarnation == report->incarnation;
+      const KnownActuator& known = controller.shell().machine().actuators[i];
+      const bool received = known.report.incarnation == report->incarnation;
       if (!received && !config_.RankOf(report->state)) continue;
       if (!received && RunsForAnother(controller, i, host)) continue;
       if (!received && !IsKnown(controller, i, host, *report)) continue;
@@ -973,17 +973,17 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
 // joining, reports false states, or joined too late to take part.
 bool Checker::IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const {
   const std::string& name = config_.actuators[i].name;
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const auto& degraded = result.degraded;
   if (std::find(degraded.begin(), degraded.end(), name) != degraded.end()) return true;
   const bool took_part =
       std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
         return one.name == name && one.outcome == ActuatorOutcome::kDone;
       });
-  const bool away = record.presence != Presence::kPresent || !record.checked || record.fault;
-  const bool joining = record.due || record.command || record.suspended || (away && !took_part);
+  const bool away = known.presence != Presence::kPresent || !known.checked || known.fault;
+  const bool joining = known.due || known.command || known.suspended || (away && !took_part);
   return joining || false_reporters_.contains(name) || self_switched_.contains(name) ||
-         robot_.ReportOf(i, record.report)->incarnation != record.report.incarnation;
+         robot_.ReportOf(i, known.report)->incarnation != known.report.incarnation;
 }
 
 // "done-degraded" lists an actuator that is not available, or that failed in this switch. An
@@ -994,8 +994,8 @@ void Checker::CheckNotDegraded(const Machine& machine, const SwitchResult& resul
       std::all_of(result.actuators.begin(), result.actuators.end(),
                   [](const ActuatorResult& one) { return one.outcome == ActuatorOutcome::kDone; });
   const bool all_there = std::all_of(
-      machine.actuators.begin(), machine.actuators.end(), [&](const ActuatorRecord& record) {
-        return record.presence == Presence::kPresent && record.state() == result.target;
+      machine.actuators.begin(), machine.actuators.end(), [&](const KnownActuator& known) {
+        return known.presence == Presence::kPresent && known.state() == result.target;
       });
   if (!all_did || !all_there) return;
   ReportViolation(Invariant::kDoneIsComplete,
@@ -1222,7 +1222,7 @@ void Checker::CheckPowerOff() {
 
 // What an actuator will do by itself; empty: nothing.
 std::string Checker::PendingActivity(const Machine& machine, ActuatorIndex i) const {
-  const ActuatorRecord& r = machine.actuators[i];
+  const KnownActuator& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
   if (r.fault && !r.command && !r.restart.at && !r.process.termination && !r.restart.requested)
@@ -1295,19 +1295,19 @@ void Checker::CheckRest(bool provided) {
 }
 
 void Checker::CheckPlace(const Machine& machine, ActuatorIndex i) {
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const std::string& name = config_.actuators[i].name;
-  const ActuatorReport* report = robot_.ReportOf(i, record.report);
-  if (report == nullptr || record.held || record.fault || false_reporters_.contains(name)) return;
+  const ActuatorReport* report = robot_.ReportOf(i, known.report);
+  if (report == nullptr || known.held || known.fault || false_reporters_.contains(name)) return;
   const auto own = config_.RankOf(report->state);
   const auto rank = config_.RankOf(machine.state);
   const bool waits = machine.emergency.stop && (!own || (rank && *own < *rank));
-  if (machine.emergency.stop && record.presence == Presence::kPresent &&
+  if (machine.emergency.stop && known.presence == Presence::kPresent &&
       report->emergency_stop == 0) {
     ReportViolation(Invariant::kEmergencyStopHolds, name + " has not latched the emergency stop");
   }
   if (report->state == machine.state || waits || !rank) return;
-  if (config_.actuators[i].stage > machine.start_up.stage && record.presence == Presence::kAbsent)
+  if (config_.actuators[i].stage > machine.start_up.stage && known.presence == Presence::kAbsent)
     return;
   ReportViolation(Invariant::kStatesAgree, name + " is in " + report->state +
                                                " while the machine is in " + machine.state +
@@ -1318,28 +1318,28 @@ void Checker::CheckPlace(const Machine& machine, ActuatorIndex i) {
 // They stay where a rollback leads: in DeActive or else LowPower, or less active. One that cannot
 // be brought there is listed.
 void Checker::CheckPlaceInStart(const Machine& machine, ActuatorIndex i) {
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const ActuatorConfig& actuator = config_.actuators[i];
-  const ActuatorReport* report = robot_.ReportOf(i, record.report);
-  if (config_.RankOf(machine.state) || record.presence != Presence::kPresent || record.held) return;
+  const ActuatorReport* report = robot_.ReportOf(i, known.report);
+  if (config_.RankOf(machine.state) || known.presence != Presence::kPresent || known.held) return;
   if (report == nullptr || report->busy() || false_reporters_.contains(actuator.name)) return;
   const bool rests = actuator.Lists(kDeActive) || actuator.Lists(kLowPower);
   const State most(actuator.Lists(kDeActive) || !rests ? kDeActive : kLowPower);
   if (!config_.RankOf(report->state) || !Falls(config_, report->state, most)) return;
   // Where it was to be brought back, its callback has failed, or it must not be commanded.
-  const bool fails = !rests || report->outcome_code != kCodeOk || record.health == Health::kHung ||
-                     record.restart.given_up;
-  if (record.fault && fails) return;
+  const bool fails = !rests || report->outcome_code != kCodeOk || known.health == Health::kHung ||
+                     known.restart.given_up;
+  if (known.fault && fails) return;
   ReportViolation(Invariant::kStatesAgree, actuator.name + " stays in " + report->state +
                                                " while the machine is in " + machine.state);
 }
 
 void Checker::CheckLoss(const Machine& machine, ActuatorIndex i, bool provided) {
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const ActuatorConfig& actuator = config_.actuators[i];
   const auto rank = config_.RankOf(machine.state);
-  if (record.presence == Presence::kPresent || record.held || !rank) return;
-  if (record.presence == Presence::kAbsent && machine.emergency.stop) return;  // of a later stage
+  if (known.presence == Presence::kPresent || known.held || !rank) return;
+  if (known.presence == Presence::kAbsent && machine.emergency.stop) return;  // of a later stage
   if (!actuator.on_lost.empty()) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;
     // An operator may continue without an actuator that is not critical.
@@ -1352,11 +1352,11 @@ void Checker::CheckLoss(const Machine& machine, ActuatorIndex i, bool provided) 
   if (!provided || actuator.command.empty()) return;  // others are not started by the controller
   ReportViolation(Invariant::kOnLostCoversLoss,
                   "the machine stays in " + machine.state + " without " + actuator.name + ", " +
-                      (record.restart.given_up
-                           ? (record.restart.count < actuator.restart.limit
+                      (known.restart.given_up
+                           ? (known.restart.count < actuator.restart.limit
                                   ? "which is not restarted after its exit code"
                                   : "which was given up after " +
-                                        std::to_string(record.restart.count) + " restarts")
+                                        std::to_string(known.restart.count) + " restarts")
                            : (robot_.IsAlive(actuator.name) ? "which hangs, and is not killed"
                                                             : "which is not restarted")) +
                       "; it has no on_lost (\"Active\" if the machine may run without it)");

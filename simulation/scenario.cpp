@@ -760,10 +760,10 @@ void Scenario::RepairActuators() {
     if (leader == nullptr) break;
     const ActuatorIndex process = robot_.layout().ProcessOf(i);
     const ActuatorConfig& actuator = config_.actuators[process];
-    const ActuatorRecord& record = leader->shell().machine().actuators[i];
-    const ActuatorReport* report = robot_.ReportOf(i, record.report);
+    const KnownActuator& known = leader->shell().machine().actuators[i];
+    const ActuatorReport* report = robot_.ReportOf(i, known.report);
     const bool finished = report != nullptr && report->state == kTearDown;  // its process may run
-    const bool well = report != nullptr && !report->busy() && !record.fault && !finished;
+    const bool well = report != nullptr && !report->busy() && !known.fault && !finished;
     if (well) continue;
     Note("the operator restarts " + actuator.name);
     EndElsewhere(actuator);

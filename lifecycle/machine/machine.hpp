@@ -16,7 +16,7 @@
 
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/field.hpp"
-#include "musher/lifecycle/machine/actuator_record.hpp"
+#include "musher/lifecycle/machine/known_actuator.hpp"
 #include "musher/lifecycle/machine/policy_state.hpp"
 #include "musher/lifecycle/machine/stored.hpp"
 #include "musher/lifecycle/machine/switch.hpp"
@@ -92,7 +92,7 @@ struct Machine {
   std::string requested_by;       // of the last switch of the whole machine; "" = its start
   std::optional<StandingRequest> standing;
   StartUpState start_up;
-  PerActuator<ActuatorRecord> actuators;  // in the order of the config
+  PerActuator<KnownActuator> actuators;  // in the order of the config
   std::optional<Switch> current;
   std::optional<WaitingSwitch> waiting;  // never together with a current one
   FallbackState fallback;
@@ -113,9 +113,9 @@ Machine MakeMachine(const MachineConfig& config);
 
 // The partial fault of a present actuator that does not keep it from the state of the machine: its
 // self-check has passed as degraded, or has failed with a code that is not critical.
-std::optional<Error> PartialFaultOf(const ActuatorRecord& record);
+std::optional<Error> PartialFaultOf(const KnownActuator& known);
 // Its fault, else its partial one: why it is listed as degraded.
-std::optional<Error> TroubleOf(const ActuatorRecord& record);
+std::optional<Error> TroubleOf(const KnownActuator& known);
 
 // The names of the actuators that are not in the state of the machine, with a recorded reason, or
 // that have a partial fault.

@@ -14,7 +14,7 @@ class MachineView {
   MachineView(const MachineConfig& config, const Machine& machine)
       : config_(config), view_(machine) {}
 
-  const ActuatorRecord& Of(ActuatorIndex i) const { return view_.actuators[i]; }
+  const KnownActuator& Of(ActuatorIndex i) const { return view_.actuators[i]; }
   const ActuatorConfig& ConfigOf(ActuatorIndex i) const { return config_.actuators[i]; }
 
   // Whether it is starting, though it is not present yet.

@@ -34,13 +34,13 @@ class StepPart : protected MachineView {
 
  protected:
   using MachineView::Of;
-  ActuatorRecord& Of(ActuatorIndex i) { return machine_.actuators[i]; }
+  KnownActuator& Of(ActuatorIndex i) { return machine_.actuators[i]; }
   bool Critical(ActuatorIndex i) const { return ConfigOf(i).critical; }
 
   void Do(Action action) { actions_.push_back(std::move(action)); }
 
   // Each returns the id of its record. `cause`: the id of the record that it follows from, where
-  // one is known. A decision with later effects stores the id for them in ActuatorRecord, Switch or
+  // one is known. A decision with later effects stores the id for them in KnownActuator, Switch or
   // Machine.
   RecordId Record(action::Record record);
   RecordId RecordMachine(std::int32_t code, const RecordText& text, RecordId cause = 0);

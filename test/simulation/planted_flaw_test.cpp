@@ -312,8 +312,8 @@ TEST_F(PlantedFlaw, FindsAnActuatorThatStaysActiveAfterAFailedStart) {
   robot_->StartController();
   ASSERT_TRUE(RunUntil([&] { return robot_->machine().phase == Phase::kFailed; },
                        std::chrono::seconds(10)));
-  ActuatorRecord& record = const_cast<Machine&>(robot_->machine()).actuators[0];
-  record.due = record.checked = false;
+  KnownActuator& known = const_cast<Machine&>(robot_->machine()).actuators[0];
+  known.due = known.checked = false;
   RunFor(std::chrono::seconds(30));
   EXPECT_EQ(robot_->ReportOf("a")->state, "Active");
   EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
