@@ -44,7 +44,7 @@ class MixedScenario {
   }
 
   void Run() {
-    robot_.on_start = [this](const simulation::ControllerProcess&, const std::string& name) {
+    robot_.on_start = [this](const simulation::SimulatedController&, const std::string& name) {
       EXPECT_FALSE(robot_.IsAlive(name)) << name << " is started while its process runs";
     };
     LinkFaults faults;

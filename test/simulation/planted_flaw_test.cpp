@@ -274,7 +274,8 @@ TEST_F(PlantedFlaw, FindsAControllerThatRepliesWhileItListens) {
   Make(Started(1), TwoHosts(1));
   BringUp();
   robot_->StartRival(false);
-  transport::Node& node = const_cast<simulation::ControllerProcess*>(robot_->controller(1))->node();
+  transport::Node& node =
+      const_cast<simulation::SimulatedController*>(robot_->controller(1))->node();
   const auto server =
       transport::MakeServer<msg::GetStatus>(
           node, transport::MachineService("", "get_status"),
