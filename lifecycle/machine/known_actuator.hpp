@@ -33,7 +33,7 @@ struct PendingCommand {
   Time deadline{};  // of the reply; once queried, of the answer
   int queries = 0;  // how often the outcome was queried
   bool detached = false;
-  // How far the actuator's clock was ahead of ours when it was sent, as known then.
+  // How far the actuator's clock was ahead of ours, as known when the command was sent.
   Duration clock_ahead{};
 
   friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
@@ -140,9 +140,10 @@ struct KnownActuator {
   std::optional<ActuatorFault> fault;  // why it is degraded
   std::optional<Error> tolerated;      // a failure of its last self-check that is not critical
   RecordId cause = 0;  // the record with the reason why it is degraded, lost or back
-  // The other host on which it ran by its last status, also when an earlier controller received
-  // that; "" if its protocol does not name the host. None: it is torn down, has exited, or runs
-  // here. Stored: after a reboot of this host it may still run there and be out of reach.
+  // The other host on which the actuator ran, by the last status, which an earlier controller may
+  // have received; "" if the protocol does not name the host. None: the actuator is torn down, has
+  // exited, or runs here. Stored, because after a reboot of this host the actuator may still run on
+  // the other one and be out of reach.
   std::optional<std::string> elsewhere;
 
   const State& state() const { return report.state; }

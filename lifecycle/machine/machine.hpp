@@ -60,9 +60,9 @@ struct PendingRelease {
 
 struct EmergencyStopState {
   std::optional<EmergencyStop> stop;
-  RecordId cause = 0;                 // the record of it
+  RecordId cause = 0;                 // the record of this stop
   std::vector<EmergencyStop> others;  // engaged beside it by other sources, released with it
-  std::vector<StopId> released;       // the stops released last, and those that newer ones replace
+  std::vector<StopId> released;  // the last released stops, with the ones that newer stops replaced
   std::optional<PendingRelease> release;
 
   friend bool operator==(const EmergencyStopState&, const EmergencyStopState&) = default;
@@ -111,10 +111,10 @@ StoredStops StopsOf(const Machine& machine);
 // A machine about which nothing is known yet.
 Machine MakeMachine(const MachineConfig& config);
 
-// The partial fault of a present actuator that does not keep it from the state of the machine: its
-// self-check has passed as degraded, or has failed with a code that is not critical.
+// The partial fault of a present actuator: the self-check has passed as degraded, or has failed
+// with a code that is not critical. The actuator reaches the state of the machine nevertheless.
 std::optional<Error> PartialFaultOf(const KnownActuator& known);
-// Its fault, else its partial one: why it is listed as degraded.
+// Why the actuator is listed as degraded: its fault, else its partial fault.
 std::optional<Error> TroubleOf(const KnownActuator& known);
 
 // The names of the actuators that are not in the state of the machine, with a recorded reason, or

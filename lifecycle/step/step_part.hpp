@@ -1,7 +1,7 @@
 #pragma once
 // One step of the decisions, and what every part of it can do: change the machine, emit actions,
-// and record. The parts are small classes in the rooms beside this one; each names in its
-// constructor the parts that it uses, and none uses one that uses it. coordinator.cpp makes them.
+// and record. The parts are small classes in the folders beside this one. The constructor of a part
+// names the parts that it uses, and no two parts use each other. coordinator.cpp makes all parts.
 
 #include <cstdint>
 #include <optional>
