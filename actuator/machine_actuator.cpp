@@ -8,7 +8,6 @@
 #include <future>
 #include <mutex>
 #include <optional>
-#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -342,7 +341,7 @@ MachineActuator::MachineActuator(const std::string& actuator_name)
     : impl_(std::make_unique<Impl>(actuator_name, [this] { OnEmergencyStop(); })) {}
 
 MachineActuator::~MachineActuator() {
-  MUSHER_CHECK(!impl_->started() || !derived_, name(),
+  MUSHER_CHECK(!impl_->started(), name(),
                "is destroyed while it is started, and its members are already destroyed; use "
                "Run(), Wait() or musher::ActuatorRunner");
 }
@@ -373,7 +372,6 @@ void MachineActuator::RegisterStateCallback(std::function<Result<>(const State&)
 }
 
 Result<> MachineActuator::Start() {
-  derived_ = typeid(*this) != typeid(MachineActuator);
   return impl_->Start();
 }
 bool MachineActuator::started() const {

@@ -52,9 +52,10 @@ class MachineActuator {
  public:
   // The name as in [controller].actuators of the config.
   explicit MachineActuator(const std::string& actuator_name);
-  // A derived class must not be destroyed while it is started: its callbacks would use destroyed
-  // members. Run() and Wait() return when it is stopped; ActuatorRunner is for all other cases. The
-  // destructor of a started actuator ends the program, which may be too late.
+  // An actuator is started by Run(), which returns when it is stopped, or by an ActuatorRunner,
+  // whose destructor stops it: callbacks never use destroyed members. A derived class that calls
+  // Start() in a function of its own has to be stopped before it is destroyed; its destructor ends
+  // the program otherwise.
   virtual ~MachineActuator();
   MachineActuator(const MachineActuator&) = delete;
   MachineActuator& operator=(const MachineActuator&) = delete;
@@ -75,12 +76,6 @@ class MachineActuator {
   // callback of its own; it gets the state. A state that is not listed is never commanded.
   void RegisterStateCallback(std::function<std::int32_t(const State&)> callback);
   void RegisterStateCallback(std::function<Result<>(const State&)> callback);
-
-  // Runs SetUp and becomes visible to the controller. Fails if a state of the config has no
-  // callback or a callback no state (the error names it), if SetUp fails (with its code), or if an
-  // actuator of this name already runs on this host. Once for each object: after a failure it is
-  // shut down, Wait() returns 1, and the program should exit.
-  Result<> Start();
 
   // Blocks until TearDown is done, or GiveUp() or Shutdown() is called; then shuts down, so that no
   // callback runs any more, and returns the program's exit code. In a process of several actuators
@@ -183,6 +178,12 @@ class MachineActuator {
   std::shared_ptr<transport::NodeThread> node() const;
 
  protected:
+  // Public in ActuatorRunner. Runs SetUp and becomes visible to the controller. Fails if a state of
+  // the config has no callback or a callback no state (the error names it), if SetUp fails (with
+  // its code), or if an actuator of this name already runs on this host. Once for each object:
+  // after a failure it is shut down, Wait() returns 1, and the program should exit.
+  Result<> Start();
+
   // Whether Start() has succeeded and Shutdown() has not been called since.
   bool started() const;
 
@@ -198,7 +199,6 @@ class MachineActuator {
   Result<> CheckCallbacks() const;
   class Impl;
   std::unique_ptr<Impl> impl_;
-  bool derived_ = false;  // set by Start(): the object is of a derived class
 };
 
 // An actuator that is started by hand, in a test or beside others of its process:
@@ -213,6 +213,7 @@ template <typename Actuator>
 class ActuatorRunner final : public Actuator {
  public:
   using Actuator::Actuator;
+  using Actuator::Start;
   ~ActuatorRunner() override { this->Shutdown(); }
 };
 

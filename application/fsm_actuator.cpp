@@ -5,8 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/application/application_impl.hpp"
 #include "musher/application/behavior_report.hpp"
-#include "musher/application/ticks.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -14,41 +14,16 @@
 
 namespace musher {
 
-class FsmActuator::Impl : public fsm::Listener {
+class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
  public:
   Impl(FsmActuator& owner, Options options)
-      : owner_(owner), options_(std::move(options)), log_(owner) {
-    MUSHER_CHECK(options_.rate_hz > 0);
+      : ApplicationImpl(owner, options.rate_hz),
+        owner_(owner),
+        options_(std::move(options)),
+        log_(owner) {
     if (options_.machine.name == fsm::Machine::Options{}.name) {
       options_.machine.name = owner.name();
     }
-  }
-
-  Result<> Run(const State& state) {
-    if (state == kSetUp) return SetUp();
-    if (state == kSelfCheck) return owner_.SelfCheck();
-    Result<> result;
-    owner_.RunOnLoop([&] {
-      if (state == kActive) {
-        result = StartOrResume();
-        if (!result) Pause();  // an incomplete start is not left running
-      } else if (state == kTearDown) {
-        End();
-      } else {
-        Pause();
-      }
-      Publish();
-    });
-    return result;
-  }
-
-  void StopAtOnce() {
-    if (open_) Pause();
-  }
-
-  void Pause() {
-    PauseMachine();
-    Guard("OnPause", [&] { owner_.OnPause(); });
   }
 
   Result<> Send(std::string_view command) {
@@ -67,15 +42,13 @@ class FsmActuator::Impl : public fsm::Listener {
 
   // A command queued for hours would no longer be wanted.
   Result<> CheckTicking() const {
-    if (ticking_) return Ok();
-    return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
-                 owner_.name() + " is paused in " + owner_.CurrentState() +
-                     (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
+    if (ticking()) return Ok();
+    return Error{kCodeStateInvalid, owner_.name() + " is paused in " + Whereabouts()};
   }
 
   // For calls that are on the loop only.
   Impl& OnLoop() {
-    ticks_.CheckThread();
+    CheckThread();
     return *this;
   }
 
@@ -83,10 +56,8 @@ class FsmActuator::Impl : public fsm::Listener {
     MUSHER_CHECK(machine_ != nullptr, "SetUp of", owner_.name(), "has not run");
     return *machine_;
   }
-  bool ticking() const { return ticking_; }
-  Time Now() const { return ticks_.Now(); }
-  msg::Stamp Stamp() const { return ticks_.Stamp(); }
 
+ private:
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
     std::string line = std::string(machine.Name(change.from)) + " -> " +
                        std::string(machine.Name(change.to)) + ": " +
@@ -112,9 +83,8 @@ class FsmActuator::Impl : public fsm::Listener {
     log_(fault.at, LogLevel::kError, "fault: " + machine.Describe(fault));
   }
 
- private:
-  Result<> SetUp() {
-    owner_.RunOnLoop([this] { open_ = commanded_ = false; });
+  Result<> SetUp() override {
+    owner_.RunOnLoop([this] { commanded_ = false; });
     machine_ = std::make_unique<fsm::Machine>(options_.machine);
     machine_->Listen(this);
     if (Result<> built = owner_.BuildMachine(*machine_); !built) return built;
@@ -122,35 +92,47 @@ class FsmActuator::Impl : public fsm::Listener {
       return Error{kCodeFailed, "BuildMachine() has not called Build() of its machine"};
     }
     for (const std::string& warning : machine_->warnings()) owner_.Log(LogLevel::kWarning, warning);
-    Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
-      ticks_.Open(topics);
+    return Open([this](transport::Endpoints& topics) {
       publish_state_ = topics.PublishFunction<msg::String>(owner_.name() + "/behavior_state",
                                                            transport::kLatchedQos);
       topics.Serve<msg::GetBehavior>(owner_.name() + "/get_behavior",
                                      [this](const auto& request, auto reply) {
-                                       auto report = ReportBehavior(*machine_, ticking_, request);
+                                       auto report = ReportBehavior(*machine_, ticking(), request);
                                        report.held_by_stop = owner_.HeldByStop();
                                        reply(report);
                                      });
-      topics.Serve<msg::SendCommand>(owner_.name() + "/send_command",
-                                     [this](const auto& request, auto reply) {
-                                       const Result<> sent = Send(request.command);
-                                       reply({sent.ok(), sent ? "" : sent.error().message});
-                                     });
+      ServeCommands(topics, [this](const std::string& command) { return Send(command); });
       published_.reset();
       Publish();
       owner_.OpenTopics(topics);
     });
-    owner_.RunOnLoop([&] { open_ = opened.ok(); });
-    return opened;
+  }
+  Result<> SelfCheck() override { return owner_.SelfCheck(); }
+
+  Result<> Activate() override {
+    Result<> started = StartOrResume();
+    if (!started) Pause();  // an incomplete start is not left running
+    Publish();
+    return started;
+  }
+  void Leave(const State& state) override {
+    if (state == kTearDown) {
+      End();
+    } else {
+      Pause();
+    }
+    Publish();
+  }
+  void StopAtOnce() override { Pause(); }
+
+  void Pause() {
+    PauseMachine();
+    Guard("OnPause", [&] { owner_.OnPause(); });
   }
 
   Result<> StartOrResume() {
-    if (owner_.EmergencyStopped()) {
-      return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
-                   "an emergency stop was engaged meanwhile"};
-    }
-    if (ticking_) return Ok();
+    if (Result<> checked = CheckNoStop(); !checked) return checked;
+    if (ticking()) return Ok();
     waits_ = options_.begin == Begin::kOnCommand && !commanded_;
     if (waits_) {
       owner_.Log("stands, and waits for START");
@@ -170,16 +152,15 @@ class FsmActuator::Impl : public fsm::Listener {
     }
     // The first time received from /clock may have any value.
     if (Now() == Time{}) machine_->Pause();
-    ticking_ = true;
-    ticks_.Start(options_.rate_hz, [this] { Tick(); });
+    StartTicks();
     return Ok();
   }
 
-  void Tick() {
+  void Tick() override {
     const Time now = Now();
     in_tick_ = true;
     const bool well = GuardTick("BeforeTick", before_fault_, [&] { owner_.BeforeTick(now); });
-    if (ticking_) machine_->RunOnce(now);
+    if (ticking()) machine_->RunOnce(now);
     if (!well) GoSafe();  // also when the tick has just left it
     GuardTick("AfterTick", after_fault_, [&] { owner_.AfterTick(now); });
     in_tick_ = false;
@@ -202,14 +183,11 @@ class FsmActuator::Impl : public fsm::Listener {
   }
 
   void PauseMachine() {
-    ticks_.Stop();
-    ticking_ = waits_ = false;
+    StopTicks();
+    waits_ = false;
     if (machine_) machine_->Pause();
   }
 
-  void Guard(const char* name, const std::function<void()>& hook) {
-    if (const auto thrown = Thrown(name, hook)) owner_.Log(LogLevel::kError, "fault: " + *thrown);
-  }
   // Calls a hook of the tick. An exception counts as a failed state; it is logged once as long as
   // it is the same.
   bool GuardTick(const char* name, std::string& last, const std::function<void()>& hook) {
@@ -250,12 +228,9 @@ class FsmActuator::Impl : public fsm::Listener {
   FsmActuator& owner_;
   Options options_;
   std::unique_ptr<fsm::Machine> machine_;
-  Ticks ticks_;
   std::function<void(const msg::String&)> publish_state_;  // while the ticks are open
-  bool open_ = false;  // SetUp is done; before, the machine belongs to the worker
-  bool ticking_ = false;
-  bool commanded_ = false;  // to begin, since SetUp
-  bool waits_ = false;      // for that, in Active
+  bool commanded_ = false;                                 // to begin, since SetUp
+  bool waits_ = false;                                     // for that, in Active
   bool in_tick_ = false;
   std::string before_fault_;  // the exception of BeforeTick() in the last tick
   std::string after_fault_;
@@ -269,9 +244,7 @@ FsmActuator::FsmActuator(const std::string& actuator_name, Options options)
 }
 
 FsmActuator::~FsmActuator() {
-  MUSHER_CHECK(!started(), name(),
-               "is destroyed while it is started, and the members that its hooks use are already "
-               "destroyed; use Run(), Wait() or musher::ActuatorRunner");
+  CheckStopped(name(), started());
 }
 
 fsm::Machine& FsmActuator::machine() {
@@ -294,7 +267,7 @@ msg::Stamp FsmActuator::Stamp() const {
 }
 
 void FsmActuator::OnEmergencyStop() {
-  impl_->StopAtOnce();
+  impl_->OnEmergencyStop();
 }
 
 }  // namespace musher

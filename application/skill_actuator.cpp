@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "musher/application/application_impl.hpp"
 #include "musher/application/saved_skills.hpp"
 #include "musher/application/skill_report.hpp"
-#include "musher/application/ticks.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -45,35 +45,14 @@ std::string OfRequester(const std::string& by) {
 
 }  // namespace
 
-class SkillActuator::Impl {
+class SkillActuator::Impl final : public ApplicationImpl {
  public:
-  Impl(SkillActuator& owner, Options options) : owner_(owner), options_(std::move(options)) {
-    MUSHER_CHECK(options_.rate_hz > 0);
-  }
-
-  Result<> Run(const State& state) {
-    if (state == kSetUp) return SetUp();
-    if (state == kSelfCheck) return owner_.SelfCheck();
-    Result<> result;
-    owner_.RunOnLoop([&] {
-      if (state == kActive) {
-        result = Continue();
-      } else if (state == kTearDown || state == kError || state == kOta) {
-        CancelAtOnce("the robot goes to " + state);
-      } else {
-        Pause(state);
-      }
-    });
-    return result;
-  }
-
-  void StopAtOnce() {
-    if (open_) CancelAtOnce("emergency stop");
-  }
+  Impl(SkillActuator& owner, Options options)
+      : ApplicationImpl(owner, options.rate_hz), owner_(owner), options_(std::move(options)) {}
 
   // For calls that are on the loop only.
   Impl& OnLoop() {
-    ticks_.CheckThread();
+    CheckThread();
     return *this;
   }
 
@@ -81,11 +60,9 @@ class SkillActuator::Impl {
     MUSHER_CHECK(manager_ != nullptr, "SetUp of", owner_.name(), "has not run");
     return *manager_;
   }
-  bool ticking() const { return ticking_; }
-  Time Now() const { return ticks_.Now(); }
 
  private:
-  struct Open {
+  struct OpenGoal {
     Goal goal;
     std::string shown;  // the last feedback
   };
@@ -96,8 +73,7 @@ class SkillActuator::Impl {
     bool ended = false;
   };
 
-  Result<> SetUp() {
-    owner_.RunOnLoop([this] { open_ = false; });
+  Result<> SetUp() override {
     skill::Registry registry;
     if (Result<> registered = owner_.RegisterSkills(registry); !registered) return registered;
     if (registry.All().empty()) {
@@ -108,8 +84,7 @@ class SkillActuator::Impl {
     manager_ = std::make_unique<skill::Manager>(registry.All());
     RestoreRuns();
     manager_->OnRemoval([this](const skill::Run& run) { ReportRemoved(run); });
-    Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
-      ticks_.Open(topics);
+    return Open([this](transport::Endpoints& topics) {
       transport::ActionHandlers<msg::SkillExecution> handlers;
       handlers.start = [this](const Goal& goal) { Start(goal); };
       handlers.cancel = [this](const Goal& goal) { Cancel(goal); };
@@ -117,9 +92,8 @@ class SkillActuator::Impl {
       OpenReports(topics);
       owner_.OpenTopics(topics);
     });
-    owner_.RunOnLoop([&] { open_ = opened.ok(); });
-    return opened;
   }
+  Result<> SelfCheck() override { return owner_.SelfCheck(); }
 
   void RestoreRuns() {
     saved_.reset();
@@ -146,25 +120,25 @@ class SkillActuator::Impl {
     topics.Serve<msg::GetSkill>(
         owner_.name() + "/get_skill", [this](const auto& request, auto reply) {
           const auto published = published_.find(request.skill);
-          reply(ReportSkill(owner_.name(), *manager_, ticking_,
+          reply(ReportSkill(owner_.name(), *manager_, ticking(),
                             published == published_.end() ? RunOrigin() : published->second.origin,
                             request));
         });
   }
 
-  Result<> Continue() {
-    if (owner_.EmergencyStopped()) {
-      return Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
-    }
-    if (std::exchange(ticking_, true)) return Ok();
-    ticks_.Start(options_.rate_hz, [this] { Tick(); });
+  Result<> Activate() override {
+    if (Result<> checked = CheckNoStop(); !checked) return checked;
+    if (!ticking()) StartTicks();
     return Ok();
   }
-
-  void StopTicks() {
-    ticks_.Stop();
-    ticking_ = false;
+  void Leave(const State& state) override {
+    if (state == kTearDown || state == kError || state == kOta) {
+      CancelAtOnce("the robot goes to " + state);
+    } else {
+      Pause(state);
+    }
   }
+  void StopAtOnce() override { CancelAtOnce("emergency stop"); }
 
   void Pause(const State& state) {
     if (options_.cancels_when_paused) return CancelAtOnce("the robot goes to " + state);
@@ -182,19 +156,15 @@ class SkillActuator::Impl {
   }
 
   void AfterPause() {
-    if (const auto thrown = Thrown("OnPause", [&] { owner_.OnPause(); })) {
-      owner_.Log(LogLevel::kError, "fault: " + *thrown);
-    }
+    Guard("OnPause", [&] { owner_.OnPause(); });
     ReportGoals();
   }
 
   void Start(const Goal& goal) {
     const Result<Request> request = RequestOf(goal);
     Result<> started = request ? CheckRobot(goal) : Result<>(request.error());
-    if (started && !ticking_) {
-      started =
-          Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + owner_.CurrentState() +
-                                       (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
+    if (started && !ticking()) {
+      started = Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + Whereabouts()};
     }
     if (started) {
       started = manager_->StartWithTexts(request.value().skill, request.value().parameters);
@@ -212,7 +182,7 @@ class SkillActuator::Impl {
     own.Execute();
     own.PublishFeedback({"processing: Skill " + skill + " started (0%)"});
     published_[skill] = {{transport::GoalIdText(goal.id()), by}};
-    goals_.insert_or_assign(skill, Open{std::move(own), ""});
+    goals_.insert_or_assign(skill, OpenGoal{std::move(own), ""});
     SaveRuns();
     PublishChanges();
   }
@@ -229,7 +199,7 @@ class SkillActuator::Impl {
     for (const auto& [skill, open] : goals_) {
       if (open.goal.id() != goal.id()) continue;
       static_cast<void>(manager_->Cancel(skill, "by its client"));
-      if (!ticking_) {  // no step would see it
+      if (!ticking()) {  // no step would see it
         static_cast<void>(manager_->CancelNow(skill, "by its client"));
         ReportGoals();
       }
@@ -239,7 +209,7 @@ class SkillActuator::Impl {
     own.Canceled({false, "cancelled: before it was started"});
   }
 
-  void Tick() {
+  void Tick() override {
     const Time now = Now();
     const auto before = Thrown("BeforeTick", [&] { owner_.BeforeTick(now); });
     if (!before) manager_->RunOnce(now);
@@ -281,7 +251,7 @@ class SkillActuator::Impl {
   }
 
   void SaveRuns() {
-    if (!saved_ || !open_) return;
+    if (!saved_ || !open()) return;
     const Result<> saved = saved_->Save(*manager_, Now());
     if (!saved) owner_.Log(LogLevel::kWarning, saved.error().message);
   }
@@ -321,14 +291,11 @@ class SkillActuator::Impl {
   SkillActuator& owner_;
   const Options options_;
   std::unique_ptr<skill::Manager> manager_;
-  Ticks ticks_;
   const transport::Node* node_ = nullptr;                   // of the endpoints
   std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
-  std::map<std::string, Open> goals_;                       // by skill
+  std::map<std::string, OpenGoal> goals_;                   // by skill
   std::map<std::string, Published> published_;              // by skill
   std::optional<SavedSkills> saved_;                        // nothing: they are not saved
-  bool open_ = false;  // SetUp is done; before, the skills belong to the worker
-  bool ticking_ = false;
 };
 
 SkillActuator::SkillActuator(const std::string& actuator_name, const Options& options)
@@ -337,9 +304,7 @@ SkillActuator::SkillActuator(const std::string& actuator_name, const Options& op
 }
 
 SkillActuator::~SkillActuator() {
-  MUSHER_CHECK(!started(), name(),
-               "is destroyed while it is started, and the members that its hooks use are already "
-               "destroyed; use Run(), Wait() or musher::ActuatorRunner");
+  CheckStopped(name(), started());
 }
 
 skill::Manager& SkillActuator::manager() {
@@ -353,7 +318,7 @@ Time SkillActuator::Now() const {
 }
 
 void SkillActuator::OnEmergencyStop() {
-  impl_->StopAtOnce();
+  impl_->OnEmergencyStop();
 }
 
 }  // namespace musher

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "musher/application/application_impl.hpp"
 #include "musher/application/load_tree.hpp"
-#include "musher/application/ticks.hpp"
 #include "musher/application/tree_report.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
@@ -14,31 +14,13 @@
 
 namespace musher {
 
-class TreeActuator::Impl {
+class TreeActuator::Impl final : public ApplicationImpl {
  public:
   Impl(TreeActuator& owner, Options options)
-      : owner_(owner), options_(std::move(options)), log_(owner) {
-    MUSHER_CHECK(options_.rate_hz > 0);
-  }
-
-  Result<> Run(const State& state) {
-    if (state == kSetUp) return SetUp();
-    if (state == kSelfCheck) return owner_.SelfCheck();
-    Result<> result;
-    owner_.RunOnLoop([&] {
-      if (state == kActive) {
-        result = Continue();
-        if (!result) Pause();  // an incomplete start is not left running
-      } else {
-        Pause();
-      }
-    });
-    return result;
-  }
-
-  void StopAtOnce() {
-    if (open_) Pause();
-  }
+      : ApplicationImpl(owner, options.rate_hz),
+        owner_(owner),
+        options_(std::move(options)),
+        log_(owner) {}
 
   Result<tree::Document> ReadFile() const {
     if (options_.file.empty()) {
@@ -65,7 +47,7 @@ class TreeActuator::Impl {
   void Restart() { Stop(false); }
   void Halt() { Stop(true); }
 
-  Impl& OnLoop() { return ticks_.CheckThread(), *this; }  // for calls that are on the loop only
+  Impl& OnLoop() { return CheckThread(), *this; }  // for calls that are on the loop only
   bool has_tree() const { return loaded_.tree != nullptr; }
   tree::Tree& tree() {
     MUSHER_CHECK(has_tree(), owner_.name(), "has no tree");
@@ -75,17 +57,14 @@ class TreeActuator::Impl {
     MUSHER_CHECK(factory_ != nullptr, "SetUp of", owner_.name(), "has not run");
     return *factory_;
   }
-  bool ticking() const { return ticking_; }
   tree::Status result() const { return result_; }
   const std::string& last_fault() const { return last_fault_; }
-  Time Now() const { return ticks_.Now(); }
-  msg::Stamp Stamp() const { return ticks_.Stamp(); }
 
   TreeView View() {
     return {.tree = loaded_.tree.get(),
             .document = &loaded_.document,
             .revision = revision_,
-            .ticking = ticking_,
+            .ticking = ticking(),
             .ticks = tick_count_,
             .result = result_,
             .last_fault = &last_fault_,
@@ -100,8 +79,7 @@ class TreeActuator::Impl {
     std::unique_ptr<tree::Tree> tree;  // null: none
   };
 
-  Result<> SetUp() {
-    owner_.RunOnLoop([this] { open_ = false; });
+  Result<> SetUp() override {
     auto factory = std::make_unique<tree::Factory>();
     if (Result<> registered = owner_.RegisterNodes(*factory); !registered) return registered;
     Result<tree::Document> document = owner_.LoadTree();
@@ -120,8 +98,7 @@ class TreeActuator::Impl {
       recording_ = std::move(recording).value();
       Record();
     });
-    Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
-      ticks_.Open(topics);
+    return Open([this](transport::Endpoints& topics) {
       publisher_ = nullptr;
       publisher_ =
           topics.Advertise<msg::TreeState>(owner_.name() + "/tree_state", transport::kLatchedQos,
@@ -129,27 +106,29 @@ class TreeActuator::Impl {
       topics.Serve<msg::GetTree>(
           owner_.name() + "/get_tree",
           [this](const auto& request, auto reply) { reply(ReportTree(View(), request)); });
-      topics.Serve<msg::SendCommand>(owner_.name() + "/send_command",
-                                     [this](const auto& request, auto reply) {
-                                       const Result<> sent = Send(request.command);
-                                       reply({sent.ok(), sent ? "" : sent.error().message});
-                                     });
+      ServeCommands(topics, [this](const std::string& command) { return Send(command); });
       Report(true);
       owner_.OpenTopics(topics);
     });
-    owner_.RunOnLoop([&] { open_ = opened.ok(); });
-    return opened;
   }
+  Result<> SelfCheck() override { return owner_.SelfCheck(); }
+
+  Result<> Activate() override {
+    Result<> begun = Continue();
+    if (!begun) Pause();  // an incomplete start is not left running
+    return begun;
+  }
+  void Leave(const State& /*state*/) override { Pause(); }
+  void StopAtOnce() override { Pause(); }
 
   Result<> Send(const std::string& command) {
     if (command != kStartCommand) {
       return Error{kCodeParametersInvalid,
                    "there is no command '" + command + "'; expected " + kStartCommand};
     }
-    if (!ticking_) {
+    if (!ticking()) {
       return Error{kCodeStateInvalid,
-                   owner_.name() + " begins in Active only; it is in " + owner_.CurrentState() +
-                       (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
+                   owner_.name() + " begins in Active only; it is in " + Whereabouts()};
     }
     Result<> sent;
     if (const auto thrown = Thrown("OnStartCommand", [&] { sent = owner_.OnStartCommand(); })) {
@@ -202,10 +181,8 @@ class TreeActuator::Impl {
   bool MayBegin() const { return commanded_ || options_.begin == Begin::kAtActive; }
 
   Result<> Continue() {
-    if (owner_.EmergencyStopped()) {
-      return Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
-    }
-    if (ticking_) return Ok();
+    if (Result<> checked = CheckNoStop(); !checked) return checked;
+    if (ticking()) return Ok();
     if (options_.resume == Resume::kNewBlackboard && has_tree()) {
       Loaded fresh{loaded_.document, loaded_.entries, loaded_.main, nullptr};
       if (Result<> built = Build(fresh, *factory_); !built) return built;
@@ -215,8 +192,7 @@ class TreeActuator::Impl {
     if (const auto thrown = Thrown("OnResume", [&] { owner_.OnResume(); })) {
       return Error{kCodeFailed, *thrown};
     }
-    ticking_ = true;
-    ticks_.Start(options_.rate_hz, [this] { Tick(); });
+    StartTicks();
     if (has_tree() && !MayBegin()) {
       owner_.Log("waits for " + std::string(kStartCommand) +
                  ": a process that was started does not move");
@@ -226,13 +202,10 @@ class TreeActuator::Impl {
   }
 
   void Pause() {
-    ticks_.Stop();
-    ticking_ = false;
+    StopTicks();
     HaltTree();
     time_.Pause();
-    if (const auto thrown = Thrown("OnPause", [&] { owner_.OnPause(); })) {
-      owner_.Log(LogLevel::kError, "fault: " + *thrown);
-    }
+    Guard("OnPause", [&] { owner_.OnPause(); });
     Report(true);
   }
 
@@ -260,17 +233,17 @@ class TreeActuator::Impl {
     if (result_ == tree::Status::kRunning) result_ = tree::Status::kIdle;
   }
 
-  void Tick() {
+  void Tick() override {
     const Time now = Now();
     if (now < time_.last()) JumpBack(now);
     time_.Continue(now);
     tree::Status status = tree::Status::kIdle;
     if (const auto thrown = Thrown("BeforeTick", [&] { owner_.BeforeTick(now); })) {
       status = Fail(*thrown);
-    } else if (ticking_ && !resting_) {
+    } else if (ticking() && !resting_) {
       status = TickTree(now);
     }
-    if (!ticking_) return;
+    if (!ticking()) return;
     if (const auto thrown = Thrown("AfterTick", [&] { owner_.AfterTick(now, status); })) {
       Fail(*thrown);
     } else if (!IsFailing(status)) {
@@ -363,8 +336,7 @@ class TreeActuator::Impl {
   std::unique_ptr<tree::Factory> factory_;  // outlives the tree
   Loaded loaded_;
   TreeTime time_;
-  std::unique_ptr<TreeRecording> recording_;  // null: none
-  Ticks ticks_;
+  std::unique_ptr<TreeRecording> recording_;                   // null: none
   transport::Publisher<msg::TreeState>* publisher_ = nullptr;  // while the ticks are open
   msg::TreeState state_;
   Time reported_at_{};
@@ -375,8 +347,6 @@ class TreeActuator::Impl {
   std::string last_fault_;
   std::string logged_fault_;
   std::function<void()> after_tick_;
-  bool open_ = false;  // SetUp is done; before, the tree belongs to the worker
-  bool ticking_ = false;
   bool resting_ = false;
   bool commanded_ = false;  // to begin, since SetUp
   bool in_tree_ = false;    // the code of a node runs
@@ -389,9 +359,7 @@ TreeActuator::TreeActuator(const std::string& actuator_name, Options options)
 }
 
 TreeActuator::~TreeActuator() {
-  MUSHER_CHECK(!started(), name(),
-               "is destroyed while it is started, and the members that its hooks use are already "
-               "destroyed; use Run(), Wait() or musher::ActuatorRunner");
+  CheckStopped(name(), started());
 }
 
 Result<tree::Document> TreeActuator::LoadTree() {
@@ -439,7 +407,7 @@ msg::Stamp TreeActuator::Stamp() const {
   return impl_->OnLoop().Stamp();
 }
 void TreeActuator::OnEmergencyStop() {
-  impl_->StopAtOnce();
+  impl_->OnEmergencyStop();
 }
 
 }  // namespace musher

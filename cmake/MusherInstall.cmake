@@ -4,7 +4,8 @@ include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 
 get_property(targets GLOBAL PROPERTY MUSHER_INSTALLED_TARGETS)
-install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT core NAMELINK_COMPONENT dev)
 install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 
 set(include_to "${CMAKE_INSTALL_INCLUDEDIR}/musher")
@@ -64,20 +65,13 @@ install(CODE "
     file(MAKE_DIRECTORY \"\$ENV{DESTDIR}/etc/musher\")
   endif()" COMPONENT core)
 
+list(TRANSFORM targets REPLACE "^musher_" "" OUTPUT_VARIABLE MUSHER_LIBRARIES)
+list(SORT MUSHER_LIBRARIES)
+list(JOIN MUSHER_LIBRARIES ", " MUSHER_LIBRARIES)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/musherConfig.cmake.in musherConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 write_basic_package_version_file(musherConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/musherConfig.cmake ${PROJECT_BINARY_DIR}/musherConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 
-# For builds without CMake: pkg-config --cflags --libs musher. The prefix is that of the installation.
-list(TRANSFORM targets PREPEND "-l" OUTPUT_VARIABLE libraries)
-list(FILTER libraries EXCLUDE REGEX "^-lmusher_groot2$")  # needs ZeroMQ
-list(JOIN libraries " " libraries)
-install(CODE "
-  set(libraries \"${libraries}\")
-  set(CMAKE_INSTALL_LIBDIR \"${CMAKE_INSTALL_LIBDIR}\")
-  set(CMAKE_INSTALL_INCLUDEDIR \"${CMAKE_INSTALL_INCLUDEDIR}\")
-  set(PROJECT_VERSION \"${PROJECT_VERSION}\")
-  configure_file(\"${CMAKE_CURRENT_LIST_DIR}/musher.pc.in\" \"${PROJECT_BINARY_DIR}/musher.pc\" @ONLY)")
-install(FILES ${PROJECT_BINARY_DIR}/musher.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+include(MusherPkgConfig)

@@ -71,13 +71,39 @@ function(musher_computes)
   endforeach()
 endfunction()
 
+# Shared libraries. Before 1.0 a MINOR may change what is inlined into a program, so the file and each symbol have the
+# version of MAJOR.MINOR: a program of another one does not start, and a process may have both. There is no namespace
+# of the version in C++: nothing but the libraries would have it, and every message of the compiler.
+if(MUSHER_SHARED)
+  set(MUSHER_ABI ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  set(MUSHER_SYMBOLS ${PROJECT_BINARY_DIR}/musher_symbols.map)
+  file(CONFIGURE OUTPUT ${MUSHER_SYMBOLS} CONTENT "MUSHER_@MUSHER_ABI@ { global: *; };\n" @ONLY)
+  # An installed program and library find the libraries wherever the installation is.
+  file(RELATIVE_PATH libraries ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+  set(CMAKE_INSTALL_RPATH "$ORIGIN/${libraries}" "$ORIGIN")
+endif()
+function(musher_share target)
+  # Without a definition for each library, which would change the command line of the compiler.
+  set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${MUSHER_ABI} DEFINE_SYMBOL ""
+    LINK_DEPENDS ${MUSHER_SYMBOLS})
+  target_link_options(${target} PRIVATE LINKER:--version-script=${MUSHER_SYMBOLS})
+  if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    target_link_options(${target} PRIVATE LINKER:--no-undefined)
+  endif()
+endfunction()
+
 # musher_library(<name> SOURCES <cpp>... DEPENDS <public target>... PRIVATE <private target>...)
 # makes musher_<name> with the alias musher::<name>, installed and exported.
 function(musher_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
   set(target musher_${name})
   if(ARG_SOURCES)
-    add_library(${target} STATIC ${ARG_SOURCES})
+    if(MUSHER_SHARED)
+      add_library(${target} SHARED ${ARG_SOURCES})
+      musher_share(${target})
+    else()
+      add_library(${target} STATIC ${ARG_SOURCES})
+    endif()
     set(scope PUBLIC)
     musher_target(${target})
     target_link_libraries(${target} PRIVATE ${ARG_PRIVATE})

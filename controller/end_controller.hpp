@@ -24,9 +24,9 @@ Result<> EndOwnerOf(const std::string& state_dir);
 // How a person gets rid of the controller `pid`, in the message that refuses a second one.
 std::string HowToReplace(pid_t pid);
 
-// Waits for the exit of a process that was killed and has not exited yet: until then it holds its
-// locks, on a busy computer for a while. False, at once, for a process that runs. True as well for
-// one that does not exist.
+// Waits until a process that was killed has exited: until then it holds its locks, on a busy
+// computer for a while. Returns true when the process has exited, or does not exist; false, at
+// once, if it was not killed.
 bool AwaitKilled(pid_t pid);
 
 // What `take` returns, a lock or an error; once more if the lock is held by a process that was

@@ -18,10 +18,10 @@ constexpr std::int32_t kNotKnown = -1;
 std::int32_t CodeOf(const MachineConfig& config, const Machine& machine, std::string_view name) {
   const auto i = config.IndexOf(name);
   if (!i) return kNotKnown;
-  const ActuatorRecord& record = machine.actuators[*i];
-  if (const auto trouble = TroubleOf(record)) return trouble->code;
-  const bool passed = record.checked || config.RankOf(record.report.state).has_value();
-  return record.presence == Presence::kPresent && passed ? kCodeOk : kNotKnown;
+  const KnownActuator& known = machine.actuators[*i];
+  if (const auto trouble = TroubleOf(known)) return trouble->code;
+  const bool passed = known.checked || config.RankOf(known.report.state).has_value();
+  return known.presence == Presence::kPresent && passed ? kCodeOk : kNotKnown;
 }
 
 // An actuator with several parts. A code of no part is another fault.
@@ -74,7 +74,7 @@ std::string Describe(const MachineConfig& config, const Machine& machine) {
 std::int32_t Progress(const Machine& machine) {
   const auto& all = machine.actuators;
   const bool well = std::none_of(all.begin(), all.end(),
-                                 [](const ActuatorRecord& r) { return TroubleOf(r).has_value(); });
+                                 [](const KnownActuator& r) { return TroubleOf(r).has_value(); });
   switch (machine.phase) {
     case Phase::kStarting:
       return CheckStatus::kChecking;

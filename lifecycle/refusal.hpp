@@ -332,8 +332,8 @@ struct RefusalValue {
       : text(std::to_string(number.value())) {}
 };
 
-// The code of the form, and its sentence with the values in its places, one for each in their
-// order.
+// The code of the form, and its sentence. The values go into the places of the sentence in their
+// order, one into each.
 Error MakeRefusal(const RefusalForm& form, std::initializer_list<RefusalValue> values);
 
 // The same; a number of values that does not fit the sentence does not compile.

@@ -9,10 +9,10 @@ namespace {
 
 // The actuator is in the machine's state, or has a fault.
 bool Settled(const MachineConfig& config, const Machine& machine, ActuatorIndex actuator) {
-  const ActuatorRecord& record = machine.actuators[actuator];
-  if (record.fault || record.held) return true;
-  if (record.presence != Presence::kPresent || record.report.busy() || record.command) return false;
-  return record.state() == machine.state || !config.actuators[actuator].Lists(machine.state);
+  const KnownActuator& known = machine.actuators[actuator];
+  if (known.fault || known.held) return true;
+  if (known.presence != Presence::kPresent || known.report.busy() || known.command) return false;
+  return known.state() == machine.state || !config.actuators[actuator].Lists(machine.state);
 }
 
 std::string Why(const MachineConfig& config, ActuatorIndex actuator, const Error& fault) {

@@ -61,20 +61,21 @@ Checker::Checker(SimRobot& robot)
   robot_.on_send = [this](const Machine& machine, const action::SendSwitch& send) {
     OnSend(machine, send);
   };
-  robot_.on_start = [this](const ControllerProcess& controller, const std::string& name) {
+  robot_.on_start = [this](const SimulatedController& controller, const std::string& name) {
     OnStart(controller, name);
   };
   robot_.processes().on_report = [this](const std::string& name, std::size_t host,
                                         const ActuatorReport& report) {
     OnReport(name, host, report);
   };
-  robot_.on_write = [this](const ControllerProcess& controller, const std::string& topic,
+  robot_.on_write = [this](const SimulatedController& controller, const std::string& topic,
                            const msg::Bytes& bytes) { OnWrite(controller, topic, bytes); };
-  robot_.on_signal = [this](const ControllerProcess& controller, std::int32_t pid) {
+  robot_.on_signal = [this](const SimulatedController& controller, std::int32_t pid) {
     CheckSignal(controller, pid);
     CheckKill(controller, pid);
   };
-  robot_.on_record_of = [this](const ControllerProcess& controller, const action::Record& record) {
+  robot_.on_record_of = [this](const SimulatedController& controller,
+                               const action::Record& record) {
     recording_host_ = controller.host();
     NoteReasons(controller, record);
     CheckMeant(record);
@@ -82,11 +83,11 @@ Checker::Checker(SimRobot& robot)
   };
   robot_.on_power = [this] { power_due_.reset(); };
   robot_.on_battery = [this](int percent, bool charging) { OnBattery(percent, charging); };
-  robot_.on_begin = [this](const ControllerProcess& controller, bool restarted) {
+  robot_.on_begin = [this](const SimulatedController& controller, bool restarted) {
     if (!restarted) accepted_tear_down_.reset();
     NoteWord(controller, restarted);
   };
-  robot_.on_release_answered = [this](const ControllerProcess& controller,
+  robot_.on_release_answered = [this](const SimulatedController& controller,
                                       const Result<>& released) {
     CheckReleased(controller, released);
   };
@@ -97,7 +98,7 @@ void Checker::ReportViolation(Invariant invariant, const std::string& what) {
   violation_ = {invariant, robot_.age(), what};
 }
 
-void Checker::OnWrite(const ControllerProcess& controller, const std::string& topic,
+void Checker::OnWrite(const SimulatedController& controller, const std::string& topic,
                       const msg::Bytes& bytes) {
   if (topic.starts_with("rr/")) return OnReplyWritten(controller, topic.substr(3));
   if (!topic.ends_with("musher/emergency_stop")) return;
@@ -164,19 +165,19 @@ void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
 
 // A controller knows the exit code of its own children only.
 void Checker::OnWrongConfig(const std::string& name) {
-  const ControllerProcess* leader = robot_.leader();
+  const SimulatedController* leader = robot_.leader();
   if (leader == nullptr) return;
   const ActuatorIndex i = *config_.IndexOf(name);
   const RestartConfig& restart = config_.actuators[i].restart;
-  const ActuatorRecord& record = leader->shell().machine().actuators[i];
-  const bool its_child = record.process.pid != 0 &&
-                         record.process.pid == robot_.processes().PidOf(name, leader->host()) &&
-                         record.process.launch != Launch::kFoundRunning;
+  const KnownActuator& known = leader->shell().machine().actuators[i];
+  const bool its_child = known.process.pid != 0 &&
+                         known.process.pid == robot_.processes().PidOf(name, leader->host()) &&
+                         known.process.launch != Launch::kFoundRunning;
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
-  if (its_child && counts && !record.restart.requested) config_errors_[name] = leader->serial();
+  if (its_child && counts && !known.restart.requested) config_errors_[name] = leader->serial();
 }
 
-void Checker::OnStart(const ControllerProcess& controller, const std::string& name) {
+void Checker::OnStart(const SimulatedController& controller, const std::string& name) {
   ++checks_;
   CheckRunsNowhereElse(controller, name);
   const auto ended = config_errors_.find(name);
@@ -199,7 +200,7 @@ void Checker::AfterEvent() {
   if (!dirty_) return;
   dirty_ = false;
   for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* controller = robot_.controller(which);
+    const SimulatedController* controller = robot_.controller(which);
     if (controller == nullptr || !controller->leads()) continue;
     if (controller->frozen) {
       seen_[controller->serial()].over_since.reset();
@@ -211,7 +212,7 @@ void Checker::AfterEvent() {
   just_replied_.clear();
 }
 
-void Checker::CheckController(const ControllerProcess& controller) {
+void Checker::CheckController(const SimulatedController& controller) {
   const Machine& machine = controller.shell().machine();
   Seen& seen = seen_[controller.serial()];
   if (const std::string broken = BrokenInvariant(config_, machine); !broken.empty()) {
@@ -250,7 +251,7 @@ void Checker::OnSend(const Machine& machine, const action::SendSwitch& send) {
 
 std::uint64_t Checker::SerialOf(const Machine& machine) const {
   for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* controller = robot_.controller(which);
+    const SimulatedController* controller = robot_.controller(which);
     if (controller != nullptr && &controller->shell().machine() == &machine) {
       return controller->serial();
     }
@@ -271,7 +272,7 @@ void Checker::CarryCommandsOver(std::uint64_t controller, Epoch from, Epoch to) 
 }
 
 // Of the events at one instant another one may come first, such as a step of another controller.
-void Checker::CheckDeadline(const ControllerProcess& controller, Seen& seen) {
+void Checker::CheckDeadline(const SimulatedController& controller, Seen& seen) {
   constexpr int kOthers = 100;
   const Time now = robot_.network().now();
   const auto deadline = NextDeadline(config_, controller.shell().machine());
@@ -334,13 +335,13 @@ void Checker::CheckChange(const Machine& machine, Seen& seen) {
   }
 }
 
-std::uint64_t Checker::OnRequest(const ControllerProcess& controller, const State& target) {
+std::uint64_t Checker::OnRequest(const SimulatedController& controller, const State& target) {
   urgent_requested_ |= target == kError || target == kTearDown;
   open_requests_[next_request_] = {target, controller.serial()};
   return next_request_++;
 }
 
-void Checker::OnControllerKilled(const ControllerProcess& controller) {
+void Checker::OnControllerKilled(const SimulatedController& controller) {
   OnControllersBlocked(false);
   std::erase_if(open_requests_, [&](const auto& request) {
     return request.second.controller == controller.serial();
@@ -351,9 +352,9 @@ void Checker::OnControllerKilled(const ControllerProcess& controller) {
 
 // A controller starts a process. If one of the same actuator runs on another host, the controller
 // knows of it unless the link was cut shortly before.
-void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name) {
+void Checker::CheckRunsNowhereElse(const SimulatedController& controller, const std::string& name) {
   CheckProgramRunsOnce(controller, name);
-  const Processes& processes = robot_.processes();
+  const SimulatedProcesses& processes = robot_.processes();
   const Time now = robot_.network().now();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
     const ActuatorReport* report = processes.ReportOf(name, host);
@@ -381,13 +382,13 @@ void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const st
 
 // A controller signals a process: it must be its child, or hold the name of the actuator that the
 // controller takes it for.
-void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid) {
+void Checker::CheckSignal(const SimulatedController& controller, std::int32_t pid) {
   const Machine& machine = controller.shell().machine();
   bool unproven = true;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
-    const ActuatorRecord& record = machine.actuators[i];
-    const bool terminated = record.process.termination && record.process.termination->pid == pid;
-    const bool meant = record.process.pid == pid || terminated || record.report.pid == pid;
+    const KnownActuator& known = machine.actuators[i];
+    const bool terminated = known.process.termination && known.process.termination->pid == pid;
+    const bool meant = known.process.pid == pid || terminated || known.report.pid == pid;
     const bool holds =
         robot_.processes().PidOf(config_.actuators[i].name, controller.host()) == pid;
     unproven &= !(meant && holds);
@@ -408,12 +409,12 @@ void Checker::OnLinkFaults(bool active) {
 
 // Whether nothing is, or was a short while ago, wrong with the process and its link to a controller
 // of its host.
-bool Checker::IsWell(const ControllerProcess& controller, const std::string& name) const {
+bool Checker::IsWell(const SimulatedController& controller, const std::string& name) const {
   const Time now = robot_.network().now();
   const auto recent = [&](const std::optional<Time>& until) {
     return until && (*until == Time::max() || now - *until < kReactsFor);
   };
-  const Processes& processes = robot_.processes();
+  const SimulatedProcesses& processes = robot_.processes();
   const std::size_t host = controller.host();
   const std::string& endpoint = processes.EndpointOf(name, host);
   const ActuatorReport* report = processes.ReportOf(name, host);
@@ -426,15 +427,15 @@ bool Checker::IsWell(const ControllerProcess& controller, const std::string& nam
 
 // A controller signals a process of its host. Unless it tears the machine down, or was requested to
 // restart an actuator of that process, the process must have a fault of its own.
-void Checker::CheckKill(const ControllerProcess& controller, std::int32_t pid) {
+void Checker::CheckKill(const SimulatedController& controller, std::int32_t pid) {
   const Machine& machine = controller.shell().machine();
   if (machine.phase == Phase::kStopping || machine.phase == Phase::kStopped) return;
   std::string killed;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
     if (robot_.processes().PidOf(name, controller.host()) != pid) continue;
-    const ActuatorRecord& record = machine.actuators[i];
-    if (record.restart.requested || !IsWell(controller, name)) return;
+    const KnownActuator& known = machine.actuators[i];
+    if (known.restart.requested || !IsWell(controller, name)) return;
     killed = name;
   }
   if (killed.empty()) return;
@@ -444,8 +445,8 @@ void Checker::CheckKill(const ControllerProcess& controller, std::int32_t pid) {
 
 // A controller starts a program of another protocol. The program holds no name that would prevent a
 // second process; the controller has to know that the first one runs.
-void Checker::CheckProgramRunsOnce(const ControllerProcess& controller, const std::string& name) {
-  const Processes& processes = robot_.processes();
+void Checker::CheckProgramRunsOnce(const SimulatedController& controller, const std::string& name) {
+  const SimulatedProcesses& processes = robot_.processes();
   if (!processes.IsProgram(name) || !processes.IsAlive(name, controller.host())) return;
   ReportViolation(Invariant::kNoDuplicateActuator,
                   "the controller starts " + name + ", which already runs as process " +
@@ -459,12 +460,12 @@ void Checker::CheckRunsOnce(const std::string& name) {
 
 // --- authority: the newest word of a person counts, and nothing rises without one ---
 
-void Checker::NoteWord(const ControllerProcess& controller, bool restarted) {
+void Checker::NoteWord(const SimulatedController& controller, bool restarted) {
   std::uint64_t& last = last_word_on_[controller.host()];
   if (!restarted || last == 0) last = ++words_;
   Word word{last, controller.serial(), {}, {}};
   for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* other = robot_.controller(which);
+    const SimulatedController* other = robot_.controller(which);
     if (other == nullptr || other == &controller || !other->leads()) continue;
     const Machine& machine = other->shell().machine();
     if (machine.phase == Phase::kStarting) word.together.insert(other->serial());
@@ -473,7 +474,7 @@ void Checker::NoteWord(const ControllerProcess& controller, bool restarted) {
   word_of_[controller.serial()] = std::move(word);
 }
 
-void Checker::CheckRaised(const ControllerProcess& controller, Seen& seen, Epoch before) {
+void Checker::CheckRaised(const SimulatedController& controller, Seen& seen, Epoch before) {
   const Epoch epoch = controller.shell().machine().epoch;
   if (++seen.raised == 1 && seen.starts && epoch > before) return;
   ReportViolation(Invariant::kEpochRaisedOnce,
@@ -491,10 +492,10 @@ void Checker::CheckFollows(const std::string& name, std::size_t host,
   if (core == nullptr || core->controller == 0) return;
   Followed& followed = followed_[{name, host}];
   if (followed.incarnation != report.incarnation) followed = {report.incarnation, {}};
-  const ControllerProcess* controller = nullptr;
-  const ControllerProcess* newer = nullptr;
+  const SimulatedController* controller = nullptr;
+  const SimulatedController* newer = nullptr;
   for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* one = robot_.controller(which);
+    const SimulatedController* one = robot_.controller(which);
     if (one == nullptr) continue;
     if (Sender(one->participant().value()) == core->controller) controller = one;
     if (one->serial() == followed.word.controller && one->leads()) newer = one;
@@ -520,7 +521,7 @@ void Checker::CheckFollows(const std::string& name, std::size_t host,
 }
 
 // A controller records what a person has requested of it, and what its policy has decided.
-void Checker::NoteReasons(const ControllerProcess& controller, const action::Record& record) {
+void Checker::NoteReasons(const SimulatedController& controller, const action::Record& record) {
   switch (record.event) {
     case EventName::kSwitchRequested:
     case EventName::kPolicyRequested:
@@ -550,7 +551,7 @@ bool Checker::HasReason(std::uint64_t controller, const State& from, const State
 }
 
 // The state of a machine may have changed since `before`.
-void Checker::CheckReason(const ControllerProcess& controller, const State& before) {
+void Checker::CheckReason(const SimulatedController& controller, const State& before) {
   const Machine& machine = controller.shell().machine();
   if (!HasReason(controller.serial(), before, machine.state)) {
     ReportViolation(Invariant::kRisesAreRecorded,
@@ -591,7 +592,7 @@ void Checker::CheckControllerOf(const std::string& name, Sender controller) {
 
 // A controller is fenced. A controller of its own machine must have begun beside it, or has
 // requested that as a process of the same host.
-void Checker::CheckFence(const ControllerProcess& controller, const action::Record& record) {
+void Checker::CheckFence(const SimulatedController& controller, const action::Record& record) {
   if (record.event != EventName::kControllerFenced || other_ == nullptr) return;
   const bool requested = record.message.find("of this host") != std::string::npos;
   const bool has_rival = word_of_.size() > word_of_.count(controller.serial());
@@ -610,7 +611,8 @@ void Checker::OnStopEngaged(std::size_t panel, StopId id) {
 }
 
 // A controller publishes a stop. Only a controller releases one.
-void Checker::OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop) {
+void Checker::OnStopPublished(const SimulatedController& controller,
+                              const msg::EmergencyStop& stop) {
   if (stop.engaged) {
     accepted_stops_[StopId(stop.id)].insert(controller.host());
   } else {
@@ -622,7 +624,7 @@ void Checker::OnStopPublished(const ControllerProcess& controller, const msg::Em
 // A release is stored on the disk of the host whose controller received it. If a controller of
 // another host leads afterwards, a panel that is still available engages the stop again.
 bool Checker::ReleasedElsewhere() const {
-  const ControllerProcess* leader = robot_.leader();
+  const SimulatedController* leader = robot_.leader();
   return leader != nullptr &&
          std::any_of(released_.begin(), released_.end(), [leader](const auto& release) {
            return !release.second.contains(leader->host());
@@ -634,7 +636,7 @@ bool Checker::ReleasedElsewhere() const {
 // than the controller that leads. A program publishes its stop for some time only: whether the stop
 // is engaged later depends on which controllers and actuators have received it.
 Checker::Open Checker::StopIsOpen() const {
-  const ControllerProcess* leader = robot_.leader();
+  const SimulatedController* leader = robot_.leader();
   Open open = Open::kNo;
   for (const auto& [id, panel] : engaged_) {
     if (released_.contains(id)) continue;
@@ -691,7 +693,7 @@ void Checker::OnStopConfirmed(StopId id) {
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(name, host);
       if (report == nullptr || IsStopped(name, host, *report)) continue;
-      const auto knows = [&](const ControllerProcess* controller) {
+      const auto knows = [&](const SimulatedController* controller) {
         return controller == nullptr || !controller->leads() ||
                IsKnown(*controller, i, host, *report);
       };
@@ -709,7 +711,7 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
                            const ActuatorReport& report) {
   const bool reports_on = !report.busy() && !report.held_by_stop && report.incarnation != 0 &&
                           Rises(config_, kUninitialized, report.state);
-  const Processes& processes = robot_.processes();
+  const SimulatedProcesses& processes = robot_.processes();
   if (reports_on && processes.HasPower(name, host) && !processes.IsPowered(name, host)) {
     ReportViolation(
         Invariant::kEmergencyStopReported,
@@ -730,7 +732,7 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
 
 // A release was answered. Whatever was released before, no actuator that the controller leads may
 // report it any more.
-void Checker::CheckReleased(const ControllerProcess& controller, const Result<>& released) {
+void Checker::CheckReleased(const SimulatedController& controller, const Result<>& released) {
   if (!released) return;
   const Machine& machine = controller.shell().machine();
   for (const ActuatorIndex i : machine.actuators.Indices()) {
@@ -758,7 +760,7 @@ void Checker::CheckPower() {
 // An accepted TearDown continues, even if its controller ends, until a controller begins that an
 // operator has started. The operator may have started it before the TearDown: it listens for other
 // controllers first. Each disk stores the intent of the controllers of its host only.
-void Checker::CheckStaysDown(const ControllerProcess& controller) {
+void Checker::CheckStaysDown(const SimulatedController& controller) {
   const Machine& machine = controller.shell().machine();
   if (machine.stopping && !accepted_tear_down_) {
     accepted_tear_down_ = AcceptedTearDown{controller.serial(), controller.host()};
@@ -775,10 +777,10 @@ void Checker::CheckStaysDown(const ControllerProcess& controller) {
 // Whether the actuator runs for another controller, on the host of that controller, which began
 // while the controller `process`, which is to tear down, was stopped or disconnected; otherwise
 // `process` would have released the machine.
-bool Checker::RunsForAnother(const ControllerProcess& process, ActuatorIndex i,
+bool Checker::RunsForAnother(const SimulatedController& process, ActuatorIndex i,
                              std::size_t host) const {
   for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* other = robot_.controller(which);
+    const SimulatedController* other = robot_.controller(which);
     if (other == nullptr || other->serial() == process.serial() || !other->leads()) continue;
     const std::int32_t pid = other->shell().machine().actuators[i].process.pid;
     const bool its_own =
@@ -789,7 +791,7 @@ bool Checker::RunsForAnother(const ControllerProcess& process, ActuatorIndex i,
 }
 
 // Notes which process of each actuator a controller has received a report of.
-void Checker::NoteReceived(const ControllerProcess& controller, Seen& seen) {
+void Checker::NoteReceived(const SimulatedController& controller, Seen& seen) {
   const Machine& machine = controller.shell().machine();
   seen.received.resize(machine.actuators.size());
   for (const ActuatorIndex i : machine.actuators.Indices()) {
@@ -805,7 +807,7 @@ void Checker::NoteReceived(const ControllerProcess& controller, Seen& seen) {
 // it cannot: it takes the machine over from a controller of a third host while the link to the
 // process is cut, or its disk was full or stalled. A process that it never received and that no
 // disk of its host has looks like a process that was never started.
-bool Checker::IsKnown(const ControllerProcess& controller, ActuatorIndex i, std::size_t host,
+bool Checker::IsKnown(const SimulatedController& controller, ActuatorIndex i, std::size_t host,
                       const ActuatorReport& report) const {
   return host == controller.host() ||
          (!state_lost_ &&
@@ -814,7 +816,7 @@ bool Checker::IsKnown(const ControllerProcess& controller, ActuatorIndex i, std:
 
 // TearDown is reported as done. That concerns the processes on the controller's own host, which the
 // controller finds by their names, and the processes of other hosts that it can know of.
-void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchResult& result) {
+void Checker::CheckTornDown(const SimulatedController& controller, const SwitchResult& result) {
   if (result.target != kTearDown || !result.actuator.empty()) return;
   if (result.outcome != SwitchOutcome::kDone) return;
   for (const ActuatorIndex i : config_.actuators.Indices()) {
@@ -825,8 +827,8 @@ void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchRes
       const auto reported = false_reporters_.find(name);
       if (reported != false_reporters_.end() && reported->second == kTearDown) continue;
       // The controller may have no report yet of an actuator that is starting.
-      const ActuatorRecord& record = controller.shell().machine().actuators[i];
-      const bool received = record.report.incarnation == report->incarnation;
+      const KnownActuator& known = controller.shell().machine().actuators[i];
+      const bool received = known.report.incarnation == report->incarnation;
       if (!received && !config_.RankOf(report->state)) continue;
       if (!received && RunsForAnother(controller, i, host)) continue;
       if (!received && !IsKnown(controller, i, host, *report)) continue;
@@ -891,7 +893,7 @@ bool Checker::IsGivenUp(const CommandKey& command) const {
 }
 
 // A controller writes a reply to a client.
-void Checker::OnReplyWritten(const ControllerProcess& controller, const std::string& service) {
+void Checker::OnReplyWritten(const SimulatedController& controller, const std::string& service) {
   const Machine& machine = controller.shell().machine();
   const Time now = robot_.network().now();
   if (machine.phase == Phase::kFenced) {
@@ -945,9 +947,9 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
   // Beyond a partition a second controller may lead other actuators: the result is about the
   // actuators of the controller that replies.
-  const ControllerProcess* controller = robot_.leader();
+  const SimulatedController* controller = robot_.leader();
   for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* replying = robot_.controller(which);
+    const SimulatedController* replying = robot_.controller(which);
     if (replying == nullptr || replying->serial() != open.mapped().controller) continue;
     CheckTornDown(*replying, result);
     controller = replying;
@@ -973,17 +975,17 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
 // joining, reports false states, or joined too late to take part.
 bool Checker::IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const {
   const std::string& name = config_.actuators[i].name;
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const auto& degraded = result.degraded;
   if (std::find(degraded.begin(), degraded.end(), name) != degraded.end()) return true;
   const bool took_part =
       std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
         return one.name == name && one.outcome == ActuatorOutcome::kDone;
       });
-  const bool away = record.presence != Presence::kPresent || !record.checked || record.fault;
-  const bool joining = record.due || record.command || record.suspended || (away && !took_part);
+  const bool away = known.presence != Presence::kPresent || !known.checked || known.fault;
+  const bool joining = known.due || known.command || known.suspended || (away && !took_part);
   return joining || false_reporters_.contains(name) || self_switched_.contains(name) ||
-         robot_.ReportOf(i, record.report)->incarnation != record.report.incarnation;
+         robot_.ReportOf(i, known.report)->incarnation != known.report.incarnation;
 }
 
 // "done-degraded" lists an actuator that is not available, or that failed in this switch. An
@@ -994,8 +996,8 @@ void Checker::CheckNotDegraded(const Machine& machine, const SwitchResult& resul
       std::all_of(result.actuators.begin(), result.actuators.end(),
                   [](const ActuatorResult& one) { return one.outcome == ActuatorOutcome::kDone; });
   const bool all_there = std::all_of(
-      machine.actuators.begin(), machine.actuators.end(), [&](const ActuatorRecord& record) {
-        return record.presence == Presence::kPresent && record.state() == result.target;
+      machine.actuators.begin(), machine.actuators.end(), [&](const KnownActuator& known) {
+        return known.presence == Presence::kPresent && known.state() == result.target;
       });
   if (!all_did || !all_there) return;
   ReportViolation(Invariant::kDoneIsComplete,
@@ -1183,7 +1185,7 @@ void Checker::CheckRaise(const State& raised_to, int percent) {
   if (lowered_->first == raised_to) lowered_.reset();
 }
 
-std::uint64_t Checker::OnPolicyRequest(const ControllerProcess& controller,
+std::uint64_t Checker::OnPolicyRequest(const SimulatedController& controller,
                                        const event::PolicyRequested& requested) {
   const bool up = requested.what == PolicyRequest::kWakeUp ||
                   (requested.what == PolicyRequest::kOta && !requested.enable) ||
@@ -1222,7 +1224,7 @@ void Checker::CheckPowerOff() {
 
 // What an actuator will do by itself; empty: nothing.
 std::string Checker::PendingActivity(const Machine& machine, ActuatorIndex i) const {
-  const ActuatorRecord& r = machine.actuators[i];
+  const KnownActuator& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
   if (r.fault && !r.command && !r.restart.at && !r.process.termination && !r.restart.requested)
@@ -1238,7 +1240,7 @@ std::string Checker::PendingActivity(const Machine& machine, ActuatorIndex i) co
 }
 
 std::string Checker::PendingActivity() const {
-  const ControllerProcess* controller = robot_.leader();
+  const SimulatedController* controller = robot_.leader();
   if (controller == nullptr) return "no controller leads the machine";
   if (robot_.leaders() > 1) return "two controllers lead the machine";
   const Machine& machine = controller->shell().machine();
@@ -1263,7 +1265,7 @@ std::string Checker::PendingActivity() const {
 }
 
 void Checker::CheckRest(bool provided) {
-  const ControllerProcess* controller = robot_.leader();
+  const SimulatedController* controller = robot_.leader();
   if (controller == nullptr) return;
   ++checks_;
   const Machine& machine = controller->shell().machine();
@@ -1295,19 +1297,19 @@ void Checker::CheckRest(bool provided) {
 }
 
 void Checker::CheckPlace(const Machine& machine, ActuatorIndex i) {
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const std::string& name = config_.actuators[i].name;
-  const ActuatorReport* report = robot_.ReportOf(i, record.report);
-  if (report == nullptr || record.held || record.fault || false_reporters_.contains(name)) return;
+  const ActuatorReport* report = robot_.ReportOf(i, known.report);
+  if (report == nullptr || known.held || known.fault || false_reporters_.contains(name)) return;
   const auto own = config_.RankOf(report->state);
   const auto rank = config_.RankOf(machine.state);
   const bool waits = machine.emergency.stop && (!own || (rank && *own < *rank));
-  if (machine.emergency.stop && record.presence == Presence::kPresent &&
+  if (machine.emergency.stop && known.presence == Presence::kPresent &&
       report->emergency_stop == 0) {
     ReportViolation(Invariant::kEmergencyStopHolds, name + " has not latched the emergency stop");
   }
   if (report->state == machine.state || waits || !rank) return;
-  if (config_.actuators[i].stage > machine.start_up.stage && record.presence == Presence::kAbsent)
+  if (config_.actuators[i].stage > machine.start_up.stage && known.presence == Presence::kAbsent)
     return;
   ReportViolation(Invariant::kStatesAgree, name + " is in " + report->state +
                                                " while the machine is in " + machine.state +
@@ -1318,28 +1320,28 @@ void Checker::CheckPlace(const Machine& machine, ActuatorIndex i) {
 // They stay where a rollback leads: in DeActive or else LowPower, or less active. One that cannot
 // be brought there is listed.
 void Checker::CheckPlaceInStart(const Machine& machine, ActuatorIndex i) {
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const ActuatorConfig& actuator = config_.actuators[i];
-  const ActuatorReport* report = robot_.ReportOf(i, record.report);
-  if (config_.RankOf(machine.state) || record.presence != Presence::kPresent || record.held) return;
+  const ActuatorReport* report = robot_.ReportOf(i, known.report);
+  if (config_.RankOf(machine.state) || known.presence != Presence::kPresent || known.held) return;
   if (report == nullptr || report->busy() || false_reporters_.contains(actuator.name)) return;
   const bool rests = actuator.Lists(kDeActive) || actuator.Lists(kLowPower);
   const State most(actuator.Lists(kDeActive) || !rests ? kDeActive : kLowPower);
   if (!config_.RankOf(report->state) || !Falls(config_, report->state, most)) return;
   // Where it was to be brought back, its callback has failed, or it must not be commanded.
-  const bool fails = !rests || report->outcome_code != kCodeOk || record.health == Health::kHung ||
-                     record.restart.given_up;
-  if (record.fault && fails) return;
+  const bool fails = !rests || report->outcome_code != kCodeOk || known.health == Health::kHung ||
+                     known.restart.given_up;
+  if (known.fault && fails) return;
   ReportViolation(Invariant::kStatesAgree, actuator.name + " stays in " + report->state +
                                                " while the machine is in " + machine.state);
 }
 
 void Checker::CheckLoss(const Machine& machine, ActuatorIndex i, bool provided) {
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const ActuatorConfig& actuator = config_.actuators[i];
   const auto rank = config_.RankOf(machine.state);
-  if (record.presence == Presence::kPresent || record.held || !rank) return;
-  if (record.presence == Presence::kAbsent && machine.emergency.stop) return;  // of a later stage
+  if (known.presence == Presence::kPresent || known.held || !rank) return;
+  if (known.presence == Presence::kAbsent && machine.emergency.stop) return;  // of a later stage
   if (!actuator.on_lost.empty()) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;
     // An operator may continue without an actuator that is not critical.
@@ -1352,11 +1354,11 @@ void Checker::CheckLoss(const Machine& machine, ActuatorIndex i, bool provided) 
   if (!provided || actuator.command.empty()) return;  // others are not started by the controller
   ReportViolation(Invariant::kOnLostCoversLoss,
                   "the machine stays in " + machine.state + " without " + actuator.name + ", " +
-                      (record.restart.given_up
-                           ? (record.restart.count < actuator.restart.limit
+                      (known.restart.given_up
+                           ? (known.restart.count < actuator.restart.limit
                                   ? "which is not restarted after its exit code"
                                   : "which was given up after " +
-                                        std::to_string(record.restart.count) + " restarts")
+                                        std::to_string(known.restart.count) + " restarts")
                            : (robot_.IsAlive(actuator.name) ? "which hangs, and is not killed"
                                                             : "which is not restarted")) +
                       "; it has no on_lost (\"Active\" if the machine may run without it)");

@@ -34,12 +34,12 @@ class Checker {
   // Call after every event of the network; cheap when no controller took a decision.
   void AfterEvent();
   // An operator requests a switch from a controller; OnReply() takes the number that it returns.
-  std::uint64_t OnRequest(const ControllerProcess& controller, const State& target);
+  std::uint64_t OnRequest(const SimulatedController& controller, const State& target);
   void OnReply(std::uint64_t request, const SwitchResult& result);
   // Call with every record of a controller.
   void OnRecord(const action::Record& record);
   // The same as OnRequest() and OnReply(), for requests to the policy.
-  std::uint64_t OnPolicyRequest(const ControllerProcess& controller,
+  std::uint64_t OnPolicyRequest(const SimulatedController& controller,
                                 const event::PolicyRequested& requested);
   void OnPolicyReply(std::uint64_t request, const event::PolicyRequested& requested,
                      const Result<>& reply);
@@ -47,7 +47,7 @@ class Checker {
   // have stored.
   void OnControllersBlocked(bool state_lost);
   // A controller is killed: its callers get no reply.
-  void OnControllerKilled(const ControllerProcess& controller);
+  void OnControllerKilled(const SimulatedController& controller);
   // A running process is about to exit with code 2 (configuration error).
   void OnWrongConfig(const std::string& name);
   // It is killed, perhaps before it exits with code 2.
@@ -114,37 +114,37 @@ class Checker {
       std::tuple<Epoch, ActuatorIndex, CommandNumber>;  // of the actuator with this index
 
   void OnReport(const std::string& name, std::size_t host, const ActuatorReport& report);
-  void OnWrite(const ControllerProcess& controller, const std::string& topic,
+  void OnWrite(const SimulatedController& controller, const std::string& topic,
                const msg::Bytes& bytes);
   void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
-  void CheckController(const ControllerProcess& controller);
+  void CheckController(const SimulatedController& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& send);
   std::uint64_t SerialOf(const Machine& machine) const;
   void CarryCommandsOver(std::uint64_t controller, Epoch from, Epoch to);
-  void OnStart(const ControllerProcess& controller, const std::string& name);
+  void OnStart(const SimulatedController& controller, const std::string& name);
   bool MayRise(const Machine& machine, const State& target) const;
-  void CheckDeadline(const ControllerProcess& controller, Seen& seen);
+  void CheckDeadline(const SimulatedController& controller, Seen& seen);
   void CheckChange(const Machine& machine, Seen& seen);
   // Hosts and the processes on them.
-  void CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name);
+  void CheckRunsNowhereElse(const SimulatedController& controller, const std::string& name);
   void CheckRunsOnce(const std::string& name);
-  void CheckProgramRunsOnce(const ControllerProcess& controller, const std::string& name);
-  void CheckKill(const ControllerProcess& controller, std::int32_t pid);
-  bool IsWell(const ControllerProcess& controller, const std::string& name) const;
-  void CheckSignal(const ControllerProcess& controller, std::int32_t pid);
+  void CheckProgramRunsOnce(const SimulatedController& controller, const std::string& name);
+  void CheckKill(const SimulatedController& controller, std::int32_t pid);
+  bool IsWell(const SimulatedController& controller, const std::string& name) const;
+  void CheckSignal(const SimulatedController& controller, std::int32_t pid);
   // Authority: the newest word of a person counts, and nothing rises without one.
-  void NoteWord(const ControllerProcess& controller, bool restarted);
-  void CheckRaised(const ControllerProcess& controller, Seen& seen, Epoch before);
+  void NoteWord(const SimulatedController& controller, bool restarted);
+  void CheckRaised(const SimulatedController& controller, Seen& seen, Epoch before);
   void CheckFollows(const std::string& name, std::size_t host, const ActuatorReport& report);
-  void NoteReasons(const ControllerProcess& controller, const action::Record& record);
-  void CheckReason(const ControllerProcess& controller, const State& before);
+  void NoteReasons(const SimulatedController& controller, const action::Record& record);
+  void CheckReason(const SimulatedController& controller, const State& before);
   bool HasReason(std::uint64_t controller, const State& from, const State& to) const;
   // Two machines in one network.
   void CheckMeant(const action::Record& record);
-  void CheckFence(const ControllerProcess& controller, const action::Record& record);
+  void CheckFence(const SimulatedController& controller, const action::Record& record);
   void CheckControllerOf(const std::string& name, Sender controller);
   // Emergency stops, and an accepted TearDown.
-  void OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop);
+  void OnStopPublished(const SimulatedController& controller, const msg::EmergencyStop& stop);
   bool ReleasedElsewhere() const;
   enum class Open { kNo, kMaybe, kYes };
   Open StopIsOpen() const;
@@ -153,18 +153,18 @@ class Checker {
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
   void CheckPower();
-  void CheckReleased(const ControllerProcess& controller, const Result<>& released);
-  void CheckStaysDown(const ControllerProcess& controller);
-  bool RunsForAnother(const ControllerProcess& asked, ActuatorIndex i, std::size_t host) const;
-  void NoteReceived(const ControllerProcess& controller, Seen& seen);
-  bool IsKnown(const ControllerProcess& controller, ActuatorIndex i, std::size_t host,
+  void CheckReleased(const SimulatedController& controller, const Result<>& released);
+  void CheckStaysDown(const SimulatedController& controller);
+  bool RunsForAnother(const SimulatedController& asked, ActuatorIndex i, std::size_t host) const;
+  void NoteReceived(const SimulatedController& controller, Seen& seen);
+  bool IsKnown(const SimulatedController& controller, ActuatorIndex i, std::size_t host,
                const ActuatorReport& report) const;
-  void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
+  void CheckTornDown(const SimulatedController& controller, const SwitchResult& result);
   // Commands that wait at an actuator, clients' calls, and outcomes of switches.
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
   void NoteGivenUp(Epoch epoch, ActuatorIndex i);
   bool IsGivenUp(const CommandKey& command) const;
-  void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
+  void OnReplyWritten(const SimulatedController& controller, const std::string& service);
   void CheckClients();
   void CheckClientsAtRest();
   void CheckNotDegraded(const Machine& machine, const SwitchResult& result);

@@ -46,7 +46,7 @@ OtherMachine::OtherMachine(SimRobot& beside, Checker& beside_checker, std::size_
     checker_.OnRecord(record);
     if (on_record) on_record(record);
   };
-  robot_.on_killed = [this](const ControllerProcess& controller) {
+  robot_.on_killed = [this](const SimulatedController& controller) {
     checker_.OnControllerKilled(controller);
   };
   checker_.SetOther(beside_);
@@ -104,7 +104,7 @@ void OtherMachine::Act() {
     case 4:
     case 5: {
       const State target = SampleState();
-      ControllerProcess* leader = robot_.leader();
+      SimulatedController* leader = robot_.leader();
       if (leader == nullptr) return;
       const std::uint64_t request = checker_.OnRequest(*leader, target);
       return leader->shell().SetState(

@@ -15,7 +15,7 @@ MachinePhase MachinePhaseOfSwitch(const Switch& s, const Machine& machine) {
   if (s.purpose == Purpose::kStop) return MachinePhase::kTearingDown;
   const bool overdue =
       std::any_of(machine.actuators.begin(), machine.actuators.end(),
-                  [](const ActuatorRecord& r) { return r.command && r.command->queries > 0; });
+                  [](const KnownActuator& r) { return r.command && r.command->queries > 0; });
   if (overdue) return MachinePhase::kOverdue;
   if (s.purpose == Purpose::kFallback) return MachinePhase::kFallingBack;
   const bool some = std::any_of(s.legs.begin(), s.legs.end(), [](const Leg& leg) {
@@ -45,7 +45,7 @@ MachinePhase MachinePhaseOf(const Machine* machine) {
       break;
   }
   const bool joining = std::any_of(machine->actuators.begin(), machine->actuators.end(),
-                                   [](const ActuatorRecord& r) { return r.command.has_value(); });
+                                   [](const KnownActuator& r) { return r.command.has_value(); });
   if (joining) return MachinePhase::kJoining;
   return machine->emergency.stop ? MachinePhase::kStopped : MachinePhase::kAtRest;
 }

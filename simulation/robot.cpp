@@ -84,7 +84,7 @@ SimRobot::~SimRobot() {
 }
 
 void SimRobot::Open(std::size_t which) {
-  ControllerProcess::Hooks hooks;
+  SimulatedController::Hooks hooks;
   hooks.on_input = [this] {
     if (on_input) on_input();
   };
@@ -117,7 +117,7 @@ void SimRobot::Open(std::size_t which) {
         EndController(which);
     });
   };
-  controllers_[which] = std::make_unique<ControllerProcess>(
+  controllers_[which] = std::make_unique<SimulatedController>(
       network_, layout_.prefix + kControllerEndpoints[which], layout_.controllers[which], hosts_,
       config_, layout_.machine_id, processes_, DiskOf(which), std::move(hooks));
   controllers_ever_.insert(controllers_[which]->participant());
@@ -206,7 +206,7 @@ void SimRobot::RebootHost(std::size_t host) {
 }
 
 void SimRobot::FreezeController() {
-  if (ControllerProcess* leading = leader()) {
+  if (SimulatedController* leading = leader()) {
     leading->frozen = true;
     network_.Pause(leading->node());
   }
@@ -399,7 +399,7 @@ void SimRobot::PublishBody() {
 }
 
 void SimRobot::ReleaseEmergencyStop() {
-  ControllerProcess* leading = leader();
+  SimulatedController* leading = leader();
   if (leading == nullptr || leading->frozen) return;
   leading->shell().ReleaseEmergencyStop("a person", [this, leading](const Result<>& released) {
     if (on_release_answered) on_release_answered(*leading, released);
@@ -407,18 +407,18 @@ void SimRobot::ReleaseEmergencyStop() {
 }
 
 void SimRobot::Restart(const std::string& name) {
-  ControllerProcess* leading = leader();
+  SimulatedController* leading = leader();
   if (leading != nullptr && !leading->frozen) {
     leading->shell().Restart(name, [](const Result<>&) {});
   }
 }
 
-ControllerProcess* SimRobot::leader() {
-  const auto standing = [](const ControllerProcess& controller) {
+SimulatedController* SimRobot::leader() {
+  const auto standing = [](const SimulatedController& controller) {
     const Machine& machine = controller.shell().machine();
     return std::pair(machine.phase != Phase::kStopped, machine.epoch);
   };
-  ControllerProcess* highest = nullptr;
+  SimulatedController* highest = nullptr;
   for (const auto& controller : controllers_) {
     if (!controller || !controller->leads()) continue;
     if (highest == nullptr || standing(*controller) > standing(*highest)) {

@@ -19,8 +19,8 @@
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/simulation/client.hpp"
-#include "musher/simulation/controller_process.hpp"
-#include "musher/simulation/processes.hpp"
+#include "musher/simulation/simulated_controller.hpp"
+#include "musher/simulation/simulated_processes.hpp"
 #include "musher/simulation/stop_client.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -46,8 +46,8 @@ class SimRobot {
   Hosts& hosts() { return hosts_; }
   const Hosts& hosts() const { return hosts_; }
   const Layout& layout() const { return layout_; }
-  Processes& processes() { return processes_; }
-  const Processes& processes() const { return processes_; }
+  SimulatedProcesses& processes() { return processes_; }
+  const SimulatedProcesses& processes() const { return processes_; }
   const MachineConfig& config() const { return config_; }
   Duration age() const { return network_.now() - switched_on_; }
   MachineIdentity identity() const { return {config_.name, layout_.machine_id}; }
@@ -56,7 +56,7 @@ class SimRobot {
     return controllers_ever_.contains(participant);
   }
 
-  void UseProgram(const std::string& name, Processes::Program program) {
+  void UseProgram(const std::string& name, SimulatedProcesses::Program program) {
     processes_.UseProgram(name, std::move(program));
   }
 
@@ -68,24 +68,24 @@ class SimRobot {
   // A controller has made a record.
   std::function<void(const action::Record&)> on_record;
   // The same, for the checker; before on_record.
-  std::function<void(const ControllerProcess&, const action::Record&)> on_record_of;
+  std::function<void(const SimulatedController&, const action::Record&)> on_record_of;
   // Before a controller starts a process.
-  std::function<void(const ControllerProcess&, const std::string& name)> on_start;
+  std::function<void(const SimulatedController&, const std::string& name)> on_start;
   // A controller begins to lead; an operator has started it, or a supervisor.
-  std::function<void(const ControllerProcess&, bool restarted)> on_begin;
+  std::function<void(const SimulatedController&, bool restarted)> on_begin;
   // A controller runs the power command.
   std::function<void()> on_power;
   // A release of the emergency stops was answered.
-  std::function<void(const ControllerProcess&, const Result<>&)> on_release_answered;
+  std::function<void(const SimulatedController&, const Result<>&)> on_release_answered;
   // A controller writes a sample.
-  std::function<void(const ControllerProcess&, const std::string& topic, const msg::Bytes&)>
+  std::function<void(const SimulatedController&, const std::string& topic, const msg::Bytes&)>
       on_write;
   // The battery, or another program in its place, publishes a sample.
   std::function<void(int percent, bool charging)> on_battery;
   // Before a controller sends a signal.
-  std::function<void(const ControllerProcess&, std::int32_t pid)> on_signal;
+  std::function<void(const SimulatedController&, std::int32_t pid)> on_signal;
   // Before a controller is killed.
-  std::function<void(const ControllerProcess&)> on_killed;
+  std::function<void(const SimulatedController&)> on_killed;
 
   // `listens`: how long it only listens for other controllers before it begins; this call waits for
   // that.
@@ -170,12 +170,14 @@ class SimRobot {
 
   // The leading controller, of two the one with the higher epoch; else one that has stopped the
   // machine; null when there is none.
-  ControllerProcess* leader();
-  const ControllerProcess* leader() const { return const_cast<SimRobot*>(this)->leader(); }
+  SimulatedController* leader();
+  const SimulatedController* leader() const { return const_cast<SimRobot*>(this)->leader(); }
   bool has_controller() const { return leader() != nullptr; }
   std::size_t leaders() const;  // without those that have stopped the machine
   // The first controller or the second one; null when it does not run.
-  const ControllerProcess* controller(std::size_t which) const { return controllers_[which].get(); }
+  const SimulatedController* controller(std::size_t which) const {
+    return controllers_[which].get();
+  }
   const Machine& machine() const { return leader()->shell().machine(); }
   // The actuator's own report; nothing when its process does not run.
   std::optional<ActuatorReport> ReportOf(const std::string& name) const;
@@ -220,9 +222,9 @@ class SimRobot {
     std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
   };
   std::array<Panel, 2> panels_;
-  Processes processes_;
+  SimulatedProcesses processes_;
   std::array<Disk, 2> disks_;
-  std::array<std::unique_ptr<ControllerProcess>, 2> controllers_;
+  std::array<std::unique_ptr<SimulatedController>, 2> controllers_;
   std::set<transport::ParticipantId> controllers_ever_;
   std::map<std::size_t, std::unique_ptr<Client>> clients_;  // by host
   std::map<StopId, std::unique_ptr<StopClient>> stop_programs_;

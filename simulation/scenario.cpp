@@ -103,7 +103,7 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
       phase_timeout_ = std::max(phase_timeout_, config.TimeFor(i, state) + Milliseconds(500));
     }
   }
-  robot_.on_killed = [this](const ControllerProcess& controller) {
+  robot_.on_killed = [this](const SimulatedController& controller) {
     checker_.OnControllerKilled(controller);
   };
   robot_.on_record = [this](const action::Record& record) {
@@ -253,7 +253,7 @@ void Scenario::Inject() {
 }
 
 MachinePhase Scenario::Now() const {
-  const ControllerProcess* leader = robot_.leader();
+  const SimulatedController* leader = robot_.leader();
   return MachinePhaseOf(leader == nullptr ? nullptr : &leader->shell().machine());
 }
 
@@ -423,7 +423,7 @@ void Scenario::WalkBattery(transport::sim::Random random, Time until) {
 }
 
 void Scenario::RequestPolicy(const event::PolicyRequested& requested) {
-  ControllerProcess* leader = robot_.leader();
+  SimulatedController* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
   const std::uint64_t request = checker_.OnPolicyRequest(*leader, requested);
   leader->shell().SendPolicyRequest(requested, [this, request, requested](const Result<>& reply) {
@@ -632,7 +632,7 @@ void Scenario::ApplyToHosts(const Injection& injection) {
 void Scenario::Reboot(std::size_t host, Duration lasts) {
   bool had_controller = false;
   for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* controller = robot_.controller(which);
+    const SimulatedController* controller = robot_.controller(which);
     had_controller |= controller != nullptr && controller->host() == host;
   }
   robot_.RebootHost(host);
@@ -693,7 +693,7 @@ void Scenario::ApplyToController(const Injection& injection) {
 }
 
 void Scenario::RequestSwitch(const State& target, const std::optional<std::string>& actuator) {
-  ControllerProcess* leader = robot_.leader();
+  SimulatedController* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
   const std::uint64_t request = checker_.OnRequest(*leader, target);
   leader->shell().SetState(target, actuator, [this, request](const SwitchResult& result) {
@@ -760,10 +760,10 @@ void Scenario::RepairActuators() {
     if (leader == nullptr) break;
     const ActuatorIndex process = robot_.layout().ProcessOf(i);
     const ActuatorConfig& actuator = config_.actuators[process];
-    const ActuatorRecord& record = leader->shell().machine().actuators[i];
-    const ActuatorReport* report = robot_.ReportOf(i, record.report);
+    const KnownActuator& known = leader->shell().machine().actuators[i];
+    const ActuatorReport* report = robot_.ReportOf(i, known.report);
     const bool finished = report != nullptr && report->state == kTearDown;  // its process may run
-    const bool well = report != nullptr && !report->busy() && !record.fault && !finished;
+    const bool well = report != nullptr && !report->busy() && !known.fault && !finished;
     if (well) continue;
     Note("the operator restarts " + actuator.name);
     EndElsewhere(actuator);
@@ -813,7 +813,7 @@ bool Scenario::EndSurplus() {
 
 bool Scenario::RecoverHome() {
   for (int tries = 0; tries < 3; ++tries) {
-    const ControllerProcess* leader = robot_.leader();
+    const SimulatedController* leader = robot_.leader();
     if (leader == nullptr) {
       checker_.ReportViolation(Invariant::kReachesStableState, "no controller leads the machine");
       return false;

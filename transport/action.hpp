@@ -22,7 +22,7 @@
 // Three problems of the ROS 2 stack are avoided:
 //   - Every goal of a client ends: with the server's result, or as lost with a reason when the
 //     server crashed, restarted or became unreachable. (An rclcpp client waits for ever.)
-//   - A goal that its server forgot, because every handle of it is dropped, ends as aborted.
+//   - A goal ends as aborted when its server has dropped every handle, and so forgotten the goal.
 //   - A cancel request for a goal that is canceling already is answered with that goal, so that it
 //     may be repeated. (ROS 2 answers that the goal has ended.)
 //
@@ -130,7 +130,7 @@ class ActionServer {
 
   // Requests that did not decode.
   std::uint64_t malformed() const { return raw_->malformed(); }
-  // The known goals: those that are not ended, and those whose result is kept.
+  // The known goals: they have not ended, or their result is kept.
   std::size_t goals() const { return raw_->goals(); }
   // Requests of results of goals that have not ended.
   std::size_t waiting() const { return raw_->waiting(); }
@@ -192,7 +192,7 @@ class ActionClient {
   void CancelAll(Duration timeout, OnCancelReply on_reply) {
     raw_->Cancel({}, timeout, std::move(on_reply));
   }
-  // Those that the server accepted at or before `stamp`, by its clock.
+  // The goals that the server has accepted at or before `stamp`, by the clock of the server.
   void CancelUntil(const msg::Stamp& stamp, Duration timeout, OnCancelReply on_reply) {
     raw_->Cancel({{}, stamp}, timeout, std::move(on_reply));
   }

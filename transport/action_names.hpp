@@ -48,7 +48,7 @@ struct SendGoalReply {
   }
 };
 
-// The beginning of a request of send_goal, and the whole one of get_result.
+// The beginning of a request of send_goal, and a whole request of get_result.
 struct GoalRequest {
   msg::RequestId id;
   msg::Uuid goal_id;

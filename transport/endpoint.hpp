@@ -91,8 +91,8 @@ class RawWriter {
   // Sends one encoded sample without another copy. Fails if the transport refuses it (oversized,
   // history full).
   virtual Result<> Write(msg::Bytes bytes) = 0;
-  // The same, of a sample that only readers of `participant` need: one of its readers that is not
-  // ready for it yet delays no sample for others.
+  // Sends a sample that only readers of `participant` need. While such a reader is not ready for
+  // the sample, the samples for other participants are not delayed.
   virtual Result<> WriteFor(ParticipantId /*participant*/, msg::Bytes bytes) {
     return Write(std::move(bytes));
   }
@@ -105,7 +105,7 @@ class RawWriter {
   // Fails with a timeout if one has not.
   virtual Result<> Flush(Duration timeout) = 0;
 
-  // The number of matched readers, and of those of `participant`.
+  // The number of matched readers: of all participants, and of `participant`.
   virtual int MatchedReaders() const = 0;
   virtual int ReadersOf(ParticipantId participant) const = 0;
   bool HasReaderOf(ParticipantId participant) const { return ReadersOf(participant) > 0; }
@@ -118,7 +118,7 @@ class RawReader {
  public:
   virtual ~RawReader() = default;
 
-  // The number of matched writers, and of those of `participant`.
+  // The number of matched writers: of all participants, and of `participant`.
   virtual int MatchedWriters() const = 0;
   virtual int WritersOf(ParticipantId participant) const = 0;
   bool HasWriterOf(ParticipantId participant) const { return WritersOf(participant) > 0; }
@@ -133,7 +133,7 @@ struct ReaderCallbacks {
   // A matched writer is lost (deleted, its process crashed, its host is unreachable).
   std::function<void(EndpointId writer)> on_writer_lost;
   std::function<void()> on_match_changed;
-  // A matched writer has the topic's type by its name, but not by its definition.
+  // The type of a matched writer has the name of the topic's type, and another definition.
   std::function<void(ParticipantId participant, const std::string& type_hash)> on_type_differs = {};
 };
 

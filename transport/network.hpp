@@ -36,9 +36,9 @@ struct InterfaceUse {
   std::string reason;
 };
 
-// The outer interfaces of the profile lan. `configured`: those of the config, in its order. None:
-// ethernet and wifi devices that are up with an IPv4 address; on a host without any such device (a
-// container), the first virtual interface that is up with an address and no bridge.
+// The outer interfaces of the profile lan: `configured`, by the config and in its order. Without
+// any: ethernet and wifi devices that are up with an IPv4 address; on a host without any such
+// device (a container), the first virtual interface that is up with an address and no bridge.
 //
 // A pure function; each interface but the loopback, and each configured name, has an entry.
 std::vector<InterfaceUse> ChooseInterfaces(const std::vector<NetworkInterface>& present,
@@ -48,14 +48,14 @@ std::vector<InterfaceUse> ChooseInterfaces(const std::vector<NetworkInterface>& 
 std::vector<std::string> OuterInterfaces(TransportProfile profile,
                                          const std::vector<std::string>& configured);
 
-// What a process that starts now uses, and one that started with `before` does not: "wlan0 with
-// 10.0.0.7". Pure.
+// The interfaces that a process would use if it started now, and that a process which started with
+// `before` does not use: "wlan0 with 10.0.0.7". Pure.
 std::vector<std::string> MissedInterfaces(const std::vector<NetworkInterface>& before,
                                           const std::vector<NetworkInterface>& now,
                                           const std::vector<std::string>& configured);
 
 // Cyclone's element for the loopback, over which the processes of a host reach each other in every
-// profile, and outer interfaces. One that is absent does not keep a process from starting.
+// profile, and for outer interfaces. A process starts without an interface that is absent.
 std::string InterfacesXml(const std::vector<std::string>& outer);
 
 }  // namespace musher::transport

@@ -27,8 +27,8 @@ namespace musher::transport {
 
 struct ActionServerOptions {
   ResultLimits results;
-  // The time at which a goal is accepted, for the status and for cancel requests with a time. By
-  // default the time of day; that of the clock in Endpoints.
+  // The time at which a goal is accepted, for the status and for cancel requests with a time.
+  // Empty: the time of day. Endpoints sets the time of its clock.
   std::function<msg::Stamp()> stamp;
 };
 

@@ -15,7 +15,7 @@ namespace musher::transport {
 
 using Environment = std::map<std::string, std::string>;
 
-// That of this process.
+// The environment of this process.
 Environment OwnEnvironment();
 
 // CYCLONEDDS_URI for ROS 2 on multicast over the loopback, where a machine of the profile "local"

@@ -19,19 +19,19 @@ struct UdpSocket {
   bool connected = false;
 };
 
-// Those of a process, or of all processes of a user that are not visible (pid 0).
+// The UDP sockets of a process; with pid 0, of all processes of a user that are not visible.
 struct UdpProcess {
   pid_t pid = 0;
   uid_t user = 0;
   std::vector<UdpSocket> sockets;
 };
 
-// The processes of this network namespace with a UDP socket that is bound to an address outside of
-// `own`, the loopback and "any": an empty result takes one file to read. Their sockets are
-// complete.
+// The processes of this network namespace with a UDP socket that is bound to another address than
+// `own`, the loopback and "any". Each has all of its sockets. Where there are none, only one file
+// is read.
 std::vector<UdpProcess> ReadProcessesBoundElsewhere(const std::vector<std::string>& own);
 
-// The IPv4 addresses that UDP sockets of a process are bound to: those that its DDS sends from.
+// The IPv4 addresses that UDP sockets of a process are bound to: DDS sends from these addresses.
 // nullopt: not known (a process of another user).
 std::optional<std::vector<std::string>> BoundAddresses(pid_t pid);
 
@@ -39,10 +39,10 @@ std::optional<std::vector<std::string>> BoundAddresses(pid_t pid);
 // as all processes of a DDS domain have for multicast. False also if one of them is not visible.
 bool ShareUdpPort(pid_t one, pid_t other);
 
-// A process of the DDS domain that sends from addresses of this host, of which none is in `own`;
-// the first one. Cyclone takes such a process for one of another host, and does not use the
-// loopback towards it: its address has changed, or its config names other interfaces. A pure
-// function.
+// The first process of the DDS domain that sends from addresses of this host, of which none is in
+// `own`. Cyclone takes such a process for a process of another host, and does not use the loopback
+// towards it. The reason: an address has changed, or the config of the process names other
+// interfaces. A pure function.
 struct OtherAddress {
   pid_t pid = 0;  // 0: not visible
   std::string address;

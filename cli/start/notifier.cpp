@@ -17,7 +17,7 @@ std::string_view KindOf(std::string_view message) {
 
 }  // namespace
 
-Notifier::Notifier(transport::EventLoop& loop) : loop_(loop) {
+ServiceNotifier::ServiceNotifier(transport::EventLoop& loop) : loop_(loop) {
   const char* name = std::getenv("NOTIFY_SOCKET");  // NOLINT(concurrency-mt-unsafe)
   if (name == nullptr) return;
   const std::string_view path = name;
@@ -30,25 +30,25 @@ Notifier::Notifier(transport::EventLoop& loop) : loop_(loop) {
   socket_ = UniqueFd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
-Notifier::~Notifier() {
+ServiceNotifier::~ServiceNotifier() {
   SendQueued();
 }
 
-void Notifier::Notify(const std::string& message) {
+void ServiceNotifier::Notify(const std::string& message) {
   if (!enabled()) return;
   std::erase_if(queued_, [&](const std::string& old) { return KindOf(old) == KindOf(message); });
   queued_.push_back(message);
   SendQueued();
 }
 
-void Notifier::Ping() {
+void ServiceNotifier::Ping() {
   if (!enabled()) return;
   SendQueued();
   if (queued_.empty()) Send("WATCHDOG=1");
 }
 
 // False if there was no room. Without a receiver the message is lost.
-bool Notifier::Send(const std::string& message) {
+bool ServiceNotifier::Send(const std::string& message) {
   const auto* const to = reinterpret_cast<const sockaddr*>(&address_);
   if (sendto(socket_.get(), message.data(), message.size(), MSG_NOSIGNAL, to, address_size_) >= 0) {
     return true;
@@ -56,7 +56,7 @@ bool Notifier::Send(const std::string& message) {
   return errno != EAGAIN && errno != ENOBUFS && errno != EINTR;
 }
 
-void Notifier::SendQueued() {
+void ServiceNotifier::SendQueued() {
   const auto left = std::find_if(queued_.begin(), queued_.end(),
                                  [this](const std::string& message) { return !Send(message); });
   queued_.erase(queued_.begin(), left);

@@ -19,15 +19,15 @@
 
 namespace musher::cli {
 
-class Notifier {
+class ServiceNotifier {
  public:
   // Sends to the socket that NOTIFY_SOCKET names, an abstract one if it begins with '@'. Without a
   // valid NOTIFY_SOCKET it does nothing. The loop must outlive it.
-  explicit Notifier(transport::EventLoop& loop);
-  Notifier(const Notifier&) = delete;
-  Notifier& operator=(const Notifier&) = delete;
+  explicit ServiceNotifier(transport::EventLoop& loop);
+  ServiceNotifier(const ServiceNotifier&) = delete;
+  ServiceNotifier& operator=(const ServiceNotifier&) = delete;
   // Tries the queued messages once more.
-  ~Notifier();
+  ~ServiceNotifier();
 
   bool enabled() const { return socket_.valid(); }
 

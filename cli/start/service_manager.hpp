@@ -36,7 +36,7 @@ class ServiceManager {
   void Status(const std::string& words);
 
   const MachineConfig& config_;
-  Notifier notifier_;
+  ServiceNotifier notifier_;
   bool stopping_ = false;
   std::string sent_status_;  // the last STATUS=
   transport::LoopHandlePtr watchdog_;

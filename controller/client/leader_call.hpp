@@ -62,8 +62,8 @@ class LeaderCall {
   bool found() const { return called_ || watch_->leader(); }
 
  private:
-  // A reply may still arrive after the exit of a controller of this host is noticed. One of another
-  // host leads again when its link is back.
+  // How long to wait for a controller that no longer leads. On this host, where its exit is noticed
+  // at once, a reply may still arrive; on another host it leads again when the link is back.
   static constexpr Duration kGrace = Milliseconds(200);
   static constexpr Duration kLinkGrace = std::chrono::seconds(5);
 
@@ -84,7 +84,7 @@ class LeaderCall {
     if (called_ && status.pid == called_->pid && status.host == called_->host) grace_ = nullptr;
     Send();
   }
-  // The service of a crashed controller may still be matched, so only that of the leader is called.
+  // The service of a crashed controller may still be matched, so only the leader is called.
   void Send() {
     if (called_ || !watch_ || !watch_->leader()) return;
     const auto servers = client_->Servers();

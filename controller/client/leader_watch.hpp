@@ -83,7 +83,7 @@ class LeaderWatch {
   transport::SampleInfo from_;   // of its status
   Duration heartbeat_period_{};  // as in its heartbeat
   MachineIdentity machine_;
-  bool found_here_ = false;                   // its controller was one of this host
+  bool found_here_ = false;                   // the last leader was a controller of this host
   transport::EndpointId ended_ = 0;           // writer of the last leader whose process has exited
   std::optional<msg::MachineStatus> silent_;  // of the last leader whose heartbeat was lost
   transport::SampleInfo silent_from_;

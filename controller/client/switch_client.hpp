@@ -96,7 +96,7 @@ class SwitchClient {
   CommandNumber before_ = 0;                   // number of its last switch before the request
   CommandNumber number_ = 0;                   // of the requested switch; 0: not known
   std::int32_t pid_ = 0;                       // of the controller that was called
-  transport::ParticipantId called_ = 0;        // its participant, whose status alone is its own
+  transport::ParticipantId called_ = 0;        // its participant; a repeated status has another
   std::string how_;                            // how that controller ended
   std::optional<msg::MachineStatus> stopped_;  // the last status, if the machine is stopped
   bool sent_ = false;                          // the request of this step

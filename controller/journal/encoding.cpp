@@ -15,9 +15,9 @@ inline constexpr std::tuple kFields<recording::ConfigText> = {
     Field{"text", &recording::ConfigText::text},
 };
 template <>
-inline constexpr std::tuple kFields<recording::Snapshot> = {
-    Field{"config_hash", &recording::Snapshot::config_hash},
-    Field{"machine", &recording::Snapshot::machine},
+inline constexpr std::tuple kFields<recording::MachineSnapshot> = {
+    Field{"config_hash", &recording::MachineSnapshot::config_hash},
+    Field{"machine", &recording::MachineSnapshot::machine},
 };
 
 }  // namespace musher::fields
@@ -325,13 +325,14 @@ Result<TimedEvent> DecodeEvent(std::string_view text) {
   });
 }
 
-std::string EncodeSnapshot(const Snapshot& snapshot) {
+std::string EncodeSnapshot(const MachineSnapshot& snapshot) {
   return Encode([&](const Writer& writer) { return writer.Of(snapshot); });
 }
 
-Result<Snapshot> DecodeSnapshot(std::string_view text) {
-  return Decode<Snapshot>(
-      text, [](const OrderedJson& json, Snapshot& value) { Reader().TakeFields(json, value); });
+Result<MachineSnapshot> DecodeSnapshot(std::string_view text) {
+  return Decode<MachineSnapshot>(text, [](const OrderedJson& json, MachineSnapshot& value) {
+    Reader().TakeFields(json, value);
+  });
 }
 
 std::string EncodeConfig(const ConfigText& config) {

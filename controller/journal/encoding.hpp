@@ -36,19 +36,19 @@ struct ConfigText {
 };
 
 // A machine between two events.
-struct Snapshot {
+struct MachineSnapshot {
   std::string config_hash;  // of its config
   Machine machine;
 
-  friend bool operator==(const Snapshot&, const Snapshot&) = default;
+  friend bool operator==(const MachineSnapshot&, const MachineSnapshot&) = default;
 };
-using SnapshotPtr = std::shared_ptr<const Snapshot>;
+using SnapshotPtr = std::shared_ptr<const MachineSnapshot>;
 
 std::string EncodeEvent(const Event& event, Time now);
 Result<TimedEvent> DecodeEvent(std::string_view text);
 
-std::string EncodeSnapshot(const Snapshot& snapshot);
-Result<Snapshot> DecodeSnapshot(std::string_view text);
+std::string EncodeSnapshot(const MachineSnapshot& snapshot);
+Result<MachineSnapshot> DecodeSnapshot(std::string_view text);
 
 std::string EncodeConfig(const ConfigText& config);
 Result<ConfigText> DecodeConfig(std::string_view text);

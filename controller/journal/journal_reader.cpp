@@ -115,17 +115,17 @@ Result<JournalInput> InputOf(SQLite::Statement& row) {
   if (kind == "config") return take(recording::DecodeConfig(data), as_it_is);
   if (kind == "event") return take(recording::DecodeEvent(data), as_it_is);
   if (kind == "machine") {
-    return take(recording::DecodeSnapshot(data), [](recording::Snapshot snapshot) {
-      return std::make_shared<const recording::Snapshot>(std::move(snapshot));
+    return take(recording::DecodeSnapshot(data), [](recording::MachineSnapshot snapshot) {
+      return std::make_shared<const recording::MachineSnapshot>(std::move(snapshot));
     });
   }
   return Error{kCodeFailed, where + ": its kind '" + kind + "' is not known"};
 }
 
 // A table, read by id from its end, and from its beginning when there is damage.
-class TableReader {
+class JournalTable {
  public:
-  TableReader(const SQLite::Database& database, std::string columns, std::string table)
+  JournalTable(const SQLite::Database& database, std::string columns, std::string table)
       : database_(database), columns_(std::move(columns)), table_(std::move(table)) {}
 
   // Reads the newest `limit` rows with wall_ns >= since; with damage the number may differ. `take`
@@ -194,7 +194,7 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
                                    std::size_t limit) try {
   const Open journal(path);
   std::map<std::int64_t, JournalEntry> entries;
-  TableReader reader(journal.database, journal_schema::kEntryColumns, "entry");
+  JournalTable reader(journal.database, journal_schema::kEntryColumns, "entry");
   const auto take = [&](std::int64_t id, SQLite::Statement& row) -> Damage {
     auto entry = EntryOf(row);
     if (!entry) return entry.error().message;
@@ -211,11 +211,11 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
   return Unreadable(path, e.what());
 }
 
-Result<Recording> ReadRecording(const std::string& path) try {
+Result<JournalRows> ReadRecording(const std::string& path) try {
   const Open journal(path);
   std::map<std::int64_t, JournalItem> items;
   const auto read = [&](const char* columns, const char* table, const auto& make) {
-    TableReader reader(journal.database, columns, table);
+    JournalTable reader(journal.database, columns, table);
     return reader.Read(INT64_MIN, SIZE_MAX, [&](std::int64_t id, SQLite::Statement& row) -> Damage {
       auto item = make(row);
       if (!item) return item.error().message;
@@ -226,7 +226,7 @@ Result<Recording> ReadRecording(const std::string& path) try {
   const Damage of_inputs = read(journal_schema::kInputColumns, "input", InputOf);
   const Damage of_entries = read(journal_schema::kEntryColumns, "entry", EntryOf);
   const Damage damage = of_inputs.empty() ? of_entries : of_inputs;
-  Recording recording;
+  JournalRows recording;
   recording.damage = DamageText(items.size(), "entries and inputs", damage);
   for (auto& [id, item] : items) recording.rows.push_back({id, std::move(item)});
   return recording;

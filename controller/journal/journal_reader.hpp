@@ -31,12 +31,12 @@ struct JournalRow {
   JournalItem item;
 };
 
-struct Recording {
+struct JournalRows {
   std::vector<JournalRow> rows;  // by id
   std::string damage;
 };
 
 // Everything that a replay needs.
-Result<Recording> ReadRecording(const std::string& path);
+Result<JournalRows> ReadRecording(const std::string& path);
 
 }  // namespace musher

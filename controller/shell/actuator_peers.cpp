@@ -121,24 +121,24 @@ void ActuatorPeers::OnLinkEvent(const Event& from_link) {
 // that it has started or found. Until the program is set up it need not answer: its constructor may
 // block its only thread.
 void ActuatorPeers::CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarnation) {
-  const ActuatorRecord& record = machine_.actuators[actuator];
-  if (record.report.incarnation != incarnation) return;
+  const KnownActuator& known = machine_.actuators[actuator];
+  if (known.report.incarnation != incarnation) return;
   const bool own = config_.actuators[actuator].protocol == Protocol::kMusher;
-  if (!own && record.presence != Presence::kPresent) return;
-  ActuatorReport report = record.report;
-  if (report.host.empty() && record.process.pid != 0) {
+  if (!own && known.presence != Presence::kPresent) return;
+  ActuatorReport report = known.report;
+  if (report.host.empty() && known.process.pid != 0) {
     report.host = dependencies_.host;
-    report.pid = dependencies_.process_probe->WorkerOf(record.process.pid);
+    report.pid = dependencies_.process_probe->WorkerOf(known.process.pid);
   }
   health_->OnReport(actuator, report, SenderOf(actuator, report));
 }
 
 void ActuatorPeers::OnAlive(ActuatorIndex actuator, Incarnation incarnation) {
-  const ActuatorRecord& record = machine_.actuators[actuator];
+  const KnownActuator& known = machine_.actuators[actuator];
   std::optional<Time>& since = peers_[actuator].alive_since;
-  const ActuatorReport& report = record.report;
-  const bool lost = record.presence == Presence::kLost && report.incarnation == incarnation &&
-                    record.process.dead != incarnation && !record.process.termination &&
+  const ActuatorReport& report = known.report;
+  const bool lost = known.presence == Presence::kLost && report.incarnation == incarnation &&
+                    known.process.dead != incarnation && !known.process.termination &&
                     report.state != kTearDown && report.state != config_.default_state;
   const Time now = context_.loop().Now();
   if (!lost) {

@@ -54,18 +54,19 @@ class ActuatorPeers {
   // Keeps an event from before the begin of the machine: an actuator latches its status once, so a
   // status received before would not be received again. Returns whether it is kept.
   bool KeepForBegin(const Event& event);
-  // The last status of each actuator that was received before the begin.
+  // The last status of each actuator from before the begin of the machine.
   const std::map<ActuatorIndex, msg::ActuatorStatus>& statuses_before_begin() const {
     return statuses_before_begin_;
   }
-  // When the first of them was received.
+  // When the first status was received before the begin.
   std::optional<Time> first_status_at() const { return first_status_at_; }
-  // How many actuators have sent one and are not lost since.
+  // How many actuators have sent a status before the begin and are not lost since.
   std::size_t received_before_begin() const { return before_begin_.size(); }
-  // "legs (pid 7), eyes (pid 8) run": those of them that run on this host and use a different
-  // config than this controller and than the config with the given hash; empty: none.
+  // "legs (pid 7), eyes (pid 8) run": the actuators on this host whose config is neither that of
+  // this controller nor the one with the given hash; empty: none.
   std::string RunningWithAnotherConfig(const std::string& hash) const;
-  // Whether its kept status is of a process that runs and will not exit.
+  // Whether the actuator's status from before the begin is of a process that runs and will not
+  // exit.
   bool RanBeforeBegin(ActuatorIndex actuator) const;
   // The machine has begun: the kept events are handled.
   void Begin();
@@ -132,7 +133,7 @@ class ActuatorPeers {
   };
   std::unordered_map<transport::EndpointId, StatusWriter> status_writers_;
   PerActuator<Peer> peers_;
-  // The last one of each actuator and host, in the order of their receipt.
+  // The last status of each actuator and host, in the order of receipt.
   std::map<ActuatorIndex, std::vector<event::StatusSeen>> before_begin_;
   std::map<ActuatorIndex, msg::ActuatorStatus> statuses_before_begin_;
   std::optional<Time> first_status_at_;          // of before_begin_

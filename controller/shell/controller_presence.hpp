@@ -56,9 +56,9 @@ class ControllerPresence {
   void Announce(Epoch epoch);
   // Publishes the heartbeat once more, for an actuator that may not have received it.
   void Repeat();
-  // Time from which this controller may start processes. One that was silent for some time, because
-  // its process was stopped, must listen first: a controller of another host may have taken over
-  // and started them.
+  // Time from which this controller may start processes. After a silence, because its own process
+  // was stopped, it must listen first: a controller of another host may have taken over and started
+  // them.
   Time MayStartProcessesAt();
   // Another controller of this machine, if any.
   const std::optional<Rival>& rival() const { return rival_; }
@@ -67,7 +67,7 @@ class ControllerPresence {
   // Stops publishing: another controller leads, or the machine is stopped.
   void FallSilent();
 
-  // An emergency stop was received; one of another machine is ignored.
+  // An emergency stop was received. A stop of another machine is ignored.
   void OnStop(const msg::EmergencyStop& stop);
   void Publish(const EmergencyStop& stop, bool engaged);
   // No stop is engaged any more: an actuator that joins from now on receives releases only.

@@ -24,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/controller/journal/recorder.hpp"
+#include "musher/controller/journal/input_recorder.hpp"
 #include "musher/controller/shell/actuator_peers.hpp"
 #include "musher/controller/shell/actuator_processes.hpp"
 #include "musher/controller/shell/controller_presence.hpp"
@@ -168,7 +168,7 @@ class ControllerShell {
   Machine machine_;
   RecordWriter records_;
   const ShellContext context_;
-  recording::Recorder recorder_;
+  recording::InputRecorder recorder_;
   std::deque<Event> queue_;  // events that arrived while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;

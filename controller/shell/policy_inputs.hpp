@@ -67,7 +67,7 @@ class PolicyInputs {
   Emit emit_;
   bool begun_ = false;
   bool by_topic_ = false;
-  std::map<transport::EndpointId, BatterySource> batteries_;  // those that are not silent
+  std::map<transport::EndpointId, BatterySource> batteries_;  // publishers that are not silent
   std::uint32_t next_source_ = 0;
   std::optional<event::MotionSeen> motion_;  // the last one, emitted or to be emitted by Begin()
   std::optional<Time> emitted_time_;

@@ -86,34 +86,34 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
   }
   status.degraded = Degraded(config, machine);
   for (const ActuatorIndex i : config.actuators.Indices()) {
-    const ActuatorRecord& record = machine.actuators[i];
+    const KnownActuator& known = machine.actuators[i];
     msg::ActuatorInfo info;
     info.name = config.actuators[i].name;
-    info.state = record.state();
-    info.target = record.command ? record.command->target : record.report.target;
-    info.presence = PresenceName(record.presence);
+    info.state = known.state();
+    info.target = known.command ? known.command->target : known.report.target;
+    info.presence = PresenceName(known.presence);
     // Also of a lost one, unless its process is known to have ended.
     const bool may_run =
-        record.presence != Presence::kAbsent && record.process.dead != record.report.incarnation;
-    info.pid = record.process.pid != 0 ? record.process.pid : may_run ? record.report.pid : 0;
+        known.presence != Presence::kAbsent && known.process.dead != known.report.incarnation;
+    info.pid = known.process.pid != 0 ? known.process.pid : may_run ? known.report.pid : 0;
     // If it was out of reach before this controller began: what the disk says.
-    info.host = record.report.host.empty() ? record.elsewhere.value_or("") : record.report.host;
+    info.host = known.report.host.empty() ? known.elsewhere.value_or("") : known.report.host;
     info.stage = config.actuators[i].stage;
     info.critical = config.actuators[i].critical;
-    info.held = record.held;
-    if (const auto trouble = TroubleOf(record)) {
+    info.held = known.held;
+    if (const auto trouble = TroubleOf(known)) {
       info.degraded = true;
       info.code = trouble->code;
       info.message = trouble->message;
     }
-    if (record.presence == Presence::kPresent && record.report.held_by_stop) {
+    if (known.presence == Presence::kPresent && known.report.held_by_stop) {
       status.held_by_stop.push_back(info.name);
     }
     info.protocol = ProtocolName(config.actuators[i].protocol);
-    info.health = HealthName(record.health);
-    info.restarts = record.restart.count;
-    info.restarting = record.restart.at || record.restart.requested ||
-                      (record.restart.count > 0 && record.presence == Presence::kStarting);
+    info.health = HealthName(known.health);
+    info.restarts = known.restart.count;
+    info.restarting = known.restart.at || known.restart.requested ||
+                      (known.restart.count > 0 && known.presence == Presence::kStarting);
     status.actuators.push_back(std::move(info));
   }
   status.policy = PolicyOf(config, machine.policy);

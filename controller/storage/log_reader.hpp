@@ -29,7 +29,7 @@ class LogReader {
   // Fails if the live file cannot be read.
   static Result<LogReader> Open(const std::string& path);
 
-  // The lines before those that were read already, oldest first; empty: there are no more.
+  // The next older lines, oldest first; empty: there are no more.
   std::vector<WrittenLine> Before();
 
   std::int64_t end() const { return end_; }  // of the live file: the bytes that were read

@@ -56,7 +56,7 @@ class LogMarker {
 
   // The live file has `bytes` now. The first call marks what was written before as not known.
   Result<> Mark(std::int64_t bytes, std::int64_t wall_ns);
-  // As MarksAfterCut(); `parts` are those that are left, the new one too.
+  // As MarksAfterCut(); `parts`: the parts that are left, with the new one.
   Result<> Cut(std::int64_t save, std::int64_t drop, std::uint64_t number,
                const std::vector<std::uint64_t>& parts);
   // The live file was removed and made again.

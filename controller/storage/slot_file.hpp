@@ -2,7 +2,7 @@
 // A small text file that is also written when the disk is full, and that has one of its last two
 // contents after a power cut. Its blocks are reserved beforehand, and it is overwritten in place:
 // two slots of fixed size, each a line with its number and checksum and then the text. A write goes
-// to the older slot, so a torn one leaves the newer one whole.
+// to the older slot, so an interrupted write leaves the newer slot whole.
 //
 // Threads: any, one at a time; Write() and Reserve() wait for the disk.
 
@@ -30,7 +30,7 @@ class SlotFile {
   Result<> Reserve(std::string_view text) const;
   // Overwrites the older slot. Makes the file first where it is missing.
   Result<> Write(std::string_view text) const;
-  // nullopt: there is no file. One that cannot be read is damaged.
+  // nullopt: there is no file. A file that cannot be read is damaged.
   std::optional<Content> Read() const;
 
  private:

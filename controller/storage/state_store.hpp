@@ -53,13 +53,13 @@ class StateStore {
   // The kernel releases the lock when the process exits or crashes.
   static Result<StateStore> Open(const std::string& dir, const MachineOrigin& machine);
 
-  // The id of the folder's machine, also one that is not saved yet; empty: it has none yet.
+  // The id of the folder's machine, also before it is saved; empty: it has none yet.
   const std::string& machine_id() const { return machine_.id; }
   void SetMachineId(std::string id) { machine_.id = std::move(id); }
   Result<> SaveMachineId();
 
-  // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error: report it
-  // and continue as with 0, because the epochs that the actuators report count as well.
+  // The saved epoch; 0 when there is none yet. Fails if the file is unreadable or damaged: report
+  // the error and continue as with 0, because the epochs that the actuators report count as well.
   Result<Epoch> LoadEpoch() const;
 
   // Replaces the saved epoch: after a power cut the file has the old one or the new one, never a
@@ -67,9 +67,9 @@ class StateStore {
   // actuators.
   Result<> SaveEpoch(Epoch epoch);
 
-  // The emergency stops that are engaged, and the last ones that were released. A file that cannot
-  // be read counts as one that is engaged. Saves are possible on a full disk, too: Open() reserves
-  // the file, if the disk has room for it then.
+  // The engaged emergency stops, and the last released ones. A file that cannot be read counts as
+  // an engaged stop. Saves are possible on a full disk, too: Open() reserves the file, if the disk
+  // has room for it then.
   Result<> SaveEmergencyStops(const StoredStops& stops);
   StoredStops LoadEmergencyStops() const;
 
@@ -77,9 +77,9 @@ class StateStore {
   Result<> SaveStopIntent(bool intended);
   bool LoadStopIntent() const;
 
-  // The actuators on other hosts. `host` is this one (HostId()). LoadRemoteActuators() skips those
-  // that ran on this computer, such as in another container, before it was booted; and damaged
-  // lines.
+  // The actuators on other hosts. `host`: HostId() of this host. LoadRemoteActuators() skips
+  // damaged lines, and actuators that ran on this computer, such as in another container, before
+  // its boot.
   Result<> SaveRemoteActuators(const std::vector<RemoteActuator>& actuators,
                                const std::string& host);
   std::vector<RemoteActuator> LoadRemoteActuators(const std::string& host) const;
@@ -93,16 +93,17 @@ class StateStore {
     return Replace(dir_ + "/" + name, text);
   }
 
-  // Saves the small files again that were removed or replaced by others since they were read or
-  // saved, as on a volume that was mounted there, and takes the lock again. Returns their names.
+  // Takes the lock again, and saves the small files again that were removed or replaced since this
+  // controller has read or saved them, for example by a volume that was mounted over the folder.
+  // Returns the names of these files.
   Result<std::vector<std::string>> SaveRemoved();
 
   // The hash of the config that the machine was led with last; empty where none is known.
   Result<> SaveConfigHash(const std::string& hash);
   std::string LoadConfigHash() const;
 
-  // The running processes that were started for actuators. LoadChildren() returns those that were
-  // started on `host` (HostId()).
+  // The running processes that were started for actuators. LoadChildren() returns only the
+  // processes of `host` (HostId()).
   Result<> SaveChildren(const std::vector<ChildProcess>& children, const std::string& host);
   static std::vector<ChildProcess> LoadChildren(const std::string& dir, const std::string& host);
 

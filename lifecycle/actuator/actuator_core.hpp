@@ -165,9 +165,9 @@ struct PermitSender {
 
 // The permit to move that [safety] permit_ms requires.
 struct Permit {
-  Time until{};                       // it has one so long
-  Time first_by{};                    // the first one of this process may arrive so late
-  std::vector<PermitSender> senders;  // the last one to be received is at the end
+  Time until{};                       // the end of the present permit
+  Time first_by{};                    // the deadline of the first permit of this process
+  std::vector<PermitSender> senders;  // the sender of the last permit is at the end
   Time stamp{};                       // of the sample that counts, by the clock of its sender
   std::string by;                     // whose it was
   std::uint64_t stops = 0;            // so many for want of a permit so far
@@ -184,11 +184,11 @@ struct ActuatorCore {
     std::vector<RequestToken> tokens;
     friend bool operator==(const Waiting&, const Waiting&) = default;
   };
-  std::optional<Waiting> waiting;  // the newest command, behind the running callback
-  bool unsettled = false;          // the last callback failed: the state may be incomplete
-  bool half_way_down = false;      // since the last settled state, a downward callback has failed,
-                                   // or one that was to switch on what a stop had switched off
-  Sender controller = 0;           // the controller that has control
+  std::optional<Waiting> waiting;    // the newest command, behind the running callback
+  bool unsettled = false;            // the last callback failed: the state may be incomplete
+  bool half_way_down = false;        // since the last settled state a callback has failed that led
+                                     // down, or that had to switch on again after a stop
+  Sender controller = 0;             // the controller that has control
   Time controller_last_heartbeat{};  // its last heartbeat
   std::vector<actuator_event::ControllerHeartbeatReceived>
       announced;                     // the participants that announced themselves as controllers
@@ -209,9 +209,8 @@ std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex inde
 std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,
                                  const ActuatorCore& core);
 
-// Why `command` may not begin at `now`, by the clock of the actuator that it is meant for: it is
-// older than its budget (Timeout), or its times are invalid (ParametersInvalid); nullopt where it
-// may.
+// Why `command` may not begin at `now`, by the clock of its actuator: it is older than its budget
+// (Timeout), or its times are invalid (ParametersInvalid). nullopt: it may begin.
 std::optional<Error> CheckAge(const SwitchCommand& command, Time now);
 
 }  // namespace musher

@@ -55,9 +55,9 @@ Result<> EvaluateBattery(const CapabilityConfig& declared, std::optional<int> ba
 }
 
 // Why the actuator cannot be evaluated; empty where it is present.
-std::string Absence(const ActuatorConfig& actuator, const ActuatorRecord& record) {
-  if (record.presence == Presence::kPresent) return {};
-  return actuator.name + " is " + std::string(PresenceName(record.presence));
+std::string Absence(const ActuatorConfig& actuator, const KnownActuator& known) {
+  if (known.presence == Presence::kPresent) return {};
+  return actuator.name + " is " + std::string(PresenceName(known.presence));
 }
 
 CapabilityVerdict EvaluateOne(const MachineConfig& config, const Machine& machine,
@@ -65,18 +65,18 @@ CapabilityVerdict EvaluateOne(const MachineConfig& config, const Machine& machin
   CapabilityVerdict verdict{declared.name, true, kCodeOk, ""};
   for (const std::string& name : declared.actuators) {
     const ActuatorIndex i = *config.IndexOf(name);
-    const ActuatorRecord& record = machine.actuators[i];
+    const KnownActuator& known = machine.actuators[i];
     std::string trouble;
-    if (const auto fault = TroubleOf(record)) {
+    if (const auto fault = TroubleOf(known)) {
       trouble = name + " is degraded";
       if (!fault->message.empty()) trouble += ": " + fault->message;
     }
     Result<> allowed =
         EvaluateCapability(config, declared.name,
-                           {name, record.report.state, record.report.target,
-                            record.report.emergency_stop != 0 || machine.emergency.stop.has_value(),
-                            battery, record.report.held_by_stop});
-    if (const std::string absence = Absence(config.actuators[i], record); !absence.empty()) {
+                           {name, known.report.state, known.report.target,
+                            known.report.emergency_stop != 0 || machine.emergency.stop.has_value(),
+                            battery, known.report.held_by_stop});
+    if (const std::string absence = Absence(config.actuators[i], known); !absence.empty()) {
       allowed = Error{kCodeStateInvalid, absence};
     }
     if (!allowed) {

@@ -40,7 +40,7 @@ struct CapabilityVerdict {
   std::string name;
   bool allowed = false;
   std::int32_t code = kCodeOk;
-  std::string reason;  // why not; or, where it is allowed, what is wrong with one of its actuators
+  std::string reason;  // why not; where it is allowed, which of its actuators is degraded, and why
 
   friend bool operator==(const CapabilityVerdict&, const CapabilityVerdict&) = default;
 };

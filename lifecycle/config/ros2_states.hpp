@@ -7,7 +7,7 @@
 //    │     └── error processing succeeded; failed ──▶ finalized
 //    └─shutdown──▶ finalized, which has no transition out
 //
-// A failed callback leaves the node where it was. Numbers are those of lifecycle_msgs.
+// A failed callback leaves the node where it was. The numbers are from lifecycle_msgs.
 
 #include <cstdint>
 #include <map>
@@ -36,7 +36,7 @@ enum class Ros2State : std::uint8_t {
 
 // "inactive", "error processing"; any other number is "unknown".
 std::string_view Ros2StateName(Ros2State state);
-// Whether it is one of the four in which a node stays.
+// Whether a node stays in it: it is one of the four primary states.
 bool IsPrimary(Ros2State state);
 
 // A transition from one primary state to the next.

@@ -19,9 +19,9 @@ void Authority::On(const event::RivalSeen& rival) {
 }
 
 bool Authority::ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report) {
-  const ActuatorRecord& record = Of(i);
-  const bool own = report.incarnation != 0 && report.incarnation == record.control.incarnation &&
-                   report.host == record.report.host;
+  const KnownActuator& known = Of(i);
+  const bool own = report.incarnation != 0 && report.incarnation == known.control.incarnation &&
+                   report.host == known.report.host;
   const bool higher = report.epoch > machine_.epoch && report.epoch < kLastEpoch;
   if (!own || !higher || !AtWork()) return false;
   Release("which " + ConfigOf(i).name + " follows", report.epoch);
@@ -59,8 +59,8 @@ void Authority::Release(const std::string& rival, Epoch epoch) {
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, fenced});
   }
-  for (ActuatorRecord& record : machine_.actuators) {
-    for (const RequestId request : std::exchange(record.restart.requests, {})) {
+  for (KnownActuator& known : machine_.actuators) {
+    for (const RequestId request : std::exchange(known.restart.requests, {})) {
       Do(action::AnswerCall{request, fenced});
     }
   }

@@ -195,16 +195,16 @@ std::optional<Time> NextConfirmation(const MachineConfig& config, const Machine&
 }
 
 // When the next command, take-control attempt or set-up deadline of one actuator is due.
-std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
+std::optional<Time> NextDeadlineOf(const KnownActuator& known) {
   std::optional<Time> next;
   const auto consider = [&](Time when) { next = next ? std::min(*next, when) : when; };
-  if (record.command) consider(record.command->deadline);
-  if (record.control.again) consider(*record.control.again);
-  if (record.set_up_by && record.presence != Presence::kPresent) consider(*record.set_up_by);
-  for (const auto& when : {record.restart.at, record.restart.reset_at, record.free_by}) {
+  if (known.command) consider(known.command->deadline);
+  if (known.control.again) consider(*known.control.again);
+  if (known.set_up_by && known.presence != Presence::kPresent) consider(*known.set_up_by);
+  for (const auto& when : {known.restart.at, known.restart.reset_at, known.free_by}) {
     if (when) consider(*when);
   }
-  if (const auto& termination = record.process.termination) {
+  if (const auto& termination = known.process.termination) {
     consider(std::min(termination->kill_at, termination->terminate_at.value_or(Time::max())));
   }
   return next;
@@ -235,9 +235,9 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
     if (when) next = next ? std::min(*next, *when) : *when;
   };
   const bool joins = machine.phase == Phase::kRunning && !machine.current && !machine.waiting;
-  for (const ActuatorRecord& record : machine.actuators) {
-    consider(NextDeadlineOf(record));
-    if (joins) consider(record.failed_checks.at);
+  for (const KnownActuator& known : machine.actuators) {
+    consider(NextDeadlineOf(known));
+    if (joins) consider(known.failed_checks.at);
   }
   if (machine.phase == Phase::kStopping && machine.stopping) {
     const Stopping& stopping = *machine.stopping;

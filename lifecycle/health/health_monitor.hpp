@@ -28,9 +28,9 @@
 
 namespace musher {
 
-// The heartbeat period of an actuator: half its checkpoint, at most 500 ms, and at most 125 ms
-// where there are several hosts, since there nothing else reports its exit. Three heartbeats missed
-// in a row are silence.
+// The heartbeat period of an actuator: half of `checkpoint_ms`, at most 500 ms. With several hosts
+// at most 125 ms, since nothing else reports an exit on another host. An actuator is silent once it
+// has missed three heartbeats in a row.
 Duration HeartbeatPeriod(const MachineConfig& config, ActuatorIndex actuator);
 // The heartbeat period of a controller.
 Duration ControllerHeartbeatPeriod(const MachineConfig& config);
@@ -41,7 +41,7 @@ struct Heartbeat {
   Health work = Health::kWell;  // of its work thread: well, starved or hung
   State during;                 // the state whose callback runs; empty for work of its own
   Duration silent{};            // since the work thread's last checkpoint
-  Duration waited{};            // the part of it spent waiting for a CPU
+  Duration waited{};            // of `silent`, the time that the thread waited for a CPU
 };
 
 // What the kernel reports about a process of this host.
@@ -103,7 +103,7 @@ class HealthMonitor {
     bool probed = false;
     bool excused = false;      // a late loop of the controller was excused, once
     std::optional<Time> look;  // when to examine next
-    bool work_hung = false;    // as its heartbeat reports, not by its silence
+    bool work_hung = false;    // by the last heartbeat, not by silence
     Health health = Health::kWell;
     Time starved{};  // when that was last observed
   };

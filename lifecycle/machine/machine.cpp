@@ -32,7 +32,7 @@ Machine MakeMachine(const MachineConfig& config) {
   Machine machine;
   machine.state = config.default_state;
   machine.actuators.resize(config.actuators.size());
-  for (ActuatorRecord& record : machine.actuators) record.report.state = config.default_state;
+  for (KnownActuator& known : machine.actuators) known.report.state = config.default_state;
   return machine;
 }
 
@@ -45,16 +45,16 @@ StoredStops StopsOf(const Machine& machine) {
   return stops;
 }
 
-std::optional<Error> PartialFaultOf(const ActuatorRecord& record) {
-  if (record.presence != Presence::kPresent) return std::nullopt;
-  if (record.tolerated) return record.tolerated;
-  const ActuatorReport& report = record.report;
+std::optional<Error> PartialFaultOf(const KnownActuator& known) {
+  if (known.presence != Presence::kPresent) return std::nullopt;
+  if (known.tolerated) return known.tolerated;
+  const ActuatorReport& report = known.report;
   if (report.degraded_code == kCodeOk) return std::nullopt;
   return Error{report.degraded_code, report.degraded_reason};
 }
 
-std::optional<Error> TroubleOf(const ActuatorRecord& record) {
-  return record.fault ? record.fault : PartialFaultOf(record);
+std::optional<Error> TroubleOf(const KnownActuator& known) {
+  return known.fault ? known.fault : PartialFaultOf(known);
 }
 
 std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine) {

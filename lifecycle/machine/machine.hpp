@@ -16,7 +16,7 @@
 
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/field.hpp"
-#include "musher/lifecycle/machine/actuator_record.hpp"
+#include "musher/lifecycle/machine/known_actuator.hpp"
 #include "musher/lifecycle/machine/policy_state.hpp"
 #include "musher/lifecycle/machine/stored.hpp"
 #include "musher/lifecycle/machine/switch.hpp"
@@ -60,9 +60,9 @@ struct PendingRelease {
 
 struct EmergencyStopState {
   std::optional<EmergencyStop> stop;
-  RecordId cause = 0;                 // the record of it
+  RecordId cause = 0;                 // the record of this stop
   std::vector<EmergencyStop> others;  // engaged beside it by other sources, released with it
-  std::vector<StopId> released;       // the stops released last, and those that newer ones replace
+  std::vector<StopId> released;  // the last released stops, with the ones that newer stops replaced
   std::optional<PendingRelease> release;
 
   friend bool operator==(const EmergencyStopState&, const EmergencyStopState&) = default;
@@ -92,7 +92,7 @@ struct Machine {
   std::string requested_by;       // of the last switch of the whole machine; "" = its start
   std::optional<StandingRequest> standing;
   StartUpState start_up;
-  PerActuator<ActuatorRecord> actuators;  // in the order of the config
+  PerActuator<KnownActuator> actuators;  // in the order of the config
   std::optional<Switch> current;
   std::optional<WaitingSwitch> waiting;  // never together with a current one
   FallbackState fallback;
@@ -111,11 +111,11 @@ StoredStops StopsOf(const Machine& machine);
 // A machine about which nothing is known yet.
 Machine MakeMachine(const MachineConfig& config);
 
-// The partial fault of a present actuator that does not keep it from the state of the machine: its
-// self-check has passed as degraded, or has failed with a code that is not critical.
-std::optional<Error> PartialFaultOf(const ActuatorRecord& record);
-// Its fault, else its partial one: why it is listed as degraded.
-std::optional<Error> TroubleOf(const ActuatorRecord& record);
+// The partial fault of a present actuator: the self-check has passed as degraded, or has failed
+// with a code that is not critical. The actuator reaches the state of the machine nevertheless.
+std::optional<Error> PartialFaultOf(const KnownActuator& known);
+// Why the actuator is listed as degraded: its fault, else its partial fault.
+std::optional<Error> TroubleOf(const KnownActuator& known);
 
 // The names of the actuators that are not in the state of the machine, with a recorded reason, or
 // that have a partial fault.

@@ -6,24 +6,24 @@
 namespace musher {
 namespace {
 
-const char* BrokenOf(const Machine& machine, const ActuatorRecord& record) {
-  const bool present = record.presence == Presence::kPresent;
-  const bool announced = present || record.presence == Presence::kStarting;
-  if (record.command && !present) return "an actuator that is not present has a command";
-  if (record.command && record.command->number > machine.number) {
+const char* BrokenOf(const Machine& machine, const KnownActuator& known) {
+  const bool present = known.presence == Presence::kPresent;
+  const bool announced = present || known.presence == Presence::kStarting;
+  if (known.command && !present) return "an actuator that is not present has a command";
+  if (known.command && known.command->number > machine.number) {
     return "a command has a number that was not given yet";
   }
-  if (record.due && !present) return "an actuator that is not present is to be driven";
-  if (record.free_by && !present) return "an actuator that is not present is awaited to be free";
-  if (record.control.again && !announced) {
+  if (known.due && !present) return "an actuator that is not present is to be driven";
+  if (known.free_by && !present) return "an actuator that is not present is awaited to be free";
+  if (known.control.again && !announced) {
     return "control is taken of an actuator that has not been seen";
   }
-  if (record.restart.reset_at && !present)
+  if (known.restart.reset_at && !present)
     return "the restart count of an actuator that is not present is about to be reset";
-  if (record.process.termination && record.process.termination->pid == 0) {
+  if (known.process.termination && known.process.termination->pid == 0) {
     return "the termination of a process has no pid";
   }
-  if (record.restart.at && present) return "an actuator that is present is to be started again";
+  if (known.restart.at && present) return "an actuator that is present is to be started again";
   return nullptr;
 }
 
@@ -95,10 +95,10 @@ std::string BrokenInvariant(const MachineConfig& config, const Machine& machine)
            machine.state;
   }
   for (const ActuatorIndex i : machine.actuators.Indices()) {
-    const ActuatorRecord& record = machine.actuators[i];
-    if (const char* broken = BrokenOf(machine, record)) {
+    const KnownActuator& known = machine.actuators[i];
+    if (const char* broken = BrokenOf(machine, known)) {
       return config.actuators[i].name + ": " + broken + "; " +
-             std::string(PresenceName(record.presence)) + " in " + record.state();
+             std::string(PresenceName(known.presence)) + " in " + known.state();
     }
   }
   return {};

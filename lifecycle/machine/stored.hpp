@@ -20,15 +20,15 @@ struct StoredStops {
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
 
-// Adds a stop to the engaged ones. It takes the place of an older one of the same source, and the
-// oldest one makes room where there are too many: the stop that is replaced is over, and the next
-// release ends it at the actuators. Returns whether the stop has new information.
+// Adds a stop to the engaged stops. It replaces an older stop of the same source, or, where there
+// are too many, the oldest stop. A replaced stop is over, and the next release ends it at the
+// actuators. Returns whether the stop has new information.
 bool AddStop(StoredStops& stops, const EmergencyStop& stop);
 // A stop that is over never engages again.
 void AddReleased(StoredStops& stops, StopId id);
 
-// Merges what is on disk with what was received from other controllers and panels since. A stop
-// that is released in either of them is over.
+// Merges the stops on disk with the stops that other controllers and panels have sent since. A stop
+// that is released on one side is over.
 StoredStops Merge(const StoredStops& stored, const StoredStops& received);
 
 // An actuator that runs on another host, as it is stored for the next controller.
@@ -53,7 +53,7 @@ std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
 // Data that was handed to the disk thread and is not known to be saved.
 struct Unsaved {
   Stored what = Stored::kEpoch;
-  SaveNumber save = 0;  // the last save of it
+  SaveNumber save = 0;  // the number of the last save
   Time since{};         // of the first save that is not on disk
   std::string why;      // of a failure; empty: not ended yet
 

@@ -32,7 +32,7 @@ enum class ActuatorOutcome {
   kOverdue,  // it missed its deadline; queried, it was still running, or was fenced before it began
   kLost,     // it is not available, or does not answer at all
   kUndone,   // it had switched, or tried to, and is back in its state before
-  kSkipped,  // nothing was sent: another actuator failed first, or one that it needs
+  kSkipped,  // nothing was sent: an actuator that it needs has failed, or any other has before
   kUnsupported,  // it does not list the target; nothing was sent
 };
 std::string_view OutcomeName(ActuatorOutcome outcome);  // "done", "refused", …

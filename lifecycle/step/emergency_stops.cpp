@@ -117,18 +117,18 @@ void EmergencyStops::PublishReleased() {
 // Whether it has received all of a release, which ends with the stop `last`, and has latched no
 // stop. An actuator that cannot be there has nothing to confirm.
 bool EmergencyStops::HasConfirmed(ActuatorIndex i, StopId last) const {
-  const ActuatorRecord& record = machine_.actuators[i];
-  const ActuatorReport& report = record.report;
+  const KnownActuator& known = machine_.actuators[i];
+  const ActuatorReport& report = known.report;
   if (ConfigOf(i).protocol != Protocol::kMusher) return true;
   const bool clear = report.emergency_stop == 0;
-  switch (record.presence) {
+  switch (known.presence) {
     case Presence::kPresent:
       return clear && (last == 0 || report.released_stop == last);
     case Presence::kStarting:
       return clear;
     case Presence::kLost:  // it may run on where only its connection is lost
-      return clear || report.incarnation == record.process.dead ||
-             (record.health != Health::kHung && record.health != Health::kPartitioned);
+      return clear || report.incarnation == known.process.dead ||
+             (known.health != Health::kHung && known.health != Health::kPartitioned);
     case Presence::kAbsent:
       break;
   }
@@ -229,7 +229,7 @@ void EmergencyStops::Engage(const EmergencyStop& stop) {
                     machine_.emergency.others.empty() ? 0 : machine_.emergency.cause);
   if (machine_.emergency.others.empty()) machine_.emergency.cause = recorded;
   if (machine_.current) machine_.current->stopped = true;
-  for (ActuatorRecord& record : machine_.actuators) record.set_again = false;
+  for (KnownActuator& known : machine_.actuators) known.set_again = false;
 }
 
 }  // namespace musher

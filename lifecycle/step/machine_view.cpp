@@ -7,16 +7,16 @@
 namespace musher {
 
 bool MachineView::IsComing(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  const bool about_to_end = record.process.termination.has_value();  // and is restarted after that
-  return record.restart.at || record.restart.requested ||
-         (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
+  const KnownActuator& known = Of(i);
+  const bool about_to_end = known.process.termination.has_value();  // and is restarted after that
+  return known.restart.at || known.restart.requested ||
+         (known.set_up_by && (known.presence == Presence::kStarting || about_to_end));
 }
 
 bool MachineView::IsFree(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  return record.presence == Presence::kPresent && !record.command && !record.report.busy() &&
-         record.health != Health::kHung && !record.restart.given_up && !record.restart.requested;
+  const KnownActuator& known = Of(i);
+  return known.presence == Presence::kPresent && !known.command && !known.report.busy() &&
+         known.health != Health::kHung && !known.restart.given_up && !known.restart.requested;
 }
 
 bool MachineView::MayRestart(ActuatorIndex i) const {
@@ -24,11 +24,11 @@ bool MachineView::MayRestart(ActuatorIndex i) const {
 }
 
 std::int32_t MachineView::ProcessOf(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  if (record.process.pid != 0) return record.process.pid;
-  const ActuatorReport& report = record.report;
+  const KnownActuator& known = Of(i);
+  if (known.process.pid != 0) return known.process.pid;
+  const ActuatorReport& report = known.report;
   const bool here = !report.host.empty() && report.host == view_.host;
-  return here && report.incarnation != record.process.dead ? report.pid : 0;
+  return here && report.incarnation != known.process.dead ? report.pid : 0;
 }
 
 std::int32_t MachineView::OwnProcess(ActuatorIndex i) const {
@@ -36,22 +36,22 @@ std::int32_t MachineView::OwnProcess(ActuatorIndex i) const {
 }
 
 bool MachineView::RunsElsewhere(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
+  const KnownActuator& known = Of(i);
   const bool connected =
-      record.presence == Presence::kPresent || record.presence == Presence::kStarting;
-  const ActuatorReport& report = record.report;
-  return connected && record.process.pid == 0 && report.incarnation != 0 &&
-         report.incarnation != record.process.dead && !report.host.empty() &&
+      known.presence == Presence::kPresent || known.presence == Presence::kStarting;
+  const ActuatorReport& report = known.report;
+  return connected && known.process.pid == 0 && report.incarnation != 0 &&
+         report.incarnation != known.process.dead && !report.host.empty() &&
          report.host != view_.host;
 }
 
 bool MachineView::AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const {
-  const ActuatorRecord& record = Of(i);
+  const KnownActuator& known = Of(i);
   const bool publishes =
-      record.presence == Presence::kPresent ||
-      (record.presence == Presence::kStarting && record.report.incarnation != record.process.dead);
-  const bool here = !record.report.host.empty() && record.report.host == view_.host;
-  return publishes && here && record.report.pid != 0 && record.report.pid != pid;
+      known.presence == Presence::kPresent ||
+      (known.presence == Presence::kStarting && known.report.incarnation != known.process.dead);
+  const bool here = !known.report.host.empty() && known.report.host == view_.host;
+  return publishes && here && known.report.pid != 0 && known.report.pid != pid;
 }
 
 bool MachineView::Fits(ActuatorIndex i) const {
@@ -79,7 +79,7 @@ bool MachineView::IsAbovePlace(ActuatorIndex i) const {
 bool MachineView::NeedsMet(ActuatorIndex i, std::optional<RecordText>& blocker) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
-    const ActuatorRecord& needed = Of(*config_.IndexOf(name));
+    const KnownActuator& needed = Of(*config_.IndexOf(name));
     if (needed.fault && !needed.suspended && !IsComing(*config_.IndexOf(name)))
       blocker = texts::DependencyDegraded(name, needed.fault->message);
     if (needed.presence != Presence::kPresent || needed.fault) met = false;
@@ -89,7 +89,7 @@ bool MachineView::NeedsMet(ActuatorIndex i, std::optional<RecordText>& blocker) 
 
 RecordId MachineView::CauseOfBlocker(ActuatorIndex i) const {
   for (const std::string& name : ConfigOf(i).after) {
-    const ActuatorRecord& needed = Of(*config_.IndexOf(name));
+    const KnownActuator& needed = Of(*config_.IndexOf(name));
     if (needed.fault) return needed.cause;
   }
   return 0;
@@ -103,10 +103,10 @@ std::optional<RecordText> MachineView::WaitsForSuspended(ActuatorIndex i) const 
 }
 
 State MachineView::PlaceOf(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  if (!record.suspended) return view_.state;
+  const KnownActuator& known = Of(i);
+  if (!known.suspended) return view_.state;
   const State rest = RestOf(i);
-  if (rest.empty() || !Falls(config_, record.state(), rest)) return record.state();
+  if (rest.empty() || !Falls(config_, known.state(), rest)) return known.state();
   return Falls(config_, rest, view_.state) ? view_.state : rest;
 }
 
@@ -122,10 +122,10 @@ bool MachineView::StageIsSetUp(int stage) const {
 // Whether each actuator of the stage is in the state of the machine, or will not be.
 bool MachineView::StageIsSettled(int stage) const {
   for (const ActuatorIndex i : view_.actuators.Indices()) {
-    const ActuatorRecord& record = Of(i);
-    if (ConfigOf(i).stage > stage || record.fault || record.held) continue;
+    const KnownActuator& known = Of(i);
+    if (ConfigOf(i).stage > stage || known.fault || known.held) continue;
     const bool joined =
-        record.presence == Presence::kPresent && Fits(i) && !record.due && !record.command;
+        known.presence == Presence::kPresent && Fits(i) && !known.due && !known.command;
     if (!joined) return false;
   }
   return true;

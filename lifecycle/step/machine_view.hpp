@@ -14,7 +14,7 @@ class MachineView {
   MachineView(const MachineConfig& config, const Machine& machine)
       : config_(config), view_(machine) {}
 
-  const ActuatorRecord& Of(ActuatorIndex i) const { return view_.actuators[i]; }
+  const KnownActuator& Of(ActuatorIndex i) const { return view_.actuators[i]; }
   const ActuatorConfig& ConfigOf(ActuatorIndex i) const { return config_.actuators[i]; }
 
   // Whether it is starting, though it is not present yet.
@@ -22,11 +22,11 @@ class MachineView {
   // Whether the controller may send it a command of its own.
   bool IsFree(ActuatorIndex i) const;
   bool MayRestart(ActuatorIndex i) const;
-  // The process that can be signalled: one that we started, or one of this host that publishes as
-  // it. 0: none.
+  // The process that can be signalled: it was started by us, or it publishes as the actuator from
+  // this host. 0: none.
   std::int32_t ProcessOf(ActuatorIndex i) const;
-  // The process that has to exit with the machine: one that this controller or an earlier one has
-  // started. Processes started by other parties are not ended. 0: none.
+  // The process that has to exit with the machine: this controller, or an earlier one, has started
+  // it. Processes started by other parties are not ended. 0: none.
   std::int32_t OwnProcess(ActuatorIndex i) const;
   // Whether its process runs on another host: a second one here would run in parallel.
   bool RunsElsewhere(ActuatorIndex i) const;
@@ -39,10 +39,10 @@ class MachineView {
   bool Fits(ActuatorIndex i) const;
   // Whether it may be driven to the state of the machine: down always, up only after its check.
   bool MayFollow(ActuatorIndex i) const;
-  // Where it stays at most while the machine is in a step of a start: the nearest of DeActive and
-  // LowPower that it lists. Empty: none.
+  // The most active state that the actuator may have while the machine is in a step of a start:
+  // DeActive if the actuator lists it, else LowPower. Empty: it lists neither.
   State RestOf(ActuatorIndex i) const;
-  // Whether it is more active than the machine or, in a step of a start, than where it stays.
+  // Whether it is more active than the machine or, in a step of a start, than RestOf().
   bool IsAbovePlace(ActuatorIndex i) const;
   // Its target: the state of the machine; while suspended, DeActive or LowPower, and never higher
   // than its present state.
@@ -50,14 +50,14 @@ class MachineView {
 
   // Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.
   bool NeedsMet(ActuatorIndex i, std::optional<RecordText>& blocker) const;
-  // The record of the fault that blocks it; 0: none.
+  // The record of the fault that blocks the actuator; 0: none.
   RecordId CauseOfBlocker(ActuatorIndex i) const;
   // The suspended actuator in its `after` that it waits for, if any.
   std::optional<RecordText> WaitsForSuspended(ActuatorIndex i) const;
 
   // Whether each actuator of the stages so far is present, or will not be.
   bool StageIsSetUp(int stage) const;
-  // Whether each of them is in the state of the machine, or will not be.
+  // Whether each actuator of the stages so far is in the state of the machine, or will not be.
   bool StageIsSettled(int stage) const;
 
   // Whether a switch that is done has led the machine out of the state in which it is kept.

@@ -19,34 +19,34 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 }  // namespace
 
 void Processes::Recover(ActuatorIndex i, const event::ProcessEnded& ended) {
-  ActuatorRecord& record = Of(i);
+  KnownActuator& known = Of(i);
   const ActuatorConfig& config = ConfigOf(i);
-  record.process.termination.reset();
-  record.restart.reset_at.reset();
+  known.process.termination.reset();
+  known.restart.reset_at.reset();
   const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
                       machine_.phase == Phase::kFailed;
   if (!wanted) return;
-  if (std::exchange(record.restart.requested, false)) {
-    record.restart.at = now_;
+  if (std::exchange(known.restart.requested, false)) {
+    known.restart.at = now_;
     return;
   }
   // An actuator that was torn down alone stays down.
-  if (record.state() == kTearDown && record.report.detached) return;
+  if (known.state() == kTearDown && known.report.detached) return;
   const bool content = ended.clean && config.restart.policy == RestartPolicy::kOnFailure;
   if (!MayRestart(i) || content) return FallBack(i);
   if (IsFinal(i, ended)) return GiveUp(i, WhyFinal(ended));
-  if (record.restart.count >= config.restart.limit) {
-    return GiveUp(
-        i, texts::GivenUp(record.restart.count,
-                          record.fault ? std::optional(record.fault->message) : std::nullopt));
+  if (known.restart.count >= config.restart.limit) {
+    return GiveUp(i,
+                  texts::GivenUp(known.restart.count,
+                                 known.fault ? std::optional(known.fault->message) : std::nullopt));
   }
-  const Duration delay = DelayOf(config.restart, record.restart.count);
-  ++record.restart.count;
-  record.restart.at = now_ + delay;
-  record.cause = RecordProcess(
+  const Duration delay = DelayOf(config.restart, known.restart.count);
+  ++known.restart.count;
+  known.restart.at = now_ + delay;
+  known.cause = RecordProcess(
       i, kCodeOk,
-      texts::RestartScheduled(config.name, delay, record.restart.count, config.restart.limit),
-      record.cause);
+      texts::RestartScheduled(config.name, delay, known.restart.count, config.restart.limit),
+      known.cause);
 }
 
 void Processes::GiveUp(ActuatorIndex i, const RecordText& why) {
@@ -56,30 +56,30 @@ void Processes::GiveUp(ActuatorIndex i, const RecordText& why) {
 }
 
 void Processes::EvaluateArrival(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
+  KnownActuator& known = Of(i);
   const RestartConfig& restart = ConfigOf(i).restart;
-  record.restart.given_up = record.restart.count > restart.limit;
-  if (record.restart.count > 0) record.restart.reset_at = now_ + restart.reset_after;
-  if (!record.restart.given_up) return;
-  Degrade(i, kCodeFailed, texts::RestartedTooOften(record.restart.count, restart.reset_after),
-          record.cause);
+  known.restart.given_up = known.restart.count > restart.limit;
+  if (known.restart.count > 0) known.restart.reset_at = now_ + restart.reset_after;
+  if (!known.restart.given_up) return;
+  Degrade(i, kCodeFailed, texts::RestartedTooOften(known.restart.count, restart.reset_after),
+          known.cause);
   FallBack(i);
 }
 
 void Processes::StartAgain(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
-  record.restart.at.reset();
-  record.report.state = config_.default_state;  // the old process does not count any more
-  record.presence = Presence::kStarting;
-  record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
-  record.process.launch = Launch::kUnderWay;
+  KnownActuator& known = Of(i);
+  known.restart.at.reset();
+  known.report.state = config_.default_state;  // the old process does not count any more
+  known.presence = Presence::kStarting;
+  known.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+  known.process.launch = Launch::kUnderWay;
   Do(action::StartProcess{i});
 }
 
 void Processes::Terminate(ActuatorIndex i, std::int32_t pid, Duration grace) {
-  ActuatorRecord& record = Of(i);
-  record.process.termination = {pid, std::nullopt, now_ + grace, false};
-  if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
+  KnownActuator& known = Of(i);
+  known.process.termination = {pid, std::nullopt, now_ + grace, false};
+  if (known.set_up_by) known.set_up_by = std::max(*known.set_up_by, now_ + grace + kEndTime);
 }
 
 void Processes::Kill(ActuatorIndex i) {
@@ -90,9 +90,9 @@ void Processes::Kill(ActuatorIndex i) {
 }
 
 void Processes::ForgetEnd(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
-  record.process.termination.reset();
-  record.restart.requested = false;
+  KnownActuator& known = Of(i);
+  known.process.termination.reset();
+  known.restart.requested = false;
 }
 
 void Processes::CancelRestart(ActuatorIndex i) {

@@ -57,13 +57,13 @@ bool Saver::IsElsewhere(ActuatorIndex i) const {
 void Saver::NoteHosts() {
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
-    if (record.report.incarnation == 0) continue;  // what an earlier controller has stored counts
+    KnownActuator& known = Of(i);
+    if (known.report.incarnation == 0) continue;  // what an earlier controller has stored counts
     const bool elsewhere = IsElsewhere(i);
-    const bool known = record.elsewhere.has_value() == elsewhere &&
-                       (!elsewhere || *record.elsewhere == record.report.host);
-    if (known) continue;
-    record.elsewhere = elsewhere ? std::optional(record.report.host) : std::nullopt;
+    const bool is_noted = known.elsewhere.has_value() == elsewhere &&
+                          (!elsewhere || *known.elsewhere == known.report.host);
+    if (is_noted) continue;
+    known.elsewhere = elsewhere ? std::optional(known.report.host) : std::nullopt;
     changed = true;
   }
   if (changed) Save(Stored::kRemoteActuators);

@@ -90,14 +90,14 @@ void StepPart::Degrade(ActuatorIndex i, std::int32_t code, const RecordText& tex
 }
 
 bool StepPart::IsCheckDue(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  const FailedChecks& failed = record.failed_checks;
-  const bool at_rest = record.state() == kDeActive || record.state() == kLowPower;
-  const bool stopped = machine_.emergency.stop || record.report.emergency_stop != 0;
-  const bool follows = record.checked && !record.fault && !record.held && !record.suspended;
+  const KnownActuator& known = Of(i);
+  const FailedChecks& failed = known.failed_checks;
+  const bool at_rest = known.state() == kDeActive || known.state() == kLowPower;
+  const bool stopped = machine_.emergency.stop || known.report.emergency_stop != 0;
+  const bool follows = known.checked && !known.fault && !known.held && !known.suspended;
   std::optional<RecordText> blocker;
   return follows && at_rest && !stopped && IsFree(i) && failed.count > 0 &&
-         (!failed.at || now_ >= *failed.at) && PartialFaultOf(record) && NeedsMet(i, blocker);
+         (!failed.at || now_ >= *failed.at) && PartialFaultOf(known) && NeedsMet(i, blocker);
 }
 
 void StepPart::FallBack(ActuatorIndex i) {

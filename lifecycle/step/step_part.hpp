@@ -1,7 +1,7 @@
 #pragma once
 // One step of the decisions, and what every part of it can do: change the machine, emit actions,
-// and record. The parts are small classes in the rooms beside this one; each names in its
-// constructor the parts that it uses, and none uses one that uses it. coordinator.cpp makes them.
+// and record. The parts are small classes in the folders beside this one. The constructor of a part
+// names the parts that it uses, and no two parts use each other. coordinator.cpp makes all parts.
 
 #include <cstdint>
 #include <optional>
@@ -34,13 +34,13 @@ class StepPart : protected MachineView {
 
  protected:
   using MachineView::Of;
-  ActuatorRecord& Of(ActuatorIndex i) { return machine_.actuators[i]; }
+  KnownActuator& Of(ActuatorIndex i) { return machine_.actuators[i]; }
   bool Critical(ActuatorIndex i) const { return ConfigOf(i).critical; }
 
   void Do(Action action) { actions_.push_back(std::move(action)); }
 
   // Each returns the id of its record. `cause`: the id of the record that it follows from, where
-  // one is known. A decision with later effects stores the id for them in ActuatorRecord, Switch or
+  // one is known. A decision with later effects stores the id for them in KnownActuator, Switch or
   // Machine.
   RecordId Record(action::Record record);
   RecordId RecordMachine(std::int32_t code, const RecordText& text, RecordId cause = 0);

@@ -14,8 +14,8 @@ namespace musher {
 // detached.
 std::optional<State> Adoption::LowestFound() const {
   const bool all_detached =
-      std::all_of(view_.actuators.begin(), view_.actuators.end(), [](const ActuatorRecord& record) {
-        return record.presence != Presence::kPresent || record.report.detached;
+      std::all_of(view_.actuators.begin(), view_.actuators.end(), [](const KnownActuator& known) {
+        return known.presence != Presence::kPresent || known.report.detached;
       });
   std::vector<Found> found;
   const auto consider = [&](ActuatorIndex i, const State& state) {
@@ -24,9 +24,9 @@ std::optional<State> Adoption::LowestFound() const {
   bool musher_present = false;  // a Musher actuator, which reports its state
   const auto consider_all = [&](bool ros2) {
     for (const ActuatorIndex i : view_.actuators.Indices()) {
-      const ActuatorRecord& record = Of(i);
+      const KnownActuator& known = Of(i);
       const bool is_ros2 = ConfigOf(i).protocol == Protocol::kRos2Lifecycle;
-      if (record.presence != Presence::kPresent || (record.report.detached && !all_detached))
+      if (known.presence != Presence::kPresent || (known.report.detached && !all_detached))
         continue;
       if (is_ros2 != ros2) continue;
       // While the Musher actuators are still in SetUp or SelfCheck, the machine was starting.
@@ -34,12 +34,12 @@ std::optional<State> Adoption::LowestFound() const {
       if (ros2 && found.empty() && musher_present && AgreesWith(i, State(kSetUp))) continue;
       musher_present |= ConfigOf(i).protocol == Protocol::kMusher;
       // An actuator that is being torn down alone will exit, and is restarted if it should be.
-      const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
-      if (ends && record.report.detached) continue;
-      consider(i, record.state());
+      const bool ends = known.state() == kTearDown || known.report.target == kTearDown;
+      if (ends && known.report.detached) continue;
+      consider(i, known.state());
       // Also out of a check, which has no rank of its own. On the same level the state counts.
-      const State& target = record.report.target;
-      if (config_.RankOf(target) != config_.RankOf(record.state())) consider(i, target);
+      const State& target = known.report.target;
+      if (config_.RankOf(target) != config_.RankOf(known.state())) consider(i, target);
     }
   };
   consider_all(false);
@@ -81,9 +81,9 @@ bool Adoption::AgreesWith(ActuatorIndex i, const State& state) const {
 bool Adoption::FoundSwitching() const {
   const auto rank = config_.RankOf(view_.state);
   return std::any_of(
-      view_.actuators.begin(), view_.actuators.end(), [&](const ActuatorRecord& record) {
-        const ActuatorReport& report = record.report;
-        if (record.presence != Presence::kPresent || record.held || report.busy_number == 0) {
+      view_.actuators.begin(), view_.actuators.end(), [&](const KnownActuator& known) {
+        const ActuatorReport& report = known.report;
+        if (known.presence != Presence::kPresent || known.held || report.busy_number == 0) {
           return false;
         }
         const auto from = config_.RankOf(report.state);
@@ -94,11 +94,11 @@ bool Adoption::FoundSwitching() const {
 std::string Adoption::Elsewhere() const {
   std::string text;
   for (const ActuatorIndex i : view_.actuators.Indices()) {
-    const ActuatorRecord& record = Of(i);
-    const bool there = record.state() == view_.state && !record.report.busy();
-    if (record.presence != Presence::kPresent || record.held || there) continue;
-    text += (text.empty() ? "" : ", ") + ConfigOf(i).name + " in " + record.state() +
-            (record.report.busy() ? " switching to " + record.report.target : "");
+    const KnownActuator& known = Of(i);
+    const bool there = known.state() == view_.state && !known.report.busy();
+    if (known.presence != Presence::kPresent || known.held || there) continue;
+    text += (text.empty() ? "" : ", ") + ConfigOf(i).name + " in " + known.state() +
+            (known.report.busy() ? " switching to " + known.report.target : "");
   }
   return text;
 }

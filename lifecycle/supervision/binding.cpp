@@ -6,19 +6,19 @@ bool Binding::SuspendAndResume() {
   if (machine_.phase != Phase::kRunning || machine_.current) return false;
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
+    KnownActuator& known = Of(i);
     const bool free =
-        record.presence == Presence::kPresent && !record.command && !record.report.busy();
-    if (!free || !record.checked) continue;
+        known.presence == Presence::kPresent && !known.command && !known.report.busy();
+    if (!free || !known.checked) continue;
     PerActuator<bool> seen(machine_.actuators.size(), false);
     seen[i] = true;
     const std::string* missing = MissingFor(i, i, seen);
-    if (missing != nullptr && !record.suspended && !record.held) {
+    if (missing != nullptr && !known.suspended && !known.held) {
       Suspend(i, *missing);
       changed = true;
-    } else if (missing == nullptr && record.suspended) {
-      record.suspended = false;
-      record.due = true;
+    } else if (missing == nullptr && known.suspended) {
+      known.suspended = false;
+      known.due = true;
       changed = true;
     }
   }
@@ -27,9 +27,9 @@ bool Binding::SuspendAndResume() {
 
 // Whether the actuators bound to it may be up.
 bool Binding::IsUp(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  return record.presence == Presence::kPresent && Fits(i) && !record.restart.given_up &&
-         record.health != Health::kHung && !record.restart.requested && record.state() != kTearDown;
+  const KnownActuator& known = Of(i);
+  return known.presence == Presence::kPresent && Fits(i) && !known.restart.given_up &&
+         known.health != Health::kHung && !known.restart.requested && known.state() != kTearDown;
 }
 
 bool Binding::IsBoundTo(ActuatorIndex i, ActuatorIndex other, PerActuator<bool>& seen) const {
@@ -66,9 +66,9 @@ const std::string* Binding::MissingFor(ActuatorIndex bound, ActuatorIndex i,
 }
 
 void Binding::Suspend(ActuatorIndex i, const std::string& missing) {
-  ActuatorRecord& record = Of(i);
-  record.suspended = true;
-  record.due = true;
+  KnownActuator& known = Of(i);
+  known.suspended = true;
+  known.due = true;
   Degrade(i, kCodeStatusError, texts::NotUp(missing), Of(*config_.IndexOf(missing)).cause);
 }
 

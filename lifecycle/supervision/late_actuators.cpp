@@ -12,16 +12,16 @@ bool LateActuators::DriveLateOnes() {
   if (machine_.phase != Phase::kRunning) return LowerLateOnes();
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    const ActuatorRecord& record = Of(i);
+    const KnownActuator& known = Of(i);
     const bool unchecked = IsToBeChecked(i);
-    if (!IsFree(i) || record.held) continue;
-    if (!record.due && !unchecked) {
-      const bool had_a_fault = record.fault.has_value();
+    if (!IsFree(i) || known.held) continue;
+    if (!known.due && !unchecked) {
+      const bool had_a_fault = known.fault.has_value();
       commands_.ReportUnchecked(i);
-      changed |= !had_a_fault && record.fault;
+      changed |= !had_a_fault && known.fault;
       continue;
     }
-    if (record.due && StoppedOnTheLevel(i)) {
+    if (known.due && StoppedOnTheLevel(i)) {
       Hold(i);
       changed = true;
       continue;
@@ -29,7 +29,7 @@ bool LateActuators::DriveLateOnes() {
     std::optional<RecordText> blocker;
     if (!MayJoin(i, blocker)) {
       if (!blocker) continue;
-      changed |= !record.fault;  // the actuators after it are evaluated in turn
+      changed |= !known.fault;  // the actuators after it are evaluated in turn
       Degrade(i, kCodeStatusError, *blocker, CauseOfBlocker(i));
       continue;
     }
@@ -42,19 +42,19 @@ bool LateActuators::DriveLateOnes() {
 // Whether it has had no self-check yet, or one has failed and is to be repeated: not while it works
 // in the state of the machine.
 bool LateActuators::IsToBeChecked(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
-  std::optional<Time>& again = record.failed_checks.at;
+  KnownActuator& known = Of(i);
+  std::optional<Time>& again = known.failed_checks.at;
   if (again && now_ >= *again) {
     again.reset();
     // A ROS 2 node that could not be configured waits for a person.
-    if (!record.checked && !IsUnconfigured(config_, i, record)) record.join_tried = false;
+    if (!known.checked && !IsUnconfigured(config_, i, known)) known.join_tried = false;
   }
   // In LowPower the robot sleeps, and a check may wake up its devices.
-  if (record.checked)
-    return record.state() == kDeActive && machine_.state == kDeActive && IsCheckDue(i);
-  const bool before = !config_.RankOf(record.state());
-  const bool failed = record.failed_checks.count > 0 && record.state() != machine_.state;
-  return !record.join_tried && (before || failed);
+  if (known.checked)
+    return known.state() == kDeActive && machine_.state == kDeActive && IsCheckDue(i);
+  const bool before = !config_.RankOf(known.state());
+  const bool failed = known.failed_checks.count > 0 && known.state() != machine_.state;
+  return !known.join_tried && (before || failed);
 }
 
 // The machine is not usable yet, or its start has failed. The rollback has not reached an actuator
@@ -86,14 +86,14 @@ bool LateActuators::Lower(ActuatorIndex i) {
 // Whether an emergency stop is between the actuator and the state of the machine, another one that
 // is as active. The release starts no callback on the same level: only a requested switch does.
 bool LateActuators::StoppedOnTheLevel(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
+  const KnownActuator& known = Of(i);
   const State place = PlaceOf(i);
   const bool level =
-      record.state() != place && config_.RankOf(record.state()) == config_.RankOf(place);
-  const bool held = IsStopped(i) || (record.report.held_by_stop && !record.set_again);
+      known.state() != place && config_.RankOf(known.state()) == config_.RankOf(place);
+  const bool held = IsStopped(i) || (known.report.held_by_stop && !known.set_again);
   return level && held && ConfigOf(i).Lists(place) &&
-         RunsCallback(config_, i, record.state(), place) &&
-         SwitchesOnAgain(config_, record.state(), place);
+         RunsCallback(config_, i, known.state(), place) &&
+         SwitchesOnAgain(config_, known.state(), place);
 }
 
 // Its command could overtake the release on the way to it: its own report counts, too.
@@ -102,50 +102,50 @@ bool LateActuators::IsStopped(ActuatorIndex i) const {
 }
 
 void LateActuators::Hold(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
-  record.due = false;
+  KnownActuator& known = Of(i);
+  known.due = false;
   // A failure that its own callback has reported is kept.
-  const std::int32_t own = record.report.outcome_code;
-  const bool reported = own != kCodeOk && record.fault && record.fault->code == own;
-  if (record.fault && (reported || record.suspended || !record.checked)) return;
-  Degrade(i, kCodeProtectedError, texts::HeldIn(record.state(), machine_.state),
+  const std::int32_t own = known.report.outcome_code;
+  const bool reported = own != kCodeOk && known.fault && known.fault->code == own;
+  if (known.fault && (reported || known.suspended || !known.checked)) return;
+  Degrade(i, kCodeProtectedError, texts::HeldIn(known.state(), machine_.state),
           machine_.emergency.cause);
 }
 
 // Whether the actuators in its `after` are present, for a self-check, or up, for going up itself.
 bool LateActuators::MayJoin(ActuatorIndex i, std::optional<RecordText>& blocker) const {
-  const ActuatorRecord& record = Of(i);
-  const auto own = config_.RankOf(record.state());
+  const KnownActuator& known = Of(i);
+  const auto own = config_.RankOf(known.state());
   const State place = PlaceOf(i);
   const auto target = config_.RankOf(place);
-  const bool goes_up = record.due && target && (!own || *own < *target);
+  const bool goes_up = known.due && target && (!own || *own < *target);
   if (goes_up && IsStopped(i) && machine_.state != kError) return false;
-  if (record.due && !goes_up) return true;
+  if (known.due && !goes_up) return true;
   if (!NeedsMet(i, blocker)) {
     if (!blocker) blocker = WaitsForSuspended(i);
     return false;
   }
   return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
                                  [this](const std::string& name) {
-                                   const ActuatorRecord& needed = Of(*config_.IndexOf(name));
+                                   const KnownActuator& needed = Of(*config_.IndexOf(name));
                                    return needed.held || needed.state() == machine_.state;
                                  });
 }
 
 void LateActuators::Join(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
-  if (!record.due) {
+  KnownActuator& known = Of(i);
+  if (!known.due) {
     return commands_.Issue(i, machine_.number + 1, State(kSelfCheck),
                            config_.TimeFor(i, kSelfCheck));
   }
-  record.due = false;
+  known.due = false;
   const State place = PlaceOf(i);
-  if (record.state() == place) {
-    if (record.checked && !record.suspended) record.fault.reset();
+  if (known.state() == place) {
+    if (known.checked && !known.suspended) known.fault.reset();
   } else if (!config_.RankOf(place)) {
     Lower(i);  // the next switch includes this actuator
   } else if (!ConfigOf(i).Lists(place)) {
-    Degrade(i, kCodeUnSupport, texts::NoState(place), record.cause);
+    Degrade(i, kCodeUnSupport, texts::NoState(place), known.cause);
   } else {
     commands_.Issue(i, machine_.number + 1, place, config_.TimeFor(i, place));
   }

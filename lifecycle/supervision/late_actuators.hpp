@@ -1,7 +1,7 @@
 #pragma once
-// Drives one actuator on its own to the state of the machine: actuators of late stages, restarted
-// ones, and those that were overdue. While the machine is in a step of a start, it drives down
-// those that have come back from an undone switch. Switches go first; joining waits for them.
+// Drives single actuators to the state of the machine: an actuator of a late stage, a restarted
+// one, one that was overdue. In a step of a start it drives down an actuator that an undone switch
+// has left too active. Switches go first: an actuator that joins waits for them.
 
 #include <string>
 

@@ -7,28 +7,28 @@
 namespace musher {
 namespace {
 
-void EndLaunch(ActuatorRecord& record) {
-  if (record.process.launch == Launch::kUnderWay) record.process.launch = Launch::kNone;
+void EndLaunch(KnownActuator& known) {
+  if (known.process.launch == Launch::kUnderWay) known.process.launch = Launch::kNone;
 }
 
 }  // namespace
 
 void Recovery::On(const event::HealthChanged& changed) {
   const ActuatorIndex i = changed.actuator;
-  ActuatorRecord& record = Of(i);
-  if (changed.incarnation != record.report.incarnation ||
-      changed.incarnation == record.process.dead || machine_.phase == Phase::kStopping) {
+  KnownActuator& known = Of(i);
+  if (changed.incarnation != known.report.incarnation ||
+      changed.incarnation == known.process.dead || machine_.phase == Phase::kStopping) {
     return;
   }
   if (changed.health == Health::kWell) return Recovered(i, changed.how);
-  record.health = changed.health;
+  known.health = changed.health;
   const RecordText what = texts::Unhealthy(changed.health, changed.how);
   switch (changed.health) {
     case Health::kHung:
       return commands_.Hang(i, changed.silent, what);
     case Health::kCrashed:
     case Health::kPartitioned:
-      if (record.presence == Presence::kPresent || record.presence == Presence::kStarting) {
+      if (known.presence == Presence::kPresent || known.presence == Presence::kStarting) {
         commands_.LoseConnection(i, what);
       }
       return;
@@ -40,24 +40,23 @@ void Recovery::On(const event::HealthChanged& changed) {
 }
 
 void Recovery::Recovered(ActuatorIndex i, const std::string& how) {
-  ActuatorRecord& record = Of(i);
-  record.health = Health::kWell;
-  record.cause =
-      RecordActuator(i, kCodeOk, texts::ActuatorRecovered(ConfigOf(i).name, how), record.cause);
-  if (!record.restart.requested)
-    record.process.termination.reset();  // else it is terminated anyway
-  if (record.presence == Presence::kLost) {
-    record.presence = Presence::kStarting;
+  KnownActuator& known = Of(i);
+  known.health = Health::kWell;
+  known.cause =
+      RecordActuator(i, kCodeOk, texts::ActuatorRecovered(ConfigOf(i).name, how), known.cause);
+  if (!known.restart.requested) known.process.termination.reset();  // else it is terminated anyway
+  if (known.presence == Presence::kLost) {
+    known.presence = Presence::kStarting;
     return control_.Take(i);
   }
-  if (record.presence == Presence::kPresent && record.fault && record.checked && !record.held) {
-    record.due = true;
+  if (known.presence == Presence::kPresent && known.fault && known.checked && !known.held) {
+    known.due = true;
   }
 }
 
 void Recovery::On(const event::BacktraceTaken& taken) {
-  ActuatorRecord& record = Of(taken.actuator);
-  const auto& termination = record.process.termination;  // none: it has recovered, or has exited
+  KnownActuator& known = Of(taken.actuator);
+  const auto& termination = known.process.termination;  // none: it has recovered, or has exited
   if (!termination || termination->pid != taken.pid || termination->killed) return;
   action::Record backtrace;
   backtrace.kind = "process";
@@ -66,7 +65,7 @@ void Recovery::On(const event::BacktraceTaken& taken) {
   backtrace.message = text.message;
   backtrace.event = text.event;
   backtrace.arguments = text.arguments;
-  backtrace.cause = record.cause;
+  backtrace.cause = known.cause;
   backtrace.data = taken.text;
   Record(backtrace);
   processes_.Kill(taken.actuator);
@@ -74,65 +73,65 @@ void Recovery::On(const event::BacktraceTaken& taken) {
 
 // Its exit was not seen, or the kernel delays it. If it still runs, its successor will report that.
 void Recovery::AssumeExited(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
-  const std::int32_t pid = record.process.termination->pid;
+  KnownActuator& known = Of(i);
+  const std::int32_t pid = known.process.termination->pid;
   RecordProcess(i, kCodeTimeout, texts::ProcessExitAssumed(pid));
-  if (record.process.pid == pid) record.process.pid = 0;
-  record.process.dead = record.report.incarnation;
-  if (record.presence == Presence::kPresent) commands_.Lose(i, texts::Killed());
+  if (known.process.pid == pid) known.process.pid = 0;
+  known.process.dead = known.report.incarnation;
+  if (known.presence == Presence::kPresent) commands_.Lose(i, texts::Killed());
   processes_.Recover(i);
 }
 
 void Recovery::CheckDeadlines() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
-    if (auto& termination = record.process.termination) {
+    KnownActuator& known = Of(i);
+    if (auto& termination = known.process.termination) {
       if (termination->terminate_at && *termination->terminate_at <= now_) {
         termination->terminate_at.reset();
         Do(action::SignalProcess{i, termination->pid, false});
       }
       if (termination->kill_at <= now_) termination->killed ? AssumeExited(i) : processes_.Kill(i);
     }
-    if (record.restart.reset_at && *record.restart.reset_at <= now_) {
-      record.restart.reset_at.reset();
-      record.restart.count = 0;
-      if (std::exchange(record.restart.given_up, false)) record.due = record.checked;
+    if (known.restart.reset_at && *known.restart.reset_at <= now_) {
+      known.restart.reset_at.reset();
+      known.restart.count = 0;
+      if (std::exchange(known.restart.given_up, false)) known.due = known.checked;
     }
-    if (record.restart.at && *record.restart.at <= now_) processes_.StartAgain(i);
+    if (known.restart.at && *known.restart.at <= now_) processes_.StartAgain(i);
     if (ConfigOf(i).restart.finalized) RestartFinalized(i);
-    if (!record.restart.requests.empty()) AnswerRestarts(i);
+    if (!known.restart.requests.empty()) AnswerRestarts(i);
   }
 }
 
 // Another client has finalized the ROS 2 node: its process runs on, and only a new one can be
 // configured. At most as often in a row as its process is restarted.
 void Recovery::RestartFinalized(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
+  KnownActuator& known = Of(i);
   const bool running = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
-  const bool finalized = record.presence == Presence::kPresent && record.state() == kTearDown &&
-                         !record.held && !record.report.detached && !record.command;
-  const bool ending = record.restart.requested || record.process.termination.has_value();
+  const bool finalized = known.presence == Presence::kPresent && known.state() == kTearDown &&
+                         !known.held && !known.report.detached && !known.command;
+  const bool ending = known.restart.requested || known.process.termination.has_value();
   const RestartConfig& restart = ConfigOf(i).restart;
   if (!running || !finalized || ending || machine_.current || ProcessOf(i) == 0 ||
-      record.restart.count >= restart.limit) {
+      known.restart.count >= restart.limit) {
     return;
   }
-  ++record.restart.count;
-  record.restart.requested = true;
-  record.cause = RecordProcess(i, kCodeOk,
-                               texts::RestartScheduled(ConfigOf(i).name, Duration::zero(),
-                                                       record.restart.count, restart.limit),
-                               record.cause);
+  ++known.restart.count;
+  known.restart.requested = true;
+  known.cause = RecordProcess(i, kCodeOk,
+                              texts::RestartScheduled(ConfigOf(i).name, Duration::zero(),
+                                                      known.restart.count, restart.limit),
+                              known.cause);
   EndForRestart(i);
 }
 
 void Recovery::On(const event::ProcessStarted& started) {
-  ActuatorRecord& record = Of(started.actuator);
-  record.process.pid = started.pid;
-  EndLaunch(record);
-  record.cause = RecordProcess(started.actuator, kCodeOk,
-                               texts::ProcessStarted(ConfigOf(started.actuator).name, started.pid),
-                               record.cause);
+  KnownActuator& known = Of(started.actuator);
+  known.process.pid = started.pid;
+  EndLaunch(known);
+  known.cause = RecordProcess(started.actuator, kCodeOk,
+                              texts::ProcessStarted(ConfigOf(started.actuator).name, started.pid),
+                              known.cause);
   // The machine was torn down while the process was starting.
   const bool stopped = machine_.phase == Phase::kStopped;
   if (!stopped && machine_.phase != Phase::kStopping) return;
@@ -154,39 +153,39 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
 }
 
 void Recovery::On(const event::ProcessEnded& ended) {
-  ActuatorRecord& record = Of(ended.actuator);
-  if (record.process.pid != ended.pid) return;
-  record.process.pid = 0;
-  if (record.report.pid == ended.pid) record.process.dead = record.report.incarnation;
-  record.cause =
+  KnownActuator& known = Of(ended.actuator);
+  if (known.process.pid != ended.pid) return;
+  known.process.pid = 0;
+  if (known.report.pid == ended.pid) known.process.dead = known.report.incarnation;
+  known.cause =
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                     texts::ProcessExited(ConfigOf(ended.actuator).name, ended.pid, ended.how),
-                    record.fault ? record.cause : 0);
+                    known.fault ? known.cause : 0);
   if (AnotherProcessIsPresent(ended.actuator, ended.pid)) return;
   // The exit status of a process that we have not started is unknown.
-  if (ended.clean || record.process.launch == Launch::kFoundRunning)
+  if (ended.clean || known.process.launch == Launch::kFoundRunning)
     commands_.AssumeTornDown(ended.actuator);
   // A clean exit that was not requested is a loss, but not a crash.
-  if (record.health != Health::kHung && !ended.clean) record.health = Health::kCrashed;
-  const bool in_set_up = record.presence == Presence::kStarting;
+  if (known.health != Health::kHung && !ended.clean) known.health = Health::kCrashed;
+  const bool in_set_up = known.presence == Presence::kStarting;
   const RecordText why = processes_.IsFinal(ended.actuator, ended)
                              ? processes_.WhyFinal(ended)
                              : texts::Exited(ended.pid, ended.how, ended.clean, in_set_up);
-  if (in_set_up || record.presence == Presence::kPresent) {
+  if (in_set_up || known.presence == Presence::kPresent) {
     const bool final = processes_.IsFinal(ended.actuator, ended);
-    commands_.Lose(ended.actuator, why, record.cause, final ? kCodeFailed : kCodeNetError);
+    commands_.Lose(ended.actuator, why, known.cause, final ? kCodeFailed : kCodeNetError);
   } else if (WasDisconnected(ended.actuator)) {
     // The lost connection was the first sign of the exit.
-    Degrade(ended.actuator, record.fault->code, why, record.cause);
+    Degrade(ended.actuator, known.fault->code, why, known.cause);
   }
   processes_.Recover(ended.actuator, ended);
 }
 
 // Whether a lost connection is all that is known about its loss.
 bool Recovery::WasDisconnected(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  return record.presence == Presence::kLost && record.fault &&
-         record.fault->event == EventName::kConnectionLost;
+  const KnownActuator& known = Of(i);
+  return known.presence == Presence::kLost && known.fault &&
+         known.fault->event == EventName::kConnectionLost;
 }
 
 // --- restarts that a person requests ---
@@ -200,39 +199,39 @@ void Recovery::On(const event::RestartRequested& requested) {
   }
   const bool in_use = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
   if (!in_use) return refuse(Refused<Refusal::kNotRestartable>(PhaseName(machine_.phase)));
-  ActuatorRecord& record = Of(*i);
+  KnownActuator& known = Of(*i);
   if (RunsElsewhere(*i)) {
     return refuse(Refused<Refusal::kOnAnotherHost>(
-        requested.actuator, record.report.host.substr(0, 64), record.report.pid));
+        requested.actuator, known.report.host.substr(0, 64), known.report.pid));
   }
-  if (record.presence == Presence::kPresent && ProcessOf(*i) == 0) {
+  if (known.presence == Presence::kPresent && ProcessOf(*i) == 0) {
     return refuse(Refused<Refusal::kProcessUnknown>(requested.actuator));
   }
-  record.restart.requests.push_back(requested.request);
-  if (record.restart.requested) return;
-  record.restart.requested = true;
-  record.restart.count = 0;
-  record.restart.given_up = false;
-  record.cause = RecordProcess(*i, kCodeOk, texts::RestartRequested(requested.actuator));
+  known.restart.requests.push_back(requested.request);
+  if (known.restart.requested) return;
+  known.restart.requested = true;
+  known.restart.count = 0;
+  known.restart.given_up = false;
+  known.cause = RecordProcess(*i, kCodeOk, texts::RestartRequested(requested.actuator));
   EndForRestart(*i);
 }
 
 // TearDown if it can be commanded, else SIGTERM, and SIGKILL when that does not help.
 void Recovery::EndForRestart(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
+  KnownActuator& known = Of(i);
   const std::int32_t pid = ProcessOf(i);
-  if (pid == 0 && record.process.launch ==
+  if (pid == 0 && known.process.launch ==
                       Launch::kUnderWay) {  // the start that is under way is the one requested
-    record.restart.requested = false;
-    record.presence = Presence::kStarting;
-    record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+    known.restart.requested = false;
+    known.presence = Presence::kStarting;
+    known.set_up_by = now_ + config_.TimeFor(i, kSetUp);
     return;
   }
   if (pid == 0) return processes_.Recover(i);
-  const bool can_be_commanded = record.presence == Presence::kPresent && !record.command &&
-                                !record.report.busy() && !machine_.current &&
-                                record.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&
-                                record.state() != kTearDown;
+  const bool can_be_commanded = known.presence == Presence::kPresent && !known.command &&
+                                !known.report.busy() && !machine_.current &&
+                                known.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&
+                                known.state() != kTearDown;
   if (can_be_commanded) {
     return commands_.Issue(i, machine_.number + 1, State(kTearDown), config_.TimeFor(i, kTearDown),
                            true);
@@ -243,21 +242,21 @@ void Recovery::EndForRestart(ActuatorIndex i) {
 
 // Answers the restart requests when it is back, or when it will not come back.
 void Recovery::AnswerRestarts(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
+  KnownActuator& known = Of(i);
   if (IsComing(i)) return;
   const bool ended = machine_.phase != Phase::kRunning && machine_.phase != Phase::kFailed;
-  const bool may_go_on = record.due && !machine_.emergency.stop;
+  const bool may_go_on = known.due && !machine_.emergency.stop;
   const bool driven =
-      ((Fits(i) || record.join_tried) && !may_go_on) || machine_.phase == Phase::kFailed;
-  const bool there = record.presence == Presence::kPresent && !record.command && driven;
-  if (!ended && !there && !record.fault) return;
+      ((Fits(i) || known.join_tried) && !may_go_on) || machine_.phase == Phase::kFailed;
+  const bool there = known.presence == Presence::kPresent && !known.command && driven;
+  if (!ended && !there && !known.fault) return;
   Result<> answer;
-  if (record.fault) {
-    answer = Error(*record.fault);
+  if (known.fault) {
+    answer = Error(*known.fault);
   } else if (!there) {
     answer = Refused<Refusal::kBeingTornDown>();
   }
-  for (const RequestId request : std::exchange(record.restart.requests, {})) {
+  for (const RequestId request : std::exchange(known.restart.requests, {})) {
     Do(action::AnswerCall{request, answer});
   }
 }

@@ -48,18 +48,18 @@ void StartUp::StartStage(int stage, RecordId cause) {
     cause = RecordMachine(kCodeOk, texts::StageStarted(stage), cause);
   }
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
+    KnownActuator& known = Of(i);
     const bool waited_for =
-        ConfigOf(i).command.empty() || record.process.launch == Launch::kFoundRunning;
-    if (ConfigOf(i).stage > stage || record.presence == Presence::kPresent || record.set_up_by)
+        ConfigOf(i).command.empty() || known.process.launch == Launch::kFoundRunning;
+    if (ConfigOf(i).stage > stage || known.presence == Presence::kPresent || known.set_up_by)
       continue;
-    record.cause = cause;
+    known.cause = cause;
     const Duration set_up = config_.TimeFor(i, kSetUp);
     const Duration timeout =
         machine_.start_up.finishing ? std::min(set_up, kFinishingGrace) : set_up;
     // Only a Musher process holds its actuator's name, by which it is found running.
     const bool may_run = machine_.start_up.finishing && ConfigOf(i).protocol != Protocol::kMusher;
-    if (waited_for || may_run) record.set_up_by = now_ + timeout;
+    if (waited_for || may_run) known.set_up_by = now_ + timeout;
   }
 }
 
@@ -67,26 +67,26 @@ bool StartUp::StartProcesses() {
   if (machine_.start_up.finishing) return false;
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
+    KnownActuator& known = Of(i);
     const ActuatorConfig& actuator = ConfigOf(i);
-    const bool blocked = record.process.launch == Launch::kBlocked;
+    const bool blocked = known.process.launch == Launch::kBlocked;
     if (actuator.stage > machine_.start_up.stage || actuator.command.empty() ||
-        record.process.launch == Launch::kFoundRunning || record.presence != Presence::kAbsent ||
-        record.set_up_by || (record.fault && !blocked)) {
+        known.process.launch == Launch::kFoundRunning || known.presence != Presence::kAbsent ||
+        known.set_up_by || (known.fault && !blocked)) {
       continue;
     }
     std::optional<RecordText> blocker;
     if (!NeedsMet(i, blocker)) {
       if (!blocker) blocker = WaitsForSuspended(i);
       if (!blocker || blocked) continue;
-      record.process.launch = Launch::kBlocked;
+      known.process.launch = Launch::kBlocked;
       Degrade(i, kCodeStatusError, *blocker, CauseOfBlocker(i));
       FallBack(i);
     } else {
-      if (blocked) record.fault.reset();
-      record.presence = Presence::kStarting;
-      record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
-      record.process.launch = Launch::kUnderWay;
+      if (blocked) known.fault.reset();
+      known.presence = Presence::kStarting;
+      known.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+      known.process.launch = Launch::kUnderWay;
       Do(action::StartProcess{i});
     }
     changed = true;
@@ -114,9 +114,9 @@ void StartUp::EndFirstStage() {
   std::vector<std::string> missing;
   std::size_t present = 0;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    const ActuatorRecord& record = Of(i);
-    if (record.fault) missing.push_back(ConfigOf(i).name + ": " + record.fault->message);
-    if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
+    const KnownActuator& known = Of(i);
+    if (known.fault) missing.push_back(ConfigOf(i).name + ": " + known.fault->message);
+    if (known.presence == Presence::kPresent && !IsUnconfigured(config_, i, known)) ++present;
   }
   AnswerSetUpRequests();
   const RecordId recorded = RecordMachine(kCodeOk, texts::ActuatorsSetUp(present), kBegun);
@@ -231,13 +231,13 @@ void StartUp::AdoptFrom(const State& lowest, RecordId cause) {
 void StartUp::BecomeRunning(const RecordText& text, RecordId cause) {
   machine_.phase = Phase::kRunning;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
-    const bool there = record.presence == Presence::kPresent;
-    if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
-      record.due = true;
+    KnownActuator& known = Of(i);
+    const bool there = known.presence == Presence::kPresent;
+    if (there && MayFollow(i) && !known.held && known.state() != machine_.state) {
+      known.due = true;
     }
-    const bool away = !there || IsUnconfigured(config_, i, record);
-    if (away && record.fault && !IsComing(i)) FallBack(i);
+    const bool away = !there || IsUnconfigured(config_, i, known);
+    if (away && known.fault && !IsComing(i)) FallBack(i);
   }
   RecordMachine(kCodeOk, text, cause);
   Do(action::StartUpEnded{true, text.message});
@@ -270,20 +270,20 @@ void StartUp::AnswerSetUpRequests() {
 
 void StartUp::CheckDeadlines() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
-    if (!record.set_up_by || *record.set_up_by > now_ || record.presence == Presence::kPresent) {
+    KnownActuator& known = Of(i);
+    if (!known.set_up_by || *known.set_up_by > now_ || known.presence == Presence::kPresent) {
       continue;
     }
-    record.set_up_by.reset();
-    if (record.fault && record.presence != Presence::kStarting)
+    known.set_up_by.reset();
+    if (known.fault && known.presence != Presence::kStarting)
       continue;  // the known fault says more
     if (machine_.start_up.finishing)
       continue;  // an actuator that does not run need not be torn down
     // The reason of a failed SetUp says more as well.
-    const ActuatorReport& report = record.report;
-    const bool failed = record.fault && report.incarnation != record.process.dead &&
+    const ActuatorReport& report = known.report;
+    const bool failed = known.fault && report.incarnation != known.process.dead &&
                         report.state == config_.default_state && report.outcome_code != kCodeOk;
-    if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
+    if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i), known.cause);
     FallBack(i);
   }
 }
@@ -291,24 +291,24 @@ void StartUp::CheckDeadlines() {
 // Why it is not set up by its deadline.
 RecordText StartUp::NotSetUp(ActuatorIndex i) const {
   const ActuatorConfig& actuator = ConfigOf(i);
-  const ActuatorRecord& record = Of(i);
+  const KnownActuator& known = Of(i);
   const Duration within = config_.TimeFor(i, kSetUp);
   const bool announced =
-      record.report.incarnation != 0 && record.report.incarnation != record.process.dead;
+      known.report.incarnation != 0 && known.report.incarnation != known.process.dead;
   if (actuator.protocol == Protocol::kRos2Lifecycle && !announced) {
     const std::string folder = config_.name_space.empty() ? "/" : "/" + config_.name_space + "/";
-    return texts::NodeNotDiscovered(folder + actuator.name, within, record.process.pid);
+    return texts::NodeNotDiscovered(folder + actuator.name, within, known.process.pid);
   }
-  if (record.process.pid == 0 || announced || actuator.protocol != Protocol::kMusher) {
+  if (known.process.pid == 0 || announced || actuator.protocol != Protocol::kMusher) {
     return texts::SetUpTimeout(within);
   }
   for (const ActuatorIndex other : machine_.actuators.Indices()) {
-    const bool shared = Of(other).process.pid == record.process.pid;  // `i` itself is not present
+    const bool shared = Of(other).process.pid == known.process.pid;  // `i` itself is not present
     if (!shared || Of(other).presence != Presence::kPresent) continue;
     return texts::NotAnnouncedBeside(actuator.name, ConfigOf(other).name, within,
-                                     record.process.pid);
+                                     known.process.pid);
   }
-  return texts::NotAnnounced(actuator.name, actuator.command, within, record.process.pid);
+  return texts::NotAnnounced(actuator.name, actuator.command, within, known.process.pid);
 }
 
 }  // namespace musher

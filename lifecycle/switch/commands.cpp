@@ -19,25 +19,25 @@ constexpr int kMostCheckDoublings = 5;  // about five minutes
 void Commands::Issue(ActuatorIndex i, CommandNumber number, const State& target, Duration budget,
                      bool detached) {
   machine_.number = std::max(machine_.number, number);
-  ActuatorRecord& record = Of(i);
-  record.command = PendingCommand{
-      number, target, now_, now_ + budget, 0, detached, record.clock_theirs - record.clock_ours};
-  if (target == kSelfCheck) record.join_tried = true;
+  KnownActuator& known = Of(i);
+  known.command = PendingCommand{
+      number, target, now_, now_ + budget, 0, detached, known.clock_theirs - known.clock_ours};
+  if (target == kSelfCheck) known.join_tried = true;
   Do(action::SendSwitch{i,
-                        {machine_.epoch, number, target, budget, record.clock_theirs,
-                         now_ - record.clock_ours, record.report.incarnation, detached}});
+                        {machine_.epoch, number, target, budget, known.clock_theirs,
+                         now_ - known.clock_ours, known.report.incarnation, detached}});
 }
 
 // A report that was late on its way makes the actuator's clock appear slow, and so a command older
 // than it is: the actuator refuses it, and its refusal brings the right clock. Nothing is sent
 // again that an emergency stop since then forbids to switch on.
 bool Commands::SendAgain(ActuatorIndex i) {
-  const ActuatorRecord& record = Of(i);
-  const PendingCommand command = *record.command;
-  const bool was_younger = record.clock_theirs - record.clock_ours > command.clock_ahead;
+  const KnownActuator& known = Of(i);
+  const PendingCommand command = *known.command;
+  const bool was_younger = known.clock_theirs - known.clock_ours > command.clock_ahead;
   const bool stopped = machine_.emergency.stop || (machine_.current && machine_.current->stopped) ||
-                       (record.report.held_by_stop && !record.set_again);
-  const bool forbidden = stopped && MaySwitchOn(config_, record.state(), command.target);
+                       (known.report.held_by_stop && !known.set_again);
+  const bool forbidden = stopped && MaySwitchOn(config_, known.state(), command.target);
   if (!was_younger || forbidden || command.queries > 0 || now_ >= command.deadline) return false;
   Issue(i, command.number, command.target, command.deadline - now_, command.detached);
   Of(i).command->sent = command.sent;
@@ -47,34 +47,34 @@ bool Commands::SendAgain(ActuatorIndex i) {
 // Stores a newer report. A callback that ended without a command of this controller (an overdue
 // one, or one of the previous controller) may have led to any state.
 void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
-  ActuatorRecord& record = Of(i);
+  KnownActuator& known = Of(i);
   if (ConfigOf(i).protocol == Protocol::kRos2Lifecycle) RecordDoubles(i, report);
   // The report that it was busy may have been missed.
   const bool was_busy =
-      record.report.busy() || (report.incarnation == record.report.incarnation &&
-                               report.outcome_number != record.report.outcome_number);
-  const bool came_free = was_busy && !report.busy() && !record.command;
-  if (!report.busy()) record.free_by.reset();
+      known.report.busy() || (report.incarnation == known.report.incarnation &&
+                              report.outcome_number != known.report.outcome_number);
+  const bool came_free = was_busy && !report.busy() && !known.command;
+  if (!report.busy()) known.free_by.reset();
   // In the run phase a check leaves the state as it is.
-  const bool passed_late = (report.state == kSelfCheck && record.report.state != kSelfCheck) ||
-                           (record.report.target == kSelfCheck && report.outcome_code == kCodeOk);
-  if (came_free && passed_late) record.checked = true;
-  const bool present = record.presence == Presence::kPresent;
-  if (came_free && present && record.checked && !record.held) record.due = true;
+  const bool passed_late = (report.state == kSelfCheck && known.report.state != kSelfCheck) ||
+                           (known.report.target == kSelfCheck && report.outcome_code == kCodeOk);
+  if (came_free && passed_late) known.checked = true;
+  const bool present = known.presence == Presence::kPresent;
+  if (came_free && present && known.checked && !known.held) known.due = true;
   // A delayed report would make commands look older than they are. Once in a while a new one is
   // used anyway: clocks drift.
-  const bool other_process = record.report.incarnation != report.incarnation;
-  const bool came_faster = report.stamp - now_ >= record.clock_theirs - record.clock_ours;
-  if (other_process || came_faster || now_ - record.clock_ours > kClockGoodFor) {
-    record.clock_theirs = report.stamp;
-    record.clock_ours = now_;
+  const bool other_process = known.report.incarnation != report.incarnation;
+  const bool came_faster = report.stamp - now_ >= known.clock_theirs - known.clock_ours;
+  if (other_process || came_faster || now_ - known.clock_ours > kClockGoodFor) {
+    known.clock_theirs = report.stamp;
+    known.clock_ours = now_;
   }
-  const bool moved = !other_process && present && !record.command &&
-                     report.state != record.report.state &&
-                     report.outcome_number == record.report.outcome_number;
-  record.report = report;
+  const bool moved = !other_process && present && !known.command &&
+                     report.state != known.report.state &&
+                     report.outcome_number == known.report.outcome_number;
+  known.report = report;
   if (moved) Drifted(i);
-  if (came_free && !record.checked && report.outcome_code != kCodeOk) {
+  if (came_free && !known.checked && report.outcome_code != kCodeOk) {
     Degrade(i, report.outcome_code, texts::FailedLate(report.outcome_message));
   }
   stops_.Compare(report, i);
@@ -95,24 +95,24 @@ void Commands::RecordDoubles(ActuatorIndex i, const ActuatorReport& report) {
 
 // Its state has changed without a command.
 void Commands::Drifted(ActuatorIndex i) {
-  ActuatorRecord& record = Of(i);
-  if (!record.checked) record.join_tried = false;  // it may have been configured by hand
-  const ActuatorReport& report = record.report;
+  KnownActuator& known = Of(i);
+  if (!known.checked) known.join_tried = false;  // it may have been configured by hand
+  const ActuatorReport& report = known.report;
   const bool succeeded = report.outcome_code == kCodeOk;
-  record.cause = RecordActuator(
+  known.cause = RecordActuator(
       i, kCodeStatusError,
-      texts::ActuatorDrifted(ConfigOf(i).name, record.state(),
+      texts::ActuatorDrifted(ConfigOf(i).name, known.state(),
                              succeeded ? std::nullopt : std::optional(report.outcome_message)));
   const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
-  if (record.state() == kTearDown && !ends) {
-    Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), record.cause);
-  } else if (record.fault && record.fault->event == EventName::kTornDownAlone) {
-    record.fault.reset();  // what it had reported was not true
-    if (record.health == Health::kHung) {
-      Degrade(i, kCodeTimeout, texts::StillHung(), record.cause);
+  if (known.state() == kTearDown && !ends) {
+    Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), known.cause);
+  } else if (known.fault && known.fault->event == EventName::kTornDownAlone) {
+    known.fault.reset();  // what it had reported was not true
+    if (known.health == Health::kHung) {
+      Degrade(i, kCodeTimeout, texts::StillHung(), known.cause);
     }
   }
-  if (!record.held && MayFollow(i)) record.due = true;
+  if (!known.held && MayFollow(i)) known.due = true;
 }
 
 void Commands::QueryOrLose(ActuatorIndex i) {
@@ -148,27 +148,26 @@ CommandResult Commands::EvaluateReport(ActuatorIndex i, const PendingCommand& co
 }
 
 CommandResult Commands::DoneUnlessContradicted(ActuatorIndex i, const std::string& message) const {
-  const ActuatorRecord& record = Of(i);
-  const State& target = record.command->target;
-  if (target == kSelfCheck && record.report.degraded_code != kCodeOk) {
-    return {ActuatorOutcome::kDone, record.report.degraded_code,
-            texts::DoneDegraded(record.report.degraded_reason), true};
+  const KnownActuator& known = Of(i);
+  const State& target = known.command->target;
+  if (target == kSelfCheck && known.report.degraded_code != kCodeOk) {
+    return {ActuatorOutcome::kDone, known.report.degraded_code,
+            texts::DoneDegraded(known.report.degraded_reason), true};
   }
-  if (target == kSelfCheck || record.state() == target) {
+  if (target == kSelfCheck || known.state() == target) {
     return {ActuatorOutcome::kDone, kCodeOk, texts::Reported(ActuatorOutcome::kDone, message),
             true};
   }
   return {ActuatorOutcome::kFailed, kCodeStatusError,
-          texts::ContradictedBy(record.state().Shortened()), true};
+          texts::ContradictedBy(known.state().Shortened()), true};
 }
 
 void Commands::ReportUnchecked(ActuatorIndex i) {
-  const ActuatorRecord& record = Of(i);
-  if (record.command || record.report.busy() || record.free_by) return;  // perhaps with its check
-  const bool passes_by_itself = !config_.RankOf(record.state()) && !record.join_tried;
-  if (record.state() == machine_.state || passes_by_itself || record.checked || record.fault)
-    return;
-  Degrade(i, kCodeStatusError, texts::SelfCheckMissing(record.state()));
+  const KnownActuator& known = Of(i);
+  if (known.command || known.report.busy() || known.free_by) return;  // perhaps with its check
+  const bool passes_by_itself = !config_.RankOf(known.state()) && !known.join_tried;
+  if (known.state() == machine_.state || passes_by_itself || known.checked || known.fault) return;
+  Degrade(i, kCodeStatusError, texts::SelfCheckMissing(known.state()));
 }
 
 // --- the end of a command, and the loss of an actuator ---
@@ -266,25 +265,25 @@ Leg* Commands::LegUnderWay(ActuatorIndex i) {
 
 // The end of a command that was not part of a switch.
 void Commands::EndOwn(ActuatorIndex i, const PendingCommand& command, const CommandResult& end) {
-  ActuatorRecord& record = Of(i);
-  if (record.restart.requested) return EndTornDown(i, end);
+  KnownActuator& known = Of(i);
+  if (known.restart.requested) return EndTornDown(i, end);
   if (end.outcome == ActuatorOutcome::kDone) {
-    record.due = command.target == kSelfCheck || record.state() != PlaceOf(i);
+    known.due = command.target == kSelfCheck || known.state() != PlaceOf(i);
     return;
   }
   if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
-  if (command.target == kSelfCheck) record.checked = false;  // also where one has passed before
+  if (command.target == kSelfCheck) known.checked = false;  // also where one has passed before
   Degrade(i, end.code, texts::CommandNotDone(command.target, end.outcome, end.text.message),
-          record.cause);
+          known.cause);
   // A repeated check that fails again is no new loss: a person may have gone on without it.
-  const bool repeated = command.target == kSelfCheck && record.failed_checks.count > 1;
+  const bool repeated = command.target == kSelfCheck && known.failed_checks.count > 1;
   if (!repeated) FallBack(i);
 }
 
 // Its TearDown before a restart has ended. A process of Musher's protocol exits by itself after
 // that, and gets SIGTERM only if it does not; a program of another protocol waits for SIGTERM.
 void Commands::EndTornDown(ActuatorIndex i, const CommandResult& end) {
-  ActuatorRecord& record = Of(i);
+  KnownActuator& known = Of(i);
   const bool ends_itself =
       end.outcome == ActuatorOutcome::kDone && ConfigOf(i).protocol == Protocol::kMusher;
   const std::int32_t pid = ProcessOf(i);
@@ -296,7 +295,7 @@ void Commands::EndTornDown(ActuatorIndex i, const CommandResult& end) {
   const Duration grace = ends_itself ? kExitGrace : Duration::zero();
   processes_.Terminate(i, pid, grace + kEndTime);
   if (ends_itself) {
-    record.process.termination->terminate_at = now_ + grace;
+    known.process.termination->terminate_at = now_ + grace;
   } else {
     Do(action::SignalProcess{i, pid, false});
   }
@@ -310,26 +309,26 @@ void Commands::AssumeTornDown(ActuatorIndex i) {
 }
 
 void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std::int32_t code) {
-  ActuatorRecord& record = Of(i);
-  const bool torn_down = record.state() == kTearDown;
-  const bool had_answered = record.presence == Presence::kPresent;
-  if (record.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
-  record.presence = Presence::kLost;
-  record.control.again.reset();
-  record.checked = false;
-  record.held = record.held && torn_down;  // an actuator torn down alone stays detached
-  record.due = false;
-  record.restart.reset_at.reset();
-  record.control.rival_until.reset();
-  record.free_by.reset();
-  record.report.target = {};
-  record.report.busy_number = 0;
+  KnownActuator& known = Of(i);
+  const bool torn_down = known.state() == kTearDown;
+  const bool had_answered = known.presence == Presence::kPresent;
+  if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
+  known.presence = Presence::kLost;
+  known.control.again.reset();
+  known.checked = false;
+  known.held = known.held && torn_down;  // an actuator torn down alone stays detached
+  known.due = false;
+  known.restart.reset_at.reset();
+  known.control.rival_until.reset();
+  known.free_by.reset();
+  known.report.target = {};
+  known.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;
   if (torn_down) {
     return Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), cause);
   }
   // The reason why its SetUp failed says more than that its process has exited.
-  if (!record.fault || had_answered) Degrade(i, code, how, cause);
+  if (!known.fault || had_answered) Degrade(i, code, how, cause);
 }
 
 void Commands::LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause) {

@@ -11,8 +11,8 @@
 namespace musher {
 
 // How long an actuator has to answer the query for the outcome of a command, and how often it is
-// queried: an actuator answers this from its loop, whatever its callback does, so no answer for
-// 3 × 300 ms means that the connection is lost.
+// queried. An actuator answers from its loop, whatever its callback does: without an answer for
+// 3 × 300 ms the connection is lost.
 inline constexpr Duration kQueryTimeout = Milliseconds(300);
 inline constexpr int kQueryAttempts = 3;
 
@@ -56,8 +56,8 @@ class Commands : StepPart {
   void Hang(ActuatorIndex i, bool silent, const RecordText& how);
   // The exit of a process can overtake its last sample.
   void AssumeTornDown(ActuatorIndex i);
-  // An actuator that was found in Error, or reached its state otherwise without a check, or had its
-  // check superseded, is not driven up without a request.
+  // Records that the actuator has not passed a self-check: it was found in Error, has reached its
+  // state without a check, or its check was superseded. It is not driven up without a request.
   void ReportUnchecked(ActuatorIndex i);
 
  private:

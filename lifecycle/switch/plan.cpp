@@ -143,9 +143,9 @@ class Planner {
   }
 
   void NoteBusy(ActuatorIndex i, const Error& busy) {
-    const ActuatorRecord& record = machine_.actuators[i];
+    const KnownActuator& known = machine_.actuators[i];
     if (!busy_) busy_ = busy;
-    const auto end = record.command ? record.command->deadline : record.free_by;
+    const auto end = known.command ? known.command->deadline : known.free_by;
     busy_ends_ = busy_ends_ && end.has_value() && !machine_.current;
     free_by_ = std::max(free_by_, end.value_or(free_by_));
   }
@@ -161,51 +161,51 @@ class Planner {
 
   void AddSingle(ActuatorIndex i) {
     const ActuatorConfig& actuator = config_.actuators[i];
-    const ActuatorRecord& record = machine_.actuators[i];
+    const KnownActuator& known = machine_.actuators[i];
     const auto rank = config_.RankOf(plan_.target);
-    if (record.presence != Presence::kPresent) {
-      RefuseWith(NotPresent(actuator.name, record.presence));
+    if (known.presence != Presence::kPresent) {
+      RefuseWith(NotPresent(actuator.name, known.presence));
     } else if (!actuator.Lists(plan_.target)) {
       RefuseWith(
           Refused<Refusal::kStateUnsupported>(actuator.name, plan_.target, List(actuator.states)));
-    } else if (record.restart.requested) {
+    } else if (known.restart.requested) {
       RefuseWith(Refused<Refusal::kActuatorRestarting>(actuator.name));
-    } else if (record.report.busy() || record.command) {
-      NoteBusy(i, Refused<Refusal::kActuatorBusy>(actuator.name, BusyWith(record)));
-    } else if (rank && plan_.target != kTearDown && IsTooActive(record)) {
+    } else if (known.report.busy() || known.command) {
+      NoteBusy(i, Refused<Refusal::kActuatorBusy>(actuator.name, BusyWith(known)));
+    } else if (rank && plan_.target != kTearDown && IsTooActive(known)) {
       RefuseWith(Refused<Refusal::kMoreActiveThanMachine>(actuator.name, machine_.state));
-    } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
+    } else if (rank && plan_.direction == Direction::kUp && !known.checked) {
       RefuseWith(Refused<Refusal::kUnchecked>(actuator.name));
-    } else if (plan_.direction == Direction::kUp && record.suspended) {
+    } else if (plan_.direction == Direction::kUp && known.suspended) {
       RefuseWith(Refused<Refusal::kSuspended>(actuator.name));
     }
     PlanStep step = Blank(i);
-    if (plan_.target != kSelfCheck && IsInTarget(record)) {
+    if (plan_.target != kSelfCheck && IsInTarget(known)) {
       step.part = PlanStep::Part::kInTarget;
     }
     plan_.steps.push_back(step);
   }
 
   // Whether the target is above the machine. In a step of a start any is, but on the way down.
-  bool IsTooActive(const ActuatorRecord& record) const {
+  bool IsTooActive(const KnownActuator& known) const {
     if (config_.RankOf(machine_.state)) return Falls(config_, plan_.target, machine_.state);
-    return !Falls(config_, record.state(), plan_.target);
+    return !Falls(config_, known.state(), plan_.target);
   }
 
   // Whether it is in the target without running its callback. An actuator that is held by an
   // emergency stop reports that state, and what the state had switched on is off.
-  bool IsInTarget(const ActuatorRecord& record) const {
-    if (plan_.target == kTearDown && record.state() == kTearDown) return true;  // the last state
-    return record.state() == plan_.target && !record.fault && !record.report.held_by_stop;
+  bool IsInTarget(const KnownActuator& known) const {
+    if (plan_.target == kTearDown && known.state() == kTearDown) return true;  // the last state
+    return known.state() == plan_.target && !known.fault && !known.report.held_by_stop;
   }
 
-  static State BusyWith(const ActuatorRecord& record) {
-    return record.command ? record.command->target : record.report.target;
+  static State BusyWith(const KnownActuator& known) {
+    return known.command ? known.command->target : known.report.target;
   }
 
   void AddStep(ActuatorIndex i) {
     const ActuatorConfig& actuator = config_.actuators[i];
-    const ActuatorRecord& record = machine_.actuators[i];
+    const KnownActuator& known = machine_.actuators[i];
     const bool up = plan_.direction == Direction::kUp;
     const bool checking = plan_.direction == Direction::kCheck;
     PlanStep step = Blank(i);
@@ -214,19 +214,19 @@ class Planner {
       step.note = why;
     };
     const bool blocks = up && actuator.critical;
-    if (record.presence != Presence::kPresent) {
-      const bool loading = !record.fault && record.presence != Presence::kLost;
+    if (known.presence != Presence::kPresent) {
+      const bool loading = !known.fault && known.presence != Presence::kLost;
       leave_out(loading ? "is still starting" : "is not available");
       if (blocks && !loading) {
         RefuseWith(Refused<Refusal::kCriticalUnavailable>(actuator.name, Restart(actuator)));
       }
-    } else if (record.state() == kTearDown && plan_.target != kTearDown) {
+    } else if (known.state() == kTearDown && plan_.target != kTearDown) {
       // Its process still runs, with other actuators in it.
       leave_out("is torn down; only a new start brings it back");
       if (blocks) RefuseWith(Refused<Refusal::kCriticalTornDown>(actuator.name));
-    } else if (record.restart.requested && plan_.target != kTearDown) {
+    } else if (known.restart.requested && plan_.target != kTearDown) {
       leave_out("is being restarted");
-    } else if (LateActuators(record)) {
+    } else if (LateActuators(known)) {
       leave_out("is still starting");
     } else if (!actuator.Lists(plan_.target)) {
       step.part = PlanStep::Part::kUnsupported;
@@ -234,37 +234,36 @@ class Planner {
       if (up) RefuseWith(Refused<Refusal::kStateMissing>(actuator.name, plan_.target));
     } else if (checking && StartsByItself() && FailedSetUp(i)) {
       leave_out("could not be configured");
-    } else if (!checking && plan_.target != kTearDown && !record.checked &&
-               (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i) &&
-               !InCheckBeforeError(record)) {
+    } else if (!checking && plan_.target != kTearDown && !known.checked && (up || !AtRest(known)) &&
+               !LeavesError(known) && !IsConfiguredByIt(i) && !InCheckBeforeError(known)) {
       leave_out("has not passed its self-check");
       if (blocks) RefuseWith(Refused<Refusal::kCriticalUnchecked>(actuator.name));
-    } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
+    } else if (!checking && known.suspended && Rises(config_, known.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up");
-    } else if (!checking && IsInTarget(record) && !record.report.busy() && !record.command) {
-      step.part = record.held ? PlanStep::Part::kHeldInTarget : PlanStep::Part::kInTarget;
-    } else if (!checking && Unknown(actuator, record)) {
-      leave_out("has not answered " + record.report.target + " and cannot be queried");
+    } else if (!checking && IsInTarget(known) && !known.report.busy() && !known.command) {
+      step.part = known.held ? PlanStep::Part::kHeldInTarget : PlanStep::Part::kInTarget;
+    } else if (!checking && Unknown(actuator, known)) {
+      leave_out("has not answered " + known.report.target + " and cannot be queried");
       if (blocks) {
-        RefuseWith(Refused<Refusal::kCriticalSilent>(actuator.name, record.report.target));
+        RefuseWith(Refused<Refusal::kCriticalSilent>(actuator.name, known.report.target));
       }
-    } else if (up && !machine_.current && (record.report.busy() || record.command)) {
-      step.note = "is still busy with " + BusyWith(record);
-      NoteBusy(i, Refused<Refusal::kActuatorStillBusy>(actuator.name, BusyWith(record)));
+    } else if (up && !machine_.current && (known.report.busy() || known.command)) {
+      step.note = "is still busy with " + BusyWith(known);
+      NoteBusy(i, Refused<Refusal::kActuatorStillBusy>(actuator.name, BusyWith(known)));
     }
     plan_.steps.push_back(step);
   }
 
   // A late actuator in its first self-check is left out, unless the machine is ended. A switch up
   // waits for an actuator that has passed before.
-  bool LateActuators(const ActuatorRecord& record) const {
-    return record.command && record.command->target == kSelfCheck && !record.checked &&
+  bool LateActuators(const KnownActuator& known) const {
+    return known.command && known.command->target == kSelfCheck && !known.checked &&
            !machine_.current && plan_.target != kTearDown && plan_.target != kError;
   }
 
   // It goes to Error with the others once its self-check has ended.
-  bool InCheckBeforeError(const ActuatorRecord& record) const {
-    return plan_.target == kError && record.command && record.command->target == kSelfCheck;
+  bool InCheckBeforeError(const KnownActuator& known) const {
+    return plan_.target == kError && known.command && known.command->target == kSelfCheck;
   }
 
   // A ROS 2 node whose configuration was just requested and has failed.
@@ -284,18 +283,18 @@ class Planner {
   }
 
   // Leaving Error by the command of an earlier controller, while the machine stays in Error.
-  bool LeavesError(const ActuatorRecord& record) const {
-    return plan_.target == kError && record.state() == kError && record.report.busy();
+  bool LeavesError(const KnownActuator& known) const {
+    return plan_.target == kError && known.state() == kError && known.report.busy();
   }
 
   // Overdue, with a protocol that has no query: nothing more is sent to it until it answers.
-  static bool Unknown(const ActuatorConfig& actuator, const ActuatorRecord& record) {
-    return !HasQuery(actuator.protocol) && record.fault && record.report.busy() && !record.command;
+  static bool Unknown(const ActuatorConfig& actuator, const KnownActuator& known) {
+    return !HasQuery(actuator.protocol) && known.fault && known.report.busy() && !known.command;
   }
 
   // In a state with a rank, not in a step of a start or in Error.
-  bool AtRest(const ActuatorRecord& record) const {
-    return config_.RankOf(record.state()) && record.state() != kError;
+  bool AtRest(const KnownActuator& known) const {
+    return config_.RankOf(known.state()) && known.state() != kError;
   }
 
   const PlanStep* DrivenStep(ActuatorIndex actuator) const {
@@ -388,9 +387,9 @@ class Planner {
 }  // namespace
 
 bool IsUnconfigured(const MachineConfig& config, ActuatorIndex actuator,
-                    const ActuatorRecord& record) {
+                    const KnownActuator& known) {
   return config.actuators[actuator].protocol == Protocol::kRos2Lifecycle &&
-         record.state() == config.default_state;
+         known.state() == config.default_state;
 }
 
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,

@@ -54,6 +54,6 @@ Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const S
 // error processing has unconfigured it. A SelfCheck configures it, and so does a switch up or to
 // the current state.
 bool IsUnconfigured(const MachineConfig& config, ActuatorIndex actuator,
-                    const ActuatorRecord& record);
+                    const KnownActuator& known);
 
 }  // namespace musher

@@ -143,20 +143,20 @@ std::optional<ActuatorIndex> SwitchConclusion::FirstAway(const Switch& s) const 
 // Whether it is not in the target of a switch of the machine, with a recorded reason. A fault from
 // before the switch says nothing about its state.
 bool SwitchConclusion::IsAway(ActuatorIndex i, const State& target) const {
-  const ActuatorRecord& record = Of(i);
-  if (!record.fault) return false;
-  if (record.report.busy()) return true;  // its next state is unknown
-  if (record.state() == kTearDown) return target != kTearDown;
-  const bool there = record.presence == Presence::kPresent || target == kTearDown;
-  return !there || (target == kSelfCheck ? !record.checked : record.state() != target);
+  const KnownActuator& known = Of(i);
+  if (!known.fault) return false;
+  if (known.report.busy()) return true;  // its next state is unknown
+  if (known.state() == kTearDown) return target != kTearDown;
+  const bool there = known.presence == Presence::kPresent || target == kTearDown;
+  return !there || (target == kSelfCheck ? !known.checked : known.state() != target);
 }
 
 // The current place of an actuator whose part of the switch was done, or that was already in the
 // target, and that has left the target while other actuators were still switching: it has exited,
 // and may have been restarted. Empty: it is in the target, or was not expected.
 std::string SwitchConclusion::LeftSince(const Switch& s, ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
-  if (record.fault || record.held || record.suspended || s.target == kTearDown) return {};
+  const KnownActuator& known = Of(i);
+  if (known.fault || known.held || known.suspended || s.target == kTearDown) return {};
   const bool had_done = std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {
     return leg.actuator == i && leg.outcome == ActuatorOutcome::kDone;
   });
@@ -164,9 +164,9 @@ std::string SwitchConclusion::LeftSince(const Switch& s, ActuatorIndex i) const 
     return other.name == ConfigOf(i).name && other.outcome == ActuatorOutcome::kDone;
   });
   if (!had_done && !was_there) return {};
-  if (record.presence != Presence::kPresent) return "its process has exited since; it is starting";
-  const bool there = s.direction == Direction::kCheck ? record.checked : record.state() == s.target;
-  return there ? "" : "it has switched to " + record.state() + " since, and is being driven back";
+  if (known.presence != Presence::kPresent) return "its process has exited since; it is starting";
+  const bool there = s.direction == Direction::kCheck ? known.checked : known.state() == s.target;
+  return there ? "" : "it has switched to " + known.state() + " since, and is being driven back";
 }
 
 }  // namespace musher

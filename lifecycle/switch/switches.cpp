@@ -233,8 +233,8 @@ bool Switches::StartLegs(std::vector<Leg>& legs) {
 // Why nothing can be sent for `leg` any more: its actuator was present when the switch was planned,
 // and was lost or restarted meanwhile, or stopped.
 std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
-  const ActuatorRecord& record = Of(leg.actuator);
-  if (record.presence != Presence::kPresent) {
+  const KnownActuator& known = Of(leg.actuator);
+  if (known.presence != Presence::kPresent) {
     return CommandResult{ActuatorOutcome::kLost, kCodeNetError, texts::NoLongerAvailable(), false};
   }
   // Modules of other protocols do not receive the stop. A switch up is undone as a whole.
@@ -248,10 +248,10 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   // Its check that is under way ends first; the plan has included it.
   const bool in_check =
-      leg.target == kError && record.command && record.command->target == kSelfCheck;
-  if (a_step || in_check || record.checked || config_.RankOf(record.state())) return std::nullopt;
+      leg.target == kError && known.command && known.command->target == kSelfCheck;
+  if (a_step || in_check || known.checked || config_.RankOf(known.state())) return std::nullopt;
   // The leg configures such a node first.
-  if (IsUnconfigured(config_, leg.actuator, record)) return std::nullopt;
+  if (IsUnconfigured(config_, leg.actuator, known)) return std::nullopt;
   return CommandResult{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed, texts::RestartedUnchecked(),
                        false};
 }
@@ -405,21 +405,21 @@ void Switches::StandStill(const Switch& s) {
 void Switches::Apply(const Switch& s, bool undone) {
   const bool check = s.direction == Direction::kCheck;
   for (const Leg& leg : s.legs) {
-    ActuatorRecord& record = Of(leg.actuator);
+    KnownActuator& known = Of(leg.actuator);
     if (leg.outcome == ActuatorOutcome::kDone) {
-      if (!undone && !check) record.held = s.only.has_value() && leg.target != machine_.state;
+      if (!undone && !check) known.held = s.only.has_value() && leg.target != machine_.state;
       // An actuator that has passed late is driven to the state of the machine. Before the machine
       // is usable, one whose rollback had failed is driven back: its fault is cleared by the check.
-      const bool passed = check && record.checked;  // by the present process
+      const bool passed = check && known.checked;  // by the present process
       const bool runs = machine_.phase == Phase::kRunning;
-      const bool away = runs ? record.state() != machine_.state : IsAbovePlace(leg.actuator);
-      if (passed && away && !record.held) record.due = true;
+      const bool away = runs ? known.state() != machine_.state : IsAbovePlace(leg.actuator);
+      if (passed && away && !known.held) known.due = true;
       continue;
     }
-    if (check) record.checked = false;
+    if (check) known.checked = false;
     if (undone && (!leg.ran || s.rollback.under_way)) continue;
     const bool reported = leg.outcome != ActuatorOutcome::kSkipped;
-    Degrade(leg.actuator, leg.code, {leg.event, leg.message}, reported ? record.cause : s.cause);
+    Degrade(leg.actuator, leg.code, {leg.event, leg.message}, reported ? known.cause : s.cause);
   }
   if (undone || check || s.only) return;
   if (s.direction == Direction::kUp && s.purpose != Purpose::kStartUpActivate) CheckAgain();
@@ -438,38 +438,38 @@ void Switches::Apply(const Switch& s, bool undone) {
 
 // After a switch up those that it has left out for their failed self-check have another one.
 void Switches::CheckAgain() {
-  for (ActuatorRecord& record : machine_.actuators) {
-    if (!record.checked && record.failed_checks.count > 0) record.failed_checks.at = now_;
+  for (KnownActuator& known : machine_.actuators) {
+    if (!known.checked && known.failed_checks.count > 0) known.failed_checks.at = now_;
   }
 }
 
 // Drives the actuators that were being driven on their own while the switch ran.
 void Switches::DriveTheRest(const Switch& s) {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
+    KnownActuator& known = Of(i);
     const bool had_a_leg = std::any_of(s.legs.begin(), s.legs.end(),
                                        [&](const Leg& leg) { return leg.actuator == i; });
-    if (had_a_leg || record.presence != Presence::kPresent) continue;
-    if (!record.checked) {
+    if (had_a_leg || known.presence != Presence::kPresent) continue;
+    if (!known.checked) {
       commands_.ReportUnchecked(i);
       continue;
     }
-    if (!record.fault && record.state() != machine_.state) record.due = true;
+    if (!known.fault && known.state() != machine_.state) known.due = true;
   }
 }
 
 // The effects of a rollback.
 void Switches::SettleBack(const Switch& s) {
   for (const Leg& leg : s.rollback.legs) {
-    ActuatorRecord& record = Of(leg.actuator);
-    const bool present = record.presence == Presence::kPresent;
+    KnownActuator& known = Of(leg.actuator);
+    const bool present = known.presence == Presence::kPresent;
     if (leg.outcome == ActuatorOutcome::kDone) {
       // An actuator that was degraded before is back in its state, and still not in the machine's.
-      const bool away = present && record.state() != machine_.state;
-      if (!s.only && !record.held && away) record.due = true;
+      const bool away = present && known.state() != machine_.state;
+      if (!s.only && !known.held && away) known.due = true;
       continue;
     }
-    const bool restarted = present && !config_.RankOf(record.state());
+    const bool restarted = present && !config_.RankOf(known.state());
     if (restarted && leg.outcome == ActuatorOutcome::kSkipped) continue;  // it is driven on its own
     if (present && leg.outcome == ActuatorOutcome::kSkipped && leg.code == kCodeProtectedError) {
       SettleHeld(s, leg);
@@ -484,16 +484,16 @@ void Switches::SettleBack(const Switch& s) {
 // The effect on an actuator that is not driven back during an emergency stop. It stays where it is
 // also after the release, which starts no callback, until the next switch.
 void Switches::SettleHeld(const Switch& s, const Leg& back) {
-  const ActuatorRecord& record = Of(back.actuator);
+  const KnownActuator& known = Of(back.actuator);
   const auto forward = std::ranges::find(s.legs, back.actuator, &Leg::actuator);
-  if (record.report.busy()) {
-    Degrade(back.actuator, back.code, texts::StoppedWhileBusy(record.report.target, s.target),
+  if (known.report.busy()) {
+    Degrade(back.actuator, back.code, texts::StoppedWhileBusy(known.report.target, s.target),
             machine_.emergency.cause);
-  } else if (record.state() != machine_.state && record.state() == s.target) {
-    Degrade(back.actuator, back.code, texts::StoppedIn(record.state(), s.target),
+  } else if (known.state() != machine_.state && known.state() == s.target) {
+    Degrade(back.actuator, back.code, texts::StoppedIn(known.state(), s.target),
             machine_.emergency.cause);
   } else if (forward->failed() && forward->code != kCodeProtectedError) {
-    Degrade(back.actuator, forward->code, {forward->event, forward->message}, record.cause);
+    Degrade(back.actuator, forward->code, {forward->event, forward->message}, known.cause);
   }
 }
 

@@ -36,16 +36,16 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
     saver_.Save(Stored::kStopIntent);
   }
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    ActuatorRecord& record = Of(i);
-    record.control.again.reset();
-    record.restart.at.reset();
-    record.restart.requested = false;
-    const bool present = record.presence == Presence::kPresent;
+    KnownActuator& known = Of(i);
+    known.control.again.reset();
+    known.restart.at.reset();
+    known.restart.requested = false;
+    const bool present = known.presence == Presence::kPresent;
     // A process that has exited cannot be left behind; one without TearDown has nothing to fail in.
-    const bool has_part = present && record.state() != kTearDown && ConfigOf(i).Lists(kTearDown);
-    if (!has_part) record.fault.reset();
+    const bool has_part = present && known.state() != kTearDown && ConfigOf(i).Lists(kTearDown);
+    if (!has_part) known.fault.reset();
     if (present) continue;
-    record.set_up_by.reset();
+    known.set_up_by.reset();
     if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
   }
   ListSurvivors();
@@ -132,7 +132,7 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
   result.degraded = Degraded(config_, machine_);
   const auto left =
       std::find_if(machine_.actuators.begin(), machine_.actuators.end(),
-                   [](const ActuatorRecord& record) { return record.fault.has_value(); });
+                   [](const KnownActuator& known) { return known.fault.has_value(); });
   if (result.outcome != SwitchOutcome::kDone || left == machine_.actuators.end()) return result;
   const ActuatorIndex i(static_cast<std::size_t>(left - machine_.actuators.begin()));
   result.outcome = SwitchOutcome::kDoneDegraded;
@@ -144,33 +144,33 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
 void TearDown::ListSurvivors() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (const auto why = WhyMayRun(i)) Degrade(i, kCodeNetError, *why, Of(i).cause);
-    const ActuatorRecord& record = Of(i);
+    const KnownActuator& known = Of(i);
     const bool unreachable = ConfigOf(i).command.empty() && !ConfigOf(i).Lists(kTearDown);
-    if (!unreachable || record.presence != Presence::kPresent) continue;
-    Degrade(i, kCodeUnSupport, texts::KeepsRunning(record.state()), record.cause);
+    if (!unreachable || known.presence != Presence::kPresent) continue;
+    Degrade(i, kCodeUnSupport, texts::KeepsRunning(known.state()), known.cause);
   }
 }
 
 // Why an actuator that TearDown does not reach may still run; none: it has exited, or is reached,
 // or its process is ended with the machine.
 std::optional<RecordText> TearDown::WhyMayRun(ActuatorIndex i) const {
-  const ActuatorRecord& record = Of(i);
+  const KnownActuator& known = Of(i);
   const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
   // Found by its name when this controller started, and no status has arrived from it yet.
-  const bool found = record.process.launch == Launch::kFoundRunning &&
-                     record.presence == Presence::kAbsent && record.process.pid != 0;
+  const bool found = known.process.launch == Launch::kFoundRunning &&
+                     known.presence == Presence::kAbsent && known.process.pid != 0;
   if (found && !ends_with_it) return texts::MayStillRun(std::nullopt);
-  if (record.report.incarnation == 0 && record.elsewhere) {
-    return texts::MayStillRunOn(record.elsewhere->substr(0, 64));
+  if (known.report.incarnation == 0 && known.elsewhere) {
+    return texts::MayStillRunOn(known.elsewhere->substr(0, 64));
   }
   const bool reported =
-      record.report.incarnation != 0 && record.report.incarnation != record.process.dead;
+      known.report.incarnation != 0 && known.report.incarnation != known.process.dead;
   const bool out_of_reach =
-      record.presence == Presence::kLost || record.presence == Presence::kStarting;
-  if (!reported || !out_of_reach || ends_with_it || record.state() == kTearDown) {
+      known.presence == Presence::kLost || known.presence == Presence::kStarting;
+  if (!reported || !out_of_reach || ends_with_it || known.state() == kTearDown) {
     return std::nullopt;
   }
-  return texts::MayStillRun(record.state());
+  return texts::MayStillRun(known.state());
 }
 
 bool TearDown::ProcessesLeft() const {

@@ -37,7 +37,7 @@ class ExecProcess {
   transport::LinuxEventLoop loop_;
   StateRunner runner_;
   UniqueFd signals_;
-  MachineActuator actuator_;
+  ActuatorRunner<MachineActuator> actuator_;
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr program_watch_;
   bool set_up_ended_ = false;     // Start() has returned

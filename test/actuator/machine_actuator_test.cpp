@@ -23,7 +23,7 @@ void RegisterAll(MachineActuator& actuator, const std::vector<std::string>& stat
 
 TEST(MachineActuator, IsInSetUpOnceItHasStarted) {
   const RobotFile file({"arm"}, kAllStates);
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   RegisterAll(arm, kAllStates);
   EXPECT_EQ(arm.CurrentState(), "Uninitialized");
   ASSERT_TRUE(arm.Init(file.path()));
@@ -92,7 +92,7 @@ TEST(MachineActuator, HasTopicsOfItsOwnOnItsLoop) {
 
 TEST(MachineActuator, ReportsAStateWithoutACallback) {
   const RobotFile file({"arm"}, kAllStates);
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   RegisterAll(arm, {"SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower",
                     "Error"});
   ASSERT_TRUE(arm.Init(file.path()).ok());
@@ -104,7 +104,7 @@ TEST(MachineActuator, ReportsAStateWithoutACallback) {
 
 TEST(MachineActuator, ReportsACallbackWithoutAState) {
   const RobotFile file({"arm"}, {"SetUp", "TearDown", "SelfCheck", "Active"});
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   RegisterAll(arm, {"SetUp", "TearDown", "SelfCheck", "Active", "LowPower"});
   ASSERT_TRUE(arm.Init(file.path()).ok());
   const Result<> started = arm.Start();
@@ -114,7 +114,7 @@ TEST(MachineActuator, ReportsACallbackWithoutAState) {
 
 TEST(MachineActuator, ReportsAStateWithTwoCallbacks) {
   const RobotFile file({"arm"}, kAllStates);
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   RegisterAll(arm, kAllStates);
   RegisterAll(arm, {"Active"});
   ASSERT_TRUE(arm.Init(file.path()).ok());
@@ -123,7 +123,7 @@ TEST(MachineActuator, ReportsAStateWithTwoCallbacks) {
 
 TEST(MachineActuator, ReportsTheErrorInTheConfigWithItsLine) {
   const RobotFile file({"arm"}, kAllStates, {{"SetUp", -5}});
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   const Result<> initialised = arm.Init(file.path());
   ASSERT_FALSE(initialised.ok());
   EXPECT_THAT(initialised.error().message, HasSubstr("robot.toml:10:10: error:"));
@@ -131,18 +131,18 @@ TEST(MachineActuator, ReportsTheErrorInTheConfigWithItsLine) {
 
 TEST(MachineActuator, ReportsAConfigWithoutAnActuatorOfItsName) {
   const RobotFile file({"arm"}, kAllStates);
-  MachineActuator leg("leg");
+  ActuatorRunner<MachineActuator> leg("leg");
   EXPECT_THAT(leg.Init(file.path()).error().message, HasSubstr("no actuator 'leg'"));
 }
 
 TEST(MachineActuator, DoesNotStartWithoutInit) {
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   EXPECT_EQ(arm.Start().error().code, kCodeUninitialized);
 }
 
 TEST(MachineActuator, GivesTheCodeAndMessageOfASetUpThatFailed) {
   const RobotFile file({"arm"}, {"SetUp"});
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   arm.RegisterStateCallback("SetUp", []() -> Result<> { return Error{3012, "no motor"}; });
   ASSERT_TRUE(arm.Init(file.path()).ok());
   const Result<> started = arm.Start();
@@ -152,7 +152,7 @@ TEST(MachineActuator, GivesTheCodeAndMessageOfASetUpThatFailed) {
 
 TEST(MachineActuator, TreatsAnExceptionAsAFailureAndReportsItsText) {
   const RobotFile file({"arm"}, {"SetUp"});
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   arm.RegisterStateCallback("SetUp", []() -> Result<> { throw std::runtime_error("cable loose"); });
   ASSERT_TRUE(arm.Init(file.path()).ok());
   const Result<> started = arm.Start();
@@ -162,16 +162,16 @@ TEST(MachineActuator, TreatsAnExceptionAsAFailureAndReportsItsText) {
 
 TEST(MachineActuator, RunsOnceOnAHost) {
   const RobotFile file({"arm"}, {"SetUp"});
-  MachineActuator first("arm");
+  ActuatorRunner<MachineActuator> first("arm");
   RegisterAll(first, {"SetUp"});
   ASSERT_TRUE(first.Init(file.path()).ok());
   ASSERT_TRUE(first.Start().ok());
-  MachineActuator second("arm");
+  ActuatorRunner<MachineActuator> second("arm");
   RegisterAll(second, {"SetUp"});
   ASSERT_TRUE(second.Init(file.path()).ok());
   EXPECT_EQ(second.Start().error().code, kCodeTargetBusy);
   first.Shutdown();
-  MachineActuator third("arm");
+  ActuatorRunner<MachineActuator> third("arm");
   RegisterAll(third, {"SetUp"});
   ASSERT_TRUE(third.Init(file.path()).ok());
   EXPECT_TRUE(third.Start().ok()) << "the name is free again";
@@ -181,9 +181,9 @@ TEST(MachineActuator, SharesANodeWithOthersOfItsProcess) {
   const RobotFile file({"arm", "leg"}, {"SetUp"});
   const auto node = transport::NodeThread::Start();
   ASSERT_TRUE(node.ok());
-  MachineActuator arm("arm");
-  MachineActuator leg("leg");
-  for (MachineActuator* actuator : {&arm, &leg}) {
+  ActuatorRunner<MachineActuator> arm("arm");
+  ActuatorRunner<MachineActuator> leg("leg");
+  for (ActuatorRunner<MachineActuator>* actuator : {&arm, &leg}) {
     RegisterAll(*actuator, {"SetUp"});
     ASSERT_TRUE(actuator->Init(file.path(), node.value()).ok());
     ASSERT_TRUE(actuator->Start().ok());
@@ -192,7 +192,7 @@ TEST(MachineActuator, SharesANodeWithOthersOfItsProcess) {
 
 TEST(MachineActuator, EndsItsWaitWhenItIsShutDown) {
   const RobotFile file({"arm"}, {"SetUp"});
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   RegisterAll(arm, {"SetUp"});
   ASSERT_TRUE(arm.Init(file.path()).ok());
   ASSERT_TRUE(arm.Start().ok());
@@ -203,17 +203,30 @@ TEST(MachineActuator, EndsItsWaitWhenItIsShutDown) {
 
 TEST(MachineActuator, IsShutDownWhenItsWaitHasEnded) {
   const RobotFile file({"arm"}, {"SetUp"});
-  MachineActuator first("arm");
+  ActuatorRunner<MachineActuator> first("arm");
   RegisterAll(first, {"SetUp"});
   ASSERT_TRUE(first.Init(file.path()).ok());
   ASSERT_TRUE(first.Start().ok());
   first.GiveUp({kCodeFailed, "the cable is loose"});
   EXPECT_EQ(first.Wait(), 1);
-  MachineActuator second("arm");
+  ActuatorRunner<MachineActuator> second("arm");
   RegisterAll(second, {"SetUp"});
   ASSERT_TRUE(second.Init(file.path()).ok());
   EXPECT_TRUE(second.Start().ok()) << "the name is free again";
 }
+
+template <class Actuator>
+concept CanBeStarted = requires(Actuator& actuator) {
+  actuator.Start();
+};
+static_assert(!CanBeStarted<MachineActuator> && !CanBeStarted<Singer>);
+static_assert(CanBeStarted<ActuatorRunner<Singer>>);
+
+// Starts itself, and is stopped by no ActuatorRunner.
+class CarelessSinger : public Singer {
+ public:
+  Result<> Begin() { return Start(); }
+};
 
 // Its callbacks would use members that are already destroyed.
 TEST(MachineActuatorDeathTest, EndsTheProgramWhenADerivedOneIsDestroyedWhileItIsStarted) {
@@ -221,8 +234,8 @@ TEST(MachineActuatorDeathTest, EndsTheProgramWhenADerivedOneIsDestroyedWhileItIs
   EXPECT_DEATH(
       {
         const RobotFile file({"singer"}, {"SetUp"});
-        Singer singer;
-        if (!singer.Init(file.path()) || !singer.Start()) std::exit(3);
+        CarelessSinger singer;
+        if (!singer.Init(file.path()) || !singer.Begin()) std::exit(3);
       },
       "singer is destroyed while it is started.*ActuatorRunner");
 }

@@ -142,12 +142,12 @@ TEST(TheCallbackOfAllOtherStates, IsRunOnARobotButNotForAStateThatIsNotListed) {
   const auto node = transport::NodeThread::Start();
   ASSERT_TRUE(node);
   ActuatorRunner<Arm> arm;
-  MachineActuator leg("leg");
+  ActuatorRunner<MachineActuator> leg("leg");
   leg.RegisterStateCallback([](const State&) { return kCodeOk; });
-  for (MachineActuator* actuator : {static_cast<MachineActuator*>(&arm), &leg}) {
-    ASSERT_TRUE(actuator->Init(file, node.value()));
-    ASSERT_TRUE(actuator->Start());
-  }
+  ASSERT_TRUE(arm.Init(file, node.value()));
+  ASSERT_TRUE(leg.Init(file, node.value()));
+  ASSERT_TRUE(arm.Start());
+  ASSERT_TRUE(leg.Start());
   MachineController machine;
   ASSERT_TRUE(machine.Init(file).ok());
   ASSERT_TRUE(machine.AwaitSetUp().ok());
@@ -182,7 +182,7 @@ TEST(ConfigurationErrors, EndRunWithTwoAndOfferTheNearestName) {
   EXPECT_EQ(misspelt.Run(robot), MachineActuator::kConfigurationError);
   EXPECT_THAT(misspelt.Init(robot).error().message,
               HasSubstr("has no actuator 'arn'; did you mean 'arm'?"));
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   EXPECT_EQ(arm.Run(robot), 2);
   for (const char* state : {"SetUp", "SelfCheck", "active", "Waving"}) {
     arm.RegisterStateCallback(State(state), [] { return Result<>(Ok()); });

@@ -24,7 +24,7 @@ class Service : public ::testing::Test {
   Service() {
     machine_.phase = Phase::kRunning;
     machine_.state = kActive;
-    for (ActuatorRecord& actuator : machine_.actuators) actuator.presence = Presence::kPresent;
+    for (KnownActuator& actuator : machine_.actuators) actuator.presence = Presence::kPresent;
   }
 
   void Listen() { socket_ = std::make_unique<NotifySocket>(folder_ / "notify"); }
@@ -212,7 +212,7 @@ TEST_F(Service, DescribesAMachineByItsPhaseItsStateAndItsMissingActuators) {
   EXPECT_EQ(StatusWords(config_, machine_), "starting, SelfCheck, 1 of 2 actuators");
   machine_.phase = Phase::kRunning;
   machine_.state = kProtected;
-  for (ActuatorRecord& actuator : machine_.actuators)
+  for (KnownActuator& actuator : machine_.actuators)
     actuator.fault = ActuatorFault{kCodeNetError, "gone"};
   EXPECT_EQ(StatusWords(config_, machine_), "Protected, degraded: legs, eyes");
 }

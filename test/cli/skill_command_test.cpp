@@ -129,7 +129,7 @@ TEST_F(SkillCommand, ReportsThatNothingRuns) {
 
 TEST_F(SkillCommand, ReportsThatTheActuatorsThatRunOfferNoSkills) {
   const testing::RobotFile file({"lamp"}, {"SetUp"});
-  MachineActuator lamp("lamp");
+  ActuatorRunner<MachineActuator> lamp("lamp");
   lamp.RegisterStateCallback("SetUp", [] { return kCodeOk; });
   ASSERT_TRUE(lamp.Init(file.path()).ok());
   ASSERT_TRUE(lamp.Start().ok());

@@ -67,7 +67,7 @@ int Domain() {
 class AnActuatorWithoutAController : public ::testing::Test {
  protected:
   AnActuatorWithoutAController() : file_({"arm", "leg"}, kAllStates) {
-    for (Module* module : {&arm_, &leg_}) {
+    for (ActuatorRunner<Module>* module : {&arm_, &leg_}) {
       EXPECT_TRUE(module->Init(file_.path()));
       EXPECT_TRUE(module->Start());
     }
@@ -243,7 +243,7 @@ class AMachineAndItsManagers : public ::testing::Test {
   AMachineAndItsManagers() : file_({"arm", "leg"}, kAllStates) {}
 
   void BringActuatorsUp() {
-    for (Module* module : {&arm_, &leg_}) {
+    for (ActuatorRunner<Module>* module : {&arm_, &leg_}) {
       ASSERT_TRUE(module->Init(file_.path()));
       ASSERT_TRUE(module->Start());
     }

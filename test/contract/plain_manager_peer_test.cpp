@@ -134,7 +134,7 @@ class ManagerOfPlainPeers : public ::testing::Test {
 
   RobotFile file_;
   PlainPeer peer_;
-  MachineActuator legs_{"legs"};
+  ActuatorRunner<MachineActuator> legs_{"legs"};
   MachineController controller_{{cyberdog::Extension()}};
 };
 

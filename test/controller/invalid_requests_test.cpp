@@ -105,7 +105,7 @@ class InvalidRequests : public ::testing::Test {
 
   RobotFile file_;
   std::shared_ptr<transport::NodeThread> node_;
-  MachineActuator arm_;
+  ActuatorRunner<MachineActuator> arm_;
   MachineController controller_;
 };
 

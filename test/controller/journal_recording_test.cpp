@@ -29,14 +29,14 @@ class JournalRecording : public JournalTest {
     }
   }
 
-  Recording ReadAll() const {
+  JournalRows ReadAll() const {
     auto recording = ReadRecording(path_);
     if (recording) return std::move(recording).value();
     ADD_FAILURE() << recording.error().message;
     return {};
   }
 
-  static ReplayReport Replayed(const Recording& recording) {
+  static ReplayReport Replayed(const JournalRows& recording) {
     auto report = recording::Replay(recording.rows, {});
     if (report) return std::move(report).value();
     ADD_FAILURE() << report.error().message;
@@ -55,7 +55,7 @@ class JournalRecording : public JournalTest {
 TEST_F(JournalRecording, GivesBackWhatWentIntoTheDecisionsInItsOrder) {
   const auto items = RecordedLife();
   Write(items, Options());
-  const Recording recording = ReadAll();
+  const JournalRows recording = ReadAll();
   EXPECT_EQ(recording.damage, "");
   ASSERT_EQ(recording.rows.size(), items.size());
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -80,7 +80,7 @@ TEST_F(JournalRecording, CanStillBeReplayedWhenItHasLostItsBeginning) {
   auto options = Options();
   options.max_bytes = 256 << 10;
   Write(items, options);
-  const Recording recording = ReadAll();
+  const JournalRows recording = ReadAll();
   EXPECT_EQ(recording.damage, "");
   ASSERT_GT(recording.rows.size(), 100U);
   ASSERT_LT(recording.rows.size(), items.size() / 2);

@@ -19,9 +19,9 @@ class TheMachineAsANode : public TwoControllers {
   TheMachineAsANode() {
     callback_takes_ = Milliseconds(500);
     config_.ros2.activate = "Gone";  // which the machine does not have
-    simulation::ControllerProcess::Hooks hooks;
+    simulation::SimulatedController::Hooks hooks;
     hooks.on_record = [this](const action::Record& record) { said_ += record.message + "\n"; };
-    first_.process = std::make_unique<simulation::ControllerProcess>(
+    first_.process = std::make_unique<simulation::SimulatedController>(
         network_, "first", 0, hosts_, config_, layout_.machine_id, processes_, first_.disk, hooks);
     machine_ = ManagedMachine::Make(first_.process->node(), first_.process->shell(), "1").value();
     client_ = transport::MakeClient<msg::ChangeState>(*desk_, "musher/change_state").value();

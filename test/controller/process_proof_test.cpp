@@ -95,7 +95,7 @@ class ProcessProof : public ::testing::Test {
     return NameLock::NameOf(transport::TestDomain(), config_.name_space, "arm");
   }
 
-  const ActuatorRecord& Arm() const { return controller_->shell().machine().actuators[0]; }
+  const KnownActuator& Arm() const { return controller_->shell().machine().actuators[0]; }
 
   // The peer publishes the status of the arm with `pid`.
   void Say(pid_t pid, Incarnation incarnation = 77, const State& state = kSetUp) {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "musher/actuator/actuator_shell.hpp"
-#include "musher/simulation/controller_process.hpp"
-#include "musher/simulation/processes.hpp"
+#include "musher/simulation/simulated_controller.hpp"
+#include "musher/simulation/simulated_processes.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -84,9 +84,9 @@ class RebootedHost : public ::testing::Test {
   const MachineConfig config_;
   const simulation::Layout layout_;
   simulation::Hosts hosts_;
-  simulation::Processes processes_;
+  simulation::SimulatedProcesses processes_;
   simulation::Disk disk_;
-  simulation::ControllerProcess controller_;
+  simulation::SimulatedController controller_;
   std::unique_ptr<RemoteActuator> actuator_;
 };
 

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/controller/shell/controller_shell.hpp"
-#include "musher/simulation/processes.hpp"
+#include "musher/simulation/simulated_processes.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -86,7 +86,7 @@ class RemoteTakeover : public ::testing::Test {
   MachineConfig config_;
   const simulation::Layout layout_ = TwoHosts();
   simulation::Hosts hosts_;
-  simulation::Processes processes_;
+  simulation::SimulatedProcesses processes_;
   EmptyHost host_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<ControllerShell> shell_;

@@ -26,7 +26,7 @@ class RepeatedSamples : public TwoControllers {
     msg::ActuatorStatus last;
   };
 
-  const ActuatorRecord& Arm() const { return first_.machine().actuators[0]; }
+  const KnownActuator& Arm() const { return first_.machine().actuators[0]; }
   const std::string& Name() const { return config_.actuators[0].name; }
 
   std::unique_ptr<Bridge> OpenBridge() {
@@ -166,11 +166,11 @@ TEST_F(LostWriter, DoesNotKeepAnActuatorLostWhoseHeartbeatsAreReceived) {
   config_.actuators[1].command.clear();
   ByHand by_hand(network_, config_.actuators[1].name);
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
-  const ActuatorRecord& record = first_.machine().actuators[1];
-  ASSERT_TRUE(RunUntil([&] { return record.presence == Presence::kPresent; }));
+  const KnownActuator& known = first_.machine().actuators[1];
+  ASSERT_TRUE(RunUntil([&] { return known.presence == Presence::kPresent; }));
   by_hand.LoseStatusWriter();
-  ASSERT_TRUE(RunUntil([&] { return record.presence == Presence::kLost; }));
-  EXPECT_TRUE(RunUntil([&] { return record.presence == Presence::kPresent; }, seconds(5)));
+  ASSERT_TRUE(RunUntil([&] { return known.presence == Presence::kLost; }));
+  EXPECT_TRUE(RunUntil([&] { return known.presence == Presence::kPresent; }, seconds(5)));
 }
 
 }  // namespace musher::testing::repeated_samples_test

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "musher/simulation/controller_process.hpp"
+#include "musher/simulation/simulated_controller.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -20,7 +20,7 @@ class TwoControllers : public ::testing::Test {
 
   struct Controller {
     simulation::Disk disk;
-    std::unique_ptr<simulation::ControllerProcess> process;
+    std::unique_ptr<simulation::SimulatedController> process;
     const Machine& machine() const { return process->shell().machine(); }
   };
 
@@ -43,9 +43,9 @@ class TwoControllers : public ::testing::Test {
 
   // `disk`: of the other one, where both are of one host.
   void Open(Controller& controller, const std::string& endpoint, simulation::Disk* disk = nullptr) {
-    controller.process = std::make_unique<simulation::ControllerProcess>(
+    controller.process = std::make_unique<simulation::SimulatedController>(
         network_, endpoint, 0, hosts_, config_, layout_.machine_id, processes_,
-        disk == nullptr ? controller.disk : *disk, simulation::ControllerProcess::Hooks{});
+        disk == nullptr ? controller.disk : *disk, simulation::SimulatedController::Hooks{});
   }
   void BringUpFirst() {
     Open(first_, "first");
@@ -62,7 +62,7 @@ class TwoControllers : public ::testing::Test {
   MachineConfig config_;
   const simulation::Layout layout_;
   simulation::Hosts hosts_;
-  simulation::Processes processes_;
+  simulation::SimulatedProcesses processes_;
   Controller first_;
   Controller second_;
   std::unique_ptr<transport::Node> desk_;

@@ -21,9 +21,9 @@ class SelfChecks : public ::testing::Test {
       config_.actuators.push_back(actuator);
     }
     machine_ = MakeMachine(config_);
-    for (ActuatorRecord& record : machine_.actuators) {
-      record.presence = Presence::kPresent;
-      record.checked = true;
+    for (KnownActuator& known : machine_.actuators) {
+      known.presence = Presence::kPresent;
+      known.checked = true;
     }
   }
   Json Described() const { return Json::parse(SelfCheckOf(config_, machine_).description); }
@@ -104,9 +104,9 @@ TEST_F(SelfChecks, CoverTheVoiceTheSensorsAndTheCamerasOfTheRobot) {
     config_.actuators.push_back(actuator);
   }
   machine_ = MakeMachine(config_);
-  for (ActuatorRecord& record : machine_.actuators) {
-    record.presence = Presence::kPresent;
-    record.checked = true;
+  for (KnownActuator& known : machine_.actuators) {
+    known.presence = Presence::kPresent;
+    known.checked = true;
   }
   EXPECT_EQ(Described()["audio"], 0);
   Fail("audio", 5109);

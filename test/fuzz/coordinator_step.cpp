@@ -54,26 +54,25 @@ class Harness {
     const std::size_t which = input_.Below(std::size(kNames));
     const ActuatorIndex i(which);
     const std::string name = kNames[which];
-    const ActuatorRecord& record = harness_.RecordOf(name);
+    const KnownActuator& known = harness_.RecordOf(name);
     switch (input_.Below(12)) {
       case 0:
       case 1:
       case 2:
-        return harness_.Feed(
-            event::StatusSeen{i, AnyReport(input_, record.report, harness_.now())});
+        return harness_.Feed(event::StatusSeen{i, AnyReport(input_, known.report, harness_.now())});
       case 3: {
-        const CommandNumber number = record.command ? record.command->number : record.report.number;
+        const CommandNumber number = known.command ? known.command->number : known.report.number;
         const auto verdict = transport::VerdictFrom(input_.Byte());
         return harness_.Feed(event::Replied{
             i, input_.Bool() ? number : CommandNumber(input_.Take<std::uint64_t>()), input_.Bool(),
             verdict, input_.Take<std::int32_t>(), std::string(input_.Text()),
-            AnyReport(input_, record.report, harness_.now())});
+            AnyReport(input_, known.report, harness_.now())});
       }
       case 4:
         return harness_.Feed(
-            event::Vanished{i, record.report.incarnation, input_.Bool(), "connection lost"});
+            event::Vanished{i, known.report.incarnation, input_.Bool(), "connection lost"});
       case 5:
-        return harness_.Feed(event::HealthChanged{i, record.report.incarnation,
+        return harness_.Feed(event::HealthChanged{i, known.report.incarnation,
                                                   transport::WorkFrom(input_.Byte()), input_.Bool(),
                                                   "by its heartbeat"});
       case 6:

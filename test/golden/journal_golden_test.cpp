@@ -42,7 +42,7 @@ Result<JournalInput> Read(const std::string& line) {
   if (kind == "event") return input(DecodeEvent(text));
   auto snapshot = DecodeSnapshot(text);
   if (!snapshot) return snapshot.error();
-  return JournalInput{1, std::make_shared<const Snapshot>(std::move(snapshot).value())};
+  return JournalInput{1, std::make_shared<const MachineSnapshot>(std::move(snapshot).value())};
 }
 
 void Write(const fs::path& path) {

@@ -23,9 +23,9 @@ class Capabilities : public ::testing::Test {
                             {"jump", "", {"legs"}, {"Active"}, 30},
                             {"follow", "", {"legs", "eyes"}, {"Active"}, std::nullopt}};
     machine_ = MakeMachine(config_);
-    for (ActuatorRecord& record : machine_.actuators) {
-      record.presence = Presence::kPresent;
-      record.report.state = kActive;
+    for (KnownActuator& known : machine_.actuators) {
+      known.presence = Presence::kPresent;
+      known.report.state = kActive;
     }
   }
 

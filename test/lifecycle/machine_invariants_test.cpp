@@ -19,7 +19,7 @@ class BrokenInvariants : public ::testing::Test {
     machine_ = running_.machine();
   }
   std::string Broken() const { return BrokenInvariant(running_.config(), machine_); }
-  ActuatorRecord& first() { return machine_.actuators[0]; }
+  KnownActuator& first() { return machine_.actuators[0]; }
 
   Harness running_;
   Machine machine_;

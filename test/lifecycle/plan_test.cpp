@@ -23,10 +23,10 @@ class Plans : public ::testing::Test {
     machine_.start_up.set_up = true;
     machine_.state = State(kDeActive);
     machine_.actuators.resize(4);
-    for (ActuatorRecord& record : machine_.actuators) {
-      record.presence = Presence::kPresent;
-      record.checked = true;
-      record.report.state = State(kDeActive);
+    for (KnownActuator& known : machine_.actuators) {
+      known.presence = Presence::kPresent;
+      known.checked = true;
+      known.report.state = State(kDeActive);
     }
   }
 
@@ -46,7 +46,7 @@ class Plans : public ::testing::Test {
   }
   void PutAllIn(std::string_view state) {
     machine_.state = State(state);
-    for (ActuatorRecord& record : machine_.actuators) record.report.state = State(state);
+    for (KnownActuator& known : machine_.actuators) known.report.state = State(state);
   }
   static std::int32_t CodeOf(const Plan& plan) {
     return plan.refusal ? plan.refusal->code : kCodeOk;

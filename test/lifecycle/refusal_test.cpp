@@ -33,15 +33,15 @@ class RefusedPlans : public ::testing::Test {
     machine_.start_up.set_up = true;
     machine_.host = "here";
     PutAllIn("DeActive");
-    for (ActuatorRecord& record : machine_.actuators) {
-      record.presence = Presence::kPresent;
-      record.checked = true;
+    for (KnownActuator& known : machine_.actuators) {
+      known.presence = Presence::kPresent;
+      known.checked = true;
     }
   }
 
   void PutAllIn(const State& state) {
     machine_.state = state;
-    for (ActuatorRecord& record : machine_.actuators) record.report.state = state;
+    for (KnownActuator& known : machine_.actuators) known.report.state = state;
   }
   std::optional<Error> To(const State& target) const {
     return MakePlan(config_, machine_, target).refusal;
@@ -61,7 +61,7 @@ class RefusedPlans : public ::testing::Test {
   MachineConfig config_ = MachineOf(3);
   Machine machine_;
   ActuatorConfig& b_ = config_.actuators[1];
-  ActuatorRecord& RecordOfB() { return machine_.actuators[1]; }
+  KnownActuator& RecordOfB() { return machine_.actuators[1]; }
 };
 
 TEST_F(RefusedPlans, OfAMachineThatCannotBeSwitchedAtAll) {

@@ -18,10 +18,10 @@ class Trials : public ::testing::Test {
       actuator.critical = name == std::string("legs");
       actuator.states = {State(kSetUp), State(kActive)};
       config_.actuators.push_back(actuator);
-      ActuatorRecord record;
-      record.presence = Presence::kPresent;
-      record.report.state = State(kActive);
-      machine_.actuators.push_back(record);
+      KnownActuator known;
+      known.presence = Presence::kPresent;
+      known.report.state = State(kActive);
+      machine_.actuators.push_back(known);
     }
     machine_.phase = Phase::kRunning;
     machine_.state = State(kActive);

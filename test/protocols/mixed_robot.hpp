@@ -54,9 +54,9 @@ class AMixedRobot : public ::testing::Test {
   SwitchResult Set(const State& target) { return robot_.Set(target).value_or(SwitchResult{}); }
   void ExpectAllIn(const State& state) {
     EXPECT_EQ(robot_.machine().state, state);
-    for (const ActuatorRecord& record : robot_.machine().actuators) {
-      EXPECT_EQ(record.state(), state);
-      EXPECT_EQ(record.presence, Presence::kPresent);
+    for (const KnownActuator& known : robot_.machine().actuators) {
+      EXPECT_EQ(known.state(), state);
+      EXPECT_EQ(known.presence, Presence::kPresent);
     }
     EXPECT_THAT(robot_.Degraded(), ::testing::IsEmpty());
   }

@@ -13,8 +13,8 @@ using ::testing::HasSubstr;
 TEST_F(AMixedRobot, ComesUpSwitchesAndIsTornDown) {
   BringUp();
   ExpectAllIn("Active");
-  for (const ActuatorRecord& record : robot_.machine().actuators) {
-    EXPECT_EQ(record.report.pid, record.process.pid);
+  for (const KnownActuator& known : robot_.machine().actuators) {
+    EXPECT_EQ(known.report.pid, known.process.pid);
   }
   EXPECT_TRUE(Set("LowPower").done());
   ExpectAllIn("LowPower");

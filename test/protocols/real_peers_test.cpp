@@ -119,7 +119,7 @@ class AMachineOfRealPeers : public ::testing::Test {
 };
 
 TEST_F(AMachineOfRealPeers, ComesUpSwitchesAndEndsThoughFirstRepliesAreLost) {
-  MachineActuator dog("dog");
+  ActuatorRunner<MachineActuator> dog("dog");
   dog.RegisterStateCallback([](const State&) { return kCodeOk; });
   ASSERT_TRUE(dog.Init(file_.path()));
   ASSERT_TRUE(dog.Start());
@@ -136,7 +136,7 @@ TEST_F(AMachineOfRealPeers, ComesUpSwitchesAndEndsThoughFirstRepliesAreLost) {
 
 TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndSendsItHeartbeats) {
   const RobotFile file({"arm"}, kAllStates);
-  MachineActuator arm("arm");
+  ActuatorRunner<MachineActuator> arm("arm");
   arm.RegisterStateCallback([](const State&) { return kCodeOk; });
   ASSERT_TRUE(arm.Init(file.path()));
   ASSERT_TRUE(arm.Start());

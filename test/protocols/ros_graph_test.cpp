@@ -48,9 +48,9 @@ class ARobotBesideRos2 : public ::testing::Test {
 // Two actuators that share a process are two nodes.
 TEST_F(ARobotBesideRos2, IsListedByNameWithItsEndpointsAndWithoutAWarning) {
   const auto thread = Must(transport::NodeThread::Start());
-  MachineActuator arm("arm"), leg("leg");
+  ActuatorRunner<MachineActuator> arm("arm"), leg("leg");
   MachineController controller;
-  for (MachineActuator* actuator : {&arm, &leg}) {
+  for (ActuatorRunner<MachineActuator>* actuator : {&arm, &leg}) {
     actuator->RegisterStateCallback([](const State&) { return kCodeOk; });
     ASSERT_TRUE(actuator->Init(file_.path(), thread));
     ASSERT_TRUE(actuator->Start());

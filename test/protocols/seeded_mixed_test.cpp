@@ -44,7 +44,7 @@ class MixedScenario {
   }
 
   void Run() {
-    robot_.on_start = [this](const simulation::ControllerProcess&, const std::string& name) {
+    robot_.on_start = [this](const simulation::SimulatedController&, const std::string& name) {
       EXPECT_FALSE(robot_.IsAlive(name)) << name << " is started while its process runs";
     };
     LinkFaults faults;
@@ -165,8 +165,8 @@ class MixedScenario {
     }
     EXPECT_EQ(robot_.machine().state, kDeActive);
     EXPECT_THAT(Degraded(robot_.config(), robot_.machine()), ::testing::IsEmpty());
-    for (const ActuatorRecord& record : robot_.machine().actuators) {
-      EXPECT_EQ(record.state(), kDeActive);
+    for (const KnownActuator& known : robot_.machine().actuators) {
+      EXPECT_EQ(known.state(), kDeActive);
     }
     for (const auto& [name, module] : modules_) EXPECT_EQ(module->log().back(), kDeActive) << name;
     for (const auto& [name, ros] : nodes_) EXPECT_EQ(ros->state(), Ros2State::kInactive) << name;

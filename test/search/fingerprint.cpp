@@ -45,8 +45,8 @@ template <>
 inline constexpr std::tuple kIgnored<ActuatorFault> = {&ActuatorFault::message};
 // Of the clocks only their difference counts.
 template <>
-inline constexpr std::tuple kIgnored<ActuatorRecord> = {
-    &ActuatorRecord::clock_theirs, &ActuatorRecord::clock_ours, &ActuatorRecord::cause};
+inline constexpr std::tuple kIgnored<KnownActuator> = {
+    &KnownActuator::clock_theirs, &KnownActuator::clock_ours, &KnownActuator::cause};
 template <>
 inline constexpr std::tuple kIgnored<ActuatorGoal> = {&ActuatorGoal::actuator};
 template <>
@@ -197,27 +197,26 @@ class Mixer {
 
 // A message under way from an actuator: of its stamp only whether the controller has a newer one
 // counts.
-void AddReply(Mixer& mixer, const ActuatorRecord& record, const event::Replied& r) {
+void AddReply(Mixer& mixer, const KnownActuator& known, const event::Replied& r) {
   mixer.Add(r.number, r.query, r.verdict, r.report, r.report.emergency_stop,
-            r.report.stamp < record.report.stamp);
+            r.report.stamp < known.report.stamp);
 }
 
-void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>& all) {
+void AddLate(Mixer& mixer, const KnownActuator& known, const std::vector<Late>& all) {
   mixer.Add(all.size());
   for (const Late& late : all) {
     mixer.Add(late.index());
     if (const auto* message = std::get_if<Message>(&late)) {
       mixer.Add(*message);
     } else if (const auto* reply = std::get_if<event::Replied>(&late)) {
-      AddReply(mixer, record, *reply);
+      AddReply(mixer, known, *reply);
     } else if (const auto* seen = std::get_if<event::StatusSeen>(&late)) {
-      mixer.Add(seen->report, seen->report.emergency_stop,
-                seen->report.stamp < record.report.stamp);
+      mixer.Add(seen->report, seen->report.emergency_stop, seen->report.stamp < known.report.stamp);
     }
   }
 }
 
-void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
+void AddRecord(Mixer& mixer, const KnownActuator& r) {
   mixer.Add(r, ToMilliseconds(r.clock_theirs - r.clock_ours));
   if (r.command) mixer.Add(ToMilliseconds(r.command->clock_ahead));
 }
@@ -232,11 +231,11 @@ void AddLegs(Mixer& mixer, const std::vector<Leg>& legs, ActuatorIndex i) {
 Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) {
   Mixer mixer(world.now);
   const Machine& machine = world.machine;
-  const ActuatorRecord& record = machine.actuators[i];
-  AddRecord(mixer, record);
+  const KnownActuator& known = machine.actuators[i];
+  AddRecord(mixer, known);
   if (model.releases) {
-    mixer.Add(record.report.emergency_stop, record.report.released_stop,
-              record.report.other_stops.size());
+    mixer.Add(known.report.emergency_stop, known.report.released_stop,
+              known.report.other_stops.size());
   }
   if (machine.current) {
     AddLegs(mixer, machine.current->legs, i);
@@ -253,8 +252,8 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
             c.was_detached, c.waiting, c.unsettled, c.half_way_down, c.controller, c.announced,
             c.released, c.stops, c.stopped_meanwhile, c.under_stop);
   mixer.Add(a.replies.size());
-  for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
-  AddLate(mixer, record, a.late);
+  for (const event::Replied& reply : a.replies) AddReply(mixer, known, reply);
+  AddLate(mixer, known, a.late);
   for (std::size_t k = 0; k < world.outbox.size(); ++k) {
     if (world.outbox[k].to == i) mixer.Add(k, world.outbox[k]);
   }

@@ -21,15 +21,15 @@ bool HasSameContent(const ActuatorReport& a, const ActuatorReport& b) {
 
 // Once the controller has received the stop, an actuator's latch of it is no news, until a person
 // releases it.
-bool StopIsKnown(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
-  if (world.released) return report.emergency_stop == record.report.emergency_stop;
+bool StopIsKnown(const World& world, const KnownActuator& known, const ActuatorReport& report) {
+  if (world.released) return report.emergency_stop == known.report.emergency_stop;
   return report.emergency_stop == 0 || world.machine.emergency.stop;
 }
 
 // Whether the controller knows the content of the latched status already.
-bool IsKnown(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
-  return StopIsKnown(world, record, report) && record.presence == Presence::kPresent &&
-         HasSameContent(record.report, report);
+bool IsKnown(const World& world, const KnownActuator& known, const ActuatorReport& report) {
+  return StopIsKnown(world, known, report) && known.presence == Presence::kPresent &&
+         HasSameContent(known.report, report);
 }
 
 // Whether a reply to the command is under way, with a report from before.
@@ -44,26 +44,25 @@ bool IsReplied(const SimActuator& actuator, CommandNumber number) {
 
 // Whether the controller awaits the end of the command in the report, which brings a newer report,
 // and nothing else can happen before.
-bool IsAwaited(const World& world, const SimActuator& actuator, const ActuatorRecord& record) {
+bool IsAwaited(const World& world, const SimActuator& actuator, const KnownActuator& known) {
   const ActuatorReport& report = actuator.core.report;
   return world.faults_left == 0 && !IsReplied(actuator, report.number) &&
-         record.presence == Presence::kPresent && record.command &&
-         record.command->number == report.number &&
-         record.command->number != report.outcome_number &&
-         record.report.incarnation == report.incarnation && record.report.epoch == report.epoch &&
-         StopIsKnown(world, record, report);
+         known.presence == Presence::kPresent && known.command &&
+         known.command->number == report.number && known.command->number != report.outcome_number &&
+         known.report.incarnation == report.incarnation && known.report.epoch == report.epoch &&
+         StopIsKnown(world, known, report);
 }
 
 // Whether this reply is not awaited any more, and the latched status has the same content.
-bool IsOver(const World& world, const SimActuator& actuator, const ActuatorRecord& record,
+bool IsOver(const World& world, const SimActuator& actuator, const KnownActuator& known,
             const event::Replied& reply) {
   const bool waited =
-      (record.command && record.command->number == reply.number) || record.control.again;
+      (known.command && known.command->number == reply.number) || known.control.again;
   const bool published = actuator.status_due &&
                          HasSameContent(actuator.core.report, reply.report) &&
                          actuator.core.report.emergency_stop == reply.report.emergency_stop;
-  return !waited && record.presence == Presence::kPresent &&
-         (published || IsKnown(world, record, reply.report));
+  return !waited && known.presence == Presence::kPresent &&
+         (published || IsKnown(world, known, reply.report));
 }
 
 // Removes what is not awaited, so that nodes that differ only by it become one.
@@ -75,11 +74,11 @@ void Tidy(Harness& harness) {
   const bool stopped = world.machine.phase == Phase::kStopped;
   for (const ActuatorIndex i : kIndices) {
     SimActuator& actuator = world.actuators[i];
-    const ActuatorRecord& record = world.machine.actuators[i];
+    const KnownActuator& known = world.machine.actuators[i];
     const ActuatorReport& report = actuator.core.report;
     std::erase_if(actuator.replies,
-                  [&](const auto& reply) { return IsOver(world, actuator, record, reply); });
-    if (IsKnown(world, record, report) || IsAwaited(world, actuator, record)) {
+                  [&](const auto& reply) { return IsOver(world, actuator, known, reply); });
+    if (IsKnown(world, known, report) || IsAwaited(world, actuator, known)) {
       actuator.status_due = false;
     }
     if (!stopped) continue;

@@ -194,7 +194,7 @@ TEST_F(PlantedFault, FindsACallbackThatTheReleaseOfAnEmergencyStopStarts) {
 TEST_F(PlantedFault, FindsAnActuatorThatAReleasedStopHoldsAlthoughItsSwitchWasRequestedAgain) {
   Rules rules;
   rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
-    for (ActuatorRecord& record : machine.actuators) record.set_again = false;
+    for (KnownActuator& known : machine.actuators) known.set_again = false;
     return Step(config, machine, event, now);
   };
   Search(rules, "Active", "Dancing", 2, EqualRanks());

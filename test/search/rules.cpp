@@ -84,30 +84,30 @@ void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& 
   const MachineConfig& config = model.config;
   const Machine& machine = world.machine;
   const SimActuator& actuator = world.actuators[i];
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const ActuatorConfig& own = config.actuators[i];
   const State& state = actuator.core.report.state;
-  if (record.command) notes.violations.push_back("a command to " + own.name + " has no end");
+  if (known.command) notes.violations.push_back("a command to " + own.name + " has no end");
   const auto place = config.RankOf(machine.state);
   const auto rank = config.RankOf(state);
   // For the release of the stop, which drives no actuator to another state on the same level.
   const bool waits = machine.emergency.stop && (!rank || (place && *rank < *place));
-  const bool there = actuator.alive && record.presence == Presence::kPresent &&
+  const bool there = actuator.alive && known.presence == Presence::kPresent &&
                      (state == machine.state || !place || waits);
-  if (!there && !record.held && !record.fault) {
+  if (!there && !known.held && !known.fault) {
     notes.violations.push_back("in a stable state " + own.name +
                                (actuator.alive ? " is in " : " has exited in ") + state +
                                ", the machine in " + machine.state + ", without a recorded reason");
   }
-  const bool held = record.fault && record.fault->code == kCodeProtectedError;
-  if (world.repeat == Repeat::kDone && held && record.presence == Presence::kPresent) {
+  const bool held = known.fault && known.fault->code == kCodeProtectedError;
+  if (world.repeat == Repeat::kDone && held && known.presence == Presence::kPresent) {
     notes.violations.push_back("in a stable state " + own.name + " is held by a released stop, " +
                                "although the switch has been requested again");
   }
-  const bool knows = record.state() == state && record.report.busy() == actuator.core.report.busy();
-  if (actuator.alive && !record.fault && !knows) {
+  const bool knows = known.state() == state && known.report.busy() == actuator.core.report.busy();
+  if (actuator.alive && !known.fault && !knows) {
     notes.violations.push_back("in a stable state " + own.name + " is in " + state +
-                               ", but the controller has it in " + record.state());
+                               ", but the controller has it in " + known.state());
   }
   if (!own.on_lost.empty() && !actuator.alive && place && *place > *config.RankOf(own.on_lost)) {
     notes.violations.push_back(own.name + " is lost, and the machine is in " + machine.state);
@@ -118,15 +118,15 @@ void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& 
 // a rollback leaves it. It is degraded where its last callback has failed, or its status was lost.
 void CheckPlaceInStart(const Model& model, const World& world, ActuatorIndex i, Notes& notes) {
   const Machine& machine = world.machine;
-  const ActuatorRecord& record = machine.actuators[i];
+  const KnownActuator& known = machine.actuators[i];
   const SimActuator& actuator = world.actuators[i];
   const ActuatorReport& report = actuator.core.report;
   const bool in_start = machine.start_up.set_up && !model.config.RankOf(machine.state);
-  const bool reachable = actuator.alive && record.presence == Presence::kPresent;
-  if (!in_start || !reachable || actuator.work != Work::kNone || record.held) return;
+  const bool reachable = actuator.alive && known.presence == Presence::kPresent;
+  if (!in_start || !reachable || actuator.work != Work::kNone || known.held) return;
   if (!IsHigher(model.config, report.state, State(kDeActive))) return;
-  const bool known = record.state() == report.state && !record.report.busy();
-  if (record.fault && (report.outcome_code != kCodeOk || !known)) return;
+  const bool known = known.state() == report.state && !known.report.busy();
+  if (known.fault && (report.outcome_code != kCodeOk || !known)) return;
   notes.violations.push_back("in a stable state " + model.config.actuators[i].name + " is in " +
                              report.state + ", the machine in " + machine.state);
 }

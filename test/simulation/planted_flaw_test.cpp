@@ -274,7 +274,8 @@ TEST_F(PlantedFlaw, FindsAControllerThatRepliesWhileItListens) {
   Make(Started(1), TwoHosts(1));
   BringUp();
   robot_->StartRival(false);
-  transport::Node& node = const_cast<simulation::ControllerProcess*>(robot_->controller(1))->node();
+  transport::Node& node =
+      const_cast<simulation::SimulatedController*>(robot_->controller(1))->node();
   const auto server =
       transport::MakeServer<msg::GetStatus>(
           node, transport::MachineService("", "get_status"),
@@ -312,8 +313,8 @@ TEST_F(PlantedFlaw, FindsAnActuatorThatStaysActiveAfterAFailedStart) {
   robot_->StartController();
   ASSERT_TRUE(RunUntil([&] { return robot_->machine().phase == Phase::kFailed; },
                        std::chrono::seconds(10)));
-  ActuatorRecord& record = const_cast<Machine&>(robot_->machine()).actuators[0];
-  record.due = record.checked = false;
+  KnownActuator& known = const_cast<Machine&>(robot_->machine()).actuators[0];
+  known.due = known.checked = false;
   RunFor(std::chrono::seconds(30));
   EXPECT_EQ(robot_->ReportOf("a")->state, "Active");
   EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;

@@ -18,7 +18,7 @@ struct Encoded {
     if (const auto* event = std::get_if<recording::TimedEvent>(&input.what)) {
       input.what = recording::DecodeEvent(recording::EncodeEvent(event->event, event->now)).value();
     } else if (const auto* snapshot = std::get_if<recording::SnapshotPtr>(&input.what)) {
-      input.what = std::make_shared<const recording::Snapshot>(
+      input.what = std::make_shared<const recording::MachineSnapshot>(
           recording::DecodeSnapshot(recording::EncodeSnapshot(**snapshot)).value());
     }
     return input;

@@ -116,8 +116,8 @@ TEST(SimRobot, AControllerThatListensFirstAttachesTheActuatorsThatItReceivedMean
   robot.RunFor(std::chrono::seconds(1));
   robot.StartController(std::chrono::seconds(1));
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }, std::chrono::seconds(2)));
-  for (const ActuatorRecord& record : robot.machine().actuators) {
-    EXPECT_EQ(record.presence, Presence::kPresent);
+  for (const KnownActuator& known : robot.machine().actuators) {
+    EXPECT_EQ(known.presence, Presence::kPresent);
   }
 }
 

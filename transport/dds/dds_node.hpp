@@ -41,7 +41,7 @@ struct DdsOptions {
   // Of the profile lan: the interfaces to other hosts, at most kMostOuterInterfaces; none: see
   // ChooseInterfaces(). Processes of this host use the loopback in any case.
   std::vector<std::string> interfaces = {};
-  // A controller, which has to reach the actuators of its host whatever their addresses are.
+  // The process is a controller: it has to reach the actuators of its host at any address.
   bool controller = false;
   // The lease: a process that is silent for longer counts as lost; none: the profile's.
   std::optional<Duration> lease = std::nullopt;

@@ -28,7 +28,7 @@ class WriterCore : public Notifier {
   // No callback runs afterwards, also if a callback calls it.
   void Close();
 
-  // `participant`: the only one that needs it; 0: all.
+  // `participant`: only its readers need the sample; 0: all do.
   Result<> Write(msg::Bytes bytes, ParticipantId participant = 0);
   void AfterWrites(std::function<void()> work);
   Result<> Flush(Duration timeout);

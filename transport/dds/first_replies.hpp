@@ -11,8 +11,8 @@
 //                                     which brings a heartbeat if the reply was missed all the same
 //
 // Replies to other participants are not delayed: a client that comes must not slow the others. The
-// new reader may miss one of them, which it did not ask for, and then has a gap before its own; the
-// copy ends that as well.
+// new reader may miss such a reply, which was not for it, and then has a gap before the reply to
+// its own request; the copy ends that gap, too.
 //
 // Clients of Musher repeat their request after 10 ms and do not need this: their readers have
 // kOwnTag. Threads: loop thread only.
@@ -41,8 +41,8 @@ class FirstReplies {
 
   // A reader that is not of Musher was matched.
   void OnNewReader(ParticipantId participant);
-  // Sends the reply to `participant`, or holds it; replies to one keep their order. A held one that
-  // cannot be sent is lost.
+  // Sends the reply to `participant`, or holds it. Replies to one participant keep their order. A
+  // held reply that cannot be sent is lost.
   Result<> Write(msg::Bytes reply, ParticipantId participant);
   // Sends what is held now.
   void Release();

@@ -48,14 +48,14 @@ class Participant {
   std::atomic<int> next_node_ = 0;
 };
 
-// Fails with Cyclone's own message. `settings` are Cyclone's XML, empty: those of CYCLONEDDS_URI.
-// The first node of the process in this domain determines them and `distro`, the layout of
-// ros_discovery_info, and `name`, see PeerInfo. From any thread.
+// Fails with Cyclone's own message. `settings`: Cyclone's XML; empty: what CYCLONEDDS_URI names.
+// `distro`: the layout of ros_discovery_info. `name`: see PeerInfo. The first node of the process
+// in this domain determines all three. From any thread.
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
                                                      const std::optional<Credentials>& credentials,
                                                      RosDistro distro, const std::string& name);
 
-// That of a node from MakeDdsNode; null for another one.
+// The participant of a node from MakeDdsNode; null for a node of another transport.
 Participant* ParticipantOf(Node& node);
 
 }  // namespace musher::transport::dds

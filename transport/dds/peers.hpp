@@ -1,6 +1,6 @@
 #pragma once
 // What discovery knows now of the other participants of a domain, by DDS's builtin topics. Each
-// call reads all of it: for rare events, not for every sample.
+// call reads these topics as a whole: for rare events, not for every sample.
 //
 // Threads: any.
 

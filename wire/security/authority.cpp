@@ -24,12 +24,13 @@ bool Exists(const std::string& file) {
 }
 
 // A certificate authority with its key.
-struct Authority {
+struct CertificateAuthority {
   CertificatePtr certificate;
   KeyPtr key;
 };
 
-Result<Authority> ReadAuthority(const std::string& certificate_file, const std::string& key_file) {
+Result<CertificateAuthority> ReadAuthority(const std::string& certificate_file,
+                                           const std::string& key_file) {
   auto certificate = ReadCertificate(certificate_file);
   if (!certificate) return certificate.error();
   if (!Exists(key_file)) {
@@ -39,11 +40,12 @@ Result<Authority> ReadAuthority(const std::string& certificate_file, const std::
   }
   auto key = ReadKey(key_file);
   if (!key) return key.error();
-  return Authority{std::move(certificate).value(), std::move(key).value()};
+  return CertificateAuthority{std::move(certificate).value(), std::move(key).value()};
 }
 
-Result<Authority> MakeAuthority(const std::string& name, const std::string& certificate_file,
-                                const std::string& key_file, bool force) {
+Result<CertificateAuthority> MakeAuthority(const std::string& name,
+                                           const std::string& certificate_file,
+                                           const std::string& key_file, bool force) {
   auto key = NewKey();
   if (!key) return key.error();
   const WallTime now = Now();
@@ -54,10 +56,10 @@ Result<Authority> MakeAuthority(const std::string& name, const std::string& cert
   if (auto r = WriteCertificate(certificate_file, certificate.value().get(), force); !r) {
     return r.error();
   }
-  return Authority{std::move(certificate).value(), std::move(key).value()};
+  return CertificateAuthority{std::move(certificate).value(), std::move(key).value()};
 }
 
-Result<> AddRevoked(const KeyFolder& folder, X509* revoked, const Authority& authority) {
+Result<> AddRevoked(const KeyFolder& folder, X509* revoked, const CertificateAuthority& authority) {
   CrlPtr old;
   if (Exists(folder.Revocations())) {
     auto read = ReadRevocations(folder.Revocations());
@@ -69,8 +71,8 @@ Result<> AddRevoked(const KeyFolder& folder, X509* revoked, const Authority& aut
   return WriteRevocations(folder.Revocations(), list.value().get());
 }
 
-Result<> SignInto(const std::string& file, const std::string& document, const Authority& signer,
-                  bool replace) {
+Result<> SignInto(const std::string& file, const std::string& document,
+                  const CertificateAuthority& signer, bool replace) {
   const auto text = Sign(document, signer.certificate.get(), signer.key.get());
   if (!text) return text.error();
   return WriteText(file, text.value(), replace);

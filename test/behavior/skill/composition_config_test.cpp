@@ -7,6 +7,7 @@
 #include "musher/behavior/skill/toml/skills_toml.hpp"
 #include "musher/behavior/skill/wait.hpp"
 #include "musher/test/behavior/skill/skills.hpp"
+#include "musher/test/support/diagnostics.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::skill::composition_config_test {
@@ -36,13 +37,9 @@ class Compositions : public ::testing::Test {
     return ReadConfig(text, "skills.toml", registry_);
   }
   std::vector<std::string> ErrorsOf(const std::string& text) {
-    std::vector<std::string> lines;
     const ConfigReading reading = Reading(text);
     EXPECT_FALSE(reading.config);
-    for (const Diagnostic& diagnostic : reading.diagnostics) {
-      lines.push_back(FormatDiagnostic(diagnostic));
-    }
-    return lines;
+    return musher::testing::Lines(reading.diagnostics);
   }
   void Configure(const std::string& text) {
     const ConfigReading reading = Reading(text);

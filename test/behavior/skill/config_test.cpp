@@ -4,6 +4,7 @@
 #include "musher/behavior/skill/toml/skills_toml.hpp"
 #include "musher/behavior/skill/wait.hpp"
 #include "musher/test/behavior/skill/skills.hpp"
+#include "musher/test/support/diagnostics.hpp"
 
 namespace musher::skill::config_test {
 
@@ -19,11 +20,7 @@ class AConfig : public ::testing::Test {
     EXPECT_TRUE(registry_.Add("wait", Wait()));
   }
   std::vector<std::string> ErrorsOf(const std::string& text) {
-    std::vector<std::string> lines;
-    for (const Diagnostic& diagnostic : ReadConfig(text, "skills.toml", registry_).diagnostics) {
-      lines.push_back(FormatDiagnostic(diagnostic));
-    }
-    return lines;
+    return musher::testing::Lines(ReadConfig(text, "skills.toml", registry_).diagnostics);
   }
 
   Script script_;

@@ -52,7 +52,7 @@ ObservedController::~ObservedController() {
     machine = controller_->shell().machine();
     controller_.reset();
   });
-  for (const ActuatorRecord& actuator : machine.actuators) {
+  for (const KnownActuator& actuator : machine.actuators) {
     if (actuator.process.pid <= 0) continue;
     kill(actuator.process.pid, SIGKILL);
     waitpid(actuator.process.pid, nullptr, 0);
@@ -130,10 +130,10 @@ Time MomentOf(std::future<Time>& moment, const std::string& what) {
 }
 
 bool IsThere(const Machine& machine, ActuatorIndex actuator) {
-  const ActuatorRecord& record = machine.actuators[actuator];
+  const KnownActuator& known = machine.actuators[actuator];
   return machine.phase == Phase::kRunning && !machine.current &&
-         record.presence == Presence::kPresent && record.state() == machine.state &&
-         record.health == Health::kWell && record.checked && !record.due && !record.command;
+         known.presence == Presence::kPresent && known.state() == machine.state &&
+         known.health == Health::kWell && known.checked && !known.due && !known.command;
 }
 
 ObservedController::Condition IsOnRecord(ActuatorIndex actuator, Health health) {

@@ -52,8 +52,8 @@ class Losses {
   void OnRecord(const action::Record& record, const Machine& machine) {
     const std::lock_guard lock(mutex_);
     for (const ActuatorIndex i : last_.Indices()) {
-      const ActuatorRecord& now = machine.actuators[i];
-      ActuatorRecord& before = last_[i];
+      const KnownActuator& now = machine.actuators[i];
+      KnownActuator& before = last_[i];
       const int bad = counts_.all();
       if (now.health != before.health) {
         counts_.crashed += now.health == Health::kCrashed;
@@ -73,7 +73,7 @@ class Losses {
  private:
   mutable std::mutex mutex_;
   Counts counts_;
-  PerActuator<ActuatorRecord> last_;  // as of the last record
+  PerActuator<KnownActuator> last_;  // as of the last record
 };
 
 struct Switches {

@@ -28,12 +28,12 @@ class Comeback {
         })),
         started_(
             controller.Next([=, before = before_](const action::Record&, const Machine& machine) {
-              const ActuatorRecord& record = machine.actuators[actuator];
-              return record.process.pid != 0 && record.process.pid != before;
+              const KnownActuator& known = machine.actuators[actuator];
+              return known.process.pid != 0 && known.process.pid != before;
             })),
         back_(controller.Next([=, before = before_](const action::Record&, const Machine& machine) {
-          const ActuatorRecord& record = machine.actuators[actuator];
-          return record.report.pid != before && record.state() == kActive;
+          const KnownActuator& known = machine.actuators[actuator];
+          return known.report.pid != before && known.state() == kActive;
         })) {}
 
   pid_t before() const { return before_; }

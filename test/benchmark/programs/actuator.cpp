@@ -12,13 +12,13 @@
 #include "musher/transport/dds/node_thread.hpp"
 
 int main(int argc, char** argv) {
-  using musher::MachineActuator;
+  using Actuator = musher::ActuatorRunner<musher::MachineActuator>;
   musher::benchmark::DieWithParent();
   std::shared_ptr<musher::transport::NodeThread> node;
   if (argc > 2) node = musher::transport::NodeThread::Start().value();
-  std::vector<std::unique_ptr<MachineActuator>> actuators;
+  std::vector<std::unique_ptr<Actuator>> actuators;
   for (int i = 1; i < argc; ++i) {
-    MachineActuator& actuator = *actuators.emplace_back(std::make_unique<MachineActuator>(argv[i]));
+    Actuator& actuator = *actuators.emplace_back(std::make_unique<Actuator>(argv[i]));
     actuator.RegisterStateCallback([](const musher::State&) { return 0; });
     const auto begun = actuator.Init("", node);
     const auto started = begun ? actuator.Start() : begun;

@@ -144,9 +144,9 @@ TEST(Replay, NoticesASnapshotThatIsNotTheMachine) {
   for (JournalRow& row : rows) {
     auto* snapshot = InputOf<SnapshotPtr>(row);
     if (snapshot == nullptr || changed) continue;
-    Snapshot other = **snapshot;
+    MachineSnapshot other = **snapshot;
     other.machine.actuators[0].held = !other.machine.actuators[0].held;
-    *snapshot = std::make_shared<const Snapshot>(std::move(other));
+    *snapshot = std::make_shared<const MachineSnapshot>(std::move(other));
     changed = true;
   }
   ASSERT_TRUE(changed);
@@ -232,9 +232,9 @@ std::vector<std::string> NotesWith(const std::function<void(Machine&)>& change) 
   for (JournalRow& row : rows) {
     auto* snapshot = InputOf<SnapshotPtr>(row);
     if (snapshot == nullptr) continue;
-    Snapshot other = **snapshot;
+    MachineSnapshot other = **snapshot;
     change(other.machine);
-    *snapshot = std::make_shared<const Snapshot>(std::move(other));
+    *snapshot = std::make_shared<const MachineSnapshot>(std::move(other));
   }
   return Replayed(rows).notes;
 }

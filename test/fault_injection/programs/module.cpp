@@ -67,7 +67,7 @@ void Cycle(MachineActuator& actuator, Board& board, int hz) {
 
 int Main(const std::string& name, Board& board, int hz) {
   ++board.starts;
-  MachineActuator actuator(name);
+  ActuatorRunner<MachineActuator> actuator(name);
   actuator.RegisterStateCallback(
       [&board](const State& state) { return Callback(board, IndexOfState(state)); });
   const auto begun = actuator.Init();

@@ -197,7 +197,7 @@ TEST_F(BehaviorCommand, ReportsThatNoApplicationRunsWhereThereIsOnlyAController)
 
 TEST_F(BehaviorCommand, ReportsThatAnActuatorIsNotAStateMachine) {
   const RobotFile file({"lamp"}, {"SetUp"});
-  MachineActuator lamp("lamp");
+  ActuatorRunner<MachineActuator> lamp("lamp");
   lamp.RegisterStateCallback("SetUp", [] { return kCodeOk; });
   ASSERT_TRUE(lamp.Init(file.path()).ok());
   ASSERT_TRUE(lamp.Start().ok());

@@ -9,9 +9,10 @@
 int main() {
   const std::shared_ptr<musher::transport::NodeThread> node =
       musher::transport::NodeThread::Start().value();
-  musher::MachineActuator arm("arm");
-  musher::MachineActuator leg("leg");
-  for (musher::MachineActuator* actuator : {&arm, &leg}) {
+  using Actuator = musher::ActuatorRunner<musher::MachineActuator>;
+  Actuator arm("arm");
+  Actuator leg("leg");
+  for (Actuator* actuator : {&arm, &leg}) {
     actuator->RegisterStateCallback([](const musher::State&) { return musher::kCodeOk; });
     const auto begun = actuator->Init("", node);
     const auto started = begun ? actuator->Start() : begun;

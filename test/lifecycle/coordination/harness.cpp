@@ -228,7 +228,7 @@ State Harness::StateOf(const std::string& actuator) const {
   return fakes_[Index(actuator)].core.report.state;
 }
 
-const ActuatorRecord& Harness::RecordOf(const std::string& actuator) const {
+const KnownActuator& Harness::RecordOf(const std::string& actuator) const {
   return machine().actuators[Index(actuator)];
 }
 

@@ -91,7 +91,7 @@ class Harness : public FakeRobot {
   const Machine& machine() const { return controller_.machine; }
   const MachineConfig& config() const { return config_; }
   State StateOf(const std::string& actuator) const;
-  const ActuatorRecord& RecordOf(const std::string& actuator) const;
+  const KnownActuator& RecordOf(const std::string& actuator) const;
   const ActuatorCore& CoreOf(const std::string& actuator) const;
   bool IsAlive(const std::string& actuator) const { return fakes_[Index(actuator)].alive; }
   // The callbacks that were begun: "audio:Active".

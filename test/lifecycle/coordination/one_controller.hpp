@@ -81,7 +81,7 @@ class OneController : public ::testing::Test {
         if (Of(i).command) Obey(i);
       }
     }
-    for (const ActuatorRecord& record : machine_.actuators) EXPECT_FALSE(record.command);
+    for (const KnownActuator& known : machine_.actuators) EXPECT_FALSE(known.command);
   }
   // All actuators start and execute their commands until none is sent.
   void StartUp() {
@@ -113,7 +113,7 @@ class OneController : public ::testing::Test {
     actions_.clear();
     records_.clear();
   }
-  ActuatorRecord& Of(ActuatorIndex i) { return machine_.actuators[i]; }
+  KnownActuator& Of(ActuatorIndex i) { return machine_.actuators[i]; }
 
   MachineConfig config_ = MachineOf(2);
   Machine machine_;

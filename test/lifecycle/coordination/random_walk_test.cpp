@@ -200,24 +200,24 @@ class Walk {
     const Machine& machine = t_.machine();
     EXPECT_FALSE(machine.current);
     for (const ActuatorIndex i : machine.actuators.Indices()) {
-      const ActuatorRecord& record = machine.actuators[i];
+      const KnownActuator& known = machine.actuators[i];
       const std::string& name = t_.config().actuators[i].name;
-      EXPECT_FALSE(record.command) << name;
-      EXPECT_FALSE(record.restart.requested) << name;
-      EXPECT_FALSE(record.process.termination) << name;
-      const auto own = t_.config().RankOf(record.state());
+      EXPECT_FALSE(known.command) << name;
+      EXPECT_FALSE(known.restart.requested) << name;
+      EXPECT_FALSE(known.process.termination) << name;
+      const auto own = t_.config().RankOf(known.state());
       const auto machines = t_.config().RankOf(machine.state);
       const bool waits = machine.emergency.stop && (!own || (machines && *own < *machines));
       const bool low = !machines && own.value_or(0) <= *BuiltInRank(kDeActive);  // in a start
-      const bool in_place = record.presence == Presence::kPresent
-                                ? record.state() == machine.state || low || waits
-                                : record.presence == Presence::kAbsent &&  // a later stage
+      const bool in_place = known.presence == Presence::kPresent
+                                ? known.state() == machine.state || low || waits
+                                : known.presence == Presence::kAbsent &&  // a later stage
                                       (machine.emergency.stop || machine.phase == Phase::kFailed);
-      EXPECT_TRUE(in_place || record.held || record.fault)
-          << name << " is " << PresenceName(record.presence) << " in " << record.state()
+      EXPECT_TRUE(in_place || known.held || known.fault)
+          << name << " is " << PresenceName(known.presence) << " in " << known.state()
           << " while the machine is in " << machine.state;
       const ActuatorConfig& actuator = t_.config().actuators[i];
-      if (!actuator.critical || record.presence == Presence::kPresent || !machines) continue;
+      if (!actuator.critical || known.presence == Presence::kPresent || !machines) continue;
       EXPECT_LE(*machines, *t_.config().RankOf(actuator.on_lost)) << name << " is not there";
     }
   }

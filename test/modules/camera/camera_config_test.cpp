@@ -9,17 +9,12 @@
 namespace musher::camera::camera_config_test {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 CamerasConfig Good(const std::string& text) {
   const CamerasReading reading = ReadCamerasText(text, "/etc/dog/cameras.toml");
   for (const Diagnostic& found : reading.diagnostics) ADD_FAILURE() << FormatDiagnostic(found);
   return reading.config.value_or(CamerasConfig{});
-}
-std::vector<std::string> Faults(const std::string& text) {
-  const CamerasReading reading = ReadCamerasText(text, "/etc/dog/cameras.toml");
-  return musher::testing::Lines(reading.diagnostics);
 }
 
 TEST(CamerasConfig, OfTheRepositoryIsGood) {
@@ -85,9 +80,11 @@ from = "2"
   EXPECT_THAT(config.on_in, ElementsAre("Active"));
 }
 
-TEST(CamerasConfig, ReportsAllErrorsAtOnceWithTheirPlace) {
-  EXPECT_THAT(
-      Faults(R"(skip = ["fornt"]
+TEST(CamerasConfig, ReportsWhatIsWrongAndWhere) {
+  musher::testing::ExpectDiagnostics(
+      [](const std::string& text) { return ReadCamerasText(text, "/etc/dog/cameras.toml"); },
+      {{"all errors at once",
+        R"(skip = ["fornt"]
 [camera.front]
 topic = "/image"
 source = "vidio"
@@ -98,21 +95,16 @@ colour = true
 topic = "image_left"
 source = "world"
 from = "world/camera/left"
-)"),
-      ElementsAre(HasSubstr("cameras.toml:1:9: error: skip: expected one of front and left"),
-                  HasSubstr("cameras.toml:3:9: error: camera.front.topic: expected a topic"),
-                  HasSubstr("cameras.toml:4:10: error: camera.front.source"),
-                  HasSubstr("cameras.toml:6:12: error: camera.front.width_px: expected both"),
-                  HasSubstr("cameras.toml:7:1: error: camera.front: unknown key \"colour\"")));
-}
-
-TEST(CamerasConfig, NeedsACamera) {
-  EXPECT_THAT(Faults(""), ElementsAre(HasSubstr("camera")));
-  EXPECT_THAT(Faults("[camera]"), ElementsAre(HasSubstr("camera")));
-}
-
-TEST(CamerasConfig, RefusesTwoCamerasOnOneTopicAndACriticalOneThatIsSkipped) {
-  const std::string two = R"(
+)",
+        {"cameras.toml:1:9: error: skip: expected one of front and left",
+         "cameras.toml:3:9: error: camera.front.topic: expected a topic",
+         "cameras.toml:4:10: error: camera.front.source",
+         "cameras.toml:6:12: error: camera.front.width_px: expected both",
+         "cameras.toml:7:1: error: camera.front: unknown key \"colour\""}},
+       {"no table of cameras", "", {"camera"}},
+       {"no camera", "[camera]", {"camera"}},
+       {"two cameras on a topic, and a critical one that is skipped",
+        R"(
 skip = ["a"]
 critical = ["a"]
 [camera.a]
@@ -123,15 +115,11 @@ from = "w"
 topic = "t"
 source = "world"
 from = "w"
-)";
-  EXPECT_THAT(Faults(two), ElementsAre(HasSubstr("cannot be critical"),
-                                       HasSubstr("\"t\" is that of camera.a already")));
-}
-
-TEST(CamerasConfig, KeepsTheServicesTopicForItself) {
-  EXPECT_THAT(Faults("[camera.a]\ntopic = \"image\"\nsource = \"world\"\nfrom = \"w\"\n"),
-              ElementsAre(HasSubstr("error: camera.a.topic: \"image\" is that of "
-                                    "camera_service")));
+)",
+        {"cannot be critical", "\"t\" is that of camera.a already"}},
+       {"the topic of the service",
+        "[camera.a]\ntopic = \"image\"\nsource = \"world\"\nfrom = \"w\"\n",
+        {"error: camera.a.topic: \"image\" is that of camera_service"}}});
 }
 
 TEST(CamerasConfig, ReportsAMissingFile) {

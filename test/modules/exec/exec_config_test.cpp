@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <string>
-#include <vector>
 
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/support/diagnostics.hpp"
@@ -24,13 +23,6 @@ ActuatorConfig Audio() {
 
 ExecReading Read(const std::string& text) {
   return ReadExecText(text, "/robot/audio.toml", Audio());
-}
-
-// All diagnostics of `text`, formatted as for an editor.
-std::vector<std::string> Faults(const std::string& text) {
-  const ExecReading reading = Read(text);
-  EXPECT_FALSE(reading.config);
-  return musher::testing::Lines(reading.diagnostics);
 }
 
 TEST(ExecConfig, HasTheValuesOfTheFile) {
@@ -62,51 +54,37 @@ TEST(ExecConfig, NeedsNoMoreThanOneState) {
   EXPECT_EQ(*reading.config, ConfigForProgram({"server"}));
 }
 
-TEST(ExecConfig, NamesAStateThatTheStateConfigDoesNotList) {
-  EXPECT_THAT(Faults("[state.Activ]\nrun = [\"true\"]\n"),
-              ElementsAre("/robot/audio.toml:1:8: error: state.Activ: the state config does not "
-                          "list this state for audio; it lists SetUp, TearDown, SelfCheck and "
-                          "Active; did you mean \"Active\"?"));
-}
-
-TEST(ExecConfig, RefusesAShellLineInPlaceOfArguments) {
-  EXPECT_THAT(Faults("[state.Active]\nrun = \"echo hello\"\n"),
-              ElementsAre("/robot/audio.toml:2:7: error: state.Active.run: expected an array of "
-                          "strings, found a string; write [\"program\", \"argument\"], or shell = "
-                          "\"echo hello\" for a shell line"));
-}
-
-TEST(ExecConfig, StartsProgramsInSetUpOnly) {
-  EXPECT_THAT(Faults("[state.Active]\nstart = [\"server\"]\n"),
-              ElementsAre(HasSubstr("2:9: error: state.Active.start: a program that keeps running "
-                                    "is started in SetUp")));
-}
-
-TEST(ExecConfig, NeedsEitherRunOrShell) {
-  EXPECT_THAT(Faults("[state.Active]\nrun = [\"true\"]\nshell = \"true\"\n"),
-              ElementsAre(HasSubstr("3:9: error: state.Active.shell: expected either run or "
-                                    "shell, found both")));
-}
-
-TEST(ExecConfig, ReportsAllErrorsAtOnce) {
-  EXPECT_THAT(Faults("modul = 1\nstop_ms = 0\n[state.Active]\nrun = []\nruns = [\"\"]\n"
-                     "[state.SetUp]\nrun = [\"\"]\n"),
-              ElementsAre(HasSubstr(":1:1: error: unknown key \"modul\"; did you mean \"module\"?"),
-                          HasSubstr(":2:11: error: stop_ms: expected an integer from 1"),
-                          HasSubstr(":4:7: error: state.Active.run: expected at least one string"),
-                          HasSubstr(":5:1: error: state.Active: unknown key \"runs\""),
-                          HasSubstr(":7:8: error: state.SetUp.run: expected a program")));
-}
-
-TEST(ExecConfig, NeedsAtLeastAStateTable) {
-  EXPECT_THAT(Faults("module = 100\n"), ElementsAre(HasSubstr("the key \"state\" is missing")));
-  EXPECT_THAT(Faults("state = 3\n"), ElementsAre(HasSubstr("expected a table, found an integer")));
-  EXPECT_THAT(Faults("[state]\nActive = 3\n"),
-              ElementsAre(HasSubstr("2:10: error: state.Active: expected a table, found")));
-}
-
-TEST(ExecConfig, ReportsThePlaceOfATomlError) {
-  EXPECT_THAT(Faults("module = \n"), ElementsAre(HasSubstr("/robot/audio.toml:1:")));
+TEST(ExecConfig, ReportsWhatIsWrongAndWhere) {
+  musher::testing::ExpectDiagnostics(
+      Read,
+      {{"a state that the state config does not list",
+        "[state.Activ]\nrun = [\"true\"]\n",
+        {"/robot/audio.toml:1:8: error: state.Activ: the state config does not list this state for "
+         "audio; it lists SetUp, TearDown, SelfCheck and Active; did you mean \"Active\"?"}},
+       {"a shell line in place of arguments",
+        "[state.Active]\nrun = \"echo hello\"\n",
+        {"/robot/audio.toml:2:7: error: state.Active.run: expected an array of strings, found a "
+         "string; write [\"program\", \"argument\"], or shell = \"echo hello\" for a shell line"}},
+       {"a start in another state than SetUp",
+        "[state.Active]\nstart = [\"server\"]\n",
+        {"2:9: error: state.Active.start: a program that keeps running is started in SetUp"}},
+       {"both run and shell",
+        "[state.Active]\nrun = [\"true\"]\nshell = \"true\"\n",
+        {"3:9: error: state.Active.shell: expected either run or shell, found both"}},
+       {"all errors at once",
+        "modul = 1\nstop_ms = 0\n[state.Active]\nrun = []\nruns = [\"\"]\n"
+        "[state.SetUp]\nrun = [\"\"]\n",
+        {":1:1: error: unknown key \"modul\"; did you mean \"module\"?",
+         ":2:11: error: stop_ms: expected an integer from 1",
+         ":4:7: error: state.Active.run: expected at least one string",
+         ":5:1: error: state.Active: unknown key \"runs\"",
+         ":7:8: error: state.SetUp.run: expected a program"}},
+       {"no state", "module = 100\n", {"the key \"state\" is missing"}},
+       {"no table of states", "state = 3\n", {"expected a table, found an integer"}},
+       {"no table of a state",
+        "[state]\nActive = 3\n",
+        {"2:10: error: state.Active: expected a table, found"}},
+       {"no TOML", "module = \n", {"/robot/audio.toml:1:"}}});
 }
 
 TEST(ExecConfig, ReportsWhyAFileCannotBeRead) {

@@ -11,11 +11,6 @@ namespace musher::line_walker::walker_config_test {
 
 using ::testing::IsEmpty;
 
-std::string ErrorOf(const std::string& text) {
-  const WalkerReading reading = ReadWalkerText(text, "walker.toml");
-  return musher::testing::FirstError(reading);
-}
-
 TEST(WalkerConfig, OfTheShippedFileHasTheDefaultsButForTheCourse) {
   const auto reading = ReadWalkerFile(SourceDir() + "/config/line_walker/walker.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
@@ -26,19 +21,26 @@ TEST(WalkerConfig, OfTheShippedFileHasTheDefaultsButForTheCourse) {
   EXPECT_EQ(*reading.config, expected);
 }
 
-TEST(WalkerConfig, ReportsErrorsAtTheirPlace) {
-  EXPECT_EQ(ErrorOf("[walk]\nforward_ms = 0.3\n"),
-            "walker.toml:2:1: error: walk: unknown key \"forward_ms\"; did you mean "
-            "\"forward_m_s\"?");
-  EXPECT_EQ(ErrorOf("[topics]\nleft = \"a b\"\n"),
-            "walker.toml:2:8: error: topics.left: expected the name of a topic, as in "
-            "\"odom_out\"");
-  EXPECT_EQ(ErrorOf("[end]\nend_gap_m = 2.0\n"),
-            "walker.toml:2:13: error: end.end_gap_m: must be less than end_within_m");
-  EXPECT_EQ(ErrorOf("[walk]\nslow_m_s = 0.5\n"),
-            "walker.toml:2:12: error: walk.slow_m_s: must not be more than forward_m_s");
-  EXPECT_EQ(ErrorOf("[camera.front]\nhfov_deg = 175\n"),
-            "walker.toml:2:12: error: camera.front.hfov_deg: a pinhole has less than 170 degrees");
+TEST(WalkerConfig, ReportsWhatIsWrongAndWhere) {
+  musher::testing::ExpectDiagnostics(
+      [](const std::string& text) { return ReadWalkerText(text, "walker.toml"); },
+      {{"a misspelt key",
+        "[walk]\nforward_ms = 0.3\n",
+        {"walker.toml:2:1: error: walk: unknown key \"forward_ms\"; did you mean "
+         "\"forward_m_s\"?"}},
+       {"a topic that is no name",
+        "[topics]\nleft = \"a b\"\n",
+        {"walker.toml:2:8: error: topics.left: expected the name of a topic, as in "
+         "\"odom_out\""}},
+       {"a gap beyond the end",
+        "[end]\nend_gap_m = 2.0\n",
+        {"walker.toml:2:13: error: end.end_gap_m: must be less than end_within_m"}},
+       {"slow is faster than forward",
+        "[walk]\nslow_m_s = 0.5\n",
+        {"walker.toml:2:12: error: walk.slow_m_s: must not be more than forward_m_s"}},
+       {"an angle of no pinhole",
+        "[camera.front]\nhfov_deg = 175\n",
+        {"walker.toml:2:12: error: camera.front.hfov_deg: a pinhole has less than 170 degrees"}}});
 }
 
 TEST(WalkerConfig, OfAMissingFileIsAnError) {

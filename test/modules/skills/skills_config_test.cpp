@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "musher/modules/skills/plan/dispatcher_config.hpp"
+#include "musher/test/support/diagnostics.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::skills::skills_config_test {
@@ -14,14 +15,9 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using musher::testing::Lines;
 using ::testing::Pair;
 using ::testing::SizeIs;
-
-std::vector<std::string> Lines(const std::vector<Diagnostic>& diagnostics) {
-  std::vector<std::string> lines;
-  for (const Diagnostic& found : diagnostics) lines.push_back(FormatDiagnostic(found));
-  return lines;
-}
 
 TEST(SkillsConfig, NeedsOnlyTheRobotAndItsKind) {
   const auto reading = ReadSkillsText("robot = \"dog_1\"\nkind = \"dog\"\n", "/a/dog.toml");

@@ -33,7 +33,7 @@ struct PendingCommand {
   Time deadline{};  // of the reply; once queried, of the answer
   int queries = 0;  // how often the outcome was queried
   bool detached = false;
-  // How far the actuator's clock was ahead of ours when it was sent, as known then.
+  // How far the actuator's clock was ahead of ours, as known when the command was sent.
   Duration clock_ahead{};
 
   friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
@@ -98,16 +98,16 @@ struct FailedChecks {
 };
 
 // Whether this controller controls an actuator.
-struct ControlRecord {
+struct ControlState {
   Incarnation incarnation = 0;  // that TakeControl() was sent to
   std::optional<Time> again;    // it has not answered yet; retry at this time
   // It has a higher epoch: take control at this time, if no controller leads with that epoch.
   std::optional<Time> rival_until;
 
-  friend bool operator==(const ControlRecord&, const ControlRecord&) = default;
+  friend bool operator==(const ControlState&, const ControlState&) = default;
 };
 
-struct ActuatorRecord {
+struct KnownActuator {
   Presence presence = Presence::kAbsent;
   ActuatorReport report;  // the last one
   // The last report of a process on another host that publishes as this actuator while the known
@@ -120,7 +120,7 @@ struct ActuatorRecord {
   Time clock_ours{};
   ActuatorProcess process;
   Restarts restart;
-  ControlRecord control;
+  ControlState control;
   std::optional<Time> set_up_by;  // not present by then: given up for now
   std::optional<Time> free_by;    // it is busy with a command that no switch waits for
 
@@ -140,14 +140,15 @@ struct ActuatorRecord {
   std::optional<ActuatorFault> fault;  // why it is degraded
   std::optional<Error> tolerated;      // a failure of its last self-check that is not critical
   RecordId cause = 0;  // the record with the reason why it is degraded, lost or back
-  // The other host on which it ran by its last status, also when an earlier controller received
-  // that; "" if its protocol does not name the host. None: it is torn down, has exited, or runs
-  // here. Stored: after a reboot of this host it may still run there and be out of reach.
+  // The other host on which the actuator ran, by the last status, which an earlier controller may
+  // have received; "" if the protocol does not name the host. None: the actuator is torn down, has
+  // exited, or runs here. Stored, because after a reboot of this host the actuator may still run on
+  // the other one and be out of reach.
   std::optional<std::string> elsewhere;
 
   const State& state() const { return report.state; }
 
-  friend bool operator==(const ActuatorRecord&, const ActuatorRecord&) = default;
+  friend bool operator==(const KnownActuator&, const KnownActuator&) = default;
 };
 
 }  // namespace musher
@@ -209,10 +210,10 @@ inline constexpr std::tuple kFields<Restarts> = {
 };
 
 template <>
-inline constexpr std::tuple kFields<ControlRecord> = {
-    Field{"controlled", &ControlRecord::incarnation},
-    Field{"control_again", &ControlRecord::again},
-    Field{"rival_until", &ControlRecord::rival_until},
+inline constexpr std::tuple kFields<ControlState> = {
+    Field{"controlled", &ControlState::incarnation},
+    Field{"control_again", &ControlState::again},
+    Field{"rival_until", &ControlState::rival_until},
 };
 
 template <>
@@ -220,30 +221,30 @@ inline constexpr std::tuple kFields<FailedChecks> = {Field{"count", &FailedCheck
                                                      Field{"at", &FailedChecks::at}};
 
 template <>
-inline constexpr std::tuple kFields<ActuatorRecord> = {
-    Field{"presence", &ActuatorRecord::presence},
-    Field{"report", &ActuatorRecord::report},
-    Field{"other", &ActuatorRecord::other},
-    Field{"clock_theirs", &ActuatorRecord::clock_theirs},
-    Field{"clock_ours", &ActuatorRecord::clock_ours},
-    Part{&ActuatorRecord::process},
-    Part{&ActuatorRecord::restart},
-    Part{&ActuatorRecord::control},
-    Field{"set_up_by", &ActuatorRecord::set_up_by},
-    Field{"checked", &ActuatorRecord::checked},
-    Field{"join_tried", &ActuatorRecord::join_tried},
-    Field{"failed_checks", &ActuatorRecord::failed_checks},
-    Field{"set_again", &ActuatorRecord::set_again},
-    Field{"held", &ActuatorRecord::held},
-    Field{"due", &ActuatorRecord::due},
-    Field{"fault", &ActuatorRecord::fault},
-    Field{"tolerated", &ActuatorRecord::tolerated},
-    Field{"command", &ActuatorRecord::command},
-    Field{"cause", &ActuatorRecord::cause},
-    Field{"health", &ActuatorRecord::health},
-    Field{"suspended", &ActuatorRecord::suspended},
-    Field{"free_by", &ActuatorRecord::free_by},
-    Field{"elsewhere", &ActuatorRecord::elsewhere},
+inline constexpr std::tuple kFields<KnownActuator> = {
+    Field{"presence", &KnownActuator::presence},
+    Field{"report", &KnownActuator::report},
+    Field{"other", &KnownActuator::other},
+    Field{"clock_theirs", &KnownActuator::clock_theirs},
+    Field{"clock_ours", &KnownActuator::clock_ours},
+    Part{&KnownActuator::process},
+    Part{&KnownActuator::restart},
+    Part{&KnownActuator::control},
+    Field{"set_up_by", &KnownActuator::set_up_by},
+    Field{"checked", &KnownActuator::checked},
+    Field{"join_tried", &KnownActuator::join_tried},
+    Field{"failed_checks", &KnownActuator::failed_checks},
+    Field{"set_again", &KnownActuator::set_again},
+    Field{"held", &KnownActuator::held},
+    Field{"due", &KnownActuator::due},
+    Field{"fault", &KnownActuator::fault},
+    Field{"tolerated", &KnownActuator::tolerated},
+    Field{"command", &KnownActuator::command},
+    Field{"cause", &KnownActuator::cause},
+    Field{"health", &KnownActuator::health},
+    Field{"suspended", &KnownActuator::suspended},
+    Field{"free_by", &KnownActuator::free_by},
+    Field{"elsewhere", &KnownActuator::elsewhere},
 };
 
 }  // namespace musher::fields

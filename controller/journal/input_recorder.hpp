@@ -12,10 +12,10 @@
 
 namespace musher::recording {
 
-class Recorder {
+class InputRecorder {
  public:
   // The sink must outlive it.
-  Recorder(JournalSink& sink, const MachineConfig& config);
+  InputRecorder(JournalSink& sink, const MachineConfig& config);
 
   // Call first, with the text of the machine's config.
   void Begin(std::int64_t wall_ns, std::string config_text);

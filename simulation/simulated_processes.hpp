@@ -49,14 +49,14 @@ inline ProcessExit WrongConfigExit() {
   return {ProcessExit::Kind::kExited, kUsageExitCode, "its configuration is wrong"};
 }
 
-class Processes {
+class SimulatedProcesses {
  public:
   // All must outlive it.
-  Processes(transport::sim::Network& network, const MachineConfig& config, Hosts& hosts,
-            const Layout& layout);
-  ~Processes();
-  Processes(const Processes&) = delete;
-  Processes& operator=(const Processes&) = delete;
+  SimulatedProcesses(transport::sim::Network& network, const MachineConfig& config, Hosts& hosts,
+                     const Layout& layout);
+  ~SimulatedProcesses();
+  SimulatedProcesses(const SimulatedProcesses&) = delete;
+  SimulatedProcesses& operator=(const SimulatedProcesses&) = delete;
 
   std::function<std::unique_ptr<Module>(const std::string& name)> make_module;
   // After each step of an actuator; may be empty.

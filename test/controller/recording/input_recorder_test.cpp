@@ -1,10 +1,10 @@
-#include "musher/controller/journal/recorder.hpp"
+#include "musher/controller/journal/input_recorder.hpp"
 
 #include <gmock/gmock.h>
 
 #include <vector>
 
-namespace musher::recording::recorder_test {
+namespace musher::recording::input_recorder_test {
 
 class Sink : public JournalSink {
  public:
@@ -24,9 +24,9 @@ class Sink : public JournalSink {
   bool wants = false;
 };
 
-class RecorderTest : public ::testing::Test {
+class InputRecorderTest : public ::testing::Test {
  protected:
-  RecorderTest() {
+  InputRecorderTest() {
     config_.hash = "cafe";
     machine_.phase = Phase::kRunning;
     recorder_.Begin(1, "[controller]");
@@ -38,10 +38,10 @@ class RecorderTest : public ::testing::Test {
   MachineConfig config_;
   Machine machine_;
   Sink sink_;
-  Recorder recorder_{sink_, config_};
+  InputRecorder recorder_{sink_, config_};
 };
 
-TEST_F(RecorderTest, RecordsTheConfigAndThenEveryEventWithItsTime) {
+TEST_F(InputRecorderTest, RecordsTheConfigAndThenEveryEventWithItsTime) {
   recorder_.Note(2, machine_, event::SetUpAwaited{5}, Time(Milliseconds(7)));
   ASSERT_EQ(sink_.Kinds(), "ce");
   EXPECT_EQ(std::get<ConfigText>(sink_.inputs[0].what), (ConfigText{"", "cafe", "[controller]"}));
@@ -49,7 +49,7 @@ TEST_F(RecorderTest, RecordsTheConfigAndThenEveryEventWithItsTime) {
             (TimedEvent{event::SetUpAwaited{5}, Time(Milliseconds(7))}));
 }
 
-TEST_F(RecorderTest, TakesASnapshotEveryThousandInputs) {
+TEST_F(InputRecorderTest, TakesASnapshotEveryThousandInputs) {
   Note(2500);
   EXPECT_EQ(sink_.inputs.size(), 1U + 2500U + 2U);
   const auto* snapshot = std::get_if<SnapshotPtr>(&sink_.inputs[1001].what);
@@ -58,13 +58,13 @@ TEST_F(RecorderTest, TakesASnapshotEveryThousandInputs) {
   EXPECT_EQ((*snapshot)->config_hash, "cafe");
 }
 
-TEST_F(RecorderTest, TakesSnapshotsOfALargeMachineLessOften) {
+TEST_F(InputRecorderTest, TakesSnapshotsOfALargeMachineLessOften) {
   machine_.actuators.resize(100);
   Note(3001);
   EXPECT_EQ(sink_.inputs.size(), 1U + 3001U + 1U);
 }
 
-TEST_F(RecorderTest, RecordsTheConfigOnceMoreWhenTheJournalHasLostEarlierInputs) {
+TEST_F(InputRecorderTest, RecordsTheConfigOnceMoreWhenTheJournalHasLostEarlierInputs) {
   Note(1);
   sink_.wants = true;
   Note(2);
@@ -72,4 +72,4 @@ TEST_F(RecorderTest, RecordsTheConfigOnceMoreWhenTheJournalHasLostEarlierInputs)
   EXPECT_EQ(std::get<ConfigText>(sink_.inputs[2].what).text, "[controller]");
 }
 
-}  // namespace musher::recording::recorder_test
+}  // namespace musher::recording::input_recorder_test

@@ -17,7 +17,7 @@
 #include "musher/controller/shell/controller_services.hpp"
 #include "musher/controller/shell/controller_shell.hpp"
 #include "musher/cyberdog/extension.hpp"
-#include "musher/simulation/processes.hpp"
+#include "musher/simulation/simulated_processes.hpp"
 
 namespace musher::simulation {
 
@@ -46,7 +46,7 @@ struct Disk {
   bool wants_snapshot = false;  // a row was lost since the last snapshot
 };
 
-class ControllerProcess : private ProcessRunner, private ProcessProbe, private JournalSink {
+class SimulatedController : private ProcessRunner, private ProcessProbe, private JournalSink {
  public:
   struct Hooks {
     std::function<void()> on_input;  // before each step of the decision code
@@ -60,10 +60,11 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   };
 
   // All must outlive it.
-  ControllerProcess(transport::sim::Network& network, const std::string& endpoint, std::size_t host,
-                    Hosts& hosts, const MachineConfig& config, const std::string& machine_id,
-                    Processes& processes, Disk& disk, Hooks hooks);
-  ~ControllerProcess() override;
+  SimulatedController(transport::sim::Network& network, const std::string& endpoint,
+                      std::size_t host, Hosts& hosts, const MachineConfig& config,
+                      const std::string& machine_id, SimulatedProcesses& processes, Disk& disk,
+                      Hooks hooks);
+  ~SimulatedController() override;
 
   // Takes control of the machine. Refuses when it has received heartbeats of another controller,
   // unless `takeover` is set. `restarted`: by a supervisor.
@@ -118,7 +119,7 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
 
   transport::sim::Network& network_;
   const MachineConfig& config_;
-  Processes& processes_;
+  SimulatedProcesses& processes_;
   Disk& disk_;
   Hooks hooks_;
   const std::string endpoint_;

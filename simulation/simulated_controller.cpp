@@ -1,4 +1,4 @@
-#include "musher/simulation/controller_process.hpp"
+#include "musher/simulation/simulated_controller.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -7,10 +7,11 @@
 
 namespace musher::simulation {
 
-ControllerProcess::ControllerProcess(transport::sim::Network& network, const std::string& endpoint,
-                                     std::size_t host, Hosts& hosts, const MachineConfig& config,
-                                     const std::string& machine_id, Processes& processes,
-                                     Disk& disk, Hooks hooks)
+SimulatedController::SimulatedController(transport::sim::Network& network,
+                                         const std::string& endpoint, std::size_t host,
+                                         Hosts& hosts, const MachineConfig& config,
+                                         const std::string& machine_id,
+                                         SimulatedProcesses& processes, Disk& disk, Hooks hooks)
     : network_(network),
       config_(config),
       processes_(processes),
@@ -80,7 +81,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   shell_ = std::move(shell).value();
 }
 
-Result<> ControllerProcess::OpenServices() {
+Result<> SimulatedController::OpenServices() {
   services_ = ControllerServices::Make(*node_, *shell_, [this](auto since, auto limit, auto done) {
                 ReadDisk(since, limit, std::move(done));
               }).value();
@@ -91,7 +92,7 @@ Result<> ControllerProcess::OpenServices() {
   return Ok();
 }
 
-void ControllerProcess::ReadDisk(std::int64_t since_wall_ns, std::size_t limit, OnHistory done) {
+void SimulatedController::ReadDisk(std::int64_t since_wall_ns, std::size_t limit, OnHistory done) {
   JournalReading reading;
   for (const JournalRow& row : disk_.recording) {
     const auto* entry = std::get_if<JournalEntry>(&row.item);
@@ -104,8 +105,8 @@ void ControllerProcess::ReadDisk(std::int64_t since_wall_ns, std::size_t limit, 
 }
 
 template <class T>
-void ControllerProcess::Save(T& stored, const T& value,
-                             const ControllerShell::Dependencies::OnSaved& done) {
+void SimulatedController::Save(T& stored, const T& value,
+                               const ControllerShell::Dependencies::OnSaved& done) {
   const auto write = [this, &stored, value, done] {
     if (disk_.full) return done(Error{kCodeFailed, "the disk is full"});
     stored = value;
@@ -117,7 +118,7 @@ void ControllerProcess::Save(T& stored, const T& value,
 }
 
 // Rows that are not durable are lost with the process.
-ControllerProcess::~ControllerProcess() {
+SimulatedController::~SimulatedController() {
   std::erase_if(disk_.writes, [this](const auto& write) { return write.controller == serial_; });
   std::erase_if(disk_.last_saves,
                 [this](const auto& save) { return save.second.controller == serial_; });
@@ -128,7 +129,7 @@ ControllerProcess::~ControllerProcess() {
   network_.Crash(*node_);
 }
 
-void ControllerProcess::Begin(bool takeover, bool restarted) {
+void SimulatedController::Begin(bool takeover, bool restarted) {
   event::Begin begin;
   begin.epoch = disk_.epoch;
   if (const auto& rival = shell_->rival()) {
@@ -154,7 +155,7 @@ void ControllerProcess::Begin(bool takeover, bool restarted) {
   shell_->Begin(std::move(begin), children);
 }
 
-void ControllerProcess::OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit) {
+void SimulatedController::OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit) {
   if (host != host_) return;
   const auto watcher = watchers_.extract(pid);
   if (watcher.empty()) return;
@@ -165,7 +166,7 @@ void ControllerProcess::OnEnd(std::size_t host, std::int32_t pid, const ProcessE
 
 // A Musher actuator holds its name while it runs; the process of any other program is found by what
 // a controller has stored about it.
-pid_t ControllerProcess::FindOne(const std::string& actuator) {
+pid_t SimulatedController::FindOne(const std::string& actuator) {
   const pid_t pid = processes_.PidOf(actuator, host_);
   if (!processes_.IsProgram(actuator)) return pid;
   const auto child = disk_.children.find(actuator);
@@ -174,14 +175,14 @@ pid_t ControllerProcess::FindOne(const std::string& actuator) {
   return known ? pid : 0;
 }
 
-std::vector<pid_t> ControllerProcess::Find(const std::vector<std::string>& actuators) {
+std::vector<pid_t> SimulatedController::Find(const std::vector<std::string>& actuators) {
   std::vector<pid_t> found;
   found.reserve(actuators.size());
   for (const std::string& actuator : actuators) found.push_back(FindOne(actuator));
   return found;
 }
 
-Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) {
+Result<pid_t> SimulatedController::Start(const ProcessSpec& spec, OnExit on_exit) {
   if (!config_.IndexOf(spec.name)) return Error{kCodeUnSupport, "there is no power to switch"};
   if (hooks_.on_start) hooks_.on_start(spec.name);
   if (processes_.IsAlive(spec.name, host_)) return Error{kCodeTargetBusy, "it runs already"};
@@ -195,25 +196,25 @@ Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) 
   return pid;
 }
 
-Result<> ControllerProcess::Watch(pid_t pid, OnExit on_exit) {
+Result<> SimulatedController::Watch(pid_t pid, OnExit on_exit) {
   if (!processes_.Exists(host_, pid)) return Error{kCodeFailed, "no such process"};
   // Not a child: its exit code is not known.
   watchers_[pid].push_back([on_exit = std::move(on_exit)](const ProcessExit&) { on_exit({}); });
   return Ok();
 }
 
-Result<> ControllerProcess::Prove(const std::string& actuator, pid_t pid, pid_t) {
+Result<> SimulatedController::Prove(const std::string& actuator, pid_t pid, pid_t) {
   if (!processes_.Exists(host_, pid)) return Error{kCodeStateInvalid, "no such process"};
   if (processes_.PidOf(actuator, host_) == pid) return Ok();
   return Error{kCodePermissionDenied, "it is another actuator's process"};
 }
 
-void ControllerProcess::TakeBacktrace(pid_t, Duration,
-                                      std::function<void(Result<std::string>)> done) {
+void SimulatedController::TakeBacktrace(pid_t, Duration,
+                                        std::function<void(Result<std::string>)> done) {
   node_->loop().Post([done = std::move(done)] { done(std::string("main()")); });
 }
 
-void ControllerProcess::Append(JournalItem item) noexcept {
+void SimulatedController::Append(JournalItem item) noexcept {
   if (std::holds_alternative<JournalInput>(item) && hooks_.on_input) hooks_.on_input();
   if (disk_.full) {
     disk_.gap = disk_.wants_snapshot = true;
@@ -223,7 +224,7 @@ void ControllerProcess::Append(JournalItem item) noexcept {
       {static_cast<std::int64_t>(disk_.recording.size()) + 1, std::move(item)});
 }
 
-bool ControllerProcess::WantsSnapshot() noexcept {
+bool SimulatedController::WantsSnapshot() noexcept {
   const bool lost = !disk_.full && std::exchange(disk_.wants_snapshot, false);
   return ++inputs_ % 41 == 0 || lost;
 }

@@ -1,4 +1,4 @@
-#include "musher/controller/journal/recorder.hpp"
+#include "musher/controller/journal/input_recorder.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -12,14 +12,16 @@ constexpr std::size_t kInputsForActuator = 30;
 
 }  // namespace
 
-Recorder::Recorder(JournalSink& sink, const MachineConfig& config) : sink_(sink), config_(config) {}
+InputRecorder::InputRecorder(JournalSink& sink, const MachineConfig& config)
+    : sink_(sink), config_(config) {}
 
-void Recorder::Begin(std::int64_t wall_ns, std::string config_text) {
+void InputRecorder::Begin(std::int64_t wall_ns, std::string config_text) {
   config_text_ = std::move(config_text);
   sink_.Append(JournalInput{wall_ns, ConfigText{config_.file, config_.hash, config_text_}});
 }
 
-void Recorder::Note(std::int64_t wall_ns, const Machine& before, const Event& event, Time now) {
+void InputRecorder::Note(std::int64_t wall_ns, const Machine& before, const Event& event,
+                         Time now) {
   if (sink_.WantsSnapshot() && before.phase != Phase::kIdle) {
     Begin(wall_ns, std::move(config_text_));  // it may also be lost
     TakeSnapshot(wall_ns, before);
@@ -31,9 +33,9 @@ void Recorder::Note(std::int64_t wall_ns, const Machine& before, const Event& ev
   ++since_snapshot_;
 }
 
-void Recorder::TakeSnapshot(std::int64_t wall_ns, const Machine& machine) {
-  sink_.Append(
-      JournalInput{wall_ns, std::make_shared<const Snapshot>(Snapshot{config_.hash, machine})});
+void InputRecorder::TakeSnapshot(std::int64_t wall_ns, const Machine& machine) {
+  sink_.Append(JournalInput{
+      wall_ns, std::make_shared<const MachineSnapshot>(MachineSnapshot{config_.hash, machine})});
   since_snapshot_ = 0;
 }
 

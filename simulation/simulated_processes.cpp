@@ -1,4 +1,4 @@
-#include "musher/simulation/processes.hpp"
+#include "musher/simulation/simulated_processes.hpp"
 
 #include <signal.h>
 
@@ -11,7 +11,7 @@
 namespace musher::simulation {
 
 // Runs the callback at once, and reports its end as much later as the module says.
-class Processes::SimWorker : public Worker {
+class SimulatedProcesses::SimWorker : public Worker {
  public:
   using OnDone = std::function<void(const State&)>;  // of a callback that succeeds
 
@@ -33,23 +33,24 @@ class Processes::SimWorker : public Worker {
   transport::LoopHandlePtr end_;
 };
 
-Processes::Processes(transport::sim::Network& network, const MachineConfig& config, Hosts& hosts,
-                     const Layout& layout)
+SimulatedProcesses::SimulatedProcesses(transport::sim::Network& network,
+                                       const MachineConfig& config, Hosts& hosts,
+                                       const Layout& layout)
     : network_(network),
       config_(config),
       hosts_(hosts),
       layout_(layout),
       environment_(network.MakeNode("environment")) {}
 
-Processes::~Processes() {
+SimulatedProcesses::~SimulatedProcesses() {
   while (!alive_.empty()) End(alive_.begin()->first, {ProcessExit::Kind::kKilled, SIGKILL});
 }
 
-std::size_t Processes::HomeOf(const std::string& name) const {
+std::size_t SimulatedProcesses::HomeOf(const std::string& name) const {
   return layout_.HostOf(*config_.IndexOf(name));
 }
 
-const Processes::Process* Processes::Find(const std::string& name) const {
+const SimulatedProcesses::Process* SimulatedProcesses::Find(const std::string& name) const {
   const auto running = running_.find(name);
   if (running == running_.end() || running->second.empty()) return nullptr;
   if (running->second.size() == 1) return running->second.front();
@@ -57,7 +58,8 @@ const Processes::Process* Processes::Find(const std::string& name) const {
   return at_home == nullptr ? running->second.front() : at_home;
 }
 
-const Processes::Process* Processes::Find(const std::string& name, std::size_t host) const {
+const SimulatedProcesses::Process* SimulatedProcesses::Find(const std::string& name,
+                                                            std::size_t host) const {
   const auto running = running_.find(name);
   if (running == running_.end()) return nullptr;
   for (const Process* process : running->second) {
@@ -66,25 +68,27 @@ const Processes::Process* Processes::Find(const std::string& name, std::size_t h
   return nullptr;
 }
 
-const Processes::Process* Processes::Find(std::size_t host, std::int32_t pid) const {
+const SimulatedProcesses::Process* SimulatedProcesses::Find(std::size_t host,
+                                                            std::int32_t pid) const {
   for (const auto& [serial, process] : alive_) {
     if (process.host == host && process.pid == pid) return &process;
   }
   return nullptr;
 }
 
-const Processes::Part& Processes::PartOf(const Process& process, const std::string& name) {
+const SimulatedProcesses::Part& SimulatedProcesses::PartOf(const Process& process,
+                                                           const std::string& name) {
   return **std::find_if(process.parts.begin(), process.parts.end(),
                         [&](const auto& part) { return part->name == name; });
 }
 
-std::size_t Processes::CountOf(const std::string& name) const {
+std::size_t SimulatedProcesses::CountOf(const std::string& name) const {
   const auto running = running_.find(name);
   return running == running_.end() ? 0 : running->second.size();
 }
 
-std::int32_t Processes::Launch(const std::string& name, std::size_t host,
-                               const MachineIdentity& machine) {
+std::int32_t SimulatedProcesses::Launch(const std::string& name, std::size_t host,
+                                        const MachineIdentity& machine) {
   const ActuatorIndex first = layout_.ProcessOf(*config_.IndexOf(name));
   const std::uint64_t serial = hosts_.NewSerial();
   Process& process = alive_[serial];
@@ -102,7 +106,8 @@ std::int32_t Processes::Launch(const std::string& name, std::size_t host,
   return process.pid;
 }
 
-void Processes::AddPart(Process& process, const std::string& name, const MachineIdentity& machine) {
+void SimulatedProcesses::AddPart(Process& process, const std::string& name,
+                                 const MachineIdentity& machine) {
   Part& part = *process.parts.emplace_back(std::make_unique<Part>());
   part.name = name;
   running_[name].push_back(&process);
@@ -128,8 +133,8 @@ void Processes::AddPart(Process& process, const std::string& name, const Machine
   part.shell->Start();
 }
 
-ActuatorShell::Hooks Processes::HooksOf(const Process& process, Part& part,
-                                        const std::shared_ptr<Running>& running) {
+ActuatorShell::Hooks SimulatedProcesses::HooksOf(const Process& process, Part& part,
+                                                 const std::shared_ptr<Running>& running) {
   ActuatorShell::Hooks hooks;
   Module* module = part.module.get();
   hooks.run_callback = [module, running](const State& state) -> Result<> {
@@ -155,7 +160,8 @@ ActuatorShell::Hooks Processes::HooksOf(const Process& process, Part& part,
 }
 
 // A process exits when all of its actuators are torn down, or when a SetUp has failed.
-void Processes::OnFinished(const std::string& name, std::uint64_t serial, const Error& error) {
+void SimulatedProcesses::OnFinished(const std::string& name, std::uint64_t serial,
+                                    const Error& error) {
   const auto process = alive_.find(serial);
   if (process == alive_.end()) return;
   if (error.code != kCodeOk) return EndLater(serial, {ProcessExit::Kind::kExited, 1});
@@ -167,21 +173,21 @@ void Processes::OnFinished(const std::string& name, std::uint64_t serial, const 
   if (all) EndLater(serial, {ProcessExit::Kind::kExited, 0});
 }
 
-void Processes::EndLater(std::uint64_t serial, const ProcessExit& exit) {
+void SimulatedProcesses::EndLater(std::uint64_t serial, const ProcessExit& exit) {
   environment_->loop().Post([=, this] {
     if (alive_.count(serial) > 0) End(serial, exit);
   });
 }
 
-void Processes::End(const std::string& name, const ProcessExit& exit) {
+void SimulatedProcesses::End(const std::string& name, const ProcessExit& exit) {
   End(Find(name)->serial, exit);
 }
 
-void Processes::End(const std::string& name, std::size_t host, const ProcessExit& exit) {
+void SimulatedProcesses::End(const std::string& name, std::size_t host, const ProcessExit& exit) {
   End(Find(name, host)->serial, exit);
 }
 
-void Processes::EndAllOn(std::size_t host) {
+void SimulatedProcesses::EndAllOn(std::size_t host) {
   std::vector<std::uint64_t> serials;
   for (const auto& [serial, process] : alive_) {
     if (process.host == host) serials.push_back(serial);
@@ -189,7 +195,7 @@ void Processes::EndAllOn(std::size_t host) {
   for (const std::uint64_t serial : serials) End(serial, {ProcessExit::Kind::kKilled, SIGKILL});
 }
 
-void Processes::End(std::uint64_t serial, const ProcessExit& exit) {
+void SimulatedProcesses::End(std::uint64_t serial, const ProcessExit& exit) {
   auto process = alive_.extract(serial);
   Process& dead = process.mapped();
   for (const auto& part : dead.parts) std::erase(running_[part->name], &dead);
@@ -202,7 +208,7 @@ void Processes::End(std::uint64_t serial, const ProcessExit& exit) {
   if (on_end) on_end(dead.host, dead.pid, exit);
 }
 
-void Processes::Misconfigure(const std::string& name, bool wrong) {
+void SimulatedProcesses::Misconfigure(const std::string& name, bool wrong) {
   if (wrong) {
     misconfigured_.insert(name);
   } else {
@@ -210,48 +216,49 @@ void Processes::Misconfigure(const std::string& name, bool wrong) {
   }
 }
 
-void Processes::Freeze(const std::string& name) {
+void SimulatedProcesses::Freeze(const std::string& name) {
   Process& process = *Find(name);
   process.frozen = true;
   network_.Pause(*process.node);
 }
 
-void Processes::Thaw(const std::string& name) {
+void SimulatedProcesses::Thaw(const std::string& name) {
   Process& process = *Find(name);
   process.frozen = false;
   process.thawed = network_.now();
   network_.Resume(*process.node);
 }
 
-bool Processes::IsFrozen(const std::string& name) const {
+bool SimulatedProcesses::IsFrozen(const std::string& name) const {
   return Find(name)->frozen;
 }
 
-bool Processes::IsFrozen(const std::string& name, std::size_t host) const {
+bool SimulatedProcesses::IsFrozen(const std::string& name, std::size_t host) const {
   return Find(name, host)->frozen;
 }
 
-std::optional<Time> Processes::FrozenUntil(const std::string& name, std::size_t host) const {
+std::optional<Time> SimulatedProcesses::FrozenUntil(const std::string& name,
+                                                    std::size_t host) const {
   const Process& process = *Find(name, host);
   return process.frozen ? Time::max() : process.thawed;
 }
 
-std::int32_t Processes::PidOf(const std::string& name) const {
+std::int32_t SimulatedProcesses::PidOf(const std::string& name) const {
   const Process* process = Find(name);
   return process == nullptr ? 0 : process->pid;
 }
 
-std::int32_t Processes::PidOf(const std::string& name, std::size_t host) const {
+std::int32_t SimulatedProcesses::PidOf(const std::string& name, std::size_t host) const {
   const Process* process = Find(name, host);
   return process == nullptr ? 0 : process->pid;
 }
 
-std::uint64_t Processes::SerialOf(std::size_t host, std::int32_t pid) const {
+std::uint64_t SimulatedProcesses::SerialOf(std::size_t host, std::int32_t pid) const {
   const Process* process = Find(host, pid);
   return process == nullptr ? 0 : process->serial;
 }
 
-Result<> Processes::Signal(std::size_t host, std::int32_t pid, int signal) {
+Result<> SimulatedProcesses::Signal(std::size_t host, std::int32_t pid, int signal) {
   const Process* process = Find(host, pid);
   if (process == nullptr) return Error{kCodeFailed, "no such process"};
   if (process->frozen && signal != SIGKILL) return Ok();  // pending until it is resumed
@@ -259,25 +266,26 @@ Result<> Processes::Signal(std::size_t host, std::int32_t pid, int signal) {
   return Ok();
 }
 
-Examination Processes::Examine(std::size_t host, std::int32_t pid) const {
+Examination SimulatedProcesses::Examine(std::size_t host, std::int32_t pid) const {
   const Process* process = Find(host, pid);
   if (process == nullptr) return {Examination::Process::kExited, {}};
   return {process->frozen ? Examination::Process::kStopped : Examination::Process::kRunning, {}};
 }
 
-const ActuatorReport* Processes::ReportOf(const std::string& name) const {
+const ActuatorReport* SimulatedProcesses::ReportOf(const std::string& name) const {
   const Process* process = Find(name);
   return process == nullptr ? nullptr : ReportOf(name, process->host);
 }
 
-const ActuatorReport* Processes::ReportOf(const std::string& name, std::size_t host) const {
+const ActuatorReport* SimulatedProcesses::ReportOf(const std::string& name,
+                                                   std::size_t host) const {
   const Process* process = Find(name, host);
   if (process == nullptr) return nullptr;
   const auto& shell = PartOf(*process, name).shell;
   return shell ? &shell->report() : nullptr;
 }
 
-void Processes::SwitchPower(Part& part, const State& target) const {
+void SimulatedProcesses::SwitchPower(Part& part, const State& target) const {
   const auto rank = config_.RankOf(target);
   if (!rank || !part.shell) return;
   const ActuatorReport& report = part.shell->report();
@@ -290,32 +298,32 @@ void Processes::SwitchPower(Part& part, const State& target) const {
   }
 }
 
-const ActuatorCore* Processes::CoreOf(const std::string& name, std::size_t host) const {
+const ActuatorCore* SimulatedProcesses::CoreOf(const std::string& name, std::size_t host) const {
   const Process* process = Find(name, host);
   if (process == nullptr) return nullptr;
   const auto& shell = PartOf(*process, name).shell;
   return shell ? &shell->core() : nullptr;
 }
 
-bool Processes::IsPowered(const std::string& name, std::size_t host) const {
+bool SimulatedProcesses::IsPowered(const std::string& name, std::size_t host) const {
   const Process* process = Find(name, host);
   return process != nullptr && PartOf(*process, name).powered;
 }
 
-bool Processes::HasPower(const std::string& name, std::size_t host) const {
+bool SimulatedProcesses::HasPower(const std::string& name, std::size_t host) const {
   const Process* process = Find(name, host);
   return process != nullptr && PartOf(*process, name).has_power;
 }
 
-const std::string& Processes::EndpointOf(const std::string& name, std::size_t host) const {
+const std::string& SimulatedProcesses::EndpointOf(const std::string& name, std::size_t host) const {
   return Find(name, host)->endpoint;
 }
 
-Time Processes::StartOf(const std::string& name, std::size_t host) const {
+Time SimulatedProcesses::StartOf(const std::string& name, std::size_t host) const {
   return Find(name, host)->started;
 }
 
-void Processes::Lie(const std::string& name, const State& state) {
+void SimulatedProcesses::Lie(const std::string& name, const State& state) {
   Process& process = *Find(name);
   Part& part = const_cast<Part&>(PartOf(process, name));
   if (!part.shell || process.frozen) return;

@@ -1,0 +1,85 @@
+#include "musher/application/application_impl.hpp"
+
+#include <utility>
+
+#include "musher/base/check.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
+
+namespace musher {
+
+ApplicationImpl::ApplicationImpl(MachineActuator& actuator, double rate_hz)
+    : actuator_(actuator), rate_hz_(rate_hz) {
+  MUSHER_CHECK(rate_hz > 0);
+}
+
+Result<> ApplicationImpl::Run(const State& state) {
+  if (state == kSetUp) {
+    actuator_.RunOnLoop([this] { open_ = false; });
+    return SetUp();
+  }
+  if (state == kSelfCheck) return SelfCheck();
+  Result<> result;
+  actuator_.RunOnLoop([&] {
+    if (state == kActive) {
+      result = Activate();
+    } else {
+      Leave(state);
+    }
+  });
+  return result;
+}
+
+void ApplicationImpl::OnEmergencyStop() {
+  if (open_) StopAtOnce();
+}
+
+Result<> ApplicationImpl::Open(const std::function<void(transport::Endpoints&)>& open) {
+  Result<> opened = actuator_.OpenEndpoints([&](transport::Endpoints& topics) {
+    ticks_.Open(topics);
+    open(topics);
+  });
+  actuator_.RunOnLoop([&] { open_ = opened.ok(); });
+  return opened;
+}
+
+void ApplicationImpl::ServeCommands(transport::Endpoints& topics,
+                                    std::function<Result<>(const std::string& command)> send) {
+  topics.Serve<msg::SendCommand>(actuator_.name() + "/send_command",
+                                 [send = std::move(send)](const auto& request, auto reply) {
+                                   const Result<> sent = send(request.command);
+                                   reply({sent.ok(), sent ? "" : sent.error().message});
+                                 });
+}
+
+Result<> ApplicationImpl::CheckNoStop() const {
+  if (!actuator_.EmergencyStopped()) return Ok();
+  return Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
+}
+
+void ApplicationImpl::StartTicks() {
+  ticking_ = true;
+  ticks_.Start(rate_hz_, [this] { Tick(); });
+}
+
+void ApplicationImpl::StopTicks() {
+  ticks_.Stop();
+  ticking_ = false;
+}
+
+std::string ApplicationImpl::Whereabouts() const {
+  return actuator_.CurrentState() + (actuator_.HeldByStop() ? ", held by the emergency stop" : "");
+}
+
+void ApplicationImpl::Guard(const char* name, const std::function<void()>& hook) const {
+  if (const auto thrown = Thrown(name, hook)) {
+    actuator_.Log(LogLevel::kError, "fault: " + *thrown);
+  }
+}
+
+void CheckStopped(const std::string& name, bool started) {
+  MUSHER_CHECK(!started, name,
+               "is destroyed while it is started, and the members that its hooks use are already "
+               "destroyed; use Run(), Wait() or musher::ActuatorRunner");
+}
+
+}  // namespace musher
