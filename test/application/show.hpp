@@ -209,7 +209,7 @@ class Harness {
 class WithHarness : public ::testing::Test {
  protected:
   // In Active.
-  void Begin(Show& show) {
+  void Begin(ActuatorRunner<Show>& show) {
     harness_.Open(show);
     ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
     ASSERT_TRUE(harness_.controller().Switch("Active").done());

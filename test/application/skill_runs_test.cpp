@@ -16,7 +16,8 @@ class ASkillRun : public testing::SkillActuatorTest {
   ~ASkillRun() override {
     harness_.node().RunOnLoop([this] { subscription_.reset(); });
   }
-  void BeginAndListen(SkillTasks& tasks) {
+  template <class Application>
+  void BeginAndListen(Application& tasks) {
     Begin(tasks);
     harness_.node().RunOnLoop([this] {
       subscription_ = transport::MakeSubscription<msg::SkillFeedback>(

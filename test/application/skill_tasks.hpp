@@ -80,7 +80,8 @@ class SkillActuatorTest : public ::testing::Test {
     harness_.node().RunOnLoop([this] { client_.reset(); });
   }
 
-  void Begin(SkillTasks& tasks) {
+  template <class Application>
+  void Begin(Application& tasks) {
     harness_.Open(tasks);
     ASSERT_TRUE(Go("SelfCheck"));
     ASSERT_TRUE(Go("Active"));

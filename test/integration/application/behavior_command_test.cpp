@@ -29,7 +29,8 @@ const std::string kMusher = BinDir() + "/musher";
 class BehaviorCommand : public ::testing::Test {
  protected:
   // In PLAY for 40 ms.
-  void Begin(Show& show) {
+  template <class Application>
+  void Begin(Application& show) {
     harness_.Open(show);
     ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
     ASSERT_TRUE(harness_.controller().Switch("Active").done());
