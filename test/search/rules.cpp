@@ -125,8 +125,8 @@ void CheckPlaceInStart(const Model& model, const World& world, ActuatorIndex i, 
   const bool reachable = actuator.alive && known.presence == Presence::kPresent;
   if (!in_start || !reachable || actuator.work != Work::kNone || known.held) return;
   if (!IsHigher(model.config, report.state, State(kDeActive))) return;
-  const bool known = known.state() == report.state && !known.report.busy();
-  if (known.fault && (report.outcome_code != kCodeOk || !known)) return;
+  const bool is_seen = known.state() == report.state && !known.report.busy();
+  if (known.fault && (report.outcome_code != kCodeOk || !is_seen)) return;
   notes.violations.push_back("in a stable state " + model.config.actuators[i].name + " is in " +
                              report.state + ", the machine in " + machine.state);
 }
