@@ -50,7 +50,7 @@ struct CodeFound {
 std::optional<CodeFound> FindCode(const cv::Mat& bgr);            // 4 ms
 std::optional<CodeFound> FindCodeThoroughly(const cv::Mat& bgr);  // 25 ms
 
-// Whether the finder patterns of a code are seen, even of one that cannot be read. 10 ms.
+// Whether the finder patterns of a code are seen, also where the code cannot be read. 10 ms.
 bool ShowsCode(const cv::Mat& bgr);
 
 // Lines of dark signs on a board, the largest first, at most eight.

@@ -11,11 +11,11 @@
 
 namespace musher::skills::skills_config_test {
 
+using musher::testing::Lines;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using musher::testing::Lines;
 using ::testing::Pair;
 using ::testing::SizeIs;
 
