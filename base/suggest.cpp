@@ -15,6 +15,18 @@ char Lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
+// "DeActive" and "inactive" for "Active": who types the one does not mean the other.
+bool IsOpposite(std::string_view word, std::string_view candidate) {
+  constexpr std::size_t kPrefix = 2;
+  if (word.size() != candidate.size() + kPrefix) return false;
+  const auto same = [](char a, char b) { return Lower(a) == Lower(b); };
+  const auto begins = [&](std::string_view prefix) {
+    return std::ranges::equal(word.substr(0, kPrefix), prefix, same);
+  };
+  return (begins("de") || begins("in") || begins("un")) &&
+         std::ranges::equal(word.substr(kPrefix), candidate, same);
+}
+
 // Optimal string alignment distance; anything over `limit` is given as limit + 1.
 std::size_t Distance(std::string_view a, std::string_view b, std::size_t limit) {
   const std::size_t longer = std::max(a.size(), b.size());
@@ -50,7 +62,7 @@ std::string Nearest(std::string_view word, const std::vector<std::string_view>& 
   std::size_t limit = std::clamp<std::size_t>(word.size() / 3, 1, 3);
   std::string_view nearest;
   for (const std::string_view candidate : candidates) {
-    if (candidate == word) continue;
+    if (candidate == word || IsOpposite(word, candidate)) continue;
     const std::size_t distance = Distance(word, candidate, limit);
     if (distance > limit) continue;
     nearest = candidate;

@@ -11,7 +11,7 @@ namespace musher {
 // The candidate nearest to `word` by edit distance, where swapped neighbours count as one edit and
 // upper and lower case are the same. Empty when none is near: a third of the word's length is
 // allowed to differ, at least one character and at most three. Of equally near ones the first wins;
-// a candidate equal to `word` is never given. Words over 64 bytes have no nearest one.
+// a candidate equal to `word` is never given, nor its opposite. Words over 64 bytes have none.
 std::string Nearest(std::string_view word, const std::vector<std::string_view>& candidates);
 template <typename Name>  // which converts to std::string_view
 std::string Nearest(std::string_view word, const std::vector<Name>& candidates) {

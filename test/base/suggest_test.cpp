@@ -26,6 +26,15 @@ TEST(Nearest, TakesNoNoticeOfCase) {
   EXPECT_EQ(Nearest("deactive", BuiltInStates()), "DeActive");
 }
 
+// `musher set DeActive` on a robot without that state suggested Active.
+TEST(Nearest, IsNeverTheOppositeOfTheWord) {
+  const std::vector<std::string> states{"Active", "LowPower"};
+  EXPECT_EQ(Nearest("DeActive", states), "");
+  EXPECT_EQ(Nearest("inactive", states), "");
+  EXPECT_EQ(Nearest("Aktive", states), "Active");
+  EXPECT_EQ(Nearest("unlock", std::vector<std::string>{"lock"}), "");
+}
+
 TEST(Nearest, GivesTheNearestOfSeveral) {
   EXPECT_EQ(Nearest("motor_left", std::vector<std::string>{"motor_right", "motor_lift", "motor"}),
             "motor_lift");

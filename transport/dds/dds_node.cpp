@@ -155,7 +155,7 @@ void WarnWithoutNetwork(const std::vector<InterfaceUse>& uses) {
 // controller runs; elsewhere the connection to other hosts does.
 std::optional<OtherAddress> FindUnreachable(int domain_id, bool controller,
                                             const std::vector<std::string>& own) {
-  const auto other = FindOtherAddress(ReadProcessesBoundElsewhere(own), domain_id, own);
+  auto other = FindOtherAddress(ReadProcessesBoundElsewhere(own), domain_id, own);
   if (!other || controller || NameLock::IsHeldInDomain(domain_id, "musher/controller")) {
     return other;
   }
