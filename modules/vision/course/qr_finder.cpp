@@ -70,13 +70,28 @@ void AddLines(std::vector<Sign> signs, std::vector<cv::Rect>& lines) {
 
 // Whether the light area has four sides, and most of it is light.
 bool IsBoard(const Contour& outline, const std::vector<Sign>& signs) {
-  constexpr double kLeastShareOfHull = 0.85, kMostShareOfSigns = 0.5;
+  constexpr double kLeastShareOfHull = 0.85, kMostShareOfSigns = 0.35;
   Contour hull;
   cv::convexHull(outline, hull);
   const double area = cv::contourArea(outline);
   double dark = 0;
   for (const Sign& sign : signs) dark += sign.area;
   return area > kLeastShareOfHull * cv::contourArea(hull) && dark < kMostShareOfSigns * area;
+}
+
+// Whether the area, without its holes, has one brightness: not stones that are brighter than the
+// level.
+bool IsPlain(const cv::Mat& grey, const std::vector<Contour>& outlines,
+             const std::vector<cv::Vec4i>& tree, int area) {
+  constexpr double kMostDeviation = 0.25;  // as a share of its mean
+  cv::Mat mask = cv::Mat::zeros(grey.size(), CV_8UC1);
+  cv::drawContours(mask, outlines, area, 255, cv::FILLED);
+  for (int hole = tree[std::size_t(area)][2]; hole >= 0; hole = tree[std::size_t(hole)][0]) {
+    cv::drawContours(mask, outlines, hole, 0, cv::FILLED);
+  }
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(grey, mean, deviation, mask);
+  return deviation[0] < kMostDeviation * mean[0];
 }
 
 // Of the light areas that are brighter than that level.
@@ -98,7 +113,10 @@ void AddLinesAt(double level, const cv::Mat& grey, std::vector<cv::Rect>& lines)
   constexpr std::size_t kMostHoles = 400;  // more are a texture
   for (auto& [area, signs] : holes) {
     if (signs.size() > kMostHoles || !IsBoard(outlines[std::size_t(area)], signs)) continue;
-    AddLines(std::move(signs), lines);
+    std::vector<cv::Rect> found;
+    AddLines(std::move(signs), found);
+    if (found.empty() || !IsPlain(grey, outlines, tree, area)) continue;
+    lines.insert(lines.end(), found.begin(), found.end());
   }
 }
 
