@@ -69,7 +69,10 @@ Result<std::string> CommandOf(const Course& course, std::string_view typed) {
     if (Same(own.name, typed)) return own.name;
   }
   const std::vector<std::string> states = StateNames(course);
-  if (const auto target = Behind(typed, "START:")) return "START:" + Of(states, *target);
+  if (const auto target = Behind(typed, "START:")) {
+    const std::size_t begin = std::min(target->find_first_not_of(" \t"), target->size());
+    return "START:" + Of(states, target->substr(begin));
+  }
   for (const ResultRule& result : course.results) {
     if (auto command = OfResult(result, typed)) return *command;
   }

@@ -68,7 +68,7 @@ void AddLines(std::vector<Sign> signs, std::vector<cv::Rect>& lines) {
   }
 }
 
-// Whether the light area has four sides, and most of it is light.
+// Whether the light area has no dents, as a board, and few signs on it.
 bool IsBoard(const Contour& outline, const std::vector<Sign>& signs) {
   constexpr double kLeastShareOfHull = 0.85, kMostShareOfSigns = 0.35;
   Contour hull;

@@ -7,12 +7,12 @@
 // lets OpenCV find the corners of the code, and reads it after a rectification or at twice and
 // three times the size, which reads the others.
 //
-// Letters are read by Tesseract where dark signs stand in a line on a board: a light area with four
-// sides, most of which stays light (the joints of a brick wall are a light area, too). Each line is
-// cropped and scaled to the two sizes that are read best. Two words in one picture, or at the two
-// sizes, are none; and none is read while the finder patterns of a code are seen, whose squares
-// look like letters. Fixed regions are read where a config has them: they depend on the distance,
-// and the edge of a board in them is read as a letter.
+// Letters are read by Tesseract where dark signs stand in a line on a board: a light area without
+// dents, of one brightness, mostly free of signs (the joints of a wall are a light area, too). Each
+// line is cropped and scaled to the two sizes that are read best. Two words in one picture, or at
+// the two sizes, are none; and none is read while the finder patterns of a code are seen, whose
+// squares look like letters. Fixed regions are read where a config has them: they depend on the
+// distance, and the edge of a board in them is read as a letter.
 //
 // Units: pixels, fractions of the picture. Threads: one call at a time for each LetterReader.
 // Errors: a model that is missing is an Error with the package to install.

@@ -155,7 +155,7 @@ TEST(Command, ExitOfZoneBOnTheWayToTheOtherBayLeavesFromThere) {
 
 TEST(Command, OfAnyCaseIsTheSame) {
   Rig rig;
-  rig.Command("start:in_qr_a");
+  rig.Command("start: in_qr_a");
   rig.Tick(3);
   rig.Command("set_qr_a: a-2");
   ASSERT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(1000)));
