@@ -1,56 +1,28 @@
 #pragma once
-// Where on the ground a pixel shows it, by the camera's model and its mount. Pure.
-//
-// Frame of the body: the origin on the ground below the middle of the trunk, x ahead, y to the
-// left, in metres. The trunk is taken as level: a roll of 2 degrees moves a point beside the body
-// by 3 cm. Pixels are shares of the picture: x to the right and y downwards from its left upper
-// corner. Any thread.
+// The lines that a camera of the walker shows, as points on the ground. Pure. Frames and units of
+// mounted_camera.hpp. Any thread.
 
-#include <array>
-#include <optional>
 #include <vector>
 
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/navigation/camera/mounted_camera.hpp"
 
 namespace musher::line_walker {
 
+using navigation::GroundPoint;
+using navigation::OnGround;
+using navigation::ShareOf;
+
 inline constexpr double kDegree = 0.017453292519943295;  // in radians
-
-struct GroundPoint {
-  double x_m = 0;
-  double y_m = 0;
-
-  friend bool operator==(const GroundPoint&, const GroundPoint&) = default;
-};
 
 using GroundPoints = std::vector<GroundPoint>;
 
-// A fisheye has r = f theta, a pinhole r = f tan(theta); f by the angle from edge to edge.
-struct MountedCamera {
-  bool fisheye = false;
-  double x_m = 0;  // from the middle of the trunk: ahead, to the left, up
-  double y_m = 0;
-  double z_m = 0;
-  double yaw_rad = 0;    // to the left
-  double pitch_rad = 0;  // downwards
-  double roll_rad = 0;
-  int width_px = 640;
-  int height_px = 480;
-  double hfov_rad = 1;
-  double region_top = 0;  // the detector searches its lines from this share of the height downwards
+// Its detector searches lines from `region_top` downwards, a share of the picture's height.
+struct MountedCamera : navigation::MountedCamera {
+  double region_top = 0;
 
   friend bool operator==(const MountedCamera&, const MountedCamera&) = default;
 };
-
-// Nothing for a pixel outside the picture or the fisheye's circle, for the horizon and above it,
-// for points farther than `farthest_m` from the body's origin, and for NaN.
-std::optional<GroundPoint> OnGround(const MountedCamera& camera, double trunk_height_m,
-                                    double farthest_m, double x_share, double y_share);
-
-// The inverse: the share of the picture at which the camera shows a point on the ground; nothing
-// for a point that it does not show.
-std::optional<std::array<double, 2>> ShareOf(const MountedCamera& camera, double trunk_height_m,
-                                             const GroundPoint& point);
 
 // The edge of a message, at most `most` points of it, evenly chosen; others are left out.
 GroundPoints EdgeOnGround(const MountedCamera& camera, double trunk_height_m, double farthest_m,

@@ -34,9 +34,9 @@ double Along(const Pose& line, const Pose& pose) {
 }  // namespace
 
 CameraSet::CameraSet() {
-  left = {true, 0.22, 0.06, 0.05, M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI, 0.6};
-  right = {true, 0.22, -0.06, 0.05, -M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI, 0.6};
-  front = {false, 0.27, 0, 0.06, 0, 8 * kDegree, 0, 640, 480, 80 * kDegree, 0.6};
+  left = {{true, 0.22, 0.06, 0.05, M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI}, 0.6};
+  right = {{true, 0.22, -0.06, 0.05, -M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI}, 0.6};
+  front = {{false, 0.27, 0, 0.06, 0, 8 * kDegree, 0, 640, 480, 80 * kDegree}, 0.6};
 }
 
 std::string_view NameOf(End end) {

@@ -118,23 +118,10 @@ Rows LineRows(WalkRules& walk) {
   };
 }
 
-Rows CameraRows(MountedCamera& camera) {
-  return {
-      row::Choice("model", camera.fisheye, {{"pinhole", false}, {"fisheye", true}}),
-      row::Number("x_m", camera.x_m, -2, 2),
-      row::Number("y_m", camera.y_m, -2, 2),
-      row::Number("z_m", camera.z_m, -2, 2),
-      row::Degrees("yaw_deg", camera.yaw_rad, -360, 360),
-      row::Degrees("pitch_deg", camera.pitch_rad, -90, 90),
-      row::Degrees("roll_deg", camera.roll_rad, -180, 180),
-      row::Integer("width_px", camera.width_px, 8, 8192),
-      row::Integer("height_px", camera.height_px, 8, 8192),
-      row::Number("region_top", camera.region_top, 0, 1),
-      row::Degrees("hfov_deg", camera.hfov_rad, 1, 220),
-      row::Check(
-          "hfov_deg", [&] { return camera.fisheye || camera.hfov_rad < 170 * kDegree; },
-          "a pinhole has less than 170 degrees"),
-  };
+Rows LaneCameraRows(MountedCamera& camera) {
+  Rows rows = navigation::CameraRows(camera);
+  rows.push_back(row::Number("region_top", camera.region_top, 0, 1));
+  return rows;
 }
 
 WalkerConfig Read(TableReader& root) {
@@ -149,9 +136,9 @@ WalkerConfig Read(TableReader& root) {
        row::Sub("limits", LimitRows(walk)), row::Sub("line", LineRows(walk)),
        row::Sub("camera", {row::Number("trunk_height_m", cameras.trunk_height_m, 0.01, 2),
                            row::Number("farthest_m", cameras.farthest_m, 0.1, 20),
-                           row::Sub("left", CameraRows(cameras.left)),
-                           row::Sub("right", CameraRows(cameras.right)),
-                           row::Sub("front", CameraRows(cameras.front))})});
+                           row::Sub("left", LaneCameraRows(cameras.left)),
+                           row::Sub("right", LaneCameraRows(cameras.right)),
+                           row::Sub("front", LaneCameraRows(cameras.front))})});
   return config;
 }
 
