@@ -62,7 +62,7 @@ if(MUSHER_MODULES)
   musher_require_found(ZMQ_LIBRARY libzmq3-dev)
   musher_dependency(Eigen3 libeigen3-dev)
   musher_dependency(OpenCV libopencv-dev
-                    COMPONENTS core freetype imgcodecs imgproc objdetect videoio)
+                    COMPONENTS aruco calib3d core freetype imgcodecs imgproc objdetect videoio)
   musher_dependency(PkgConfig pkg-config)
   pkg_check_modules(ALSA QUIET IMPORTED_TARGET alsa)
   pkg_check_modules(ESPEAK_NG QUIET IMPORTED_TARGET espeak-ng)

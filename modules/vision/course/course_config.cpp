@@ -20,6 +20,8 @@ std::string DefaultPublish(CourseKind kind, const std::string& name) {
   switch (kind) {
     case CourseKind::kQr:
       return "/qr_detector/qr_info";
+    case CourseKind::kAruco:
+      return "/aruco_detector/word";
     case CourseKind::kArrow:
       return "/green_arrow_detector/direction";
     case CourseKind::kBarrier:
@@ -43,7 +45,8 @@ std::string PathOf(const config_toml::Table& table) {
 
 class EntriesReader {
  public:
-  EntriesReader(Findings& findings, const std::vector<std::string>& taken) : findings_(findings) {
+  EntriesReader(Hall hall, Findings& findings, const std::vector<std::string>& taken)
+      : hall_(std::move(hall)), findings_(findings) {
     for (const std::string& topic : taken) publishers_[topic] = "the face detection";
   }
 
@@ -74,7 +77,8 @@ class EntriesReader {
     const config_toml::Table none;
     TableReader parameter_reader(parameters == nullptr ? none : *parameters,
                                  reader.At("parameters"), path + ".parameters", findings_);
-    entry.parameters = ReadCourseParameters(*kind, parameter_reader, findings_);
+    entry.parameters =
+        ReadCourseParameters(*kind, hall_, entry.picture, parameter_reader, findings_);
     entry.factory = FactoryOf(entry.parameters);
     parameter_reader.RefuseOthers();
     CheckOutputs(reader, entry);
@@ -104,8 +108,9 @@ class EntriesReader {
   }
 
   static std::optional<CourseKind> ReadKind(TableReader& reader) {
-    reader.Require("kind", R"("qr", "arrow", "barrier", "marker", "light" or "lines")");
+    reader.Require("kind", R"("qr", "aruco", "arrow", "barrier", "marker", "light" or "lines")");
     return reader.Choice<CourseKind>("kind", {{"qr", CourseKind::kQr},
+                                              {"aruco", CourseKind::kAruco},
                                               {"arrow", CourseKind::kArrow},
                                               {"barrier", CourseKind::kBarrier},
                                               {"marker", CourseKind::kMarker},
@@ -133,6 +138,7 @@ class EntriesReader {
     }
   }
 
+  const Hall hall_;
   Findings& findings_;
   std::map<std::string, int> name_lines_;
   std::map<std::string, std::string> publishers_;  // of each topic
@@ -167,7 +173,7 @@ CourseOutputs CourseEntry::Outputs() const {
 
 std::vector<CourseEntry> ReadCourseEntries(TableReader& root, Findings& findings,
                                            const std::vector<std::string>& taken) {
-  EntriesReader reader(findings, taken);
+  EntriesReader reader(ReadHall(root, findings), findings, taken);
   for (const Value* value : root.Tables("detectors")) reader.Read(*value);
   return std::move(reader).Take();
 }

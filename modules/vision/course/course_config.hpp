@@ -18,13 +18,13 @@
 
 namespace musher::vision {
 
-enum class CourseKind { kQr, kArrow, kBarrier, kMarker, kLight, kLines };
+enum class CourseKind { kQr, kArrow, kBarrier, kMarker, kLight, kLines, kAruco };
 
 using CourseDetectorMaker = std::function<Result<std::unique_ptr<CourseDetector>>()>;
 
 // By the kind of the detector; a light has those of a marker.
 using CourseParameters = std::variant<LinesParameters, ArrowParameters, BarrierParameters,
-                                      MarkerParameters, QrParameters>;
+                                      MarkerParameters, QrParameters, ArucoParameters>;
 
 // How to make a detector with its parameters.
 struct CourseFactory {
@@ -60,7 +60,8 @@ struct CourseEntry {
   CourseOutputs Outputs() const;
 };
 
-// The tables [[detectors]] of the file; `taken` are topics that the file's other parts publish.
+// The tables [[detectors]] of the file, with what [hall] and [[mounts]] say; `taken` are topics
+// that the file's other parts publish.
 std::vector<CourseEntry> ReadCourseEntries(config_toml::TableReader& root,
                                            config_toml::Findings& findings,
                                            const std::vector<std::string>& taken);

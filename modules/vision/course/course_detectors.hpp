@@ -7,8 +7,9 @@
 //   arrow      "left", "right": at first and on a change     text = the direction
 //   barrier    "1.24" (m) while it is seen                   phase "", "seen", "top"
 //   marker     "1.24" (m) while it is tracked and seen       phase "searching", "tracking",
-//   light      the same                                      "disappeared"
+//   light      the same                                      "disappeared", "hidden"
 //   qr         a word, in each picture in which it is read   text = the word, or what else it says
+//   aruco      the word of a marker, in each picture         text = the word
 //
 // Threads: one call at a time for each detector.
 
@@ -16,6 +17,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/modules/vision/course/arrow_finder.hpp"
+#include "musher/modules/vision/course/aruco_finder.hpp"
 #include "musher/modules/vision/course/barrier_finder.hpp"
 #include "musher/modules/vision/course/course_detector.hpp"
 #include "musher/modules/vision/course/lines_finder.hpp"
@@ -27,6 +29,8 @@ namespace musher::vision {
 std::unique_ptr<CourseDetector> MakeLinesDetector(const LinesParameters& parameters);
 std::unique_ptr<CourseDetector> MakeArrowDetector(const ArrowParameters& parameters);
 std::unique_ptr<CourseDetector> MakeBarrierDetector(const BarrierParameters& parameters);
+
+std::unique_ptr<CourseDetector> MakeArucoDetector(const ArucoParameters& parameters);
 
 // Also makes a detector of lights, of LightParameters().
 std::unique_ptr<CourseDetector> MakeMarkerDetector(const MarkerParameters& parameters);

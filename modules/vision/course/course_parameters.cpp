@@ -1,8 +1,7 @@
 #include "musher/modules/vision/course/course_parameters.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -21,12 +20,12 @@ constexpr int kMostPictures = 1000;
 
 class ParametersReader {
  public:
-  ParametersReader(TableReader& reader, config_toml::Findings& findings)
-      : reader_(reader), findings_(findings) {}
+  ParametersReader(const Hall& hall, TableReader& reader, config_toml::Findings& findings)
+      : hall_(hall), reader_(reader), findings_(findings) {}
 
-  LinesParameters Lines() {
+  LinesParameters Lines(const std::string& picture) {
     LinesParameters lines;
-    Color("yellow", lines.yellow);
+    Color("yellow", hall_.yellow, lines.yellow);
     SearchedIn("region", lines.region);
     Number("least_area_px2", 1, kMostAreaPx2, lines.least_area_px2);
     Number("least_length", 0, 100, lines.least_length);
@@ -43,12 +42,18 @@ class ParametersReader {
     Number("walk_bottom_px", 0, 8192, lines.walk_bottom_px);
     Number("walk_x_px", 0, 8192, lines.walk_x_px);
     Integer("edge_columns", 2, 640, lines.edge_columns);
+    Number("most_coverage", 0.01, 1, lines.most_coverage);
+    const auto mount = hall_.mounts.find(picture);
+    if (mount != hall_.mounts.end()) lines.mount = mount->second;
+    lines.lane_m = hall_.lane_m;
+    lines.least_width_m = hall_.least_line_m;
+    lines.most_width_m = hall_.most_line_m;
     return lines;
   }
 
   ArrowParameters Arrow() {
     ArrowParameters arrow;
-    Color("green", arrow.green);
+    Color("green", hall_.green, arrow.green);
     SearchedIn("region", arrow.region);
     Number("least_area_px2", 1, kMostAreaPx2, arrow.least_area_px2);
     Integer("kernel_px", 1, kMostKernelPx, arrow.kernel_px);
@@ -59,7 +64,7 @@ class ParametersReader {
 
   BarrierParameters Barrier() {
     BarrierParameters barrier;
-    Color("red", barrier.red);
+    Color("red", hall_.red, barrier.red);
     SearchedIn("region", barrier.region);
     Number("least_area_px2", 1, kMostAreaPx2, barrier.least_area_px2);
     Number("least_length", 1, 100, barrier.least_length);
@@ -72,7 +77,7 @@ class ParametersReader {
   }
 
   MarkerParameters Marker(MarkerParameters marker) {
-    Color("yellow", marker.yellow);
+    Color("yellow", hall_.yellow, marker.yellow);
     SearchedIn("region", marker.region);
     Number("least_area_px2", 1, kMostAreaPx2, marker.least_area_px2);
     Number("most_area_px2", 1, kMostAreaPx2, marker.most_area_px2);
@@ -90,17 +95,27 @@ class ParametersReader {
     return marker;
   }
 
+  ArucoParameters Aruco() {
+    ArucoParameters aruco;
+    aruco.dictionary = reader_
+                           .Choice<ArucoDictionary>(
+                               "dictionary", {{"4x4_50", ArucoDictionary::k4x4},
+                                              {"5x5_50", ArucoDictionary::k5x5},
+                                              {"6x6_50", ArucoDictionary::k6x6},
+                                              {"apriltag_16h5", ArucoDictionary::kAprilTag16h5},
+                                              {"apriltag_36h11", ArucoDictionary::kAprilTag36h11}})
+                           .value_or(aruco.dictionary);
+    Words(aruco.words);
+    Integer("min_repeats", 1, kMostPictures, aruco.min_repeats);
+    Number("size_m", 0.001, 10, aruco.size_m);
+    Number("focal_px", 1, kMostFocalPx, aruco.focal_px);
+    Number("nearly", 0, 1, aruco.nearly);
+    return aruco;
+  }
+
   QrParameters Qr() {
     QrParameters qr;
-    if (const auto words = reader_.Strings("words")) {
-      qr.words.clear();
-      for (const config_toml::Word& word : *words) {
-        qr.words.push_back(word.text);
-        if (word.text.empty() || word.text.size() > 64) {
-          reader_.Fault(word.at, "words", "expected words of 1 to 64 bytes");
-        }
-      }
-    }
+    Words(qr.words);
     Integer("min_repeats", 1, kMostPictures, qr.min_repeats);
     Integer("letter_repeats", 1, kMostPictures, qr.letter_repeats);
     Integer("thorough_every", 1, kMostPictures, qr.thorough_every);
@@ -137,6 +152,18 @@ class ParametersReader {
     if (const auto found = reader_.Integer(key, least, most)) number = static_cast<int>(*found);
   }
 
+  void Words(std::vector<std::string>& words) {
+    const auto found = reader_.Strings("words");
+    if (!found) return;
+    words.clear();
+    for (const config_toml::Word& word : *found) {
+      words.push_back(word.text);
+      if (word.text.empty() || word.text.size() > 64) {
+        reader_.Fault(word.at, "words", "expected words of 1 to 64 bytes");
+      }
+    }
+  }
+
   std::string Path(std::string_view key) const { return reader_.path() + "." + std::string(key); }
 
   void SearchedIn(std::string_view key, Region& region) {
@@ -160,37 +187,13 @@ class ParametersReader {
     }
   }
 
-  void Color(std::string_view key, HsvRange& range) {
-    const Table* table = reader_.SubTable(key);
-    if (table == nullptr) return;
-    TableReader reader(*table, reader_.At(key), Path(key), findings_);
-    ReadHsv(reader, "from", range.from);
-    ReadHsv(reader, "to", range.to);
-    reader.RefuseOthers();
-    for (const std::size_t i : {1, 2}) {
-      if (range.from.at(i) <= range.to.at(i)) continue;
-      reader.Fault(reader.At("to"), "to",
-                   std::string(i == 1 ? "the saturation" : "the value") +
-                       " must not be less than that of from; only a hue may go through 0");
-    }
+  // That of the hall, unless the detector has its own.
+  void Color(std::string_view key, const std::optional<HsvRange>& of_hall, HsvRange& range) {
+    range = of_hall.value_or(range);
+    ReadColor(reader_, key, range, findings_);
   }
 
-  static void ReadHsv(TableReader& reader, std::string_view key, std::array<int, 3>& hsv) {
-    constexpr std::array<std::int64_t, 3> kMost = {179, 255, 255};
-    const auto found = reader.Integers(key, INT32_MIN, INT32_MAX);
-    if (!found) return;
-    bool valid = found->size() == kMost.size();
-    for (std::size_t i = 0; valid && i < kMost.size(); ++i) {
-      valid = (*found)[i] >= 0 && (*found)[i] <= kMost.at(i);
-    }
-    if (!valid) {
-      return reader.Fault(reader.At(key), key,
-                          "expected [hue 0 to 179, saturation 0 to 255, value 0 to 255]");
-    }
-    std::transform(found->begin(), found->end(), hsv.begin(),
-                   [](std::int64_t number) { return static_cast<int>(number); });
-  }
-
+  const Hall& hall_;
   TableReader& reader_;
   config_toml::Findings& findings_;
 };
@@ -216,6 +219,9 @@ struct FactoryOfKind {
   CourseFactory operator()(const MarkerParameters& marker) const {
     return FactoryWith(marker, MakeMarkerDetector);
   }
+  CourseFactory operator()(const ArucoParameters& aruco) const {
+    return FactoryWith(aruco, MakeArucoDetector);
+  }
   CourseFactory operator()(const QrParameters& qr) const {
     CourseFactory factory = FactoryWith(qr, MakeQrDetector);
     factory.check = [qr] { return CheckLetters(qr); };
@@ -225,12 +231,14 @@ struct FactoryOfKind {
 
 }  // namespace
 
-CourseParameters ReadCourseParameters(CourseKind kind, TableReader& reader,
-                                      config_toml::Findings& findings) {
-  ParametersReader parameters(reader, findings);
+CourseParameters ReadCourseParameters(CourseKind kind, const Hall& hall, const std::string& picture,
+                                      TableReader& reader, config_toml::Findings& findings) {
+  ParametersReader parameters(hall, reader, findings);
   switch (kind) {
     case CourseKind::kQr:
       return parameters.Qr();
+    case CourseKind::kAruco:
+      return parameters.Aruco();
     case CourseKind::kArrow:
       return parameters.Arrow();
     case CourseKind::kBarrier:
@@ -242,7 +250,7 @@ CourseParameters ReadCourseParameters(CourseKind kind, TableReader& reader,
     case CourseKind::kLines:
       break;
   }
-  return parameters.Lines();
+  return parameters.Lines(picture);
 }
 
 CourseFactory FactoryOf(const CourseParameters& parameters) {

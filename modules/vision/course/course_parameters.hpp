@@ -3,11 +3,14 @@
 
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/vision/course/course_config.hpp"
+#include "musher/modules/vision/course/hall.hpp"
 
 namespace musher::vision {
 
-// Reads the parameters of that kind of detector. The caller refuses other keys.
-CourseParameters ReadCourseParameters(CourseKind kind, config_toml::TableReader& reader,
+// Reads the parameters of that kind of detector, which looks at the camera's pictures of the topic
+// `picture`. What it does not say, the hall does. The caller refuses other keys.
+CourseParameters ReadCourseParameters(CourseKind kind, const Hall& hall, const std::string& picture,
+                                      config_toml::TableReader& reader,
                                       config_toml::Findings& findings);
 
 // How to make the detector with them.

@@ -29,8 +29,9 @@ class LinesDetector : public CourseDetector {
     }
     const cv::Rect region = RectOf(parameters_.region, bgr.size());
     const std::string words =
-        lines.contours == 0 ? "no line"
-                            : "ycy " + lines.ycy + ", dy " + lines.dy + ", walk " + lines.walk;
+        !lines.doubt.empty()  ? "?"
+        : lines.contours == 0 ? "no line"
+                              : "ycy " + lines.ycy + ", dy " + lines.dy + ", walk " + lines.walk;
     DrawWord(bgr, region.tl(), words);
   }
 

@@ -4,64 +4,138 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
 #include <utility>
+
+#include "musher/modules/vision/course/floor_color.hpp"
 
 namespace musher::vision {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-struct YellowLine {
-  Contour outline;  // in the region
-  double area_px2 = 0;
-  cv::Point2d centroid;
+// Of the lane's width: two lines nearer to each other are one, and one farther from the centre may
+// be another lane's.
+constexpr double kLeastGap = 0.6, kFarthest = 0.95;
+
+PieceRules RulesOf(const LinesParameters& parameters) {
+  return {parameters.yellow, parameters.least_area_px2, parameters.least_length,
+          parameters.least_width_m, parameters.most_width_m};
+}
+
+// Where the middle of the lane is, from its place in the region.
+class Middle {
+ public:
+  Middle(const std::vector<YellowLine>& lines, int width, const Floor& floor,
+         const LinesParameters& parameters)
+      : width_(width),
+        // Of the middles of pixels: (width - 1) / 2 is that of the region.
+        center_x_((width - 1) / 2.0 + (parameters.ycy_center - 0.5) * width),
+        floor_(floor),
+        parameters_(parameters) {
+    Choose(lines);
+    if (left_ != right_ && AreOne(*left_, *right_)) left_ = right_ = Nearer(*left_, *right_);
+    if (left_ == right_) LookBeside(*left_);
+    if (IsShapeless(*left_) || IsShapeless(*right_)) {
+      doubt_ = "what has the colour of the lines has not the shape of one";
+    }
+  }
+
+  double offset() const { return (middle_x() - center_x_) / width_; }
+  bool is_of_one() const { return left_ == right_ && !beside_px_; }
+  const std::string& doubt() const { return doubt_; }
+
+ private:
+  void Choose(const std::vector<YellowLine>& lines) {
+    const YellowLine *inner_left = nullptr, *inner_right = nullptr;
+    left_ = right_ = &lines.front();
+    for (const YellowLine& line : lines) {
+      const double x = line.place.x;
+      if (x < left_->place.x) left_ = &line;
+      if (x > right_->place.x) right_ = &line;
+      if (x <= center_x_ && (inner_left == nullptr || x > inner_left->place.x)) inner_left = &line;
+      if (x >= center_x_ && (inner_right == nullptr || x < inner_right->place.x))
+        inner_right = &line;
+    }
+    if (parameters_.ycy_pair != LanePair::kInnermost) return;
+    if (inner_left == nullptr || inner_right == nullptr) return;
+    left_ = inner_left;
+    right_ = inner_right;
+  }
+
+  // Nearly as wide as long, and wider than a line: glare or dirt touches it, or it is none.
+  bool IsShapeless(const YellowLine& line) const {
+    return floor_.in_metres() && line.placed && !line.has_axis() &&
+           line.width > 2 * parameters_.most_width_m;
+  }
+
+  bool AreOne(const YellowLine& one, const YellowLine& other) const {
+    if (!floor_.in_metres()) return false;
+    const auto gap_m = Gap(one, other);
+    return gap_m && *gap_m < kLeastGap * parameters_.lane_m;
+  }
+
+  const YellowLine* Nearer(const YellowLine& one, const YellowLine& other) const {
+    const auto off = [&](const YellowLine& line) { return std::abs(line.place.x - center_x_); };
+    return off(one) <= off(other) ? &one : &other;
+  }
+
+  // Where the other line of the lane would be seen, from the only one.
+  void LookBeside(const YellowLine& line) {
+    if (!floor_.in_metres()) return;
+    const cv::Point2d& at = line.place;
+    const auto here = floor_.At(at.x, at.y), center = floor_.At(center_x_, at.y);
+    const auto aside = Aside(line);
+    if (!here || !center || !aside) return;
+    if (std::abs((*here - *center).dot(*aside)) > kFarthest * parameters_.lane_m) {
+      doubt_ =
+          "the only line is farther from the middle than a lane is wide: it may be of another lane";
+    }
+    const double side = at.x < center_x_ ? parameters_.lane_m : -parameters_.lane_m;
+    const auto other = floor_.Seen(*here + side * *aside);
+    const auto middle = floor_.Seen(*here + side / 2 * *aside);
+    // As the middle of two lines is found: between their places in the picture.
+    if (other) {
+      beside_px_ = (other->x - at.x) / 2;
+    } else if (middle) {
+      beside_px_ = middle->x - at.x;
+    }
+  }
+
+  // Across the line, to the right in the picture; of length 1, on the floor.
+  std::optional<cv::Point2d> Aside(const YellowLine& line) const {
+    constexpr double kStepPx = 4;
+    // Towards the centre: beyond the line the picture may end.
+    const double to_left = line.place.x < center_x_ ? 0 : kStepPx, to_right_px = kStepPx - to_left;
+    const auto left = floor_.At(line.place.x - to_left, line.place.y);
+    const auto right = floor_.At(line.place.x + to_right_px, line.place.y);
+    if (!left || !right) return std::nullopt;
+    const cv::Point2d to_right = (*right - *left) / cv::norm(*right - *left);
+    if (!line.has_axis()) return to_right;
+    const cv::Point2d across(-line.axis.y, line.axis.x);
+    return across.dot(to_right) < 0 ? -across : across;
+  }
+
+  double middle_x() const {
+    return (left_->place.x + right_->place.x) / 2 + beside_px_.value_or(0);
+  }
+
+  const int width_;
+  const double center_x_;
+  const Floor& floor_;
+  const LinesParameters& parameters_;
+  const YellowLine* left_ = nullptr;
+  const YellowLine* right_ = nullptr;  // the same: there is one
+  std::optional<double> beside_px_;    // of the middle, from the only line
+  std::string doubt_;
 };
 
-// The largest ones, the largest first.
-std::vector<YellowLine> LinesOf(const cv::Mat& mask, const LinesParameters& parameters) {
-  std::vector<YellowLine> lines;
-  for (Contour& outline : OutlinesOf(mask)) {
-    const cv::Moments moments = cv::moments(outline);
-    if (moments.m00 <= 0 || moments.m00 < parameters.least_area_px2) continue;
-    const cv::Rect box = cv::boundingRect(outline);
-    if (box.width < parameters.least_length * box.height) continue;
-    lines.push_back(
-        {std::move(outline), moments.m00, {moments.m10 / moments.m00, moments.m01 / moments.m00}});
-  }
-  std::stable_sort(lines.begin(), lines.end(), [](const auto& one, const auto& other) {
-    return one.area_px2 > other.area_px2;
-  });
-  const auto most = static_cast<std::size_t>(std::max(0, parameters.most_lines));
-  if (lines.size() > most) lines.resize(most);
-  return lines;
-}
-
-// The middle of the lane, from its place, as a share of the width.
-double MiddleOffset(const std::vector<YellowLine>& lines, int width,
-                    const LinesParameters& parameters) {
-  // Of the middles of pixels: (width - 1) / 2 is that of the region.
-  const double center_x = (width - 1) / 2.0 + (parameters.ycy_center - 0.5) * width;
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  double leftmost = kFar, rightmost = -kFar, left = -kFar, right = kFar;
-  for (const YellowLine& line : lines) {
-    const double x = line.centroid.x;
-    leftmost = std::min(leftmost, x);
-    rightmost = std::max(rightmost, x);
-    if (x <= center_x) left = std::max(left, x);
-    if (x >= center_x) right = std::min(right, x);
-  }
-  const bool between = left > -kFar && right < kFar;
-  const double middle = parameters.ycy_pair == LanePair::kInnermost && between
-                            ? (left + right) / 2
-                            : (leftmost + rightmost) / 2;
-  return (middle - center_x) / width;
-}
-
-std::string Ycy(double middle_offset, bool single, double threshold) {
-  if (single) return middle_offset < 0 ? "left" : middle_offset > 0 ? "right" : "center";
-  if (middle_offset > threshold) return "left";
-  return middle_offset < -threshold ? "right" : "center";
+std::string Ycy(const Middle& middle, double threshold) {
+  const double offset = middle.offset();
+  if (middle.is_of_one()) return offset < 0 ? "left" : offset > 0 ? "right" : "center";
+  if (offset > threshold) return "left";
+  return offset < -threshold ? "right" : "center";
 }
 
 std::string Dy(double line_offset, double threshold) {
@@ -74,7 +148,7 @@ void AddEdge(const cv::Mat& mask, const std::vector<YellowLine>& lines, const cv
              const cv::Size& picture, int columns, msg::YellowLines& message) {
   cv::Mat filled = cv::Mat::zeros(mask.size(), CV_8UC1);
   for (const YellowLine& line : lines) {
-    cv::drawContours(filled, std::vector<Contour>{line.outline}, 0, cv::Scalar(255), cv::FILLED);
+    cv::drawContours(filled, line.pieces, -1, cv::Scalar(255), cv::FILLED);
   }
   for (int i = 0; i < columns; ++i) {
     const int x = std::min(mask.cols - 1, static_cast<int>((i + 0.5) * mask.cols / columns));
@@ -86,27 +160,9 @@ void AddEdge(const cv::Mat& mask, const std::vector<YellowLine>& lines, const cv
   }
 }
 
-}  // namespace
-
-LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
-  CheckCoursePicture(bgr);
-  const cv::Rect region = RectOf(parameters.region, bgr.size());
-  cv::Mat mask = MaskOf(bgr(region), parameters.yellow);
-  constexpr int kKernelPx = 3;
-  CleanMask(mask, kKernelPx, kKernelPx);
-  std::vector<YellowLine> lines = LinesOf(mask, parameters);
-
-  LinesFound found;
-  msg::YellowLines& message = found.lines;
-  message.contours = static_cast<std::uint32_t>(lines.size());
-  message.ycy = message.dy = message.walk = "center";
-  message.middle_offset = message.line_offset = message.bottom_gap_px = kUnknown;
-  if (lines.empty()) return found;
-
-  const double middle_offset = MiddleOffset(lines, region.width, parameters);
-  message.middle_offset = static_cast<float>(middle_offset);
-  message.ycy = Ycy(middle_offset, lines.size() == 1, parameters.ycy_threshold);
-
+// The words and numbers of the line that is nearest to the vertical centre line.
+void AddNearest(const std::vector<YellowLine>& lines, const cv::Rect& region, int picture_rows,
+                const LinesParameters& parameters, msg::YellowLines& message) {
   const double center_x = (region.width - 1) / 2.0;
   const auto nearest =
       std::min_element(lines.begin(), lines.end(), [&](const auto& one, const auto& other) {
@@ -115,19 +171,52 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   const double line_offset = (nearest->centroid.y + 0.5) / region.height - parameters.dy_target;
   message.line_offset = static_cast<float>(line_offset);
   message.dy = Dy(line_offset, parameters.dy_threshold);
-  const cv::Rect box = cv::boundingRect(nearest->outline);
-  const double gap_px = bgr.rows - (region.y + box.y + box.height);
+  const double gap_px = picture_rows - (region.y + nearest->box.y + nearest->box.height);
   message.bottom_gap_px = static_cast<float>(gap_px);
   if (gap_px < parameters.walk_bottom_px) {
     message.walk = "back";
   } else if (std::abs(nearest->centroid.x - center_x) > parameters.walk_x_px) {
     message.walk = "front";
   }
+}
+
+}  // namespace
+
+LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
+  CheckCoursePicture(bgr);
+  const cv::Rect region = RectOf(parameters.region, bgr.size());
+  LineMask seen = MaskOfLines(bgr(region), parameters.yellow, parameters.most_coverage);
+  constexpr int kKernelPx = 3;
+  CleanMask(seen.mask, kKernelPx, kKernelPx);
+  const Floor floor(parameters.mount, region, bgr.size());
+  LinesOnFloor on_floor = LinesOf(bgr(region), seen.mask, floor, RulesOf(parameters));
+  std::vector<YellowLine>& lines = on_floor.lines;
+  const auto most = static_cast<std::size_t>(std::max(0, parameters.most_lines));
+  if (lines.size() > most) lines.resize(most);
+
+  LinesFound found;
+  msg::YellowLines& message = found.lines;
+  message.contours = static_cast<std::uint32_t>(lines.size());
+  message.ycy = message.dy = message.walk = "center";
+  message.middle_offset = message.line_offset = message.bottom_gap_px = kUnknown;
+  message.doubt = seen.doubt;
+  if (lines.empty() && !on_floor.odd.empty()) {
+    message.doubt = "what has the colour of the lines " + on_floor.odd;
+  }
+  if (lines.empty()) return found;
+
+  const Middle middle(lines, region.width, floor, parameters);
+  message.middle_offset = static_cast<float>(middle.offset());
+  message.ycy = middle.doubt().empty() ? Ycy(middle, parameters.ycy_threshold) : "center";
+  message.doubt = middle.doubt();
+  AddNearest(lines, region, bgr.rows, parameters, message);
   for (const YellowLine& line : lines) message.area_px2 += static_cast<float>(line.area_px2);
-  AddEdge(mask, lines, region, bgr.size(), parameters.edge_columns, message);
+  AddEdge(seen.mask, lines, region, bgr.size(), parameters.edge_columns, message);
   for (YellowLine& line : lines) {
-    for (cv::Point& point : line.outline) point += region.tl();
-    found.outlines.push_back(std::move(line.outline));
+    for (Contour& piece : line.pieces) {
+      for (cv::Point& point : piece) point += region.tl();
+      found.outlines.push_back(std::move(piece));
+    }
   }
   return found;
 }

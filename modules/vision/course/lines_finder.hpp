@@ -2,20 +2,27 @@
 // Yellow lines on the ground: where the robot is between two of them, and how far one is. Pure.
 //
 // A line is an outline of the mask of yellow pixels in the region, not smaller than the least area,
-// and of the least length for its height; at most `most_lines` count, the largest ones. x is to the
-// right, y downwards, both in the region.
+// and of the least length for its height; at most `most_lines` count, the largest ones. Pieces of
+// one line are one (line_pieces.hpp), and a floor of the same colour is none (floor_color.hpp). x
+// is to the right, y downwards, both in the region.
 //
 //   ycy   The middle between the leftmost and the rightmost centroid (see LanePair) is left of the
 //         centre by more than the threshold: "right", for the robot is right of the middle; and
 //         vice versa. The centre is that of the region, or for a camera that is not in the middle
-//         of the body beside it (`ycy_center`). Of a single line only its side is known: the robot
-//         is too near to it, so that a line on the left is "left". Otherwise "center".
+//         of the body beside it (`ycy_center`). Otherwise "center".
+//         Two lines nearer to each other than a lane are one line. Of one line the middle is half a
+//         lane beside it, towards the centre. Without the camera's mount only the line's side is
+//         known: the robot is too near to it, so that a line on the left is "left".
 //   dy    The line whose centroid is nearest to the vertical centre line: farther away than the
 //         target by more than the threshold (higher in the picture) is "front", nearer "back".
 //   walk  Of the same line: its lower edge is nearer to the bottom of the picture than the limit,
 //         "back"; else its centroid is farther from the centre line than the limit, "front".
 //
-// With no line at all the words are "center", and `contours` is 0.
+// With no line at all the words are "center", and `contours` is 0. With a doubt the words are
+// "center", too, and `doubt` says why they mean nothing: see Doubts below.
+//
+// Doubts: the floor has the colour of the lines; nothing that has it is as wide as a line; the only
+// line may be another lane's.
 //
 // How much of the offset is how far: on a lane 0.83 m wide, `middle_offset` changes by 0.05 for
 // each 0.1 m beside its middle in the picture of the front camera, and by 0.036 in that of a
@@ -27,10 +34,12 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
 #include "musher/modules/vision/course/color_mask.hpp"
+#include "musher/modules/vision/course/line_pieces.hpp"
 
 namespace musher::vision {
 
@@ -53,7 +62,12 @@ struct LinesParameters {
   double dy_target = 0.5;      // of the region's height, from its top
   double walk_bottom_px = 50;
   double walk_x_px = 30;
-  int edge_columns = 24;  // in which the edge towards the robot is reported
+  int edge_columns = 24;         // in which the edge towards the robot is reported
+  double most_coverage = 0.4;    // share of the region that lines cover; more is the floor
+  std::optional<Mount> mount{};  // of the camera; what follows needs it
+  double lane_m = 0.88;          // between the middles of a lane's two lines
+  double least_width_m = 0.02;   // of a line
+  double most_width_m = 0.1;
 
   friend bool operator==(const LinesParameters&, const LinesParameters&) = default;
 };

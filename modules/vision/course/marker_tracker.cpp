@@ -8,7 +8,8 @@ MarkerTracker::MarkerTracker(int sightings, int misses) : sightings_(sightings),
   MUSHER_CHECK(sightings >= 1 && misses >= 1, sightings, misses);
 }
 
-MarkerTracker::Phase MarkerTracker::OnPicture(bool seen) {
+MarkerTracker::Phase MarkerTracker::OnPicture(bool seen, bool at_edge) {
+  if (seen) at_edge_ = at_edge;
   const bool tracking = phase_ == Phase::kTracking;
   if (seen == tracking) {
     in_row_ = 0;
@@ -17,7 +18,8 @@ MarkerTracker::Phase MarkerTracker::OnPicture(bool seen) {
   ++in_row_;
   if (in_row_ >= (tracking ? misses_ : sightings_)) {
     in_row_ = 0;
-    phase_ = tracking ? Phase::kDisappeared : Phase::kTracking;
+    const Phase gone = at_edge_ ? Phase::kDisappeared : Phase::kHidden;
+    phase_ = tracking ? gone : Phase::kTracking;
   }
   return phase_;
 }
@@ -30,6 +32,8 @@ std::string PhaseText(MarkerTracker::Phase phase) {
       return "tracking";
     case MarkerTracker::Phase::kDisappeared:
       return "disappeared";
+    case MarkerTracker::Phase::kHidden:
+      return "hidden";
   }
   return "";
 }

@@ -3,11 +3,13 @@
 //
 //                seen `sightings` times in a row                  not seen `misses` times in a row
 //   searching ──────────────────────────────────▶ tracking ──────────────────────▶ disappeared
-//                                                    ▲                                  │
+//                                                    ▲                             or hidden
 //                                                    └──────────────────────────────────┘
 //                                                      seen `sightings` times in a row
 //
-// So a single false find neither starts a track nor ends in a disappearance.
+// So a single false find neither starts a track nor ends in a disappearance. What was last seen at
+// the picture's edge has left it: it was passed. What was last seen in its middle is hidden, by a
+// person or by glare, and still ahead.
 //
 // Threads: one call at a time.
 
@@ -17,13 +19,13 @@ namespace musher::vision {
 
 class MarkerTracker {
  public:
-  enum class Phase { kSearching, kTracking, kDisappeared };
+  enum class Phase { kSearching, kTracking, kDisappeared, kHidden };
 
   // Both at least 1.
   MarkerTracker(int sightings, int misses);
 
-  // Whether it is seen in the next picture. Returns phase().
-  Phase OnPicture(bool seen);
+  // Whether it is seen in the next picture, and there at the edge. Returns phase().
+  Phase OnPicture(bool seen, bool at_edge = false);
 
   Phase phase() const { return phase_; }
 
@@ -31,10 +33,11 @@ class MarkerTracker {
   const int sightings_;
   const int misses_;
   Phase phase_ = Phase::kSearching;
-  int in_row_ = 0;  // pictures that contradict the phase
+  int in_row_ = 0;        // pictures that contradict the phase
+  bool at_edge_ = false;  // when it was last seen
 };
 
-// "searching", "tracking" or "disappeared".
+// "searching", "tracking", "disappeared" or "hidden".
 std::string PhaseText(MarkerTracker::Phase phase);
 
 }  // namespace musher::vision

@@ -37,10 +37,10 @@ std::string Offset(float offset) {
 std::string LinesText(const msg::YellowLines& lines) {
   return fmt::format(
       "  {} line{}: ycy {}, dy {}, walk {}; middle_offset {}, line_offset {}, bottom_gap_px {}, "
-      "area_px2 {:.0f}\n",
+      "area_px2 {:.0f}\n{}",
       lines.contours, lines.contours == 1 ? "" : "s", lines.ycy, lines.dy, lines.walk,
       Offset(lines.middle_offset), Offset(lines.line_offset), Offset(lines.bottom_gap_px),
-      lines.area_px2);
+      lines.area_px2, lines.doubt.empty() ? "" : "  in doubt: " + lines.doubt + "\n");
 }
 
 std::string SightingText(const msg::Sighting& sighting) {

@@ -8,6 +8,7 @@
 #include "musher/base/version.hpp"
 #include "musher/modules/vision/tool/look.hpp"
 #include "musher/modules/vision/tool/look_course.hpp"
+#include "musher/modules/vision/tool/tune.hpp"
 
 namespace {
 
@@ -18,6 +19,7 @@ Examples:
   musher-vision look faces.toml now.png --out boxes.png     what is found, and where
   musher-vision look faces.toml now.png --hfov 70 --at 1.5  the face_m that makes the distance right
   musher-vision look course.toml hall.mp4 --detector left   what a detector of [[detectors]] finds
+  musher-vision tune course.toml hall/                      the colours of a hall, from its pictures
 
 Exit codes: 0 done; 1 a picture or the model cannot be read, or --out not written; 2 wrong usage, or
 the config is wrong.)";
@@ -55,6 +57,16 @@ ExitCode Look(const musher::vision::tool::LookOptions& options) {
   return ExitCode::kNotDone;
 }
 
+ExitCode Tune(const musher::vision::tool::TuneOptions& options) {
+  const musher::vision::VisionReading reading = musher::vision::ReadVisionFile(options.file);
+  musher::program::PrintErrors(reading.diagnostics);
+  if (!reading.config) return ExitCode::kUsage;
+  const musher::Result<> tuned = musher::vision::tool::Tune(*reading.config, options, std::cout);
+  if (tuned) return ExitCode::kDone;
+  std::cerr << "musher-vision: " << tuned.error().message << std::endl;
+  return ExitCode::kNotDone;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -80,10 +92,16 @@ int main(int argc, char** argv) {
                    "Distance of the largest face in m; prints the face_m that fits")
       ->check(musher::program::Between(0.05, 100))
       ->excludes(detector);
+  musher::vision::tool::TuneOptions to_tune;
+  CLI::App* tune = app.add_subcommand("tune",
+                                      "Find the colours of a hall by pictures of it, "
+                                      "front_lane-left-1.png: a detector, what it has to say");
+  tune->add_option("FILE", to_tune.file, "The config of musher-vision-manager (TOML)")->required();
+  tune->add_option("FOLDER", to_tune.folder, "The pictures: .png, .jpg, .bmp")->required();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::kUsage);
   }
-  return static_cast<int>(Look(options));
+  return static_cast<int>(tune->parsed() ? Tune(to_tune) : Look(options));
 }

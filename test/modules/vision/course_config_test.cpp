@@ -102,6 +102,74 @@ least_area_px2 = 100
   EXPECT_EQ(std::get<MarkerParameters>(sign.parameters), expected);
 }
 
+TEST(Hall, GivesItsColorsToTheDetectorsThatHaveNone) {
+  const VisionConfig config = Read(R"(
+detect_faces = false
+[hall]
+yellow = { from = [18, 90, 40], to = [32, 255, 255] }
+lane_m = 1.0
+line_width_m = [0.03, 0.07]
+trunk_height_m = 0.3
+[[mounts]]
+picture = "image_left"
+model = "fisheye"
+yaw_deg = 90
+hfov_deg = 180
+[[detectors]]
+name = "left"
+kind = "lines"
+picture = "image_left"
+[[detectors]]
+name = "front"
+kind = "lines"
+parameters.yellow.from = [10, 10, 10]
+[[detectors]]
+name = "sign"
+kind = "marker"
+)");
+  const HsvRange of_hall{{18, 90, 40}, {32, 255, 255}};
+  const auto left = std::get<LinesParameters>(config.detectors[0].parameters);
+  EXPECT_EQ(left.yellow, of_hall);
+  EXPECT_EQ(left.lane_m, 1.0);
+  EXPECT_EQ(left.least_width_m, 0.03);
+  EXPECT_EQ(left.most_width_m, 0.07);
+  ASSERT_TRUE(left.mount);
+  EXPECT_TRUE(left.mount->camera.fisheye);
+  EXPECT_EQ(left.mount->trunk_height_m, 0.3);
+  const auto front = std::get<LinesParameters>(config.detectors[1].parameters);
+  EXPECT_EQ(front.yellow, (HsvRange{{10, 10, 10}, {32, 255, 255}}));
+  EXPECT_FALSE(front.mount) << "there is none of its camera";
+  EXPECT_EQ(std::get<MarkerParameters>(config.detectors[2].parameters).yellow, of_hall);
+}
+
+TEST(Hall, WithErrorsSaysWhereAndWhatWasExpected) {
+  EXPECT_THAT(Said(R"(
+detect_faces = false
+[hall]
+yellow = { from = [18, 300, 40] }
+lane_m = 0
+line_width_m = [0.1, 0.02]
+colour = 1
+[[mounts]]
+hfov_deg = 180
+[[mounts]]
+picture = "image_rgb"
+[[mounts]]
+picture = "image_rgb"
+[[detectors]]
+name = "front"
+kind = "lines"
+)"),
+              ::testing::UnorderedElementsAre(
+                  HasSubstr("course.toml:4:19: error: hall.yellow.from: expected [hue 0 to 179"),
+                  HasSubstr("course.toml:5:10: error: hall.lane_m: "),
+                  HasSubstr("course.toml:6:16: error: hall.line_width_m: expected the least"),
+                  HasSubstr("course.toml:7:1: error: hall: unknown key \"colour\""),
+                  HasSubstr("course.toml:8:1: error: mounts: the key \"picture\" is missing"),
+                  HasSubstr("mounts.hfov_deg: a pinhole has less"),
+                  HasSubstr("there is a mount of the camera of \"image_rgb\" already")));
+}
+
 TEST(CourseConfig, HasTheValuesOfEveryParameter) {
   const VisionConfig config = Read(R"(
 detect_faces = false
@@ -121,6 +189,7 @@ parameters.dy_target = 0.4
 parameters.walk_bottom_px = 10
 parameters.walk_x_px = 80
 parameters.edge_columns = 12
+parameters.most_coverage = 0.3
 [[detectors]]
 name = "b"
 kind = "arrow"
@@ -177,7 +246,8 @@ parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
                                  0.4,
                                  10,
                                  80,
-                                 12};
+                                 12,
+                                 0.3};
   const ArrowParameters arrow = {{{35, 50, 50}, {80, 255, 255}}, {0.1, 1, 0, 1}, 1, 1, 0.2, 2};
   const BarrierParameters barrier = {
       {{160, 40, 40}, {5, 255, 255}}, {0.1, 1, 0, 1}, 1, 2, 0.5, 10, 0.2, 0.1, 500};

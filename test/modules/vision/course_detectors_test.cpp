@@ -32,9 +32,9 @@ cv::Mat WithCode(const std::string& content) {
   return bgr;
 }
 
-cv::Mat WithDisc(int radius) {
+cv::Mat WithDisc(int radius, int y = 150) {
   cv::Mat bgr = GreyPicture();
-  cv::circle(bgr, {300, 150}, radius, kYellow, cv::FILLED, cv::LINE_AA);
+  cv::circle(bgr, {300, y}, radius, kYellow, cv::FILLED, cv::LINE_AA);
   return bgr;
 }
 
@@ -106,11 +106,19 @@ TEST(MarkerDetector, SaysTheDistanceWhileItTracksAndThenThatItHasDisappeared) {
   EXPECT_NEAR(second.sighting->distance_m, 0.2 * 600 / 61, 0.04);
   ASSERT_TRUE(second.text);
   EXPECT_NEAR(std::stod(*second.text), second.sighting->distance_m, 0.006);
+  markers.Look(WithDisc(30, 40));
   for (int i = 0; i < 4; ++i) EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "tracking");
   const CourseSight gone = markers.Look(GreyPicture());
   EXPECT_EQ(gone.sighting->phase, "disappeared");
   EXPECT_FALSE(gone.sighting->seen);
   EXPECT_TRUE(std::isnan(gone.sighting->distance_m));
+}
+
+TEST(MarkerDetector, SaysThatASignIsHiddenThatWasFarFromTheEdge) {
+  Series markers(MakeMarkerDetector({}));
+  for (int i = 0; i < 3; ++i) markers.Look(WithDisc(12));
+  for (int i = 0; i < 4; ++i) markers.Look(GreyPicture());
+  EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "hidden");
 }
 
 TEST(QrDetector, SaysAWordOfItsListAndOnlyShowsAnotherCode) {

@@ -113,6 +113,55 @@ TEST(Line, SeenAloneIsTheNearOne) {
   EXPECT_EQ(Ycy({600}), "right");
 }
 
+// Upright at x, without its rows from `gap_from` to `gap_to`: a foot stands on it.
+cv::Mat Cut(int x, int gap_from, int gap_to) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(x - 10, 100, 20, 350)).setTo(kYellow);
+  bgr.rowRange(gap_from, gap_to).setTo(kGrey);
+  return bgr;
+}
+
+TEST(LineInTwoPieces, IsOneLine) {
+  for (const int x : {100, 250}) {
+    const msg::YellowLines lines = FindLines(Cut(x, 200, 260), WholePicture()).lines;
+    EXPECT_EQ(lines.contours, 1U) << x;
+    EXPECT_EQ(lines.ycy, "left") << x;
+  }
+  EXPECT_EQ(FindLines(Cut(400, 200, 260), WholePicture()).lines.ycy, "right");
+}
+
+RC_GTEST_PROP(LineInPieces, SaysWhatTheWholeLineSays, ()) {
+  const int x = *rc::gen::inRange(20, 300);
+  const int from = *rc::gen::inRange(150, 300), to = from + *rc::gen::inRange(5, 100);
+  cv::Mat bgr = Cut(x, from, to);
+  // A second, whole line on the other side.
+  bgr(cv::Rect(*rc::gen::inRange(340, 600), 100, 20, 350)).setTo(kYellow);
+  const msg::YellowLines cut = FindLines(bgr, WholePicture()).lines;
+  bgr(cv::Rect(x - 10, 100, 20, 350)).setTo(kYellow);
+  const msg::YellowLines whole = FindLines(bgr, WholePicture()).lines;
+  RC_ASSERT(cut.ycy == whole.ycy);
+  RC_ASSERT(cut.contours == 2U && whole.contours == 2U);
+}
+
+TEST(FloorOfTheColorOfTheLines, IsADoubtAndNoLine) {
+  const cv::Mat floor(480, 640, CV_8UC3, kYellow);
+  const msg::YellowLines lines = FindLines(floor, {}).lines;
+  EXPECT_EQ(lines.doubt, "the floor has the colour of the lines: 100 % of the region");
+  EXPECT_EQ(lines.contours, 0U);
+  EXPECT_EQ(lines.ycy, "center");
+  EXPECT_TRUE(lines.edge_x.empty());
+}
+
+TEST(LinesOnAFloorOfTheirColor, AreWhatIsClearlyMoreSaturated) {
+  cv::Mat bgr(480, 640, CV_8UC3, cv::Scalar(90, 150, 190));  // wood
+  EXPECT_NE(FindLines(bgr, WholePicture()).lines.doubt, "");
+  for (const int x : {190, 530}) bgr(cv::Rect(x, 300, 20, 100)).setTo(kYellow);
+  const msg::YellowLines lines = FindLines(bgr, WholePicture()).lines;
+  EXPECT_EQ(lines.doubt, "");
+  EXPECT_EQ(lines.contours, 2U);
+  EXPECT_EQ(lines.ycy, "center");
+}
+
 TEST(Lines, ThatAreMissingAreNoneAndCenter) {
   const msg::YellowLines none = FindLines(GreyPicture(), {}).lines;
   EXPECT_EQ(none.contours, 0U);
@@ -273,6 +322,59 @@ TEST(LaneAhead, IsInTheMiddleLeftOrRightAsTheRobotStands) {
   EXPECT_EQ(lines(0.15, 0.08).ycy, "center");
   EXPECT_EQ(lines(0.21, 0.08).ycy, "left");
   EXPECT_NEAR(lines(0.1, 0.08).middle_offset, 0.05, 0.01);
+}
+
+// What the detector knows of the camera.
+LinesParameters Mounted() {
+  LinesParameters parameters;
+  parameters.ycy_threshold = 0.05;
+  parameters.mount.emplace();
+  const world::CameraSpec spec = world::CameraSet().cameras[std::size_t(CourseCamera::kFront)];
+  navigation::MountedCamera& camera = parameters.mount->camera;
+  camera.x_m = spec.position_m.x();
+  camera.z_m = spec.position_m.z();
+  camera.pitch_rad = spec.pitch_rad;
+  camera.hfov_rad = spec.hfov_rad;
+  return parameters;
+}
+
+TEST(OnlyLineOfALane, IsEnoughForItsMiddle) {
+  world::Scene lane = Lane();
+  lane.lines.pop_back();  // the one on the left
+  const auto ycy = [&](double y_m, const LinesParameters& parameters) {
+    return FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines.ycy;
+  };
+  EXPECT_EQ(ycy(0, Mounted()), "center");
+  EXPECT_EQ(ycy(0.2, Mounted()), "left");
+  EXPECT_EQ(ycy(-0.2, Mounted()), "right");
+  LinesParameters without = Mounted();
+  without.mount.reset();
+  EXPECT_EQ(ycy(0, without), "right") << "of the line on the right only its side is known";
+}
+
+TEST(OnlyLine, FartherAwayThanALaneIsWideIsADoubt) {
+  world::Scene lane = Lane();
+  lane.lines.pop_back();
+  const auto found = [&](double y_m) {
+    return FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, y_m, 0)), Mounted()).lines;
+  };
+  EXPECT_EQ(found(0.2).doubt, "");
+  const msg::YellowLines far = found(0.6);
+  EXPECT_EQ(far.contours, 1U);
+  EXPECT_NE(far.doubt, "");
+  EXPECT_EQ(far.ycy, "center");
+}
+
+TEST(WhatIsWiderThanALine, IsNone) {
+  world::Scene hall = Hall();
+  world::Line carpet;
+  carpet.points_m = {{-1.2, 0.3}, {0, 0.3}};
+  carpet.width_m = 0.4;
+  hall.lines.push_back(carpet);
+  const cv::Mat bgr = SceneShot(hall, CourseCamera::kFront, At(-2, 0, 0));
+  const msg::YellowLines lines = FindLines(bgr, Mounted()).lines;
+  EXPECT_EQ(lines.contours, 0U);
+  EXPECT_NE(lines.doubt.find("m wide, which no line is"), std::string::npos) << lines.doubt;
 }
 
 TEST(LaneAcross, IsSeenByAFisheye) {

@@ -141,9 +141,9 @@ TEST(MarkersTrack, BeginsAfterSightingsInARow) {
 
 TEST(MarkersTrack, EndsAfterFiveMissesInARow) {
   MarkerTracker tracker(1, 5);
-  EXPECT_EQ(tracker.OnPicture(true), Phase::kTracking);
+  EXPECT_EQ(tracker.OnPicture(true, true), Phase::kTracking);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(tracker.OnPicture(false), Phase::kTracking);
-  EXPECT_EQ(tracker.OnPicture(true), Phase::kTracking);
+  EXPECT_EQ(tracker.OnPicture(true, true), Phase::kTracking);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(tracker.OnPicture(false), Phase::kTracking);
   EXPECT_EQ(tracker.OnPicture(false), Phase::kDisappeared);
   EXPECT_EQ(tracker.OnPicture(false), Phase::kDisappeared);
@@ -151,9 +151,20 @@ TEST(MarkersTrack, EndsAfterFiveMissesInARow) {
 
 TEST(MarkersTrack, BeginsAgainAfterADisappearance) {
   MarkerTracker tracker(2, 1);
+  for (const bool seen : {true, true, false}) tracker.OnPicture(seen, true);
+  EXPECT_EQ(tracker.OnPicture(true, true), Phase::kDisappeared);
+  EXPECT_EQ(tracker.OnPicture(true, true), Phase::kTracking);
+}
+
+TEST(MarkersTrack, BehindAPersonIsHiddenAndGoesOn) {
+  MarkerTracker tracker(2, 2);
   for (const bool seen : {true, true, false}) tracker.OnPicture(seen);
-  EXPECT_EQ(tracker.OnPicture(true), Phase::kDisappeared);
+  EXPECT_EQ(tracker.OnPicture(false), Phase::kHidden) << "it was seen in the middle of the picture";
+  EXPECT_EQ(tracker.OnPicture(true), Phase::kHidden);
   EXPECT_EQ(tracker.OnPicture(true), Phase::kTracking);
+  EXPECT_EQ(tracker.OnPicture(true, true), Phase::kTracking);
+  tracker.OnPicture(false);
+  EXPECT_EQ(tracker.OnPicture(false), Phase::kDisappeared) << "now it was at the edge";
 }
 
 TEST(MarkersTrack, IsSearchingUntilTheFirstSighting) {

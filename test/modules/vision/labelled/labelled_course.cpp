@@ -98,6 +98,8 @@ void Remove(CourseKind kind, bool alike, world::Scene& scene) {
       ball.color = {235, 235, 240};
       return;
     }
+    case CourseKind::kAruco:  // the course has none
+      return;
     case CourseKind::kLines:
       if (!alike) scene.lines.clear();
       for (world::Line& line : scene.lines) line.color = {240, 240, 238};

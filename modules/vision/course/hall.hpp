@@ -1,0 +1,33 @@
+#pragma once
+// What the detectors of one hall have in common: its colours, the measures of its lanes and lines,
+// and where the cameras are on the body. The tables [hall] and [[mounts]] of the config; each
+// detector may still have a colour of its own.
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "musher/base/toml/findings.hpp"
+#include "musher/base/toml/table_reader.hpp"
+#include "musher/modules/vision/course/color_mask.hpp"
+#include "musher/modules/vision/course/line_pieces.hpp"
+
+namespace musher::vision {
+
+struct Hall {
+  std::optional<HsvRange> yellow;  // of lines, markers and lights
+  std::optional<HsvRange> green;   // of arrows
+  std::optional<HsvRange> red;     // of bars
+  double lane_m = 0.88;            // between the middles of a lane's two lines
+  double least_line_m = 0.02;      // the width of a line
+  double most_line_m = 0.1;
+  std::map<std::string, Mount> mounts;  // by the topic of the camera's picture
+};
+
+Hall ReadHall(config_toml::TableReader& root, config_toml::Findings& findings);
+
+// A table { from = [hue, saturation, value], to = [...] }. Returns whether there is one.
+bool ReadColor(config_toml::TableReader& reader, std::string_view key, HsvRange& range,
+               config_toml::Findings& findings);
+
+}  // namespace musher::vision

@@ -1,0 +1,220 @@
+// The shipped detectors of lines on floors, in light and with lanes that no author of a detector
+// has drawn: a word is right, or they say that they are not sure. See floor_pictures.hpp.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "musher/modules/vision/course/lines_finder.hpp"
+#include "musher/modules/vision/vision_config.hpp"
+#include "musher/test/modules/vision/floor_pictures.hpp"
+#include "musher/test/support/nightly.hpp"
+
+namespace musher::vision::floors {
+namespace {
+
+LinesParameters Shipped(const std::string& name) {
+  const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
+  for (const CourseEntry& entry : reading.config.value().detectors) {
+    if (entry.name == name) return std::get<LinesParameters>(entry.parameters);
+  }
+  ADD_FAILURE() << "there is no detector " << name;
+  return {};
+}
+
+// Where a detector of the course looks, and how it stands there.
+struct View {
+  std::string detector;
+  Camera camera;
+  bool across = false;  // the lane crosses the robot's way: left in the picture of `right` is ahead
+  double middle_m = 0;  // of the camera from the body's middle, along what it measures
+  double to_right = 1;  // -1: a robot that is too far ahead sees the lane to the right
+};
+
+const std::vector<View>& Views() {
+  static const std::vector<View> all = {{"front_lane", kFront, false, 0, 1},
+                                        {"right_lane", kRight, true, 0, 1},
+                                        {"left_lane", kLeft, true, 0, -1}};
+  return all;
+}
+
+enum class Lines { kTwo, kLeftOnly, kRightOnly, kBroken, kNone };
+constexpr std::array kAllLines{Lines::kTwo, Lines::kLeftOnly, Lines::kRightOnly, Lines::kBroken,
+                               Lines::kNone};
+std::string_view NameOf(Lines lines) {
+  constexpr std::array<std::string_view, 5> kNames{"two lines", "left one", "right one",
+                                                   "pieces of one", "no line"};
+  return kNames.at(static_cast<std::size_t>(lines));
+}
+
+struct Case {
+  View view;
+  Material material = Material::kGrey;
+  Light light;
+  Lines lines = Lines::kTwo;
+  double width_m = 0.05;
+  double aside_m = 0;  // of the robot from the lane's middle: to the left, or ahead of it
+  std::uint64_t seed = 1;
+};
+
+// The tapes of a lane that is 0.83 m wide between them, beside a robot that is not in its middle.
+std::vector<Tape> TapesOf(const Case& tried) {
+  std::vector<Tape> tapes;
+  const auto add = [&](double aside_m, double from_m, double to_m) {
+    const double at = aside_m - tried.aside_m;
+    tapes.push_back(tried.view.across ? Tape{{at, from_m}, {at, to_m}, tried.width_m}
+                                      : Tape{{from_m, at}, {to_m, at}, tried.width_m});
+  };
+  const double half = (0.83 + tried.width_m) / 2;
+  if (tried.lines == Lines::kTwo || tried.lines == Lines::kLeftOnly) add(half, -2.4, 2.4);
+  if (tried.lines == Lines::kTwo || tried.lines == Lines::kRightOnly) add(-half, -2.4, 2.4);
+  if (tried.lines == Lines::kBroken) {
+    for (double from = -2.4; from < 2.4; from += 0.22) add(half, from, from + 0.15);
+  }
+  return tapes;
+}
+
+enum class Verdict { kRight, kUnsure, kWrong };
+
+std::string Truth(const Case& tried) {
+  constexpr double kInTheMiddleM = 0.03;
+  if (std::abs(tried.aside_m) < kInTheMiddleM) return "center";
+  return tried.aside_m * tried.view.to_right > 0 ? "left" : "right";
+}
+
+Verdict Compare(const Case& tried, const msg::YellowLines& lines) {
+  if (!lines.doubt.empty() || lines.contours == 0) return Verdict::kUnsure;
+  if (tried.lines == Lines::kNone) return Verdict::kWrong;
+  return lines.ycy == Truth(tried) ? Verdict::kRight : Verdict::kWrong;
+}
+
+std::string TextOf(const Case& tried) {
+  std::string material;
+  for (const auto& [each, name] : Materials()) {
+    if (each == tried.material) material = name;
+  }
+  return fmt::format("{} on {}, {:.0f} K, {:.0f} % light, {}, {:.0f} cm wide, {:+.2f} m, seed {}",
+                     tried.view.detector, material, tried.light.kelvin, 100 * tried.light.share,
+                     NameOf(tried.lines), 100 * tried.width_m, tried.aside_m, tried.seed);
+}
+
+// The pictures of a floor in a light: each view, each kind of line, three places of the robot.
+std::vector<Case> CasesOn(Material material, const Light& light, std::uint64_t seed) {
+  constexpr std::array kWidthsM{0.03, 0.05, 0.07};
+  std::vector<Case> cases;
+  for (const View& view : Views()) {
+    for (const Lines lines : kAllLines) {
+      for (const double aside_m : {-0.2, 0.0, 0.2}) {
+        if (lines == Lines::kNone && aside_m != 0) continue;
+        cases.push_back(
+            {view, material, light, lines, kWidthsM.at(seed % kWidthsM.size()), aside_m, ++seed});
+      }
+    }
+  }
+  return cases;
+}
+
+struct Count {
+  int right = 0, unsure = 0, wrong = 0;
+  void Add(Verdict verdict) {
+    ++(verdict == Verdict::kRight ? right : verdict == Verdict::kUnsure ? unsure : wrong);
+  }
+  int all() const { return right + unsure + wrong; }
+};
+
+class Tally {
+ public:
+  Tally() {
+    for (const View& view : Views()) parameters_[view.detector] = Shipped(view.detector);
+  }
+
+  // A new row.
+  void Begin() { counts_ = {}; }
+
+  void Try(const Case& tried) {
+    const cv::Mat bgr = FloorPicture({tried.material, tried.light, TapesOf(tried), tried.seed})
+                            .SeenBy(tried.view.camera);
+    const msg::YellowLines lines = FindLines(bgr, parameters_[tried.view.detector]).lines;
+    const Verdict verdict = Compare(tried, lines);
+    counts_[tried.lines].Add(verdict);
+    // Without lines nothing has to be found: a doubt is right.
+    all_.Add(tried.lines == Lines::kNone && verdict == Verdict::kUnsure ? Verdict::kRight
+                                                                        : verdict);
+    if (verdict == Verdict::kWrong) {
+      wrong_ += fmt::format("{}: {} of {} lines, offset {:.3f}\n", TextOf(tried), lines.ycy,
+                            lines.contours, lines.middle_offset);
+    }
+    if (const char* folder = std::getenv("MUSHER_SHOW_PICTURES");
+        folder != nullptr && verdict != Verdict::kRight && tried.lines != Lines::kNone) {
+      Show(folder, bgr, tried, lines);
+    }
+  }
+
+  const std::string& wrong() const { return wrong_; }
+  const Count& all() const { return all_; }
+  std::string Row() {
+    std::string row;
+    for (const Lines lines : kAllLines) {
+      const Count& count = counts_[lines];
+      row += fmt::format("{} {}/{}/{}; ", NameOf(lines), count.right, count.unsure, count.wrong);
+    }
+    return row;
+  }
+
+ private:
+  static void Show(const std::string& folder, const cv::Mat& bgr, const Case& tried,
+                   const msg::YellowLines& lines);
+
+  std::map<std::string, LinesParameters> parameters_;
+  std::map<Lines, Count> counts_;  // of the row
+  Count all_;
+  std::string wrong_;
+};
+
+void Tally::Show(const std::string& folder, const cv::Mat& bgr, const Case& tried,
+                 const msg::YellowLines& lines) {
+  static int number = 0;
+  cv::Mat shown = bgr.clone();
+  const std::string text = fmt::format("{} {} {:.3f} of {}", TextOf(tried), lines.ycy,
+                                       lines.middle_offset, lines.contours);
+  cv::putText(shown, text, {4, 12}, cv::FONT_HERSHEY_SIMPLEX, 0.3, {0, 0, 255});
+  cv::putText(shown, lines.doubt, {4, 26}, cv::FONT_HERSHEY_SIMPLEX, 0.3, {0, 0, 255});
+  cv::imwrite(fmt::format("{}/{:04}.png", folder, number++), shown);
+}
+
+constexpr std::array kLights{Light{6500, 1}, Light{6500, 0.3}, Light{3000, 0.3},
+                             Light{8000, 1}, Light{3000, 1},   Light{6500, 0.1}};
+
+// Every floor in its hardest light in the gate, in all of them in the nightly run.
+TEST(LinesOnFloors, AreRightOrInDoubt) {
+  Tally tally;
+  std::uint64_t seed = 1;
+  for (const auto& [material, name] : Materials()) {
+    for (const Light& light : kLights) {
+      seed += 100;
+      const bool is_hard = light.kelvin == 3000 && light.share < 1;
+      if (!testing::Nightly() && !is_hard) continue;
+      tally.Begin();
+      for (const Case& tried : CasesOn(material, light, seed)) tally.Try(tried);
+      std::cout << fmt::format("{}, {:.0f} K, {:.0f} % light, right/unsure/wrong: {}\n", name,
+                               light.kelvin, 100 * light.share, tally.Row());
+    }
+  }
+  EXPECT_EQ(tally.wrong(), "");
+  EXPECT_EQ(tally.all().wrong, 0);
+  EXPECT_GE(tally.all().right, 0.9 * tally.all().all());
+}
+
+}  // namespace
+}  // namespace musher::vision::floors
