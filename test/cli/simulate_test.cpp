@@ -44,6 +44,10 @@ restart_prevent_exit_codes = []
          "\n" + more;
 }
 
+// That find what is planted: each at the first tens of seeds.
+const std::string kFew = testing::Nightly() ? "100" : "40";
+const std::string kSeeds = testing::Nightly() ? "300" : "80";
+
 constexpr const char* kProvided = "on_lost = \"Active\"";
 
 class Simulating : public ::testing::Test {
@@ -61,19 +65,21 @@ class Simulating : public ::testing::Test {
 };
 
 TEST_F(Simulating, AValidRobotPassesEveryScenario) {
-  const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", "100"});
+  const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", kFew});
   EXPECT_EQ(ran.exit, 0) << ran.out;
-  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 100 scenarios"), Not(HasSubstr("VIOLATED")),
-                             HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
+  EXPECT_THAT(ran.out,
+              AllOf(HasSubstr("2 actuators, " + kFew + " scenarios"), Not(HasSubstr("VIOLATED")),
+                    HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
 }
 
 // No manager is simulated.
 TEST_F(Simulating, ARobotThatAManagerStartsIsStartedByItsController) {
   const Ran ran = RunProgram(
-      {"simulate", Config(Robot(kProvided, "[ros2]\nstart = \"manager\"\n")), "--seeds", "100"});
+      {"simulate", Config(Robot(kProvided, "[ros2]\nstart = \"manager\"\n")), "--seeds", kFew});
   EXPECT_EQ(ran.exit, 0) << ran.out;
-  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 100 scenarios"), Not(HasSubstr("VIOLATED")),
-                             HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
+  EXPECT_THAT(ran.out,
+              AllOf(HasSubstr("2 actuators, " + kFew + " scenarios"), Not(HasSubstr("VIOLATED")),
+                    HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
 }
 
 TEST_F(Simulating, EveryShippedConfigIsValid) {
@@ -88,16 +94,16 @@ TEST_F(Simulating, EveryShippedConfigIsValid) {
 }
 
 TEST_F(Simulating, TheShippedConfigsPassEveryScenario) {
-  const std::string seeds = testing::Nightly() ? "300" : "20";
   for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml", "programs.toml"}) {
-    const Ran ran = RunProgram({"simulate", SourceDir() + "/config/" + name, "--seeds", seeds});
+    const Ran ran = RunProgram({"simulate", SourceDir() + "/config/" + name, "--seeds",
+                                testing::Nightly() ? "300" : "12"});
     EXPECT_EQ(ran.exit, 0) << ran.out;
   }
 }
 
 TEST_F(Simulating, ARestartLimitWithoutOnLostIsFoundAndShrunkToTheFewestCrashes) {
   const std::string config = Config(Robot(""));
-  const Ran ran = RunProgram({"simulate", config, "--seeds", "300", "--json"});
+  const Ran ran = RunProgram({"simulate", config, "--seeds", kSeeds, "--json"});
   EXPECT_EQ(ran.exit, 1);
   const auto json = nlohmann::json::parse(ran.out);
   EXPECT_FALSE(json["passed"]);
@@ -112,7 +118,7 @@ TEST_F(Simulating, AWrongConfigWithoutOnLostIsFoundAndTakesOneInjection) {
   std::string robot = Robot("");
   const std::string key = "restart_prevent_exit_codes = []\n";
   robot.erase(robot.find(key), key.size());
-  const Ran ran = RunProgram({"simulate", Config(robot), "--seeds", "300", "--json"});
+  const Ran ran = RunProgram({"simulate", Config(robot), "--seeds", kSeeds, "--json"});
   EXPECT_EQ(ran.exit, 1);
   const auto scenario = nlohmann::json::parse(ran.out)["shortest_failing_scenario"];
   EXPECT_THAT(scenario["text"].get<std::string>(),
@@ -128,7 +134,7 @@ from = ["Active", "Protected", "DeActive", "LowPower"]
 to = ["Active", "Protected", "DeActive", "LowPower", "OTA"]
 )"));
   const std::string svg = folder_ / "scenario.svg";
-  const Ran ran = RunProgram({"simulate", config, "--seeds", "100", "--svg", svg});
+  const Ran ran = RunProgram({"simulate", config, "--seeds", kFew, "--svg", svg});
   EXPECT_EQ(ran.exit, 1);
   EXPECT_THAT(ran.out, HasSubstr("the machine is in OTA, from where no switch leads to Active"));
   EXPECT_THAT(Read(svg), AllOf(StartsWith("<svg"), HasSubstr("the operator requests OTA"),
@@ -142,7 +148,7 @@ TEST_F(Simulating, AFlowThatForbidsTheFallbackToOnLostIsNoViolation) {
 from = ["Active", "LowPower", "Protected", "OTA", "DeActive"]
 to = ["Active", "LowPower"]
 )"));
-  const Ran ran = RunProgram({"simulate", config, "--seeds", "100"});
+  const Ran ran = RunProgram({"simulate", config, "--seeds", kFew});
   EXPECT_THAT(ran.out, Not(HasSubstr("without legs, whose on_lost is Protected")));
 }
 
@@ -157,7 +163,7 @@ TEST_F(Simulating, ALoweringThatBeginsAsARaiseEndsIsRememberedByTheCheck) {
 TEST_F(Simulating, TheCommandItPrintsReplaysTheSameScenario) {
   const std::string config = Config(Robot(""));
   const auto report =
-      nlohmann::json::parse(RunProgram({"simulate", config, "--seeds", "300", "--json"}).out);
+      nlohmann::json::parse(RunProgram({"simulate", config, "--seeds", kSeeds, "--json"}).out);
   const auto& scenario = report["shortest_failing_scenario"];
   std::string only;
   for (const auto& number : scenario["only"]) {
