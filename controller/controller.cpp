@@ -486,6 +486,16 @@ bool Controller::Flush(Duration timeout) {
          saved;
 }
 
+void Controller::OnceRecorded(std::function<void()> then) {
+  constexpr Duration kLongestWrite = Milliseconds(2000);
+  if (file_journal_ == nullptr) return then();
+  const auto write = [journal = file_journal_->access()]() -> Result<> {
+    static_cast<void>(journal.Flush(kLongestWrite));
+    return Ok();
+  };
+  disk_.Do("journal", write, [then = std::move(then)](const Result<>&) { then(); });
+}
+
 // --- the processes of the actuators that already run, and their logs ---
 
 // Finds the actuators' processes that already run on this host, started by an earlier controller or

@@ -65,6 +65,9 @@ class Controller {
   void ReapOrphans() { processes_.ReapOrphans(); }
   // Waits until all records and saves are on disk, at most `timeout`; returns whether they are.
   bool Flush(Duration timeout);
+  // Calls `then` on the loop once everything recorded before is in the journal's file; of a disk
+  // that does not answer after two seconds all the same.
+  void OnceRecorded(std::function<void()> then);
 
  private:
   Controller(transport::Node& node, int domain_id, const MachineConfig& config,

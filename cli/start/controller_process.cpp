@@ -204,7 +204,10 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   // After a failed start the launcher exits, and the machine stays up for inspection.
   if (!ended.usable) DetachLauncher();
   service_manager_.StartUpEnded(ended);
-  SendProgress(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
+  // The launcher may exit with it, and a person's next command reads what the start has recorded.
+  controller_->OnceRecorded([this, ended] {
+    SendProgress(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
+  });
 }
 
 // Another controller leads: this one is fenced, or was refused before it began.
