@@ -177,6 +177,7 @@ class CourseReader {
         row::Time("picture_ms", rules.picture),
         row::Time("open_ms", rules.open, 0),
         row::Time("silent_ms", rules.silent),
+        row::Integer("most_given_up", rules.most_given_up, 0, 1000),
     };
   }
 

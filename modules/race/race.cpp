@@ -80,7 +80,22 @@ std::string Race::InfoText() const {
                      ",QRResult:" + memory().Shown() +
                      ",TaskCompleted:" + (memory().completed() ? "True" : "False");
   const bool failed = running() && runner_.state() == course_.error && !runner_.reason().empty();
+  if (memory().completed() || failed) text += ReservationsText();
   return failed ? text + ",Reason:" + runner_.reason() : text;
+}
+
+// A comma separates keys: there is none in a value.
+std::string Race::ReservationsText() const {
+  std::string text = ",Reservations:" + std::to_string(memory().reserved());
+  const auto add = [&text](const char* key, const Reservation& reservation) {
+    std::string value = reservation.Text();
+    std::ranges::replace(value, ',', ';');
+    text += "," + std::string(key) + ":" + value;
+  };
+  const std::vector<Reservation>& kept = memory().reservations();
+  if (!kept.empty()) add("FirstReservation", kept.front());
+  if (kept.size() > 1) add("LastReservation", kept.back());
+  return text;
 }
 
 // The time in a recording of an input received at now_.
