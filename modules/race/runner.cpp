@@ -19,6 +19,11 @@ std::string Steps(int count) {
   return std::to_string(count) + (count == 1 ? " step" : " steps");
 }
 
+// Of a walk: its steps by odometry, and by time where that differs.
+std::string Steps(int count, int by_time) {
+  return Steps(count) + (count == by_time ? "" : " (" + std::to_string(by_time) + " by time)");
+}
+
 }  // namespace
 
 Runner::Runner(const Course& course, RaceOutputs& outputs)
@@ -53,6 +58,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   if (begins) {
     memory_.BeginRun();
     reason_.clear();
+    by_time_ = false;
     if (light_) light_->Reset();
   }
   if (!by_decision || state == course_.error || begins) interrupted_.reset();
@@ -191,7 +197,9 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
     locomotion_.Wait();
     return Outcome::kRunning;
   }
-  if (locomotion_.Advance(now, time)) return Outcome::kDone;
+  const bool done = locomotion_.Advance(now, time);
+  ReserveDistances();
+  if (done) return Outcome::kDone;
   if (!StoppedByLight(now)) return Outcome::kRunning;
   interrupted_ = Interrupted{state_,  previous_,      at_, locomotion_.Halt(time),
                              unsure_, unsure_before_};
@@ -200,6 +208,18 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
   Say("a yellow light: it stops with " +
       Steps(static_cast<int>(interrupted_->walk.left() / course_.step)) + " left");
   return Outcome::kTarget;
+}
+
+void Runner::ReserveDistances() {
+  if (const auto difference = locomotion_.TakeDifference()) {
+    Reserve(*difference);
+    Say(*difference);
+  }
+  if (by_time_ || !locomotion_.streaming() || locomotion_.doubt().empty()) return;
+  by_time_ = true;
+  const std::string reason = "walks without odometry, by their time: " + locomotion_.doubt();
+  Reserve(reason);
+  Say(reason);
 }
 
 bool Runner::WatchesLight() const {
@@ -420,29 +440,28 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   const Until& until = course_.untils[step.until];
   const Stretch most{until.most.movement, step.most.value_or(until.most.count)};
   if (at_.phase == 0) {
-    locomotion_.Walk(most);
+    locomotion_.WalkAtMost(most);
     at_.after = time;
     Phase(1, now);
   }
   perception_.Want(until.detector);
   Steer(step.keep, time);
-  const auto store = [&](int made) {
+  const auto store = [&](const WalkProgress& walk) {
+    const int made = StepsOf(walk.made);
     if (step.stores) memory_.SetCount(*step.stores, made);
+    return Steps(made, StepsOf(walk.walked));
   };
   const Sighting* sighting = perception_.SightingSince(until.detector, at_.after);
   if (sighting != nullptr && sighting->phase == until.phase) {
-    const Duration made = locomotion_.Halt(time).made;
-    const int steps = static_cast<int>((made + course_.step / 2) / course_.step);
-    store(steps);
     memory_.SetMissed(step.until, false);
-    Say(until.name + " after " + Steps(steps));
+    Say(until.name + " after " + store(locomotion_.Halt(time)));
     return Outcome::kDone;
   }
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
-  store(most.count);
   memory_.SetMissed(step.until, true);
-  return GiveUp(until.otherwise, "no " + until.name + " within " + Steps(most.count));
+  return GiveUp(until.otherwise,
+                "no " + until.name + " within " + store(locomotion_.ended_walk()));
 }
 
 Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
@@ -464,7 +483,7 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
 Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
     const bool unsure = step.unsure && (unsure_ || unsure_before_);
-    if (unsure) Say("a check of the way here was given up: " + course_.speeches[*step.unsure].name);
+    if (unsure) Say("it is not sure of the place: a check on the way was given up");
     voice_.Begin(unsure ? *step.unsure : step.speech, memory_, now);
     Phase(1, now);
   }

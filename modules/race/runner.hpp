@@ -108,11 +108,16 @@ class Runner {
   // Whether the step is left out, as the sight was not found.
   bool LeftOut(const std::optional<Index>& only, const std::string& what);
   void Reserve(const std::string& reason) { memory_.Reserve({rule().name, reason}); }
+  // What odometry says against the last walk, or that it says nothing: that once a run.
+  void ReserveDistances();
   // At the end of a run.
   void ReportReservations();
   void Phase(int phase, Duration now) {
     at_.phase = phase;
     at_.since = now;
+  }
+  int StepsOf(Duration time) const {
+    return static_cast<int>((time + course_.step / 2) / course_.step);
   }
   void Say(const std::string& line) { outputs_.Log(rule().name + ": " + line); }
   const StateRule& rule() const { return course_.states[state_]; }
@@ -134,6 +139,7 @@ class Runner {
   bool returns_ = false;      // and now back again
   bool skips_ = false;        // see SkipSteps()
   bool blind_ = false;
+  bool by_time_ = false;        // a walk of this run went by its time, without odometry
   bool unsure_ = false;         // a check of this state was given up
   bool unsure_before_ = false;  // one of the state before
   Index target_ = 0;
