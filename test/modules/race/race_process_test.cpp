@@ -207,7 +207,7 @@ TEST_F(RaceProcess, RunsACourseToItsEndAndReplaysItsRecording) {
   walker_says_ = "State:IDLE,Active:False,End:course_end";
   ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
   ASSERT_TRUE(peer_.Until(
-      [&] { return infos_.back() == "CurrentState:45,QRResult:A-2,TaskCompleted:True"; }));
+      [&] { return infos_.back() == "CurrentState:45,QRResult:A-2,TaskCompleted:True,Reservations:0"; }));
   EXPECT_THAT(walker_, ElementsAre("START", "STOP"));
   EXPECT_THAT(motions_, ElementsAre(111));
   EXPECT_THAT(spoken_, ElementsAre("A区库位2"));
@@ -242,6 +242,8 @@ TEST_F(RaceProcess, ThatWasKilledStandsInItsStartUntilTheCommand) {
   Command("START");
   ASSERT_TRUE(AwaitState("State:1")) << peer_.Output();
   ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  ASSERT_TRUE(peer_.Until([this] { return !frames_.empty(); }));  // it walks
+  EXPECT_EQ(frames_.back().cmd_type, msg::MotionServoCmd::kData);
   peer_.Signal(SIGKILL);
   ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
   ASSERT_TRUE(peer_.Until([this] { return subscriptions_.front()->MatchedWriters() == 0; }));
