@@ -114,11 +114,11 @@ struct CheckRules {
 
 // Walks by the distance that odometry shows, and not by their time alone.
 struct OdometryRules {
-  std::string topic;                     // empty: by their time
-  double least_share = 0.8;              // a walk takes at least this share of its time
-  double most_share = 1.25;              // and at most this one
-  Duration fresh = Milliseconds(300);    // without a new sample for so long it is not believed
-  Duration begin = Milliseconds(800);    // so long the body accelerates: the time counts
+  std::string topic;                   // empty: by their time
+  double least_share = 0.8;            // a walk takes at least this share of its time
+  double most_share = 1.25;            // and at most this one
+  Duration fresh = Milliseconds(300);  // without a new sample for so long it is not believed
+  Duration begin = Milliseconds(800);  // so long the body accelerates: the time counts
 
   bool used() const { return !topic.empty(); }
 };

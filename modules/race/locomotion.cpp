@@ -133,9 +133,10 @@ void Locomotion::CountProgress(Duration now) {
 void Locomotion::Measure(Duration distance) {
   walk_->measured += distance;
   const OdometryRules& rules = course_.odometry;
-  walk_->made = rules.used() ? std::clamp(walk_->measured, Times(walk_->walked, 1 / rules.most_share),
-                                          Times(walk_->walked, 1 / rules.least_share))
-                             : walk_->measured;
+  walk_->made = rules.used()
+                    ? std::clamp(walk_->measured, Times(walk_->walked, 1 / rules.most_share),
+                                 Times(walk_->walked, 1 / rules.least_share))
+                    : walk_->measured;
 }
 
 void Locomotion::CompareWithTime(const WalkProgress& walk) {
@@ -144,11 +145,11 @@ void Locomotion::CompareWithTime(const WalkProgress& walk) {
   const bool less = walk.measured < walk.made;
   const Duration wanted = less ? walk.length : walk.walked;
   const auto steps = (wanted + course_.step / 2) / course_.step;
-  difference_ = movement.name + ": " + std::to_string(steps) + " steps made " +
-                DistanceText(movement, ToSeconds(walk.measured)) + " of " +
-                DistanceText(movement, ToSeconds(wanted)) + " by odometry: " +
-                (less ? "the feet slip, or something is in the way"
-                      : "it shows more than the feet can walk");
+  difference_ =
+      movement.name + ": " + std::to_string(steps) + " steps made " +
+      DistanceText(movement, ToSeconds(walk.measured)) + " of " +
+      DistanceText(movement, ToSeconds(wanted)) + " by odometry: " +
+      (less ? "the feet slip, or something is in the way" : "it shows more than the feet can walk");
 }
 
 void Locomotion::Send(bool end) {

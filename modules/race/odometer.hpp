@@ -43,12 +43,12 @@ class Odometer {
   std::string WhySilent() const;
 
   const OdometryRules& rules_;
-  line_walker::OdometryTrack track_;  // of this walk; empty after a gap
+  line_walker::OdometryTrack track_;      // of this walk; empty after a gap
   std::optional<std::int64_t> stamp_ns_;  // of the newest sample of this walk
-  Displacement moved_;                // since the last tick with a new sample
-  bool is_new_ = false;               // a sample since the last tick
+  Displacement moved_;                    // since the last tick with a new sample
+  bool is_new_ = false;                   // a sample since the last tick
   Duration received_at_{};
-  bool frozen_ = false;  // the last sample had the stamp of the one before
+  bool frozen_ = false;           // the last sample had the stamp of the one before
   std::optional<Duration> late_;  // the age of the last sample, where it was old
   std::string jump_;              // in this walk
   std::string doubt_;

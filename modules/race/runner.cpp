@@ -201,8 +201,8 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
   ReserveDistances();
   if (done) return Outcome::kDone;
   if (!StoppedByLight(now)) return Outcome::kRunning;
-  interrupted_ = Interrupted{state_,  previous_,      at_, locomotion_.Halt(time),
-                             unsure_, unsure_before_};
+  interrupted_ =
+      Interrupted{state_, previous_, at_, locomotion_.Halt(time), unsure_, unsure_before_};
   light_stops_ = true;
   target_ = course_.light->state;
   Say("a yellow light: it stops with " +
@@ -460,8 +460,7 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
   memory_.SetMissed(step.until, true);
-  return GiveUp(until.otherwise,
-                "no " + until.name + " within " + store(locomotion_.ended_walk()));
+  return GiveUp(until.otherwise, "no " + until.name + " within " + store(locomotion_.ended_walk()));
 }
 
 Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {

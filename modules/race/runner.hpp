@@ -66,7 +66,7 @@ class Runner {
     Index previous = 0;
     Activity activity;
     WalkProgress walk;
-    bool unsure = false;         // as of the state that was left
+    bool unsure = false;  // as of the state that was left
     bool unsure_before = false;
   };
   enum class Outcome : std::uint8_t {

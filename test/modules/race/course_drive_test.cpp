@@ -60,9 +60,8 @@ TEST_P(WholeCourse, IsDrivenByTheCamerasAlone) {
 
 // Feet that slip four times as much as usual lay down outside of both bays of zone B.
 TEST(WholeCourseOfSlippingFeet, IsDrivenByTheOdometry) {
-  const Route route{.seed = 1,
-                    .chosen = {{"qr_a", "A-1"}, {"arrow", "left"}, {"qr_b", "B-2"}},
-                    .slip = 0.12};
+  const Route route{
+      .seed = 1, .chosen = {{"qr_a", "A-1"}, {"arrow", "left"}, {"qr_b", "B-2"}}, .slip = 0.12};
   CourseDrive drive(SettingsOf(route));
   const DriveResult result = drive.Run();
   EXPECT_EQ(result.state, "END") << Joined(result.log);

@@ -11,7 +11,7 @@ namespace musher::race::odometry_test {
 
 using ::testing::HasSubstr;
 
-constexpr int kFramesOfAStep = 4;        // 200 ms at 20 Hz
+constexpr int kFramesOfAStep = 4;  // 200 ms at 20 Hz
 constexpr double kStepM = 0.08 * kWalkShare;
 const Twist kForward{0.4, 0, 0};
 
@@ -71,8 +71,8 @@ TEST(WalkByOdometry, ThatStandsStillEndsAndIsAReservation) {
   rig.WalkOnce();
   EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep * 1.25, 1);
   EXPECT_TRUE(rig.field.Logged("QRA_TO_A1: forward: 23 steps made 0.3")) << "while time counted";
-  EXPECT_TRUE(rig.field.Logged(
-      " m of 1.78 m by odometry: the feet slip, or something is in the way"));
+  EXPECT_TRUE(
+      rig.field.Logged(" m of 1.78 m by odometry: the feet slip, or something is in the way"));
   EXPECT_EQ(rig.reserved(), 1U);
 }
 

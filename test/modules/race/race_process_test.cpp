@@ -206,8 +206,9 @@ TEST_F(RaceProcess, RunsACourseToItsEndAndReplaysItsRecording) {
   ASSERT_TRUE(peer_.Until([&] { return infos_.size() > count + 10; }));
   walker_says_ = "State:IDLE,Active:False,End:course_end";
   ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
-  ASSERT_TRUE(peer_.Until(
-      [&] { return infos_.back() == "CurrentState:45,QRResult:A-2,TaskCompleted:True,Reservations:0"; }));
+  ASSERT_TRUE(peer_.Until([&] {
+    return infos_.back() == "CurrentState:45,QRResult:A-2,TaskCompleted:True,Reservations:0";
+  }));
   EXPECT_THAT(walker_, ElementsAre("START", "STOP"));
   EXPECT_THAT(motions_, ElementsAre(111));
   EXPECT_THAT(spoken_, ElementsAre("A区库位2"));

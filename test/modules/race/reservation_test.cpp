@@ -148,8 +148,9 @@ next = "BAY")"));
   };
   rig.Command("START");
   ASSERT_TRUE(rig.RunTo("END"));
-  EXPECT_THAT(rig.race->InfoText(),
-              HasSubstr("Reservations:1,FirstReservation:LANE: the line walker has ended with lost"));
+  EXPECT_THAT(
+      rig.race->InfoText(),
+      HasSubstr("Reservations:1,FirstReservation:LANE: the line walker has ended with lost"));
 }
 
 TEST_F(Doubt, IsForgottenByANewRun) {

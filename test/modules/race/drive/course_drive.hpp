@@ -29,8 +29,8 @@ namespace musher::race::testing {
 struct DriveSettings {
   std::uint64_t seed = 1;
   std::map<std::string, std::string> chosen;  // of the scene: qr_a, qr_b, arrow
-  bool yellow_light = false;  // appears before the robot in the START lane, for some seconds
-  std::optional<double> slip;  // of the feet, ahead and aside; else that of the scene
+  bool yellow_light = false;     // appears before the robot in the START lane, for some seconds
+  std::optional<double> slip;    // of the feet, ahead and aside; else that of the scene
   std::set<std::string> unseen;  // detectors of the race that never see their thing
   Duration limit = std::chrono::minutes(15);
   std::string until;                     // ends when this state begins; empty: at END
