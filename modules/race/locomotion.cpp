@@ -13,7 +13,8 @@
 namespace musher::race {
 namespace {
 
-constexpr int kBadReports = 3;  // in a row: 0.3 s of motion_status
+constexpr double kMostSeconds = 60;  // of a walk, between two samples of odometry
+constexpr int kBadReports = 3;       // in a row: 0.3 s of motion_status
 constexpr Index kSwitchNames = 15;
 
 // Of MotionStatus::switch_status.
@@ -114,20 +115,21 @@ void Locomotion::CountProgress(Duration now) {
   walk_->walked += now - frame_at_;
   unmeasured_ += now - frame_at_;
   if (!course_.odometry.used()) return Measure(std::exchange(unmeasured_, {}));
-  const bool by_time = now - stream_from_ <= course_.odometry.begin || !odometer_.believed();
+  const Movement& movement = course_.movements[walk_->movement];
+  const Twist& twist = movement.twist;
+  const bool begins = now - stream_from_ <= course_.odometry.begin;
+  const bool by_time = begins || !odometer_.believed() || twist == Twist{};
   const auto moved = odometer_.Take(now);
   if (by_time || !odometer_.believed()) return Measure(std::exchange(unmeasured_, {}));
   if (!moved) return Measure({});
-  const Movement& movement = course_.movements[walk_->movement];
-  const Twist& twist = movement.twist;
   const double speed = std::hypot(twist.forward_m_s, twist.left_m_s);
   const double seconds =
-      speed > 0 ? (moved->forward_m * twist.forward_m_s + moved->left_m * twist.left_m_s) /
-                      (speed * speed)
-                : moved->yaw_rad / twist.yaw_rad_s;
+      twist.turns() ? moved->yaw_rad / twist.yaw_rad_s
+                    : (moved->forward_m * twist.forward_m_s + moved->left_m * twist.left_m_s) /
+                          (speed * speed);
   unmeasured_ = {};
-  const double counted = seconds / movement.odometry_share;
-  if (std::isfinite(counted)) Measure(Times(std::chrono::seconds(1), counted));
+  const double counted = std::clamp(seconds / movement.odometry_share, -kMostSeconds, kMostSeconds);
+  Measure(Times(std::chrono::seconds(1), counted));
 }
 
 void Locomotion::Measure(Duration distance) {
