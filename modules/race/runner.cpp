@@ -447,9 +447,9 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   perception_.Want(until.detector);
   Steer(step.keep, time);
   const auto store = [&](const WalkProgress& walk) {
-    const int made = StepsOf(walk.made);
+    const int made = std::min(StepsOf(walk.made), most.count);  // the last tick may be beyond
     if (step.stores) memory_.SetCount(*step.stores, made);
-    return Steps(made, StepsOf(walk.walked));
+    return Steps(made, std::min(StepsOf(walk.walked), most.count));
   };
   const Sighting* sighting = perception_.SightingSince(until.detector, at_.after);
   if (sighting != nullptr && sighting->phase == until.phase) {
