@@ -9,6 +9,7 @@ namespace musher::race::testing {
 namespace {
 
 using ::testing::Contains;
+using ::testing::IsEmpty;
 
 struct Route {
   std::uint64_t seed;
@@ -56,6 +57,7 @@ TEST_P(WholeCourse, IsDrivenByTheCamerasAlone) {
   EXPECT_TRUE(result.world->referee().finished()) << "a zone is missing, or out of order\n"
                                                   << Joined(result.log);
   ExpectNoFault(result, GetParam());
+  EXPECT_THAT(result.reservations, IsEmpty());
 }
 
 // Feet that slip four times as much as usual lay down outside of both bays of zone B.

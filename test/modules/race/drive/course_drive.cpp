@@ -148,6 +148,9 @@ DriveResult CourseDrive::Run() {
   result_.took = dog_.now() - begun;
   result_.state = race_.state();
   result_.pictures = shots_;
+  for (const Reservation& each : race_.memory().reservations()) {
+    result_.reservations.push_back(each.Text());
+  }
   result_.world = dog_.world();
   return std::move(result_);
 }

@@ -56,6 +56,7 @@ struct DriveResult {
   std::vector<std::string> log;
   Duration took{};
   std::size_t pictures = 0;
+  std::vector<std::string> reservations;  // what the race is not sure of, with the states
   Latencies latencies;
   std::optional<world::World> world;  // at the end; its referee has the judgement
 };
