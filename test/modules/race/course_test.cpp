@@ -140,13 +140,13 @@ TEST(CourseFile, ReportsConditionsOfStepsThatAreNone) {
               ElementsAre(HasSubstr("there is no until 'bariere'; did you mean 'barrier'?")));
   EXPECT_THAT(Faults("by = 5, only = \"barrier\"", "by = 5, only = \"bar\""),
               ElementsAre(HasSubstr("there is no until 'bar'")));
-  EXPECT_THAT(Faults("count = 15, less = \"x1\", beyond = 85", "count = 15, beyond = 85"),
-              ElementsAre(HasSubstr("\"beyond\": expected less = … beside it")));
+  EXPECT_THAT(Faults("count = 15, less = \"x1\", beyond = 85 },", "count = 15, beyond = 85 },"),
+              ElementsAre(HasSubstr("steps.beyond: expected less = … beside it")));
   EXPECT_THAT(Faults("{ move = \"lie_down\" }", "{ move = \"lie_down\", beyond = 85 }"),
-              ElementsAre(HasSubstr("\"beyond\": lie_down is one motion, and no walk")));
-  EXPECT_THAT(Faults("most = 91", "most = 0"),
+              ElementsAre(HasSubstr("steps.beyond: lie_down is one motion, and no walk")));
+  EXPECT_THAT(Faults("most = 91, s", "most = 0, s"),
               ElementsAre(HasSubstr("expected an integer from 1 to 10000 steps, found 0")));
-  EXPECT_THAT(Faults("unsure = \"unsure_bay\"", "unsure = \"unsure\""),
+  EXPECT_THAT(Faults("unsure = \"unsure_bay\" },", "unsure = \"unsure\" },"),
               ElementsAre(HasSubstr("there is no speech 'unsure'; did you mean 'unsure_bay'?")));
 }
 
