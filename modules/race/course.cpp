@@ -21,7 +21,7 @@ class Stay {
 
   Duration operator()(const MoveStep& step) const {
     const Movement& movement = course_.movements[step.movement];
-    if (movement.walks) return step.count * course_.step;
+    if (movement.walks) return Walk(step.count);
     return movement.before + movement.limit + movement.after;
   }
   Duration operator()(const CheckStep& step) const {
@@ -29,23 +29,32 @@ class Stay {
     const CheckRules& rules = course_.check;
     const int most = std::max(MostSteps(check.usual), MostSteps(check.after_turn));
     const Duration look = rules.settle + rules.picture;
-    return look + rules.max_corrections * (look + most * course_.step);
+    return look + check.max_corrections.value_or(rules.max_corrections) * (look + Walk(most));
   }
   Duration operator()(const WaitStep& step) const {
     const Wait& wait = course_.waits[step.wait];
-    return wait.limit + wait.retries * (wait.limit + wait.retry.count * course_.step);
+    return wait.limit + wait.retries * (wait.limit + Walk(wait.retry.count));
   }
   Duration operator()(const UntilStep& step) const {
-    return course_.untils[step.until].most.count * course_.step;
+    return step.most.value_or(course_.untils[step.until].most.count) * course_.step;
   }
   Duration operator()(const WalkStep& step) const { return course_.walks[step.walk].limit; }
   Duration operator()(const SayStep& step) const {
-    const Speech& speech = course_.speeches[step.speech];
-    return std::max(speech.limit, static_cast<int>(speech.phrases.size()) * speech.every);
+    return std::max(Said(step.speech), Said(step.unsure.value_or(step.speech)));
   }
   Duration operator()(const CountStep& /*step*/) const { return Duration(0); }
 
  private:
+  // At most, where odometry shows less than its steps.
+  Duration Walk(int steps) const {
+    const double share = course_.odometry.used() ? course_.odometry.most_share : 1;
+    return std::chrono::duration_cast<Duration>(steps * course_.step * share);
+  }
+  Duration Said(Index index) const {
+    const Speech& speech = course_.speeches[index];
+    return std::max(speech.limit, static_cast<int>(speech.phrases.size()) * speech.every);
+  }
+
   const Course& course_;
 };
 

@@ -61,6 +61,7 @@ struct Movement {
   Twist twist;
   std::array<double, 2> step_height_m{0.05, 0.05};  // front and rear
   int count = 10;                                   // steps where a state gives none
+  double odometry_share = 1;                        // of the twist, as odometry usually shows it
   // Of a result command.
   Duration before{};  // the pause before it
   Duration after{};   // and after its reply
@@ -108,6 +109,18 @@ struct CheckRules {
   Duration picture = Milliseconds(3000);   // how long such a picture is waited for
   Duration open = Milliseconds(2000);      // a detector is opened so long before the movement's end
   Duration silent = Milliseconds(10'000);  // a wanted detector without a sample has failed
+  int most_given_up = 0;                   // of a run; one more is a fault. 0: no limit
+};
+
+// Walks by the distance that odometry shows, and not by their time alone.
+struct OdometryRules {
+  std::string topic;                   // empty: by their time
+  double least_share = 0.8;            // a walk takes at least this share of its time
+  double most_share = 1.25;            // and at most this one
+  Duration fresh = Milliseconds(300);  // without a new sample for so long it is not believed
+  Duration begin = Milliseconds(800);  // so long the body accelerates: the time counts
+
+  bool used() const { return !topic.empty(); }
 };
 
 // When the body counts as lost.
@@ -189,7 +202,9 @@ struct MoveStep {
   Index movement = 0;
   int count = 0;              // of a walk
   std::optional<Index> less;  // the counter that is subtracted from it
+  int beyond = 0;             // of the counter only what is more than this
   std::optional<Index> keep;
+  std::optional<Index> only;  // left out where this walk until a sight has not found it
 };
 struct CheckStep {
   Index check = 0;
@@ -200,6 +215,7 @@ struct WaitStep {
 };
 struct UntilStep {
   Index until = 0;
+  std::optional<int> most;      // instead of that of the until
   std::optional<Index> stores;  // the counter that gets the steps made
   std::optional<Index> keep;
 };
@@ -208,11 +224,14 @@ struct WalkStep {
 };
 struct SayStep {
   Index speech = 0;
+  // Said instead where a check of this state or of the one before was given up.
+  std::optional<Index> unsure;
 };
 struct CountStep {
   Index counter = 0;
   int number = 0;
-  bool adds = false;  // else it sets
+  bool adds = false;          // else it sets
+  std::optional<Index> only;  // as of MoveStep
 };
 using Step = std::variant<MoveStep, CheckStep, WaitStep, UntilStep, WalkStep, SayStep, CountStep>;
 
@@ -282,6 +301,7 @@ struct Course {
   Index stand = 0;  // the result command before an interrupted movement continues
   CheckRules check;
   BodyRules body;
+  OdometryRules odometry;
   RobotRules robot;
   std::optional<LightRule> light;
   std::vector<Detector> detectors;

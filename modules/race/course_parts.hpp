@@ -98,9 +98,10 @@ Row StatesRow(std::string_view key, Reading& reading, std::vector<Index>& states
 // The key `otherwise`.
 Row OtherwiseRow(Otherwise& otherwise, Reading& reading);
 
-// The rows of [robot], [movement.NAME], [result.NAME] and [speech.NAME]. table_rows.cpp. `table` is
-// the one that they are for.
+// The rows of [robot], [odometry], [movement.NAME], [result.NAME] and [speech.NAME].
+// table_rows.cpp. `table` is the one that they are for.
 Rows RobotRows(const std::filesystem::path& folder, RobotRules& robot);
+Rows OdometryRows(OdometryRules& odometry);
 Rows MovementRows(TableReader& table, Movement& movement);
 Rows ResultRows(ResultRule& result);
 Rows SpeechRows(Speech& speech, Reading& reading);

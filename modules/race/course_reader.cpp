@@ -154,6 +154,7 @@ class CourseReader {
                     {{"zh", Language::kChinese}, {"en", Language::kEnglish}}),
         row::Sub("checks", CheckRuleRows()),
         row::Sub("robot", RobotRows(folder_, course().robot)),
+        row::Sub("odometry", OdometryRows(course().odometry)),
         row::Sub("body", {row::Time("silent_ms", course().body.silent, 0),
                           row::Time("refused_ms", course().body.refused)}),
     };
@@ -177,6 +178,7 @@ class CourseReader {
         row::Time("picture_ms", rules.picture),
         row::Time("open_ms", rules.open, 0),
         row::Time("silent_ms", rules.silent),
+        row::Integer("most_given_up", rules.most_given_up, 0, 1000),
     };
   }
 

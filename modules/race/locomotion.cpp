@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
 #include <string_view>
 #include <utility>
 
@@ -11,7 +13,8 @@
 namespace musher::race {
 namespace {
 
-constexpr int kBadReports = 3;  // in a row: 0.3 s of motion_status
+constexpr double kMostSeconds = 60;  // of a walk, between two samples of odometry
+constexpr int kBadReports = 3;       // in a row: 0.3 s of motion_status
 constexpr Index kSwitchNames = 15;
 
 // Of MotionStatus::switch_status.
@@ -19,6 +22,21 @@ constexpr std::array<std::string_view, kSwitchNames> kBodyStates{
     "normal",        "transitioning",  "emergency stop",        "damping",       "lifted",
     "no transition", "over heat",      "low battery",           "fallen",        "a foot is wrong",
     "stuck",         "a motor is hot", "a motor is overloaded", "a motor fault", "charging"};
+
+Duration Times(Duration time, double factor) {
+  return Duration(std::llround(static_cast<double>(time.count()) * factor));
+}
+
+// A distance of a walk in metres, or in degrees of a turn.
+std::string DistanceText(const Movement& movement, double seconds) {
+  const Twist& twist = movement.twist;
+  const double speed = twist.turns() ? std::abs(twist.yaw_rad_s) * 180 / M_PI
+                                     : std::hypot(twist.forward_m_s, twist.left_m_s);
+  char text[64];
+  std::snprintf(text, sizeof text, twist.turns() ? "%.0f degrees" : "%.2f m",
+                speed * movement.odometry_share * seconds);
+  return text;
+}
 
 std::string BodyState(int status) {
   const auto index = static_cast<Index>(status);
@@ -28,6 +46,17 @@ std::string BodyState(int status) {
 }
 
 }  // namespace
+
+void Locomotion::Walk(const Stretch& stretch) {
+  const Duration length = stretch.count * course_.step;
+  const double share = course_.odometry.used() ? course_.odometry.most_share : 1;
+  Continue({.movement = stretch.movement, .length = length, .limit = Times(length, share)});
+}
+
+void Locomotion::WalkAtMost(const Stretch& stretch) {
+  const Duration length = stretch.count * course_.step;
+  Continue({.movement = stretch.movement, .length = length, .limit = length});
+}
 
 void Locomotion::Continue(const WalkProgress& walk) {
   EndStream();
@@ -63,19 +92,66 @@ bool Locomotion::AdvanceWalk(Duration now, Time time) {
     stream_from_ = body_received_at_ = now;
     refused_from_.reset();
     refused_ = false;
+    odometer_.Begin(now);
   } else {
-    walk_->made += now - frame_at_;
+    CountProgress(now);
   }
   frame_at_ = now;
   lying_ = false;
-  if (walk_->left() > Duration(0)) {
+  if (walk_->left() > Duration(0) && walk_->walked < walk_->limit) {
     Send(false);
     return false;
   }
   EndStream();
+  ended_walk_ = *walk_;
   walk_.reset();
   walked_until_ = time;
+  CompareWithTime(ended_walk_);
   return true;
+}
+
+// The body takes up a speed slowly, and gives it up as slowly after the end: both are left to time.
+void Locomotion::CountProgress(Duration now) {
+  walk_->walked += now - frame_at_;
+  unmeasured_ += now - frame_at_;
+  if (!course_.odometry.used()) return Measure(std::exchange(unmeasured_, {}));
+  const Movement& movement = course_.movements[walk_->movement];
+  const Twist& twist = movement.twist;
+  const bool begins = now - stream_from_ <= course_.odometry.begin;
+  const bool by_time = begins || !odometer_.believed() || twist == Twist{};
+  const auto moved = odometer_.Take(now);
+  if (by_time || !odometer_.believed()) return Measure(std::exchange(unmeasured_, {}));
+  if (!moved) return Measure({});
+  const double speed = std::hypot(twist.forward_m_s, twist.left_m_s);
+  const double seconds =
+      twist.turns() ? moved->yaw_rad / twist.yaw_rad_s
+                    : (moved->forward_m * twist.forward_m_s + moved->left_m * twist.left_m_s) /
+                          (speed * speed);
+  unmeasured_ = {};
+  const double counted = std::clamp(seconds / movement.odometry_share, -kMostSeconds, kMostSeconds);
+  Measure(Times(std::chrono::seconds(1), counted));
+}
+
+void Locomotion::Measure(Duration distance) {
+  walk_->measured += distance;
+  const OdometryRules& rules = course_.odometry;
+  walk_->made = rules.used()
+                    ? std::clamp(walk_->measured, Times(walk_->walked, 1 / rules.most_share),
+                                 Times(walk_->walked, 1 / rules.least_share))
+                    : walk_->measured;
+}
+
+void Locomotion::CompareWithTime(const WalkProgress& walk) {
+  if (walk.measured == walk.made) return;
+  const Movement& movement = course_.movements[walk.movement];
+  const bool less = walk.measured < walk.made;
+  const Duration wanted = less ? walk.length : walk.walked;
+  const auto steps = (wanted + course_.step / 2) / course_.step;
+  difference_ =
+      movement.name + ": " + std::to_string(steps) + " steps made " +
+      DistanceText(movement, ToSeconds(walk.measured)) + " of " +
+      DistanceText(movement, ToSeconds(wanted)) + " by odometry: " +
+      (less ? "the feet slip, or something is in the way" : "it shows more than the feet can walk");
 }
 
 void Locomotion::Send(bool end) {
@@ -87,6 +163,7 @@ void Locomotion::Send(bool end) {
 
 void Locomotion::EndStream() {
   if (!std::exchange(streaming_, false)) return;
+  Measure(std::exchange(unmeasured_, {}));
   Send(true);
 }
 

@@ -4,6 +4,9 @@
 //   a walk     a frame each tick, then one frame with `end`: exactly one for each stream
 //   a motion   its pause before, the call, its reply, its pause after
 //
+// With odometry a walk ends where the body has come as far as it was to walk, within shares of its
+// time (OdometryRules); without, or while it is not believed, by its time.
+//
 // A pause ends the stream; the walk continues with what is left of it. A motion that failed in a
 // pause, or less than kStopGrace before it, is repeated. Before anything continues the robot stands
 // up, unless it was lying; and before a walk where it is lying, because a command has led there.
@@ -13,28 +16,34 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "musher/base/result.hpp"
+#include "musher/modules/race/odometer.hpp"
 #include "musher/modules/race/outputs.hpp"
 
 namespace musher::race {
 
-// A walk, and how much of it is done.
+// A walk, and how much of it is done. Distances are in time at the speed of the movement.
 struct WalkProgress {
   Index movement = 0;
   Duration length{};
-  Duration made{};
+  Duration limit{};     // of `walked`
+  Duration walked{};    // how long it has lasted so far
+  Duration measured{};  // by odometry where that is believed, else by time
+  Duration made{};      // the same within the bounds of OdometryRules
 
   Duration left() const { return length - made; }
 };
 
 class Locomotion {
  public:
-  Locomotion(const Course& course, RaceOutputs& outputs) : course_(course), outputs_(outputs) {}
+  Locomotion(const Course& course, RaceOutputs& outputs)
+      : course_(course), outputs_(outputs), odometer_(course.odometry) {}
 
-  void Walk(const Stretch& stretch) {
-    Continue({stretch.movement, stretch.count * course_.step, {}});
-  }
+  void Walk(const Stretch& stretch);
+  // The same, but also by time it is no longer.
+  void WalkAtMost(const Stretch& stretch);
   void Continue(const WalkProgress& walk);
   void Move(Index movement, Duration now);
 
@@ -57,6 +66,14 @@ class Locomotion {
 
   bool walking() const { return walk_.has_value(); }
   const std::optional<WalkProgress>& walk() const { return walk_; }
+  // The last walk that has come to its end.
+  const WalkProgress& ended_walk() const { return ended_walk_; }
+  // Frames are sent: odometry counts.
+  bool streaming() const { return streaming_; }
+  // Why the present or last walk goes by its time and not by odometry; empty: it does not.
+  const std::string& doubt() const { return odometer_.doubt(); }
+  // Once: that a walk has ended at a bound of OdometryRules, with the distances.
+  std::optional<std::string> TakeDifference() { return std::exchange(difference_, std::nullopt); }
   // Whether the walk leads ahead.
   bool ahead() const;
   // When the last walk ended.
@@ -83,6 +100,10 @@ class Locomotion {
   void OnBody(int switch_status, int motion_id);
   // motion_servo_response.
   void OnServoReply(bool accepted, std::int32_t code);
+  // See Odometer::OnSample().
+  void OnOdometry(std::int64_t stamp_ns, const line_walker::Pose& pose, Duration age) {
+    if (streaming_) odometer_.OnSample(stamp_ns, pose, age);
+  }
 
   // Why it cannot go on: once, with the text. Evaluated each tick in which the body is in use.
   std::optional<std::string> Fault(Duration now);
@@ -107,6 +128,11 @@ class Locomotion {
   bool AdvanceMotion(Motion& motion, Duration now);
   void StandFirst(Duration now);
   bool AdvanceWalk(Duration now, Time time);
+  // Counts the time since the last frame, or what odometry shows.
+  void CountProgress(Duration now);
+  void Measure(Duration distance);
+  // Where odometry and time differ too much.
+  void CompareWithTime(const WalkProgress& walk);
   void EndStream();
   void Send(bool end);
   void Fail(const std::string& why) {
@@ -115,7 +141,11 @@ class Locomotion {
 
   const Course& course_;
   RaceOutputs& outputs_;
+  Odometer odometer_;
   std::optional<WalkProgress> walk_;
+  WalkProgress ended_walk_;
+  Duration unmeasured_{};  // of the walk, since the last sample of odometry
+  std::optional<std::string> difference_;
   double steer_rad_s_ = 0;
   bool streaming_ = false;
   Duration frame_at_{};  // of the last frame

@@ -1,19 +1,31 @@
 #pragma once
-// What a run has found so far: results and counters. One thread.
+// What a run has found so far: results, counters, and what it is not sure of. One thread.
 
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/modules/race/course.hpp"
 
 namespace musher::race {
 
+// The race went on although a check was given up, a sight was not found, or the like.
+struct Reservation {
+  std::string state;
+  std::string reason;
+
+  std::string Text() const { return state + ": " + reason; }
+};
+
 class Memory {
  public:
   explicit Memory(const Course& course)
-      : course_(course), results_(course.results.size()), counters_(course.counters.size()) {}
+      : course_(course),
+        results_(course.results.size()),
+        counters_(course.counters.size()),
+        missed_(course.untils.size()) {}
 
   // The index of the result's value; nothing: not known.
   std::optional<Index> Value(Index result) const { return results_[result].value; }
@@ -34,10 +46,26 @@ class Memory {
     counters_[counter] = std::clamp(count, 0, 10 * kMostSteps);
   }
 
+  // Whether the last walk until this sight has ended without it.
+  bool Missed(Index until) const { return missed_[until]; }
+  void SetMissed(Index until, bool missed) { missed_[until] = missed; }
+
+  // The first kMostKept of them and the last one.
+  const std::vector<Reservation>& reservations() const { return reservations_; }
+  std::size_t reserved() const { return reserved_; }
+  void Reserve(Reservation reservation) {
+    if (reservations_.size() > kMostKept) reservations_.pop_back();
+    reservations_.push_back(std::move(reservation));
+    ++reserved_;
+  }
+  // Checks that were given up.
+  int given_up() const { return given_up_; }
+  void GiveUpCheck() { ++given_up_; }
+
   bool completed() const { return completed_; }
   void Complete() { completed_ = true; }
 
-  // Results, counters and completion.
+  // Results, counters, reservations and completion.
   void Forget() { *this = Memory(course_); }
   // A new run: what a command has set stays.
   void BeginRun() {
@@ -47,6 +75,10 @@ class Memory {
       if (results_[i].value && course_.results[i].shown) shown_ = i;
     }
     std::ranges::fill(counters_, 0);
+    missed_.assign(missed_.size(), false);
+    reservations_.clear();
+    reserved_ = 0;
+    given_up_ = 0;
   }
 
   Memory(const Memory&) = default;
@@ -55,11 +87,17 @@ class Memory {
     counters_ = other.counters_;
     shown_ = other.shown_;
     completed_ = other.completed_;
+    missed_ = other.missed_;
+    reservations_ = other.reservations_;
+    reserved_ = other.reserved_;
+    given_up_ = other.given_up_;
     return *this;
   }
   ~Memory() = default;
 
  private:
+  static constexpr std::size_t kMostKept = 100;
+
   struct Known {
     std::optional<Index> value;
     bool by_command = false;
@@ -70,6 +108,10 @@ class Memory {
   std::vector<int> counters_;
   std::optional<Index> shown_;
   bool completed_ = false;
+  std::vector<bool> missed_;  // by until
+  std::vector<Reservation> reservations_;
+  std::size_t reserved_ = 0;
+  int given_up_ = 0;
 };
 
 }  // namespace musher::race

@@ -19,6 +19,9 @@ constexpr Duration kLogPeriod = std::chrono::seconds(2);  // of each kind of ref
 constexpr std::size_t kMostText = 200;                    // of a command or a sighting
 constexpr std::size_t kMostLine = 2000;                   // of the log
 constexpr std::size_t kMostEarly = 64;
+// Of a sample of the odometry.
+constexpr double kMostMetres = 1e6;
+constexpr std::int64_t kMostStampNs = 4'000'000'000'000'000'000;  // 126 years
 
 std::string_view Trimmed(std::string_view text) {
   constexpr std::string_view kSpace = " \t\r\n";
@@ -80,7 +83,22 @@ std::string Race::InfoText() const {
                      ",QRResult:" + memory().Shown() +
                      ",TaskCompleted:" + (memory().completed() ? "True" : "False");
   const bool failed = running() && runner_.state() == course_.error && !runner_.reason().empty();
+  if (memory().completed() || failed) text += ReservationsText();
   return failed ? text + ",Reason:" + runner_.reason() : text;
+}
+
+// A comma separates keys: there is none in a value.
+std::string Race::ReservationsText() const {
+  std::string text = ",Reservations:" + std::to_string(memory().reserved());
+  const auto add = [&text](const char* key, const Reservation& reservation) {
+    std::string value = reservation.Text();
+    std::ranges::replace(value, ',', ';');
+    text += "," + std::string(key) + ":" + value;
+  };
+  const std::vector<Reservation>& kept = memory().reservations();
+  if (!kept.empty()) add("FirstReservation", kept.front());
+  if (kept.size() > 1) add("LastReservation", kept.back());
+  return text;
 }
 
 // The time in a recording of an input received at now_.
@@ -150,6 +168,26 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
          std::to_string(contours), std::string(ycy), std::string(dy), NumberText(middle_offset)});
   }
   runner_.perception().OnLines(detector, {contours, *ycy_word, *dy_word, middle_offset}, taken);
+}
+
+// Outside of a walk odometry does not count, and is not recorded.
+void Race::OnOdometry(std::int64_t stamp_ns, const line_walker::Pose& pose, Time taken, Time now) {
+  if (!course_.odometry.used() || !runner_.locomotion().streaming()) return;
+  now_ = now;
+  const auto fits = [](double number, double most) { return std::abs(number) <= most; };
+  const bool is_pose = fits(pose.x_m, kMostMetres) && fits(pose.y_m, kMostMetres) &&
+                       fits(pose.yaw_rad, 2 * M_PI) && stamp_ns >= 0 && stamp_ns <= kMostStampNs;
+  if (!is_pose) {
+    return Refuse("odometry", "a sample of the odometry on " + course_.odometry.topic +
+                                  " is refused: its position, rotation or stamp makes no sense");
+  }
+  taken = std::min(taken, now);
+  if (first_start_) {
+    Record(input::kOdometry,
+           {std::to_string(stamp_ns), std::to_string((taken - *first_start_).count()),
+            NumberText(pose.x_m), NumberText(pose.y_m), NumberText(pose.yaw_rad)});
+  }
+  runner_.locomotion().OnOdometry(stamp_ns, pose, now - taken);
 }
 
 void Race::OnWalkerStatus(Index walk, std::string_view status, Time now) {

@@ -56,6 +56,8 @@ class Race : private fsm::Listener {
   void OnWalkerStatus(Index walk, std::string_view status, Time now);
   void OnMotionDone(std::uint64_t number, const Result<>& done, Time now);
   void OnSpoken(std::uint64_t number, const Result<>& spoken, Time now);
+  // The body's pose, with the stamp of its message in ns and when it was there.
+  void OnOdometry(std::int64_t stamp_ns, const line_walker::Pose& pose, Time taken, Time now);
   // switch_status and motion_id of motion_status.
   void OnBody(int switch_status, int motion_id, Time now);
   // motion_servo_response.
@@ -77,7 +79,9 @@ class Race : private fsm::Listener {
   // "" while the machine does not run.
   std::string_view state() const;
   int state_number() const;
-  // "CurrentState:2,QRResult:A-1,TaskCompleted:False", with ",Reason:<text>" after a fault.
+  // "CurrentState:2,QRResult:A-1,TaskCompleted:False"; after the end and after a fault with
+  // ",Reservations:<n>,FirstReservation:<text>,LastReservation:<text>", of which the texts are left
+  // out where there is none; after a fault with ",Reason:<text>" as the last.
   std::string InfoText() const;
 
  private:
@@ -98,6 +102,7 @@ class Race : private fsm::Listener {
   void GoTo(std::string_view target);
   void JumpTo(const Jump& jump);
   void ExecuteJump();
+  std::string ReservationsText() const;
   void Clean(Index detector, Sighting& sighting);
   void Refuse(std::string_view kind, const std::string& why);
   void Record(std::string_view input, std::initializer_list<std::string> words);

@@ -1,5 +1,6 @@
 #include "musher/modules/race/race_robot.hpp"
 
+#include <limits>
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
@@ -84,6 +85,18 @@ void RaceRobot::Subscribe(transport::Endpoints& topics) {
   topics.Subscribe<msg::MotionServoResponse>(topic::kServoReply, [this](const auto& reply) {
     race_.OnServoReply(reply.result, reply.code, Now());
   });
+  const OdometryRules& odometry = race_.course().odometry;
+  if (!odometry.used()) return;
+  topics.Subscribe<msg::Odometry>(
+      odometry.topic, [this](const msg::Odometry& sample) { OnOdometry(sample); },
+      transport::kSensorDataQos);
+}
+
+void RaceRobot::OnOdometry(const msg::Odometry& sample) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto pose = line_walker::PoseOf(sample).value_or(line_walker::Pose{kNone, kNone, kNone});
+  race_.OnOdometry(msg::FromStamp(sample.header.stamp).count(), pose, TakenAt(sample.header.stamp),
+                   Now());
 }
 
 Detectors::Handlers RaceRobot::DetectorHandlers() {

@@ -13,6 +13,7 @@
 
 #include "musher/application/fsm_actuator.hpp"
 #include "musher/application/fsm_recording.hpp"
+#include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -49,6 +50,7 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
 
   Result<> Record(fsm::Machine& machine);
   void Subscribe(transport::Endpoints& topics);
+  void OnOdometry(const msg::Odometry& sample);
   void OpenWalkers(transport::Endpoints& topics, Wire& wire);
   Detectors::Handlers DetectorHandlers();
   // The time of a picture, of the machine's clock.

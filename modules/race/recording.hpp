@@ -22,9 +22,12 @@ inline constexpr std::string_view kLines = "lines";
 inline constexpr std::string_view kWalker = "walker";           // walk, status
 inline constexpr std::string_view kMotionDone = "motion_done";  // number, code, message
 inline constexpr std::string_view kSpoken = "spoken";           // number, code, message
-inline constexpr std::string_view kBody = "body";               // switch_status, motion_id
-inline constexpr std::string_view kServo = "servo";             // accepted 0 or 1, code
-inline constexpr std::string_view kCommand = "command";         // its text
+// stamp in ns, when it was taken in ns, x and y in m, yaw in rad: only during a walk. A recording
+// of an earlier version has none, and is replayed by time, as it was recorded.
+inline constexpr std::string_view kOdometry = "odometry";
+inline constexpr std::string_view kBody = "body";        // switch_status, motion_id
+inline constexpr std::string_view kServo = "servo";      // accepted 0 or 1, code
+inline constexpr std::string_view kCommand = "command";  // its text
 inline constexpr std::string_view kRest = "rest";
 inline constexpr std::string_view kResume = "resume";
 }  // namespace input

@@ -10,11 +10,12 @@ struct Kind {
   std::string_view name;
   std::size_t words;
 };
-constexpr std::array<Kind, 10> kKinds = {{{input::kSighting, 7},
+constexpr std::array<Kind, 11> kKinds = {{{input::kSighting, 7},
                                           {input::kLines, 6},
                                           {input::kWalker, 2},
                                           {input::kMotionDone, 3},
                                           {input::kSpoken, 3},
+                                          {input::kOdometry, 5},
                                           {input::kBody, 2},
                                           {input::kServo, 2},
                                           {input::kCommand, 1},
@@ -92,6 +93,9 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
     OnMotionDone(numbers.Integer<std::uint64_t>(0), numbers.Outcome(1), now);
   } else if (input == input::kSpoken) {
     OnSpoken(numbers.Integer<std::uint64_t>(0), numbers.Outcome(1), now);
+  } else if (input == input::kOdometry) {
+    OnOdometry(numbers.Integer<std::int64_t>(0),
+               {numbers.Real(2), numbers.Real(3), numbers.Real(4)}, taken(), now);
   } else if (input == input::kBody) {
     OnBody(numbers.Integer<int>(0), numbers.Integer<int>(1), now);
   } else if (input == input::kServo) {

@@ -19,6 +19,11 @@ std::string Steps(int count) {
   return std::to_string(count) + (count == 1 ? " step" : " steps");
 }
 
+// Of a walk: its steps by odometry, and by time where that differs.
+std::string Steps(int count, int by_time) {
+  return Steps(count) + (count == by_time ? "" : " (" + std::to_string(by_time) + " by time)");
+}
+
 }  // namespace
 
 Runner::Runner(const Course& course, RaceOutputs& outputs)
@@ -44,6 +49,8 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     state_ = state;
     previous_ = interrupted.previous;
     at_ = interrupted.activity;
+    unsure_ = interrupted.unsure;
+    unsure_before_ = interrupted.unsure_before;
     locomotion_.Continue(interrupted.walk);
     light_->Continue(now);
     return;
@@ -51,14 +58,29 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   if (begins) {
     memory_.BeginRun();
     reason_.clear();
+    by_time_ = false;
     if (light_) light_->Reset();
   }
   if (!by_decision || state == course_.error || begins) interrupted_.reset();
+  unsure_before_ = by_decision && unsure_;
+  unsure_ = false;
   previous_ = state_;
   state_ = state;
   at_ = {};
   at_.since = now;
   if (state == course_.end) memory_.Complete();
+  if (state == course_.end || state == course_.error) ReportReservations();
+}
+
+void Runner::ReportReservations() {
+  const std::size_t count = memory_.reserved();
+  if (count == 0) return Say("without a reservation");
+  Say("with " + std::to_string(count) + (count == 1 ? " reservation:" : " reservations:"));
+  const std::vector<Reservation>& kept = memory_.reservations();
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const bool last = i + 1 == kept.size();
+    outputs_.Log("  " + std::to_string(last ? count : i + 1) + ". " + kept[i].Text());
+  }
 }
 
 void Runner::Leave() {
@@ -128,6 +150,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
 std::optional<Index> Runner::Fail(const std::string& reason) {
   Say(reason);
   if (state_ == course_.error) {
+    Reserve(reason);
     Leave();
     ++at_.step;
     at_.phase = 0;
@@ -174,14 +197,29 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
     locomotion_.Wait();
     return Outcome::kRunning;
   }
-  if (locomotion_.Advance(now, time)) return Outcome::kDone;
+  const bool done = locomotion_.Advance(now, time);
+  ReserveDistances();
+  if (done) return Outcome::kDone;
   if (!StoppedByLight(now)) return Outcome::kRunning;
-  interrupted_ = Interrupted{state_, previous_, at_, locomotion_.Halt(time)};
+  interrupted_ =
+      Interrupted{state_, previous_, at_, locomotion_.Halt(time), unsure_, unsure_before_};
   light_stops_ = true;
   target_ = course_.light->state;
   Say("a yellow light: it stops with " +
       Steps(static_cast<int>(interrupted_->walk.left() / course_.step)) + " left");
   return Outcome::kTarget;
+}
+
+void Runner::ReserveDistances() {
+  if (const auto difference = locomotion_.TakeDifference()) {
+    Reserve(*difference);
+    Say(*difference);
+  }
+  if (by_time_ || !locomotion_.streaming() || locomotion_.doubt().empty()) return;
+  by_time_ = true;
+  const std::string reason = "walks without odometry, by their time: " + locomotion_.doubt();
+  Reserve(reason);
+  Say(reason);
 }
 
 bool Runner::WatchesLight() const {
@@ -241,10 +279,13 @@ void Runner::WantNext() {
 Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
   const bool walks = course_.movements[step.movement].walks;
   if (at_.phase == 0) {
-    const int made = step.less ? memory_.Count(*step.less) : 0;
+    const std::string& name = course_.movements[step.movement].name;
+    if (LeftOut(step.only, name)) return Outcome::kSkipped;
+    const int counted = step.less ? memory_.Count(*step.less) - step.beyond : 0;
+    const int made = std::max(counted, 0);
     if (walks && step.count <= made) {
-      Say(course_.movements[step.movement].name + " " + std::to_string(step.count) + " - " +
-          std::to_string(made) + ": no step is left");
+      Say(name + " " + std::to_string(step.count) + " - " + std::to_string(made) +
+          ": no step is left");
       return Outcome::kSkipped;
     }
     if (walks) {
@@ -295,9 +336,8 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
   const std::optional<LineWord> word = Word(check);
   if (!word) {
     if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
-    Say("check " + check.name + ": no picture of it within " +
-        std::to_string(ToMilliseconds(rules.picture)) + " ms; it continues");
-    return Outcome::kDone;
+    return GiveUpCheck("check " + check.name + ": no picture of it within " +
+                       std::to_string(ToMilliseconds(rules.picture)) + " ms");
   }
   if (*word == LineWord::kCenter) return Outcome::kDone;
   const Corrections& corrections = after_turn ? check.after_turn : check.usual;
@@ -305,14 +345,31 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
   if (!correction) return Outcome::kDone;
   const std::string found = "check " + check.name + ": " + std::string(Name(*word));
   if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
-    Say(found + " after " + std::to_string(at_.tries) + " corrections; it continues");
-    return Outcome::kDone;
+    return GiveUpCheck(found + " after " + std::to_string(at_.tries) + " corrections");
   }
   ++at_.tries;
   Say(found + ", correction " + std::to_string(at_.tries) + ": " +
       course_.movements[correction->movement].name + " " + std::to_string(correction->count));
   locomotion_.Walk(*correction);
   Phase(kCorrect, now);
+  return Outcome::kRunning;
+}
+
+// The race goes on with a reservation, but not with too many of them: then it is lost.
+Runner::Outcome Runner::GiveUpCheck(const std::string& why) {
+  Reserve(why);
+  memory_.GiveUpCheck();
+  unsure_ = true;
+  const int most = course_.check.most_given_up;
+  const int count = memory_.given_up();
+  if (most == 0 || count <= most) {
+    Say(why + "; it continues");
+    return Outcome::kDone;
+  }
+  const std::size_t name_end = why.find(':');
+  fault_ = std::to_string(count) + (count == 1 ? " check was" : " checks were") +
+           " given up, the last: " + why.substr(0, name_end) + " in " + rule().name +
+           why.substr(name_end);
   return Outcome::kRunning;
 }
 
@@ -362,7 +419,9 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
   }
   if (wait.otherwise.kind != Otherwise::Kind::kDefault) return GiveUp(wait.otherwise, none);
   memory_.Set(wait.result, *result.by_default);
-  Say(none + ": its default " + result.values[*result.by_default]);
+  const std::string taken = none + ": its default " + result.values[*result.by_default];
+  Reserve(taken);
+  Say(taken);
   return Outcome::kDone;
 }
 
@@ -379,28 +438,29 @@ void Runner::ReportUnknown(const Wait& wait, const std::string& text) {
 
 Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   const Until& until = course_.untils[step.until];
+  const Stretch most{until.most.movement, step.most.value_or(until.most.count)};
   if (at_.phase == 0) {
-    locomotion_.Walk(until.most);
+    locomotion_.WalkAtMost(most);
     at_.after = time;
     Phase(1, now);
   }
   perception_.Want(until.detector);
   Steer(step.keep, time);
-  const auto store = [&](int made) {
+  const auto store = [&](const WalkProgress& walk) {
+    const int made = std::min(StepsOf(walk.made), most.count);  // the last tick may be beyond
     if (step.stores) memory_.SetCount(*step.stores, made);
+    return Steps(made, std::min(StepsOf(walk.walked), most.count));
   };
   const Sighting* sighting = perception_.SightingSince(until.detector, at_.after);
   if (sighting != nullptr && sighting->phase == until.phase) {
-    const Duration made = locomotion_.Halt(time).made;
-    const int steps = static_cast<int>((made + course_.step / 2) / course_.step);
-    store(steps);
-    Say(until.name + " after " + Steps(steps));
+    memory_.SetMissed(step.until, false);
+    Say(until.name + " after " + store(locomotion_.Halt(time)));
     return Outcome::kDone;
   }
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
-  store(until.most.count);
-  return GiveUp(until.otherwise, "no " + until.name + " within " + Steps(until.most.count));
+  memory_.SetMissed(step.until, true);
+  return GiveUp(until.otherwise, "no " + until.name + " within " + store(locomotion_.ended_walk()));
 }
 
 Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
@@ -421,19 +481,29 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
 
 Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
-    voice_.Begin(step.speech, memory_, now);
+    const bool unsure = step.unsure && (unsure_ || unsure_before_);
+    if (unsure) Say("it is not sure of the place: a check on the way was given up");
+    voice_.Begin(unsure ? *step.unsure : step.speech, memory_, now);
     Phase(1, now);
   }
   return voice_.Advance(now) ? Outcome::kDone : Outcome::kRunning;
 }
 
+bool Runner::LeftOut(const std::optional<Index>& only, const std::string& what) {
+  if (!only || !memory_.Missed(*only)) return false;
+  Say(what + " is left out: no " + course_.untils[*only].name + " was found");
+  return true;
+}
+
 Runner::Outcome Runner::Run(const CountStep& step, Duration /*now*/, Time /*time*/) {
+  if (LeftOut(step.only, course_.counters[step.counter])) return Outcome::kSkipped;
   const int before = step.adds ? memory_.Count(step.counter) : 0;
   memory_.SetCount(step.counter, before + step.number);
   return Outcome::kSkipped;
 }
 
 Runner::Outcome Runner::GiveUp(const Otherwise& otherwise, const std::string& what) {
+  if (otherwise.kind != Otherwise::Kind::kState || otherwise.state != course_.error) Reserve(what);
   if (otherwise.kind != Otherwise::Kind::kState) {
     Say(what + "; it continues");
     return Outcome::kDone;

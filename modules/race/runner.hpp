@@ -5,6 +5,8 @@
 //               | a fault                       to on_fault, with the reason
 //               | a yellow light                to the light's state; "back" continues the movement
 //
+// What it is not sure of and goes on from is kept in the memory as a reservation.
+//
 // Times: `now` is that of the machine, which stands still in a pause; `time` that of the actuator's
 // clock, for the age of pictures. One thread.
 
@@ -64,6 +66,8 @@ class Runner {
     Index previous = 0;
     Activity activity;
     WalkProgress walk;
+    bool unsure = false;  // as of the state that was left
+    bool unsure_before = false;
   };
   enum class Outcome : std::uint8_t {
     kRunning,
@@ -98,11 +102,22 @@ class Runner {
   void ReportUnknown(const Wait& wait, const std::string& text);
   std::optional<LineWord> Word(const Check& check) const;
   Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
+  Outcome GiveUpCheck(const std::string& why);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
   Outcome GiveUp(const Otherwise& otherwise, const std::string& what);
+  // Whether the step is left out, as the sight was not found.
+  bool LeftOut(const std::optional<Index>& only, const std::string& what);
+  void Reserve(const std::string& reason) { memory_.Reserve({rule().name, reason}); }
+  // What odometry says against the last walk, or that it says nothing: that once a run.
+  void ReserveDistances();
+  // At the end of a run.
+  void ReportReservations();
   void Phase(int phase, Duration now) {
     at_.phase = phase;
     at_.since = now;
+  }
+  int StepsOf(Duration time) const {
+    return static_cast<int>((time + course_.step / 2) / course_.step);
   }
   void Say(const std::string& line) { outputs_.Log(rule().name + ": " + line); }
   const StateRule& rule() const { return course_.states[state_]; }
@@ -124,6 +139,9 @@ class Runner {
   bool returns_ = false;      // and now back again
   bool skips_ = false;        // see SkipSteps()
   bool blind_ = false;
+  bool by_time_ = false;        // a walk of this run went by its time, without odometry
+  bool unsure_ = false;         // a check of this state was given up
+  bool unsure_before_ = false;  // one of the state before
   Index target_ = 0;
   std::vector<std::string> unknown_;  // texts without a meaning, in this state
   std::string fault_;                 // found by a step in this tick

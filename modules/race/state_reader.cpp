@@ -93,7 +93,7 @@ class StateReader {
     if (what == "check") return ReadCheck(step);
     if (what == "wait") return Add<WaitStep>(step, "wait", course().waits);
     if (what == "walk") return Add<WalkStep>(step, "walk", course().walks);
-    if (what == "say") return Add<SayStep>(step, "say", course().speeches);
+    if (what == "say") return ReadSay(step);
     if (what == "until") return ReadUntil(step);
     if (what == "set" || what == "add") return ReadCount(step, what == "add");
     leads_ = true;
@@ -118,14 +118,20 @@ class StateReader {
     const auto movement = Reference(step, "move", "movement", course().movements);
     const auto count = Count(step, "count");
     const auto less = CounterAt(step, "less");
+    const auto beyond = step.Integer("beyond", 0, kMostSteps, " steps");
     const auto keep = Reference(step, "keep", "keep", course().keeps);
+    const auto only = OnlyAt(step);
     if (!movement) return;
     const Movement& moved = course().movements[*movement];
-    for (const char* key : {"count", "less", "keep"}) {
+    for (const char* key : {"count", "less", "beyond", "keep"}) {
       if (moved.walks || !step.Has(key)) continue;
       step.Fault(step.At(key), key, moved.name + " is one motion, and no walk");
     }
-    state_.steps.emplace_back(MoveStep{*movement, count.value_or(moved.count), less, keep});
+    if (moved.walks && step.Has("beyond") && !step.Has("less")) {
+      step.Fault(step.At("beyond"), "beyond", "expected less = … beside it");
+    }
+    state_.steps.emplace_back(MoveStep{*movement, count.value_or(moved.count), less,
+                                       static_cast<int>(beyond.value_or(0)), keep, only});
     if (moved.walks) turned_ = moved.twist.turns();
   }
 
@@ -134,13 +140,25 @@ class StateReader {
     if (check) state_.steps.emplace_back(CheckStep{*check, turned_});
   }
 
+  void ReadSay(TableReader& step) {
+    const auto speech = Reference(step, "say", "speech", course().speeches);
+    const auto unsure = Reference(step, "unsure", "speech", course().speeches);
+    if (speech) state_.steps.emplace_back(SayStep{*speech, unsure});
+  }
+
+  // The walk until a sight without which the step is left out.
+  std::optional<Index> OnlyAt(TableReader& step) {
+    return Reference(step, "only", "until", course().untils);
+  }
+
   void ReadUntil(TableReader& step) {
     const auto until = Reference(step, "until", "until", course().untils);
+    const auto most = Count(step, "most");
     const auto stores = CounterAt(step, "stores");
     const auto keep = Reference(step, "keep", "keep", course().keeps);
     if (!until) leads_ = true;
     if (!until) return;
-    state_.steps.emplace_back(UntilStep{*until, stores, keep});
+    state_.steps.emplace_back(UntilStep{*until, most, stores, keep});
     turned_ = false;
   }
 
@@ -149,8 +167,9 @@ class StateReader {
     const char* key = adds ? "by" : "to";
     step.Require(key, "a number");
     const auto number = step.Integer(key, adds ? 1 : 0, kMostSteps);
+    const auto only = OnlyAt(step);
     if (counter && number) {
-      state_.steps.emplace_back(CountStep{*counter, static_cast<int>(*number), adds});
+      state_.steps.emplace_back(CountStep{*counter, static_cast<int>(*number), adds, only});
     }
   }
 

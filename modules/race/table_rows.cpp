@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/modules/race/course_parts.hpp"
 
@@ -42,6 +43,25 @@ Rows RobotRows(const std::filesystem::path& folder, RobotRules& robot) {
   };
 }
 
+Rows OdometryRows(OdometryRules& odometry) {
+  const auto read_topic = [&](TableReader& table) {
+    const auto topic = table.String("topic");
+    if (!topic) return;
+    odometry.topic = topic->text;
+    if (topic->text.empty() || config_toml::IsTopic(topic->text)) return;
+    table.Fault(topic->at, "topic",
+                "expected a topic, as in \"odom_out\", or \"\" for none, found " +
+                    config_toml::Quote(topic->text));
+  };
+  return {
+      read_topic,
+      row::Number("least_share", odometry.least_share, 0.2, 1),
+      row::Number("most_share", odometry.most_share, 1, 5),
+      row::Time("fresh_ms", odometry.fresh),
+      row::Time("begin_ms", odometry.begin, 0),
+  };
+}
+
 Rows MovementRows(TableReader& table, Movement& movement) {
   movement.walks = table.Has("twist");
   const Row motion = row::Required("motion", "the id of a motion",
@@ -59,6 +79,7 @@ Rows MovementRows(TableReader& table, Movement& movement) {
       row::Numbers("step_height_m", {&front_m, &rear_m}, 0, 0.3,
                    "expected [front m, rear m], each 0 to 0.3"),
       row::Integer("count", movement.count, 1, kMostSteps, " steps"),
+      row::Number("odometry_share", movement.odometry_share, 0.2, 2),
   };
 }
 

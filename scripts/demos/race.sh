@@ -56,8 +56,9 @@ referee() {
 }
 
 # The files of a robot: all of config/, with the hall of its route, a recording of the race, timeouts of
-# the body that are scaled by the speed of the world, and time for a self-check on a busy computer. The
-# boards of this hall have codes: to search them for letters, too, would take half a second each time.
+# the body and the odometry that are scaled by the speed of the world, time for a self-check on a busy computer,
+# and two seconds instead of a minute where it only waits. The boards of this hall have codes: to search them for
+# letters, too, would take half a second each time.
 make_files() {
   local qr_a arrow qr_b
   read -r qr_a arrow qr_b <<< "${routes[robot]}"
@@ -68,7 +69,9 @@ make_files() {
     "$files/scenes/course.toml"
   sed -i -e "s/^record = \"\" /record = \"race.record\" /" \
     -e "/^\[body\]/,/^\[/s/^silent_ms = 2000 /silent_ms = $((2000 * speed)) /" \
-    -e "s/^refused_ms = 1000 /refused_ms = $((1000 * speed)) /" "$files/race/course.toml"
+    -e "s/^refused_ms = 1000 /refused_ms = $((1000 * speed)) /" \
+    -e "s/^fresh_ms = 300 /fresh_ms = $((300 * speed)) /" -e "s/^time_ms = 60000$/time_ms = 2000/" \
+    "$files/race/course.toml"
   sed -i -e "s/^self_check_ms = 5000 /self_check_ms = 15000 /" -e "s/^letters = true /letters = false /" \
     "$files/vision/course.toml"
   sed -i -e "s/^silent_ms = 500 /silent_ms = $((500 * speed)) /" \

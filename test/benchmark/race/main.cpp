@@ -97,20 +97,25 @@ bool Drive(DriveSettings settings, const std::string& drawing, Figures& figures)
   std::string last;
   for (const std::string& line : result.log) {
     if (line.find("correction ") != std::string::npos) ++corrections;
-    if (line.find("race:") != std::string::npos) last = line;
+    const bool of_race = line.find("race:") != std::string::npos;
+    if (of_race && line.find("reservation") == std::string::npos &&
+        line.find("race:   ") == std::string::npos) {
+      last = line;
+    }
   }
   const bool whole = result.state == "END" && referee.finished() && referee.whole_foot_count() == 0;
   std::printf(
       "seed %2d: %s %-12s %5.0f s, %3d corrections, %4zu pictures, feet on lines %zu (whole %zu), "
-      "collisions %zu, zones %zu%s\n",
+      "collisions %zu, zones %zu, reservations %zu%s\n",
       static_cast<int>(settings.seed), whole ? "ok  " : "FAIL", result.state.c_str(),
       ToSeconds(result.took), corrections, result.pictures, referee.touch_count(),
       referee.whole_foot_count(), referee.collisions(), referee.visits().size(),
-      whole ? "" : ("\n    " + last).c_str());
+      result.reservations.size(), whole ? "" : ("\n    " + last).c_str());
   if (!whole) {
     const auto& world = *result.world;
     std::printf("%s\n", musher::world::RefereeText(world.scene(), referee, world.now()).c_str());
   }
+  for (const std::string& each : result.reservations) std::printf("    %s\n", each.c_str());
   for (const auto& touch : referee.touches()) {
     if (!touch.whole_foot) continue;
     std::printf("    %s foot on a line at %.1f s (%.2f, %.2f)\n", musher::world::kFeet[touch.foot],
@@ -138,6 +143,8 @@ int main(int argc, char** argv) {
   app.add_option("--draw", drawing, "A PNG of the run from above");
   app.add_option("--lines-from", from, "Prints the lines seen from a pose instead: m, m, degrees")
       ->expected(3);
+  app.add_option("--slip", settings.slip, "Of the feet, 0 to 1, instead of the scene's");
+  app.add_option("--unseen", settings.unseen, "Detectors of the race that never see their thing");
   app.add_flag("--light", settings.yellow_light, "A yellow light appears in the START lane");
   app.add_flag("--log", log, "Prints what happens");
   app.add_flag("--figures", with_figures, "Prints a table of the walker's errors and of latencies");

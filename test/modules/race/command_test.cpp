@@ -24,7 +24,8 @@ TEST(Command, StartAfterTheEndNeedsAReset) {
   Rig rig;
   rig.Command("START:END");
   rig.Tick();
-  EXPECT_EQ(rig.race->InfoText(), "CurrentState:45,QRResult:None,TaskCompleted:True");
+  EXPECT_EQ(rig.race->InfoText(),
+            "CurrentState:45,QRResult:None,TaskCompleted:True,Reservations:0");
   rig.Command("START");
   rig.Tick(2);
   EXPECT_EQ(rig.state(), "END");

@@ -9,11 +9,14 @@ namespace musher::race::testing {
 namespace {
 
 using ::testing::Contains;
+using ::testing::IsEmpty;
 
 struct Route {
   std::uint64_t seed;
   std::map<std::string, std::string> chosen;
   bool yellow_light = false;
+  std::optional<double> slip = {};
+  std::set<std::string> unseen = {};
 };
 void PrintTo(const Route& route, std::ostream* out) {
   *out << "seed " << route.seed;
@@ -32,6 +35,8 @@ DriveSettings SettingsOf(const Route& route) {
   settings.seed = route.seed;
   settings.chosen = route.chosen;
   settings.yellow_light = route.yellow_light;
+  settings.slip = route.slip;
+  settings.unseen = route.unseen;
   return settings;
 }
 
@@ -52,6 +57,30 @@ TEST_P(WholeCourse, IsDrivenByTheCamerasAlone) {
   EXPECT_TRUE(result.world->referee().finished()) << "a zone is missing, or out of order\n"
                                                   << Joined(result.log);
   ExpectNoFault(result, GetParam());
+  EXPECT_THAT(result.reservations, IsEmpty());
+}
+
+// Feet that slip four times as much as usual lay down outside of both bays of zone B.
+TEST(WholeCourseOfSlippingFeet, IsDrivenByTheOdometry) {
+  const Route route{
+      .seed = 1, .chosen = {{"qr_a", "A-1"}, {"arrow", "left"}, {"qr_b", "B-2"}}, .slip = 0.12};
+  CourseDrive drive(SettingsOf(route));
+  const DriveResult result = drive.Run();
+  EXPECT_EQ(result.state, "END") << Joined(result.log);
+  EXPECT_TRUE(result.world->referee().finished()) << Joined(result.log);
+  ExpectNoFault(result, route);
+}
+
+// A bar that is not recognised: the robot walks as far as the lane is long, and into both bays.
+TEST(WholeCourseOfAnUnseenBar, EndsInItsBays) {
+  const Route route{.seed = 1,
+                    .chosen = {{"qr_a", "A-1"}, {"arrow", "left"}, {"qr_b", "B-2"}},
+                    .unseen = {"barrier"}};
+  CourseDrive drive(SettingsOf(route));
+  const DriveResult result = drive.Run();
+  EXPECT_EQ(result.state, "END") << Joined(result.log);
+  EXPECT_TRUE(result.world->referee().finished()) << Joined(result.log);
+  ExpectNoFault(result, route);
 }
 
 // What the gate drives: past the light, to the bay of its code, through the S lane, to the arrow.

@@ -135,6 +135,40 @@ TEST(CourseFile, ReportsCountsThatAreNone) {
               ElementsAre(HasSubstr("expected an integer from 1 to 10000 steps, found 10001")));
 }
 
+TEST(CourseFile, ReportsConditionsOfStepsThatAreNone) {
+  EXPECT_THAT(Faults("count = 10, only = \"barrier\"", "count = 10, only = \"bariere\""),
+              ElementsAre(HasSubstr("there is no until 'bariere'; did you mean 'barrier'?")));
+  EXPECT_THAT(Faults("by = 5, only = \"barrier\"", "by = 5, only = \"bar\""),
+              ElementsAre(HasSubstr("there is no until 'bar'")));
+  EXPECT_THAT(Faults("count = 15, less = \"x1\", beyond = 85 },", "count = 15, beyond = 85 },"),
+              ElementsAre(HasSubstr("steps.beyond: expected less = … beside it")));
+  EXPECT_THAT(Faults("{ move = \"lie_down\" }", "{ move = \"lie_down\", beyond = 85 }"),
+              ElementsAre(HasSubstr("steps.beyond: lie_down is one motion, and no walk")));
+  EXPECT_THAT(Faults("most = 91, s", "most = 0, s"),
+              ElementsAre(HasSubstr("expected an integer from 1 to 10000 steps, found 0")));
+  EXPECT_THAT(Faults("unsure = \"unsure_bay\" },", "unsure = \"unsure\" },"),
+              ElementsAre(HasSubstr("there is no speech 'unsure'; did you mean 'unsure_bay'?")));
+}
+
+TEST(CourseFile, ReportsRulesOfDoubtAndOdometryThatAreNone) {
+  EXPECT_THAT(Faults("most_given_up = 5", "most_given_up = -1"),
+              ElementsAre(HasSubstr("expected an integer from 0 to 1000, found -1")));
+  EXPECT_THAT(Faults("topic = \"odom_out\"", "topic = \"odom out\""),
+              ElementsAre(HasSubstr("expected a topic, as in \"odom_out\", or \"\" for none")));
+  EXPECT_THAT(Faults("topic = \"odom_out\"", "topic = \"\""), IsEmpty());
+  EXPECT_THAT(Faults("least_share = 0.8", "least_share = 1.1"),
+              ElementsAre(HasSubstr("expected a number from 0.2 to 1")));
+  EXPECT_THAT(Faults("odometry_share = 0.97", "odometry_share = 0"),
+              ElementsAre(HasSubstr("expected a number from 0.2 to 2")));
+}
+
+TEST(CourseFile, HasTheWaitsOfTheRule) {
+  const Course& course = TheCourse();
+  for (const char* name : {"s1", "s2"}) {
+    EXPECT_EQ(course.waits[FindByName(course.waits, name).value()].limit, Milliseconds(60'000));
+  }
+}
+
 TEST(CourseFile, ReportsEveryUnknownNameAtOnce) {
   ExpectGolden("unknown_names");
 }

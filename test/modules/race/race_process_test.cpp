@@ -7,6 +7,7 @@
 
 #include "musher/messages/musher_msgs/sighting.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/stamp.hpp"
@@ -126,8 +127,8 @@ class RaceProcess : public test::ModuleProcess {
   }
   void OpenQr() { qr_ = Publisher<msg::Sighting>("qr_detector/sighting"); }
 
-  void StartActive() {
-    Start(kCourse);
+  void StartActive(const std::string& course = kCourse) {
+    Start(course);
     ASSERT_TRUE(peer_.Until([&] {
       return command_->MatchedReaders() == 1 &&
              std::ranges::all_of(subscriptions_,
@@ -174,6 +175,12 @@ class RaceProcess : public test::ModuleProcess {
     lines.contours = 2;
     lines.ycy = lines.dy = lines.walk = "center";
     static_cast<void>(lines_->Publish(lines));
+    if (odometry_) {
+      msg::Odometry odometry;
+      odometry.header.stamp = Stamp();
+      odometry.pose.pose.orientation.w = 1;
+      static_cast<void>(odometry_->Publish(odometry));
+    }
     const bool walks = !walker_.empty() && walker_.back() == "START";
     static_cast<void>(walker_status_->Publish({walks ? walker_says_ : "State:IDLE,Active:False"}));
     msg::MotionStatus body;
@@ -189,6 +196,7 @@ class RaceProcess : public test::ModuleProcess {
   std::unique_ptr<transport::Publisher<msg::String>> walker_status_;
   std::unique_ptr<transport::Publisher<msg::YellowLines>> lines_;
   std::unique_ptr<transport::Publisher<msg::MotionStatus>> body_;
+  std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;  // of a body that stands still
   std::unique_ptr<transport::Server<msg::MotionResultCmd>> motion_;
   std::unique_ptr<transport::Server<msg::AudioTextPlay>> speech_;
   transport::LoopHandlePtr turns_;
@@ -206,8 +214,9 @@ TEST_F(RaceProcess, RunsACourseToItsEndAndReplaysItsRecording) {
   ASSERT_TRUE(peer_.Until([&] { return infos_.size() > count + 10; }));
   walker_says_ = "State:IDLE,Active:False,End:course_end";
   ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
-  ASSERT_TRUE(peer_.Until(
-      [&] { return infos_.back() == "CurrentState:45,QRResult:A-2,TaskCompleted:True"; }));
+  ASSERT_TRUE(peer_.Until([&] {
+    return infos_.back() == "CurrentState:45,QRResult:A-2,TaskCompleted:True,Reservations:0";
+  }));
   EXPECT_THAT(walker_, ElementsAre("START", "STOP"));
   EXPECT_THAT(motions_, ElementsAre(111));
   EXPECT_THAT(spoken_, ElementsAre("A区库位2"));
@@ -221,6 +230,27 @@ TEST_F(RaceProcess, RunsACourseToItsEndAndReplaysItsRecording) {
   ExpectTornDown();
   EXPECT_EQ(RunTool({"replay", "race.record", "race.toml"}), 0) << Said();
   EXPECT_THAT(Said(), HasSubstr("LANE -> END"));
+  EXPECT_THAT(Said(), HasSubstr("identical"));
+}
+
+TEST_F(RaceProcess, KeepsAReservationWhereTheOdometryStandsStill) {
+  walker_says_ = "State:IDLE,Active:False,End:course_end";
+  odometry_ = Publisher<msg::Odometry>("odom_out", transport::kSensorDataQos);
+  std::string course = kCourse;
+  const std::string old = "count = 3";
+  course.replace(course.find(old), old.size(), "count = 10");
+  StartActive(course + "[odometry]\ntopic = \"odom_out\"\n");
+  ASSERT_TRUE(peer_.Until([&] { return odometry_->MatchedReaders() == 1; }));
+  Command("START");
+  ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
+  ASSERT_TRUE(peer_.Until([&] {
+    return infos_.back().find(
+               ",TaskCompleted:True,Reservations:1,FirstReservation:DRIVE: forward: "
+               "10 steps made 0.") != std::string::npos;
+  })) << infos_.back();
+  EXPECT_THAT(infos_.back(), HasSubstr(" m of 0.80 m by odometry: the feet slip"));
+  ExpectTornDown();
+  EXPECT_EQ(RunTool({"replay", "race.record", "race.toml"}), 0) << Said();
   EXPECT_THAT(Said(), HasSubstr("identical"));
 }
 
@@ -242,6 +272,8 @@ TEST_F(RaceProcess, ThatWasKilledStandsInItsStartUntilTheCommand) {
   Command("START");
   ASSERT_TRUE(AwaitState("State:1")) << peer_.Output();
   ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  ASSERT_TRUE(peer_.Until([this] { return !frames_.empty(); }));  // it walks
+  EXPECT_EQ(frames_.back().cmd_type, msg::MotionServoCmd::kData);
   peer_.Signal(SIGKILL);
   ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
   ASSERT_TRUE(peer_.Until([this] { return subscriptions_.front()->MatchedWriters() == 0; }));

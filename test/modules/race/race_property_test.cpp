@@ -49,6 +49,13 @@ void Inject(Rig& rig, int kind, int value) {
       return rig.race->OnWalkerStatus(0, value % 2 == 0 ? "State:WALKING" : "x,End:lost", rig.now);
     case 8:
       return rig.race->OnMotionDone(static_cast<std::uint64_t>(value), Ok(), rig.now);
+    case 10:
+      rig.script.odometry = value % 7 == 0 ? nullptr : Truth;
+      rig.script.slip = value / 100.0 - 0.3;
+      if (value % 10 == 0) rig.pose.x_m += value / 50.0;
+      if (value % 11 == 0) rig.pose.x_m = kUnknown;
+      if (value % 13 == 0) rig.pose = {};
+      return;
     default:
       return rig.Tick(value);
   }
@@ -59,7 +66,7 @@ RC_GTEST_PROP(RaceProperty, NeverLeavesAStreamWithoutItsEndAndIsReplayedIdentica
   Rig rig;
   rig.Command("START");
   for (const std::uint16_t input : inputs) {
-    Inject(rig, input % 10, input / 10 % 100);
+    Inject(rig, input % 11, input / 11 % 100);
     RC_ASSERT(rig.machine->running());
     RC_ASSERT(rig.machine->counts().faults == 0U);
     RC_ASSERT(rig.field.streams - rig.field.ends == (rig.field.streaming ? 1 : 0));
@@ -106,6 +113,11 @@ RC_GTEST_PROP(RaceProperty, LeavesEveryStateWithinItsLimits, (std::uint32_t seed
     const std::uint32_t what = random(300);
     return what == 0 ? "State:IDLE,End:course_end" : what == 1 ? "x,End:lost" : "State:WALKING";
   };
+  rig.script.odometry = [&](OdometrySample truth) -> std::optional<OdometrySample> {
+    if (random(50) == 0) return std::nullopt;
+    return truth;
+  };
+  rig.script.slip = random(100) / 100.0 - 0.3;
   rig.script.motion = [&](std::int32_t) -> Result<> {
     return random(60) == 0 ? Result<>(Error{3028, "failed"}) : Ok();
   };

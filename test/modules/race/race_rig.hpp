@@ -1,15 +1,17 @@
 #pragma once
 // A race without a robot: virtual time, 20 ticks a second, and a fake of everything around it. The
-// fake answers motions and speech, publishes samples of the detectors that are wanted, and checks
-// each servo stream: frames, then exactly one end.
+// fake answers motions and speech, moves a body by the frames, publishes samples of the detectors
+// that are wanted, and checks each servo stream: frames, then exactly one end.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -20,6 +22,9 @@
 
 namespace musher::race {
 
+// As odometry_share of the course has them.
+inline constexpr double kWalkShare = 0.97;
+inline constexpr double kTurnShare = 0.9;
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 inline std::string CourseFile() {
@@ -86,6 +91,13 @@ class Field : public RaceOutputs {
   std::vector<std::string> log;
 };
 
+// A message of the odometry.
+struct OdometrySample {
+  line_walker::Pose pose;
+  Time stamp;
+  Duration age{};
+};
+
 // What the fake perception publishes; each may be replaced by a test.
 struct Script {
   std::function<Sighting(const std::string& detector)> sight;
@@ -98,7 +110,14 @@ struct Script {
   int body_status = 0;
   bool cameras = true;
   std::set<std::string> silent;  // detectors without samples
+  double slip = 0;               // beside what the feet slip as usual
+  // Of the true pose, with the present time as stamp; null: there is no odometry.
+  std::function<std::optional<OdometrySample>(OdometrySample truth)> odometry;
 };
+
+inline std::optional<OdometrySample> Truth(OdometrySample truth) {
+  return truth;
+}
 
 class Rig {
  public:
@@ -126,6 +145,7 @@ class Rig {
   void Tick(int count = 1) {
     for (int i = 0; i < count; ++i) {
       now += Milliseconds(50);
+      MoveBody();
       if (race->resting()) {
         Answer();
         continue;
@@ -160,6 +180,13 @@ class Rig {
     return index && *index < field.watched.size() && field.watched[*index];
   }
   std::string_view state() const { return race->state(); }
+  // How many frames have led there, as { 0.4, 0, 0 }.
+  int FramesOf(const Twist& twist) const {
+    return static_cast<int>(std::ranges::count_if(field.frames, [&](const ServoFrame& frame) {
+      return !frame.end && frame.twist.forward_m_s == twist.forward_m_s &&
+             frame.twist.left_m_s == twist.left_m_s;
+    }));
+  }
 
   const Course course_;
   Field field;
@@ -170,8 +197,19 @@ class Rig {
   std::unique_ptr<fsm::Recorder> recorder;  // before the race, which uses it
   std::unique_ptr<Race> race;
   std::vector<std::string> visited;
+  line_walker::Pose pose;  // the true one
 
  private:
+  // It takes up each speed at once.
+  void MoveBody() {
+    if (!field.streaming) return;
+    const Twist& twist = field.frames.back().twist;
+    const double walk = kWalkShare * (1 - script.slip);
+    pose = line_walker::Moved(pose,
+                              {walk * twist.forward_m_s, walk * twist.left_m_s,
+                               kTurnShare * (1 - script.slip) * twist.yaw_rad_s},
+                              0.05);
+  }
   // Motions are answered after 500 ms, phrases after 300 ms.
   void Answer() {
     if (script.motion_replies && !field.calls.empty() && ++motion_wait_ >= 10) {
@@ -191,6 +229,12 @@ class Rig {
   // Ten pictures a second, 60 ms old.
   void Publish() {
     ++turn_;
+    if (script.odometry) {
+      if (const auto sample = script.odometry({pose, now, {}})) {
+        race->OnOdometry(sample->stamp.time_since_epoch().count(), sample->pose, now - sample->age,
+                         now);
+      }
+    }
     lane_ = field.walking_lane ? lane_ + Milliseconds(50) : Duration(0);
     if (turn_ % 2 != 0) return;
     const std::string status = script.walker(lane_);

@@ -23,6 +23,7 @@ class Course1 : public Rig {
         return {walk < 160, 1, walk >= 160 ? "disappeared" : "tracking", ""};
       return {false, kUnknown, "", ""};
     };
+    script.odometry = Truth;
   }
   int frames_in_stream() const { return field.streaming ? field.frames_of_stream.back() : 0; }
 };
@@ -39,7 +40,7 @@ TEST(Route, OfBayA1LeftAndB2VisitsEveryStateInOrder) {
                   "IN_S1_R", "S1_TO_A2", "IN_A2", "A2_TO_START", "END"));
   EXPECT_THAT(rig.field.states, ElementsAre(0, 1, 2, 3, 5, 7, 9, 10, 11, 12, 14, 16, 18, 20, 22, 24,
                                             21, 26, 15, 30, 31, 32, 33, 35, 6, 37, 45));
-  EXPECT_EQ(rig.race->InfoText(), "CurrentState:45,QRResult:B-2,TaskCompleted:True");
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:45,QRResult:B-2,TaskCompleted:True,Reservations:0");
   EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP", "START", "STOP"));
   EXPECT_THAT(rig.field.spoken,
               ElementsAre("A区库位1", "已到达库位", "左侧路线", "B区库位2", "已到达库位",
@@ -57,7 +58,7 @@ TEST(Route, OfBayA2RightAndB1VisitsEveryStateInOrder) {
                   "IN_S2", "S2_TO_R1", "IN_R1", "R1_TO_QRB", "IN_QRB", "QRB_TO_B1", "IN_B1",
                   "B1_TO_B2", "IN_B2", "B2_TO_L1", "IN_L1", "L1_TO_S2", "IN_S2_R", "S2_TO_S1",
                   "IN_S1_R", "S1_TO_A1", "IN_A1", "A1_TO_START", "END"));
-  EXPECT_EQ(rig.race->InfoText(), "CurrentState:45,QRResult:B-1,TaskCompleted:True");
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:45,QRResult:B-1,TaskCompleted:True,Reservations:0");
 }
 
 TEST(Route, OfOneCourseIsReplayedFromItsRecording) {

@@ -86,9 +86,51 @@ TEST(Walk, UntilABarrierThatIsNotFoundEndsAfter100StepsAndSaysSo) {
   ASSERT_TRUE(rig.RunTo("IN_L1"));
   EXPECT_TRUE(rig.field.Logged("no barrier within 100 steps; it continues"));
   EXPECT_EQ(rig.field.frames_of_stream.back(), 100 * kFramesOfAStep);
-  // 85 - (100 + 5 in IN_L1): no step is left, which stalls nothing.
+  // 85 - 100: no step is left, which stalls nothing.
   ASSERT_TRUE(rig.RunTo("IN_QRB"));
-  EXPECT_TRUE(rig.field.Logged("L1_TO_QRB: forward 85 - 105: no step is left"));
+  EXPECT_TRUE(rig.field.Logged("L1_TO_QRB: forward 85 - 100: no step is left"));
+}
+
+// 15 more steps, and those under the barrier, led 1.6 m beyond the lane.
+TEST(Walk, AfterABarrierThatIsNotFoundIsNoLongerThanTheLane) {
+  Rig rig;
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("IN_QRB"));
+  EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), 100 * kFramesOfAStep);
+  EXPECT_EQ(rig.FramesOf({0.2, 0, 0}), 0) << "no barrier, under which it would crouch";
+  EXPECT_TRUE(rig.field.Logged("IN_L1: special_gait is left out: no barrier was found"));
+}
+
+TEST(Walk, AfterAMarkerThatIsNotFoundIsNoLongerThanTheLane) {
+  Rig rig;
+  rig.Command("START:S2_TO_R1");
+  ASSERT_TRUE(rig.RunTo("IN_QRB"));
+  EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), 100 * kFramesOfAStep);
+}
+
+TEST(Walk, BackWithoutItsSightIsNoLongerThanItsWay) {
+  for (const char* from : {"B1_TO_L1", "B1_TO_R1", "B2_TO_L1", "B2_TO_R1"}) {
+    Rig rig;
+    rig.Command("START:" + std::string(from));
+    ASSERT_TRUE(rig.RunTo("IN_S2_R")) << from;
+    EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), 107 * kFramesOfAStep) << from;
+  }
+}
+
+TEST(Walk, AfterABarrierThatIsFoundLateHasTheRestOfTheLane) {
+  for (const int found_after : {70, 83, 90, 97}) {
+    Rig rig;
+    rig.script.sight = [&](const std::string& detector) -> Sighting {
+      const bool top = rig.field.streaming && rig.state() == "S2_TO_L1" &&
+                       rig.FramesOf({0.4, 0, 0}) >= found_after * kFramesOfAStep;
+      return {true, 1, detector == "barrier" && top ? "top" : "seen", ""};
+    };
+    rig.Command("START:S2_TO_L1");
+    ASSERT_TRUE(rig.RunTo("IN_QRB"));
+    EXPECT_EQ(rig.FramesOf({0.2, 0, 0}), 10 * kFramesOfAStep);
+    const double steps = rig.FramesOf({0.4, 0, 0}) / double(kFramesOfAStep);
+    EXPECT_NEAR(steps, std::max(95, found_after), 1) << "5 are those under the barrier";
+  }
 }
 
 TEST(Walk, KeepsInTheMiddleOfALaneWhileItIsSeen) {

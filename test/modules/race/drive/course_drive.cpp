@@ -42,6 +42,7 @@ world::Scene SceneOf(const DriveSettings& settings) {
   const auto reading = world::ReadSceneFile(Config("scenes/course.toml"),
                                             {.seed = settings.seed, .chosen = settings.chosen});
   world::Scene scene = Valid(reading, reading.scene);
+  if (settings.slip) scene.body.slip = *settings.slip;
   for (world::Ball& ball : scene.balls) {
     if (!settings.yellow_light || ball.name != "yellow light") continue;
     ball.show_within_m = 1.1;
@@ -55,9 +56,14 @@ line_walker::WalkerConfig WalkerOf() {
   return Valid(reading, reading.config);
 }
 
+// With short waits where it only waits: a minute of standing shows nothing.
 Course CourseOf() {
   const auto reading = ReadCourseFile(Config("race/course.toml"));
-  return Valid(reading, reading.course);
+  Course course = Valid(reading, reading.course);
+  for (Wait& wait : course.waits) {
+    if (!wait.detector) wait.limit = std::min(wait.limit, Milliseconds(2000));
+  }
+  return course;
 }
 
 // Of this thread.
@@ -142,6 +148,9 @@ DriveResult CourseDrive::Run() {
   result_.took = dog_.now() - begun;
   result_.state = race_.state();
   result_.pictures = shots_;
+  for (const Reservation& each : race_.memory().reservations()) {
+    result_.reservations.push_back(each.Text());
+  }
   result_.world = dog_.world();
   return std::move(result_);
 }
@@ -173,7 +182,10 @@ void CourseDrive::Step() {
     Log("motion", dog_.log()[logged_by_dog_]);
   }
   const Time now = dog_.now();
-  walker_.OnOdometry(OdometryOf(dog_.world()), now);
+  const msg::Odometry odometry = OdometryOf(dog_.world());
+  walker_.OnOdometry(odometry, now);
+  race_.OnOdometry(msg::FromStamp(odometry.header.stamp).count(),
+                   line_walker::PoseOf(odometry).value(), now, now);
   Deliver();
   LookAround();
   if (world::IsDue(dog_.world().now(), 10)) {
@@ -250,7 +262,8 @@ void CourseDrive::Look(DetectorChannel& channel, const cv::Mat& picture) {
       if (channel.wanted_by_race) channel.shown_to_race = taken;
       if (channel.of_walker) ShowWalker(*channel.of_walker, lines, taken);
     } else if (channel.wanted_by_race) {
-      const msg::Sighting& seen = *sight.sighting;
+      msg::Sighting seen = *sight.sighting;
+      if (settings_.unseen.contains(race_.course().detectors[*channel.of_race].name)) seen = {};
       race_.OnSighting(
           *channel.of_race,
           {seen.seen, seen.distance_m, seen.phase, seen.text, seen.x + seen.width / 2 - 0.5}, taken,

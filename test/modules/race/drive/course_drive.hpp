@@ -14,6 +14,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,9 @@ namespace musher::race::testing {
 struct DriveSettings {
   std::uint64_t seed = 1;
   std::map<std::string, std::string> chosen;  // of the scene: qr_a, qr_b, arrow
-  bool yellow_light = false;  // appears before the robot in the START lane, for some seconds
+  bool yellow_light = false;     // appears before the robot in the START lane, for some seconds
+  std::optional<double> slip;    // of the feet, ahead and aside; else that of the scene
+  std::set<std::string> unseen;  // detectors of the race that never see their thing
   Duration limit = std::chrono::minutes(15);
   std::string until;                     // ends when this state begins; empty: at END
   Duration latency = Milliseconds(100);  // from a picture to what is found in it
@@ -53,6 +56,7 @@ struct DriveResult {
   std::vector<std::string> log;
   Duration took{};
   std::size_t pictures = 0;
+  std::vector<std::string> reservations;  // what the race is not sure of, with the states
   Latencies latencies;
   std::optional<world::World> world;  // at the end; its referee has the judgement
 };

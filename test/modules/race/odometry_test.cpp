@@ -1,0 +1,260 @@
+// Walks by odometry: feet that slip, odometry that is wrong or missing, and what is kept of it.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "musher/behavior/fsm/replay.hpp"
+#include "musher/test/modules/race/race_rig.hpp"
+
+namespace musher::race::odometry_test {
+
+using ::testing::HasSubstr;
+
+constexpr int kFramesOfAStep = 4;  // 200 ms at 20 Hz
+constexpr double kStepM = 0.08 * kWalkShare;
+const Twist kForward{0.4, 0, 0};
+
+// Its first walk is 23 steps ahead.
+class Ahead : public Rig {
+ public:
+  Ahead() { script.odometry = Truth; }
+  void WalkOnce() {
+    Command("START:QRA_TO_A1");
+    ASSERT_TRUE(RunUntil([this] { return field.ends == 1; }));
+  }
+  int frames() const { return field.frames_of_stream.front(); }
+  std::size_t reserved() const { return race->memory().reserved(); }
+};
+
+TEST(WalkByOdometry, OfFeetThatSlipAsUsualIsThatByTime) {
+  Ahead rig;
+  rig.WalkOnce();
+  EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep, 1);
+  EXPECT_EQ(rig.reserved(), 0U);
+}
+
+TEST(WalkByOdometry, OfFeetThatSlipLeadsAsFar) {
+  for (const double slip : {0.1, 0.15, -0.1}) {
+    Ahead rig;
+    rig.script.slip = slip;
+    rig.WalkOnce();
+    // While it takes up its speed the time counts.
+    EXPECT_NEAR(rig.pose.x_m, 23 * kStepM, 0.02 + 0.32 * std::abs(slip)) << slip;
+    EXPECT_EQ(rig.reserved(), 0U) << slip;
+  }
+}
+
+TEST(WalkByOdometry, OfATurnLeadsAsFar) {
+  Ahead rig;
+  rig.script.slip = 0.15;
+  rig.Command("START:B1_TO_L1");  // turns to the right by 19 steps
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  EXPECT_NEAR(-line_walker::Wrapped(rig.pose.yaw_rad), 19 * 0.18 * kTurnShare, 0.12);
+}
+
+TEST(WalkByOdometry, AsideIsMeasuredAside) {
+  Ahead rig;
+  rig.script.slip = 0.15;
+  rig.pose.yaw_rad = 2;
+  rig.Command("START:QRB_TO_B1");  // 23 steps to the left
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  EXPECT_NEAR(std::hypot(rig.pose.x_m, rig.pose.y_m), 23 * 0.06 * kWalkShare, 0.06);
+}
+
+TEST(WalkByOdometry, ThatStandsStillEndsAndIsAReservation) {
+  Ahead rig;
+  rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
+    truth.pose = {};
+    return truth;
+  };
+  rig.WalkOnce();
+  EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep * 1.25, 1);
+  EXPECT_TRUE(rig.field.Logged("QRA_TO_A1: forward: 23 steps made 0.3")) << "while time counted";
+  EXPECT_TRUE(
+      rig.field.Logged(" m of 1.78 m by odometry: the feet slip, or something is in the way"));
+  EXPECT_EQ(rig.reserved(), 1U);
+}
+
+TEST(WalkByOdometry, ThatShowsTwiceTheDistanceIsBelievedForAFifthOfTheTime) {
+  Ahead rig;
+  rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
+    truth.pose.x_m *= 2;
+    return truth;
+  };
+  rig.WalkOnce();
+  EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep * 0.8, 1);
+  EXPECT_TRUE(rig.field.Logged("by odometry: it shows more than the feet can walk"));
+  EXPECT_EQ(rig.reserved(), 1U);
+}
+
+TEST(WalkByOdometry, GoesByTimeWithoutItAndSaysSoOnce) {
+  Ahead rig;
+  rig.script.odometry = nullptr;
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_EQ(rig.frames(), 23 * kFramesOfAStep);
+  EXPECT_EQ(rig.reserved(), 1U);
+  EXPECT_EQ(rig.race->memory().reservations().front().reason,
+            "walks without odometry, by their time: no odometry on odom_out for 300 ms");
+}
+
+TEST(WalkByOdometry, DoesNotBelieveAJump) {
+  Ahead rig;
+  rig.script.odometry = [&rig](OdometrySample truth) -> std::optional<OdometrySample> {
+    if (!rig.field.frames_of_stream.empty() && rig.frames() > 40) truth.pose.x_m += 0.45;
+    return truth;
+  };
+  rig.WalkOnce();
+  EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep, 1);
+  EXPECT_TRUE(rig.field.Logged("by their time: the odometry jumps by 0.4"));
+}
+
+TEST(WalkByOdometry, DoesNotBelieveATimeThatGoesBack) {
+  Ahead rig;
+  rig.script.odometry = [&rig](OdometrySample truth) -> std::optional<OdometrySample> {
+    if (!rig.field.frames_of_stream.empty() && rig.frames() > 40) {
+      truth.stamp -= std::chrono::milliseconds(500);
+      truth.pose.x_m = 0;
+    }
+    return truth;
+  };
+  rig.WalkOnce();
+  EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep, 1);
+  EXPECT_TRUE(rig.field.Logged("the stamps of the odometry go back by 0.4"));
+}
+
+TEST(WalkByOdometry, DoesNotBelieveStampsThatStandStill) {
+  Ahead rig;
+  rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
+    truth.stamp = Time(Milliseconds(5));
+    truth.pose = {};
+    return truth;
+  };
+  rig.WalkOnce();
+  EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep, 1);
+  EXPECT_TRUE(rig.field.Logged("by their time: the stamps of the odometry stand still"));
+}
+
+TEST(WalkByOdometry, DoesNotBelieveWhatIsOld) {
+  Ahead rig;
+  rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
+    truth.age = Milliseconds(3200);
+    truth.pose = {};
+    return truth;
+  };
+  rig.WalkOnce();
+  EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep, 1);
+  EXPECT_TRUE(rig.field.Logged("by their time: the odometry is 3.2 s old"));
+}
+
+TEST(WalkByOdometry, RefusesAPoseThatIsNone) {
+  Ahead rig;
+  rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
+    truth.pose.x_m = kUnknown;
+    return truth;
+  };
+  rig.WalkOnce();
+  EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep, 1);
+  EXPECT_TRUE(rig.field.Logged("a sample of the odometry on odom_out is refused"));
+}
+
+// What the body walks in a gap is counted by time, and not once more by the sample after it.
+TEST(WalkByOdometry, CountsAGapOnce) {
+  for (const int gap_frames : {3, 10, 20}) {
+    Ahead rig;
+    rig.script.odometry = [&rig, gap_frames](OdometrySample truth) {
+      const int frame = rig.field.frames_of_stream.empty() ? 0 : rig.frames();
+      const bool gap = frame > 40 && frame <= 40 + gap_frames;
+      return gap ? std::nullopt : std::optional(truth);
+    };
+    rig.WalkOnce();
+    EXPECT_NEAR(rig.frames(), 23 * kFramesOfAStep, 2) << gap_frames;
+  }
+}
+
+TEST(WalkByOdometry, OfACourseWithoutATopicIgnoresIt) {
+  Course course = TheCourse();
+  course.odometry.topic.clear();
+  Rig rig(course);
+  rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
+    truth.pose = {};
+    return truth;
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_EQ(rig.field.frames_of_stream.front(), 23 * kFramesOfAStep);
+  EXPECT_EQ(rig.race->memory().reserved(), 0U);
+  EXPECT_EQ(rig.recording.find("odometry"), std::string::npos);
+}
+
+// After 46 steps of the course, for which feet that slip by a tenth need 51.
+TEST(WalkByOdometry, UntilASightStoresTheStepsThatTheWayIsLong) {
+  Ahead rig;
+  rig.script.slip = 0.1;
+  rig.script.sight = [&](const std::string& detector) -> Sighting {
+    const bool top = rig.state() == "S2_TO_L1" && rig.pose.x_m > 46 * kStepM;
+    return {true, 1, detector == "barrier" && top ? "top" : "seen", ""};
+  };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("IN_L1"));
+  ASSERT_EQ(rig.course_.counters[0], "x1");
+  EXPECT_NEAR(rig.race->memory().Count(0), 46, 1);
+  EXPECT_TRUE(rig.field.Logged(" by time)"));
+  ASSERT_TRUE(rig.RunTo("IN_QRB"));
+  EXPECT_NEAR(rig.pose.x_m, 100 * kStepM, 0.2) << "by time it lacks 0.78 m";
+}
+
+TEST(WalkByOdometry, UntilASightThatIsNotFoundIsNoLongerThanItsMetres) {
+  Ahead rig;
+  rig.script.slip = -0.1;
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("IN_L1"));
+  EXPECT_NEAR(rig.pose.x_m, 100 * kStepM, 0.1);
+  EXPECT_TRUE(rig.field.Logged("no barrier within 100 steps (9"));
+  Ahead slow;
+  slow.script.slip = 0.1;
+  slow.Command("START:S2_TO_L1");
+  ASSERT_TRUE(slow.RunTo("IN_L1"));
+  EXPECT_EQ(slow.FramesOf(kForward), 100 * kFramesOfAStep);
+  ASSERT_TRUE(slow.RunTo("IN_QRB"));
+  EXPECT_NEAR(slow.pose.x_m, 100 * kStepM, 0.1) << "the rest of the way is walked after it";
+}
+
+TEST(WalkByOdometry, IsReplayedFromItsRecording) {
+  Ahead rig;
+  rig.script.slip = 0.12;
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("IN_QRB"));
+  const auto read = fsm::ReadRecording(rig.recording, "race.record");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_THAT(rig.recording, HasSubstr("input odometry "));
+  Field field;
+  fsm::Machine machine({.name = "race"});
+  Race race(TheCourse(), field);
+  ASSERT_TRUE(race.Build(machine));
+  race.Resume({});
+  const auto replayed = fsm::Replay(
+      read.value(), machine,
+      [&](std::string_view input, std::string_view text) { return race.Apply(input, text); });
+  ASSERT_TRUE(replayed) << replayed.error().message;
+  EXPECT_EQ(replayed.value().difference.value_or(""), "");
+  EXPECT_EQ(field.frames, rig.field.frames);
+  EXPECT_EQ(race.memory().reserved(), rig.race->memory().reserved());
+}
+
+// A pause between two halves of a walk: neither is counted twice.
+TEST(WalkByOdometry, ContinuesAfterAPauseWithTheRest) {
+  Ahead rig;
+  rig.script.slip = 0.1;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(std::chrono::seconds(20));
+  rig.race->Resume(rig.now);
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 2; }));
+  EXPECT_NEAR(rig.pose.x_m, 23 * kStepM, 0.12);
+}
+
+}  // namespace musher::race::odometry_test
