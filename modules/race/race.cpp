@@ -150,7 +150,8 @@ void Race::Clean(Index detector, Sighting& sighting) {
 }
 
 void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
-                   std::string_view dy, double middle_offset, Time taken, Time now) {
+                   std::string_view dy, double middle_offset, Time taken, Time now,
+                   std::string_view doubt) {
   now_ = now;
   if (detector >= course_.detectors.size()) return;
   taken = std::min(taken, now);
@@ -161,13 +162,15 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
                                " is refused: " + Shown(ycy) + " and " + Shown(dy) +
                                "; expected left, right, front, back or center");
   }
+  const std::string why = Printable(doubt, kMostText);
   if (first_start_) {
-    Record(
-        input::kLines,
-        {std::to_string(detector), std::to_string((taken - *first_start_).count()),
-         std::to_string(contours), std::string(ycy), std::string(dy), NumberText(middle_offset)});
+    Record(input::kLines,
+           {std::to_string(detector), std::to_string((taken - *first_start_).count()),
+            std::to_string(contours), std::string(ycy), std::string(dy), NumberText(middle_offset),
+            why});
   }
-  runner_.perception().OnLines(detector, {contours, *ycy_word, *dy_word, middle_offset}, taken);
+  runner_.perception().OnLines(detector, {contours, *ycy_word, *dy_word, middle_offset, why},
+                               taken);
 }
 
 // Outside of a walk odometry does not count, and is not recorded.

@@ -51,8 +51,9 @@ class Race : private fsm::Listener {
   void OnSighting(Index detector, Sighting sighting, Time taken, Time now);
   // A word of another node: "A-1", "left".
   void OnText(Index detector, std::string_view text, Time now);
+  // `doubt`: why the words mean nothing; empty: they do.
   void OnLines(Index detector, std::uint32_t contours, std::string_view ycy, std::string_view dy,
-               double middle_offset, Time taken, Time now);
+               double middle_offset, Time taken, Time now, std::string_view doubt = {});
   void OnWalkerStatus(Index walk, std::string_view status, Time now);
   void OnMotionDone(std::uint64_t number, const Result<>& done, Time now);
   void OnSpoken(std::uint64_t number, const Result<>& spoken, Time now);

@@ -109,8 +109,8 @@ Detectors::Handlers RaceRobot::DetectorHandlers() {
               },
           .on_lines =
               [this](Index detector, const msg::YellowLines& lines) {
-                race_.OnLines(detector, lines.doubt.empty() ? lines.contours : 0, lines.ycy,
-                              lines.dy, lines.middle_offset, TakenAt(lines.header.stamp), Now());
+                race_.OnLines(detector, lines.contours, lines.ycy, lines.dy, lines.middle_offset,
+                              TakenAt(lines.header.stamp), Now(), lines.doubt);
               },
           .on_text = [this](Index detector,
                             const std::string& text) { race_.OnText(detector, text, Now()); },

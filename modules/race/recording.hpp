@@ -17,7 +17,8 @@ namespace musher::race {
 namespace input {
 // detector, when it was taken in ns, seen 0 or 1, distance in m, phase, text
 inline constexpr std::string_view kSighting = "sighting";
-// detector, when it was taken in ns, contours, ycy, dy
+// detector, when it was taken in ns, contours, ycy, dy, middle offset, doubt (a recording of an
+// earlier version has none)
 inline constexpr std::string_view kLines = "lines";
 inline constexpr std::string_view kWalker = "walker";           // walk, status
 inline constexpr std::string_view kMotionDone = "motion_done";  // number, code, message

@@ -11,7 +11,7 @@ struct Kind {
   std::size_t words;
 };
 constexpr std::array<Kind, 11> kKinds = {{{input::kSighting, 7},
-                                          {input::kLines, 6},
+                                          {input::kLines, 7},
                                           {input::kWalker, 2},
                                           {input::kMotionDone, 3},
                                           {input::kSpoken, 3},
@@ -71,7 +71,11 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
   if (kind == kKinds.end()) {
     return Error{kCodeFailed, "the race has no input '" + std::string(input) + "'"};
   }
-  const Result<InputWords> read = ReadInput(text, kind->words);
+  Result<InputWords> read = ReadInput(text, kind->words);
+  if (!read && input == input::kLines) {  // of an earlier version, without a doubt
+    read = ReadInput(text, kind->words - 1);
+    if (read) read.value().words.emplace_back();
+  }
   if (!read) return read.error();
   if (!first_start_) return Error{kCodeFailed, "an input before the first start"};
   replays_ = true;
@@ -86,7 +90,7 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
                taken(), now);
   } else if (input == input::kLines) {
     OnLines(numbers.Integer<Index>(0), numbers.Integer<std::uint32_t>(2), words[3], words[4],
-            numbers.Real(5), taken(), now);
+            numbers.Real(5), taken(), now, words[6]);
   } else if (input == input::kWalker) {
     OnWalkerStatus(numbers.Integer<Index>(0), words[1], now);
   } else if (input == input::kMotionDone) {

@@ -252,8 +252,8 @@ void Runner::Steer(const std::optional<Index>& keep, Time time) {
   const Keep& rule = course_.keeps[*keep];
   perception_.Want(rule.detector);
   const Lines* lines = perception_.LinesSince(rule.detector, time - rule.fresh);
-  const bool between =
-      lines != nullptr && lines->contours >= 2 && std::isfinite(lines->middle_offset);
+  const bool between = lines != nullptr && lines->contours >= 2 && lines->doubt.empty() &&
+                       std::isfinite(lines->middle_offset);
   const double yaw_rad_s = between ? -rule.yaw_rad_s * lines->middle_offset : 0;
   locomotion_.Steer(std::clamp(yaw_rad_s, -rule.most_rad_s, rule.most_rad_s));
 }
@@ -327,7 +327,7 @@ std::optional<LineWord> Runner::Word(const Check& check) const {
     return sighting->offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
   }
   const Lines* lines = perception_.LinesSince(check.detector, at_.after);
-  if (lines == nullptr || lines->contours == 0) return std::nullopt;
+  if (lines == nullptr || lines->contours == 0 || !lines->doubt.empty()) return std::nullopt;
   return check.by == Check::By::kDy ? lines->dy : lines->ycy;
 }
 
@@ -336,8 +336,11 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
   const std::optional<LineWord> word = Word(check);
   if (!word) {
     if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
+    const Lines* lines = perception_.LinesSince(check.detector, at_.after);
+    const bool in_doubt = lines != nullptr && !lines->doubt.empty();
     return GiveUpCheck("check " + check.name + ": no picture of it within " +
-                       std::to_string(ToMilliseconds(rules.picture)) + " ms");
+                       std::to_string(ToMilliseconds(rules.picture)) + " ms" +
+                       (in_doubt ? ": " + lines->doubt : ""));
   }
   if (*word == LineWord::kCenter) return Outcome::kDone;
   const Corrections& corrections = after_turn ? check.after_turn : check.usual;

@@ -251,7 +251,7 @@ class Rig {
       }
       const Lines lines = script.lines(detector.name);
       race->OnLines(i, lines.contours, Name(lines.ycy), Name(lines.dy), lines.middle_offset, taken,
-                    now);
+                    now, lines.doubt);
     }
   }
 

@@ -110,6 +110,22 @@ TEST_F(Doubt, IsKeptWithStateAndReasonAndShownAtTheEnd) {
   EXPECT_TRUE(rig.field.Logged("  4. BAY: check ahead: no picture of it within 3000 ms"));
 }
 
+TEST_F(Doubt, OfADetectorIsNoWordAndItsReasonIsKept) {
+  Rig rig(Small());
+  SeeAll(rig);
+  rig.script.lines = [](const std::string&) {
+    return Lines{1, LineWord::kLeft, LineWord::kCenter, -0.2,
+                 "the floor has the colour of the lines: 98 % of the region"};
+  };
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("END"));
+  EXPECT_FALSE(rig.field.Logged("correction")) << "no step by what means nothing";
+  EXPECT_THAT(
+      rig.race->InfoText(),
+      EndsWith("LastReservation:BAY: check ahead: no picture of it within 3000 ms: the floor "
+               "has the colour of the lines: 98 % of the region"));
+}
+
 TEST_F(Doubt, IsNoneWhereAllIsSeen) {
   Rig rig(Small());
   SeeAll(rig);

@@ -256,8 +256,8 @@ void CourseDrive::Look(DetectorChannel& channel, const cv::Mat& picture) {
       msg::YellowLines lines = *sight.lines;
       lines.header.stamp = msg::ToStamp(taken.time_since_epoch());
       if (channel.wanted_by_race) {
-        race_.OnLines(*channel.of_race, lines.doubt.empty() ? lines.contours : 0, lines.ycy,
-                      lines.dy, lines.middle_offset, taken, now);
+        race_.OnLines(*channel.of_race, lines.contours, lines.ycy, lines.dy, lines.middle_offset,
+                      taken, now, lines.doubt);
       }
       if (channel.wanted_by_race) channel.shown_to_race = taken;
       if (channel.of_walker) ShowWalker(*channel.of_walker, lines, taken);
