@@ -67,7 +67,7 @@ def secret_headers(part: Typed, public: Set[str]) -> List[str]:
 
 def options_of(words: List[str]) -> Dict[str, Set[str]]:
     """By command line, as `musher skill run`: its options."""
-    text = subprocess.run([*words, "--help"], capture_output=True, text=True, timeout=30, check=True).stdout
+    text = subprocess.run([*words, "--help"], capture_output=True, text=True, timeout=300, check=True).stdout
     name = " ".join([os.path.basename(words[0]), *words[1:]])
     found = {name: reference_test.Help(name, text).options}
     if re.search(r"^Usage: .* COMMAND$", text, re.MULTILINE):
@@ -228,7 +228,7 @@ class Pages(unittest.TestCase):
                 for name, text in part.files().items():
                     if name.endswith(".toml") and "\n[controller]" in text:
                         ran = subprocess.run([self.musher, "check", name], cwd=folder, capture_output=True, text=True,
-                                             timeout=30, check=False)
+                                             timeout=300, check=False)
                         self.assertEqual(ran.returncode, 0, f"{part.page}: {name}: {ran.stdout}{ran.stderr}")
 
     def test_call_commands_and_options_that_musher_has(self) -> None:

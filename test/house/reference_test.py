@@ -41,7 +41,7 @@ class Help:
 def options_of(words):
     """By command line ("musher-race send"): its options."""
     name = " ".join([os.path.basename(words[0]), *words[1:]])
-    run = subprocess.run([*words, "--help"], capture_output=True, text=True, timeout=30, check=False)
+    run = subprocess.run([*words, "--help"], capture_output=True, text=True, timeout=300, check=False)
     if run.returncode != 0:
         raise AssertionError(f"`{name} --help` fails: {run.stderr}")
     printed = Help(name, run.stdout)

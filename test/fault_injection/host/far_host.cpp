@@ -25,7 +25,7 @@ void FarHost::Reboot() {
 
 std::vector<std::string> FarHost::There(const std::vector<std::string>& words) const {
   std::vector<std::string> command = {
-      "/usr/bin/nsenter", "-t", std::to_string(init_), "-n", "-p", "-m", "--"};
+      "/usr/bin/nsenter", "-t", std::to_string(init_), "-n", "-p", "-m", "-r", "-w", "--"};
   command.insert(command.end(), words.begin(), words.end());
   return command;
 }

@@ -48,8 +48,8 @@ class Host {
   }
 
   std::vector<std::string> Here(std::vector<std::string> words) const {
-    words.insert(words.begin(),
-                 {"nsenter", "--target", std::to_string(init_), "--net", "--pid", "--mount", "--"});
+    words.insert(words.begin(), {"nsenter", "--target", std::to_string(init_), "--net", "--pid",
+                                 "--mount", "--root", "--wd", "--"});
     return words;
   }
   Ended Do(std::vector<std::string> words) const { return RunToEnd(Here(std::move(words))); }
