@@ -94,7 +94,7 @@ TEST(WalkByOdometry, GoesByTimeWithoutItAndSaysSoOnce) {
   rig.Command("START:QRA_TO_A1");
   ASSERT_TRUE(rig.RunTo("IN_A1"));
   EXPECT_EQ(rig.frames(), 23 * kFramesOfAStep);
-  EXPECT_EQ(rig.reserved(), 1U);
+  ASSERT_EQ(rig.reserved(), 1U);
   EXPECT_EQ(rig.race->memory().reservations().front().reason,
             "walks without odometry, by their time: no odometry on odom_out for 300 ms");
 }
