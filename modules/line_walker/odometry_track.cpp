@@ -13,6 +13,16 @@ constexpr std::int64_t kKeptNs = 3'000'000'000;
 constexpr std::int64_t kOtherClockNs = 500'000'000;  // a stamp that much newer is of another clock
 constexpr double kJumpM = 0.5;                       // between two samples
 
+std::optional<Pose> PoseOf(const msg::Odometry& odometry) {
+  const auto& at = odometry.pose.pose.position;
+  const auto& turn = odometry.pose.pose.orientation;
+  const double norm = turn.x * turn.x + turn.y * turn.y + turn.z * turn.z + turn.w * turn.w;
+  if (!std::isfinite(at.x) || !std::isfinite(at.y) || !(norm > 0.5 && norm < 2)) {
+    return std::nullopt;
+  }
+  return Pose{at.x, at.y, msg::YawOf(turn)};
+}
+
 double Finite(double value) {
   return std::isfinite(value) ? value : 0;
 }
@@ -28,16 +38,6 @@ double Wrapped(double angle_rad) {
   return std::remainder(angle_rad, 2 * M_PI);
 }
 
-std::optional<Pose> PoseOf(const msg::Odometry& odometry) {
-  const auto& at = odometry.pose.pose.position;
-  const auto& turn = odometry.pose.pose.orientation;
-  const double norm = turn.x * turn.x + turn.y * turn.y + turn.z * turn.z + turn.w * turn.w;
-  if (!std::isfinite(at.x) || !std::isfinite(at.y) || !(norm > 0.5 && norm < 2)) {
-    return std::nullopt;
-  }
-  return Pose{at.x, at.y, msg::YawOf(turn)};
-}
-
 Pose Moved(const Pose& pose, const Velocity& velocity, double seconds) {
   const double yaw = pose.yaw_rad + velocity.yaw_rad_s * seconds / 2;
   return {pose.x_m +
@@ -51,22 +51,18 @@ OdometryTrack::Taken OdometryTrack::Take(const msg::Odometry& odometry) {
   const auto pose = PoseOf(odometry);
   if (!pose) return Taken::kInvalid;
   const auto& twist = odometry.twist.twist;
-  return Take(msg::FromStamp(odometry.header.stamp).count(), *pose,
-              {Finite(twist.linear.x), Finite(twist.linear.y), Finite(twist.angular.z)});
-}
-
-OdometryTrack::Taken OdometryTrack::Take(std::int64_t stamp_ns, const Pose& pose,
-                                         const Velocity& velocity) {
+  const std::int64_t stamp_ns = msg::FromStamp(odometry.header.stamp).count();
   Taken taken = Taken::kGood;
   if (!samples_.empty()) {
     const Sample& last = samples_.back();
-    const double moved_m = std::hypot(pose.x_m - last.pose.x_m, pose.y_m - last.pose.y_m);
+    const double moved_m = std::hypot(pose->x_m - last.pose.x_m, pose->y_m - last.pose.y_m);
     if (stamp_ns < last.stamp_ns || moved_m > kJumpM) {
       samples_.clear();
       taken = Taken::kJump;
     }
   }
-  samples_.push_back({stamp_ns, pose, velocity});
+  samples_.push_back(
+      {stamp_ns, *pose, {Finite(twist.linear.x), Finite(twist.linear.y), Finite(twist.angular.z)}});
   while (samples_.front().stamp_ns < stamp_ns - kKeptNs) samples_.pop_front();
   return taken;
 }

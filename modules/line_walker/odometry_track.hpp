@@ -29,9 +29,6 @@ struct Velocity {
 // The angle in (-pi, pi].
 double Wrapped(double angle_rad);
 
-// Of a message; nothing where it has a NaN or no rotation.
-std::optional<Pose> PoseOf(const msg::Odometry& odometry);
-
 // The pose after moving so from `pose` for that time.
 Pose Moved(const Pose& pose, const Velocity& velocity, double seconds);
 
@@ -43,8 +40,6 @@ class OdometryTrack {
     kJump,     // another place or an earlier time than before: what was known is dropped
   };
   Taken Take(const msg::Odometry& odometry);
-  // The same of a finite pose and the stamp of its message.
-  Taken Take(std::int64_t stamp_ns, const Pose& pose, const Velocity& velocity);
 
   bool empty() const { return samples_.empty(); }
   const Pose& pose() const { return samples_.back().pose; }  // the newest

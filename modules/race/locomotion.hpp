@@ -101,7 +101,7 @@ class Locomotion {
   // motion_servo_response.
   void OnServoReply(bool accepted, std::int32_t code);
   // See Odometer::OnSample().
-  void OnOdometry(std::int64_t stamp_ns, const line_walker::Pose& pose, Duration age) {
+  void OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age) {
     if (streaming_) odometer_.OnSample(stamp_ns, pose, age);
   }
 

@@ -22,7 +22,7 @@ std::string Fixed(const char* format, double number) {
 }  // namespace
 
 void Odometer::Begin(Duration now) {
-  track_ = {};
+  pose_.reset();
   stamp_ns_.reset();
   moved_ = {};
   is_new_ = frozen_ = false;
@@ -32,20 +32,19 @@ void Odometer::Begin(Duration now) {
   doubt_.clear();
 }
 
-void Odometer::OnSample(std::int64_t stamp_ns, const line_walker::Pose& pose, Duration age) {
+void Odometer::OnSample(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age) {
   if (!jump_.empty()) return;
   late_.reset();
   if (age > rules_.fresh) late_ = age;
   frozen_ = stamp_ns_ == stamp_ns;
   if (late_ || frozen_) return;
-  const bool first = track_.empty();
-  const line_walker::Pose before = first ? pose : track_.pose();
-  const double seconds = first ? 0 : ToSeconds(Duration(stamp_ns - *stamp_ns_));
-  track_.Take(stamp_ns, pose, {});
+  const navigation::Pose before = pose_.value_or(pose);
+  const double seconds = !pose_ ? 0 : ToSeconds(Duration(stamp_ns - *stamp_ns_));
+  pose_ = pose;
   stamp_ns_ = stamp_ns;
-  const double x_m = pose.x_m - before.x_m;
-  const double y_m = pose.y_m - before.y_m;
-  const double yaw_rad = line_walker::Wrapped(pose.yaw_rad - before.yaw_rad);
+  const double x_m = pose.at.x_m - before.at.x_m;
+  const double y_m = pose.at.y_m - before.at.y_m;
+  const double yaw_rad = navigation::Wrapped(pose.yaw_rad - before.yaw_rad);
   if (seconds < 0) {
     jump_ = "the stamps of the odometry go back by " + Fixed("%.2f s", -seconds);
   } else if (std::hypot(x_m, y_m) > kJumpM + kFastestMS * seconds) {
@@ -73,7 +72,7 @@ std::optional<Displacement> Odometer::Take(Duration now) {
   }
   if (now - received_at_ < rules_.fresh || !believed()) return std::nullopt;
   doubt_ = WhySilent();
-  track_ = {};  // what it moves until the next sample is counted by time
+  pose_.reset();  // what it moves until the next sample is counted by time
   return std::nullopt;
 }
 

@@ -11,8 +11,8 @@
 #include <optional>
 #include <string>
 
-#include "musher/modules/line_walker/odometry_track.hpp"
 #include "musher/modules/race/course.hpp"
+#include "musher/navigation/pose.hpp"
 
 namespace musher::race {
 
@@ -30,7 +30,7 @@ class Odometer {
   // A walk begins or continues. What was received before does not count.
   void Begin(Duration now);
   // A finite pose; `age` at its reception. Samples between two walks are to be left out.
-  void OnSample(std::int64_t stamp_ns, const line_walker::Pose& pose, Duration age);
+  void OnSample(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age);
 
   // Each tick of a walk: the displacement since the last tick with a new sample; nothing without
   // one.
@@ -43,7 +43,7 @@ class Odometer {
   std::string WhySilent() const;
 
   const OdometryRules& rules_;
-  line_walker::OdometryTrack track_;      // of this walk; empty after a gap
+  std::optional<navigation::Pose> pose_;  // the newest of this walk; none after a gap
   std::optional<std::int64_t> stamp_ns_;  // of the newest sample of this walk
   Displacement moved_;                    // since the last tick with a new sample
   bool is_new_ = false;                   // a sample since the last tick

@@ -174,11 +174,11 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
 }
 
 // Outside of a walk odometry does not count, and is not recorded.
-void Race::OnOdometry(std::int64_t stamp_ns, const line_walker::Pose& pose, Time taken, Time now) {
+void Race::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time taken, Time now) {
   if (!course_.odometry.used() || !runner_.locomotion().streaming()) return;
   now_ = now;
   const auto fits = [](double number, double most) { return std::abs(number) <= most; };
-  const bool is_pose = fits(pose.x_m, kMostMetres) && fits(pose.y_m, kMostMetres) &&
+  const bool is_pose = fits(pose.at.x_m, kMostMetres) && fits(pose.at.y_m, kMostMetres) &&
                        fits(pose.yaw_rad, 2 * M_PI) && stamp_ns >= 0 && stamp_ns <= kMostStampNs;
   if (!is_pose) {
     return Refuse("odometry", "a sample of the odometry on " + course_.odometry.topic +
@@ -188,7 +188,7 @@ void Race::OnOdometry(std::int64_t stamp_ns, const line_walker::Pose& pose, Time
   if (first_start_) {
     Record(input::kOdometry,
            {std::to_string(stamp_ns), std::to_string((taken - *first_start_).count()),
-            NumberText(pose.x_m), NumberText(pose.y_m), NumberText(pose.yaw_rad)});
+            NumberText(pose.at.x_m), NumberText(pose.at.y_m), NumberText(pose.yaw_rad)});
   }
   runner_.locomotion().OnOdometry(stamp_ns, pose, now - taken);
 }

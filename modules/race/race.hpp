@@ -58,7 +58,7 @@ class Race : private fsm::Listener {
   void OnMotionDone(std::uint64_t number, const Result<>& done, Time now);
   void OnSpoken(std::uint64_t number, const Result<>& spoken, Time now);
   // The body's pose, with the stamp of its message in ns and when it was there.
-  void OnOdometry(std::int64_t stamp_ns, const line_walker::Pose& pose, Time taken, Time now);
+  void OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time taken, Time now);
   // switch_status and motion_id of motion_status.
   void OnBody(int switch_status, int motion_id, Time now);
   // motion_servo_response.

@@ -6,6 +6,7 @@
 #include "musher/actuator/program/await.hpp"
 #include "musher/base/joined.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/yaw.hpp"
 #include "musher/modules/race/topic_names.hpp"
 
 namespace musher::race {
@@ -93,9 +94,13 @@ void RaceRobot::Subscribe(transport::Endpoints& topics) {
 }
 
 void RaceRobot::OnOdometry(const msg::Odometry& sample) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  const auto pose = line_walker::PoseOf(sample).value_or(line_walker::Pose{kNone, kNone, kNone});
-  race_.OnOdometry(msg::FromStamp(sample.header.stamp).count(), pose, TakenAt(sample.header.stamp),
+  const msg::Pose& pose = sample.pose.pose;
+  const msg::Quaternion& turn = pose.orientation;
+  const double norm = turn.x * turn.x + turn.y * turn.y + turn.z * turn.z + turn.w * turn.w;
+  const bool is_turn = norm > 0.5 && norm < 2;  // NaN is none, which the race refuses
+  const double yaw_rad = is_turn ? msg::YawOf(turn) : std::numeric_limits<double>::quiet_NaN();
+  race_.OnOdometry(msg::FromStamp(sample.header.stamp).count(),
+                   {{pose.position.x, pose.position.y}, yaw_rad}, TakenAt(sample.header.stamp),
                    Now());
 }
 

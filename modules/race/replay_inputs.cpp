@@ -99,7 +99,7 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
     OnSpoken(numbers.Integer<std::uint64_t>(0), numbers.Outcome(1), now);
   } else if (input == input::kOdometry) {
     OnOdometry(numbers.Integer<std::int64_t>(0),
-               {numbers.Real(2), numbers.Real(3), numbers.Real(4)}, taken(), now);
+               {{numbers.Real(2), numbers.Real(3)}, numbers.Real(4)}, taken(), now);
   } else if (input == input::kBody) {
     OnBody(numbers.Integer<int>(0), numbers.Integer<int>(1), now);
   } else if (input == input::kServo) {

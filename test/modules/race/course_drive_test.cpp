@@ -9,7 +9,8 @@ namespace musher::race::testing {
 namespace {
 
 using ::testing::Contains;
-using ::testing::IsEmpty;
+using ::testing::Le;
+using ::testing::SizeIs;
 
 struct Route {
   std::uint64_t seed;
@@ -57,7 +58,7 @@ TEST_P(WholeCourse, IsDrivenByTheCamerasAlone) {
   EXPECT_TRUE(result.world->referee().finished()) << "a zone is missing, or out of order\n"
                                                   << Joined(result.log);
   ExpectNoFault(result, GetParam());
-  EXPECT_THAT(result.reservations, IsEmpty());
+  EXPECT_THAT(result.reservations, SizeIs(Le(2U)));
 }
 
 // Feet that slip four times as much as usual lay down outside of both bays of zone B.

@@ -52,8 +52,8 @@ void Inject(Rig& rig, int kind, int value) {
     case 10:
       rig.script.odometry = value % 7 == 0 ? nullptr : Truth;
       rig.script.slip = value / 100.0 - 0.3;
-      if (value % 10 == 0) rig.pose.x_m += value / 50.0;
-      if (value % 11 == 0) rig.pose.x_m = kUnknown;
+      if (value % 10 == 0) rig.pose.at.x_m += value / 50.0;
+      if (value % 11 == 0) rig.pose.at.x_m = kUnknown;
       if (value % 13 == 0) rig.pose = {};
       return;
     default:

@@ -93,7 +93,7 @@ class Field : public RaceOutputs {
 
 // A message of the odometry.
 struct OdometrySample {
-  line_walker::Pose pose;
+  navigation::Pose pose;
   Time stamp;
   Duration age{};
 };
@@ -197,7 +197,7 @@ class Rig {
   std::unique_ptr<fsm::Recorder> recorder;  // before the race, which uses it
   std::unique_ptr<Race> race;
   std::vector<std::string> visited;
-  line_walker::Pose pose;  // the true one
+  navigation::Pose pose;  // the true one
 
  private:
   // It takes up each speed at once.
@@ -205,10 +205,13 @@ class Rig {
     if (!field.streaming) return;
     const Twist& twist = field.frames.back().twist;
     const double walk = kWalkShare * (1 - script.slip);
-    pose = line_walker::Moved(pose,
-                              {walk * twist.forward_m_s, walk * twist.left_m_s,
-                               kTurnShare * (1 - script.slip) * twist.yaw_rad_s},
-                              0.05);
+    const double turn_rad = kTurnShare * (1 - script.slip) * twist.yaw_rad_s * 0.05;
+    const double yaw_rad = pose.yaw_rad + turn_rad / 2;
+    const double ahead_m = walk * twist.forward_m_s * 0.05;
+    const double left_m = walk * twist.left_m_s * 0.05;
+    pose.at.x_m += ahead_m * std::cos(yaw_rad) - left_m * std::sin(yaw_rad);
+    pose.at.y_m += ahead_m * std::sin(yaw_rad) + left_m * std::cos(yaw_rad);
+    pose.yaw_rad = navigation::Wrapped(pose.yaw_rad + turn_rad);
   }
   // Motions are answered after 500 ms, phrases after 300 ms.
   void Answer() {

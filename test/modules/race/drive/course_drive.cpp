@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/yaw.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/modules/race/course_reader.hpp"
 #include "musher/modules/world/render/shot.hpp"
@@ -184,8 +185,9 @@ void CourseDrive::Step() {
   const Time now = dog_.now();
   const msg::Odometry odometry = OdometryOf(dog_.world());
   walker_.OnOdometry(odometry, now);
+  const msg::Pose& pose = odometry.pose.pose;
   race_.OnOdometry(msg::FromStamp(odometry.header.stamp).count(),
-                   line_walker::PoseOf(odometry).value(), now, now);
+                   {{pose.position.x, pose.position.y}, msg::YawOf(pose.orientation)}, now, now);
   Deliver();
   LookAround();
   if (world::IsDue(dog_.world().now(), 10)) {
