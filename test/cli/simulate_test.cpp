@@ -44,9 +44,9 @@ restart_prevent_exit_codes = []
          "\n" + more;
 }
 
-// That find what is planted: each at the first tens of seeds.
+// The gate's find what is planted, too.
 const std::string kFew = testing::Nightly() ? "100" : "40";
-const std::string kSeeds = testing::Nightly() ? "300" : "80";
+const std::string kSeeds = testing::Nightly() ? "300" : "200";
 
 constexpr const char* kProvided = "on_lost = \"Active\"";
 

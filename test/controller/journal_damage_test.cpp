@@ -80,7 +80,7 @@ class JournalDamage : public JournalTest {
 
 TEST_F(JournalDamage, CutShortAnywhereIsReadAsFarAsItGoes) {
   ASSERT_GT(whole_.size(), 100'000U);
-  for (std::size_t size = 0; size < whole_.size(); size += testing::Nightly() ? 1531 : 12289) {
+  for (std::size_t size = 0; size < whole_.size(); size += testing::Nightly() ? 1531 : 6133) {
     Put(whole_.substr(0, size));
     ExpectReportedOrMissing("cut to " + std::to_string(size));
   }
@@ -91,7 +91,7 @@ TEST_F(JournalDamage, CutShortAnywhereIsReadAsFarAsItGoes) {
 TEST_F(JournalDamage, WithAPageOfGarbageIsReadFromBothEnds) {
   constexpr std::size_t kPage = 4096;
   std::size_t most = 0;
-  for (std::size_t page = 1; page < whole_.size() / kPage; page += testing::Nightly() ? 1 : 6) {
+  for (std::size_t page = 1; page < whole_.size() / kPage; page += testing::Nightly() ? 1 : 3) {
     std::string bytes = whole_;
     for (std::size_t i = 0; i < kPage; ++i)
       bytes[page * kPage + i] = static_cast<char>(i * 37 + page);
@@ -109,7 +109,7 @@ TEST_F(JournalDamage, WithAPageOfGarbageIsReadFromBothEnds) {
 }
 
 TEST_F(JournalDamage, WithFlippedBytesIsReadWithoutACrash) {
-  const std::size_t step = testing::Nightly() ? 397 : 9601;
+  const std::size_t step = testing::Nightly() ? 397 : 4813;
   for (std::size_t at = 16; at < whole_.size(); at += step) {
     std::string bytes = whole_;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x55);

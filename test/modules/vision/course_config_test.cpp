@@ -289,8 +289,9 @@ rate_hz = 3
 )"),
       ElementsAre(
           HasSubstr("course.toml:2:8: error: detectors.name: expected a name of letters"),
-          HasSubstr("course.toml:3:8: error: detectors.kind: expected one of qr, arrow, barrier, "
-                    "marker, light and lines, found \"arow\"; did you mean \"arrow\"?"),
+          HasSubstr(
+              "course.toml:3:8: error: detectors.kind: expected one of qr, aruco, arrow, barrier, "
+              "marker, light and lines, found \"arow\"; did you mean \"arrow\"?"),
           HasSubstr("course.toml:4:11: error: detectors.picture: expected the name of a topic"),
           HasSubstr("course.toml:5:11: error: detectors.rate_hz: expected a number from 0"),
           HasSubstr("course.toml:6:1: error: detectors: unknown key \"failurs\"; did you mean "

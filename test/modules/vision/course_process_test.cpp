@@ -138,7 +138,7 @@ TEST_F(CourseProcess, FailsItsSelfCheckWithTheDetectorThatHasNoPictures) {
   StartCameras();
   cameras_.pop_back();
   std::string file = kCourseFile;
-  file.replace(file.find("15000"), 5, "500");
+  file.replace(file.find("15000"), 5, "3000");
   Start(file);
   EXPECT_THAT(Failure("SelfCheck"),
               HasSubstr("5909 green_arrow_detector: no publisher of image_rgb"));
