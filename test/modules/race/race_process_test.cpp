@@ -239,7 +239,7 @@ TEST_F(RaceProcess, KeepsAReservationWhereTheOdometryStandsStill) {
   std::string course = kCourse;
   const std::string old = "count = 3";
   course.replace(course.find(old), old.size(), "count = 10");
-  StartActive(course + "[odometry]\ntopic = \"odom_out\"\n");
+  StartActive(course + "[odometry]\ntopic = \"odom_out\"\nfresh_ms = 10000\n");
   ASSERT_TRUE(peer_.Until([&] { return odometry_->MatchedReaders() == 1; }));
   Command("START");
   ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
