@@ -22,16 +22,15 @@ constexpr std::string_view kRecovered = "recoveries_done";  // data, of this goa
 void GoalSkill::Declare(skill::Table& table) {
   constexpr Duration kPlanning = std::chrono::seconds(15);
   constexpr Duration kMoving = std::chrono::seconds(120);
-  initializing_ = table.State("INITIALIZING", kServerWait);
+  initializing_ = table.State("INITIALIZING");
   planning_ = table.State("PLANNING", kPlanning);
   recovering_ = table.State("RECOVERING", std::chrono::seconds(30));
   executing_ = table.State("EXECUTING", kMoving);
   giving_way_ = table.State("GIVING_WAY", kMoving);
   stopping_ = table.State("STOPPING");
   table.To(initializing_, planning_, "planner and controller are reachable");
-  table.To(initializing_, initializing_, "they are not, after a loss");
   table.To(planning_, executing_, "the path is planned");
-  table.To(planning_, initializing_, "the planner is lost");
+  table.To(planning_, initializing_, "the planner is lost, or has no map");
   table.To(planning_, recovering_, "no room to start, or no path");
   table.To(recovering_, planning_, "the recovery has ended");
   table.To(executing_, skill::kSucceeded, "at the goal");
@@ -45,10 +44,10 @@ void GoalSkill::Declare(skill::Table& table) {
     table.To(state, stopping_, "cancel");
   }
   table.To(stopping_, skill::kCancelled, "the robot stands");
-  table.Limit({.retries = kAttempts});
   table.MonotoneProgress();
   table.Takes("recoveries", "leave_tight_start, clear, wait, back_up, spin",
               "what it does, one after the other, where it has no room to start or no path");
+  DeclareLostLimit(table);
   Describe(table);
 }
 
@@ -59,6 +58,8 @@ Next GoalSkill::Step(Tick& tick) {
     if (!taken) return Next::Fail(taken.error().message);
     const auto recoveries = Recovery::Parse(tick.parameters.Text("recoveries"));
     if (!recoveries) return Next::Fail(recoveries.error().message);
+    const Result<> limit = CheckLostLimit(tick.parameters);
+    if (!limit) return Next::Fail(limit.error().message);
     recoveries_ = recoveries.value();
     taken_ = true;
   }
@@ -70,9 +71,7 @@ Next GoalSkill::Step(Tick& tick) {
 }
 
 Next GoalSkill::Initialize(Tick& tick) {
-  tick.Report(5, Prefix(tick) + "Sending request...");
-  const bool waits = tick.retries > 0 && tick.elapsed < kServerWait;
-  if (waits || travel_.Reach().kind != Kind::kDone) return Next::Stay();
+  if (const auto waits = WaitForParts(tick, 5, Prefix(tick), "Sending request...")) return *waits;
   const Result<> flies = CheckInTheAir(robot_, robot_.pose()->at.z_m);
   return flies ? Next::To(planning_) : Next::Fail(flies.error().message);
 }
@@ -126,6 +125,7 @@ Next GoalSkill::Execute(Tick& tick) {
     give_way_.Begin();
     return Next::To(giving_way_, Prefix(tick) + "Gives way to " + give_way_.to());
   }
+  NoteDriving(tick);
   const double length_m = std::max(travel_.length_m(), 0.1);
   const double share = std::clamp(1 - travel_.distance_to_goal_m() / length_m, 0.0, 1.0);
   tick.Report(50 + 45 * Share(tick, share),
@@ -144,14 +144,14 @@ Next GoalSkill::LetPass(Tick& tick) {
   return Next::Replan(planning_, Prefix(tick) + "The way is free");
 }
 
-Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
+Next GoalSkill::Decide(Tick& tick, const TravelStep& step) {
   const std::string why = Prefix(tick) + step.why;
   switch (step.kind) {
     case Kind::kBlocked:
       return AfterBlocked(tick, step);
     case Kind::kLost:
       // Also a server that rejects: it does until it is Active, for example after a restart.
-      return Next::Retry(initializing_, why);
+      return AfterLoss(tick, Prefix(tick), step.why);
     case Kind::kFailed:
       return Next::Fail(why);
     case Kind::kPending:
@@ -184,11 +184,7 @@ Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
 }
 
 Next GoalSkill::OnLimit(Tick& tick) {
-  if (tick.state == initializing_) {
-    const TravelStep step = travel_.Reach();
-    if (step.kind == Kind::kDone) return Next::To(planning_);
-    return tick.retries > 0 ? Next::Retry(initializing_, step.why) : Next::Fail(step.why);
-  }
+  if (tick.state == initializing_) return Next::Fail(WhyLost(tick));
   if (tick.state == recovering_) return Next::To(planning_);
   if (tick.state == planning_) return Next::Fail(Prefix(tick) + "Planning timeout");
   if (tick.state == giving_way_) {

@@ -2,8 +2,8 @@
 // What navigate_to and move have in common: the robot travels to a goal, and perhaps to another
 // one after it.
 //
-//   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s; a
-//                 flyer is in the air
+//   INITIALIZING  the request is checked, planner and controller are reachable; a flyer is in the
+//                 air
 //   PLANNING      15 s
 //   RECOVERING    the robot has no room where it stands, or there is no path: one recovery of the
 //                 parameter `recoveries` that may help after the other, and another plan after
@@ -17,8 +17,8 @@
 // An obstacle that stays: the path is planned again, which leads around it if it can. It fails once
 // the robot has stood at obstacles for kBlockedLimit without having come nearer to the goal.
 //
-// A planner or controller that is lost on the way: again from INITIALIZING every 2 s, for
-// kAttempts times. A pause cancels the drive; then the path is planned again.
+// A planner, a controller or a map that is late, or is lost on the way: INITIALIZING again, up to
+// `lost_limit` (travel_skill.hpp). A pause cancels the drive; then the path is planned again.
 
 #include <chrono>
 #include <optional>
@@ -67,7 +67,7 @@ class GoalSkill : public TravelSkill {
   skill::Next AfterTrouble(skill::Tick& tick, Trouble trouble, const std::string& why);
   skill::Next Execute(skill::Tick& tick);
   skill::Next LetPass(skill::Tick& tick);
-  skill::Next Decide(const skill::Tick& tick, const TravelStep& step);
+  skill::Next Decide(skill::Tick& tick, const TravelStep& step);
   skill::Next AfterBlocked(const skill::Tick& tick, const TravelStep& step);
   void NoteBlockedTime(const skill::Tick& tick);
 
@@ -85,7 +85,6 @@ class GoalSkill : public TravelSkill {
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
   std::optional<Blocked> blocked_;
-  skill::StateId initializing_ = skill::kIdle;
   skill::StateId planning_ = skill::kIdle;
   skill::StateId recovering_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
