@@ -108,4 +108,9 @@ void TravelSkill::OnPause() {
   robot_.StopMotion();
 }
 
+Result<> TravelSkill::MayResume() {
+  const auto pose = robot_.pose();
+  return pose ? CheckInTheAir(robot_, pose->at.z_m) : Ok();
+}
+
 }  // namespace musher::skills

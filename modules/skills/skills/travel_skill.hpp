@@ -25,6 +25,8 @@ class TravelSkill : public skill::Skill {
   skill::Next Cancel(skill::Tick& tick) final;
   void OnEnd(const skill::Ended& ended) final;
   void OnPause() override;
+  // A flyer has to be in the air.
+  Result<> MayResume() override;
 
  protected:
   // The task is done: to STOPPING, which then succeeds.
