@@ -207,7 +207,7 @@ lose_planner() {
   kill -KILL "$process"
   wait "$run"
   expect "nav_2d: exit code" 0 $?
-  expect "it has tried again" yes "$(has_line "$lines" "Retrying (1/10)")"
+  expect "it has waited for it" yes "$(has_line "$lines" "Waiting (")"
   expect "it has arrived" yes "$(has_line "$lines" "Reached goal")"
   await ".actuators.planner_server | .pid > 0 and .pid != $process and .state == \"Active\""
   expect "the machine" Active "$(status .state)"

@@ -35,6 +35,7 @@ void GoalSkill::Declare(skill::Table& table) {
   table.To(recovering_, planning_, "the recovery has ended");
   table.To(executing_, skill::kSucceeded, "at the goal");
   table.To(executing_, planning_, "an obstacle, a pause, another goal");
+  table.To(executing_, recovering_, "an obstacle stays");
   table.To(executing_, initializing_, "the controller is lost");
   table.To(executing_, giving_way_, "another robot goes first");
   table.To(giving_way_, planning_, "the way is free");
@@ -94,20 +95,26 @@ Next GoalSkill::AfterTrouble(Tick& tick, Trouble trouble, const std::string& why
   }
   if (next >= recoveries_.size()) return Next::Fail(why);
   tick.data.Set(kRecovered, static_cast<std::int64_t>(next + 1));
+  return BeginRecovery(recoveries_[next], trouble, why);
+}
+
+Next GoalSkill::BeginRecovery(RecoveryKind kind, Trouble trouble, const std::string& why) {
   trouble_ = trouble;
-  recovery_.Begin(recoveries_[next]);
+  recovers_by_ = kind;
+  recovery_.Begin(kind);
   return Next::To(recovering_, why);
 }
 
 Next GoalSkill::Recover(Tick& tick) {
-  const auto done = static_cast<std::size_t>(tick.data.Get<std::int64_t>(kRecovered, 0));
-  const bool restored = done == 0 || done > recoveries_.size();
-  if (restored) return Next::To(planning_);
-  const char* what = trouble_ == Trouble::kTightStart ? "No room to start: " : "No path: ";
-  tick.Report(15, Prefix(tick) + what + Recovery::NameOf(recoveries_[done - 1]));
+  if (!recovers_by_) return Next::To(planning_);
+  const std::string name = Recovery::NameOf(*recovers_by_);
+  const char* what = trouble_ == Trouble::kTightStart ? "No room to start: "
+                     : trouble_ == Trouble::kNoPath   ? "No path: "
+                                                      : "Blocked: ";
+  tick.Report(15, Prefix(tick) + what + name);
   const auto end = recovery_.Step(tick.step);
   if (!end) return Next::Stay();
-  const std::string name = Recovery::NameOf(recoveries_[done - 1]);
+  recovers_by_.reset();
   return Next::To(planning_, *end ? name + " has ended" : name + ": " + end->error().message);
 }
 
@@ -171,11 +178,30 @@ void GoalSkill::NoteBlockedTime(const Tick& tick) {
   if (blocked_->standstill.time() > Duration{}) blocked_->stood += tick.step;
 }
 
+std::optional<RecoveryKind> GoalSkill::DueRecovery() const {
+  const std::size_t done = static_cast<std::size_t>(blocked_->recoveries);
+  if (blocked_->stood < kBlockedRecovery * (blocked_->recoveries + 1)) return std::nullopt;
+  std::vector<RecoveryKind> helpful;
+  for (const RecoveryKind kind : recoveries_) {
+    if (Recovery::Helps(kind, Trouble::kBlocked, robot_.flies())) helpful.push_back(kind);
+  }
+  if (helpful.empty()) return std::nullopt;
+  if (done < helpful.size()) return helpful[done];
+  // What is forgotten once is seen again.
+  return helpful.back() == RecoveryKind::kClear ? std::nullopt : std::optional(helpful.back());
+}
+
 Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
   const auto at = robot_.pose().value_or(navigation::Pose()).at;
   const double left_m = travel_.Apart(at, Goal(tick).at);
   if (!blocked_) blocked_ = Blocked{.nearest_m = left_m};
-  if (blocked_->stood < kBlockedLimit) return Next::Replan(planning_, Prefix(tick) + step.why);
+  if (blocked_->stood < kBlockedLimit) {
+    const std::string why = Prefix(tick) + step.why;
+    const auto due = DueRecovery();
+    if (!due) return Next::Replan(planning_, why);
+    ++blocked_->recoveries;
+    return BeginRecovery(*due, Trouble::kBlocked, why);
+  }
   return Next::Fail(Prefix(tick) +
                     fmt::format("Blocked for {:.0f} s, {} m from the goal, at {}: {}",
                                 ToSeconds(blocked_->stood), LengthText(left_m),

@@ -7,15 +7,17 @@
 //   PLANNING      15 s
 //   RECOVERING    the robot has no room where it stands, or there is no path: one recovery of the
 //                 parameter `recoveries` that may help after the other, and another plan after
-//                 each; once all are used up, it fails
+//                 each; once all are used up, it fails. And at an obstacle that stays; see below
 //   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
 //   GIVING_WAY    another robot comes the other way and goes first (give_way.hpp): then PLANNING,
 //   not
 //                 counted; 120 s
 //   STOPPING      of a cancellation: until the robot stands
 //
-// An obstacle that stays: the path is planned again, which leads around it if it can. It fails once
-// the robot has stood at obstacles for kBlockedLimit without having come nearer to the goal.
+// An obstacle that stays: the path is planned again, which leads around it if it can. Each time that
+// the robot has stood there for kBlockedRecovery more, it does one of `recoveries` that may help
+// (clear, then back_up again and again): who yields to it in a door gets room. It fails once it has
+// stood at obstacles for kBlockedLimit without having come nearer to the goal.
 //
 // A planner, a controller or a map that is late, or is lost on the way: INITIALIZING again, up to
 // `lost_limit` (travel_skill.hpp). A pause cancels the drive; then the path is planned again.
@@ -32,6 +34,7 @@
 namespace musher::skills {
 
 inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
+inline constexpr Duration kBlockedRecovery = std::chrono::seconds(8);
 
 class GoalSkill : public TravelSkill {
  public:
@@ -69,12 +72,16 @@ class GoalSkill : public TravelSkill {
   skill::Next LetPass(skill::Tick& tick);
   skill::Next Decide(skill::Tick& tick, const TravelStep& step);
   skill::Next AfterBlocked(const skill::Tick& tick, const TravelStep& step);
+  // That is due now at an obstacle that stays.
+  std::optional<RecoveryKind> DueRecovery() const;
+  skill::Next BeginRecovery(RecoveryKind kind, Trouble trouble, const std::string& why);
   void NoteBlockedTime(const skill::Tick& tick);
 
   // From the first obstacle on the way to a goal.
   struct Blocked {
     double nearest_m = 0;  // to the goal, so far
     Duration stood{};      // since it came nearer
+    int recoveries = 0;    // done since then
     Standstill standstill{};
   };
 
@@ -82,6 +89,7 @@ class GoalSkill : public TravelSkill {
   GiveWay give_way_;
   std::vector<RecoveryKind> recoveries_;
   Trouble trouble_ = Trouble::kTightStart;  // for which it recovers
+  std::optional<RecoveryKind> recovers_by_;  // nothing in RECOVERING: the run was restored
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
   std::optional<Blocked> blocked_;

@@ -87,6 +87,10 @@ bool Recovery::Moves(RecoveryKind kind) {
 }
 
 bool Recovery::Helps(RecoveryKind kind, Trouble trouble, bool flies) {
+  // Who waits in the same door comes on once there is room. It waits there without a recovery.
+  if (trouble == Trouble::kBlocked) {
+    return kind == RecoveryKind::kClear || (kind == RecoveryKind::kBackUp && !flies);
+  }
   return !Moves(kind) || (trouble == Trouble::kTightStart && !flies);
 }
 

@@ -52,6 +52,7 @@ TEST(HeldScenes, EndWithoutContact) {
                                      "door of 0.7 m",
                                      "door of 0.5 m",
                                      "person waits in the door for 8 s",
+                                     "person who yields comes through the door",
                                      "map that contains the obstacle comes on the way",
                                      "map that is there only after the goal",
                                      "localisation jumps by 1 m for 3 s",
