@@ -103,12 +103,13 @@ Result<std::unique_ptr<Run>> Manager::Make(std::string_view skill) const {
 
 Result<> Manager::Allowed(std::string_view skill) const {
   if (!in_step_) return Ok();
-  return Error{kCodeStateInvalid,
-               std::string(skill) + ": skills are not started, paused, cancelled or reset within a step"};
+  return Error{
+      kCodeStateInvalid,
+      std::string(skill) + ": skills are not started, paused, cancelled or reset within a step"};
 }
 
-// None of its skills runs, and no running skill uses one of these parts of the robot. Those that are
-// paused by a request use none.
+// None of its skills runs, and no running skill uses one of these parts of the robot. Those that
+// are paused by a request use none.
 Result<> Manager::Free(const Run& run, const std::vector<std::string>& parts) const {
   const std::vector<std::string> wanted = NamesIn(run);
   for (const auto& other : runs_) {

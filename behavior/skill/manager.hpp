@@ -9,8 +9,8 @@
 //
 // An ended run keeps its feedback, errors and history until the skill is started again or reset.
 //
-// Threads: one at a time. A skill must not start, pause, cancel or reset skills: within RunOnce() and
-// Pause() those calls fail.
+// Threads: one at a time. A skill must not start, pause, cancel or reset skills: within RunOnce()
+// and Pause() those calls fail.
 
 #include <functional>
 #include <memory>
@@ -55,9 +55,9 @@ class Manager {
   // stands still, and other skills may use its parts of the robot. `why` is for people: "by a
   // request". Fails, and changes nothing: see Run::PauseUntilResumed().
   Result<> Pause(std::string_view skill, const std::string& why);
-  // The skill goes on with the next step. Fails, and it stays paused, when it is not paused so, when
-  // a running skill uses a part of the robot that it needs, and when its preconditions do not hold
-  // any more.
+  // The skill goes on with the next step. Fails, and it stays paused, when it is not paused so,
+  // when a running skill uses a part of the robot that it needs, and when its preconditions do not
+  // hold any more.
   Result<> Resume(std::string_view skill);
 
   // See Run. Fails for a skill that does not run.

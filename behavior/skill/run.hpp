@@ -8,8 +8,8 @@
 // limit, or takes longer than its limit. It is cancelled when that was requested and the skill has
 // not failed before; a skill that says it has succeeded after the request is cancelled, too.
 //
-// A run is paused by Pause(), until its next step, or by PauseUntilResumed(): then steps do nothing,
-// and its time stands still, until Resume() or a cancellation.
+// A run is paused by Pause(), until its next step, or by PauseUntilResumed(): then steps do
+// nothing, and its time stands still, until Resume() or a cancellation.
 //
 // Threads: one at a time. A skill must not call its own run.
 

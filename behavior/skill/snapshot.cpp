@@ -210,7 +210,8 @@ std::vector<SnapshotFault> Manager::Restore(const ManagerSnapshot& saved) {
     }
     Run& made = *run.value();
     Restorer(made, saved.runs[i], key, faults).Restore();
-    const Result<> free = Free(made, made.pause_requested() ? std::vector<std::string>() : made.parts());
+    const Result<> free =
+        Free(made, made.pause_requested() ? std::vector<std::string>() : made.parts());
     if (made.running() && !free) faults.push_back({key + ".skill", free.error().message});
     if (Find(made.name()) != nullptr) {
       faults.push_back({key + ".skill", made.name() + " is in it twice"});

@@ -81,8 +81,8 @@ class Table {
   // The same for requests that need it only then: `when` gets the complete parameters.
   using When = std::function<bool(const Values& parameters)>;
   void UsesWhen(const std::string& part, When when);
-  // A run of it is not paused by a request (Manager::Pause()). `why` is for people: "its hand cannot
-  // be stopped halfway".
+  // A run of it is not paused by a request (Manager::Pause()). `why` is for people: "its hand
+  // cannot be stopped halfway".
   void CannotPause(const std::string& why) { cannot_pause_ = why; }
 
   // A parameter with a default, or one that has to be given. `meaning` has the unit: "m above the

@@ -1,5 +1,6 @@
 #pragma once
-// Queries a skill of an actuator by its service `<actuator>/get_skill`, and pauses and resumes it by
+// Queries a skill of an actuator by its service `<actuator>/get_skill`, and pauses and resumes it
+// by
 // `<actuator>/pause_skill`.
 
 #include <string>

@@ -69,7 +69,8 @@ void AddSkillList(Grammar& grammar, CLI::App& family) {
 }
 
 void AddSkill(Grammar& grammar) {
-  CLI::App& family = grammar.AddFamily("skill", "List, run, pause, cancel and watch the robot's skills");
+  CLI::App& family =
+      grammar.AddFamily("skill", "List, run, pause, cancel and watch the robot's skills");
   AddSkillList(grammar, family);
   AddSkillRun(grammar, family);
   AddSkillPlan(grammar, family);

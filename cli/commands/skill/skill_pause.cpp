@@ -41,8 +41,8 @@ Asked AskOne(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
     return asked;
   }
   const auto& response = std::get<msg::PauseSkill::Response>(answer);
-  asked.paused = SkillPaused{skill.offer.skill, skill.actuator, pause, response.success,
-                             response.message};
+  asked.paused =
+      SkillPaused{skill.offer.skill, skill.actuator, pause, response.success, response.message};
   return asked;
 }
 
@@ -103,15 +103,14 @@ ExitCode ResumeOfSkill(const SkillPauseOptions& options, const GlobalOptions& gl
 }  // namespace
 
 void AddSkillPause(Grammar& grammar, CLI::App& family) {
-  auto [app, options] = grammar.Add(
-      "pause", "Pause one running skill until it is resumed", PauseOfSkill, &family);
+  auto [app, options] =
+      grammar.Add("pause", "Pause one running skill until it is resumed", PauseOfSkill, &family);
   AddSkillName(grammar, app, options.name, "The skill, of every actuator that runs it").required();
   AddSkillActuator(grammar, app, options.actuator);
 }
 
 void AddSkillResume(Grammar& grammar, CLI::App& family) {
-  auto [app, options] =
-      grammar.Add("resume", "Let a paused skill go on", ResumeOfSkill, &family);
+  auto [app, options] = grammar.Add("resume", "Let a paused skill go on", ResumeOfSkill, &family);
   AddSkillName(grammar, app, options.name, "The skill, of every actuator that runs it").required();
   AddSkillActuator(grammar, app, options.actuator);
 }

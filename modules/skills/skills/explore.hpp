@@ -7,7 +7,8 @@
 //   robot_radius            m, room to boundary and holes, default 0.5
 //   interpolation_distance  m, from point to point of the path, default 0.05; at least 0.01
 //   interpolation_method    linear
-//   lost_limit              s at a stand without map, planner, controller, odometry or scan, then it
+//   lost_limit              s at a stand without map, planner, controller, odometry or scan, then
+//   it
 //                           fails; default 20
 //
 // A flyer stays at its height, and has to be in the air. Heights of corners do not count.

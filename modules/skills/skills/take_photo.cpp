@@ -115,8 +115,7 @@ std::optional<TakePhoto::Aim> TakePhoto::AimAt(skill::Tick& tick) const {
   const navigation::Point& at = seen.front().object.pose.at;
   const double x_m = at.x_m - pose->at.x_m, y_m = at.y_m - pose->at.y_m;
   const bool here = x_m == 0 && y_m == 0;
-  return Aim{*pose, at,
-             here ? 0 : navigation::Wrapped(std::atan2(y_m, x_m) - pose->yaw_rad)};
+  return Aim{*pose, at, here ? 0 : navigation::Wrapped(std::atan2(y_m, x_m) - pose->yaw_rad)};
 }
 
 std::string TakePhoto::WhyNoAim(const std::string& target) const {
@@ -168,8 +167,7 @@ skill::Next TakePhoto::TurnToTarget(skill::Tick& tick) {
 void TakePhoto::Turn(const Aim& aim, const skill::Tick& tick) {
   turning_ = true;
   if (!robot_.flies()) {
-    return robot_.SetVelocity(
-        {.yaw_rad_s = std::clamp(1.5 * aim.off_rad, -kTurnRadS, kTurnRadS)});
+    return robot_.SetVelocity({.yaw_rad_s = std::clamp(1.5 * aim.off_rad, -kTurnRadS, kTurnRadS)});
   }
   if (!place_) place_ = aim.own;
   const navigation::Pose to{place_->at, navigation::Wrapped(aim.own.yaw_rad + aim.off_rad)};

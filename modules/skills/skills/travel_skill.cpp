@@ -9,7 +9,8 @@ namespace {
 constexpr std::string_view kComplete = "complete";    // the task is done
 constexpr std::string_view kLost = "lost";            // what it waits for
 constexpr std::string_view kLostSince = "lost_at_s";  // of run time
-constexpr std::string_view kAttempted = "attempted";  // an attempt has failed: the next one is later
+constexpr std::string_view kAttempted =
+    "attempted";  // an attempt has failed: the next one is later
 
 void SetLost(skill::Tick& tick, const std::string& why) {
   tick.data.Set(kLost, why);
@@ -21,8 +22,7 @@ double LostForS(const skill::Tick& tick) {
 }
 
 skill::Next FailLost(const skill::Tick& tick, const std::string& prefix, const std::string& why) {
-  return skill::Next::Fail(prefix + why +
-                           fmt::format(", waited for {:.0f} s", LostForS(tick)));
+  return skill::Next::Fail(prefix + why + fmt::format(", waited for {:.0f} s", LostForS(tick)));
 }
 
 }  // namespace

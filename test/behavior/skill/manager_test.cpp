@@ -164,8 +164,7 @@ TEST_F(AManager, KeepsASkillPausedOverAPauseOfAll) {
   ASSERT_TRUE(manager_->Pause("walk", ""));
   Steps(10);
   EXPECT_EQ(walked, 2);
-  EXPECT_THAT(walk_.log,
-              ElementsAre("OnPause", "MayResume", "OnResume", "OnPause")) << "once each";
+  EXPECT_THAT(walk_.log, ElementsAre("OnPause", "MayResume", "OnResume", "OnPause")) << "once each";
 }
 
 TEST_F(AManager, RefusesAPauseWithTheReason) {
@@ -193,9 +192,10 @@ TEST_F(AManager, ChecksAtAResumptionThatTheSkillMayStillRun) {
   ASSERT_TRUE(manager_->Pause("walk", ""));
   ASSERT_TRUE(manager_->Start("look")) << "the base is free meanwhile";
   EXPECT_EQ(ErrorOf(manager_->Start("walk")), "walk is running already");
-  EXPECT_EQ(ErrorOf(manager_->Resume("walk")),
-            "walk stays paused: walk needs the base, which look is using; cancel look first or wait "
-            "for its end");
+  EXPECT_EQ(
+      ErrorOf(manager_->Resume("walk")),
+      "walk stays paused: walk needs the base, which look is using; cancel look first or wait "
+      "for its end");
   EXPECT_TRUE(manager_->Find("walk")->pause_requested());
   ASSERT_TRUE(manager_->Reset("look"));
   walk_.may_not_resume = "it has landed";

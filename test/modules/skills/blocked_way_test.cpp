@@ -64,8 +64,8 @@ TEST_F(BlockedWay, StandsWithoutRecoveriesAndWhereTheGateHoldsIt) {
   for (const bool held : {false, true}) {
     robot.at = {};
     robot.held_by = held ? "an obstacle 0.22 m away, straight behind, stops it" : "";
-    ASSERT_TRUE(Start("navigate_to",
-                      {{"goal_pos", "[4, 0]"}, {"recoveries", held ? "back_up" : ""}}));
+    ASSERT_TRUE(
+        Start("navigate_to", {{"goal_pos", "[4, 0]"}, {"recoveries", held ? "back_up" : ""}}));
     ASSERT_TRUE(RunToState("EXECUTING"));
     RunFor(5);
     const double before_m = robot.travelled_m;

@@ -201,8 +201,7 @@ TEST_F(NavigateTo, FailsAfterItsLostLimitWithoutThePartsThatItNeeds) {
   Go();
   RunFor(19.9);
   EXPECT_EQ(feedback().state, "INITIALIZING");
-  ExpectFailure(
-      0.4, "Path planner server not available: no planner of robot_0, waited for 20 s");
+  ExpectFailure(0.4, "Path planner server not available: no planner of robot_0, waited for 20 s");
   robot.planner_up = true;
   robot.controller_up = false;
   const Texts three_s = {{"goal_pos", "[4, 3, 0]"}, {"lost_limit", "3"}};

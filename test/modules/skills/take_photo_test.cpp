@@ -117,7 +117,8 @@ TEST_F(AimedPhoto, TurnsToItsTargetBeforeItIsTaken) {
     bench_.Start("take_photo", {{"target", "car"}});
     while (bench_.run().running() && bench_.robot.pictures_taken == 0) bench_.Step();
     EXPECT_LE(std::abs(OffRad()), 0.12) << x_m << ", " << y_m;
-    EXPECT_LT(std::abs(bench_.robot.motion.yaw_rad_s), 0.06) << "it stands, and the picture is sharp";
+    EXPECT_LT(std::abs(bench_.robot.motion.yaw_rad_s), 0.06)
+        << "it stands, and the picture is sharp";
     EXPECT_EQ(bench_.RunOut().message, "Photo captured");
     EXPECT_EQ(bench_.robot.command, navigation::Velocity{});
     EXPECT_LT(std::hypot(bench_.robot.body.at.x_m, bench_.robot.body.at.y_m), 0.01);
@@ -150,8 +151,7 @@ TEST_F(AimedPhoto, IsRefusedWhenThePlaceOfTheTargetIsNotKnownOrIsLost) {
   bench_.robot.has_objects = false;  // what was seen is old
   bench_.StepFor(0.5);
   EXPECT_EQ(bench_.robot.command, navigation::Velocity{}) << "it does not turn on belief alone";
-  EXPECT_EQ(bench_.RunOut().message,
-            "It has not turned to car: no objects were received");
+  EXPECT_EQ(bench_.RunOut().message, "It has not turned to car: no objects were received");
   EXPECT_EQ(bench_.robot.pictures_taken, 0);
 }
 
