@@ -14,7 +14,7 @@ namespace {
 constexpr Duration kBetweenAttempts = std::chrono::milliseconds(500);
 constexpr double kInPictureRad = 0.6;  // to each side: what a camera shows that looks ahead
 constexpr double kAimedRad = 0.1;
-constexpr double kTurnRadS = 0.6;
+constexpr double kAimRadS = 0.6;
 constexpr double kStillRadS = 0.05;  // a picture is sharp then
 constexpr Duration kTurnHeldLimit = std::chrono::seconds(1);
 constexpr Duration kUnknownLimit = std::chrono::seconds(1);
@@ -167,7 +167,7 @@ skill::Next TakePhoto::TurnToTarget(skill::Tick& tick) {
 void TakePhoto::Turn(const Aim& aim, const skill::Tick& tick) {
   turning_ = true;
   if (!robot_.flies()) {
-    return robot_.SetVelocity({.yaw_rad_s = std::clamp(1.5 * aim.off_rad, -kTurnRadS, kTurnRadS)});
+    return robot_.SetVelocity({.yaw_rad_s = std::clamp(1.5 * aim.off_rad, -kAimRadS, kAimRadS)});
   }
   if (!place_) place_ = aim.own;
   const navigation::Pose to{place_->at, navigation::Wrapped(aim.own.yaw_rad + aim.off_rad)};
