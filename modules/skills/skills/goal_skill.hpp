@@ -14,10 +14,10 @@
 //                 counted; 120 s
 //   STOPPING      of a cancellation: until the robot stands
 //
-// An obstacle that stays: the path is planned again, which leads around it if it can. Each time
-// that the robot has stood there for kBlockedRecovery more, it does one of `recoveries` that may
-// help (clear, then back_up again and again): who yields to it in a door gets room. It fails once
-// it has stood at obstacles for kBlockedLimit without having come nearer to the goal.
+// An obstacle that stays: the path is planned again, which leads around it if it can. After each
+// kBlockedRecovery at a stand there, the robot does one of `recoveries` that may help, clear and
+// then back_up again and again: a person who yields to it in a door gets room. It fails once it has
+// stood at obstacles for kBlockedLimit without having come nearer to the goal.
 //
 // A planner, a controller or a map that is late, or is lost on the way: INITIALIZING again, up to
 // `lost_limit` (travel_skill.hpp). A pause cancels the drive; then the path is planned again.

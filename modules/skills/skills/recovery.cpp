@@ -87,7 +87,7 @@ bool Recovery::Moves(RecoveryKind kind) {
 }
 
 bool Recovery::Helps(RecoveryKind kind, Trouble trouble, bool flies) {
-  // Who waits in the same door comes on once there is room. It waits there without a recovery.
+  // A person in the same door comes on once there is room. The robot waits there anyway.
   if (trouble == Trouble::kBlocked) {
     return kind == RecoveryKind::kClear || (kind == RecoveryKind::kBackUp && !flies);
   }
