@@ -337,7 +337,7 @@ TEST_F(AManager, RefusesASkillThatChangesSkillsWithinAStep) {
   std::vector<std::string> errors;
   walk_.step = [&](Tick&) {
     errors = {ErrorOf(manager_->Start("look")), ErrorOf(manager_->Reset("walk")),
-              ErrorOf(manager_->Cancel("walk", ""))};
+              ErrorOf(manager_->Cancel("walk", "")), ErrorOf(manager_->Pause("walk", ""))};
     manager_->RunOnce(now_);
     manager_->ResetAll();
     manager_->Pause();
@@ -345,10 +345,12 @@ TEST_F(AManager, RefusesASkillThatChangesSkillsWithinAStep) {
   };
   ASSERT_TRUE(manager_->Start("walk"));
   Steps(1);
-  EXPECT_THAT(errors,
-              ElementsAre("look: skills are not started, cancelled or reset within a step",
-                          "walk: skills are not started, cancelled or reset within a step",
-                          "walk: skills are not started, cancelled or reset within a step"));
+  EXPECT_THAT(
+      errors,
+      ElementsAre("look: skills are not started, paused, cancelled or reset within a step",
+                  "walk: skills are not started, paused, cancelled or reset within a step",
+                  "walk: skills are not started, paused, cancelled or reset within a step",
+                  "walk: skills are not started, paused, cancelled or reset within a step"));
   EXPECT_TRUE(manager_->Find("walk")->running());
 }
 
