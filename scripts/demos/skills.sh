@@ -203,7 +203,7 @@ pause_one() {
   sleep 1
   before=$(position jetbot_0)
   shown musher skill resume nav_2d --actuator jetbot_1
-  expect "resume of one that does not run: exit code" 1 "$code"
+  expect "resuming a skill that does not run: exit code" 1 "$code"
   shown musher set LowPower
   shown musher set Active
   expect "set Active: exit code" 0 "$code"
