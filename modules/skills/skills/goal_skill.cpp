@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "musher/navigation/place_text.hpp"
 
@@ -16,6 +17,23 @@ using Kind = TravelStep::Kind;
 namespace {
 
 constexpr std::string_view kRecovered = "recoveries_done";  // data, of this goal
+
+// Whether what the scan sees nearest is ahead, or nothing is near: the robot does not back up into
+// it.
+bool IsNearestAhead(const Robot& robot) {
+  constexpr double kNearM = 1, kAheadRad = 1;
+  const auto pose = robot.pose();
+  if (!pose) return false;
+  double nearest_m = kNearM;
+  bool ahead = true;
+  for (const navigation::Point& point : SeenAround(robot, *pose, kNearM)) {
+    const double away_m = std::hypot(point.x_m, point.y_m);
+    if (away_m >= nearest_m) continue;
+    nearest_m = away_m;
+    ahead = std::abs(std::atan2(point.y_m, point.x_m)) < kAheadRad;
+  }
+  return ahead;
+}
 
 }  // namespace
 
@@ -179,16 +197,19 @@ void GoalSkill::NoteBlockedTime(const Tick& tick) {
 }
 
 std::optional<RecoveryKind> GoalSkill::DueRecovery() const {
-  const std::size_t done = static_cast<std::size_t>(blocked_->recoveries);
-  if (blocked_->stood < kBlockedRecovery * (blocked_->recoveries + 1)) return std::nullopt;
-  std::vector<RecoveryKind> helpful;
-  for (const RecoveryKind kind : recoveries_) {
-    if (Recovery::Helps(kind, Trouble::kBlocked, robot_.flies())) helpful.push_back(kind);
+  if (blocked_->stood < kBlockedRecovery + kBlockedAgain * blocked_->recoveries) {
+    return std::nullopt;
   }
-  if (helpful.empty()) return std::nullopt;
-  if (done < helpful.size()) return helpful[done];
+  const auto has = [this](RecoveryKind kind) {
+    return Recovery::Helps(kind, Trouble::kBlocked, robot_.flies()) &&
+           std::ranges::find(recoveries_, kind) != recoveries_.end();
+  };
   // What is forgotten once is seen again.
-  return helpful.back() == RecoveryKind::kClear ? std::nullopt : std::optional(helpful.back());
+  if (blocked_->recoveries == 0 && has(RecoveryKind::kClear)) return RecoveryKind::kClear;
+  const bool backs_up = IsNearestAhead(robot_) && has(RecoveryKind::kBackUp);
+  if (backs_up) return RecoveryKind::kBackUp;
+  return has(RecoveryKind::kLeaveTightStart) ? std::optional(RecoveryKind::kLeaveTightStart)
+                                             : std::nullopt;
 }
 
 Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {

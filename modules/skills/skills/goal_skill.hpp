@@ -14,10 +14,11 @@
 //                 counted; 120 s
 //   STOPPING      of a cancellation: until the robot stands
 //
-// An obstacle that stays: the path is planned again, which leads around it if it can. After each
-// kBlockedRecovery at a stand there, the robot does one of `recoveries` that may help, clear and
-// then back_up again and again: a person who yields to it in a door gets room. It fails once it has
-// stood at obstacles for kBlockedLimit without having come nearer to the goal.
+// An obstacle that stays: the path is planned again, which leads around it if it can. Once the
+// robot has stood there for kBlockedRecovery, and then each kBlockedAgain, it does one of
+// `recoveries`: clear first, then back_up, or, where what is nearest is not ahead,
+// leave_tight_start. A person who yields to it in a door gets room. It fails once it has stood at
+// obstacles for kBlockedLimit without having come nearer to the goal.
 //
 // A planner, a controller or a map that is late, or is lost on the way: INITIALIZING again, up to
 // `lost_limit` (travel_skill.hpp). A pause cancels the drive; then the path is planned again.
@@ -35,6 +36,7 @@ namespace musher::skills {
 
 inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
 inline constexpr Duration kBlockedRecovery = std::chrono::seconds(8);
+inline constexpr Duration kBlockedAgain = std::chrono::seconds(4);
 
 class GoalSkill : public TravelSkill {
  public:

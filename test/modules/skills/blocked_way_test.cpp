@@ -39,7 +39,7 @@ TEST_F(BlockedWay, FailsAfterOneMinuteAtAnObstacleThatStays) {
   ExpectFailure(60, " s, 2.5 m from the goal, at (1.5");
   EXPECT_THAT(feedback().message, StartsWith("Blocked for 6"));
   EXPECT_THAT(feedback().message, HasSubstr("0.00): an obstacle stays in the way"));
-  EXPECT_GT(run().replans(), 10);
+  EXPECT_GE(run().replans(), 8);
 }
 
 // It stood before them until "Blocked for 62 s": a person who yields waits for the robot, and the
