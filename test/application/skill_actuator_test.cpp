@@ -161,12 +161,12 @@ TEST_F(APauseOfOneSkill, EndsWithTheCancellationOfItsGoal) {
   const auto sent = Send("wait", {{"duration_s", "9"}});
   AwaitAccepted(sent);
   EXPECT_EQ(Ask("wait", true), "true WAITING");
-  harness_.node().RunOnLoop(
-      [&] { client_->Cancel(sent->id, std::chrono::seconds(20), [](const auto&) {}); });
-  Await([&] {
-    harness_.Tick(tasks, 1);
-    return sent->outcome.has_value();
+  bool cancelled = false;
+  harness_.node().RunOnLoop([&] {
+    client_->Cancel(sent->id, std::chrono::seconds(20), [&](const auto&) { cancelled = true; });
   });
+  Await([&] { return cancelled; });
+  harness_.Tick(tasks, 5);
   EXPECT_THAT(EndOf(sent), HasSubstr("canceled false cancelled: by its client"));
 }
 
