@@ -206,10 +206,8 @@ std::optional<RecoveryKind> GoalSkill::DueRecovery() const {
   };
   // What is forgotten once is seen again.
   if (blocked_->recoveries == 0 && has(RecoveryKind::kClear)) return RecoveryKind::kClear;
-  const bool backs_up = IsNearestAhead(robot_) && has(RecoveryKind::kBackUp);
-  if (backs_up) return RecoveryKind::kBackUp;
-  return has(RecoveryKind::kLeaveTightStart) ? std::optional(RecoveryKind::kLeaveTightStart)
-                                             : std::nullopt;
+  if (has(RecoveryKind::kBackUp) && IsNearestAhead(robot_)) return RecoveryKind::kBackUp;
+  return std::nullopt;
 }
 
 Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {

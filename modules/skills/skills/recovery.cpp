@@ -89,8 +89,7 @@ bool Recovery::Moves(RecoveryKind kind) {
 bool Recovery::Helps(RecoveryKind kind, Trouble trouble, bool flies) {
   // A person in the same door comes on once there is room. The robot waits there anyway.
   if (trouble == Trouble::kBlocked) {
-    const bool leads_away = kind == RecoveryKind::kBackUp || kind == RecoveryKind::kLeaveTightStart;
-    return kind == RecoveryKind::kClear || (leads_away && !flies);
+    return kind == RecoveryKind::kClear || (kind == RecoveryKind::kBackUp && !flies);
   }
   return !Moves(kind) || (trouble == Trouble::kTightStart && !flies);
 }
