@@ -200,14 +200,10 @@ std::optional<RecoveryKind> GoalSkill::DueRecovery() const {
   if (blocked_->stood < kBlockedRecovery + kBlockedAgain * blocked_->recoveries) {
     return std::nullopt;
   }
-  const auto has = [this](RecoveryKind kind) {
-    return Recovery::Helps(kind, Trouble::kBlocked, robot_.flies()) &&
-           std::ranges::find(recoveries_, kind) != recoveries_.end();
-  };
-  // What is forgotten once is seen again.
-  if (blocked_->recoveries == 0 && has(RecoveryKind::kClear)) return RecoveryKind::kClear;
-  if (has(RecoveryKind::kBackUp) && IsNearestAhead(robot_)) return RecoveryKind::kBackUp;
-  return std::nullopt;
+  const RecoveryKind kind = RecoveryKind::kBackUp;
+  const bool listed = std::ranges::find(recoveries_, kind) != recoveries_.end();
+  const bool helps = listed && Recovery::Helps(kind, Trouble::kBlocked, robot_.flies());
+  return helps && IsNearestAhead(robot_) ? std::optional(kind) : std::nullopt;
 }
 
 Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {

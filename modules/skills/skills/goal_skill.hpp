@@ -15,10 +15,10 @@
 //   STOPPING      of a cancellation: until the robot stands
 //
 // An obstacle that stays: the path is planned again, which leads around it if it can. Once the
-// robot has stood there for kBlockedRecovery, and then each kBlockedAgain, it does one of
-// `recoveries`: clear first, then back_up, where what is nearest is ahead. A person who yields to
-// it in a door gets room. It fails once it has stood at obstacles for kBlockedLimit without having
-// come nearer to the goal.
+// robot has stood there for kBlockedRecovery, and then each kBlockedAgain, it does back_up, if that
+// is among `recoveries` and what is nearest is ahead: a person who yields to it in a door gets
+// room. It does not forget what it has seen: it would drive into the same trap again. It fails once
+// it has stood at obstacles for kBlockedLimit without having come nearer to the goal.
 //
 // A planner, a controller or a map that is late, or is lost on the way: INITIALIZING again, up to
 // `lost_limit` (travel_skill.hpp). A pause cancels the drive; then the path is planned again.
