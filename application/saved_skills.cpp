@@ -27,7 +27,7 @@ void Fail(skill::Snapshot& run) {
   run.errors.push_back({run.time, run.state, why});
   run.state = "FAILED";
   run.message = why;
-  run.paused = false;
+  run.paused = run.pause_requested = false;
   for (skill::Snapshot& inside : run.inside) Fail(inside);
 }
 
@@ -36,7 +36,8 @@ void Fail(skill::Snapshot& run) {
 Result<> SavedSkills::Save(const skill::Manager& manager, Time now) {
   std::string shown;
   for (const skill::Run* run : manager.Runs()) {
-    if (run->running()) shown += run->name() + " " + run->Path() + "\n";
+    if (!run->running()) continue;
+    shown += run->name() + " " + run->Path() + (run->pause_requested() ? " paused\n" : "\n");
   }
   const bool due =
       !shown.empty() && (!written_at_ || now < *written_at_ || now - *written_at_ >= kWrittenEach);
@@ -76,8 +77,11 @@ Result<std::vector<std::string>> SavedSkills::Restore(skill::Manager& manager, b
     if (!faults.empty()) return Error{kCodeFailed, faults.front().key + ": " + faults.front().what};
   }
   for (const skill::Run* run : manager.Runs()) {
-    lines.push_back(run->name() + (continues ? " goes on from " + run->Path() + " once it is Active"
-                                             : " has failed: " + run->feedback().message));
+    const std::string goes_on = run->pause_requested()
+                                    ? " stays paused in " + run->Path() + " until it is resumed"
+                                    : " goes on from " + run->Path() + " once it is Active";
+    lines.push_back(run->name() +
+                    (continues ? goes_on : " has failed: " + run->feedback().message));
   }
   return lines;
 }

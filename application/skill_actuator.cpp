@@ -124,6 +124,46 @@ class SkillActuator::Impl final : public ApplicationImpl {
                             published == published_.end() ? RunOrigin() : published->second.origin,
                             request));
         });
+    topics.Serve<msg::PauseSkill>(
+        owner_.name() + "/pause_skill", [this](const auto& request, auto reply) {
+          const Result<std::string> done =
+              request.pause ? PauseOne(request.skill) : ResumeOne(request.skill);
+          msg::PauseSkill::Response response;
+          response.success = done.ok();
+          response.message = done ? done.value() : done.error().message;
+          reply(response);
+        });
+  }
+
+  // The state in which it was paused.
+  Result<std::string> PauseOne(const std::string& skill) {
+    const Result<> paused = manager_->Pause(skill, "by a request");
+    ReportGoals();
+    if (!paused) {
+      owner_.Log(LogLevel::kWarning, "pause refused: " + paused.error().message);
+      return paused.error();
+    }
+    const std::string state = manager_->Find(skill)->Path();
+    owner_.Log(skill + " paused in " + state);
+    return state;
+  }
+
+  Result<std::string> ResumeOne(const std::string& skill) {
+    Result<> resumed = CheckTicking();
+    if (resumed) resumed = manager_->Resume(skill);
+    if (!resumed) {
+      owner_.Log(LogLevel::kWarning, "resume refused: " + resumed.error().message);
+      return resumed.error();
+    }
+    SaveRuns();
+    const std::string state = manager_->Find(skill)->Path();
+    owner_.Log(skill + " goes on from " + state);
+    return state;
+  }
+
+  Result<> CheckTicking() const {
+    if (ticking()) return Ok();
+    return Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + Whereabouts()};
   }
 
   Result<> Activate() override {
@@ -163,9 +203,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   void Start(const Goal& goal) {
     const Result<Request> request = RequestOf(goal);
     Result<> started = request ? CheckRobot(goal) : Result<>(request.error());
-    if (started && !ticking()) {
-      started = Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + Whereabouts()};
-    }
+    if (started) started = CheckTicking();
     if (started) {
       started = manager_->StartWithTexts(request.value().skill, request.value().parameters);
     }

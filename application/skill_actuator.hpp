@@ -33,6 +33,12 @@
 //   skills                 musher_msgs/SkillOffers, latched: its skills with their parameters
 //   skill_feedback         musher_msgs/SkillFeedback, at each change of a run, with or without goal
 //   <actuator>/get_skill   service musher_msgs/GetSkill: a run's feedback, history, errors, picture
+//   <actuator>/pause_skill service musher_msgs/PauseSkill: pauses and resumes one skill
+//
+// A skill that is paused by that service stays paused in every state, also over a restart with
+// `kContinued`, until it is resumed or cancelled; others may use its parts of the robot meanwhile.
+// It is resumed in Active only, and refused, with the reason, when its parts are in use or its
+// preconditions do not hold any more.
 //
 // Several skills may run at once, each at most once, unless they use the same part of the robot
 // (skill::Table::Uses()). A goal has one skill with its parameters as

@@ -71,6 +71,7 @@ msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
   for (const skill::Values::Named& detail : feedback.details) {
     report.details.push_back({detail.name, skill::ToText(detail.value)});
   }
+  if (run.pause_requested()) report.details.push_back({"paused", run.pause_why()});
   if (!origin.requested_by.empty()) {
     report.details.push_back({"requested_by", origin.requested_by});
   }

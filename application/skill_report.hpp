@@ -20,7 +20,8 @@ struct RunOrigin {
   std::string requested_by;  // its client, for people; empty: it does not say who it is
 };
 
-// The last of the details is `requested_by`, if it is known.
+// The last of the details are `paused`, of a run that is paused by a request, and `requested_by`,
+// if it is known.
 msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
                              const RunOrigin& origin);
 

@@ -46,6 +46,13 @@ class Composite : public Skill {
     for (const auto& run : runs_) {
       for (const std::string& part : run->table().parts()) table.Uses(part);
     }
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      for (const auto& [part, when] : runs_[i]->table().parts_when()) {
+        table.UsesWhen(part, [this, i, when = when](const Values& given) {
+          return when(ParametersOf(i, given));
+        });
+      }
+    }
     table.Limit({.run = kNoLimit, .cancel = kNoLimit, .retries = 0});
     for (std::size_t i = 0; i < parts_.size(); ++i) Offer(i, table);
   }
@@ -131,7 +138,7 @@ class Composite : public Skill {
   void RefuseSharedParts(Table& table) const {
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       for (std::size_t k = i + 1; k < runs_.size(); ++k) {
-        const std::string* part = SharedPart(runs_[i]->table(), runs_[k]->table());
+        const std::string* part = SharedPart(runs_[i]->table().parts(), runs_[k]->table().parts());
         if (part == nullptr) continue;
         table.Refuse(runs_[i]->name() + " and " + runs_[k]->name() + " would use the " + *part +
                      " at the same time");
@@ -155,15 +162,29 @@ class Composite : public Skill {
     }
   }
 
-  bool Begin(std::size_t i, const Tick& tick) {
+  // Of the whole, those of a part.
+  Values ParametersOf(std::size_t i, const Values& given) const {
     Values parameters = parts_[i].parameters;
     const std::string prefix = parts_[i].label + ".";
-    for (const Values::Named& named : tick.parameters) {
+    for (const Values::Named& named : given) {
       if (!named.name.starts_with(prefix)) continue;
       parameters.Set(named.name.substr(prefix.size()), named.value);
     }
-    const Result<> begun = runs_[i]->Begin(parameters);
+    return parameters;
+  }
+
+  bool Begin(std::size_t i, const Tick& tick) {
+    const Result<> begun = runs_[i]->Begin(ParametersOf(i, tick.parameters));
     if (!begun) failure_ = begun.error().message;
+    for (const auto& other : runs_) {
+      if (!begun || other == runs_[i] || !other->running()) continue;
+      const std::vector<std::string> own = runs_[i]->parts(), others = other->parts();
+      const std::string* part = SharedPart(own, others);
+      if (part == nullptr) continue;
+      failure_ = runs_[i]->name() + " needs the " + *part + ", which " + other->name() +
+                 " is using at the same time";
+      return false;
+    }
     return begun.ok();
   }
 

@@ -103,15 +103,17 @@ Result<std::unique_ptr<Run>> Manager::Make(std::string_view skill) const {
 
 Result<> Manager::Allowed(std::string_view skill) const {
   if (!in_step_) return Ok();
-  return Error{kCodeStateInvalid,
-               std::string(skill) + ": skills are not started, cancelled or reset within a step"};
+  return Error{
+      kCodeStateInvalid,
+      std::string(skill) + ": skills are not started, paused, cancelled or reset within a step"};
 }
 
-// None of its skills runs, and no running skill uses a part of the robot that it needs.
-Result<> Manager::Free(const Run& run) const {
+// None of its skills runs, and no running skill uses one of these parts of the robot. Those that
+// are paused by a request use none.
+Result<> Manager::Free(const Run& run, const std::vector<std::string>& parts) const {
   const std::vector<std::string> wanted = NamesIn(run);
   for (const auto& other : runs_) {
-    if (!other->running()) continue;
+    if (!other->running() || other.get() == &run) continue;
     for (const std::string& name : NamesIn(*other)) {
       if (std::ranges::find(wanted, name) == wanted.end()) continue;
       std::string message = name + " is running already";
@@ -119,7 +121,9 @@ Result<> Manager::Free(const Run& run) const {
       if (name != run.name()) message += "; " + run.name() + " needs it";
       return Error{kBusy, message};
     }
-    if (const std::string* part = SharedPart(run.table(), other->table())) {
+    if (other->pause_requested()) continue;
+    const std::vector<std::string> used = other->parts();
+    if (const std::string* part = SharedPart(parts, used)) {
       return Error{kBusy, run.name() + " needs the " + *part + ", which " + other->name() +
                               " is using; cancel " + other->name() + " first or wait for its end"};
     }
@@ -128,7 +132,9 @@ Result<> Manager::Free(const Run& run) const {
 }
 
 Result<> Manager::Begin(std::unique_ptr<Run> run, const Values& parameters) {
-  if (Result<> free = Free(*run); !free) return free;
+  const Result<Values> complete = run->table().Complete(parameters);
+  const auto parts = run->table().PartsFor(complete ? complete.value() : parameters);
+  if (Result<> free = Free(*run, parts); !free) return free;
   if (Result<> begun = run->Begin(parameters); !begun) return begun;
   Remove(run->name());
   runs_.push_back(std::move(run));
@@ -174,6 +180,26 @@ void Manager::Pause() {
   const InStep guard(in_step_);
   last_.reset();
   for (const auto& run : runs_) run->Pause();
+}
+
+Result<> Manager::Pause(std::string_view skill, const std::string& why) {
+  const Result<Run*> run = Running(skill);
+  if (!run) return run.error();
+  const InStep guard(in_step_);
+  return run.value()->PauseUntilResumed(why);
+}
+
+Result<> Manager::Resume(std::string_view skill) {
+  const Result<Run*> found = Running(skill);
+  if (!found) return found.error();
+  Run& run = *found.value();
+  if (run.pause_requested()) {
+    if (const Result<> free = Free(run, run.parts()); !free) {
+      return Error{free.error().code, run.name() + " stays paused: " + free.error().message};
+    }
+  }
+  const InStep guard(in_step_);
+  return run.Resume();
 }
 
 Result<Run*> Manager::Running(std::string_view skill) const {

@@ -9,8 +9,8 @@
 //
 // An ended run keeps its feedback, errors and history until the skill is started again or reset.
 //
-// Threads: one at a time. A skill must not start, cancel or reset skills: within RunOnce() and
-// Pause() those calls fail.
+// Threads: one at a time. A skill must not start, pause, cancel or reset skills: within RunOnce()
+// and Pause() those calls fail.
 
 #include <functional>
 #include <memory>
@@ -51,6 +51,15 @@ class Manager {
   // The time until the next step does not count.
   void Pause();
 
+  // Pauses one skill until Resume(), also over Pause() of all: its outputs are neutral, its time
+  // stands still, and other skills may use its parts of the robot. `why` is for people: "by a
+  // request". Fails, and changes nothing: see Run::PauseUntilResumed().
+  Result<> Pause(std::string_view skill, const std::string& why);
+  // The skill goes on with the next step. Fails, and it stays paused, when it is not paused so,
+  // when a running skill uses a part of the robot that it needs, and when its preconditions do not
+  // hold any more.
+  Result<> Resume(std::string_view skill);
+
   // See Run. Fails for a skill that does not run.
   Result<> Cancel(std::string_view skill, const std::string& why);
   Result<> CancelNow(std::string_view skill, const std::string& why);
@@ -86,7 +95,7 @@ class Manager {
  private:
   Result<const Entry*> Lookup(std::string_view skill) const;
   Result<Run*> Running(std::string_view skill) const;
-  Result<> Free(const Run& run) const;
+  Result<> Free(const Run& run, const std::vector<std::string>& parts) const;
   Result<> Allowed(std::string_view skill) const;
   Result<> Begin(std::unique_ptr<Run> run, const Values& parameters);
   void Remove(std::string_view skill);

@@ -71,6 +71,8 @@ Result<> Run::Begin(const Values& parameters) {
 
 void Run::Step(Duration step) {
   if (!running() || in_step_) return;
+  if (pause_requested_ && !cancel_requested_) return;
+  pause_requested_ = false;
   feedback_.paused = false;
   if (std::exchange(paused_, false)) {
     if (const auto thrown = Thrown("OnResume", [&] { skill_->OnResume(); })) {
@@ -237,6 +239,53 @@ void Run::Pause() {
   feedback_.paused = true;
   if (const auto thrown = Thrown("OnPause", [&] { skill_->OnPause(); })) FailByFault(*thrown);
   ShowState();  // a skill inside may have failed
+}
+
+std::string Run::WhyNotPaused() const {
+  if (!running()) return name_ + " does not run";
+  if (!table_.cannot_pause().empty()) {
+    return name_ + " cannot be paused: " + table_.cannot_pause();
+  }
+  for (const Run* run : inside_) {
+    if (!run->running()) continue;
+    if (std::string why = run->WhyNotPaused(); !why.empty()) return why;
+  }
+  return "";
+}
+
+Result<> Run::PauseUntilResumed(const std::string& why) {
+  std::string refused = WhyNotPaused();
+  if (refused.empty() && pause_requested_) refused = name_ + " is paused already";
+  if (refused.empty() && cancel_requested_) refused = name_ + " is being cancelled";
+  if (!refused.empty()) return Error{kCodeStateInvalid, refused};
+  pause_requested_ = true;
+  pause_why_ = why;
+  Pause();
+  if (!running()) return Error{kCodeFailed, name_ + " has failed: " + feedback_.message};
+  return Ok();
+}
+
+Result<> Run::MayResume() {
+  Result<> may = Ok();
+  if (const auto thrown = Thrown("MayResume", [&] { may = skill_->MayResume(); })) {
+    return Error{kCodeFailed, *thrown};
+  }
+  for (Run* run : inside_) {
+    if (may && run->running()) may = run->MayResume();
+  }
+  return may;
+}
+
+Result<> Run::Resume() {
+  if (!pause_requested()) {
+    return Error{kCodeStateInvalid,
+                 name_ + (running() ? " is not paused by a request" : " does not run")};
+  }
+  if (const Result<> may = MayResume(); !may) {
+    return Error{may.error().code, name_ + " stays paused: " + may.error().message};
+  }
+  pause_requested_ = false;
+  return Ok();
 }
 
 void Run::Cancel(const std::string& why) {

@@ -8,6 +8,9 @@
 // limit, or takes longer than its limit. It is cancelled when that was requested and the skill has
 // not failed before; a skill that says it has succeeded after the request is cancelled, too.
 //
+// A run is paused by Pause(), until its next step, or by PauseUntilResumed(): then steps do
+// nothing, and its time stands still, until Resume() or a cancellation.
+//
 // Threads: one at a time. A skill must not call its own run.
 
 #include <cstdint>
@@ -79,6 +82,12 @@ class Run {
   void Step(Duration step);
   // The time until the next step does not count.
   void Pause();
+  // Fails with the reason: it does not run, is paused so already, is being cancelled, or it or a
+  // skill inside of it declares that it cannot be paused. `why` is for people: "by a request".
+  Result<> PauseUntilResumed(const std::string& why);
+  // Goes on with the next step. Fails for a run that is not paused so, and with the reason of
+  // Skill::MayResume(); then it stays paused.
+  Result<> Resume();
   // Requests the cancellation; the next step does it. Only the first request counts.
   void Cancel(const std::string& why);
   // Ends it at once, without the skill's own cancellation.
@@ -86,6 +95,9 @@ class Run {
 
   bool running() const { return state_ != kIdle && !IsEnd(state_); }
   bool ended() const { return IsEnd(state_); }
+  // Until Resume() or a cancellation. Such a run does not use its parts of the robot.
+  bool pause_requested() const { return pause_requested_ && running(); }
+  const std::string& pause_why() const { return pause_why_; }
   bool cancelling() const { return cancel_requested_ && running(); }
   StateId state() const { return state_; }
   // "EXECUTING"; of a skill that runs skills "RUNNING/take_off/EXECUTING".
@@ -98,6 +110,8 @@ class Run {
   Duration now() const { return now_; }
   Duration elapsed() const { return elapsed_; }  // in the state
   const Values& parameters() const { return parameters_; }
+  // Of the robot, that it uses with its parameters.
+  std::vector<std::string> parts() const { return table_.PartsFor(parameters_); }
 
   const std::string& name() const { return name_; }
   const Table& table() const { return table_; }
@@ -121,6 +135,8 @@ class Run {
   void FailByFault(const std::string& what);
   void Note(const std::string& what);
   void ShowState();
+  std::string WhyNotPaused() const;
+  Result<> MayResume();
   template <class Call>
   std::optional<std::string> Thrown(const char* function, Call&& call);
 
@@ -134,6 +150,8 @@ class Run {
   bool entered_ = false;  // no step in this state yet
   bool fresh_ = true;     // no time passes until the next step
   bool paused_ = false;
+  bool pause_requested_ = false;
+  std::string pause_why_;
   bool in_step_ = false;
   std::uint64_t ticks_ = 0;
   Duration now_{};

@@ -143,6 +143,9 @@ class Skill {
   // The run is not stepped for a while: bring the outputs to neutral. An exception fails the run.
   virtual void OnPause();
   virtual void OnResume();
+  // Before a run that was paused by a request goes on: whether its preconditions still hold, as at
+  // its begin. A failure refuses it, with the reason, and the run stays paused.
+  virtual Result<> MayResume();
   // Saves and restores members that another process needs to continue. See fsm/archive.hpp.
   virtual void Persist(fsm::Archive& archive);
 
@@ -157,14 +160,17 @@ class StepFunction : public Skill {
  public:
   using Function = std::function<Next(Tick&)>;
 
-  StepFunction(std::function<void(Table&)> declare, Function step)
-      : declare_(std::move(declare)), step_(std::move(step)) {}
-  void Declare(Table& table) override { declare_(table); }
+  // `pause` brings the outputs to neutral; without it a run is not paused by a request.
+  StepFunction(std::function<void(Table&)> declare, Function step, std::function<void()> pause = {})
+      : declare_(std::move(declare)), step_(std::move(step)), pause_(std::move(pause)) {}
+  void Declare(Table& table) override;
   Next Step(Tick& tick) override { return step_(tick); }
+  void OnPause() override;
 
  private:
   const std::function<void(Table&)> declare_;
   const Function step_;
+  const std::function<void()> pause_;
 };
 
 }  // namespace musher::skill

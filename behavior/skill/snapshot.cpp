@@ -19,6 +19,8 @@ Result<Snapshot> Run::Save() const {
   saved.state = text(state_);
   saved.entered = entered_;
   saved.paused = paused_;
+  saved.pause_requested = pause_requested_;
+  saved.pause_why = pause_why_;
   saved.ticks = ticks_;
   saved.time = now_;
   saved.elapsed = elapsed_;
@@ -87,6 +89,9 @@ class Restorer {
     run_.state_ = State("state", saved_.state);
     run_.entered_ = saved_.entered;
     run_.paused_ = saved_.paused;
+    run_.pause_requested_ = saved_.pause_requested;
+    run_.pause_why_ = saved_.pause_why;
+    if (saved_.pause_requested && !saved_.paused) Fail("pause_requested", "is true without paused");
     run_.ticks_ = saved_.ticks;
     if (saved_.retries < 0) Fail("retries", "is negative");
     if (saved_.replans < 0) Fail("replans", "is negative");
@@ -205,7 +210,8 @@ std::vector<SnapshotFault> Manager::Restore(const ManagerSnapshot& saved) {
     }
     Run& made = *run.value();
     Restorer(made, saved.runs[i], key, faults).Restore();
-    const Result<> free = Free(made);
+    const Result<> free =
+        Free(made, made.pause_requested() ? std::vector<std::string>() : made.parts());
     if (made.running() && !free) faults.push_back({key + ".skill", free.error().message});
     if (Find(made.name()) != nullptr) {
       faults.push_back({key + ".skill", made.name() + " is in it twice"});

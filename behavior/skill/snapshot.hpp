@@ -30,6 +30,8 @@ struct Snapshot {
   std::string state;
   bool entered = false;  // no step in this state yet
   bool paused = false;
+  bool pause_requested = false;  // until it is resumed
+  std::string pause_why;
   std::uint64_t ticks = 0;
   Duration time{};
   Duration elapsed{};

@@ -61,6 +61,19 @@ void Table::Uses(const std::string& part) {
   if (std::ranges::find(parts_, part) == parts_.end()) parts_.push_back(part);
 }
 
+void Table::UsesWhen(const std::string& part, When when) {
+  if (const auto fault = NameFault("part", part)) errors_.push_back(*fault);
+  parts_when_.emplace_back(part, std::move(when));
+}
+
+std::vector<std::string> Table::PartsFor(const Values& parameters) const {
+  std::vector<std::string> parts = parts_;
+  for (const auto& [part, when] : parts_when_) {
+    if (std::ranges::find(parts, part) == parts.end() && when(parameters)) parts.push_back(part);
+  }
+  return parts;
+}
+
 void Table::Takes(const std::string& name, const Value& otherwise, const std::string& meaning) {
   AddParameter({name, KindOf(otherwise), otherwise, meaning});
 }
@@ -236,9 +249,10 @@ Result<Values> Table::Parse(const std::vector<std::pair<std::string, std::string
   return Complete(values);
 }
 
-const std::string* SharedPart(const Table& one, const Table& other) {
-  const auto found = std::ranges::find_first_of(one.parts(), other.parts());
-  return found == one.parts().end() ? nullptr : &*found;
+const std::string* SharedPart(const std::vector<std::string>& one,
+                              const std::vector<std::string>& other) {
+  const auto found = std::ranges::find_first_of(one, other);
+  return found == one.end() ? nullptr : &*found;
 }
 
 std::string ToText(const Table::Parameter& parameter) {

@@ -10,6 +10,7 @@
 // transition that it makes and has not declared is a fault, which fails it: a skill never succeeds
 // from a state in which it cannot.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -77,6 +78,12 @@ class Table {
   // A part of the robot that the skill needs for itself: "base", "arm". No two skills that use the
   // same part run at the same time.
   void Uses(const std::string& part);
+  // The same for requests that need it only then: `when` gets the complete parameters.
+  using When = std::function<bool(const Values& parameters)>;
+  void UsesWhen(const std::string& part, When when);
+  // A run of it is not paused by a request (Manager::Pause()). `why` is for people: "its hand
+  // cannot be stopped halfway".
+  void CannotPause(const std::string& why) { cannot_pause_ = why; }
 
   // A parameter with a default, or one that has to be given. `meaning` has the unit: "m above the
   // ground".
@@ -104,7 +111,11 @@ class Table {
   const fsm::Chart& chart() const { return chart_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const Limits& limits() const { return limits_; }
-  const std::vector<std::string>& parts() const { return parts_; }  // of the robot
+  // Of the robot: of every request; those of some; and all of this one.
+  const std::vector<std::string>& parts() const { return parts_; }
+  const std::vector<std::pair<std::string, When>>& parts_when() const { return parts_when_; }
+  std::vector<std::string> PartsFor(const Values& parameters) const;
+  const std::string& cannot_pause() const { return cannot_pause_; }  // empty: it can
   bool monotone() const { return monotone_; }
   // Errors of the declarations themselves: a name that occurs twice, ...
   const std::vector<std::string>& errors() const { return errors_; }
@@ -141,12 +152,15 @@ class Table {
   std::vector<std::pair<std::string, std::string>> refused_;      // with the reasons
   Limits limits_;
   std::vector<std::string> parts_;
+  std::vector<std::pair<std::string, When>> parts_when_;
+  std::string cannot_pause_;
   bool monotone_ = false;
   std::vector<std::string> errors_;
 };
 
-// The first part of the robot that both skills use; nullptr: none.
-const std::string* SharedPart(const Table& one, const Table& other);
+// The first part of the robot that both of them use; nullptr: none.
+const std::string* SharedPart(const std::vector<std::string>& one,
+                              const std::vector<std::string>& other);
 
 // "altitude: a number, default 1 (m above the ground)", "name: a text, required".
 std::string ToText(const Table::Parameter& parameter);

@@ -53,6 +53,19 @@ std::string SkillEndText(const SkillEnd& end);
 std::string SkillEndJson(const SkillEnd& end);
 std::string SkillCancelJson(const std::vector<SkillEnd>& ends);
 
+// What an actuator has answered to `skill pause` or `skill resume`.
+struct SkillPaused {
+  std::string skill;
+  std::string actuator;
+  bool pause = true;  // false: it was to be resumed
+  bool done = false;
+  std::string message;  // the state of the skill; why not
+};
+// "navigate_to of jetbot_0 paused in EXECUTING", "navigate_to of jetbot_0 goes on from EXECUTING",
+// "jetbot_0: pick_up cannot be paused: …"
+std::string SkillPausedText(const SkillPaused& one);
+std::string SkillPausedJson(const std::vector<SkillPaused>& all);
+
 // A line of `skill watch`.
 std::string SkillFeedbackLine(const msg::SkillFeedback& feedback, std::int64_t wall_ns,
                               bool colour);

@@ -64,6 +64,18 @@ std::string SkillCancelJson(const std::vector<SkillEnd>& ends) {
   return JsonLine({{"runs", runs}});
 }
 
+std::string SkillPausedJson(const std::vector<SkillPaused>& all) {
+  Json runs = Json::array();
+  for (const SkillPaused& one : all) {
+    runs.push_back({{"skill", one.skill},
+                    {"actuator", one.actuator},
+                    {"done", one.done},
+                    {"state", one.done ? Json(one.message) : Json()},
+                    {"message", one.done ? Json() : Json(one.message)}});
+  }
+  return JsonLine({{"runs", runs}});
+}
+
 std::string SkillFeedbackJson(const msg::SkillFeedback& feedback, std::int64_t wall_ns) {
   Json details = Json::object();
   Json requested_by;

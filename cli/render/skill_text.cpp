@@ -131,6 +131,12 @@ std::string SkillEndText(const SkillEnd& end) {
                    (end.message.empty() ? "" : ": " + end.message));
 }
 
+std::string SkillPausedText(const SkillPaused& one) {
+  if (!one.done) return Printable(one.actuator + ": " + one.message);
+  return Printable(one.skill + " of " + one.actuator +
+                   (one.pause ? " paused in " : " goes on from ") + one.message);
+}
+
 std::string SkillFeedbackLine(const msg::SkillFeedback& feedback, std::int64_t wall_ns,
                               bool colour) {
   const msg::SkillFeedback shown = Printable(feedback);

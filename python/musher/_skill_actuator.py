@@ -10,7 +10,7 @@ from musher._actuator import Actuator
 from musher._errors import Failure, ProcessKilled
 from musher._log import where
 from musher.musher_msgs.msg import SkillDetail, SkillFeedback, SkillOffer, SkillOffers
-from musher.musher_msgs.srv import GetSkill
+from musher.musher_msgs.srv import GetSkill, PauseSkill
 from musher.plan_msgs.action import SkillExecution
 from musher.skill import COMPLETED, FAILED, PROCESSING, SkillError, SkillManager, text_of
 from musher.builtin_interfaces.msg import Time
@@ -41,7 +41,8 @@ class SkillActuator(Actuator):
                        are cancelled at once; on_pause()
 
     Interfaces, in the namespace of the machine, as those of musher-skills: the action skill_execution
-    (plan_msgs/SkillExecution, `musher skill run`), the topics skills and skill_feedback, the service <name>/get_skill.
+    (plan_msgs/SkillExecution, `musher skill run`), the topics skills and skill_feedback, the services <name>/get_skill and
+    <name>/pause_skill (`musher skill pause`, `musher skill resume`).
     A goal has one skill with its parameters as texts ("[10, 20, 0]"); `timeout` limits the run, in seconds, unless the
     skill takes a parameter of that name.
 
@@ -146,6 +147,7 @@ class SkillActuator(Actuator):
             self._tick_key = node._handle(self._on_tick)
             node.serve_action("skill_execution", SkillExecution, self._on_goal)
             node.serve(f"{self.name}/get_skill", GetSkill, self._report)
+            node.serve(f"{self.name}/pause_skill", PauseSkill, self._pause_requested)
             self._feedback_topic = node.publisher("skill_feedback", SkillFeedback)
             offers_topic = node.publisher("skills", SkillOffers, latched=True, depth=1)
             self._ticks = _native.FsmTicks(self._actuator, node._mailbox, self._tick_key)
@@ -213,9 +215,7 @@ class SkillActuator(Actuator):
 
     def _start(self, request: "_Request") -> None:
         try:
-            if not self._stepping:
-                held = ", held by the emergency stop" if self.held_by_stop else ""
-                raise SkillError(f"{self.name} runs no skills in {self.current_state}{held}")
+            self._check_stepping()
             wanted = request.goal.goal.skill_request
             own = self.robot_name
             if own and wanted.robot_id not in ("", own, self.name):
@@ -258,7 +258,7 @@ class SkillActuator(Actuator):
             feedback = self._manager.feedback_of(name)
             if feedback is None:
                 continue
-            text = text_of(feedback)
+            text = self._text_of(name)
             request = self._goals.get(name)
             if self._shown.get(name) != text + feedback["state"]:
                 self._shown[name] = text + feedback["state"]
@@ -269,6 +269,33 @@ class SkillActuator(Actuator):
                 del self._goals[name]
                 self.log.info(f"{name} {text}")
                 request.end(feedback["status"] == COMPLETED, text)
+
+    def _text_of(self, name: str) -> str:
+        feedback = dict(self.manager.feedback_of(name) or {})
+        if self.manager.is_paused(name):
+            feedback["message"] = f"paused: {feedback['message']}"
+        return text_of(feedback)
+
+    def _pause_requested(self, request: "PauseSkill.Request") -> "PauseSkill.Response":
+        try:
+            if request.pause:
+                self.manager.pause_skill(request.skill)
+            else:
+                self._check_stepping()
+                self.manager.resume_skill(request.skill)
+        except SkillError as error:
+            self.log.warning(f"{'pause' if request.pause else 'resume'} refused: {error}")
+            self._publish()
+            return PauseSkill.Response(False, str(error))
+        self._publish()
+        state = (self.manager.feedback_of(request.skill) or {})["state"]
+        self.log.info(f"{request.skill} {'paused in' if request.pause else 'goes on from'} {state}")
+        return PauseSkill.Response(True, state)
+
+    def _check_stepping(self) -> None:
+        if not self._stepping:
+            held = ", held by the emergency stop" if self.held_by_stop else ""
+            raise SkillError(f"{self.name} runs no skills in {self.current_state}{held}")
 
     def _message(self, name: str) -> SkillFeedback:
         feedback = self.manager.feedback_of(name) or {"status": PROCESSING, "state": "IDLE", "progress": 0,
@@ -281,7 +308,8 @@ class SkillActuator(Actuator):
         message.goal_id = request.id if request is not None else ""
         message.status = _STATUS_CODES[feedback["status"]]
         message.state, message.progress = feedback["state"], feedback["progress"]
-        message.message = feedback["message"]
+        paused = self.manager.is_paused(name)
+        message.message = ("paused: " if paused else "") + feedback["message"]
         message.details = [SkillDetail(str(key), str(value)[:_LONGEST]) for key, value in feedback["details"].items()]
         return message
 

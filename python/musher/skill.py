@@ -37,6 +37,8 @@ Feedback = Dict[str, Any]
 _Function = Callable[..., Feedback]
 #: (name, status) at each end of a run: bring the outputs to neutral.
 _OnEnd = Callable[[Any, str], None]
+#: Of the robot, when a run is paused by a request: bring the outputs to neutral.
+_OnPause = Callable[[Any], None]
 
 
 class SkillError(Exception):
@@ -47,12 +49,15 @@ class Skill:
     """A registered function with what its requests may and have to give."""
 
     def __init__(self, name: str, function: _Function, timeout_s: float, uses: Tuple[str, ...],
-                 on_end: Optional[_OnEnd]) -> None:
+                 on_end: Optional[_OnEnd], on_pause: Optional[_OnPause] = None,
+                 may_resume: Optional[Callable[[Any], Optional[str]]] = None) -> None:
         self.name = name
         self.function = function
         self.timeout_s = timeout_s
         self.uses = uses
         self.on_end = on_end
+        self.on_pause = on_pause
+        self.may_resume = may_resume
         self.summary = (inspect.getdoc(function) or "").split("\n")[0]
         parameters = list(inspect.signature(function).parameters.values())
         if not parameters or parameters[0].kind not in (inspect.Parameter.POSITIONAL_ONLY,
@@ -98,6 +103,7 @@ class _Run:
         self.data: Dict[str, Any] = {}
         self.feedback: Feedback = {"status": PROCESSING, "state": "IDLE", "progress": 0, "message": "", "details": {}}
         self.cancel_why: Optional[str] = None
+        self.pause_why: Optional[str] = None  # none: it is not paused by a request
 
 
 class SkillManager:
@@ -107,9 +113,13 @@ class SkillManager:
 
     @classmethod
     def register(cls, name: str = "", *, timeout: float = 600.0, uses: Iterable[str] = (),
-                 on_end: Optional[_OnEnd] = None) -> Callable[[_Function], _Function]:
+                 on_end: Optional[_OnEnd] = None, on_pause: Optional[_OnPause] = None,
+                 may_resume: Optional[Callable[[Any], Optional[str]]] = None
+                 ) -> Callable[[_Function], _Function]:
         """Makes a function a skill of all robots. `timeout`: seconds of a run, then it fails. `uses`: parts of the
-        robot that it needs for itself. `on_end(robot, status)` is called once at each end, however the run ends."""
+        robot that it needs for itself. `on_end(robot, status)` is called once at each end, however the run ends.
+        `on_pause(robot)` is called when a run is paused by pause_skill(), and brings the outputs to neutral; without
+        it a skill is not paused so. `may_resume(robot)` returns why such a run may not go on, or None."""
         if callable(name):
             raise TypeError("write @SkillManager.register(), with parentheses")
         _check_timeout(timeout)
@@ -119,7 +129,8 @@ class SkillManager:
             known = cls._global_skills.get(chosen)
             if known is not None and known.function is not function:
                 raise SkillError(f"there are two skills with the name {chosen}")
-            cls._global_skills[chosen] = Skill(chosen, function, timeout, tuple(uses), on_end)
+            cls._global_skills[chosen] = Skill(chosen, function, timeout, tuple(uses), on_end, on_pause,
+                                                may_resume)
             return function
 
         return take
@@ -181,13 +192,9 @@ class SkillManager:
         found.check(given)
         if timeout is not None:
             _check_timeout(timeout)
-        for name in self.running():
-            if name == skill:
-                raise SkillError(f"{skill} is running already")
-            shared = set(found.uses) & set(self.skills[name].uses)
-            if shared:
-                raise SkillError(f"{skill} needs the {min(shared)}, which {name} is using; cancel {name} first or "
-                                 "wait for its end")
+        if skill in self.running():
+            raise SkillError(f"{skill} is running already")
+        self._check_free(found)
         self.skill_errors.pop(skill, None)
         self._runs[skill] = _Run(found, given, found.timeout_s if timeout is None else timeout)
 
@@ -196,6 +203,9 @@ class SkillManager:
         run = self._run(skill)
         if run.feedback["status"] != PROCESSING:
             return run.feedback
+        if run.pause_why is not None and run.cancel_why is None:
+            return run.feedback
+        run.pause_why = None
         now = self._clock()
         if run.stepped_at is not None:
             run.elapsed_s += max(0.0, now - run.stepped_at)
@@ -241,6 +251,44 @@ class SkillManager:
         for name in self.running():
             self._end(self._runs[name], CANCELLED, why)
 
+    def pause_skill(self, skill: str, why: str = "by a request") -> None:
+        """Until resume_skill(), also over pause() of all: its outputs are neutral, its time stands still, and others
+        may use its parts of the robot. Raises SkillError for a skill that does not run, is paused already, is being
+        cancelled, or has no on_pause."""
+        run = self._running(skill)
+        if run.pause_why is not None:
+            raise SkillError(f"{skill} is paused already")
+        if run.cancel_why is not None:
+            raise SkillError(f"{skill} is being cancelled")
+        if run.skill.on_pause is None:
+            raise SkillError(f"{skill} cannot be paused: it is registered without on_pause")
+        run.pause_why, run.stepped_at = why, None
+        try:
+            run.skill.on_pause(self.robot)
+        except Exception as error:  # the outputs may not be neutral
+            self._end(run, FAILED, f"on_pause: {type(error).__name__}: {error}")
+            raise SkillError(f"{skill} has failed: {run.feedback['message']}") from None
+
+    def resume_skill(self, skill: str) -> None:
+        """It goes on with its next step. Raises SkillError, and it stays paused, for one that is not paused so, when
+        another skill uses a part of the robot that it needs, and when its may_resume says why not."""
+        run = self._running(skill)
+        if run.pause_why is None:
+            raise SkillError(f"{skill} is not paused by a request")
+        try:
+            self._check_free(run.skill)
+            why = None if run.skill.may_resume is None else run.skill.may_resume(self.robot)
+        except Exception as error:
+            why = str(error)
+        if why is not None:
+            raise SkillError(f"{skill} stays paused: {why}")
+        run.pause_why, run.stepped_at = None, None
+
+    def is_paused(self, skill: str) -> bool:
+        """By pause_skill()."""
+        run = self._runs.get(skill)
+        return run is not None and run.pause_why is not None and run.feedback["status"] == PROCESSING
+
     def pause(self) -> None:
         """The time until the next step does not count."""
         for run in self._runs.values():
@@ -271,6 +319,20 @@ class SkillManager:
             return self._global_skills[skill]
         near = difflib.get_close_matches(skill, known, 1)
         raise SkillError(f"there is no skill '{skill}'" + (f"; did you mean '{near[0]}'?" if near else ""))
+
+    def _check_free(self, skill: Skill) -> None:
+        for name in self.running():
+            shared = set(skill.uses) & set(self.skills[name].uses)
+            if name != skill.name and shared and not self.is_paused(name):
+                raise SkillError(f"{skill.name} needs the {min(shared)}, which {name} is using; cancel {name} first or "
+                                 "wait for its end")
+
+    def _running(self, skill: str) -> _Run:
+        self._lookup(skill)
+        run = self._runs.get(skill)
+        if run is None or run.feedback["status"] != PROCESSING:
+            raise SkillError(f"{skill} does not run")
+        return run
 
     def _run(self, skill: str) -> _Run:
         run = self._runs.get(skill)

@@ -192,6 +192,38 @@ cancel() {
   expect "it stands at" "$before" "$(position jetbot_0)"
 }
 
+pause_one() {
+  step "One skill is paused on its way and stays so over a pause of the robot; resumed it arrives"
+  start=$(position jetbot_0)
+  begin paused.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
+  local drive=$begun before
+  await_moved jetbot_0 "$start"
+  shown musher skill pause nav_2d --actuator jetbot_0
+  expect "pause: exit code" 0 "$code"
+  sleep 1
+  before=$(position jetbot_0)
+  shown musher skill resume nav_2d --actuator jetbot_1
+  expect "resuming a skill that does not run: exit code" 1 "$code"
+  shown musher set LowPower
+  shown musher set Active
+  expect "set Active: exit code" 0 "$code"
+  sleep 1
+  expect "it still stands at" no "$(has_moved jetbot_0 "$before")"
+  shown musher skill resume nav_2d --actuator jetbot_0
+  expect "resume: exit code" 0 "$code"
+  ended paused.json "$drive"
+  expect_end nav_2d completed "Reached goal"
+}
+
+aim() {
+  step "A robot turns to an object before it takes its photo"
+  run jetbot_0 take_photo target=box_red save_path=box.png
+  expect "take_photo" completed "$(answer .outcome)"
+  run jetbot_0 take_photo target=unicorn
+  expect_end "of what is not there" failed \
+    "Timeout: unicorn is not in sight after 5 s: the place of unicorn is not known"
+}
+
 lose_planner() {
   local process run lines=$scratch/planner-lost.txt
   step "The planner is killed while it plans: the skill waits for its successor, and the robot arrives"
@@ -207,7 +239,7 @@ lose_planner() {
   kill -KILL "$process"
   wait "$run"
   expect "nav_2d: exit code" 0 $?
-  expect "it has tried again" yes "$(has_line "$lines" "Retrying (1/10)")"
+  expect "it has waited for it" yes "$(has_line "$lines" "Waiting (")"
   expect "it has arrived" yes "$(has_line "$lines" "Reached goal")"
   await ".actuators.planner_server | .pid > 0 and .pid != $process and .state == \"Active\""
   expect "the machine" Active "$(status .state)"
@@ -279,6 +311,8 @@ run_demo() {
     plan
     refuse
     cancel
+    pause_one
+    aim
     lose_planner
     leave_wall
     carry_away

@@ -73,6 +73,24 @@ TEST_F(ASavedSkill, GoesOnWhereItWas) {
   EXPECT_EQ(after_->Find("wait")->feedback().status, Status::kCompleted);
 }
 
+TEST_F(ASavedSkill, ThatWasPausedStaysPaused) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  SavedSkills saved(file_);
+  ASSERT_TRUE(saved.Save(*before_, At(3)));
+  ASSERT_TRUE(before_->Pause("wait", "by a request"));
+  ASSERT_TRUE(saved.Save(*before_, At(3.1)));  // at once
+  const auto lines = Restore(*after_, true);
+  ASSERT_TRUE(lines) << lines.error().message;
+  EXPECT_THAT(lines.value(), ElementsAre("wait stays paused in WAITING until it is resumed"));
+  for (double at_s = 1000; at_s < 1100; at_s += 0.1) after_->RunOnce(At(at_s));
+  EXPECT_TRUE(after_->Find("wait")->pause_requested());
+  const auto third = Skills();
+  ASSERT_TRUE(Restore(*third, false));
+  EXPECT_EQ(third->Find("wait")->feedback().status, Status::kFailed);
+  EXPECT_FALSE(third->Find("wait")->feedback().paused);
+}
+
 TEST_F(ASavedSkill, IsNoneWhenNoneRan) {
   EXPECT_THAT(Restore(*after_, true).value(), IsEmpty()) << "there is no file";
   ASSERT_TRUE(before_->Start("wait", {{"duration_s", 0.5}}));

@@ -92,6 +92,84 @@ TEST_F(ASkillActuator, ServesTheRunOfASkill) {
   harness_.node().RunOnLoop([&] { client.reset(); });
 }
 
+class APauseOfOneSkill : public ASkillActuator {
+ protected:
+  // "true WAITING", as the service answers.
+  std::string Ask(const std::string& skill, bool pause) {
+    std::unique_ptr<transport::Client<msg::PauseSkill>> client;
+    std::optional<msg::PauseSkill::Response> reply;
+    harness_.node().RunOnLoop([&] {
+      client = transport::MakeClient<msg::PauseSkill>(harness_.node().node(), "show/pause_skill")
+                   .value();
+      msg::PauseSkill::Request request;
+      request.skill = skill;
+      request.pause = pause;
+      client->Call(request, std::chrono::seconds(20), [&](const auto& r) { reply = r.value(); });
+    });
+    Await([&] { return reply.has_value(); });
+    harness_.node().RunOnLoop([&] { client.reset(); });
+    return (reply->success ? "true " : "false ") + reply->message;
+  }
+};
+
+TEST_F(APauseOfOneSkill, StopsItsTimeAndKeepsItsGoalUntilItIsResumed) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "0.5"}});
+  AwaitAccepted(sent);
+  harness_.Tick(tasks, 8);
+  EXPECT_EQ(Ask("wait", true), "true WAITING");
+  Await([&] { return sent->feedback.back().starts_with("processing: paused: Waiting"); });
+  harness_.Tick(tasks, 100);
+  EXPECT_FALSE(sent->outcome.has_value());
+  EXPECT_EQ(Ask("wait", true), "false wait is paused already");
+  EXPECT_EQ(Ask("wait", false), "true WAITING");
+  harness_.Tick(tasks, 30);
+  EXPECT_EQ(EndOf(sent), "succeeded true completed: Waited (100%)");
+}
+
+TEST_F(APauseOfOneSkill, LastsOverAPauseOfTheRobotAndIsResumedInActiveOnly) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "0.2"}});
+  AwaitAccepted(sent);
+  EXPECT_EQ(Ask("wait", true), "true WAITING");
+  ASSERT_TRUE(Go("LowPower"));
+  EXPECT_EQ(Ask("wait", false), "false show runs no skills in LowPower");
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(tasks, 50);
+  EXPECT_EQ(tasks.StateOf("wait"), "WAITING") << "it stays paused";
+  EXPECT_EQ(Ask("wait", false), "true WAITING");
+  harness_.Tick(tasks, 30);
+  EXPECT_EQ(EndOf(sent), "succeeded true completed: Waited (100%)");
+}
+
+TEST_F(APauseOfOneSkill, IsRefusedWithTheReason) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  EXPECT_EQ(Ask("wait", true), "false wait does not run");
+  EXPECT_EQ(Ask("wiat", true),
+            "false there is no skill 'wiat'; did you mean 'wait'? There are fail and wait");
+  const auto sent = Send("wait", {{"duration_s", "9"}});
+  AwaitAccepted(sent);
+  EXPECT_EQ(Ask("wait", false), "false wait is not paused by a request");
+}
+
+TEST_F(APauseOfOneSkill, EndsWithTheCancellationOfItsGoal) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "9"}});
+  AwaitAccepted(sent);
+  EXPECT_EQ(Ask("wait", true), "true WAITING");
+  bool cancelled = false;
+  harness_.node().RunOnLoop([&] {
+    client_->Cancel(sent->id, std::chrono::seconds(20), [&](const auto&) { cancelled = true; });
+  });
+  Await([&] { return cancelled; });
+  harness_.Tick(tasks, 5);
+  EXPECT_THAT(EndOf(sent), HasSubstr("canceled false cancelled: by its client"));
+}
+
 TEST_F(ASkillActuator, RunsSeveralSkillsAtOnce) {
   ActuatorRunner<Tasks> tasks;
   Begin(tasks);

@@ -4,8 +4,8 @@
 //   rise     feedback, then success
 //   fail     feedback, then failure
 //   refuse   is not started
-//   wait     runs until it is cancelled, or until Finish()
-//   deaf     the same, and rejects every cancellation
+//   wait     runs until it is cancelled, or until Finish(); it can be paused
+//   deaf     the same, and rejects every cancellation and every pause
 
 #include <memory>
 #include <optional>
@@ -74,6 +74,9 @@ class FakeSkills {
     endpoints_->Serve<msg::GetSkill>(
         actuator_ + "/get_skill",
         [this](const auto& request, const auto& reply) { reply(Answer(request)); });
+    endpoints_->Serve<msg::PauseSkill>(
+        actuator_ + "/pause_skill",
+        [this](const auto& request, const auto& reply) { reply(Pause(request)); });
     publish_ = endpoints_->PublishFunction<msg::SkillFeedback>("skill_feedback");
     msg::SkillOffers offers{
         actuator_,
@@ -123,7 +126,19 @@ class FakeSkills {
     return answer;
   }
 
+  msg::PauseSkill::Response Pause(const msg::PauseSkill::Request& request) {
+    msg::PauseSkill::Response answer;
+    answer.success = request.skill == "wait" && request.pause != paused_;
+    answer.message = request.skill == "deaf"    ? "deaf cannot be paused: it does not listen"
+                     : request.pause != paused_ ? "WAITING"
+                     : request.pause            ? "wait is paused already"
+                                                : "wait is not paused by a request";
+    if (answer.success) paused_ = request.pause;
+    return answer;
+  }
+
   const std::string actuator_;
+  bool paused_ = false;
   std::shared_ptr<transport::NodeThread> thread_;
   std::optional<Goal> goal_;  // that runs
   std::string requested_;

@@ -117,10 +117,9 @@ TEST_F(SkillCommand, RequiresAnActuatorWhereSeveralOfferTheSkill) {
 }
 
 TEST_F(SkillCommand, ReportsThatNothingRuns) {
-  for (const char* command : {"list", "run", "cancel", "watch"}) {
+  for (const std::string command : {"list", "run", "cancel", "pause", "resume", "watch"}) {
     std::vector<std::string> words = {"--namespace", "nowhere", "skill", command};
-    if (command == std::string("run") || command == std::string("cancel"))
-      words.emplace_back("rise");
+    if (command != "list" && command != "watch") words.emplace_back("rise");
     const Ran ran = RunProgram(words);
     EXPECT_EQ(ran.exit, 3);
     EXPECT_THAT(ran.err, HasSubstr("no actuator in namespace 'nowhere'"));
@@ -205,6 +204,38 @@ TEST_F(SkillCommand, CancelsTheRunOfAnotherClient) {
   const Ran again = RunProgram({"skill", "cancel", "wait"});
   EXPECT_EQ(again.exit, 1);
   EXPECT_EQ(again.err, "musher: wait is not running; offered by cf2x_0, cf2x_1\n");
+}
+
+TEST_F(SkillCommand, PausesARunOfAnotherClientAndLetsItGoOn) {
+  FakeSkills robot("cf2x_0");
+  const FakeSkills other("cf2x_1");
+  Process run({kMusher, "skill", "run", "wait", "--actuator", "cf2x_0"});
+  ASSERT_NE(run.LineWith("10 %  Skill wait started"), "");
+  const Ran paused = RunProgram({"skill", "pause", "wait"});
+  EXPECT_EQ(paused.exit, 0) << paused.err;
+  EXPECT_EQ(paused.out, "wait of cf2x_0 paused in WAITING\n");
+  const Ran again = RunProgram({"skill", "pause", "wait"});
+  EXPECT_EQ(again.exit, 1);
+  EXPECT_EQ(again.err, "musher: cf2x_0: wait is paused already\n");
+  const Ran resumed = RunProgram({"--json", "skill", "resume", "wait"});
+  EXPECT_EQ(resumed.exit, 0) << resumed.err;
+  EXPECT_EQ(Json(resumed.out)["runs"][0]["state"], "WAITING") << resumed.out;
+  EXPECT_EQ(Json(resumed.out)["runs"][0]["done"], true);
+  robot.Finish();
+  EXPECT_EQ(run.Wait().exit, 0);
+  EXPECT_EQ(RunProgram({"skill", "resume", "wait"}).err,
+            "musher: wait is not running; offered by cf2x_0, cf2x_1\n");
+}
+
+TEST_F(SkillCommand, ReportsAPauseThatIsRefusedWithTheReason) {
+  FakeSkills robot("cf2x_0");
+  Process run({kMusher, "skill", "run", "deaf"});
+  ASSERT_NE(run.LineWith("10 %  Skill deaf started"), "");
+  const Ran ran = RunProgram({"skill", "pause", "deaf"});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_EQ(ran.err, "musher: cf2x_0: deaf cannot be paused: it does not listen\n");
+  robot.Finish();
+  EXPECT_EQ(run.Wait().exit, 0);
 }
 
 TEST_F(SkillCommand, ReportsACancellationThatIsRejected) {

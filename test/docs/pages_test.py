@@ -22,6 +22,8 @@ sys.path.insert(0, os.path.join(page.SOURCE, "test/house"))
 import reference_test  # noqa: E402
 
 README = ("README.md", "README.zh.md")
+TUTORIALS = ("docs/actions.md", "docs/application.md", "docs/first-skill.md", "docs/first-tree.md", "docs/python.md",
+             "docs/robot-module.md", "docs/state-machines.md", "docs/zh/first-module.md")
 CONTRIBUTORS = ("CHANGELOG.md", "CONTRIBUTING.md")  # what they say about typing is said to contributors
 
 
@@ -195,6 +197,11 @@ class Pages(unittest.TestCase):
         self.assert_none([f"{path}, {wrong}" for path in README for wrong in untyped(page.read(path))])
         for blocks in translations:  # what is typed of one is typed of all
             self.assertEqual(blocks, first)
+
+    def test_of_a_tutorial_are_typed_block_by_block_or_say_why_not(self) -> None:
+        for path in TUTORIALS:
+            self.assertTrue(page.typed(path), path)
+            self.assert_none([f"{path}, {wrong}" for wrong in untyped(page.read(path))])
 
     def test_have_each_file_whole_that_a_reader_types(self) -> None:
         self.assertGreaterEqual(len(typed_parts()), 10)

@@ -21,8 +21,16 @@ def _stop(robot, status):
     robot.last = status
 
 
+def _hover(robot):
+    robot.climb = 0.0
+
+
+def _has_landed(robot):
+    return "it has landed" if robot.height <= 0 else None
+
+
 # [take_off]
-@SkillManager.register(timeout=30.0, uses=("base",), on_end=_stop)
+@SkillManager.register(timeout=30.0, uses=("base",), on_end=_stop, on_pause=_hover, may_resume=_has_landed)
 def take_off(robot, altitude=1.0, **kwargs):
     """Climbs to an altitude"""
     skills = kwargs["skill_manager"]
@@ -137,6 +145,51 @@ class AManager(unittest.TestCase):
         self.assertEqual(self.skills.running(), [])
         self.assertEqual((self.drone.last, self.drone.climb), ("cancelled", 0.0))
 
+    def test_pauses_one_skill_until_it_is_resumed(self):
+        self.step(altitude=2.0)
+        self.step()
+        self.skills.pause_skill("take_off")
+        self.assertEqual(self.drone.climb, 0.0)
+        height = self.drone.height
+        for _ in range(400):
+            self.step()
+        self.assertEqual((self.drone.height, self.skills.running()), (height, ["take_off"]))
+        self.assertTrue(self.skills.is_paused("take_off"))
+        self.skills.pause()
+        self.assertTrue(self.skills.is_paused("take_off"))
+        self.skills.resume_skill("take_off")
+        self.step()
+        self.assertEqual(self.drone.climb, 0.5)
+        self.skills.pause_skill("take_off")
+        self.skills.cancel_skill("take_off", "by its client")
+        self.assertEqual(self.step()["status"], "cancelled")
+        self.assertFalse(self.skills.is_paused("take_off"))
+
+    def test_refuses_a_pause_or_a_resumption_with_the_reason(self):
+        def why(call, skill):
+            with self.assertRaises(SkillError) as error:
+                call(skill)
+            return str(error.exception)
+
+        self.assertEqual(why(self.skills.pause_skill, "take_of"),
+                         "there is no skill 'take_of'; did you mean 'take_off'?")
+        self.assertEqual(why(self.skills.pause_skill, "take_off"), "take_off does not run")
+        self.step("walk", to="door")
+        self.assertEqual(why(self.skills.pause_skill, "walk"),
+                         "walk cannot be paused: it is registered without on_pause")
+        self.skills.cancel_all_now("the test")
+        self.step(altitude=2.0)
+        self.step()
+        self.assertEqual(why(self.skills.resume_skill, "take_off"), "take_off is not paused by a request")
+        self.skills.pause_skill("take_off")
+        self.assertEqual(why(self.skills.pause_skill, "take_off"), "take_off is paused already")
+        self.skills.start("walk", {"to": "door"})  # the base is free meanwhile
+        self.assertIn("take_off stays paused: take_off needs the base, which walk is using",
+                      why(self.skills.resume_skill, "take_off"))
+        self.skills.reset_skill("walk")
+        self.drone.height = 0.0
+        self.assertEqual(why(self.skills.resume_skill, "take_off"), "take_off stays paused: it has landed")
+
     def test_registers_only_what_is_a_skill(self):
         with self.assertRaises(SkillError):
             SkillManager.register()(lambda: None)
@@ -153,7 +206,7 @@ class AManager(unittest.TestCase):
 ARM = """
 from musher.skill import SkillManager
 
-@SkillManager.register()
+@SkillManager.register(on_pause=lambda robot: robot.log.info("holds"))
 def wave(robot, times=3, **kwargs):
     "Waves a few times"
     skills = kwargs["skill_manager"]
@@ -221,8 +274,14 @@ class AnActuator(unittest.TestCase):
         self.assertEqual(refused.exception.result.message, "the skill is for the robot 'robot_7', and this is robot_0")
         goal = client.send(request("robot_0", "1000"))
         next(iter(goal))
+        paused = self.robot.run("skill", "pause", "wave")
+        self.assertEqual((paused.returncode, paused.stdout), (0, "wave of arm paused in WAVING\n"), paused.stderr)
+        self.robot.await_log("arm", "holds")
         self.machine.set("LowPower")
+        self.assertIn("arm runs no skills in LowPower", self.robot.run("skill", "resume", "wave").stderr)
         self.machine.set("Active")
+        resumed = self.robot.run("skill", "resume", "wave")
+        self.assertEqual((resumed.returncode, resumed.stdout), (0, "wave of arm goes on from WAVING\n"), resumed.stderr)
         goal.cancel()
         with self.assertRaises(musher.GoalFailed) as ended:
             goal.result(DEADLINE_S)

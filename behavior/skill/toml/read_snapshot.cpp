@@ -55,6 +55,8 @@ class SkillsReader {
     run.state = Text(table, "state");
     run.entered = Flag(table, "entered");
     run.paused = Flag(table, "paused");
+    run.pause_requested = table.Bool("pause_requested").value_or(false);
+    if (const auto why = table.String("pause_why")) run.pause_why = why->text;
     run.ticks = static_cast<std::uint64_t>(Whole(table, "ticks", kMost));
     run.time = Time(table, "time");
     run.elapsed = Time(table, "elapsed");

@@ -19,6 +19,10 @@ class SkillsWriter : private fsm::TomlWriter {
     Text("state", run.state);
     Bool("entered", run.entered);
     Bool("paused", run.paused);
+    if (run.pause_requested) {
+      Bool("pause_requested", true);
+      Text("pause_why", run.pause_why);
+    }
     Number("ticks", run.ticks);
     Time("time_ns", run.time);
     Time("elapsed_ns", run.elapsed);

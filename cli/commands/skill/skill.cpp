@@ -69,11 +69,14 @@ void AddSkillList(Grammar& grammar, CLI::App& family) {
 }
 
 void AddSkill(Grammar& grammar) {
-  CLI::App& family = grammar.AddFamily("skill", "List, run, cancel and watch the robot's skills");
+  CLI::App& family =
+      grammar.AddFamily("skill", "List, run, pause, cancel and watch the robot's skills");
   AddSkillList(grammar, family);
   AddSkillRun(grammar, family);
   AddSkillPlan(grammar, family);
   AddSkillCancel(grammar, family);
+  AddSkillPause(grammar, family);
+  AddSkillResume(grammar, family);
   AddSkillWatch(grammar, family);
 }
 

@@ -32,10 +32,6 @@ struct Cancelled {
   std::unique_ptr<SkillClient> client;
 };
 
-bool SkillRuns(const msg::SkillFeedback& feedback) {
-  return feedback.state != "IDLE" && feedback.status == msg::SkillFeedback::kStatusProcessing;
-}
-
 Result<> CancelGoalOf(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
                       const transport::GoalId& id, Duration timeout, Cancelled& cancelled) {
   auto client = transport::MakeActionClient<msg::SkillExecution>(

@@ -11,6 +11,8 @@ void AddSkillList(Grammar& grammar, CLI::App& family);
 void AddSkillRun(Grammar& grammar, CLI::App& family);
 void AddSkillPlan(Grammar& grammar, CLI::App& family);
 void AddSkillCancel(Grammar& grammar, CLI::App& family);
+void AddSkillPause(Grammar& grammar, CLI::App& family);
+void AddSkillResume(Grammar& grammar, CLI::App& family);
 void AddSkillWatch(Grammar& grammar, CLI::App& family);
 
 // NAME of a skill.

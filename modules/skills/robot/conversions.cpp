@@ -225,6 +225,8 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
   const auto place = [](const navigation::Point& at) {
     return navigation::PlaceText(at, at.z_m == 0);
   };
+  constexpr std::size_t kLongest = 200;
+  const std::string said = words.substr(0, kLongest);
   const std::string to = "the goal " + place(goal.at);
   const std::string from =
       start ? "the start " + place(start->at) : "the start, the robot's place,";
@@ -232,9 +234,10 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
     case Code::kInvalidPlanner:
       return MakeError(Fault::kIdentifier, "the planner has no such planner_id");
     case Code::kTfError:
-      return MakeError(
-          Fault::kFrame,
-          "the planner does not know where the robot is, or does not know the frame of the goal");
+      return MakeError(Fault::kOdometry,
+                       said.empty() ? "the planner does not know where the robot is" : said);
+    case Code::kUnknown:  // no map yet; not Active any more; a newer goal: it may take the next one
+      return {kCodeStateInvalid, said.empty() ? "the planner has failed" : said};
     case Code::kStartOutsideMap:
       return MakeError(Fault::kOutside, from + " is outside the map");
     case Code::kGoalOutsideMap:

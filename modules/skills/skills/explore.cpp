@@ -56,23 +56,22 @@ Result<coverage::Region> RegionOf(const skill::Values& parameters) {
 }  // namespace
 
 void Explore::Declare(skill::Table& table) {
-  initializing_ = table.State("INITIALIZING", kServerWait);
+  initializing_ = table.State("INITIALIZING");
   to_start_ = table.State("NAVIGATING_TO_START", std::chrono::seconds(60));
   executing_ = table.State("EXECUTING", std::chrono::seconds(120));
   stopping_ = table.State("STOPPING");
   table.To(initializing_, to_start_, "the path is computed, the servers are reachable");
-  table.To(initializing_, initializing_, "they are not, after a loss");
   table.To(to_start_, executing_, "at the start");
   table.To(executing_, skill::kSucceeded, "at the end of the path");
   for (const skill::StateId state : {to_start_, executing_}) {
-    table.To(state, initializing_, "a server is lost");
+    table.To(state, initializing_, "a server is lost, or has no map");
   }
   for (const skill::StateId state : {initializing_, to_start_, executing_}) {
     table.To(state, skill::kFailed, "failed");
     table.To(state, stopping_, "cancel");
   }
   table.To(stopping_, skill::kCancelled, "the robot stands");
-  table.Limit({.run = skill::kNoLimit, .retries = kAttempts});
+  table.Limit({.run = skill::kNoLimit});
   table.MonotoneProgress();
   table.Does("Goes over an area in lanes, past holes and obstacles");
   table.Uses(kBase);
@@ -82,6 +81,7 @@ void Explore::Declare(skill::Table& table) {
   table.Takes("robot_radius", 0.5, "m, room to the boundary and the holes");
   table.Takes("interpolation_distance", 0.05, "m, from point to point of the path");
   table.Takes("interpolation_method", std::string("linear"), "linear");
+  DeclareLostLimit(table);
   table.RefusesParameter("target_prim",
                          "it goes over an area, not to an object; detect finds an object");
 }
@@ -90,7 +90,8 @@ Next Explore::Step(Tick& tick) {
   if (tick.state == stopping_) return Stop(tick);
   DoNotGiveWay();
   if (path_.empty()) {
-    const Result<> made = MakePath(tick);
+    const Result<> limit = CheckLostLimit(tick.parameters);
+    const Result<> made = limit ? MakePath(tick) : limit;
     if (!made) return Next::Fail(made.error().message);
   }
   tick.Detail("path_length", plan_.length_m);
@@ -152,15 +153,14 @@ Result<> Explore::MakePath(Tick& tick) {
 }
 
 Next Explore::Initialize(Tick& tick) {
-  tick.Report(20, "Planning coverage path...");
-  const bool waits = tick.retries > 0 && tick.elapsed < kServerWait;
-  if (waits || travel_.Reach().kind != Kind::kDone) return Next::Stay();
+  if (const auto waits = WaitForParts(tick, 20, "", "Planning coverage path...")) return *waits;
   return Next::To(to_start_);
 }
 
 Next Explore::GoToStart(Tick& tick) {
   approaches_ = true;
   const TravelStep step = Approach(tick);
+  if (travel_.driving()) NoteDriving(tick);
   if (!travel_.driving()) {
     tick.Report(40, "Planning path to the start...");
   } else {
@@ -169,7 +169,7 @@ Next Explore::GoToStart(Tick& tick) {
   }
   if (step.kind == Kind::kDone) return Next::To(executing_);
   if (IsMostlyBlocked(tick)) return FailBlocked(tick);
-  return After(step);
+  return After(tick, step);
 }
 
 Next Explore::Execute(Tick& tick) {
@@ -179,7 +179,7 @@ Next Explore::Execute(Tick& tick) {
   }
   if (approaches_) {
     const TravelStep step = Approach(tick);
-    if (step.kind != Kind::kDone && step.kind != Kind::kPending) return After(step);
+    if (step.kind != Kind::kDone && step.kind != Kind::kPending) return After(tick, step);
   } else {
     const TravelStep step = travel_.Drive(tick.step);
     NoteProgress(tick);
@@ -187,11 +187,14 @@ Next Explore::Execute(Tick& tick) {
     if (step.kind == Kind::kBlocked) {
       Skip(tick, step.why);
     } else if (step.kind != Kind::kPending) {
-      return After(step);
+      return After(tick, step);
     }
   }
   if (IsMostlyBlocked(tick)) return FailBlocked(tick);
-  if (travel_.driving()) travel_.AddDetails(tick);
+  if (travel_.driving()) {
+    NoteDriving(tick);
+    travel_.AddDetails(tick);
+  }
   tick.Report(65 + 30 * static_cast<double>(IndexOf(tick)) / static_cast<double>(path_.size()),
               fmt::format("{} ({:.1f}s)", approaches_ ? "Passing an obstacle..." : "Exploring...",
                           ToSeconds(tick.elapsed)));
@@ -243,10 +246,10 @@ bool Explore::IsFarFrom(const navigation::Pose& target) const {
   return pose && travel_.Apart(pose->at, target.at) > kFarM;
 }
 
-Next Explore::After(const TravelStep& step) {
+Next Explore::After(Tick& tick, const TravelStep& step) {
   if (step.kind == Kind::kPending) return Next::Stay();
   approaches_ = false;
-  if (step.kind == Kind::kLost) return Next::Retry(initializing_, step.why);
+  if (step.kind == Kind::kLost) return AfterLoss(tick, "", step.why);
   return Next::Fail(step.why);
 }
 
@@ -305,11 +308,7 @@ Next Explore::Finish(const Tick& tick) const {
 }
 
 Next Explore::OnLimit(Tick& tick) {
-  if (tick.state == initializing_) {
-    const TravelStep step = travel_.Reach();
-    if (step.kind == Kind::kDone) return Next::To(to_start_);
-    return tick.retries > 0 ? Next::Retry(initializing_, step.why) : Next::Fail(step.why);
-  }
+  if (tick.state == initializing_) return Next::Fail(WhyLost(tick));
   if (tick.state == to_start_) return Next::Fail("Navigate timeout: the start was not reached");
   const double done = static_cast<double>(IndexOf(tick)) / static_cast<double>(path_.size());
   return Next::Fail(fmt::format("Timeout: {:.0f} % of the path were explored", 100 * done));

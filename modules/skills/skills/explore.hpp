@@ -7,17 +7,20 @@
 //   robot_radius            m, room to boundary and holes, default 0.5
 //   interpolation_distance  m, from point to point of the path, default 0.05; at least 0.01
 //   interpolation_method    linear
+//   lost_limit              s at a stand without map, planner, controller, odometry or scan, then
+//   it
+//                           fails; default 20
 //
 // A flyer stays at its height, and has to be in the air. Heights of corners do not count.
 //
-//   INITIALIZING         the path is computed, planner and controller are reachable within 2.0 s
+//   INITIALIZING         the path is computed, planner and controller are reachable
 //   NAVIGATING_TO_START  60 s, on a path of the planner
 //   EXECUTING            120 s, along the path; where an obstacle stays on it, on a path of the
 //                        planner to the next free point of the path, metre by metre
 //   STOPPING             of a cancellation: until the robot stands
 //
-// It fails once more than half of the path was blocked. A planner or controller that is lost: as in
-// goal_skill.hpp; it continues where it was, as after a pause. Details: those of navigate_to,
+// It fails once more than half of the path was blocked. What is late or lost is waited for
+// (travel_skill.hpp); it continues where it was, as after a pause. Details: those of navigate_to,
 // path_length, skipped (both m) and lanes.
 
 #include <string>
@@ -44,7 +47,7 @@ class Explore : public TravelSkill {
   // one. kDone: there, or there is no later one.
   TravelStep Approach(skill::Tick& tick);
   bool IsFarFrom(const navigation::Pose& target) const;
-  skill::Next After(const TravelStep& step);
+  skill::Next After(skill::Tick& tick, const TravelStep& step);
   // Along the path from where the robot is.
   void BeginRest(const skill::Tick& tick);
   void NoteProgress(skill::Tick& tick);
@@ -60,7 +63,6 @@ class Explore : public TravelSkill {
   navigation::Path path_;    // empty: not computed yet
   bool approaches_ = false;  // it is on a path of the planner
   std::string obstacle_;     // why it has left out a part
-  skill::StateId initializing_ = skill::kIdle;
   skill::StateId to_start_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };

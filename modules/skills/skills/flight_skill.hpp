@@ -45,6 +45,7 @@ class FlightSkill : public skill::Skill {
   // Another attempt from `state`; a failure once they are used up.
   static skill::Next AgainOrFail(const skill::Tick& tick, skill::StateId state, std::string why);
 
+  const Robot& robot() const { return robot_; }
   void NoteLanding() { robot_.NoteLanding(); }
 
   // A pose in the data of the skill, which is saved.

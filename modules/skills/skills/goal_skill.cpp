@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "musher/navigation/place_text.hpp"
 
@@ -17,25 +18,42 @@ namespace {
 
 constexpr std::string_view kRecovered = "recoveries_done";  // data, of this goal
 
+// Whether what the scan sees nearest is ahead, or nothing is near: the robot does not back up into
+// it.
+bool IsNearestAhead(const Robot& robot) {
+  constexpr double kNearM = 1, kAheadRad = 1;
+  const auto pose = robot.pose();
+  if (!pose) return false;
+  double nearest_m = kNearM;
+  bool ahead = true;
+  for (const navigation::Point& point : SeenAround(robot, *pose, kNearM)) {
+    const double away_m = std::hypot(point.x_m, point.y_m);
+    if (away_m >= nearest_m) continue;
+    nearest_m = away_m;
+    ahead = std::abs(std::atan2(point.y_m, point.x_m)) < kAheadRad;
+  }
+  return ahead;
+}
+
 }  // namespace
 
 void GoalSkill::Declare(skill::Table& table) {
   constexpr Duration kPlanning = std::chrono::seconds(15);
   constexpr Duration kMoving = std::chrono::seconds(120);
-  initializing_ = table.State("INITIALIZING", kServerWait);
+  initializing_ = table.State("INITIALIZING");
   planning_ = table.State("PLANNING", kPlanning);
   recovering_ = table.State("RECOVERING", std::chrono::seconds(30));
   executing_ = table.State("EXECUTING", kMoving);
   giving_way_ = table.State("GIVING_WAY", kMoving);
   stopping_ = table.State("STOPPING");
   table.To(initializing_, planning_, "planner and controller are reachable");
-  table.To(initializing_, initializing_, "they are not, after a loss");
   table.To(planning_, executing_, "the path is planned");
-  table.To(planning_, initializing_, "the planner is lost");
+  table.To(planning_, initializing_, "the planner is lost, or has no map");
   table.To(planning_, recovering_, "no room to start, or no path");
   table.To(recovering_, planning_, "the recovery has ended");
   table.To(executing_, skill::kSucceeded, "at the goal");
   table.To(executing_, planning_, "an obstacle, a pause, another goal");
+  table.To(executing_, recovering_, "an obstacle stays");
   table.To(executing_, initializing_, "the controller is lost");
   table.To(executing_, giving_way_, "another robot goes first");
   table.To(giving_way_, planning_, "the way is free");
@@ -45,10 +63,10 @@ void GoalSkill::Declare(skill::Table& table) {
     table.To(state, stopping_, "cancel");
   }
   table.To(stopping_, skill::kCancelled, "the robot stands");
-  table.Limit({.retries = kAttempts});
   table.MonotoneProgress();
   table.Takes("recoveries", "leave_tight_start, clear, wait, back_up, spin",
               "what it does, one after the other, where it has no room to start or no path");
+  DeclareLostLimit(table);
   Describe(table);
 }
 
@@ -59,6 +77,8 @@ Next GoalSkill::Step(Tick& tick) {
     if (!taken) return Next::Fail(taken.error().message);
     const auto recoveries = Recovery::Parse(tick.parameters.Text("recoveries"));
     if (!recoveries) return Next::Fail(recoveries.error().message);
+    const Result<> limit = CheckLostLimit(tick.parameters);
+    if (!limit) return Next::Fail(limit.error().message);
     recoveries_ = recoveries.value();
     taken_ = true;
   }
@@ -70,9 +90,7 @@ Next GoalSkill::Step(Tick& tick) {
 }
 
 Next GoalSkill::Initialize(Tick& tick) {
-  tick.Report(5, Prefix(tick) + "Sending request...");
-  const bool waits = tick.retries > 0 && tick.elapsed < kServerWait;
-  if (waits || travel_.Reach().kind != Kind::kDone) return Next::Stay();
+  if (const auto waits = WaitForParts(tick, 5, Prefix(tick), "Sending request...")) return *waits;
   const Result<> flies = CheckInTheAir(robot_, robot_.pose()->at.z_m);
   return flies ? Next::To(planning_) : Next::Fail(flies.error().message);
 }
@@ -95,20 +113,26 @@ Next GoalSkill::AfterTrouble(Tick& tick, Trouble trouble, const std::string& why
   }
   if (next >= recoveries_.size()) return Next::Fail(why);
   tick.data.Set(kRecovered, static_cast<std::int64_t>(next + 1));
+  return BeginRecovery(recoveries_[next], trouble, why);
+}
+
+Next GoalSkill::BeginRecovery(RecoveryKind kind, Trouble trouble, const std::string& why) {
   trouble_ = trouble;
-  recovery_.Begin(recoveries_[next]);
+  recovers_by_ = kind;
+  recovery_.Begin(kind);
   return Next::To(recovering_, why);
 }
 
 Next GoalSkill::Recover(Tick& tick) {
-  const auto done = static_cast<std::size_t>(tick.data.Get<std::int64_t>(kRecovered, 0));
-  const bool restored = done == 0 || done > recoveries_.size();
-  if (restored) return Next::To(planning_);
-  const char* what = trouble_ == Trouble::kTightStart ? "No room to start: " : "No path: ";
-  tick.Report(15, Prefix(tick) + what + Recovery::NameOf(recoveries_[done - 1]));
+  if (!recovers_by_) return Next::To(planning_);
+  const std::string name = Recovery::NameOf(*recovers_by_);
+  const char* what = trouble_ == Trouble::kTightStart ? "No room to start: "
+                     : trouble_ == Trouble::kNoPath   ? "No path: "
+                                                      : "Blocked: ";
+  tick.Report(15, Prefix(tick) + what + name);
   const auto end = recovery_.Step(tick.step);
   if (!end) return Next::Stay();
-  const std::string name = Recovery::NameOf(recoveries_[done - 1]);
+  recovers_by_.reset();
   return Next::To(planning_, *end ? name + " has ended" : name + ": " + end->error().message);
 }
 
@@ -126,6 +150,7 @@ Next GoalSkill::Execute(Tick& tick) {
     give_way_.Begin();
     return Next::To(giving_way_, Prefix(tick) + "Gives way to " + give_way_.to());
   }
+  NoteDriving(tick);
   const double length_m = std::max(travel_.length_m(), 0.1);
   const double share = std::clamp(1 - travel_.distance_to_goal_m() / length_m, 0.0, 1.0);
   tick.Report(50 + 45 * Share(tick, share),
@@ -144,14 +169,14 @@ Next GoalSkill::LetPass(Tick& tick) {
   return Next::Replan(planning_, Prefix(tick) + "The way is free");
 }
 
-Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
+Next GoalSkill::Decide(Tick& tick, const TravelStep& step) {
   const std::string why = Prefix(tick) + step.why;
   switch (step.kind) {
     case Kind::kBlocked:
       return AfterBlocked(tick, step);
     case Kind::kLost:
       // Also a server that rejects: it does until it is Active, for example after a restart.
-      return Next::Retry(initializing_, why);
+      return AfterLoss(tick, Prefix(tick), step.why);
     case Kind::kFailed:
       return Next::Fail(why);
     case Kind::kPending:
@@ -171,11 +196,27 @@ void GoalSkill::NoteBlockedTime(const Tick& tick) {
   if (blocked_->standstill.time() > Duration{}) blocked_->stood += tick.step;
 }
 
+std::optional<RecoveryKind> GoalSkill::DueRecovery() const {
+  if (blocked_->stood < kBlockedRecovery + kBlockedAgain * blocked_->recoveries) {
+    return std::nullopt;
+  }
+  const RecoveryKind kind = RecoveryKind::kBackUp;
+  const bool listed = std::ranges::find(recoveries_, kind) != recoveries_.end();
+  const bool helps = listed && Recovery::Helps(kind, Trouble::kBlocked, robot_.flies());
+  return helps && IsNearestAhead(robot_) ? std::optional(kind) : std::nullopt;
+}
+
 Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
   const auto at = robot_.pose().value_or(navigation::Pose()).at;
   const double left_m = travel_.Apart(at, Goal(tick).at);
   if (!blocked_) blocked_ = Blocked{.nearest_m = left_m};
-  if (blocked_->stood < kBlockedLimit) return Next::Replan(planning_, Prefix(tick) + step.why);
+  if (blocked_->stood < kBlockedLimit) {
+    const std::string why = Prefix(tick) + step.why;
+    const auto due = DueRecovery();
+    if (!due) return Next::Replan(planning_, why);
+    ++blocked_->recoveries;
+    return BeginRecovery(*due, Trouble::kBlocked, why);
+  }
   return Next::Fail(Prefix(tick) +
                     fmt::format("Blocked for {:.0f} s, {} m from the goal, at {}: {}",
                                 ToSeconds(blocked_->stood), LengthText(left_m),
@@ -184,11 +225,7 @@ Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
 }
 
 Next GoalSkill::OnLimit(Tick& tick) {
-  if (tick.state == initializing_) {
-    const TravelStep step = travel_.Reach();
-    if (step.kind == Kind::kDone) return Next::To(planning_);
-    return tick.retries > 0 ? Next::Retry(initializing_, step.why) : Next::Fail(step.why);
-  }
+  if (tick.state == initializing_) return Next::Fail(WhyLost(tick));
   if (tick.state == recovering_) return Next::To(planning_);
   if (tick.state == planning_) return Next::Fail(Prefix(tick) + "Planning timeout");
   if (tick.state == giving_way_) {

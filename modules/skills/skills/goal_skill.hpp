@@ -2,23 +2,26 @@
 // What navigate_to and move have in common: the robot travels to a goal, and perhaps to another
 // one after it.
 //
-//   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s; a
-//                 flyer is in the air
+//   INITIALIZING  the request is checked, planner and controller are reachable; a flyer is in the
+//                 air
 //   PLANNING      15 s
 //   RECOVERING    the robot has no room where it stands, or there is no path: one recovery of the
 //                 parameter `recoveries` that may help after the other, and another plan after
-//                 each; once all are used up, it fails
+//                 each; once all are used up, it fails. And at an obstacle that stays; see below
 //   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
 //   GIVING_WAY    another robot comes the other way and goes first (give_way.hpp): then PLANNING,
 //   not
 //                 counted; 120 s
 //   STOPPING      of a cancellation: until the robot stands
 //
-// An obstacle that stays: the path is planned again, which leads around it if it can. It fails once
-// the robot has stood at obstacles for kBlockedLimit without having come nearer to the goal.
+// An obstacle that stays: the path is planned again, which leads around it if it can. Once the
+// robot has stood there for kBlockedRecovery, and then each kBlockedAgain, it does back_up, if that
+// is among `recoveries` and what is nearest is ahead: a person who yields to it in a door gets
+// room. It does not forget what it has seen: it would drive into the same trap again. It fails once
+// it has stood at obstacles for kBlockedLimit without having come nearer to the goal.
 //
-// A planner or controller that is lost on the way: again from INITIALIZING every 2 s, for
-// kAttempts times. A pause cancels the drive; then the path is planned again.
+// A planner, a controller or a map that is late, or is lost on the way: INITIALIZING again, up to
+// `lost_limit` (travel_skill.hpp). A pause cancels the drive; then the path is planned again.
 
 #include <chrono>
 #include <optional>
@@ -32,6 +35,8 @@
 namespace musher::skills {
 
 inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
+inline constexpr Duration kBlockedRecovery = std::chrono::seconds(8);
+inline constexpr Duration kBlockedAgain = std::chrono::seconds(4);
 
 class GoalSkill : public TravelSkill {
  public:
@@ -67,25 +72,29 @@ class GoalSkill : public TravelSkill {
   skill::Next AfterTrouble(skill::Tick& tick, Trouble trouble, const std::string& why);
   skill::Next Execute(skill::Tick& tick);
   skill::Next LetPass(skill::Tick& tick);
-  skill::Next Decide(const skill::Tick& tick, const TravelStep& step);
+  skill::Next Decide(skill::Tick& tick, const TravelStep& step);
   skill::Next AfterBlocked(const skill::Tick& tick, const TravelStep& step);
+  // That is due now at an obstacle that stays.
+  std::optional<RecoveryKind> DueRecovery() const;
+  skill::Next BeginRecovery(RecoveryKind kind, Trouble trouble, const std::string& why);
   void NoteBlockedTime(const skill::Tick& tick);
 
   // From the first obstacle on the way to a goal.
   struct Blocked {
     double nearest_m = 0;  // to the goal, so far
     Duration stood{};      // since it came nearer
+    int recoveries = 0;    // done since then
     Standstill standstill{};
   };
 
   Recovery recovery_;
   GiveWay give_way_;
   std::vector<RecoveryKind> recoveries_;
-  Trouble trouble_ = Trouble::kTightStart;  // for which it recovers
+  Trouble trouble_ = Trouble::kTightStart;   // for which it recovers
+  std::optional<RecoveryKind> recovers_by_;  // nothing in RECOVERING: the run was restored
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
   std::optional<Blocked> blocked_;
-  skill::StateId initializing_ = skill::kIdle;
   skill::StateId planning_ = skill::kIdle;
   skill::StateId recovering_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;

@@ -59,6 +59,7 @@ std::string TooFarText(double distance_m, double limit_m) {
 }
 
 void DeclareGrasping(skill::Table& table) {
+  table.CannotPause(kHandGoesOn);
   table.Takes("robot_hand_prim_path", "hand", "the hand; a robot has one");
   table.Needs("object_prim_path", skill::Kind::kText, "the name of the object");
   table.Takes("distance_threshold", 2.0, "m from hand to object");

@@ -57,6 +57,10 @@ class HandCall {
 // "Too far: 3.20m > 2.00m".
 std::string TooFarText(double distance_m, double limit_m);
 
+// Why skills of the hand are not paused.
+inline constexpr const char* kHandGoesOn =
+    "its hand cannot be stopped halfway; wait for its end, or cancel it";
+
 // The parameters of pick_up and grasp.
 void DeclareGrasping(skill::Table& table);
 // Why they cannot be executed, or why the robot cannot: it has no hand.

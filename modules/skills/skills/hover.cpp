@@ -11,6 +11,7 @@ constexpr double kWithinM = 0.1;
 constexpr double kStandsBelowM = 0.1;
 constexpr double kSpareS = 30;
 constexpr std::string_view kHeld = "held_s";
+constexpr const char* kOnTheGround = "The robot stands on the ground; take off first";
 
 }  // namespace
 
@@ -41,9 +42,7 @@ skill::Next Hover::Check(const navigation::Pose& now, skill::Tick& tick) {
   if (tick.parameters.Number("duration") < 0) {
     return skill::Next::Fail("Invalid duration: it is negative");
   }
-  if (now.at.z_m < kStandsBelowM) {
-    return skill::Next::Fail("The robot stands on the ground; take off first");
-  }
+  if (now.at.z_m < kStandsBelowM) return skill::Next::Fail(kOnTheGround);
   navigation::Pose place = now;
   if (altitude_m > 0) place.at.z_m = altitude_m;
   Remember(place, tick);
@@ -77,6 +76,12 @@ skill::Next Hover::Hold(const navigation::Pose& now, skill::Tick& tick) {
   Keep(place, now, tick);
   tick.Report(100 * held_s / duration_s, fmt::format("Hovering ({:.1f}s)", held_s));
   return skill::Next::Stay();
+}
+
+Result<> Hover::MayResume() {
+  const auto now = robot().pose();
+  if (!now || now->at.z_m >= kStandsBelowM) return Ok();
+  return Error{kCodeStateInvalid, kOnTheGround};
 }
 
 skill::Next Hover::Fly(const navigation::Pose& now, skill::Tick& tick) {

@@ -20,6 +20,8 @@ class Hover : public FlightSkill {
 
   void Declare(skill::Table& table) override;
   skill::Next OnLimit(skill::Tick& tick) override;
+  // The flyer has to be in the air.
+  Result<> MayResume() override;
 
  private:
   skill::Next Fly(const navigation::Pose& now, skill::Tick& tick) override;

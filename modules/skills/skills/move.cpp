@@ -23,7 +23,7 @@ void Move::Describe(skill::Table& table) {
   table.Needs("path", skill::Kind::kText, "way-points, m in the map: [[0, 0], [4, 0], [4, 3]]");
   table.Takes("loops", std::int64_t{0}, "times, 0: until it is cancelled");
   table.RefusesParameter("cancel", "to cancel the skill, cancel its goal");
-  table.Limit({.run = skill::kNoLimit, .retries = kAttempts});
+  table.Limit({.run = skill::kNoLimit});
 }
 
 Result<> Move::Take(const skill::Tick& tick) {

@@ -27,6 +27,7 @@ void Place::Describe(skill::Table& table) {
   table.Does("Comes close to a target and puts the held object there");
   table.Uses(kBase);
   table.Uses(kArm);
+  table.CannotPause(kHandGoesOn);
   table.Needs("target_location", skill::Kind::kNumbers, "[x, y, z] in m, in the map");
   table.Takes("object_prim_path", "", "the name of the object; empty: the one that is held");
   table.Takes("joint_path", "", "the joint that holds it; empty: the joint of the object");

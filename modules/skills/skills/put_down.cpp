@@ -10,6 +10,7 @@ constexpr std::string_view kReleasedObject = "object";
 void PutDown::Declare(skill::Table& table) {
   table.Does("Releases the held object");
   table.Uses(kArm);
+  table.CannotPause(kHandGoesOn);
   table.Takes("object_prim_path", "", "the name of the object; empty: the one that is held");
   table.Takes("joint_path", "", "the joint that holds it; empty: the joint of the object");
   initializing_ = table.State("INITIALIZING");

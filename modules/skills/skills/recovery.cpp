@@ -87,6 +87,10 @@ bool Recovery::Moves(RecoveryKind kind) {
 }
 
 bool Recovery::Helps(RecoveryKind kind, Trouble trouble, bool flies) {
+  // A person in the same door comes on once there is room. The robot waits there anyway.
+  if (trouble == Trouble::kBlocked) {
+    return kind == RecoveryKind::kBackUp && !flies;
+  }
   return !Moves(kind) || (trouble == Trouble::kTightStart && !flies);
 }
 

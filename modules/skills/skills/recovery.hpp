@@ -26,6 +26,7 @@ enum class RecoveryKind : std::uint8_t { kLeaveTightStart, kClear, kWait, kBackU
 enum class Trouble : std::uint8_t {
   kTightStart,  // the planner: it has no room where it stands
   kNoPath,      // the planner: no path, or none in its time
+  kBlocked,     // an obstacle stays in the way, and the robot has stood before it for some time
 };
 
 class Recovery {

@@ -22,7 +22,7 @@ constexpr Duration kStandsLong = std::chrono::seconds(3);
 }  // namespace
 
 void Track::Declare(skill::Table& table) {
-  initializing_ = table.State("INITIALIZING", kServerWait);
+  initializing_ = table.State("INITIALIZING");
   executing_ = table.State("EXECUTING");
   stopping_ = table.State("STOPPING");
   table.To(initializing_, executing_, "the servers are reachable, the target is seen");
@@ -68,16 +68,22 @@ Next Track::Step(Tick& tick) {
 }
 
 Next Track::Initialize(Tick& tick) {
-  tick.Report(5, "Waiting for the target");
   target_ = robot_.PoseOf(tick.parameters.Text("target_topic"));
-  const bool ready = target_ && travel_.Reach().kind == Kind::kDone;
-  return ready ? Next::To(executing_) : Next::Stay();
+  if (target_ && travel_.Reach().kind == Kind::kDone) return Next::To(executing_);
+  const std::string why = WhyNotReady(tick);
+  if (ToSeconds(tick.elapsed) >= tick.parameters.Number("lost_limit")) return Next::Fail(why);
+  tick.Report(5, ToSeconds(tick.elapsed) < 1 ? "Waiting for the target" : "Waiting: " + why);
+  return Next::Stay();
+}
+
+std::string Track::WhyNotReady(const Tick& tick) const {
+  const TravelStep servers = travel_.Reach();
+  if (servers.kind != Kind::kDone) return servers.why;
+  return "Target not seen: " + robot_.WhyNoPoseOf(tick.parameters.Text("target_topic"));
 }
 
 Next Track::OnLimit(Tick& tick) {
-  const TravelStep step = travel_.Reach();
-  if (step.kind != Kind::kDone) return Next::Fail(step.why);
-  return Next::Fail("Target not seen: " + robot_.WhyNoPoseOf(tick.parameters.Text("target_topic")));
+  return Next::Fail(WhyNotReady(tick));
 }
 
 Next Track::Execute(Tick& tick) {

@@ -10,7 +10,7 @@
 // A flyer stays at its height. While the robot is at most 0.3 m farther away than `distance`, it
 // stands; while it is nearer than half of it, it backs away.
 //
-//   INITIALIZING   the servers are reachable and the target reports its pose, within 2.0 s
+//   INITIALIZING   until the servers are reachable and the target reports its pose, `lost_limit`
 //   EXECUTING      plans while it drives: a new path replaces the old one without a stop
 //   STOPPING       at the end: until the robot stands
 //
@@ -34,6 +34,7 @@ class Track : public TravelSkill {
   skill::Next OnLimit(skill::Tick& tick) override;
 
  private:
+  std::string WhyNotReady(const skill::Tick& tick) const;
   std::optional<std::string> WhyRefused(const skill::Values& parameters) const;
   skill::Next Initialize(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
@@ -55,7 +56,6 @@ class Track : public TravelSkill {
   Duration unseen_{};
   Standstill standstill_;  // since it has to move
   std::string trouble_;    // why there is no path
-  skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };
 

@@ -127,6 +127,9 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
     if (code == kCodeNetError || !robot_.HasPlanner()) {
       return {Kind::kLost, "No response from planner: " + why};
     }
+    if (Is(planned.error(), navigation::Fault::kOdometry)) {
+      return {Kind::kLost, "Planning interrupted: " + why};
+    }
     return {Kind::kFailed, "Planning failed: " + why, TroubleOf(planned.error())};
   }
   if (planned.value().empty()) return {Kind::kFailed, "Planning failed: the path has no points"};

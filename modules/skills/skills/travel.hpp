@@ -7,7 +7,7 @@
 //   kPending   not done yet
 //   kDone      done
 //   kBlocked   an obstacle stays in the way: another path may help
-//   kLost      a server or the odometry is lost: waiting may help
+//   kLost      a server, its map or the odometry is missing: waiting may help
 //   kFailed    `why` is the reason; another attempt has the same result, unless a recovery helps
 //
 // Frames and units of robot.hpp. Threads: those of robot.hpp.
@@ -29,8 +29,6 @@ namespace musher::skills {
 inline constexpr Duration kLostAfter = std::chrono::seconds(3);
 // The wait for the servers at the begin, and between two attempts.
 inline constexpr Duration kServerWait = std::chrono::seconds(2);
-// Attempts after a server was lost: time for the restart of a process.
-inline constexpr int kAttempts = 10;
 // An arrival that is farther from the goal is none. The controller arrives within 0.2 m.
 inline constexpr double kArrivedWithinM = 0.5;
 // A robot that is slower stands.

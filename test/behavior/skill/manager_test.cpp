@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "musher/behavior/skill/snapshot.hpp"
+#include "musher/behavior/skill/toml/snapshot_toml.hpp"
 #include "musher/test/behavior/skill/skills.hpp"
 
 namespace musher::skill::manager_test {
@@ -92,6 +94,157 @@ TEST_F(AManager, RunsSkillsThatUseOtherPartsOfTheRobotAtOnce) {
   look_.uses = {"camera"};
   ASSERT_TRUE(manager_->Start("walk"));
   EXPECT_TRUE(manager_->Start("look"));
+}
+
+TEST_F(AManager, UsesAPartOfTheRobotOnlyForRequestsThatNeedIt) {
+  walk_.uses = {"base"};
+  look_.uses_when_fast = {"base"};
+  ASSERT_TRUE(manager_->Start("walk"));
+  ASSERT_TRUE(manager_->Start("look"));
+  ASSERT_TRUE(manager_->Reset("look"));
+  EXPECT_EQ(ErrorOf(manager_->Start("look", {{"speed", 2.0}})),
+            "look needs the base, which walk is using; cancel walk first or wait for its end");
+  ASSERT_TRUE(manager_->Reset("walk"));
+  ASSERT_TRUE(manager_->Start("look", {{"speed", 2.0}}));
+  EXPECT_FALSE(manager_->Start("walk"));
+}
+
+TEST_F(AManager, PausesOneSkillAndLetsTheOthersGoOn) {
+  int walked = 0, looked = 0;
+  walk_.step = [&](Tick&) { return ++walked, Next::Stay(); };
+  look_.step = [&](Tick&) { return ++looked, Next::Stay(); };
+  ASSERT_TRUE(manager_->Start("walk"));
+  ASSERT_TRUE(manager_->Start("look"));
+  Steps(3);
+  ASSERT_TRUE(manager_->Pause("walk", "by a request"));
+  EXPECT_EQ(walk_.log, std::vector<std::string>{"OnPause"});
+  const Duration before = manager_->Find("walk")->now();
+  Steps(50);
+  EXPECT_EQ(walked, 3);
+  EXPECT_EQ(looked, 53);
+  EXPECT_EQ(manager_->Find("walk")->now(), before) << "its time stands still";
+  EXPECT_TRUE(manager_->Find("walk")->feedback().paused);
+  EXPECT_EQ(manager_->Find("walk")->pause_why(), "by a request");
+  ASSERT_TRUE(manager_->Resume("walk"));
+  Steps(1);
+  EXPECT_EQ(walked, 4);
+  EXPECT_EQ(manager_->Find("walk")->now(), before);
+  EXPECT_FALSE(manager_->Find("walk")->feedback().paused);
+  EXPECT_THAT(walk_.log, ElementsAre("OnPause", "MayResume", "OnResume"));
+}
+
+// EXECUTING lasts 1 s at most, the run 10 s.
+TEST_F(AManager, CountsNoTimeOfASkillThatIsPaused) {
+  walk_.step = InExecuting([](Tick&) { return Next::Stay(); });
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(5);
+  ASSERT_TRUE(manager_->Pause("walk", ""));
+  Steps(1000);
+  ASSERT_TRUE(manager_->Resume("walk"));
+  Steps(5);
+  EXPECT_EQ(StateOf("walk"), "EXECUTING");
+  Steps(5);
+  EXPECT_EQ(StateOf("walk"), "FAILED");
+}
+
+TEST_F(AManager, KeepsASkillPausedOverAPauseOfAll) {
+  int walked = 0;
+  walk_.step = [&](Tick&) { return ++walked, Next::Stay(); };
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(1);
+  ASSERT_TRUE(manager_->Pause("walk", ""));
+  manager_->Pause();
+  Steps(10);
+  EXPECT_EQ(walked, 1);
+  ASSERT_TRUE(manager_->Resume("walk"));
+  Steps(1);
+  EXPECT_EQ(walked, 2);
+  // The other way round: all are paused first.
+  manager_->Pause();
+  ASSERT_TRUE(manager_->Pause("walk", ""));
+  Steps(10);
+  EXPECT_EQ(walked, 2);
+  EXPECT_THAT(walk_.log, ElementsAre("OnPause", "MayResume", "OnResume", "OnPause")) << "once each";
+}
+
+TEST_F(AManager, RefusesAPauseWithTheReason) {
+  EXPECT_EQ(ErrorOf(manager_->Pause("wlak", "")),
+            "there is no skill 'wlak'; did you mean 'walk'? There are walk and look");
+  EXPECT_EQ(ErrorOf(manager_->Pause("walk", "")), "walk does not run");
+  EXPECT_EQ(ErrorOf(manager_->Resume("walk")), "walk does not run");
+  walk_.cannot_pause = "its hand cannot be stopped halfway";
+  ASSERT_TRUE(manager_->Start("walk"));
+  EXPECT_EQ(ErrorOf(manager_->Pause("walk", "")),
+            "walk cannot be paused: its hand cannot be stopped halfway");
+  ASSERT_TRUE(manager_->Start("look"));
+  EXPECT_EQ(ErrorOf(manager_->Resume("look")), "look is not paused by a request");
+  ASSERT_TRUE(manager_->Pause("look", ""));
+  EXPECT_EQ(ErrorOf(manager_->Pause("look", "")), "look is paused already");
+  ASSERT_TRUE(manager_->Resume("look"));
+  ASSERT_TRUE(manager_->Cancel("look", "a person"));
+  EXPECT_EQ(ErrorOf(manager_->Pause("look", "")), "look is being cancelled");
+}
+
+TEST_F(AManager, ChecksAtAResumptionThatTheSkillMayStillRun) {
+  walk_.uses = look_.uses = {"base"};
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(1);
+  ASSERT_TRUE(manager_->Pause("walk", ""));
+  ASSERT_TRUE(manager_->Start("look")) << "the base is free meanwhile";
+  EXPECT_EQ(ErrorOf(manager_->Start("walk")), "walk is running already");
+  EXPECT_EQ(
+      ErrorOf(manager_->Resume("walk")),
+      "walk stays paused: walk needs the base, which look is using; cancel look first or wait "
+      "for its end");
+  EXPECT_TRUE(manager_->Find("walk")->pause_requested());
+  ASSERT_TRUE(manager_->Reset("look"));
+  walk_.may_not_resume = "it has landed";
+  EXPECT_EQ(ErrorOf(manager_->Resume("walk")), "walk stays paused: it has landed");
+  walk_.may_not_resume.clear();
+  walk_.throws = {{"MayResume", "no odometry"}};
+  EXPECT_EQ(ErrorOf(manager_->Resume("walk")), "walk stays paused: MayResume: no odometry");
+  walk_.throws.clear();
+  EXPECT_TRUE(manager_->Resume("walk"));
+}
+
+TEST_F(AManager, CancelsASkillThatIsPausedInAnOrderlyWay) {
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(1);
+  ASSERT_TRUE(manager_->Pause("walk", ""));
+  ASSERT_TRUE(manager_->Cancel("walk", "a person"));
+  Steps(1);
+  EXPECT_EQ(StateOf("walk"), "CANCELLED");
+  EXPECT_THAT(walk_.log, ElementsAre("OnPause", "OnResume", "Cancel", "OnEnd cancelled"));
+  EXPECT_FALSE(manager_->Find("walk")->pause_requested());
+}
+
+TEST_F(AManager, FailsASkillWhoseOutputsAreNotNeutralInItsPause) {
+  walk_.throws = {{"OnPause", "no brake"}};
+  ASSERT_TRUE(manager_->Start("walk"));
+  EXPECT_EQ(ErrorOf(manager_->Pause("walk", "")), "walk has failed: OnPause: no brake");
+  EXPECT_EQ(StateOf("walk"), "FAILED");
+}
+
+TEST_F(AManager, RestoresASkillThatIsPausedAsPaused) {
+  walk_.uses = look_.uses = {"base"};
+  int walked = 0;
+  walk_.step = [&](Tick&) { return ++walked, Next::Stay(); };
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(1);
+  ASSERT_TRUE(manager_->Pause("walk", "by a request"));
+  ASSERT_TRUE(manager_->Start("look"));
+  const auto text = WriteSnapshot(manager_->Save().value());
+  ASSERT_TRUE(text);
+  Manager next(registry_.All());
+  ASSERT_TRUE(RestoreSnapshot(next, text.value(), "saved.toml"));
+  for (int i = 0; i < 10; ++i) next.RunOnce(now_ += Milliseconds(100));
+  EXPECT_EQ(walked, 1) << "nothing moves by itself";
+  EXPECT_TRUE(next.Find("walk")->feedback().paused);
+  EXPECT_EQ(next.Find("walk")->pause_why(), "by a request");
+  ASSERT_TRUE(next.Reset("look"));
+  ASSERT_TRUE(next.Resume("walk"));
+  next.RunOnce(now_ += Milliseconds(100));
+  EXPECT_EQ(walked, 2);
 }
 
 TEST_F(AManager, StartsAnEndedSkillAgainFromTheBeginning) {
@@ -184,7 +337,7 @@ TEST_F(AManager, RefusesASkillThatChangesSkillsWithinAStep) {
   std::vector<std::string> errors;
   walk_.step = [&](Tick&) {
     errors = {ErrorOf(manager_->Start("look")), ErrorOf(manager_->Reset("walk")),
-              ErrorOf(manager_->Cancel("walk", ""))};
+              ErrorOf(manager_->Cancel("walk", "")), ErrorOf(manager_->Pause("walk", ""))};
     manager_->RunOnce(now_);
     manager_->ResetAll();
     manager_->Pause();
@@ -192,10 +345,12 @@ TEST_F(AManager, RefusesASkillThatChangesSkillsWithinAStep) {
   };
   ASSERT_TRUE(manager_->Start("walk"));
   Steps(1);
-  EXPECT_THAT(errors,
-              ElementsAre("look: skills are not started, cancelled or reset within a step",
-                          "walk: skills are not started, cancelled or reset within a step",
-                          "walk: skills are not started, cancelled or reset within a step"));
+  EXPECT_THAT(
+      errors,
+      ElementsAre("look: skills are not started, paused, cancelled or reset within a step",
+                  "walk: skills are not started, paused, cancelled or reset within a step",
+                  "walk: skills are not started, paused, cancelled or reset within a step",
+                  "walk: skills are not started, paused, cancelled or reset within a step"));
   EXPECT_TRUE(manager_->Find("walk")->running());
 }
 

@@ -20,6 +20,9 @@ struct Script {
   std::function<Next(Tick&)> on_limit;        // none: Skill::OnLimit()
   std::map<std::string, std::string> throws;  // by function: OnEnd, OnPause, OnResume, Declare
   std::vector<std::string> uses;              // parts of the robot
+  std::vector<std::string> uses_when_fast;    // where `speed` is above 1
+  std::string cannot_pause;                   // the reason
+  std::string may_not_resume;                 // the reason
   std::vector<std::string> log;
 };
 
@@ -39,6 +42,10 @@ class Scripted : public Skill {
     table.Takes("speed", 0.5, "m/s");
     table.Takes("goal", Numbers{0, 0}, "m, in the map");
     for (const std::string& part : script_.uses) table.Uses(part);
+    for (const std::string& part : script_.uses_when_fast) {
+      table.UsesWhen(part, [](const Values& given) { return given.Number("speed") > 1; });
+    }
+    table.CannotPause(script_.cannot_pause);
     table.Limit({.run = std::chrono::seconds(10), .cancel = std::chrono::seconds(2), .retries = 2});
   }
   Next Step(Tick& tick) override { return script_.step(tick); }
@@ -52,6 +59,11 @@ class Scripted : public Skill {
   void OnEnd(const Ended& ended) override { Log("OnEnd", std::string(Name(ended.status))); }
   void OnPause() override { Log("OnPause"); }
   void OnResume() override { Log("OnResume"); }
+  Result<> MayResume() override {
+    Log("MayResume");
+    if (script_.may_not_resume.empty()) return Ok();
+    return Error{kCodeFailed, script_.may_not_resume};
+  }
 
  private:
   void Log(const std::string& function, const std::string& detail = {}) {

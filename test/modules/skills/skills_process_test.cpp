@@ -75,6 +75,34 @@ class SkillsProcess : public ::testing::Test {
     return feedback.value_or(msg::SkillFeedback());
   }
 
+  // Pauses or resumes take_off: "true EXECUTING", as the service answers.
+  std::string Pause(bool pause) {
+    std::optional<msg::PauseSkill::Response> answer;
+    const auto service =
+        transport::MakeClient<msg::PauseSkill>(peer_.node(), "r/pause_skill").value();
+    EXPECT_TRUE(peer_.Until([&] { return service->Ready(); }));
+    msg::PauseSkill::Request request;
+    request.skill = "take_off";
+    request.pause = pause;
+    service->Call(request, std::chrono::seconds(20), [&](const auto& reply) {
+      answer = reply ? reply.value() : msg::PauseSkill::Response();
+    });
+    EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
+    return answer ? (answer->success ? "true " : "false ") + answer->message : "";
+  }
+  // For a second no command rises.
+  void ExpectNoRise() {
+    commands_.clear();
+    int looks = 0;
+    const auto look = peer_.node().loop().Every(Milliseconds(50), [&looks] { ++looks; });
+    ASSERT_TRUE(peer_.Until([&looks] { return looks == 20; }));
+    for (const msg::Twist& command : commands_) EXPECT_LE(command.linear.z, 0.01);
+  }
+  bool Rises() {
+    commands_.clear();
+    return peer_.Until([this] { return !commands_.empty() && commands_.back().linear.z > 0.1; });
+  }
+
   test::ActuatorPeer peer_{"r", kStates, "musher-skills"};
   std::vector<msg::Twist> commands_;
   std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
@@ -110,6 +138,33 @@ TEST_F(SkillsProcess, ThatWasKilledGoesOnIfItsConfigSaysSo) {
   EXPECT_TRUE(peer_.Until([this] { return !commands_.empty() && commands_.back().linear.z > 0; }))
       << peer_.Output();
   EXPECT_EQ(FeedbackOfTakeOff().status, msg::SkillFeedback::kStatusProcessing);
+}
+
+TEST_F(SkillsProcess, PausesOneSkillAlsoOverAPauseOfTheRobot) {
+  ASSERT_NO_FATAL_FAILURE(BeginToRise());
+  EXPECT_EQ(Pause(true), "true EXECUTING");
+  ExpectNoRise();
+  EXPECT_THAT(FeedbackOfTakeOff().message, ::testing::StartsWith("paused: "));
+  ASSERT_TRUE(peer_.Switch("LowPower")) << peer_.Output();
+  EXPECT_EQ(Pause(false), "false r runs no skills in LowPower");
+  ASSERT_TRUE(peer_.Switch("Active")) << peer_.Output();
+  ExpectNoRise();
+  EXPECT_EQ(Pause(false), "true EXECUTING");
+  EXPECT_TRUE(Rises()) << peer_.Output();
+}
+
+TEST_F(SkillsProcess, ThatWasKilledWithAPausedSkillMovesNothingByItself) {
+  const std::string more = "after_restart = \"continue\"\n";
+  ASSERT_NO_FATAL_FAILURE(BeginToRise(more));
+  EXPECT_EQ(Pause(true), "true EXECUTING");
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  ASSERT_NO_FATAL_FAILURE(Begin(more));
+  ExpectNoRise();
+  EXPECT_THAT(peer_.Output(), HasSubstr("take_off stays paused in EXECUTING until it is resumed"));
+  EXPECT_EQ(Pause(false), "true EXECUTING");
+  EXPECT_TRUE(Rises()) << peer_.Output();
 }
 
 TEST_F(SkillsProcess, ExitsWithCode2AndTheErrorsOfItsConfig) {

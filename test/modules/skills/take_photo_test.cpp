@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "musher/test/modules/skills/fake_robot.hpp"
 
 namespace musher::skills::take_photo_test {
@@ -88,6 +90,145 @@ TEST_F(TakePhotoSkill, WaitsUntilItsTargetIsInSightOrSaysWhyNot) {
   bench_.robot.has_objects = false;
   EXPECT_EQ(Take({{"target", "car"}}).message,
             "Timeout: car is not in sight after 5 s: no objects were received");
+}
+
+class AimedPhoto : public ::testing::Test {
+ protected:
+  explicit AimedPhoto(const char* name = "jetbot_0", const char* kind = "jetbot")
+      : bench_(name, kind) {
+    bench_.robot.camera_names = {"front"};
+  }
+  void Place(double x_m, double y_m) {
+    bench_.robot.seen = {{"car_1", "car", {{x_m, y_m, 0}, 0}, ""}};
+  }
+  double OffRad() const {
+    const auto& at = bench_.robot.seen.at(0).pose.at;
+    const auto& own = bench_.robot.body;
+    return navigation::Wrapped(std::atan2(at.y_m - own.at.y_m, at.x_m - own.at.x_m) - own.yaw_rad);
+  }
+  Bench bench_;
+};
+
+TEST_F(AimedPhoto, TurnsToItsTargetBeforeItIsTaken) {
+  for (const auto& [x_m, y_m] : {std::pair(0.0, 5.0), {-3.0, 0.1}, {-3.0, -0.1}, {2.0, -1.0}}) {
+    bench_.robot.body.yaw_rad = 0;
+    bench_.robot.pictures_taken = 0;
+    Place(x_m, y_m);
+    bench_.Start("take_photo", {{"target", "car"}});
+    while (bench_.run().running() && bench_.robot.pictures_taken == 0) bench_.Step();
+    EXPECT_LE(std::abs(OffRad()), 0.12) << x_m << ", " << y_m;
+    EXPECT_LT(std::abs(bench_.robot.motion.yaw_rad_s), 0.06)
+        << "it stands, and the picture is sharp";
+    EXPECT_EQ(bench_.RunOut().message, "Photo captured");
+    EXPECT_EQ(bench_.robot.command, navigation::Velocity{});
+    EXPECT_LT(std::hypot(bench_.robot.body.at.x_m, bench_.robot.body.at.y_m), 0.01);
+  }
+}
+
+TEST_F(AimedPhoto, FollowsATargetThatMoves) {
+  Place(0, 5);
+  bench_.Start("take_photo", {{"target", "car"}});
+  for (double x_m = 0; bench_.run().running() && bench_.seconds() < 60; x_m -= 0.02) {
+    Place(x_m, 5);
+    bench_.Step();
+  }
+  EXPECT_EQ(bench_.feedback().message, "Photo captured");
+  EXPECT_LE(std::abs(OffRad()), 0.2);
+}
+
+TEST_F(AimedPhoto, IsRefusedWhenThePlaceOfTheTargetIsNotKnownOrIsLost) {
+  EXPECT_EQ(bench_.Execute("take_photo", {{"target", "car"}}).message,
+            "Timeout: car is not in sight after 5 s: the place of car is not known");
+  Place(0, 5);
+  bench_.robot.has_odometry = false;
+  EXPECT_EQ(bench_.Execute("take_photo", {{"target", "car"}}).message,
+            "Timeout: car is not in sight after 5 s: No odometry of jetbot_0");
+  bench_.robot.has_odometry = true;
+  Place(-5, 0.1);
+  bench_.Start("take_photo", {{"target", "car"}});
+  bench_.StepFor(1);
+  EXPECT_EQ(bench_.run().Path(), "AIMING");
+  bench_.robot.has_objects = false;  // what was seen is old
+  bench_.StepFor(0.5);
+  EXPECT_EQ(bench_.robot.command, navigation::Velocity{}) << "it does not turn on belief alone";
+  EXPECT_EQ(bench_.RunOut().message, "It has not turned to car: no objects were received");
+  EXPECT_EQ(bench_.robot.pictures_taken, 0);
+}
+
+TEST_F(AimedPhoto, TurnsOnlyAsItsGateLetsIt) {
+  bench_.robot.held_by = "an obstacle 0.10 m away";
+  Place(0, 5);
+  EXPECT_EQ(bench_.Execute("take_photo", {{"target", "car"}}).message,
+            "It has not turned to car: an obstacle 0.10 m away");
+  Place(5, 1);
+  EXPECT_EQ(bench_.Execute("take_photo", {{"target", "car"}}).message, "Photo captured")
+      << "it is in the picture";
+}
+
+TEST_F(AimedPhoto, IsBoundedInTime) {
+  Place(-5, 0.1);
+  bench_.Start("take_photo", {{"target", "car"}});
+  for (int i = 0; i < 300 && bench_.run().running(); ++i) {
+    bench_.robot.body.yaw_rad = 0;  // the wheels slip
+    bench_.Step();
+  }
+  EXPECT_EQ(bench_.feedback().message, "Timeout: it has not turned to car after 15 s");
+  EXPECT_EQ(bench_.robot.command, navigation::Velocity{});
+}
+
+TEST_F(AimedPhoto, UsesTheBaseOnlyForATarget) {
+  EXPECT_TRUE(bench_.manager().Make("take_photo").value()->table().parts() ==
+              std::vector<std::string>{kCamera});
+  bench_.Start("take_photo", {{"target", "car"}});
+  EXPECT_THAT(bench_.run().parts(), ElementsAre(kCamera, kBase));
+  ASSERT_TRUE(bench_.manager().CancelNow("take_photo", "").ok());
+  bench_.Start("take_photo", {{"target", "car"}, {"turn", false}});
+  EXPECT_THAT(bench_.run().parts(), ElementsAre(kCamera));
+}
+
+// Another skill may drive then.
+TEST_F(AimedPhoto, DoesNotTouchTheBaseWithoutATurn) {
+  for (const Values& parameters : {Values{}, Values{{"target", "car"}, {"turn", false}}}) {
+    Place(5, 1);
+    bench_.robot.SetVelocity({.x_m_s = 0.1});
+    EXPECT_EQ(bench_.Execute("take_photo", parameters).message, "Photo captured");
+    EXPECT_EQ(bench_.robot.command.x_m_s, 0.1);
+  }
+}
+
+TEST_F(AimedPhoto, StandsInAPauseAndTurnsOnAfterIt) {
+  Place(-5, 0.1);
+  bench_.Start("take_photo", {{"target", "car"}});
+  bench_.StepFor(1);
+  ASSERT_TRUE(bench_.manager().Pause("take_photo", "by a request").ok());
+  EXPECT_EQ(bench_.robot.command, navigation::Velocity{});
+  bench_.StepFor(60);
+  EXPECT_EQ(bench_.run().Path(), "AIMING");
+  ASSERT_TRUE(bench_.manager().Resume("take_photo").ok());
+  EXPECT_EQ(bench_.RunOut().message, "Photo captured");
+}
+
+class AimedPhotoOfAFlyer : public AimedPhoto {
+ protected:
+  AimedPhotoOfAFlyer() : AimedPhoto("cf2x_0", "cf2x") {}
+};
+
+TEST_F(AimedPhotoOfAFlyer, KeepsItsPlaceInWindWhileItTurns) {
+  bench_.robot.body.at.z_m = 1.5;
+  bench_.robot.wind = {.x_m_s = 0.1, .y_m_s = 0.1};
+  Place(-5, 0.1);
+  bench_.Start("take_photo", {{"target", "car"}});
+  while (bench_.run().running() && bench_.robot.pictures_taken == 0) bench_.Step();
+  EXPECT_LE(std::abs(OffRad()), 0.15);
+  EXPECT_LT(std::hypot(bench_.robot.body.at.x_m, bench_.robot.body.at.y_m), 0.3);
+  EXPECT_NEAR(bench_.robot.body.at.z_m, 1.5, 0.2);
+}
+
+TEST_F(AimedPhotoOfAFlyer, DoesNotTurnOnTheGround) {
+  Place(0, 5);
+  EXPECT_EQ(bench_.Execute("take_photo", {{"target", "car"}}).message,
+            "Timeout: car is not in sight after 5 s: it is not ahead of the camera");
+  EXPECT_EQ(bench_.robot.body.yaw_rad, 0);
 }
 
 TEST_F(TakePhotoSkill, RetriesAFailedCaptureTwice) {

@@ -124,14 +124,14 @@ TEST_F(Track, GoesOnWhenTheTargetIsSeenAgain) {
 TEST_F(Track, FailsWithoutATargetOrAServer) {
   seen = false;
   Go();
-  EXPECT_TRUE(RunToItsEnd(3));
+  EXPECT_TRUE(RunToItsEnd(11));
   EXPECT_EQ(feedback().message, "Target not seen: no pose on /target_0/odom");
   Go({{"target_topic", "/target_7/odom"}});
-  EXPECT_TRUE(RunToItsEnd(3));
+  EXPECT_TRUE(RunToItsEnd(11));
   EXPECT_EQ(feedback().message, "Target not seen: no pose on /target_7/odom");
   robot.planner_up = false;
   Go();
-  EXPECT_TRUE(RunToItsEnd(3));
+  EXPECT_TRUE(RunToItsEnd(11));
   EXPECT_THAT(feedback().message, HasSubstr("Path planner server not available"));
 }
 

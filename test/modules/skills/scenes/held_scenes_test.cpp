@@ -52,7 +52,9 @@ TEST(HeldScenes, EndWithoutContact) {
                                      "door of 0.7 m",
                                      "door of 0.5 m",
                                      "person waits in the door for 8 s",
+                                     "person who yields comes through the door",
                                      "map that contains the obstacle comes on the way",
+                                     "map that is there only after the goal",
                                      "localisation jumps by 1 m for 3 s",
                                      "person comes the other way",
                                      "flyer passes a person"};
