@@ -28,7 +28,7 @@ struct Lines {
   LineWord ycy = LineWord::kCenter;
   LineWord dy = LineWord::kCenter;
   double middle_offset = 0;  // of their middle from its place, as a share of the width; NaN: none
-  std::string doubt;         // why the words mean nothing; empty: they do
+  std::string doubt{};       // why the words mean nothing; empty: they do
 };
 
 class Perception {

@@ -20,7 +20,9 @@ constexpr double kSquint =
 constexpr double kWidthsBeside = 1.5;
 constexpr double kLeastBesideM = 0.05, kLeastBesidePx = 4;
 constexpr double kLeastOffFloor = 12;  // see ContrastOf()
-constexpr double kMostTurn = 0.35;     // radians between the axes of two pieces
+// Between the ends of two pieces, at most: so much, or in the picture the length of the longer one.
+constexpr double kMostGapM = 0.4;
+constexpr double kMostTurn = 0.35;  // radians between the axes of two pieces
 
 // The piece alone: 255 within its outline and in the mask.
 cv::Mat Filled(const Contour& outline, const cv::Rect& box, const cv::Mat& mask) {
@@ -266,8 +268,17 @@ double Beside(const YellowLine& line, const cv::Point2d& point) {
   return std::abs(off.x * line.axis.y - off.y * line.axis.x);
 }
 
-bool IsPartOf(const YellowLine& line, const YellowLine& piece, double least_beside) {
+// Along the axis of the first, between its end and that of the other.
+double Along(const YellowLine& line, const YellowLine& piece) {
+  const double apart = std::abs((piece.middle - line.middle).dot(line.axis));
+  const double half = piece.has_axis() ? piece.length / 2 : 0;
+  return apart - line.length / 2 - half;
+}
+
+bool IsPartOf(const YellowLine& line, const YellowLine& piece, bool in_metres) {
   if (!line.has_axis() || !piece.placed) return false;
+  const double least_beside = in_metres ? kLeastBesideM : kLeastBesidePx;
+  if (Along(line, piece) > (in_metres ? kMostGapM : line.length)) return false;
   if (Beside(line, piece.middle) > std::max(kWidthsBeside * line.width, least_beside)) return false;
   return !piece.has_axis() || std::abs(line.axis.dot(piece.axis)) >= std::cos(kMostTurn);
 }
@@ -285,14 +296,14 @@ void Join(Piece& line, const Piece& piece) {
 }
 
 // The longest first, so that a short piece finds its line.
-std::vector<Piece> Joined(std::vector<Piece> pieces, double least_beside) {
+std::vector<Piece> Joined(std::vector<Piece> pieces, bool in_metres) {
   std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& one, const Piece& other) {
     return one.line.length > other.line.length;
   });
   std::vector<Piece> lines;
   for (Piece& piece : pieces) {
     const auto line = std::find_if(lines.begin(), lines.end(), [&](const Piece& each) {
-      return IsPartOf(each.line, piece.line, least_beside);
+      return IsPartOf(each.line, piece.line, in_metres);
     });
     if (line == lines.end()) {
       lines.push_back(std::move(piece));
@@ -306,7 +317,7 @@ std::vector<Piece> Joined(std::vector<Piece> pieces, double least_beside) {
 // Not farther along the axis than the line is long: beyond it may bend.
 cv::Point2d PlaceOf(const YellowLine& line, const Floor& floor, double row) {
   constexpr int kSteps = 60;
-  if (!floor.in_metres() || !line.has_axis()) return line.centroid;
+  if (!line.leads_away) return line.centroid;
   cv::Point2d best = line.centroid;
   double nearest = std::abs(line.centroid.y - row);
   for (int i = -kSteps; i <= kSteps; ++i) {
@@ -331,6 +342,13 @@ std::optional<cv::Point2d> Floor::At(double x, double y) const {
                            (region_.x + x) / picture_.width, (region_.y + y) / picture_.height);
   if (!point) return std::nullopt;
   return cv::Point2d(point->x_m, point->y_m);
+}
+
+bool Floor::LeadsAway(const cv::Point2d& direction) const {
+  constexpr double kHalf = M_SQRT1_2;  // of a right angle
+  if (!mount_) return false;
+  const double yaw_rad = mount_->camera.yaw_rad;
+  return std::abs(direction.dot({std::cos(yaw_rad), std::sin(yaw_rad)})) >= kHalf;
 }
 
 std::optional<cv::Point2d> Floor::Seen(const cv::Point2d& on_floor) const {
@@ -376,10 +394,11 @@ LinesOnFloor LinesOf(const cv::Mat& bgr, const cv::Mat& mask, const Floor& floor
   }
   std::stable_sort(pieces.begin(), pieces.end(), Larger);
   if (pieces.size() > kMostPieces) pieces.resize(kMostPieces);
-  std::vector<Piece> lines =
-      Joined(std::move(pieces), floor.in_metres() ? kLeastBesideM : kLeastBesidePx);
+  std::vector<Piece> lines = Joined(std::move(pieces), floor.in_metres());
   std::stable_sort(lines.begin(), lines.end(), Larger);
   for (Piece& line : lines) {
+    line.line.leads_away =
+        floor.in_metres() && line.line.has_axis() && floor.LeadsAway(line.line.axis);
     line.line.place = PlaceOf(line.line, floor, (mask.rows - 1) / 2.0);
     found.lines.push_back(std::move(line.line));
   }

@@ -3,8 +3,9 @@
 // wide as a line, or does not stand out from the floor around it, is left out. Pure.
 //
 // The floor is the ground in metres where the camera's mount is known, else the picture in pixels.
-// A piece belongs to a longer one when it lies on its axis: a shadow, a foot or glare lies between.
-// x is to the right, y downwards, both in the region.
+// A piece belongs to a longer one when it lies on its axis and not far from its end: a shadow, a
+// foot or glare lies between. The opening of a lane in a line that it crosses is farther. x is to
+// the right, y downwards, both in the region.
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -34,6 +35,8 @@ class Floor {
   bool in_metres() const { return mount_.has_value(); }
   // Of a point of the region, in pixels of it. Nothing above the horizon, and beyond kFarthestM.
   std::optional<cv::Point2d> At(double x, double y) const;
+  // Whether a direction on the ground leads away from the camera rather than across its view.
+  bool LeadsAway(const cv::Point2d& direction) const;
   // The inverse, also beside the region; nothing for what the picture does not show.
   std::optional<cv::Point2d> Seen(const cv::Point2d& on_floor) const;
 
@@ -48,9 +51,10 @@ struct YellowLine {
   std::vector<Contour> pieces;
   double area_px2 = 0;
   cv::Point2d centroid;
-  // Where its axis crosses the middle row of the region, so that a half of it that is hidden does
-  // not shift it; of a line without an axis on the ground its centroid.
+  // Of a line on the ground that leads away from the camera, where its axis crosses the middle row
+  // of the region, so that a half of it that is hidden does not shift it; of others the centroid.
   cv::Point2d place;
+  bool leads_away = false;  // it is such a line
   cv::Rect box;
   // On the floor.
   cv::Point2d middle;
