@@ -280,7 +280,9 @@ bool IsPartOf(const YellowLine& line, const YellowLine& piece, bool in_metres) {
   const double least_beside = in_metres ? kLeastBesideM : kLeastBesidePx;
   if (Along(line, piece) > (in_metres ? kMostGapM : line.length)) return false;
   if (Beside(line, piece.middle) > std::max(kWidthsBeside * line.width, least_beside)) return false;
-  return !piece.has_axis() || std::abs(line.axis.dot(piece.axis)) >= std::cos(kMostTurn);
+  // The end of a piece that the region cuts off is wider than long.
+  const bool turns = piece.has_axis() && piece.length > kWidthsBeside * line.width;
+  return !turns || std::abs(line.axis.dot(piece.axis)) >= std::cos(kMostTurn);
 }
 
 void Join(Piece& line, const Piece& piece) {
@@ -344,11 +346,15 @@ std::optional<cv::Point2d> Floor::At(double x, double y) const {
   return cv::Point2d(point->x_m, point->y_m);
 }
 
+double Floor::Across(const cv::Point2d& way) const {
+  if (!mount_) return 0;
+  const double yaw_rad = mount_->camera.yaw_rad;
+  return std::abs(way.dot({-std::sin(yaw_rad), std::cos(yaw_rad)}));
+}
+
 bool Floor::LeadsAway(const cv::Point2d& direction) const {
   constexpr double kHalf = M_SQRT1_2;  // of a right angle
-  if (!mount_) return false;
-  const double yaw_rad = mount_->camera.yaw_rad;
-  return std::abs(direction.dot({std::cos(yaw_rad), std::sin(yaw_rad)})) >= kHalf;
+  return mount_ && Across(direction) <= kHalf;
 }
 
 std::optional<cv::Point2d> Floor::Seen(const cv::Point2d& on_floor) const {
@@ -360,12 +366,12 @@ std::optional<cv::Point2d> Floor::Seen(const cv::Point2d& on_floor) const {
                      (*share)[1] * picture_.height - region_.y);
 }
 
-std::optional<double> Gap(const YellowLine& one, const YellowLine& other) {
+std::optional<double> Gap(const YellowLine& one, const YellowLine& other, const Floor& floor) {
   const YellowLine& longer = one.length >= other.length ? one : other;
   const YellowLine& shorter = &longer == &one ? other : one;
   if (!longer.placed || !shorter.placed) return std::nullopt;
   return longer.has_axis() ? Beside(longer, shorter.middle)
-                           : cv::norm(longer.middle - shorter.middle);
+                           : floor.Across(longer.middle - shorter.middle);
 }
 
 LinesOnFloor LinesOf(const cv::Mat& bgr, const cv::Mat& mask, const Floor& floor,
@@ -397,8 +403,10 @@ LinesOnFloor LinesOf(const cv::Mat& bgr, const cv::Mat& mask, const Floor& floor
   std::vector<Piece> lines = Joined(std::move(pieces), floor.in_metres());
   std::stable_sort(lines.begin(), lines.end(), Larger);
   for (Piece& line : lines) {
-    line.line.leads_away =
-        floor.in_metres() && line.line.has_axis() && floor.LeadsAway(line.line.axis);
+    const bool has_axis = floor.in_metres() && line.line.has_axis();
+    line.line.leads_away = has_axis && floor.LeadsAway(line.line.axis);
+    line.line.lies_across =
+        has_axis && !line.line.leads_away && line.line.length > 2 * rules.most_width_m;
     line.line.place = PlaceOf(line.line, floor, (mask.rows - 1) / 2.0);
     found.lines.push_back(std::move(line.line));
   }

@@ -35,6 +35,8 @@ class Floor {
   bool in_metres() const { return mount_.has_value(); }
   // Of a point of the region, in pixels of it. Nothing above the horizon, and beyond kFarthestM.
   std::optional<cv::Point2d> At(double x, double y) const;
+  // How much of a way on the ground is across the camera's view; 0 without a mount.
+  double Across(const cv::Point2d& way) const;
   // Whether a direction on the ground leads away from the camera rather than across its view.
   bool LeadsAway(const cv::Point2d& direction) const;
   // The inverse, also beside the region; nothing for what the picture does not show.
@@ -54,7 +56,8 @@ struct YellowLine {
   // Of a line on the ground that leads away from the camera, where its axis crosses the middle row
   // of the region, so that a half of it that is hidden does not shift it; of others the centroid.
   cv::Point2d place;
-  bool leads_away = false;  // it is such a line
+  bool leads_away = false;   // it is such a line
+  bool lies_across = false;  // it leads aside; not of the end of a piece that the region cuts off
   cv::Rect box;
   // On the floor.
   cv::Point2d middle;
@@ -67,8 +70,9 @@ struct YellowLine {
   bool has_axis() const { return placed && length >= 2 * width; }
 };
 
-// Between two lines, across the longer one; nothing where it is not known.
-std::optional<double> Gap(const YellowLine& one, const YellowLine& other);
+// Between two lines: across the longer one, or where neither has an axis across the camera's view.
+// Nothing where it is not known.
+std::optional<double> Gap(const YellowLine& one, const YellowLine& other, const Floor& floor);
 
 struct PieceRules {
   HsvRange color;

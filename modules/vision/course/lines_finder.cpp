@@ -71,8 +71,8 @@ class Middle {
   }
 
   bool AreOne(const YellowLine& one, const YellowLine& other) const {
-    if (!one.leads_away || !other.leads_away) return false;
-    const auto gap_m = Gap(one, other);
+    if (!floor_.in_metres() || one.lies_across || other.lies_across) return false;
+    const auto gap_m = Gap(one, other, floor_);
     return gap_m && *gap_m < kLeastGap * parameters_.lane_m;
   }
 
@@ -83,7 +83,7 @@ class Middle {
 
   // Where the other line of the lane would be seen, from the only one.
   void LookBeside(const YellowLine& line) {
-    if (!floor_.in_metres() || (line.has_axis() && !line.leads_away)) return;
+    if (!floor_.in_metres() || line.lies_across) return;
     const cv::Point2d& at = line.place;
     const auto here = floor_.At(at.x, at.y), center = floor_.At(center_x_, at.y);
     const auto aside = Aside(line);

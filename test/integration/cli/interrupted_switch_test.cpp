@@ -23,6 +23,7 @@ class InterruptedSwitch : public MachineByCli {
     const auto status = AwaitStatus([](const auto& s) { return s["target"] == "LowPower"; });
     switch_ = "switch " + std::to_string(status["switch"].get<int>());
     controller_ = "pid " + std::to_string(status["pid"].get<pid_t>());
+    ASSERT_EQ(Musher({"history"}).exit, 0);  // now the switch is on disk
     killed_ = Clock::now();
     kill(status["pid"].get<pid_t>(), SIGKILL);
   }
