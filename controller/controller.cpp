@@ -487,7 +487,7 @@ bool Controller::Flush(Duration timeout) {
 }
 
 void Controller::OnceRecorded(std::function<void()> then) {
-  constexpr Duration kLongestWrite = Milliseconds(2000);
+  static constexpr Duration kLongestWrite = Milliseconds(2000);
   if (file_journal_ == nullptr) return then();
   const auto write = [journal = file_journal_->access()]() -> Result<> {
     static_cast<void>(journal.Flush(kLongestWrite));
