@@ -6,6 +6,8 @@
 // A piece belongs to a longer one when it lies on its axis and not far from its end: a shadow, a
 // foot or glare lies between. The opening of a lane in a line that it crosses is farther. x is to
 // the right, y downwards, both in the region.
+//
+// Threads: any. Errors: as of color_mask.hpp.
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -25,6 +27,8 @@ struct Mount {
   friend bool operator==(const Mount&, const Mount&) = default;
 };
 
+// What a camera sees in a region: pixels of the region to places on the floor, and back. Places are
+// in the frame of mounted_camera.hpp with a mount, else they are the pixels themselves.
 class Floor {
  public:
   static constexpr double kFarthestM = 4;  // points beyond have no place
@@ -35,12 +39,13 @@ class Floor {
   bool in_metres() const { return mount_.has_value(); }
   // Of a point of the region, in pixels of it. Nothing above the horizon, and beyond kFarthestM.
   std::optional<cv::Point2d> At(double x, double y) const;
-  // How much of a way on the ground is across the camera's view; 0 without a mount.
-  double Across(const cv::Point2d& way) const;
-  // Whether a direction on the ground leads away from the camera rather than across its view.
-  bool LeadsAway(const cv::Point2d& direction) const;
   // The inverse, also beside the region; nothing for what the picture does not show.
   std::optional<cv::Point2d> Seen(const cv::Point2d& on_floor) const;
+  // How much of a way on the ground is across the camera's view; 0 without a mount.
+  double Across(const cv::Point2d& way) const;
+  // Whether a direction on the ground leads away from the camera rather than across its view; false
+  // without a mount.
+  bool LeadsAway(const cv::Point2d& direction) const;
 
  private:
   std::optional<Mount> mount_;

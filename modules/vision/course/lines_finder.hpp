@@ -19,10 +19,9 @@
 //         "back"; else its centroid is farther from the centre line than the limit, "front".
 //
 // With no line at all the words are "center", and `contours` is 0. With a doubt the words are
-// "center", too, and `doubt` says why they mean nothing: see Doubts below.
-//
-// Doubts: the floor has the colour of the lines; nothing that has it is as wide as a line; the only
-// line may be another lane's.
+// "center", too, and `doubt` says why they mean nothing: the floor has the colour of the lines;
+// what has it is not as wide as a line, does not stand out from the floor, or has not the shape of
+// a line; the only line may be another lane's.
 //
 // How much of the offset is how far: on a lane 0.83 m wide, `middle_offset` changes by 0.05 for
 // each 0.1 m beside its middle in the picture of the front camera, and by 0.036 in that of a
