@@ -14,6 +14,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/unique_fd.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/base/version.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -221,7 +222,7 @@ int Main(int argc, char** argv) {
     app.parse(argc, argv);
     return RunView(options);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    return EndOfParse(app, e, 2);
   } catch (const std::exception& e) {  // a system resource is exhausted
     return FailView(e.what());
   }

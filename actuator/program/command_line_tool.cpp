@@ -10,6 +10,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "musher/base/usage_error.hpp"
 #include "musher/base/version.hpp"
 #include "musher/base/words.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -88,8 +89,7 @@ std::optional<ParseEnd> Parse(CLI::App& app, int argc, const char* const* argv,
       while (text.ends_with('\n')) text.pop_back();  // Say() ends the line
       return ParseEnd{ExitCode::kDone, text};
     }
-    return ParseEnd{ExitCode::kUsage,
-                    std::string(e.what()) + "; see " + app.get_name() + " --help"};
+    return ParseEnd{ExitCode::kUsage, UsageError(app, e)};
   }
   TakeEnvironment(options);
   return std::nullopt;

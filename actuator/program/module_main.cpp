@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "musher/base/usage_error.hpp"
 #include "musher/base/version.hpp"
 
 namespace musher::program {
@@ -28,7 +29,7 @@ int Main(int argc, char** argv, const About& about, const std::function<int(cons
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUsageError;
+    return EndOfParse(app, error, kUsageError);
   }
   if (options.check) OnlyCheck();
   return run(options);

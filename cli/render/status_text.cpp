@@ -179,6 +179,8 @@ std::string StatusText(const msg::MachineStatus& shown, bool colour, const Statu
     const bool limited = !status.policy.ceiling.empty() || status.policy.battery_silent;
     text += Paint(policy, limited ? Style::kBusy : Style::kDim, colour) + '\n';
   }
+  // A machine has actuators: those that `--failed` looks for are missing.
+  if (status.actuators.empty()) return text + "all actuators are present and well\n";
   Table table({"ACTUATOR", "STATE", "STAGE", "PID", "NOTE"});
   for (const msg::ActuatorInfo& a : status.actuators) {
     table.Add({{a.name + (a.critical ? "*" : "")},

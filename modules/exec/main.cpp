@@ -10,6 +10,7 @@
 
 #include "musher/actuator/program/module_main.hpp"
 #include "musher/base/suggest.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/base/version.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/modules/exec/exec_process.hpp"
@@ -75,7 +76,7 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
     }
     return options;
   } catch (const CLI::ParseError& error) {
-    exit_code = app.exit(error) == 0 ? 0 : kUsageError;
+    exit_code = musher::EndOfParse(app, error, kUsageError);
     return std::nullopt;
   }
 }

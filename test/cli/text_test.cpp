@@ -54,6 +54,13 @@ TEST_F(Text, IsCalmAboutAMachineThatIsWell) {
             "legs*     Active  1      101\n");
 }
 
+// `musher status --failed` printed the head of a table without a row.
+TEST_F(Text, SaysThatNoActuatorHasFailed) {
+  msg::MachineStatus status = RobotStatus();
+  status.actuators.clear();
+  EXPECT_TRUE(StatusText(status, false).ends_with("\nall actuators are present and well\n"));
+}
+
 TEST_F(Text, ShowsThePolicyOnOneLine) {
   msg::MachineStatus status = RobotStatus();
   status.policy.active = true;

@@ -103,7 +103,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"toml++/", {"base/toml/"}},
       {"tinyxml2.h", {"behavior/tree/xml/"}},
       {"CLI/",
-       {"cli/", "actuator/program/", "modules/", "view/", "test/benchmark/",
+       {"base/usage_error.cpp", "cli/", "actuator/program/", "modules/", "view/", "test/benchmark/",
         "test/fault_injection/", "test/cli/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
       {"sqlite3.h", {"controller/", "test/controller/"}},

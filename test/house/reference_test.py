@@ -116,6 +116,14 @@ class Options(unittest.TestCase):
         wrong = differences(Reference(read(REFERENCE)), named)
         self.assertFalse(wrong, "\n" + "\n".join(wrong))
 
+    def test_that_no_program_has_are_refused_alike_by_all_of_them(self):
+        for path in self.programs:
+            name = os.path.basename(path)
+            run = subprocess.run([path, "--no-such-option"], capture_output=True, text=True, timeout=300,
+                                 check=False, env=dict(os.environ, MUSHER_ACTUATOR="a", MUSHER_CONFIG="a.toml"))
+            self.assertEqual((run.returncode, run.stdout), (2, ""), name)
+            self.assertRegex(run.stderr, rf"^{name}: [^\n]+; see {name} --help\n$")
+
     def test_that_are_missing_or_removed_are_reported(self):
         page = Reference("# Reference\n\n## Shared\n\n`--config`\n\n### Others\n\n`--keys`\n\n"
                          "## The `a` and `b` programs\n\n`--old`, `--in-page`, [shared](#shared), [page](../a/b.md)\n",

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <exception>
 
+#include "musher/base/usage_error.hpp"
 #include "musher/base/version.hpp"
 #include "musher/view/record/commands.hpp"
 
@@ -94,7 +95,7 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    return EndOfParse(app, e, 2);
   } catch (const std::exception& e) {  // a system resource is exhausted
     return Fail({kCodeFailed, e.what()}, 1);
   }

@@ -8,6 +8,7 @@
 
 #include "musher/actuator/program/module_main.hpp"
 #include "musher/base/files.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/behavior/tree/build.hpp"
 #include "musher/behavior/tree/models.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
@@ -65,7 +66,7 @@ int PrintModels(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : program::kUsageError;
+    return EndOfParse(app, error, program::kUsageError);
   }
   const Nodes nodes;
   std::cout << tree::ModelsXml(nodes.factory);

@@ -10,6 +10,7 @@
 
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/file.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/modules/meilin/plan/box_map_text.hpp"
 #include "musher/modules/meilin/plan/json_reader.hpp"
 #include "musher/modules/meilin/plan/plan_file.hpp"
@@ -193,7 +194,7 @@ int RunPlanTool(int argc, const char* const* argv, const FileCheck& others) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kErrors;
+    return EndOfParse(app, error, kErrors);
   }
   return command == "check" ? CheckFiles(files, others) : Plan(options);
 }

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "musher/actuator/program/module_main.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/modules/race/course_reader.hpp"
 #include "musher/modules/race/tool/tool.hpp"
 
@@ -17,7 +18,7 @@ int Check(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : program::kUsageError;
+    return EndOfParse(app, error, program::kUsageError);
   }
   const CourseReading reading = ReadCourseFile(file);
   program::PrintErrors(reading.diagnostics);

@@ -6,6 +6,7 @@
 
 #include "musher/actuator/program/module_main.hpp"
 #include "musher/application/fsm_replay_file.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/modules/race/course_reader.hpp"
 #include "musher/modules/race/race.hpp"
 #include "musher/modules/race/tool/tool.hpp"
@@ -50,7 +51,7 @@ int Replay(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : program::kUsageError;
+    return EndOfParse(app, error, program::kUsageError);
   }
   const CourseReading reading = ReadCourseFile(course_file);
   program::PrintErrors(reading.diagnostics);

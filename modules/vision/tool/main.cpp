@@ -5,6 +5,7 @@
 
 #include "musher/actuator/program/command_line_tool.hpp"
 #include "musher/actuator/program/module_main.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/base/version.hpp"
 #include "musher/modules/vision/tool/look.hpp"
 #include "musher/modules/vision/tool/look_course.hpp"
@@ -101,7 +102,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::kUsage);
+    return musher::EndOfParse(app, error, static_cast<int>(ExitCode::kUsage));
   }
   return static_cast<int>(tune->parsed() ? Tune(to_tune) : Look(options));
 }

@@ -6,6 +6,7 @@
 
 #include "musher/actuator/program/module_main.hpp"
 #include "musher/application/fsm_replay_file.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/modules/wedding/show.hpp"
 #include "musher/modules/wedding/tool/tool.hpp"
 
@@ -52,7 +53,7 @@ int Replay(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : program::kUsageError;
+    return EndOfParse(app, error, program::kUsageError);
   }
   if (config_file.empty()) return Play(file, {});
   const WeddingReading reading = ReadWeddingFile(config_file);

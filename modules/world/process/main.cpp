@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "musher/actuator/program/module_main.hpp"
+#include "musher/base/usage_error.hpp"
 #include "musher/base/version.hpp"
 #include "musher/modules/world/process/world_actuator.hpp"
 #include "musher/modules/world/process/world_alone.hpp"
@@ -89,7 +90,7 @@ int WorldControlMain(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUsageError;
+    return musher::EndOfParse(app, error, kUsageError);
   }
   if (json) words.emplace_back("--json");
   const auto command = musher::world::ParseWorldCommand(words);
@@ -151,7 +152,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUsageError;
+    return musher::EndOfParse(app, error, kUsageError);
   }
   if (check) musher::program::OnlyCheck();
   return Run(options);
