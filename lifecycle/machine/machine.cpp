@@ -45,6 +45,11 @@ StoredStops StopsOf(const Machine& machine) {
   return stops;
 }
 
+bool MustBeSetAgain(const Machine& machine, const KnownActuator& known) {
+  const bool stopped = known.report.held_by_stop || machine.emergency.cause != 0;
+  return stopped && !known.set_again;
+}
+
 std::optional<Error> PartialFaultOf(const KnownActuator& known) {
   if (known.presence != Presence::kPresent) return std::nullopt;
   if (known.tolerated) return known.tolerated;

@@ -60,7 +60,7 @@ struct PendingRelease {
 
 struct EmergencyStopState {
   std::optional<EmergencyStop> stop;
-  RecordId cause = 0;                 // the record of this stop
+  RecordId cause = 0;                 // the record of this stop, or of the last one
   std::vector<EmergencyStop> others;  // engaged beside it by other sources, released with it
   std::vector<StopId> released;  // the last released stops, with the ones that newer stops replaced
   std::optional<PendingRelease> release;
@@ -110,6 +110,10 @@ StoredStops StopsOf(const Machine& machine);
 
 // A machine about which nothing is known yet.
 Machine MakeMachine(const MachineConfig& config);
+
+// Whether the actuator may not switch on by itself: no switch that leads it up was requested since
+// the last emergency stop, which was engaged in this run of the controller, or holds it.
+bool MustBeSetAgain(const Machine& machine, const KnownActuator& known);
 
 // The partial fault of a present actuator: the self-check has passed as degraded, or has failed
 // with a code that is not critical. The actuator reaches the state of the machine nevertheless.

@@ -257,6 +257,10 @@ bool PolicyRules::BringBack() {
   const State target = UpTo(lowering->from);
   const auto rank = config_.RankOf(target);
   if (!rank || *rank <= *config_.RankOf(machine_.state) || machine_.emergency.stop) return false;
+  const bool must_be_set =
+      std::any_of(machine_.actuators.begin(), machine_.actuators.end(),
+                  [this](const KnownActuator& known) { return MustBeSetAgain(machine_, known); });
+  if (must_be_set) return false;  // a release switches nothing on, nor does the battery after it
   return BeginByPolicy(
       MakePlan(config_, machine_, target),
       texts::BatterySwitchUp(machine_.policy.battery.value_or(0), machine_.policy.charging, target),

@@ -21,7 +21,7 @@ bool LateActuators::DriveLateOnes() {
       changed |= !had_a_fault && known.fault;
       continue;
     }
-    if (known.due && StoppedOnTheLevel(i)) {
+    if (known.due && WaitsForRequest(i)) {
       Hold(i);
       changed = true;
       continue;
@@ -83,17 +83,14 @@ bool LateActuators::Lower(ActuatorIndex i) {
   return true;
 }
 
-// Whether an emergency stop is between the actuator and the state of the machine, another one that
-// is as active. The release starts no callback on the same level: only a requested switch does.
-bool LateActuators::StoppedOnTheLevel(ActuatorIndex i) const {
+// Whether an emergency stop is between the actuator and the state of the machine, one that may
+// switch it on. The release switches nothing on: only a requested switch does.
+bool LateActuators::WaitsForRequest(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const State place = PlaceOf(i);
-  const bool level =
-      known.state() != place && config_.RankOf(known.state()) == config_.RankOf(place);
-  const bool held = IsStopped(i) || (known.report.held_by_stop && !known.set_again);
-  return level && held && ConfigOf(i).Lists(place) &&
-         RunsCallback(config_, i, known.state(), place) &&
-         SwitchesOnAgain(config_, known.state(), place);
+  return (IsStopped(i) || MustBeSetAgain(machine_, known)) && place != kError &&
+         ConfigOf(i).Lists(place) && RunsCallback(config_, i, known.state(), place) &&
+         MaySwitchOn(config_, known.state(), place);
 }
 
 // Its command could overtake the release on the way to it: its own report counts, too.

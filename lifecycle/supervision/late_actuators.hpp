@@ -20,7 +20,7 @@ class LateActuators : StepPart {
   bool IsToBeChecked(ActuatorIndex i);
   bool LowerLateOnes();
   bool Lower(ActuatorIndex i);
-  bool StoppedOnTheLevel(ActuatorIndex i) const;
+  bool WaitsForRequest(ActuatorIndex i) const;
   bool IsStopped(ActuatorIndex i) const;
   void Hold(ActuatorIndex i);
   bool MayJoin(ActuatorIndex i, std::optional<RecordText>& blocker) const;

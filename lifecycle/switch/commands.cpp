@@ -36,7 +36,7 @@ bool Commands::SendAgain(ActuatorIndex i) {
   const PendingCommand command = *known.command;
   const bool was_younger = known.clock_theirs - known.clock_ours > command.clock_ahead;
   const bool stopped = machine_.emergency.stop || (machine_.current && machine_.current->stopped) ||
-                       (known.report.held_by_stop && !known.set_again);
+                       MustBeSetAgain(machine_, known);
   const bool forbidden = stopped && MaySwitchOn(config_, known.state(), command.target);
   if (!was_younger || forbidden || command.queries > 0 || now_ >= command.deadline) return false;
   Issue(i, command.number, command.target, command.deadline - now_, command.detached);

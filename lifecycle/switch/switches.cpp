@@ -155,6 +155,10 @@ void Switches::AddLeg(Switch& s, const PlanStep& step) {
 
 void Switches::PermitSwitchingOn(const Switch& s) {
   if (machine_.emergency.stop) return;
+  // One of the machine is for those, too, that it has not reached.
+  if (!s.only && SwitchesOnAgain(config_, s.from, s.target)) {
+    for (KnownActuator& known : machine_.actuators) known.set_again = true;
+  }
   for (const Leg& leg : s.legs) {
     if (SwitchesOnAgain(config_, leg.from, leg.target)) Of(leg.actuator).set_again = true;
   }

@@ -196,8 +196,7 @@ void CheckDegraded(const Model& model, const World& world, Notes& notes) {
   const auto names = Degraded(model.config, world.machine);
   const auto degraded = std::ranges::count_if(names, [&](const std::string& name) {
     const ActuatorReport& report = world.actuators[*model.config.IndexOf(name)].core.report;
-    const bool level = model.config.RankOf(report.state) == model.config.RankOf(world.from);
-    const bool ended = report.held_by_stop && level && world.machine.state == world.from;
+    const bool ended = report.held_by_stop && world.machine.state == world.from;
     return !ended || world.repeat != Repeat::kNotYet;
   });
   if (IsRequested(world, State(kTearDown))) return;  // an actuator that has exited counts as absent
@@ -259,10 +258,9 @@ void CheckBegin(const Model& model, const World& world, ActuatorIndex i, const S
   if (report.emergency_stop != 0 && MaySwitchOn(model.config, report.state, target)) {
     notes.violations.push_back(what + " while an emergency stop is latched");
   }
-  const bool level = report.state != target && !Rises(model.config, report.state, target);
   const bool requested = world.repeat != Repeat::kNotYet && target == model.target;
-  if (world.released && report.held_by_stop && level && !requested &&
-      SwitchesOnAgain(model.config, report.state, target)) {
+  if (world.released && report.held_by_stop && !requested && number != 0 &&
+      MaySwitchOn(model.config, report.state, target)) {
     notes.violations.push_back(what + " by the release of the emergency stop");
   }
   if (number == 0) return;

@@ -401,7 +401,8 @@ TEST_F(BatteryRule, AnEmergencyStopKeepsTheMachineDown) {
   EXPECT_EQ(state(), "Protected");
   robot().Release();
   robot().RunFor(std::chrono::seconds(5));
-  EXPECT_EQ(state(), "Active");
+  EXPECT_EQ(state(), "Protected") << "a release switches nothing on";
+  EXPECT_TRUE(robot().Set("Active").done());
 }
 
 TEST_F(BatteryRule, ARestartedControllerReportsWhyTheMachineWasTakenDown) {

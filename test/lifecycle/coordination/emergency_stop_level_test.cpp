@@ -234,6 +234,9 @@ TEST_F(StoppedActuators, PassTheirSelfCheckIfTheyWereRestartedInTheSwitch) {
   t.Rest();
   EXPECT_THAT(t.log(), Contains("a:SelfCheck"));
   EXPECT_TRUE(t.RecordOf("a").checked);
+  EXPECT_EQ(t.RecordOf("a").state(), "SelfCheck");
+  EXPECT_THAT(t.RecordOf("a").fault, Is(EventName::kHeldByEmergencyStop));
+  EXPECT_TRUE(t.Set("Active").done());
   EXPECT_EQ(t.RecordOf("a").state(), "Active");
   EXPECT_FALSE(t.RecordOf("a").fault);
 }
@@ -327,8 +330,8 @@ TEST_F(ActuatorsOfAnyProtocol, AreNotSaidToBeBusyAnyMoreWhereAStopHoldsThem) {
   EXPECT_THAT(Of(1).fault, Is(Stays()));
 }
 
-// The command could overtake the release on the way to the actuator, which would refuse it.
-TEST_F(ActuatorsOfAnyProtocol, AreNotCommandedUpBeforeTheyHaveReportedTheRelease) {
+// No person has requested it since. (It could overtake the release, too, and be refused.)
+TEST_F(ActuatorsOfAnyProtocol, AreNotCommandedUpByTheRelease) {
   StartUp();
   Stop();
   ActuatorReport report = Report(1, "DeActive");  // by itself
@@ -338,6 +341,9 @@ TEST_F(ActuatorsOfAnyProtocol, AreNotCommandedUpBeforeTheyHaveReportedTheRelease
   EXPECT_FALSE(Of(1).command);
   report.emergency_stop = 0;
   Say(1, report);
+  EXPECT_FALSE(Of(1).command);
+  EXPECT_THAT(Of(1).fault, Is(EventName::kHeldByEmergencyStop));
+  Do(event::SetStateRequested{3, State("Active")});
   ASSERT_TRUE(Of(1).command);
   EXPECT_EQ(Of(1).command->target, "Active");
 }

@@ -116,7 +116,8 @@ TEST_F(EmergencyStopped, AllowsAFallbackAndTheEndOfTheMachine) {
   EXPECT_TRUE(t.stopped());
 }
 
-TEST_F(EmergencyStopped, ARestartedActuatorIsCheckedAndWaitsForTheRelease) {
+// The release of the stop brought it up to Active, without a request.
+TEST_F(EmergencyStopped, ARestartedActuatorIsCheckedAndWaitsUntilTheStateIsSetAgain) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Crash("b");
@@ -126,6 +127,35 @@ TEST_F(EmergencyStopped, ARestartedActuatorIsCheckedAndWaitsForTheRelease) {
       << "the latched stop is published to late actuators";
   EXPECT_THAT(t.log(), Not(Contains("b:Active")));
   t.Release();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck");
+  EXPECT_THAT(t.log(), Not(Contains("b:Active")));
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(EmergencyStopped, AnActuatorThatComesBackAfterTheReleaseWaitsUntilTheStateIsSetAgain) {
+  Harness& t = In("Active", Ours(2));
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck") << "it was on when the stop switched it off";
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active") << "the stop is over";
+}
+
+TEST_F(EmergencyStopped, AnActuatorThatASetAfterTheReleaseHasNotReachedFollowsIt) {
+  Harness& t = In("Active", Ours(2));
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.Crash("b");
+  t.Set("Active");
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
@@ -190,7 +220,7 @@ TEST_F(EmergencyStopped, ANewControllerFindsTheActuatorsHeldByAReleasedStop) {
   EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active", "b:Active", "c:Active"));
 }
 
-TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsNotHeld) {
+TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsSwitchedOnWithTheOthers) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Release();
@@ -199,7 +229,7 @@ TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsNotHeld) {
   EXPECT_FALSE(t.RecordOf("b").report.held_by_stop);
   t.ClearLog();
   EXPECT_TRUE(t.Set("Active").done());
-  EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active"));
+  EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active", "b:Active"));
 }
 
 // The start

@@ -301,6 +301,8 @@ TEST_F(RestartByHand, IsAnsweredAlsoWhileAnEmergencyStopKeepsItDown) {
   EXPECT_EQ(t.StateOf("b"), "SelfCheck");
   t.Release();
   t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck") << "a release switches nothing on";
+  EXPECT_TRUE(t.Set("Active").done());
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
