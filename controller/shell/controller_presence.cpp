@@ -1,5 +1,6 @@
 #include "musher/controller/shell/controller_presence.hpp"
 
+#include <algorithm>
 #include <tuple>
 #include <utility>
 
@@ -25,6 +26,7 @@ constexpr Duration kLongestSilence = kListenTime / 2;
 constexpr Duration kReportAgain = std::chrono::minutes(10);
 constexpr Duration kOtherSilence = std::chrono::seconds(5);
 constexpr std::size_t kMostOthers = 64;
+constexpr std::size_t kMostUnproven = 512;       // releases, as many as a controller latches
 constexpr std::size_t kLongestMachineText = 64;  // bytes, of a name from the network
 
 }  // namespace
@@ -70,16 +72,29 @@ Result<> ControllerPresence::Open() {
   if (!rivals) return rivals.error();
   rivals_ = std::move(rivals).value();
   auto received = transport::SubscribeToStops(
-      node_, name_space,
-      [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) { OnStop(stop); });
+      node_, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
+        OnStop(stop, info.participant);
+      });
   if (!received) return received.error();
   received_stops_ = std::move(received).value();
   return Ok();
 }
 
-void ControllerPresence::OnStop(const msg::EmergencyStop& stop) {
+void ControllerPresence::OnStop(const msg::EmergencyStop& stop, transport::ParticipantId from) {
   if (!SameMachine(machine(), {stop.machine, stop.machine_id})) return;
-  emit_(event::EmergencyStopSeen{{StopId(stop.id), stop.by, stop.reason}, stop.engaged});
+  if (stop.engaged || std::ranges::count(controllers_, from) != 0) {
+    return emit_(event::EmergencyStopSeen{{StopId(stop.id), stop.by, stop.reason}, stop.engaged});
+  }
+  if (unproven_.size() >= kMostUnproven) unproven_.erase(unproven_.begin());
+  unproven_.push_back({from, stop});
+}
+
+void ControllerPresence::NoteController(transport::ParticipantId participant) {
+  if (participant == 0 || std::ranges::count(controllers_, participant) != 0) return;
+  if (controllers_.size() >= kMostOthers) controllers_.erase(controllers_.begin());
+  controllers_.push_back(participant);
+  const std::vector<Release> releases = std::exchange(unproven_, {});
+  for (const Release& release : releases) OnStop(release.stop, release.from);
 }
 
 void ControllerPresence::Announce(Epoch epoch) {
@@ -142,6 +157,7 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerHeartbeat& heartbeat) 
               {heartbeat.machine, heartbeat.machine_id}};
   if (!SameMachine(machine(), other.machine)) return NoteOtherMachine(std::move(other));
   rival_ = std::move(other);
+  NoteController(transport::ParticipantId(heartbeat.participant));
   // Only a heartbeat that may change something is an event: others would fill the journal.
   if (epoch >= epoch_) emit_(event::RivalSeen{epoch, rival_->process, theirs < ours});
 }

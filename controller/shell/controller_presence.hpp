@@ -67,8 +67,10 @@ class ControllerPresence {
   // Stops publishing: another controller leads, or the machine is stopped.
   void FallSilent();
 
-  // An emergency stop was received. A stop of another machine is ignored.
-  void OnStop(const msg::EmergencyStop& stop);
+  // An emergency stop was received, from a program without a participant if `from` is 0. A stop of
+  // another machine is ignored, and so is a release that no controller has published: it counts
+  // once a heartbeat of its participant has arrived.
+  void OnStop(const msg::EmergencyStop& stop, transport::ParticipantId from = 0);
   void Publish(const EmergencyStop& stop, bool engaged);
   // No stop is engaged any more: an actuator that joins from now on receives releases only.
   void ForgetEngaged() { engaged_stops_ = nullptr; }
@@ -78,6 +80,7 @@ class ControllerPresence {
                      Emit emit, OnOtherMachine on_other);
   Result<> Open();
   void OnHeartbeat(const msg::ControllerHeartbeat& heartbeat);
+  void NoteController(transport::ParticipantId participant);
   void NoteOtherMachine(Rival other);
   void NoteOtherSilence();
   void NoteSilence();
@@ -90,6 +93,12 @@ class ControllerPresence {
   const OnOtherMachine on_other_;
   Epoch epoch_ = 0;
   std::optional<Rival> rival_;
+  struct Release {
+    transport::ParticipantId from = 0;
+    msg::EmergencyStop stop;
+  };
+  std::vector<transport::ParticipantId> controllers_;  // others of this machine, the last ones
+  std::vector<Release> unproven_;  // perhaps of such a controller, the last ones
   struct OtherMachine {
     Rival controller;
     Time received{};

@@ -7,6 +7,7 @@
 
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::controller_presence_test {
 
@@ -92,6 +93,61 @@ TEST_F(Rivals, AreKnownByTheNameOfTheirHost) {
 TEST_F(Rivals, OfAnOlderVersionAreKnownByAShortIdThatIsExplained) {
   EXPECT_EQ(NameOf({1, 7, "5982c7ee-4f4e-4b5c-9f5e/4026531836", ""}),
             "process 7 of another host (boot id 5982c7ee…)");
+}
+
+// What a controller receives before it leads.
+class Releases : public ::testing::Test {
+ protected:
+  Releases() {
+    presence_ = Presence(*here_, [this](const Event& event) {
+      const auto* stop = std::get_if<event::EmergencyStopSeen>(&event);
+      if (stop != nullptr) seen_.emplace_back(stop->engaged ? "engaged" : "released");
+    });
+  }
+
+  std::unique_ptr<ControllerPresence> Presence(transport::Node& node,
+                                               const ControllerPresence::Emit& emit) {
+    const std::string host = "boot/" + std::to_string(++hosts_);
+    return ControllerPresence::Make(node, config_, {1, 7, host}, emit).value();
+  }
+  void Publish(transport::Node& node, bool engaged) {
+    auto made = transport::MakePublisher<msg::EmergencyStop>(
+        node, transport::EmergencyStopTopic(config_.name_space),
+        {transport::Qos::Reliability::kReliable, transport::Qos::Durability::kTransientLocal, 8});
+    publishers_.push_back(std::move(made).value());
+    network_.RunFor(seconds(1));  // until it is discovered
+    ASSERT_TRUE(publishers_.back()->Publish({5, engaged, "the panel", "", config_.name, ""}));
+    network_.RunFor(seconds(1));
+  }
+
+  using Seen = std::vector<std::string>;
+  transport::sim::Network network_{1};
+  MachineConfig config_ = MachineOf(2);
+  int hosts_ = 0;
+  Seen seen_;
+  std::unique_ptr<transport::Node> here_ = network_.MakeNode("here");
+  std::unique_ptr<transport::Node> there_ = network_.MakeNode("there");
+  std::unique_ptr<ControllerPresence> presence_;
+  std::vector<std::unique_ptr<transport::Publisher<msg::EmergencyStop>>> publishers_;
+};
+
+// A panel with a toggle switch publishes the stop, and later that it is over. The robot stays
+// stopped; but a controller that was restarted took its word, and the robot went up.
+TEST_F(Releases, OfAPanelDoNotCount) {
+  Publish(*there_, true);
+  Publish(*there_, false);
+  EXPECT_EQ(seen_, Seen{"engaged"});
+}
+
+TEST_F(Releases, OfAnotherControllerCountAlsoWhereItsHeartbeatComesLater) {
+  Publish(*there_, false);
+  EXPECT_EQ(seen_, Seen{});
+  const auto theirs = Presence(*there_, [](const Event&) {});
+  theirs->Announce(1);
+  network_.RunFor(seconds(2));
+  EXPECT_EQ(seen_, Seen{"released"});
+  Publish(*there_, false);
+  EXPECT_EQ(seen_, (Seen{"released", "released"}));
 }
 
 // Two machines in one namespace and domain: this one, and another with a controller of its own.
