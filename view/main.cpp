@@ -145,6 +145,12 @@ int Serve(const ViewOptions& options, const std::string& token) {
   live.http.hosts = options.hosts;
   live.stop_needs_login = options.stop_needs_login;
   live.name_space = options.name_space;
+  transport::DdsOptions dds;
+  dds.domain_id = options.domain;
+  const auto domain = transport::DomainId(dds);
+  live.domain_id = domain ? domain.value() : 0;
+  const auto profile = transport::Profile({});
+  live.lan = !profile || profile.value() == TransportProfile::kLan;
   live.machine = options.machine;
   live.token = token;
   live.sessions = SessionsFile(options);

@@ -146,14 +146,11 @@ class Confirmation {
   Confirmation(Link& link, const StopLatch& latch, const GlobalOptions& global)
       : link_(link),
         latch_(latch),
-        lan_(IsLan()),
-        names_here_(NameLock::NameOf(transport::DomainId({}).value(), global.name_space, "")) {}
+        scope_{global.name_space, transport::DomainId({}).value(), IsLan()} {}
 
-  Duration DefaultTimeout() const { return lan_ ? kLanStopTimeout : kStopTimeout; }
+  Duration DefaultTimeout() const { return scope_.lan ? kLanStopTimeout : kStopTimeout; }
 
-  EstopReport Report() const {
-    return latch_.Report({link_.status(), HasController(), lan_, NameLock::HeldBelow(names_here_)});
-  }
+  EstopReport Report() const { return latch_.Report(View()); }
 
   // The controller saves the stop after it has published it.
   void AwaitSaved() {
@@ -169,7 +166,7 @@ class Confirmation {
     if (link_.interrupted()) return;
     const bool none = !HasController() && Report().actuators.empty();
     if (none && link_.HasOtherMachine()) return;  // which is not meant
-    if (lan_ || Report().controller || HasController()) {
+    if (scope_.lan || Report().controller || HasController()) {
       // An actuator that does not stop is reported in time.
       if (HasController()) link_.RunPatiently([this] { return Report().controller; }, left());
       const bool late = left() < -kShortageWindow / 2;  // it was waited for longer
@@ -185,14 +182,16 @@ class Confirmation {
     return !profile || profile.value() == TransportProfile::kLan;
   }
   // Read each time: a robot may be starting while it is stopped.
-  bool HasController() const {
-    return link_.HasMachine() || NameLock::IsHeld(names_here_ + "musher/controller");
+  StopView View() const {
+    StopView view = ViewFromHere(scope_, link_.status());
+    view.has_controller |= link_.HasMachine();
+    return view;
   }
+  bool HasController() const { return View().has_controller; }
 
   Link& link_;
   const StopLatch& latch_;
-  const bool lan_;
-  const std::string names_here_;
+  const StopScope scope_;
 };
 
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {

@@ -4,6 +4,7 @@
 #include <random>
 #include <utility>
 
+#include "musher/base/host.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
@@ -57,6 +58,16 @@ msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason) {
   stop.by = std::move(by);
   stop.reason = reason.substr(0, kLongestStopReason);
   return stop;
+}
+
+StopView ViewFromHere(const StopScope& scope, std::optional<msg::MachineStatus> controller) {
+  const std::string names = NameLock::NameOf(scope.domain_id, scope.name_space, "");
+  StopView view;
+  view.controller = std::move(controller);
+  view.has_controller = NameLock::IsHeld(names + "musher/controller");
+  view.lan = scope.lan;
+  view.running_here = NameLock::HeldBelow(names);
+  return view;
 }
 
 StopLatch::StopLatch(transport::Node& node, msg::EmergencyStop stop,
@@ -183,6 +194,11 @@ EstopReport StopLatch::Report(const StopView& view) const {
     report.unknown = "no controller answers, so the actuators of other hosts are not known";
   }
   return report;
+}
+
+bool StopLatch::IsOver(const EstopReport& report) const {
+  const bool discovered = report.controller || loop_.Now() - begun_ >= kDiscovery;
+  return discovered && report.settled() && report.unknown.empty();
 }
 
 EstopReport::Actuator& StopLatch::Take(EstopReport& report, const std::string& name,

@@ -70,8 +70,21 @@ struct StopView {
   std::vector<std::string> running_here = {};  // names of the actuators on this host
 };
 
+// Where it looks for it.
+struct StopScope {
+  std::string name_space;
+  int domain_id = 0;
+  bool lan = false;
+};
+
+// What this host knows at once: its controller and its actuators hold their names.
+StopView ViewFromHere(const StopScope& scope, std::optional<msg::MachineStatus> controller);
+
 class StopLatch {
  public:
+  // How long the actuators of this host may take to be discovered.
+  static constexpr Duration kDiscovery = Milliseconds(1200);
+
   // Publishes the stop at once and, while this object exists, to actuators that join later. `node`
   // must outlive it.
   // `with_keys`: the machine has [security], and so has `node`. `on_change`: an actuator's part of
@@ -89,6 +102,11 @@ class StopLatch {
                      const std::vector<std::string>& expected = {}) const;
   // The same, with why the machine may have more actuators.
   EstopReport Report(const StopView& view) const;
+
+  // Whether waiting brings no more: every actuator of the machine has latched the stop, as far as
+  // it can. Without a controller that lists them not before their discovery has had its time: the
+  // first one that is found is not all of them.
+  bool IsOver(const EstopReport& report) const;
 
  private:
   struct Received {

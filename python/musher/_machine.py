@@ -18,6 +18,8 @@ _STOPPED = 1  # key of the items of an emergency stop beside those of the status
 _TIMEOUT = 107  # Robot (100) + TIMEOUT
 _NET_ERROR = 105
 _TARGET_BUSY = 111
+_LOOK_S = 0.1  # between two looks at the processes of this host
+_STOPS_KEPT = 8
 _OTHERS_S = 0.3  # machines of other hosts are found one after the other
 
 
@@ -81,6 +83,7 @@ class Machine:
             machine = machine or name
         self._domain = domain
         self._machine = (machine, "")  # name and id; empty: not chosen
+        self._stops: List[_native.Stop] = []  # that are published
         self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity)
         self._status_topic = "/" + _native.machine_status_topic(self.node.namespace)
         self._find_s = 4.0 if keys or os.environ.get("MUSHER_KEYS") else 1.2
@@ -173,19 +176,21 @@ class Machine:
 
     def estop(self, reason: str = "", *, timeout_s: float = 2.0, by: str = "") -> List[str]:
         """Engages the emergency stop, with or without a controller. Returns the actuators that have stopped;
-        raises musher.Failure if one has not confirmed it in time. The stop stays engaged in any case."""
+        raises musher.Failure if one has not confirmed it in time, or if the machine may have more of them. The stop
+        stays engaged in any case, and reaches actuators that join until this machine is closed."""
         end = time.monotonic() + timeout_s
         meant = self._known()  # a stop waits for no discovery
-        with _Closing(self._watch()) as statuses, \
-                _Closing(_native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED,
-                                      *meant)) as stop:
+        with _Closing(self._watch()) as statuses:
+            stop = _native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED, *meant,
+                                self._domain)
+            self._stops = [*self._stops[-_STOPS_KEPT + 1:], stop]
             status: Optional[bytes] = None
             while True:
-                settled, actuators = stop.report(status)
+                over, actuators, unknown = stop.report(status)
                 left = end - time.monotonic()
-                if (settled and actuators) or left <= 0:
+                if (over and actuators) or left <= 0:
                     break
-                item = statuses._mailbox.pop(left)  # of the machine, or of an actuator
+                item = statuses._mailbox.pop(min(left, _LOOK_S))  # of the machine, or of an actuator
                 if item is not None and item.key != _STOPPED:
                     new = statuses._decode(item)
                     status = new.to_bytes() if new is not None and _is_of(new, meant) else status
@@ -194,6 +199,8 @@ class Machine:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
         if not actuators:
             raise self._not_found("no actuator")
+        if unknown:
+            raise Failure(_TIMEOUT, f"the emergency stop is engaged, but {unknown}")
         return [name for name, _, _, _ in actuators]
 
     def release_estop(self, by: str = "") -> None:
@@ -202,9 +209,16 @@ class Machine:
                            ReleaseEmergencyStop.Request(by or default_by()))
         if reply.code != 0:
             raise Failure(reply.code, reply.reason)
+        self._drop_stops()
 
     def close(self) -> None:
+        self._drop_stops()
         self.node.close()
+
+    def _drop_stops(self) -> None:
+        for stop in self._stops:
+            stop.close()
+        self._stops = []
 
     def __enter__(self) -> "Machine":
         return self

@@ -52,7 +52,7 @@ class Stop : public OnLoop<StopLatch> {
   // An item of `key` goes into the mailbox when the report has changed.
   Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
        const MailboxPtr& mailbox, std::int64_t key, const std::string& machine,
-       const std::string& machine_id)
+       const std::string& machine_id, std::optional<int> domain)
       : OnLoop(node, [&](transport::Node& on) {
           msg::EmergencyStop stop = NewEmergencyStop(by, reason);
           stop.machine = machine;
@@ -63,26 +63,40 @@ class Stop : public OnLoop<StopLatch> {
                                     item.key = key;
                                     mailbox->PushLatest(std::move(item));
                                   });
-        }) {}
+        }) {
+    transport::DdsOptions options;
+    options.domain_id = domain;
+    const auto id = transport::DomainId(options);
+    scope_ = {node->name_space, id ? id.value() : 0, false};
+    const auto profile = transport::Profile(options);
+    scope_.lan = !profile || profile.value() == TransportProfile::kLan;
+  }
 
-  // Which actuators are stopped: (all that can have latched it, [(name, stopped, after_s,
-  // trouble)]).
+  // Which actuators are stopped: (there is nothing to wait for any more, [(name, stopped, after_s,
+  // trouble)], why there may be more of them, else "").
   using Actuators = std::vector<std::tuple<std::string, bool, double, std::string>>;
-  std::pair<bool, Actuators> Report(const std::optional<py::bytes>& machine_status) {
+  std::tuple<bool, Actuators, std::string> Report(const std::optional<py::bytes>& machine_status) {
     std::optional<msg::MachineStatus> status;
     if (machine_status) {
       const std::string_view bytes = *machine_status;
       status = msg::Decode<msg::MachineStatus>(std::as_bytes(std::span(bytes)));
     }
     EstopReport report;
-    Run([&](StopLatch& latch) { report = latch.Report(status); });
+    bool over = false;
+    Run([&](StopLatch& latch) {
+      report = latch.Report(ViewFromHere(scope_, status));
+      over = latch.IsOver(report);
+    });
     Actuators actuators;
     for (const EstopReport::Actuator& one : report.actuators) {
       actuators.emplace_back(one.name, one.stopped,
                              std::chrono::duration<double>(one.after).count(), one.trouble);
     }
-    return {report.settled(), std::move(actuators)};
+    return {over, std::move(actuators), report.unknown};
   }
+
+ private:
+  StopScope scope_;
 };
 
 // (namespace, name) of a valid config.
@@ -118,7 +132,7 @@ void AddClient(py::module_& native) {
       .def("close", &Switch::Close);
   py::class_<Stop>(native, "Stop")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
-                    std::int64_t, const std::string&, const std::string&>())
+                    std::int64_t, const std::string&, const std::string&, std::optional<int>>())
       .def("report", &Stop::Report)
       .def("close", &Stop::Close);
 }

@@ -1,9 +1,11 @@
 """Actuators in Python in real processes: their callbacks, failures, ends."""
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import musher
@@ -21,6 +23,11 @@ class A(musher.Actuator):
     def on_tear_down(self): pass
 """
 RUN = "musher.run(A)"
+
+
+def end(pid):
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(pid, signal.SIGKILL)
 
 
 def program(methods=""):
@@ -94,6 +101,26 @@ class Actuators(unittest.TestCase):
         switch.join(DEADLINE_S)
         self.assertEqual(outcome[0].outcome, "done")
         client.release_estop()
+
+    def test_a_stop_without_a_controller_waits_for_all_actuators_of_the_host_and_reaches_a_frozen_one_later(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        news = os.path.join(folder.name, "news")
+        os.mkfifo(news)
+        robot, machine = self.start({"a": program(), "b": program(
+            f"def on_emergency_stop(self):\n    with open('{news}', 'w') as file: file.write('stopped')")})
+        status = machine.status()
+        pids = {one.name: one.pid for one in status.actuators}
+        for pid in pids.values():
+            self.addCleanup(end, pid)
+        end(robot._up.pid)
+        end(status.pid)
+        os.kill(pids["b"], signal.SIGSTOP)
+        with self.assertRaisesRegex(musher.Failure, "not confirmed by b"):
+            machine.estop("test")
+        os.kill(pids["b"], signal.SIGCONT)
+        with open(news, encoding="utf-8") as file:  # once b has opened it
+            self.assertEqual(file.read(), "stopped")
 
     def test_a_client_speaks_to_its_machine_beside_another_one(self):
         robot, machine = self.start(program())

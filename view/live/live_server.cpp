@@ -134,7 +134,11 @@ Result<> LiveServer::Open() {
   };
   events.on_status = [this] { requests_->OnStatus(); };
   requests_ = std::make_unique<RobotRequests>(
-      node_, RobotRequests::Options{options_.name_space, host, options_.with_keys},
+      node_,
+      RobotRequests::Options{options_.name_space,
+                             host,
+                             options_.with_keys,
+                             {options_.name_space, options_.domain_id, options_.lan}},
       [this]() -> const LeaderWatch& { return feed_->leader(); });
   auto feed =
       MachineFeed::Make(node_, {options_.name_space, host, options_.machine}, std::move(events));

@@ -44,6 +44,8 @@ class LiveServer {
     std::string name_space;
     std::string machine;     // its name; empty: that of this host, else the first that is found
     bool with_keys = false;  // the machine has [security]
+    int domain_id = 0;       // of the node
+    bool lan = false;        // the machine may have actuators on other hosts
     std::string token;       // of ReadOrMakeToken()
     std::string sessions;    // file that keeps them over a restart; empty: none
     bool stop_needs_login = false;

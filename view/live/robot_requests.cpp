@@ -11,7 +11,7 @@ namespace musher::view {
 namespace {
 
 constexpr Duration kStopPeriod = Milliseconds(50);
-constexpr Duration kStopKept = std::chrono::seconds(10);
+constexpr Duration kStopKept = std::chrono::minutes(1);  // as by `musher estop`
 
 void RespondJson(const http::Respond& respond, std::string json) {
   http::Response response;
@@ -38,6 +38,7 @@ std::string NotStopped(const EstopReport& report) {
     sentence += (sentence.empty() ? "not stopped: " : ", ") + actuator.name;
     if (!actuator.trouble.empty()) sentence += " (" + actuator.trouble + ")";
   }
+  if (!report.unknown.empty()) sentence += (sentence.empty() ? "" : "; ") + report.unknown;
   return sentence;
 }
 
@@ -180,10 +181,10 @@ void RobotRequests::LookAtStops() {
   const Time now = node_.loop().Now();
   for (Stopping& stop : stops_) {
     if (!stop.respond) continue;
-    const EstopReport report = stop.latch->Report(status());
+    const EstopReport report = stop.latch->Report(ViewFromHere(options_.stops, status()));
     const bool found = report.controller || !report.actuators.empty();
     const bool over = now >= stop.answer_by;
-    if (!over && !(found && report.settled())) continue;
+    if (!over && !(found && stop.latch->IsOver(report))) continue;
     const http::Respond respond = std::exchange(stop.respond, nullptr);
     const std::string missing = NotStopped(report);
     if (!found) {

@@ -35,6 +35,7 @@ class RobotRequests {
     std::string name_space;
     std::string host;        // HostId()
     bool with_keys = false;  // the machine has [security]
+    StopScope stops = {};    // where a stop looks for its actuators
   };
   // The leading controller, and the machine that is shown.
   using Leader = std::function<const LeaderWatch&()>;
