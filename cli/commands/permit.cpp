@@ -39,6 +39,14 @@ class StopReport {
   bool engaged_ = false;
 };
 
+// It goes on while the computer is suspended, as steady time does not: the permits of a laptop that
+// has slept would be late by its sleep, for hours.
+std::int64_t SinceBootNs() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
+
 msg::Permit NewPermit(const msg::MachineStatus& machine, transport::Node& node) {
   msg::Permit permit;
   permit.machine = machine.machine;
@@ -84,7 +92,7 @@ ExitCode GivePermits(const GlobalOptions& global, Console& console) {
   if (!publisher) return console.Fail(publisher.error());
   msg::Permit permit = NewPermit(machine, link.node());
   const auto give = [&] {
-    permit.stamp_ns = transport::ToNanoseconds(link.loop().Now());
+    permit.stamp_ns = SinceBootNs();
     static_cast<void>(publisher.value()->Publish(permit));  // the next one follows
   };
   give();

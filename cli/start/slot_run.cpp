@@ -4,7 +4,6 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include "musher/base/program_path.hpp"
 #include "musher/cli/config/config_file.hpp"
 #include "musher/controller/end_controller.hpp"
+#include "musher/controller/process/child_processes.hpp"
 #include "musher/ota/files.hpp"
 #include "musher/ota/posix_disk.hpp"
 #include "musher/ota/root.hpp"
@@ -33,24 +33,6 @@ constexpr Duration kRunKillTime = Milliseconds(2000);
 std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
   const std::string slot = run.Folder() + "/";
   return path.starts_with(slot) ? run.root + "/" + path.substr(slot.size()) : path;
-}
-
-// The processes whose state config is in `folder`, and their children.
-std::vector<pid_t> ProcessesOf(const std::string& folder) {
-  std::vector<pid_t> pids;
-  const std::string wanted = "MUSHER_CONFIG=" + folder + "/";
-  for (const fs::path& process : EntriesOf("/proc")) {
-    const std::string name = process.filename();
-    pid_t pid = 0;
-    const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), pid);
-    if (bad != std::errc() || end != name.data() + name.size() || pid == getpid()) continue;
-    const std::string variables = ReadFile(process / "environ");
-    const std::size_t found = variables.find(wanted);
-    if (found == 0 || (found != std::string::npos && variables[found - 1] == '\0')) {
-      pids.push_back(pid);
-    }
-  }
-  return pids;
 }
 
 // Sends the signal to all and waits until they exit.
@@ -118,7 +100,8 @@ void EndOtherSlot(const SlotRun& run) {
   SlotRun other = run;
   other.slot = ota::Other(run.slot);
   std::vector<UniqueFd> processes;
-  for (const pid_t pid : ProcessesOf(other.Folder())) {
+  // Of a container, or of another robot on this host, the same path is another folder.
+  for (const pid_t pid : FindByVariable("MUSHER_CONFIG", other.Folder() + "/")) {
     auto process = OpenPidfd(pid);
     if (process) processes.push_back(std::move(process).value());
   }

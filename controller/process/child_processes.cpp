@@ -99,6 +99,20 @@ std::string VariableIn(const std::string& text, const std::string& name) {
   return {};
 }
 
+// The processes of our own user, pids and network that have a variable, with its value.
+std::vector<std::pair<pid_t, std::string>> OurProcessesWith(const std::string& variable) {
+  std::vector<std::pair<pid_t, std::string>> found;
+  const Time until = std::chrono::steady_clock::now() + kExecTime;
+  for (const auto& process : EntriesOf("/proc")) {
+    const pid_t pid = std::atoi(process.filename().c_str());
+    struct stat owner {};
+    if (pid == 0 || stat(process.c_str(), &owner) != 0 || owner.st_uid != geteuid()) continue;
+    std::string value = VariableIn(EnvironmentOf(pid, until), variable);
+    if (!value.empty() && IsInOurNamespaces(pid)) found.emplace_back(pid, std::move(value));
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string VariableOf(pid_t pid, const std::string& name) {
@@ -144,17 +158,20 @@ std::vector<ChildProcess> ChildrenFrom(const std::string& text, const std::strin
 
 std::vector<MarkedProcess> FindMarked() {
   std::vector<MarkedProcess> found;
-  const Time until = std::chrono::steady_clock::now() + kExecTime;
-  for (const auto& process : EntriesOf("/proc")) {
-    const pid_t pid = std::atoi(process.filename().c_str());
-    struct stat owner {};
-    if (pid == 0 || stat(process.c_str(), &owner) != 0 || owner.st_uid != geteuid()) continue;
-    const std::string value = VariableIn(EnvironmentOf(pid, until), kChildMark);
+  for (const auto& [pid, value] : OurProcessesWith(kChildMark)) {
     if (value.size() <= kMarkDigits || value[kMarkDigits] != '/') continue;
-    if (!IsInOurNamespaces(pid)) continue;
     const auto start_time = StartTimeOf(pid);
     if (!start_time) continue;
     found.push_back({value.substr(kMarkDigits + 1), std::atoi(value.c_str()), pid, *start_time});
+  }
+  return found;
+}
+
+std::vector<pid_t> FindByVariable(const std::string& name, const std::string& begin) {
+  std::vector<pid_t> found;
+  const std::set<pid_t> lineage = OwnLineage();
+  for (const auto& [pid, value] : OurProcessesWith(name)) {
+    if (value.starts_with(begin) && !lineage.contains(pid)) found.push_back(pid);
   }
   return found;
 }
