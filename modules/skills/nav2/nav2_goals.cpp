@@ -247,6 +247,8 @@ void Nav2Goals::Update() {
 
 void Nav2Goals::OnEndOfRun(const skill::Run& run) {
   const skill::Feedback& feedback = run.feedback();
+  // Also if the run has failed or completed before its cancellation was done.
+  if (mission_->canceled) return End(false, ToText(feedback));
   if (feedback.status == skill::Status::kCancelled) return End(false, ToText(feedback));
   if (feedback.status == skill::Status::kFailed) {
     if (!mission_->places.goes_on) return End(false, feedback.message);

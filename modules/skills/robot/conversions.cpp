@@ -193,7 +193,8 @@ std::optional<SeenObject> ToObject(const msg::Sighting& sighting, const Detector
 }
 
 std::optional<Robot::Line> ToLine(const msg::YellowLines& lines, const LineView& view) {
-  if (lines.contours == 0 || !std::isfinite(lines.middle_offset)) return std::nullopt;
+  const bool seen = lines.contours > 0 && lines.doubt.empty();
+  if (!seen || !std::isfinite(lines.middle_offset)) return std::nullopt;
   Robot::Line line{-double{lines.middle_offset} * view.width_m, 0};
   // The edge from its lowest to its highest point; shares of the picture, y downwards.
   const std::size_t count = std::min(lines.edge_x.size(), lines.edge_y.size());

@@ -14,6 +14,7 @@
 
 #include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
 #include "musher/messages/nav2_msgs/follow_path.hpp"
+#include "musher/modules/skills/robot/conversions.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
 #include "musher/transport/action.hpp"
 

@@ -140,7 +140,7 @@ bool RosRobot::Wire::HasScan() const {
 
 // A person moves the robot only in Active, and while no skill does.
 void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
-  const bool active = Now() - active_at <= kActiveWithin;
+  const bool active = active_at && Now() - *active_at <= kActiveWithin;
   if (!active || Drives()) return;
   if (holding_) StopMotion();
   velocity->Teleoperate(ToMapFrame(twist, 0));
@@ -200,6 +200,10 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
     optional[names.line] = endpoints.Subscribe<msg::YellowLines>(
         names.line,
         [this](const msg::YellowLines& lines) {
+          const Duration stamp = msg::FromStamp(lines.header.stamp);
+          const bool again = stamp != Duration::zero() && stamp == line_stamp_;
+          if (again) return;  // of a camera that stands: the line gets old
+          line_stamp_ = stamp;
           if (const auto seen = ToLine(lines, config.line)) {
             line.Set(*seen, Now());
           } else {

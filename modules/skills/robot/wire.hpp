@@ -5,6 +5,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct RosRobot::Wire {
   Wire& operator=(const Wire&) = delete;
 
   void Rest() {
+    active_at.reset();  // nor does a person move it from now on
     navigator->CancelAll();
     StopMotion();
     cameras->Tend();
@@ -97,7 +99,8 @@ struct RosRobot::Wire {
   std::vector<transport::Client<msg::Trigger>*> memories;          // of planner and controller
   std::unique_ptr<VelocityOutput> velocity;
   FlightHold hold;
-  Time active_at{};  // of the last step of the skills
+  // Of the last step of the skills; nullopt: none since Rest(), so the robot is not in Active.
+  std::optional<Time> active_at;
   std::unique_ptr<Navigator> navigator;
   std::unique_ptr<Traffic> traffic;
   std::unique_ptr<CameraFeeds> cameras;
@@ -119,6 +122,7 @@ struct RosRobot::Wire {
   std::string body_frame_;  // of the twist of the odometry
   bool holding_ = false;    // the last command is that of `hold`
   Duration odometry_stamp_{};
+  Duration line_stamp_{};           // of the last picture
   bool controller_drives_ = false;  // by the last status of its goals
   transport::Subscription* drives_status_ = nullptr;
   transport::LoopHandlePtr holds_;  // last: it uses the rest

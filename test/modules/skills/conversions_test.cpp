@@ -152,6 +152,15 @@ TEST(Conversions, SeeTheLineToTheLeftAsPositive) {
   EXPECT_NEAR(line->heading_rad, M_PI / 4, 1e-6);  // 0.2 m to the left, 0.2 m ahead
 }
 
+TEST(Conversions, SeeNoLineInAPictureInDoubt) {
+  msg::YellowLines lines;
+  lines.contours = 1;
+  lines.middle_offset = -0.25F;
+  ASSERT_TRUE(ToLine(lines, {}));
+  lines.doubt = "the floor has the colour of the lines: 98 % of the region";
+  EXPECT_FALSE(ToLine(lines, {}));
+}
+
 TEST(Conversions, SayWhyANavigationFailed) {
   using Code = msg::ComputePathToPose;
   const navigation::Pose goal{{4, 3, 0}, 0}, high{{4, 3, 5}, 0};

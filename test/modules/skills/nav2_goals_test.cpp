@@ -28,9 +28,12 @@ struct Sent {
 
 class Nav2 : public ::testing::Test {
  protected:
-  Nav2() {
+  // `run_limit`: of each run of a skill; nullopt: as the skills declare it.
+  explicit Nav2(std::optional<Duration> run_limit = std::nullopt) {
     EXPECT_TRUE(RegisterNavigationSkills(registry_, robot_));
-    manager_ = std::make_unique<skill::Manager>(registry_.All());
+    std::vector<skill::Entry> entries = registry_.All();
+    for (skill::Entry& entry : entries) entry.settings.run = run_limit;
+    manager_ = std::make_unique<skill::Manager>(std::move(entries));
     InterfaceNames names;
     names.navigate_to_pose = "navigate_to_pose";
     names.navigate_through_poses = "navigate_through_poses";
@@ -190,6 +193,28 @@ TEST_F(Nav2, FollowsWayPointsInLoopsAndListsThoseThatItHasMissed) {
   ASSERT_THAT(sent->end->result.missed_waypoints, SizeIs(2));
   EXPECT_EQ(sent->end->result.missed_waypoints[0].index, 1U);
   EXPECT_EQ(robot_.drives, 3) << "(0, 2), then (2, 0) and (0, 2)";
+}
+
+class Nav2WithRunsOfThreeSeconds : public Nav2 {
+ protected:
+  Nav2WithRunsOfThreeSeconds() : Nav2(std::chrono::seconds(3)) {}
+};
+
+// The robot drove to the next way-point.
+TEST_F(Nav2WithRunsOfThreeSeconds, DrivesToNoOtherWayPointWhenARunFailsDuringItsCancellation) {
+  const auto sent = Send<msg::FollowWaypoints>(
+      "follow_waypoints",
+      {.number_of_loops = 0, .goal_index = 0, .poses = {At(40, 0), At(0, 40), At(0, 2)}});
+  Run(2.9);
+  ASSERT_TRUE(manager_->running());
+  ASSERT_EQ(robot_.drives, 1);
+  sent->client->Cancel(sent->id, Milliseconds(1000), [](const auto&) {});
+  ASSERT_TRUE(Await(*sent));
+  EXPECT_EQ(sent->end->end, GoalEnd::kCanceled);
+  EXPECT_THAT(sent->end->result.missed_waypoints, SizeIs(0));
+  Run(3);
+  EXPECT_EQ(robot_.drives, 1);
+  EXPECT_TRUE(robot_.Rests());
 }
 
 TEST_F(Nav2, RefusesGoalsWithoutPoses) {

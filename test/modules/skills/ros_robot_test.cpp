@@ -137,6 +137,35 @@ TEST_F(ARosRobot, ExecutesTeleoperationThroughTheGateWhileNoSkillMovesIt) {
   EXPECT_EQ(peers_->commands.back().linear.x, 0.2) << "the skill has the base";
 }
 
+// Rest() sent one 0, and what a person commanded in the next half second began to move it again.
+TEST_F(ARosRobot, IsNotMovedByAPersonFromAStopUntilItIsSteppedInActiveAgain) {
+  sees_m_ = 9;
+  Run(200);
+  msg::Twist twist;
+  twist.linear.x = 0.5;
+  const auto teleoperate = [&](bool active) {
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_TRUE(peers_->teleop->Publish(twist));
+      if (active) {
+        Run(50);
+      } else {
+        See(9);
+        network_.RunFor(Milliseconds(50));
+      }
+    }
+  };
+  teleoperate(true);
+  EXPECT_EQ(peers_->commands.back().linear.x, 0.5);
+  robot_.Rest();
+  network_.RunFor(Milliseconds(10));
+  ASSERT_EQ(peers_->commands.back(), msg::Twist{});
+  const std::size_t count = peers_->commands.size();
+  teleoperate(false);
+  EXPECT_EQ(peers_->commands.size(), count) << "as at an emergency stop: no step follows";
+  teleoperate(true);
+  EXPECT_EQ(peers_->commands.back().linear.x, 0.5) << "in Active again";
+}
+
 // Of ROS 2's localisations: odometry in `odom`, which a transform places in the map.
 class ARosRobotWithOdometryInAFrameOfItsOwn : public ARosRobot {
  protected:
@@ -531,6 +560,23 @@ TEST_F(ARosRobot, SeesObstaclesObjectsTheLineAndWhatItTracks) {
   EXPECT_FALSE(robot_.HasScan());
   EXPECT_THAT(robot_.objects(), IsEmpty());
   EXPECT_FALSE(robot_.PoseOf("/target_0/odom"));
+}
+
+TEST_F(ARosRobot, SeesNoLineInAPictureThatIsRepeated) {
+  msg::YellowLines lines;
+  lines.contours = 1;
+  lines.middle_offset = 0.25F;
+  for (int i = 0; i < 10; ++i) {
+    lines.header.stamp = {7 + i, 0};
+    EXPECT_TRUE(peers_->line->Publish(lines));
+    Run(100);
+    EXPECT_TRUE(robot_.line());
+  }
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(peers_->line->Publish(lines));
+    Run(100);
+  }
+  EXPECT_FALSE(robot_.line());
 }
 
 TEST_F(ARosRobot, TracksATopicAlsoAfterManyOthers) {
