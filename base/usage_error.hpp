@@ -1,6 +1,6 @@
 #pragma once
 // What a program says of a command line that it cannot take: one line, with its name and where its
-// help is.
+// help is. For the main thread of a program, before it does anything else.
 
 #include <string>
 

@@ -83,8 +83,8 @@ bool LateActuators::Lower(ActuatorIndex i) {
   return true;
 }
 
-// Whether an emergency stop is between the actuator and the state of the machine, one that may
-// switch it on. The release switches nothing on: only a requested switch does.
+// Whether an emergency stop is between the actuator and the state of the machine, which may switch
+// it on. The release switches nothing on: only a requested switch does.
 bool LateActuators::WaitsForRequest(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const State place = PlaceOf(i);

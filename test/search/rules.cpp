@@ -188,7 +188,7 @@ void CheckUp(const Model& model, const World& world, const action::AnswerSetStat
 }
 
 // Without an order among the actuators each fault makes at most one degraded; an emergency stop all
-// whose switch on the level it has ended, until the switch is requested again.
+// that it holds below or beside the state of the machine, until that is requested again.
 void CheckDegraded(const Model& model, const World& world, Notes& notes) {
   const auto& actuators = model.config.actuators;
   const bool in_order = std::any_of(actuators.begin(), actuators.end(),
