@@ -15,6 +15,7 @@
 #include "musher/base/own_folder.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
+#include "musher/controller/storage/other_starts.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/refusal.hpp"
 #include "musher/transport/dds/settings.hpp"
@@ -414,7 +415,7 @@ void Controller::Begin() {
   const std::vector<ChildProcess> children = FindRunning(begin);
   begin.restarted = options_.restarted;
   if (store_) {
-    begin.stops = store_->LoadEmergencyStops();
+    begin.stops = LoadStops();
     begin.policy = store_->LoadPolicy();
     begin.stop_intent = store_->LoadStopIntent();
     begin.remote = store_->LoadRemoteActuators(HostId());
@@ -422,6 +423,19 @@ void Controller::Begin() {
   shell_->Begin(std::move(begin), children);
   if (!store_) return shell_->OnJournalWritten(NoFolder());
   check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });
+}
+
+// With those of the machine's other state folders: another way to start it releases no stop.
+StoredStops Controller::LoadStops() {
+  StoredStops stops = store_->LoadEmergencyStops();
+  const MachineOrigin machine = Origin();
+  for (const StopsElsewhere& other :
+       EngagedElsewhere(config_.state_dir, machine, DefaultStateDirs(machine), stops)) {
+    stops = Merge(stops, other.stops);
+    Trouble("an emergency stop is engaged in " + other.state_dir +
+            ", where this machine had its files when it was started otherwise; it holds");
+  }
+  return stops;
 }
 
 // The state folder may be removed under a running machine, or another volume mounted over it.

@@ -94,6 +94,7 @@ class Controller {
   pid_t HolderOf(ActuatorIndex i);
   void EndUnlisted(const ChildProcess& child);
   Epoch LoadEpoch();
+  StoredStops LoadStops();
   void TakeIdentity();
   void OpenLogs();
   void WatchNetwork();

@@ -14,6 +14,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/words.hpp"
+#include "musher/controller/storage/other_starts.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -22,9 +23,6 @@ namespace musher::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// StateDirectory= of musher@.service.
-constexpr const char* kServicePlace = "/var/lib/musher";
 
 constexpr const char* kHowToRead =
     "run it with sudo, or let a group read them: log_group in [controller]";

@@ -1,6 +1,7 @@
 #include "musher/controller/shell/controller_presence.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <tuple>
 #include <utility>
 
@@ -31,24 +32,39 @@ constexpr std::size_t kLongestMachineText = 64;  // bytes, of a name from the ne
 
 }  // namespace
 
+// CLOCK_MONOTONIC stands while the computer is suspended, CLOCK_BOOTTIME does not.
+Duration ControllerPresence::TimeSuspendedHere() {
+  const auto now = [](clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+  };
+  const auto monotonic = now(CLOCK_MONOTONIC);  // first, so that the result is never below 0
+  return std::chrono::duration_cast<Duration>(now(CLOCK_BOOTTIME) - monotonic);
+}
+
 Duration ListenTime(const MachineConfig& config) {
   return config.keys.empty() ? kListenTime : kSecuredListenTime;
 }
 
 ControllerPresence::ControllerPresence(transport::Node& node, const MachineConfig& config,
-                                       Identity identity, Emit emit, OnOtherMachine on_other)
+                                       Identity identity, Emit emit, OnOtherMachine on_other,
+                                       TimeSuspended time_suspended)
     : node_(node),
       config_(config),
       identity_(std::move(identity)),
       emit_(std::move(emit)),
-      on_other_(std::move(on_other)) {}
+      on_other_(std::move(on_other)),
+      time_suspended_(std::move(time_suspended)) {}
 
 Result<std::unique_ptr<ControllerPresence>> ControllerPresence::Make(transport::Node& node,
                                                                      const MachineConfig& config,
                                                                      Identity identity, Emit emit,
-                                                                     OnOtherMachine on_other) {
-  std::unique_ptr<ControllerPresence> presence(new ControllerPresence(
-      node, config, std::move(identity), std::move(emit), std::move(on_other)));
+                                                                     OnOtherMachine on_other,
+                                                                     TimeSuspended time_suspended) {
+  std::unique_ptr<ControllerPresence> presence(
+      new ControllerPresence(node, config, std::move(identity), std::move(emit),
+                             std::move(on_other), std::move(time_suspended)));
   if (auto opened = presence->Open(); !opened) return opened.error();
   return presence;
 }
@@ -109,6 +125,7 @@ void ControllerPresence::Repeat() {
   NoteSilence();
   NoteOtherSilence();
   last_heartbeat_ = node_.loop().Now();
+  suspended_then_ = time_suspended_();
   static_cast<void>(heartbeats_->Publish(
       {config_.name, epoch_.value(), identity_.incarnation.value(), identity_.host, identity_.pid,
        ControllerHeartbeatPeriod(config_).count(), identity_.host_name, identity_.machine_id,
@@ -117,7 +134,8 @@ void ControllerPresence::Repeat() {
 
 void ControllerPresence::NoteSilence() {
   const Time now = node_.loop().Now();
-  const bool was_silent = last_heartbeat_ != Time{} && now - last_heartbeat_ > kLongestSilence;
+  const Duration silence = now - last_heartbeat_ + (time_suspended_() - suspended_then_);
+  const bool was_silent = last_heartbeat_ != Time{} && silence > kLongestSilence;
   if (was_silent && config_.transport == TransportProfile::kLan) {
     listens_until_ = now + ListenTime(config_);
   }

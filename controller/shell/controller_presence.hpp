@@ -43,11 +43,13 @@ class ControllerPresence {
   // stays, with its controller; with null when one is no longer received.
   using OnOtherMachine = std::function<void(const Rival*)>;
 
+  // How long this computer was suspended since its boot, which the loop's time does not count.
+  using TimeSuspended = std::function<Duration()>;
+
   // `node` and `config` must outlive it.
-  static Result<std::unique_ptr<ControllerPresence>> Make(transport::Node& node,
-                                                          const MachineConfig& config,
-                                                          Identity identity, Emit emit,
-                                                          OnOtherMachine on_other = {});
+  static Result<std::unique_ptr<ControllerPresence>> Make(
+      transport::Node& node, const MachineConfig& config, Identity identity, Emit emit,
+      OnOtherMachine on_other = {}, TimeSuspended time_suspended = TimeSuspendedHere);
 
   // Before Announce(): the id of this controller's machine.
   void SetMachineId(std::string id) { identity_.machine_id = std::move(id); }
@@ -57,8 +59,8 @@ class ControllerPresence {
   // Publishes the heartbeat once more, for an actuator that may not have received it.
   void Repeat();
   // Time from which this controller may start processes. After a silence, because its own process
-  // was stopped, it must listen first: a controller of another host may have taken over and started
-  // them.
+  // was stopped or its computer suspended, it must listen first: a controller of another host may
+  // have taken over and started them.
   Time MayStartProcessesAt();
   // Another controller of this machine, if any.
   const std::optional<Rival>& rival() const { return rival_; }
@@ -77,7 +79,8 @@ class ControllerPresence {
 
  private:
   ControllerPresence(transport::Node& node, const MachineConfig& config, Identity identity,
-                     Emit emit, OnOtherMachine on_other);
+                     Emit emit, OnOtherMachine on_other, TimeSuspended time_suspended);
+  static Duration TimeSuspendedHere();
   Result<> Open();
   void OnHeartbeat(const msg::ControllerHeartbeat& heartbeat);
   void NoteController(transport::ParticipantId participant);
@@ -91,6 +94,7 @@ class ControllerPresence {
   Identity identity_;
   const Emit emit_;
   const OnOtherMachine on_other_;
+  const TimeSuspended time_suspended_;
   Epoch epoch_ = 0;
   std::optional<Rival> rival_;
   struct Release {
@@ -107,6 +111,7 @@ class ControllerPresence {
   };
   std::map<std::pair<std::string, std::string>, OtherMachine> others_;  // by name and id
   Time last_heartbeat_{};
+  Duration suspended_then_{};  // at the last heartbeat
   Time listens_until_{};
   std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
   // Both latch their last stops for actuators that join later. engaged_stops_ exists only while a

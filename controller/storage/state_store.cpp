@@ -252,6 +252,11 @@ StoredStops StateStore::LoadEmergencyStops() const {
   return stops;
 }
 
+StoredStops StateStore::ReadableStops(const std::string& dir) {
+  const auto content = SlotFile(dir + "/emergency_stop").Read();
+  return content ? StopsFrom(content->text).value_or(StoredStops{}) : StoredStops{};
+}
+
 // On a full disk without the file it fails, and again at each save.
 void StateStore::ReserveEmergencyStops() {
   const SlotFile file(EmergencyStopFile());

@@ -72,6 +72,8 @@ class StateStore {
   // has room for it then.
   Result<> SaveEmergencyStops(const StoredStops& stops);
   StoredStops LoadEmergencyStops() const;
+  // Those in a folder that another controller may use; none where its file cannot be read.
+  static StoredStops ReadableStops(const std::string& dir);
 
   // Whether the machine is to be torn down, and to stay so until a person starts it.
   Result<> SaveStopIntent(bool intended);

@@ -56,6 +56,23 @@ TEST_F(StoppedController, DoesNotListenAfterABreakTooShortForATakeover) {
   EXPECT_EQ(WaitAfterStopOf(Milliseconds(400), TransportProfile::kLan), Duration{});
 }
 
+// The loop's time stands meanwhile.
+TEST_F(StoppedController, ListensAfterItsComputerWasSuspended) {
+  Duration suspended{};
+  config_.transport = TransportProfile::kLan;
+  presence_ = ControllerPresence::Make(
+                  *node_, config_, {1, 1, "here"}, [](const Event&) {}, {},
+                  [&suspended] { return suspended; })
+                  .value();
+  presence_->Announce(1);
+  network_.RunFor(seconds(2));
+  EXPECT_EQ(Wait(), Duration{});
+  suspended = seconds(9);
+  EXPECT_EQ(Wait(), seconds(1));
+  network_.RunFor(seconds(2));
+  EXPECT_EQ(Wait(), Duration{}) << "once for each suspension";
+}
+
 // The lock on the machine's name excludes another controller on the same host.
 TEST_F(StoppedController, DoesNotListenWhereOnlyThisHostRunsControllers) {
   EXPECT_EQ(WaitAfterStopOf(seconds(9), TransportProfile::kLocal), Duration{});

@@ -194,6 +194,27 @@ TEST_F(EmergencyStop, ReportsTheOriginOfTheEarlierStop) {
   EXPECT_THAT(second.out, HasSubstr("legs   stopped before\n"));
 }
 
+// Its files were elsewhere then, as with a start by systemd after one by hand: the stop was
+// forgotten, and the robot went to Active.
+TEST_F(EmergencyStop, HoldsWhenTheMachineIsStartedWithAnotherStateFolder) {
+  setenv("XDG_STATE_HOME", (folder_ / "by_user").c_str(), 1);
+  Drop("state_dir = \"state\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  Estop();
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  Replace("[controller]\n", "[controller]\nstate_dir = \"elsewhere\"\n");
+  UpDetached();
+  EXPECT_EQ(Status()["emergency_stop"]["reason"], "it smokes");
+  EXPECT_EQ(Status()["state"], "SetUp");
+  EXPECT_THAT(ReadFile(folder_ / "elsewhere/controller.log"),
+              HasSubstr("an emergency stop is engaged in " + (folder_ / "by_user/musher/robot")));
+  EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  ASSERT_EQ(UpDetached().exit, 0) << "a released stop does not come back from there";
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  unsetenv("XDG_STATE_HOME");
+}
+
 TEST_F(EmergencyStop, IsReleasedByHandWhichChangesNoState) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Estop();
