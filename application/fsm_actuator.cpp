@@ -147,11 +147,11 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
         return Error{kCodeFailed,
                      "the machine stopped at its start: " + machine_->Describe(*machine_->fault())};
       }
+      // The first time received from /clock may have any value.
+      if (Now() == Time{}) machine_->Pause();
     } else if (options_.resume == Resume::kFromStart) {
       static_cast<void>(machine_->Reset());
     }
-    // The first time received from /clock may have any value.
-    if (Now() == Time{}) machine_->Pause();
     StartTicks();
     return Ok();
   }
@@ -185,7 +185,12 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   void PauseMachine() {
     StopTicks();
     waits_ = false;
-    if (machine_) machine_->Pause();
+    if (!machine_) return;
+    const std::size_t waiting = machine_->waiting_commands();
+    machine_->Pause();
+    if (machine_->waiting_commands() == waiting) return;
+    owner_.Log(LogLevel::kWarning, "paused; commands dropped from its queue: " +
+                                       std::to_string(waiting - machine_->waiting_commands()));
   }
 
   // Calls a hook of the tick. An exception counts as a failed state; it is logged once as long as

@@ -523,6 +523,21 @@ void Machine::Pause() {
   const InTick guard(in_tick_);
   NotifyInput({.kind = Input::Kind::kPause});
   last_tick_.reset();
+  DropNormalCommands();
+}
+
+// All but the urgent ones, here and in the machines inside.
+void Machine::DropNormalCommands() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < waiting_; ++i) {
+    if (events_[Index(Queued(i).event)].urgency != Urgency::kUrgent) continue;
+    if (i != kept) Queued(kept) = std::move(Queued(i));
+    ++kept;
+  }
+  counts_.superseded += waiting_ - kept;
+  waiting_ = kept;
+  if (current_ == kNoState) return;
+  for (const auto& inside : nodes_[Index(current_)].inside) inside->DropNormalCommands();
 }
 
 // [[unlikely]] moves rare code out of the path of the common tick: the state decides to stay, and

@@ -52,7 +52,7 @@ using History = Recent<Change>;  // the last changes
 struct Counts {
   std::uint64_t changes = 0;
   std::uint64_t unhandled = 0;   // commands not handled, also by an aborted transition
-  std::uint64_t superseded = 0;  // commands dropped by an urgent one, a reset or a stop
+  std::uint64_t superseded = 0;  // commands dropped by an urgent one, a pause, a reset or a stop
   std::uint64_t refused = 0;     // commands refused by a full queue
   std::uint64_t faults = 0;
   std::uint64_t listener_faults = 0;
@@ -117,7 +117,8 @@ class Machine {
   // Does nothing while the machine is not running. A time before the last one counts as no elapsed
   // time. Throws std::logic_error inside of a tick of the same machine: a fault of the state.
   void RunOnce(Time now);
-  // The time until the next tick does not count.
+  // The time until the next tick does not count. Queued commands are dropped, also those that wait
+  // in a machine inside, but no urgent one: a command of hours ago is no longer wanted, a stop is.
   void Pause();
   // Leaves the state permanently.
   Result<> Stop();
@@ -298,6 +299,7 @@ class Machine {
     counts_.superseded += waiting_;
     waiting_ = 0;
   }
+  void DropNormalCommands();
   Result<EventId> EventOf(std::string_view name) const;
   Command& Queued(std::size_t i) { return commands_[(first_command_ + i) % commands_.size()]; }
   const Command& Queued(std::size_t i) const {

@@ -126,8 +126,9 @@ void CameraServer::Await(Shape shape, const std::string& file, bool video, Reply
     waiting_.erase(self);
     if (late.video) beginning_ = false;
     Listen();
-    late.reply(Answer(CameraService::kTimeout,
-                      "no picture within " + std::to_string(ToMilliseconds(kPictureTime)) + " ms"));
+    late.reply(Answer(CameraService::kTimeout, camera_.config().name + ": no picture within " +
+                                                   std::to_string(ToMilliseconds(kPictureTime)) +
+                                                   " ms"));
   });
   Listen();
 }

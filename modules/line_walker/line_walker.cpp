@@ -13,10 +13,18 @@ namespace {
 
 constexpr std::size_t kSidePoints = 60;
 constexpr std::size_t kFrontPoints = 160;
+constexpr double kSamePlaceM = 0.3, kSameYawRad = 0.35;     // of a body that was stopped
+constexpr Duration kOtherClock = std::chrono::seconds(60);  // such an age is none
 constexpr double kApproachPerS = 1.0;  // forward velocity for each metre to the end
 
 std::string Ms(Duration time) {
   return std::to_string(ToMilliseconds(time)) + " ms";
+}
+
+std::string Seconds(Duration time) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", ToSeconds(time));
+  return text;
 }
 
 // In the frame in which `pose` is.
@@ -57,17 +65,32 @@ std::string_view NameOf(End end) {
   return "stopped";
 }
 
+bool LineWalker::StandsThere(Time now) const {
+  if (!stopped_ || track_.empty()) return false;
+  if (!ended_at_ || now - *ended_at_ > rules_.time_limit) return false;
+  const Pose& pose = track_.pose();
+  return std::hypot(pose.x_m - stopped_->x_m, pose.y_m - stopped_->y_m) <= kSamePlaceM &&
+         std::abs(Wrapped(pose.yaw_rad - stopped_->yaw_rad)) <= kSameYawRad;
+}
+
+bool LineWalker::Continues(Time now) const {
+  return StandsThere(now) && end_known() && lane_.known();
+}
+
 bool LineWalker::Start(Time now) {
   if (active()) return false;
-  lane_.Forget();
+  if (!StandsThere(now)) {
+    approaches_ = true;
+    start_.reset();  // else what is left of the approach
+  }
+  if (!Continues(now)) Forget();
+  stopped_.reset();
   left_ = {};
   right_ = {};
-  front_end_ = side_end_ = {};
-  end_line_.reset();
-  beyond_ = false;
   refused_since_.reset();
   pictures_from_.reset();
-  start_.reset();
+  clear_at_.reset();
+  picture_age_ = {};
   state_ = State::kAdjusting;
   started_at_ = now;
   ended_at_.reset();
@@ -75,6 +98,13 @@ bool LineWalker::Start(Time now) {
   reason_.clear();
   framed_ = false;
   return true;
+}
+
+void LineWalker::Forget() {
+  lane_.Forget();
+  front_end_ = side_end_ = {};
+  end_line_.reset();
+  beyond_ = false;
 }
 
 void LineWalker::Stop(Time now, const std::string& why) {
@@ -85,50 +115,86 @@ void LineWalker::Finish(End end, std::string reason, Time now) {
   state_ = State::kIdle;
   ended_at_ = now;
   end_ = end;
+  if (!track_.empty()) stopped_ = track_.pose();
+  // In the lane it does not walk on blindly, also not at the next START.
+  if (lane_.known() || left_.line_at || right_.line_at) approaches_ = false;
   reason_ = std::move(reason);
   owes_end_ = std::exchange(framed_, false);
 }
 
-void LineWalker::OnOdometry(const msg::Odometry& odometry, Time now) {
+void LineWalker::OnOdometry(const msg::Odometry& odometry, Time now, Duration age) {
   const OdometryTrack::Taken taken = track_.Take(odometry);
   if (taken == OdometryTrack::Taken::kInvalid) return;
-  odometry_at_ = now;
-  if (taken == OdometryTrack::Taken::kGood) return;
-  lane_.Forget();
-  front_end_ = side_end_ = {};
-  end_line_.reset();
-  beyond_ = false;
+  odometry_repeats_ = taken == OdometryTrack::Taken::kAgain;
+  if (odometry_repeats_) return;
+  odometry_age_ = age > Duration(0) && age < kOtherClock ? age : Duration(0);
+  odometry_at_ = now - odometry_age_;
+  if (taken == OdometryTrack::Taken::kJump) OnJump(now);
+}
+
+void LineWalker::OnJump(Time now) {
+  Forget();
+  if (stopped_) stopped_ = track_.pose();  // not the body has jumped, which stands
+  if (!start_) return;
+  start_.reset();
+  if (!approaches_ || left_.line_at || right_.line_at) return;
+  approaches_ = false;  // how far it has come is not known any more
+  if (active()) Finish(End::kLost, "the odometry has jumped in the approach to the lines", now);
 }
 
 void LineWalker::OnLines(View view, const msg::YellowLines& lines, Time now) {
-  if (!active()) return;
+  if (!active() || Repeats(view, lines)) return;
   switch (view) {
     case View::kLeft:
       return OnSide(Side::kLeft, lines, now);
     case View::kRight:
       return OnSide(Side::kRight, lines, now);
     case View::kFront:
-      return OnFront(lines);
+      return OnFront(lines, now);
   }
+}
+
+bool LineWalker::Repeats(View view, const msg::YellowLines& lines) {
+  const msg::Stamp& stamp = lines.header.stamp;
+  if (stamp == msg::Stamp{}) return false;  // a publisher without a clock
+  return std::exchange(stamps_.at(std::size_t(view)), stamp) == stamp;
+}
+
+LineWalker::Taken LineWalker::TakenOf(const msg::YellowLines& lines, Time now) const {
+  const Time usual = now - rules_.picture_delay;
+  if (track_.empty() || !odometry_at_) return {usual, std::nullopt};
+  const auto age = track_.AgeOf(msg::FromStamp(lines.header.stamp).count());
+  if (!age) return {usual, track_.At(rules_.picture_delay)};
+  const Time at = std::min(now, *odometry_at_ - *age);
+  if (*age > track_.span()) return {at, std::nullopt};
+  return {at, track_.At(*age)};
+}
+
+bool LineWalker::Counts(const msg::YellowLines& lines, const Taken& taken, Time now) const {
+  return lines.doubt.empty() && now - taken.at <= rules_.stale;
 }
 
 void LineWalker::OnSide(Side side, const msg::YellowLines& lines, Time now) {
   const bool left = side == Side::kLeft;
   Sight& sight = left ? left_ : right_;
-  sight.picture_at = now;
-  if (!pictures_from_) pictures_from_ = now;
-  if (track_.empty() || beyond_) return;
+  const Taken taken = TakenOf(lines, now);
+  sight.picture_at = std::max(sight.picture_at.value_or(taken.at), taken.at);
+  picture_age_ = now - taken.at;
+  if (!Counts(lines, taken, now)) return;
+  if (!clear_at_ || now - *clear_at_ >= rules_.stale) pictures_from_ = now;
+  clear_at_ = now;
+  if (!taken.pose || beyond_) return;
   const CameraSet& cameras = rules_.cameras;
   const MountedCamera& camera = left ? cameras.left : cameras.right;
   const auto points =
       EdgeOnGround(camera, cameras.trunk_height_m, cameras.farthest_m, lines, kSidePoints);
-  const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
+  const Pose& pose = *taken.pose;
   const double curvature = lane_.known() ? lane_.At(pose).curvature_per_m : 0;
   const auto line = FitSideLine(points, side, rules_.fit, curvature);
   if (!line || (!lane_.known() && !lane_.MayBeFirst(*line, side))) return;
   const bool alone = !Seen(left ? right_ : left_, now);
   if (!lane_.See(pose, *line, side, alone)) return;
-  sight.line_at = now;
+  sight.line_at = std::max(sight.line_at.value_or(taken.at), taken.at);
   const auto end = FindSideEnd(points, *line, side, camera, cameras.trunk_height_m,
                                rules_.lane.width_m, rules_.end);
   if (end) return SeeEnd(pose, *end, rules_.side_pictures, side_end_);
@@ -137,12 +203,13 @@ void LineWalker::OnSide(Side side, const msg::YellowLines& lines, Time now) {
   if (Along(side_end_.line, far) < -rules_.end_jump_m) side_end_.share = 0;
 }
 
-void LineWalker::OnFront(const msg::YellowLines& lines) {
-  if (track_.empty() || !lane_.known()) return;
+void LineWalker::OnFront(const msg::YellowLines& lines, Time now) {
+  const Taken taken = TakenOf(lines, now);
+  if (!Counts(lines, taken, now) || !taken.pose || !lane_.known()) return;
   const CameraSet& cameras = rules_.cameras;
   const auto points =
       EdgeOnGround(cameras.front, cameras.trunk_height_m, cameras.farthest_m, lines, kFrontPoints);
-  const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
+  const Pose& pose = *taken.pose;
   const auto end = FindEndLine(points, -lane_.At(pose).heading_rad, rules_.end);
   if (end) return SeeEnd(pose, *end, rules_.end_pictures, front_end_);
   front_end_.share = 0;
@@ -201,31 +268,44 @@ void LineWalker::CheckEnds(Time now) {
   }
   const bool waiting = runtime < rules_.start_wait && !framed_;
   if (!waiting && !Within(odometry_at_, rules_.stale, now)) {
-    return Finish(End::kSilent, "no odometry for " + Ms(rules_.stale), now);
+    return Finish(End::kSilent, WhyNoOdometry(), now);
   }
+  if (!waiting && !ImagesReady(now)) return Finish(End::kSilent, WhyNoPictures(), now);
   if (const auto to_end = to_end_m()) {
     if (*to_end > rules_.end_gap_m) return;  // by odometry, also where the lines have ended
     return Finish(End::kCourseEnd, "the end of the lane is reached", now);
   }
-  if (waiting) return;
-  if (!ImagesReady(now)) {
-    return Finish(End::kSilent, "no pictures of the left and right line for " + Ms(rules_.stale),
-                  now);
-  }
-  if (Approaching(now)) return;
   const Duration longest = rules_.fresh + rules_.lost;
+  if (waiting || (MayApproach() && Within(clear_at_, longest, now))) return;
   const bool seen = Within(left_.line_at, longest, now) || Within(right_.line_at, longest, now);
   if (!seen) {
     Finish(End::kLost, "no line is seen on either side for " + Ms(rules_.lost), now);
   }
 }
 
-// Detectors that have just begun to look get the time of `stale` to see a line.
-bool LineWalker::Approaching(Time now) const {
-  if (rules_.approach_m <= 0 || track_.empty() || left_.line_at || right_.line_at) return false;
-  if (!pictures_from_ || now - *pictures_from_ < rules_.stale) return false;
+std::string LineWalker::WhyNoOdometry() const {
+  if (odometry_repeats_) return "the stamps of the odometry stand still for " + Ms(rules_.stale);
+  if (odometry_age_ > rules_.stale) return "the odometry is " + Seconds(odometry_age_) + " old";
+  return "no odometry for " + Ms(rules_.stale);
+}
+
+std::string LineWalker::WhyNoPictures() const {
+  const std::string what = "no pictures of the left and right line for " + Ms(rules_.stale);
+  if (picture_age_ <= rules_.stale) return what;
+  return what + ": the last one was " + Seconds(picture_age_) + " old";
+}
+
+bool LineWalker::MayApproach() const {
+  if (!approaches_ || rules_.approach_m <= 0 || track_.empty()) return false;
+  if (left_.line_at || right_.line_at) return false;
   const Pose& pose = track_.pose();
   return !start_ || std::hypot(pose.x_m - start_->x_m, pose.y_m - start_->y_m) < rules_.approach_m;
+}
+
+// Detectors that have just begun to look get the time of `stale` to see a line.
+bool LineWalker::Approaching(Time now) const {
+  return MayApproach() && clear_at_ && now - *clear_at_ < rules_.stale &&
+         now - *pictures_from_ >= rules_.stale;
 }
 
 InLane LineWalker::AlongStart(const Pose& pose) const {
@@ -250,8 +330,8 @@ std::optional<LineWalker::Step> LineWalker::Tick(Time now) {
     framed_ = true;
     return Step{Steer(AlongStart(track_.pose()), rules_.lost_m_s, rules_.steering), false};
   }
-  const bool ready = moves && lane_.known();
-  if (!ready && !framed_) return std::nullopt;  // it stands
+  const bool ready = moves && lane_.known() && ImagesReady(now);  // also where it continues a walk
+  if (!ready && !framed_) return std::nullopt;                    // it stands
   if (!ready) {
     state_ = State::kAdjusting;
     return Step{};

@@ -10,10 +10,12 @@
 //   WALKING    in the middle
 //
 // After an End the walker does nothing until Start(). Times: `now` is the machine's, for waits; the
-// stamps of pictures and odometry relate the two to each other. Frame of ground.hpp.
+// stamps of pictures and odometry relate the two to each other. A picture or a line is as old as
+// what it was taken of, not as its message. Frame of ground.hpp.
 //
 // Threads: one.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -57,7 +59,7 @@ struct WalkRules {
   Duration start_wait = Milliseconds(5000);    // for lines and odometry, standing
   double approach_m = 0;  // walks so far straight ahead at the start, to the beginning of the lines
   Duration stale = Milliseconds(1000);        // without pictures of both sides, or odometry
-  Duration fresh = Milliseconds(350);         // a line is seen for so long after its picture
+  Duration fresh = Milliseconds(500);         // a line is seen for so long after its picture
   Duration lost = Milliseconds(2000);         // without both lines, after `fresh`
   double lost_m_s = 0.15;                     // at most, meanwhile
   Duration time_limit = Milliseconds(60000);  // of a walk
@@ -94,7 +96,10 @@ class LineWalker {
 
   explicit LineWalker(const WalkRules& rules) : rules_(rules), lane_(rules.lane) {}
 
-  // False, without an effect, while it walks.
+  // False, without an effect, while it walks. Where the last walk has ended after it has seen the
+  // lane's end, and the body is still there, it walks on to this end: no line may be seen any more;
+  // at the end itself it ends at once. It is still there for WalkRules::time_limit at most: a body
+  // that is carried does not always show that.
   bool Start(Time now);
   // Without an effect while it does not walk. The next Tick() gives the last frame.
   void Stop(Time now, const std::string& why = "STOP");
@@ -102,8 +107,9 @@ class LineWalker {
   // Ignored while it does not walk.
   void OnLines(View view, const msg::YellowLines& lines, Time now);
   void OnResponse(const msg::MotionServoResponse& response, Time now);
-  // Always, so that a walk can begin at once.
-  void OnOdometry(const msg::Odometry& odometry, Time now);
+  // Always, so that a walk can begin at once. `age`: of its stamp, by the clock that stamps; a
+  // sample with the stamp of the one before is none.
+  void OnOdometry(const msg::Odometry& odometry, Time now, Duration age = {});
 
   // To be called at the rate of frames, and after Stop(). Gives frames once a line has been seen;
   // after the end exactly one with `end`, unless no frame preceded it.
@@ -127,8 +133,8 @@ class LineWalker {
 
  private:
   struct Sight {
-    std::optional<Time> picture_at;  // of the newest message
-    std::optional<Time> line_at;     // of the newest line that was believed
+    std::optional<Time> picture_at;  // when the newest picture was taken
+    std::optional<Time> line_at;     // that with the newest line that was believed
   };
 
   // What pictures in a row show of the lane's end.
@@ -137,28 +143,53 @@ class LineWalker {
     double share = 0;  // of the pictures that are needed
   };
 
+  // When and where a picture was taken.
+  struct Taken {
+    Time at;
+    std::optional<Pose> pose;  // nothing: without odometry of that time
+  };
+  // The picture of the message before, once more: no camera or detector works.
+  bool Repeats(View view, const msg::YellowLines& lines);
+  Taken TakenOf(const msg::YellowLines& lines, Time now) const;
+  // Its words are of now: without a doubt, and not late.
+  bool Counts(const msg::YellowLines& lines, const Taken& taken, Time now) const;
   void OnSide(Side side, const msg::YellowLines& lines, Time now);
-  void OnFront(const msg::YellowLines& lines);
+  void OnFront(const msg::YellowLines& lines, Time now);
   // `found`: the end in a picture taken at `pose`. It counts after so many `pictures`.
   void SeeEnd(const Pose& pose, const EndLine& found, int pictures, EndSight& sight);
   bool end_known() const { return end_line_.has_value(); }
   bool Seen(const Sight& sight, Time now) const;
   bool Within(const std::optional<Time>& at, Duration time, Time now) const;
   std::optional<Step> EndFrame();
+  // The body is still where the last walk has ended.
+  bool StandsThere(Time now) const;
+  // Start() continues the last walk.
+  bool Continues(Time now) const;
   // Ends the walk where a rule says so.
   void CheckEnds(Time now);
   void Finish(End end, std::string reason, Time now);
+  // The frame of the odometry is another one.
+  void OnJump(Time now);
+  // The lane and its end.
+  void Forget();
+  std::string WhyNoOdometry() const;
+  std::string WhyNoPictures() const;
   Velocity Command(Time now);
-  // No line was seen yet, and it may walk on to look for one.
+  // No line was seen yet, and it may walk on to look for one,
+  bool MayApproach() const;
+  // which it does while pictures without a doubt show that there is none.
   bool Approaching(Time now) const;
   InLane AlongStart(const Pose& pose) const;
 
   WalkRules rules_;
   OdometryTrack track_;
-  std::optional<Time> odometry_at_;
+  std::optional<Time> odometry_at_;  // of the newest sample
+  Duration odometry_age_{};          // of that at its reception
+  bool odometry_repeats_ = false;    // the last message had its stamp
   LaneEstimate lane_;
   Sight left_;
   Sight right_;
+  std::array<msg::Stamp, 3> stamps_{};  // of the newest pictures, by view; also of earlier walks
   EndSight front_end_;
   EndSight side_end_;
   std::optional<Pose> end_line_;  // once it counts
@@ -167,8 +198,12 @@ class LineWalker {
   std::int32_t refused_code_ = 0;
   State state_ = State::kIdle;
   Time started_at_;
-  std::optional<Time> pictures_from_;  // of the sides, in this walk
-  std::optional<Pose> start_;          // the pose in which it began to approach
+  std::optional<Time> pictures_from_;  // of the sides, without a doubt, in this walk: in a row
+  std::optional<Time> clear_at_;       // and the last of them
+  Duration picture_age_{};             // of the last picture of a side, at its reception
+  bool approaches_ = true;             // it was not in the lane where it stands
+  std::optional<Pose> start_;          // in which it began to approach, also in a walk before
+  std::optional<Pose> stopped_;        // and in which the last walk ended
   std::optional<Time> ended_at_;
   std::optional<End> end_;
   std::string reason_;

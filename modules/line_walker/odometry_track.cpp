@@ -10,8 +10,16 @@ namespace musher::line_walker {
 namespace {
 
 constexpr std::int64_t kKeptNs = 3'000'000'000;
-constexpr std::int64_t kOtherClockNs = 500'000'000;  // a stamp that much newer is of another clock
-constexpr double kJumpM = 0.5;                       // between two samples
+// A stamp that much newer than the newest sample, or older than the oldest, is of another clock.
+constexpr std::int64_t kNewerNs = 500'000'000;
+constexpr std::int64_t kOlderNs = 60'000'000'000;
+// The most that a body moves between two samples: at most kFarthestM, and beside what their
+// distance in time permits.
+constexpr double kFarthestM = 0.5;
+constexpr double kJumpM = 0.1;
+constexpr double kJumpRad = 0.3;
+constexpr double kFastestMS = 3;
+constexpr double kFastestRadS = 6;
 
 std::optional<Pose> PoseOf(const msg::Odometry& odometry) {
   const auto& at = odometry.pose.pose.position;
@@ -55,8 +63,12 @@ OdometryTrack::Taken OdometryTrack::Take(const msg::Odometry& odometry) {
   Taken taken = Taken::kGood;
   if (!samples_.empty()) {
     const Sample& last = samples_.back();
+    if (stamp_ns == last.stamp_ns) return Taken::kAgain;
+    const double seconds = double(stamp_ns - last.stamp_ns) * 1e-9;
     const double moved_m = std::hypot(pose->x_m - last.pose.x_m, pose->y_m - last.pose.y_m);
-    if (stamp_ns < last.stamp_ns || moved_m > kJumpM) {
+    const double turned_rad = std::abs(Wrapped(pose->yaw_rad - last.pose.yaw_rad));
+    if (seconds < 0 || moved_m > std::min(kFarthestM, kJumpM + kFastestMS * seconds) ||
+        turned_rad > kJumpRad + kFastestRadS * seconds) {
       samples_.clear();
       taken = Taken::kJump;
     }
@@ -67,20 +79,22 @@ OdometryTrack::Taken OdometryTrack::Take(const msg::Odometry& odometry) {
   return taken;
 }
 
-Pose OdometryTrack::At(std::int64_t stamp_ns, Duration otherwise) const {
+std::optional<Duration> OdometryTrack::AgeOf(std::int64_t stamp_ns) const {
   const std::int64_t oldest = samples_.front().stamp_ns;
   const std::int64_t newest = samples_.back().stamp_ns;
-  if (stamp_ns < oldest || stamp_ns > newest + kOtherClockNs) {
-    stamp_ns = newest - otherwise.count();
-  }
+  const bool other_clock = stamp_ns < oldest - kOlderNs || stamp_ns > newest + kNewerNs;
+  if (stamp_ns == 0 || other_clock) return std::nullopt;
+  return Duration(newest - stamp_ns);
+}
+
+Pose OdometryTrack::At(Duration age) const {
+  const std::int64_t stamp_ns = samples_.back().stamp_ns - std::max(age, Duration(0)).count();
   const auto after = std::lower_bound(
       samples_.begin(), samples_.end(), stamp_ns,
       [](const Sample& sample, std::int64_t stamp) { return sample.stamp_ns < stamp; });
-  if (after == samples_.begin()) return samples_.front().pose;
-  if (after == samples_.end()) return samples_.back().pose;
+  if (after == samples_.begin()) return after->pose;
   const Sample& before = *std::prev(after);
   const auto span = double(after->stamp_ns - before.stamp_ns);
-  if (span <= 0) return after->pose;
   return Between(before.pose, after->pose, double(stamp_ns - before.stamp_ns) / span);
 }
 

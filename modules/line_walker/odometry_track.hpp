@@ -36,8 +36,9 @@ class OdometryTrack {
  public:
   enum class Taken {
     kGood,
+    kAgain,    // the stamp of the sample before: ignored
     kInvalid,  // NaN or no rotation: ignored
-    kJump,     // another place or an earlier time than before: what was known is dropped
+    kJump,     // farther than a body moves, or an earlier time: what was known is dropped
   };
   Taken Take(const msg::Odometry& odometry);
 
@@ -45,9 +46,15 @@ class OdometryTrack {
   const Pose& pose() const { return samples_.back().pose; }  // the newest
   const Velocity& velocity() const { return samples_.back().velocity; }
 
-  // At that stamp, or `otherwise` before the newest sample where the stamp is of another clock. Not
-  // for an empty track.
-  Pose At(std::int64_t stamp_ns, Duration otherwise) const;
+  // --- not for an empty track ---
+
+  // How long before the newest sample that stamp is, less than 0 after it; nothing: it is of
+  // another clock, or none.
+  std::optional<Duration> AgeOf(std::int64_t stamp_ns) const;
+  // So long before the newest sample; before the oldest one, that.
+  Pose At(Duration age) const;
+  // Between the oldest sample and the newest.
+  Duration span() const { return Duration(samples_.back().stamp_ns - samples_.front().stamp_ns); }
 
  private:
   struct Sample {

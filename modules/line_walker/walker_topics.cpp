@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/messages/stamp.hpp"
 
 namespace musher::line_walker {
 namespace {
@@ -60,7 +61,11 @@ Result<> WalkerTopics::Open() {
       });
   endpoints_.Subscribe<msg::Odometry>(
       names.odometry,
-      [this, &clock](const msg::Odometry& odometry) { walker_.OnOdometry(odometry, clock.Now()); },
+      [this, &clock](const msg::Odometry& odometry) {
+        const msg::Stamp& stamp = odometry.header.stamp;
+        const Duration age = msg::FromStamp(clock.Stamp()) - msg::FromStamp(stamp);
+        walker_.OnOdometry(odometry, clock.Now(), stamp == msg::Stamp{} ? Duration(0) : age);
+      },
       transport::kSensorDataQos);
   endpoints_.Subscribe<msg::String>(names.command,
                                     [this](const msg::String& word) { OnCommand(word.data); });

@@ -38,7 +38,10 @@ class Stay {
   Duration operator()(const UntilStep& step) const {
     return step.most.value_or(course_.untils[step.until].most.count) * course_.step;
   }
-  Duration operator()(const WalkStep& step) const { return course_.walks[step.walk].limit; }
+  Duration operator()(const WalkStep& step) const {
+    const LaneWalk& walk = course_.walks[step.walk];
+    return walk.limit + walk.retries * (walk.retry_after + kStopGrace);
+  }
   Duration operator()(const SayStep& step) const {
     return std::max(Said(step.speech), Said(step.unsure.value_or(step.speech)));
   }

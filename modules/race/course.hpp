@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "musher/base/time.hpp"
+#include "musher/modules/race/hall.hpp"
 
 namespace musher::race {
 
@@ -176,7 +177,9 @@ struct LaneWalk {
   std::string end = "course_end";  // the good end
   Duration limit = Milliseconds(60'000);
   Duration silent = Milliseconds(3000);  // without a status the walker has failed
-  Otherwise otherwise;                   // after a limit or another end
+  int retries = 0;                       // after another end: it is started again
+  Duration retry_after = Milliseconds(2000);
+  Otherwise otherwise;  // after a limit, or another end and all retries
 };
 
 struct Phrase {
@@ -303,6 +306,7 @@ struct Course {
   BodyRules body;
   OdometryRules odometry;
   RobotRules robot;
+  Hall hall;  // for which the counts are
   std::optional<LightRule> light;
   std::vector<Detector> detectors;
   std::vector<Movement> movements;

@@ -154,6 +154,7 @@ class CourseReader {
                     {{"zh", Language::kChinese}, {"en", Language::kEnglish}}),
         row::Sub("checks", CheckRuleRows()),
         row::Sub("robot", RobotRows(folder_, course().robot)),
+        row::Sub("hall", HallRows(course().hall)),
         row::Sub("odometry", OdometryRows(course().odometry)),
         row::Sub("body", {row::Time("silent_ms", course().body.silent, 0),
                           row::Time("refused_ms", course().body.refused)}),
@@ -299,9 +300,14 @@ class CourseReader {
 
   Rows WalkRows(LaneWalk& walk) {
     return {
-        TopicRow("command", walk.command),   TopicRow("status", walk.status),
-        row::Text("end", walk.end),          row::Time("limit_ms", walk.limit),
-        row::Time("silent_ms", walk.silent), EndOrStateRow(walk.otherwise),
+        TopicRow("command", walk.command),
+        TopicRow("status", walk.status),
+        row::Text("end", walk.end),
+        row::Time("limit_ms", walk.limit),
+        row::Time("silent_ms", walk.silent),
+        row::Integer("retries", walk.retries, 0, 100),
+        row::Time("retry_ms", walk.retry_after, 0),
+        EndOrStateRow(walk.otherwise),
     };
   }
 

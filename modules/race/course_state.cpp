@@ -59,7 +59,9 @@ fsm::Next Race::CourseState::Go(Index state) const {
 
 fsm::Next Race::CourseState::OnCommand(fsm::EventId command) {
   if (command == stop_) {
-    race_.Execute(command::kStop);
+    race_.Stop();
+  } else if (!race_.start_counts_) {
+    race_.Refuse("START", "START is refused: a later command has stopped it");
   } else if (race_.memory().completed()) {
     race_.Refuse("START", "START is refused: the task is completed; send RESET before");
   } else if (!is_start()) {

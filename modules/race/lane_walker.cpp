@@ -7,10 +7,14 @@
 namespace musher::race {
 namespace {
 
-// The end of an earlier walk may be in the statuses for so long after START.
+// The end of an earlier walk may be in the statuses for so long after START. A good one is never
+// that of a walker that has not begun.
 constexpr Duration kOldEnd = Milliseconds(1000);
 // A walker that has not begun so long after START has not received it, or ignores it.
 constexpr Duration kLatestBegin = Milliseconds(5000);
+
+// The end of a walk that a STOP has ended, an emergency stop, or a state other than Active.
+constexpr std::string_view kStopped = "stopped";
 
 // The value of ",End:<reason>"; empty: none.
 std::string_view EndOf(std::string_view status) {
@@ -23,15 +27,26 @@ std::string_view EndOf(std::string_view status) {
 
 }  // namespace
 
-void LaneWalker::Begin(Index walk) {
+void LaneWalker::Begin(Index walk, Duration walked) {
   walk_ = walk;
   started_ = false;
-  walked_ = Duration(0);
+  walked_ = walked;
+  arrived_ = false;
+  tries_ = 0;
+  retry_at_.reset();
+}
+
+bool LaneWalker::arrived() const {
+  if (!walk_) return false;
+  return arrived_ || (started_ && running_ && end_ == course_.walks[*walk_].end);
 }
 
 LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
   const LaneWalk& walk = course_.walks[*walk_];
+  if (arrived()) return End::kGood;
+  if (!started_ && retry_at_ && now < *retry_at_) return End::kNone;
   if (!std::exchange(started_, true)) {
+    retry_at_.reset();
     started_at_ = received_at_ = now;
     received_ = running_ = false;
     end_.clear();
@@ -40,13 +55,18 @@ LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
     return End::kNone;
   }
   if (std::exchange(received_, false)) received_at_ = now;
-  const bool ended = !end_.empty() && (running_ || now - started_at_ >= kOldEnd);
-  if (ended && end_ == walk.end) return End::kGood;
+  const bool good = end_ == walk.end;
+  const bool ended = !end_.empty() && !good && (running_ || now - started_at_ >= kOldEnd);
   if (ended) {
     if (!ended_at_) ended_at_ = now;
     if (now - *ended_at_ < kStopGrace) return End::kNone;
     reason = "the line walker has ended with " + Printable(end_);
-    return End::kOther;
+    const bool by_others = running_ && end_ == kStopped;  // the race has sent no STOP
+    if (by_others || tries_ >= walk.retries) return End::kOther;
+    reason += ": retry " + std::to_string(++tries_) + " of " + std::to_string(walk.retries);
+    Pause();
+    retry_at_ = now + walk.retry_after;
+    return End::kNone;
   }
   ended_at_.reset();
   if (!running_ && now - started_at_ >= kLatestBegin && now - received_at_ < walk.silent) {
@@ -72,9 +92,16 @@ void LaneWalker::Stop() {
 }
 
 void LaneWalker::Pause() {
+  arrived_ = arrived();
   if (!walk_ || !std::exchange(started_, false)) return;
   walked_ += received_at_ > started_at_ ? received_at_ - started_at_ : Duration(0);
   outputs_.CommandWalker(course_.walks[*walk_], false);
+}
+
+Duration LaneWalker::Interrupt() {
+  Pause();
+  walk_.reset();
+  return walked_;
 }
 
 void LaneWalker::OnStatus(Index walk, std::string_view status) {

@@ -17,14 +17,20 @@ class LaneWalker {
 
   enum class End : std::uint8_t { kNone, kGood, kOther, kLost };
 
-  void Begin(Index walk);
-  // Each tick until an end. kGood: the course's end; kOther: another end, kStopGrace after it, or
-  // the limit; kLost: no status. `reason` has the last two as text.
+  // `walked`: how long a walk that continues has lasted before.
+  void Begin(Index walk, Duration walked = {});
+  // Each tick until an end. kGood: see arrived(); kOther: another end, kStopGrace after it and
+  // after all retries, or the limit; kLost: no status. `reason` has the last two as text, and with
+  // kNone that it is started once more. A walker that others stop is not started again.
   End Advance(Duration now, std::string& reason);
   // STOP, if START was sent.
   void Stop();
-  // It is started again by the next Advance().
+  // It is started again by the next Advance(), and walks on from where it is.
   void Pause();
+  // The same for good; returns how long it has lasted, for Begin().
+  Duration Interrupt();
+  // The course's end, of a walker that has begun; also where a Pause() has followed.
+  bool arrived() const;
 
   void OnStatus(Index walk, std::string_view status);
 
@@ -38,8 +44,11 @@ class LaneWalker {
   Duration received_at_{};
   bool received_ = false;             // since the last tick
   bool running_ = false;              // a status without an end was received since START
+  bool arrived_ = false;              // before the last pause
   std::string end_;                   // of the last status
   std::optional<Duration> ended_at_;  // with another end than the course's
+  int tries_ = 0;                     // retries so far
+  std::optional<Duration> retry_at_;
 };
 
 }  // namespace musher::race

@@ -22,15 +22,18 @@ int Run(const musher::program::Options& options) {
 int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "check") return musher::race::tool::Check(argc - 1, argv + 1);
+  if (command == "course") return musher::race::tool::WriteCourse(argc - 1, argv + 1);
   if (command == "replay") return musher::race::tool::Replay(argc - 1, argv + 1);
   if (command == "send") return musher::race::tool::PublishCommand(argc - 1, argv + 1);
   return musher::program::Main(
       argc, argv,
       {"musher-race", "The race course, as the actuator race.",
-       "`musher-race check COURSE` reports the errors of a course, `musher-race send START` "
-       "publishes\n"
-       "a command of a running race, `musher-race replay FILE COURSE` replays a recorded one; see\n"
-       "their --help.\n\n"
+       "`musher-race check COURSE` reports the errors of a course, `musher-race course HALL "
+       "COURSE` "
+       "prints\n"
+       "it for the measures of another hall, `musher-race send START` publishes a command of a "
+       "running race,\n"
+       "`musher-race replay FILE COURSE` replays a recorded one; see their --help.\n\n"
        "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or course."},
       Run);
 }

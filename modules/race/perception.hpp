@@ -39,9 +39,10 @@ class Perception {
         watched_(course.detectors.size()),
         open_(course.detectors.size()) {}
 
-  // Samples of a detector that is not needed are ignored.
-  void OnSighting(Index detector, Sighting sighting, Time taken);
-  void OnLines(Index detector, const Lines& lines, Time taken);
+  // Samples of a detector that is not needed are ignored. `taken` by the picture's stamp, which may
+  // be ahead of `time`: then the picture counts as one of now.
+  void OnSighting(Index detector, Sighting sighting, Time taken, Time time);
+  void OnLines(Index detector, const Lines& lines, Time taken, Time time);
 
   // --- each tick ---
 
@@ -51,11 +52,12 @@ class Perception {
   // The newest sample that was taken at `after` or later; null: none.
   const Sighting* SightingSince(Index detector, Time after) const;
   const Lines* LinesSince(Index detector, Time after) const;
-  // Since its last sample, or since it was opened; 0 while it is closed. Of a tick that came late
-  // at most kTickCounts counts: this process was late itself.
-  Duration SilentFor(Index detector) const { return watched_[detector].silent; }
-  // Opens and closes detectors. Returns one that has been silent for too long.
-  std::optional<Index> EndTick(Duration now);
+  // A sample has come since it was opened, of whichever age.
+  bool HasStarted(Index detector) const { return watched_[detector].taken.has_value(); }
+  // Opens and closes detectors. Returns one that has been silent for too long: a sample with the
+  // time of the one before, or one that is so old itself, does not count. `time` is that of the
+  // actuator's clock.
+  std::optional<Index> EndTick(Duration now, Time time);
 
   // None is needed any more.
   void Close();
@@ -63,21 +65,18 @@ class Perception {
  private:
   struct Watched {
     bool wanted = false;
-    bool received = false;  // a sample since the last tick
+    bool received = false;  // a new sample since the last tick
     Duration received_at{};
-    Duration silent{};
-    std::optional<Time> taken;
+    std::optional<Time> stamped;  // of the newest sample
+    std::optional<Time> taken;    // the same, but not in the future
     Sighting sighting;
     Lines lines;
   };
 
-  bool Takes(Index detector, Detector::Kind kind, Time taken);
-
-  static constexpr Duration kTickCounts = Milliseconds(200);
+  bool Takes(Index detector, Detector::Kind kind, Time taken, Time time);
 
   const Course& course_;
   RaceOutputs& outputs_;
-  Duration ticked_at_{};
   std::vector<Watched> watched_;  // by detector
   std::vector<bool> open_;
 };

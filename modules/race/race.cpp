@@ -19,6 +19,8 @@ constexpr Duration kLogPeriod = std::chrono::seconds(2);  // of each kind of ref
 constexpr std::size_t kMostText = 200;                    // of a command or a sighting
 constexpr std::size_t kMostLine = 2000;                   // of the log
 constexpr std::size_t kMostEarly = 64;
+// A camera's clock: that much of it is recorded.
+constexpr Duration kMostAhead = std::chrono::hours(24);
 // Of a sample of the odometry.
 constexpr double kMostMetres = 1e6;
 constexpr std::int64_t kMostStampNs = 4'000'000'000'000'000'000;  // 126 years
@@ -111,14 +113,14 @@ void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
   now_ = now;
   if (detector >= course_.detectors.size()) return;
   Clean(detector, sighting);
-  taken = std::min(taken, now);  // a camera whose clock is ahead
+  taken = std::min(taken, now + kMostAhead);
   if (first_start_) {
     Record(input::kSighting,
            {std::to_string(detector), std::to_string((taken - *first_start_).count()),
             sighting.seen ? "1" : "0", NumberText(sighting.distance_m), sighting.phase,
             sighting.text, NumberText(sighting.offset)});
   }
-  runner_.perception().OnSighting(detector, std::move(sighting), taken);
+  runner_.perception().OnSighting(detector, std::move(sighting), taken, now);
 }
 
 void Race::OnText(Index detector, std::string_view text, Time now) {
@@ -154,7 +156,7 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
                    std::string_view doubt) {
   now_ = now;
   if (detector >= course_.detectors.size()) return;
-  taken = std::min(taken, now);
+  taken = std::min(taken, now + kMostAhead);
   const auto ycy_word = LineWordOf(ycy);
   const auto dy_word = LineWordOf(dy);
   if (!ycy_word || !dy_word) {
@@ -169,8 +171,8 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
             std::to_string(contours), std::string(ycy), std::string(dy), NumberText(middle_offset),
             why});
   }
-  runner_.perception().OnLines(detector, {contours, *ycy_word, *dy_word, middle_offset, why},
-                               taken);
+  runner_.perception().OnLines(detector, {contours, *ycy_word, *dy_word, middle_offset, why}, taken,
+                               now);
 }
 
 // Outside of a walk odometry does not count, and is not recorded.
@@ -255,14 +257,21 @@ void Race::Execute(std::string_view word) {
   constexpr std::string_view kGoTo = "START:";
   if (ExecuteSet(word) || ExecuteOwn(word)) return;
   if (word == command::kStop || word == command::kReset) {
-    if (word == command::kStop && runner_.state() == course_.start && !jump_) return;
-    return JumpTo({course_.start, word == command::kReset});
+    start_counts_ = false;
+    return word == command::kStop ? Stop() : JumpTo({course_.start, true});
   }
   if (word.starts_with(kGoTo)) return GoTo(Trimmed(word.substr(kGoTo.size())));
   std::vector<std::string> known = {"START", "STOP", "RESET"};
   for (const ResultRule& result : course_.results) known.push_back(result.command + "_DEFAULT");
   for (const CourseCommand& own : course_.commands) known.push_back(own.name);
   Refuse("command", "the command is refused: " + NoSuch("command", word, known));
+}
+
+// Also by a STOP in the machine's queue, which has dropped what was queued before. A reset that
+// waits for the body stays one.
+void Race::Stop() {
+  if (runner_.state() == course_.start && !jump_) return;
+  JumpTo({course_.start, jump_ && jump_->reset});
 }
 
 bool Race::ExecuteSet(std::string_view word) {
@@ -330,6 +339,7 @@ void Race::GoTo(std::string_view target) {
     return Refuse("START", "START:" + course_.states[*state].name +
                                " is refused: the robot is not in a state that runs the race");
   }
+  start_counts_ = false;
   JumpTo({*state, false});
 }
 
@@ -357,6 +367,12 @@ void Race::Rest(Time now) {
   now_ = now;
   Record(input::kRest, {});
   resting_ = true;
+  start_counts_ = false;
+  if (jump_ && jump_->state != course_.start) {
+    outputs_.Log("START:" + course_.states[jump_->state].name +
+                 " is dropped: the race is paused before the body was free for it");
+    jump_ = Jump{course_.start, false};
+  }
   runner_.Pause();
   ExecuteJump();
 }
@@ -368,11 +384,14 @@ void Race::Resume(Time now) {
   runner_.Resume(machine_ == nullptr ? Duration(0) : machine_->time());
 }
 
-void Race::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
+void Race::OnInput(const fsm::Machine& machine, const fsm::Input& input) {
   if (input.kind == fsm::Input::Kind::kStart) {
     now_ = input.time;
     if (!first_start_) first_start_ = input.time;
   }
+  const bool is_start =
+      input.kind == fsm::Input::Kind::kCommand && machine.Name(input.command) == command::kStart;
+  if (is_start) start_counts_ = true;
   if (input.kind != fsm::Input::Kind::kTick) return;
   now_ = input.time;
   for (const std::string& word : std::exchange(early_commands_, {})) {

@@ -97,6 +97,7 @@ class Race : private fsm::Listener {
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
 
   void Execute(std::string_view command);
+  void Stop();
   bool ExecuteSet(std::string_view command);
   bool ExecuteOwn(std::string_view command);
   void SetResult(Index result, Index value);
@@ -118,6 +119,7 @@ class Race : private fsm::Listener {
   std::optional<Time> first_start_;  // of the machine; times of a recording count from there
   std::vector<std::string> early_commands_;  // before it: recorded with the first tick
   std::optional<Jump> jump_;                 // waits for the reply of a motion
+  bool start_counts_ = false;                // no later command has overruled the queued START
   bool decided_ = false;                     // the present change is by a transition of the state
   bool replays_ = false;
   bool resting_ = true;

@@ -43,6 +43,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   const bool back = by_decision && returns_ && interrupted_ && interrupted_->state == state;
   const bool begins = by_decision && state_ == course_.start;
   light_stops_ = returns_ = skips_ = false;
+  SeesAgain();
   unknown_.clear();
   if (back) {
     const Interrupted interrupted = *std::exchange(interrupted_, std::nullopt);
@@ -51,7 +52,13 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     at_ = interrupted.activity;
     unsure_ = interrupted.unsure;
     unsure_before_ = interrupted.unsure_before;
-    locomotion_.Continue(interrupted.walk);
+    if (interrupted.lane_walked) {
+      const auto& step = std::get<WalkStep>(rule().steps[at_.step]);
+      lane_walker_.Begin(step.walk, *interrupted.lane_walked);
+      static_cast<void>(locomotion_.Rise(now));
+    } else {
+      locomotion_.Continue(interrupted.walk);
+    }
     light_->Continue(now);
     return;
   }
@@ -100,6 +107,7 @@ void Runner::Pause() {
   lane_walker_.Pause();
   voice_.Pause();
   perception_.Close();
+  SeesAgain();
   if (light_) light_->Interrupt();
 }
 
@@ -112,12 +120,14 @@ std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
   perception_.BeginTick();
   std::optional<Index> next;
   locomotion_.ExpireCall(now);
+  blind_ = false;
   if (!held) next = RunSteps(now, time);
-  const std::optional<Index> silent = perception_.EndTick(now);
+  if (!blind_) SeesAgain();
+  const std::optional<Index> silent = perception_.EndTick(now, time);
   if (next || !silent) return next;
   return Fail("no sample of the detector " + course_.detectors[*silent].name + " for " +
               std::to_string(ToMilliseconds(course_.check.silent)) +
-              " ms: its camera or the detector is lost");
+              " ms: its camera or the detector is lost, or it is in doubt about each picture");
 }
 
 std::optional<Index> Runner::RunSteps(Duration now, Time time) {
@@ -133,6 +143,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
   }
   while (at_.step < rule().steps.size()) {
     fault_.clear();
+    WantLight();
     const Outcome outcome =
         std::visit([&](const auto& step) { return Run(step, now, time); }, rule().steps[at_.step]);
     if (!fault_.empty()) return Fail(fault_);
@@ -193,21 +204,25 @@ std::optional<Index> Runner::ChooseTransition() {
 // --- the steps of a state ---
 
 Runner::Outcome Runner::Advance(Duration now, Time time) {
-  if (Blind()) {
+  if (Blind(now, time)) {
     locomotion_.Wait();
     return Outcome::kRunning;
   }
   const bool done = locomotion_.Advance(now, time);
   ReserveDistances();
   if (done) return Outcome::kDone;
-  if (!StoppedByLight(now)) return Outcome::kRunning;
-  interrupted_ =
-      Interrupted{state_, previous_, at_, locomotion_.Halt(time), unsure_, unsure_before_};
-  light_stops_ = true;
-  target_ = course_.light->state;
+  if (!StoppedByLight(now, time)) return Outcome::kRunning;
+  Interrupt();
+  interrupted_->walk = locomotion_.Halt(time);
   Say("a yellow light: it stops with " +
       Steps(static_cast<int>(interrupted_->walk.left() / course_.step)) + " left");
   return Outcome::kTarget;
+}
+
+void Runner::Interrupt() {
+  interrupted_ = Interrupted{state_, previous_, at_, {}, {}, unsure_, unsure_before_};
+  light_stops_ = true;
+  target_ = course_.light->state;
 }
 
 void Runner::ReserveDistances() {
@@ -222,28 +237,92 @@ void Runner::ReserveDistances() {
   Say(reason);
 }
 
-bool Runner::WatchesLight() const {
-  return light_ && rule().light && locomotion_.ahead();
+// The same along a lane: the line walker gets a STOP, and walks on after the countdown. A walk that
+// has come to its end has nothing left to stop.
+Runner::Outcome Runner::AdvanceLane(const LaneWalk& walk, Duration now, Time time) {
+  if (lane_walker_.arrived()) {
+    lane_walker_.Stop();
+    return Outcome::kDone;
+  }
+  if (Blind(now, time)) {
+    lane_walker_.Pause();
+    return Outcome::kRunning;
+  }
+  if (StoppedByLight(now, time)) {
+    Interrupt();
+    interrupted_->lane_walked = lane_walker_.Interrupt();
+    Say("a yellow light: the line walker stops");
+    return Outcome::kTarget;
+  }
+  std::string reason;
+  const LaneWalker::End end = lane_walker_.Advance(now, reason);
+  if (!reason.empty() && end == LaneWalker::End::kNone) {  // it is started once more
+    Reserve(reason);
+    Say(reason);
+  }
+  if (end == LaneWalker::End::kNone) return Outcome::kRunning;
+  lane_walker_.Stop();
+  if (end == LaneWalker::End::kGood) return Outcome::kDone;
+  if (end == LaneWalker::End::kOther) return GiveUp(walk.otherwise, reason);
+  fault_ = reason;
+  return Outcome::kRunning;
 }
 
-bool Runner::Blind() {
-  const bool before = std::exchange(blind_, false);
+bool Runner::WatchesLight() const {
+  if (!light_ || !rule().light) return false;
+  const bool in_lane = at_.step < rule().steps.size() && at_.phase != 0 &&
+                       std::holds_alternative<WalkStep>(rule().steps[at_.step]);
+  return in_lane || locomotion_.ahead();
+}
+
+bool Runner::GoesAhead(const Step& step) const {
+  if (std::holds_alternative<WalkStep>(step)) return true;
+  std::optional<Index> movement;
+  if (const auto* move = std::get_if<MoveStep>(&step)) movement = move->movement;
+  if (const auto* until = std::get_if<UntilStep>(&step)) {
+    movement = course_.untils[until->until].most.movement;
+  }
+  return movement && course_.movements[*movement].walks &&
+         course_.movements[*movement].twist.forward_m_s > 0;
+}
+
+void Runner::WantLight() {
+  if (!light_ || !rule().light) return;
+  const std::size_t next = at_.step + 1;
+  const bool now_ahead = at_.phase == 0 && GoesAhead(rule().steps[at_.step]);
+  const bool soon_ahead = next < rule().steps.size() && GoesAhead(rule().steps[next]) &&
+                          (!locomotion_.walking() || WalkEndsSoon());
+  if (now_ahead || soon_ahead) perception_.Want(course_.light->detector);
+}
+
+// Until the first picture it stands without a word: the detector has to start. The fault is one of
+// pictures that are late: where none comes at all, Perception::EndTick() has found that before.
+bool Runner::Blind(Duration now, Time time) {
   if (!WatchesLight()) return false;
   const Index detector = course_.light->detector;
-  blind_ = perception_.SilentFor(detector) >= course_.light->blind;
+  const std::string& name = course_.detectors[detector].name;
+  const std::string blind = std::to_string(ToMilliseconds(course_.light->blind)) + " ms";
+  blind_ = perception_.SightingSince(detector, time - course_.light->blind) == nullptr;
   if (!blind_) return false;
   perception_.Want(detector);
-  if (!before) {
-    Say("no picture for the detector " + course_.detectors[detector].name + " for " +
-        std::to_string(ToMilliseconds(course_.light->blind)) + " ms: it stands until one comes");
+  if (!blind_since_) blind_since_ = now;
+  if (perception_.HasStarted(detector) && !std::exchange(blind_said_, true)) {
+    Say("no picture for the detector " + name + " for " + blind + ": it stands until one comes");
+  }
+  if (now - *blind_since_ > course_.check.silent) {
+    fault_ = "all pictures for the detector " + name + " are older than " + blind + ", for " +
+             std::to_string(ToMilliseconds(course_.check.silent)) +
+             " ms: its camera or the detector is late";
+    SeesAgain();  // in the error state it goes on
   }
   return true;
 }
 
-bool Runner::StoppedByLight(Duration now) {
+bool Runner::StoppedByLight(Duration now, Time time) {
   if (!WatchesLight()) return false;
   perception_.Want(course_.light->detector);
-  return light_->Stops(perception_.SightingSince(course_.light->detector, Time::min()), now);
+  const Time since = time - course_.light->blind;
+  return light_->Stops(perception_.SightingSince(course_.light->detector, since), now);
 }
 
 // Where only one line is seen its middle is not known: straight on.
@@ -466,20 +545,13 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   return GiveUp(until.otherwise, "no " + until.name + " within " + store(locomotion_.ended_walk()));
 }
 
-Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
+Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time time) {
   if (at_.phase == 0) {
     lane_walker_.Begin(step.walk);
     Phase(1, now);
     if (locomotion_.Rise(now)) return Outcome::kRunning;
   }
-  std::string reason;
-  const LaneWalker::End end = lane_walker_.Advance(now, reason);
-  if (end == LaneWalker::End::kNone) return Outcome::kRunning;
-  lane_walker_.Stop();
-  if (end == LaneWalker::End::kGood) return Outcome::kDone;
-  if (end == LaneWalker::End::kOther) return GiveUp(course_.walks[step.walk].otherwise, reason);
-  fault_ = reason;
-  return Outcome::kRunning;
+  return AdvanceLane(course_.walks[step.walk], now, time);
 }
 
 Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {

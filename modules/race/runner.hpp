@@ -65,8 +65,9 @@ class Runner {
     Index state = 0;
     Index previous = 0;
     Activity activity;
-    WalkProgress walk;
-    bool unsure = false;  // as of the state that was left
+    WalkProgress walk;                    // of a movement,
+    std::optional<Duration> lane_walked;  // or how long the line walker has walked
+    bool unsure = false;                  // as of the state that was left
     bool unsure_before = false;
   };
   enum class Outcome : std::uint8_t {
@@ -91,10 +92,23 @@ class Runner {
 
   // Advances the walk or motion under way. kDone, kRunning, or kTarget: a light has stopped it.
   Outcome Advance(Duration now, Time time);
+  // The same of the line walker's walk.
+  Outcome AdvanceLane(const LaneWalk& walk, Duration now, Time time);
+  // Ahead, or along a lane: in a state with light = true.
   bool WatchesLight() const;
-  // No picture comes that could show the light: the movement ahead waits for one.
-  bool Blind();
-  bool StoppedByLight(Duration now);
+  // Its detector needs a moment to start: before a movement ahead.
+  void WantLight();
+  bool GoesAhead(const Step& step) const;
+  // No picture of the last LightRule::blind could show the light: the movement ahead waits for one,
+  // at most CheckRules::silent, which is then a fault.
+  bool Blind(Duration now, Time time);
+  void SeesAgain() {
+    blind_since_.reset();
+    blind_said_ = false;
+  }
+  bool StoppedByLight(Duration now, Time time);
+  // Leaves the state for that of the light.
+  void Interrupt();
   void Steer(const std::optional<Index>& keep, Time time);
   bool WalkEndsSoon() const;
   void WantNext();
@@ -138,7 +152,9 @@ class Runner {
   bool light_stops_ = false;  // the state is left for the light's
   bool returns_ = false;      // and now back again
   bool skips_ = false;        // see SkipSteps()
-  bool blind_ = false;
+  bool blind_ = false;        // in this tick
+  std::optional<Duration> blind_since_;
+  bool blind_said_ = false;     // in the log
   bool by_time_ = false;        // a walk of this run went by its time, without odometry
   bool unsure_ = false;         // a check of this state was given up
   bool unsure_before_ = false;  // one of the state before

@@ -283,6 +283,10 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
   log_.Tick(input.time);
   perception_.OnGaze(data_.motion.look_at_target, input.time);
   perception_.Refresh(input.time, data_);
+  // SEARCH tracks a face that it sees, and scans without one.
+  if (actions_ && state() == state::kSearch) {
+    actions_->Start(*ActionOnEntering(state::kSearch, data_), data_);
+  }
   if (actions_) actions_->Tick(ticked_at_ ? input.time - *ticked_at_ : Duration(0), data_);
   ticked_at_ = input.time;
 }

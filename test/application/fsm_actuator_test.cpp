@@ -75,6 +75,19 @@ TEST_F(AnFsmActuator, IsPausedInEveryOtherStateAndResumesInItsState) {
   EXPECT_EQ(show.Of([](Show& s) { return s.machine().time(); }), Milliseconds(60));
 }
 
+// It was handled after the pause, which may have lasted hours.
+TEST_F(AnFsmActuator, DropsACommandThatIsQueuedWhenItIsPaused) {
+  ActuatorRunner<Show> show;
+  Begin(show);
+  harness_.Tick(show, 5);
+  ASSERT_EQ(show.Path(), "PLAY");
+  EXPECT_TRUE(show.Of([](Show& s) { return s.Send("again"); }));
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(show, 3);
+  EXPECT_EQ(show.Path(), "PLAY");
+}
+
 TEST_F(AnFsmActuator, StartsFromTheBeginningWithThatOption) {
   ActuatorRunner<Show> show({.resume = FsmActuator::Resume::kFromStart});
   Begin(show);

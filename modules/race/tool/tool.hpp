@@ -7,6 +7,8 @@ namespace musher::race::tool {
 
 // musher-race check COURSE: reports every error of a course, or what it has.
 int Check(int argc, const char* const* argv);
+// musher-race course HALL COURSE: prints a course for the measures of another hall.
+int WriteCourse(int argc, const char* const* argv);
 // musher-race replay FILE COURSE: replays a recording and prints the outcome.
 int Replay(int argc, const char* const* argv);
 // musher-race send START: publishes a command of a running race.

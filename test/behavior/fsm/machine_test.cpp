@@ -90,6 +90,50 @@ TEST_F(MachineTest, KeepsACommandThatArrivesDuringATransitionForTheNextState) {
   EXPECT_EQ(machine_.history().back().command, photo);
 }
 
+// A command that was queued just before a pause, as by an emergency stop, was handled after it,
+// hours later: it began to move by itself.
+TEST_F(MachineTest, DropsQueuedCommandsWhenItIsPausedButNoUrgentOne) {
+  machine_.AddEvent("go");
+  machine_.AddEvent("stop", Urgency::kUrgent);
+  std::vector<std::string> got;
+  Add("IDLE").check = [&](const Tick& tick) {
+    if (tick.command == kNoEvent) return Next::Stay();
+    got.emplace_back(machine_.Name(tick.command));
+    return Next::Handle();
+  };
+  Start("IDLE");
+  ASSERT_TRUE(machine_.Send("go"));
+  machine_.Pause();
+  EXPECT_EQ(machine_.waiting_commands(), 0U);
+  EXPECT_EQ(machine_.counts().superseded, 1U);
+  for (const char* command : {"stop", "go"}) ASSERT_TRUE(machine_.Send(command));
+  machine_.Pause();
+  Run(3);
+  EXPECT_THAT(got, ElementsAre("stop"));
+  ASSERT_TRUE(machine_.Send("go"));
+  Run();
+  EXPECT_THAT(got, ElementsAre("stop", "go"));
+}
+
+TEST_F(MachineTest, DropsADeferredCommandWhenItIsPaused) {
+  machine_.AddEvent("go");
+  LoggingState& idle = Add("IDLE", {"TRACKING"});
+  idle.declare = [](Transitions& transitions) { transitions.Defer("go"); };
+  std::string got;
+  Add("TRACKING", {"IDLE"}).check = [&](const Tick& tick) {
+    got += machine_.Name(tick.command);
+    return Next::Stay();
+  };
+  Start("IDLE");
+  ASSERT_TRUE(machine_.Send("go"));
+  Run(2);
+  machine_.Pause();
+  idle.Go("TRACKING");
+  Run(3);
+  EXPECT_EQ(Current(), "TRACKING");
+  EXPECT_EQ(got, "");
+}
+
 TEST_F(MachineTest, CountsACommandThatNoStateHandled) {
   machine_.AddEvent("photo");
   Add("IDLE");

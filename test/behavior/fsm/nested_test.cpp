@@ -151,6 +151,20 @@ TEST_F(NestedTest, LetsNoTimePassInsideWhileTheOuterMachineIsPaused) {
   EXPECT_EQ(inner_->elapsed(), kStep);
 }
 
+TEST_F(NestedTest, DropsTheCommandsThatWaitInsideWhenTheOuterMachineIsPaused) {
+  Make();
+  Enter();
+  const EventId yes = *inner_->FindEvent("yes");
+  confirm_->check = [=](const Tick& tick) {
+    return tick.command == yes ? Next::Stay().KeepCommand() : Next::Stay();
+  };
+  ASSERT_TRUE(machine_.Send("yes"));
+  Run(2);
+  ASSERT_EQ(inner_->waiting_commands(), 1U);
+  machine_.Pause();
+  EXPECT_EQ(inner_->waiting_commands(), 0U);
+}
+
 TEST_F(NestedTest, PassesTheCommandsThatItDoesNotHandleToTheInnerMachine) {
   Make();
   Enter();

@@ -28,7 +28,7 @@ std::string FaultOf(const std::string& text) {
 class Show {
  public:
   Show() {
-    machine.AddEvent("stop now");
+    machine.AddEvent("stop now", Urgency::kUrgent);
     auto idle = std::make_unique<LoggingState>("IDLE", log, std::vector<std::string>{"TRACKING"});
     idle->check = [this](const Tick&) {
       return near ? Next::To(*machine.FindState("TRACKING")) : Next::Stay();

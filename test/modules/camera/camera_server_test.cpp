@@ -56,8 +56,9 @@ TEST_F(CameraServerTest, TimesOutAfterTwoSecondsWithoutAPicture) {
   Start();
   const Time requested = network_.now();
   const auto late = Call({CameraService::kTakePicture, "", 0, 0, 0});
-  EXPECT_EQ(late,
-            (CameraService::Response{CameraService::kTimeout, "no picture within 2000 ms", 4407}));
+  EXPECT_EQ(late, (CameraService::Response{CameraService::kTimeout,
+                                           config_.cameras[0].name + ": no picture within 2000 ms",
+                                           4407}));
   EXPECT_GE(network_.now() - requested, Milliseconds(2000));
 }
 

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/test/modules/line_walker/s_lane.hpp"
 
 namespace musher::line_walker::line_walker_test {
@@ -20,7 +21,7 @@ Time After(std::int64_t ms) {
 
 msg::Odometry OdometryAt(Time at, double x_m = 0) {
   msg::Odometry odometry;
-  odometry.header.stamp.sec = std::int32_t(ToMilliseconds(at.time_since_epoch()) / 1000);
+  odometry.header.stamp = msg::ToStamp(at.time_since_epoch());
   odometry.pose.pose.position.x = x_m;
   return odometry;
 }
@@ -63,6 +64,18 @@ TEST(LineWalker, EndsSilentWithoutPicturesOrOdometry) {
   EXPECT_FALSE(walker.Tick(After(11000)));
   EXPECT_EQ(walker.end(), End::kSilent);
   EXPECT_THAT(walker.reason(), HasSubstr("no pictures"));
+}
+
+TEST(LineWalker, EndsSilentByOdometryThatIsOld) {
+  LineWalker walker{WalkRules()};
+  EXPECT_TRUE(walker.Start(kStart));
+  for (int ms = 0; ms <= 5000; ms += 50) {
+    walker.OnOdometry(OdometryAt(After(ms - 3000)), After(ms), Milliseconds(3000));
+    walker.OnLines(View::kLeft, {}, After(ms));
+    EXPECT_FALSE(walker.Tick(After(ms)));
+  }
+  EXPECT_EQ(walker.end(), End::kSilent);
+  EXPECT_EQ(walker.reason(), "the odometry is 3.0 s old");
 }
 
 TEST(LineWalker, EndsSilentInTheMiddleOfAWalkWithOneEndFrame) {
@@ -108,11 +121,28 @@ TEST(LineWalker, IsAdjustingWhereItIsBesideTheMiddle) {
 TEST(LineWalker, StandsAfterAJumpOfTheOdometryUntilItSeesALine) {
   SLaneRun run(1, 0, 0);
   run.RunFor(Milliseconds(2000));
-  run.walker.OnOdometry(OdometryAt(run.now(), 70), run.now());
+  run.walker.OnOdometry(OdometryAt(run.now() + Milliseconds(20), 70), run.now());
   const auto frame = run.walker.Tick(run.now());
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->velocity, Velocity());
   EXPECT_FALSE(frame->end);
+}
+
+// Only half a metre between two samples was noticed, and no turn.
+TEST(LineWalker, StandsAfterAJumpThatNoBodyMakes) {
+  for (const Velocity& jump : {Velocity{0.3, 0, 0}, Velocity{0, 0, 1}, Velocity{0, -0.3, 0}}) {
+    SLaneRun run(1, 0, 0);
+    run.RunFor(Milliseconds(2000));
+    const Pose pose = Moved(run.odometry(), jump, 1);
+    msg::Odometry odometry = OdometryAt(run.now() + Milliseconds(20), pose.x_m);
+    odometry.pose.pose.position.y = pose.y_m;
+    odometry.pose.pose.orientation.z = std::sin(pose.yaw_rad / 2);
+    odometry.pose.pose.orientation.w = std::cos(pose.yaw_rad / 2);
+    run.walker.OnOdometry(odometry, run.now());
+    const auto frame = run.walker.Tick(run.now());
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->velocity, Velocity());
+  }
 }
 
 TEST(LineWalker, IgnoresOdometryThatIsNoPose) {

@@ -133,7 +133,7 @@ void SLaneRun::Step() {
   ++ticks_;
   MoveBody(ToSeconds(kStep));
   if (ticks_ % 2 == 0) SendOdometry();
-  if (ticks_ % kPeriods == 0) TakePictures();
+  if (ticks_ % kPeriods == 0 && has_cameras) TakePictures();
   while (!deliveries_.empty() && deliveries_.front().at <= now_) {
     const Delivery delivery = std::move(deliveries_.front());
     deliveries_.pop_front();
@@ -174,6 +174,7 @@ void SLaneRun::MoveBody(double seconds) {
 }
 
 void SLaneRun::SendOdometry() {
+  if (repeats_odometry) return walker.OnOdometry(last_odometry_, now_);
   msg::Odometry odometry;
   odometry.header.stamp = msg::ToStamp(now_.time_since_epoch());
   odometry.pose.pose.position = {odometry_.x_m, odometry_.y_m, 0.29};
@@ -181,6 +182,7 @@ void SLaneRun::SendOdometry() {
   odometry.pose.pose.orientation.w = std::cos(odometry_.yaw_rad / 2);
   odometry.twist.twist.linear = {velocity_.forward_m_s, velocity_.left_m_s, 0};
   odometry.twist.twist.angular.z = velocity_.yaw_rad_s;
+  last_odometry_ = odometry;
   walker.OnOdometry(odometry, now_);
 }
 

@@ -96,6 +96,8 @@ class SLaneRun {
   // What a camera shows now; changed by a test.
   std::function<void(View, msg::YellowLines&)> spoil;
   bool has_end_line = true;
+  bool has_cameras = true;        // pictures come
+  bool repeats_odometry = false;  // the last message comes again and again
   bool has_lines_beside = false;  // at the end, from 0.54 m beside the middle on, 0.1 m beyond
   SimulationRules simulation;
 
@@ -106,6 +108,7 @@ class SLaneRun {
   Time now() const { return now_; }
   SLane::Place place() const { return lane.PlaceOf(body_); }
   const Pose& body() const { return body_; }
+  const Pose& odometry() const { return odometry_; }
   double rms_m() const { return std::sqrt(squares_ / std::max(1, samples_)); }
   double max_m() const { return max_m_; }
   double max_later_m() const { return max_later_m_; }  // after the first 0.8 m
@@ -137,6 +140,7 @@ class SLaneRun {
   Velocity command_;
   Velocity noise_;
   Pose odometry_;
+  msg::Odometry last_odometry_;
   std::deque<Delivery> deliveries_;
   double squares_ = 0;
   int samples_ = 0;

@@ -72,6 +72,57 @@ TEST(Command, StopEndsTheMovementAndGoesToStart) {
   EXPECT_EQ(rig.race->InfoText(), "CurrentState:1,QRResult:B-2,TaskCompleted:False");
 }
 
+// START waits for the next tick, and a STOP in START did nothing: the race began after a stop.
+TEST(Command, StopOverrulesAStartOfTheSameTick) {
+  Rig rig;
+  rig.Command("START");
+  rig.Command("STOP");
+  rig.Run(Milliseconds(1000));
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_THAT(rig.field.motions, ElementsAre());
+  EXPECT_TRUE(rig.field.Logged("START is refused: a later command has stopped it"));
+}
+
+TEST(Command, StopOverrulesAStartThatWouldBeRefusedInItsState) {
+  for (const char* stop : {"STOP", "RESET"}) {
+    Rig rig;
+    rig.Command("START:IN_S2");
+    rig.Tick();
+    rig.Command("START");
+    rig.Command(stop);
+    rig.Run(Milliseconds(1000));
+    EXPECT_EQ(rig.state(), "START") << stop;
+    EXPECT_THAT(rig.field.motions, ElementsAre()) << stop;
+  }
+}
+
+TEST(Command, ThatFollowsAStopInTheSameTickCounts) {
+  Rig rig;
+  for (const char* command : {"START", "STOP", "START"}) rig.Command(command);
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "START_TO_QRA");
+  for (const char* command : {"STOP", "START:IN_S2"}) rig.Command(command);
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "IN_S2");
+  // By the request of behavior: in the machine's queue.
+  EXPECT_TRUE(rig.machine->Send("STOP"));
+  EXPECT_TRUE(rig.machine->Send("START"));
+  rig.Tick(3);
+  EXPECT_EQ(rig.state(), "START_TO_QRA");
+}
+
+TEST(Command, StopAfterAResetThatWaitsForTheBodyLeavesItAReset) {
+  Rig rig;
+  rig.script.motion_replies = false;
+  rig.Command("SET_QR_A:A-2");
+  rig.Command("START:IN_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.motions.size() == 1; }));
+  rig.Command("RESET");
+  rig.Command("STOP");
+  rig.race->OnMotionDone(rig.field.calls.front(), Ok(), rig.now);
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:0,QRResult:None,TaskCompleted:False");
+}
+
 TEST(Command, ResetForgetsResultsAndCounters) {
   Rig rig;
   rig.Command("START:IN_QR_A");

@@ -3,7 +3,15 @@
 
 #include "musher/test/modules/race/drive/course_drive.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+
+#include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::race::testing {
 namespace {
@@ -94,6 +102,191 @@ TEST(WayToTheArrow, IsDrivenByTheCamerasAlone) {
   EXPECT_EQ(result.state, "R1_TO_QRB") << Joined(result.log);
   EXPECT_THAT(result.states, Contains("IN_A2"));
   ExpectNoFault(result, route);
+}
+
+// A lamp over the S lane: the line walker was not stopped by it.
+TEST(WayThroughTheSLane, StopsAtAYellowLightAndGoesOnAfterIt) {
+  DriveSettings settings;
+  settings.from = "S1_TO_S2";
+  settings.pose = world::Pose2{{0.1, -0.4}, 0};
+  settings.until = "IN_S2";
+  settings.light_at_m = Eigen::Vector2d(2.6, -0.12);
+  settings.limit = std::chrono::minutes(2);
+  CourseDrive drive(settings);
+  const DriveResult result = drive.Run();
+  EXPECT_EQ(result.state, "IN_S2") << Joined(result.log);
+  EXPECT_THAT(result.states, Contains("YELLOW_LIGHT_COUNTDOWN").Times(1)) << Joined(result.log);
+  EXPECT_THAT(result.states, Contains("S1_TO_S2").Times(2));
+  EXPECT_EQ(result.world->referee().whole_foot_count(), 0U) << Joined(result.log);
+}
+
+// Beyond the S lane there is no line any more: a walk that was stopped there ended as lost.
+TEST(WayThroughTheSLane, GoesOnToItsEndFromALightBehindTheLines) {
+  DriveSettings settings;
+  settings.from = "S1_TO_S2";
+  settings.pose = world::Pose2{{2.9, 0.13}, 0.6};
+  settings.until = "IN_S2";
+  settings.light_at_m = Eigen::Vector2d(5.3, 0.743);
+  settings.limit = std::chrono::minutes(2);
+  CourseDrive drive(settings);
+  const DriveResult result = drive.Run();
+  EXPECT_EQ(result.state, "IN_S2") << Joined(result.log);
+  EXPECT_THAT(result.states, Contains("YELLOW_LIGHT_COUNTDOWN").Times(1)) << Joined(result.log);
+  EXPECT_NEAR(result.world->body().pose().position_m.x(), 4.93, 0.2) << Joined(result.log);
+}
+
+// The course of the design document, in the hall of its measures.
+TEST(WholeCourseOfTheDocument, IsDrivenByTheCamerasAlone) {
+  for (const Route& route : {Route{1, {{"qr_a", "A-1"}, {"arrow", "left"}, {"qr_b", "B-2"}}},
+                             Route{4, {{"qr_a", "A-2"}, {"arrow", "right"}, {"qr_b", "B-1"}}}}) {
+    DriveSettings settings = SettingsOf(route);
+    settings.course = "race/course_seed.toml";
+    CourseDrive drive(settings);
+    const DriveResult result = drive.Run();
+    EXPECT_EQ(result.state, "END") << Joined(result.log);
+    EXPECT_TRUE(result.world->referee().finished()) << Joined(result.log);
+    ExpectNoFault(result, route);
+  }
+}
+
+// Laid out for the measures that the shipped scene has, a hall is the shipped scene.
+TEST(HallScene, WithTheMeasuresOfTheShippedSceneIsThatScene) {
+  const auto reading = world::ReadSceneFile(SourceDir() + "/config/scenes/course.toml");
+  ASSERT_TRUE(reading.scene);
+  const world::Scene& shipped = *reading.scene;
+  EXPECT_EQ(HallOf(0.83, 0.05), Hall{});
+  world::Scene laid = shipped;
+  LayOut(Hall{}, {}, laid);
+  ASSERT_EQ(laid.lines.size(), shipped.lines.size());
+  constexpr double kNear = 0.005;
+  // In another order, and some from their other end.
+  for (const world::Line& line : shipped.lines) {
+    const bool found = std::ranges::any_of(laid.lines, [&](const world::Line& other) {
+      const auto same = [&](const Eigen::Vector2d& first, const Eigen::Vector2d& last) {
+        return (line.points_m.front() - first).norm() < kNear &&
+               (line.points_m.back() - last).norm() < kNear;
+      };
+      return line.points_m.size() == other.points_m.size() && line.watched == other.watched &&
+             line.width_m == other.width_m &&
+             (same(other.points_m.front(), other.points_m.back()) ||
+              same(other.points_m.back(), other.points_m.front()));
+    });
+    EXPECT_TRUE(found) << line.points_m.front().transpose() << " to "
+                       << line.points_m.back().transpose();
+  }
+  for (std::size_t i = 0; i < shipped.zones.size(); ++i) {
+    EXPECT_LT((shipped.zones[i].center_m - laid.zones[i].center_m).norm(), kNear)
+        << shipped.zones[i].name;
+    EXPECT_LT((shipped.zones[i].half_m - laid.zones[i].half_m).norm(), kNear)
+        << shipped.zones[i].name;
+  }
+  for (std::size_t i = 0; i < shipped.boards.size(); ++i) {
+    EXPECT_LT((shipped.boards[i].center_m - laid.boards[i].center_m).norm(), kNear);
+  }
+}
+
+struct HallCase {
+  int number;
+  Route route;
+  OtherHall hall;
+  std::string until = {};
+  bool ends = false;  // it is known to reach END
+};
+void PrintTo(const HallCase& hall, std::ostream* out) {
+  *out << "hall " << hall.number;
+}
+
+HallCase Case(int number, double lane_m, double line_m, SCurve s, double slip, Flooring flooring,
+              double kelvin, double share, const Route& route) {
+  HallCase hall{number, route, {HallOf(lane_m, line_m), s, flooring, {kelvin, share}}};
+  hall.route.slip = slip;
+  return hall;
+}
+
+HallCase Driven(HallCase hall) {
+  hall.ends = true;
+  return hall;
+}
+
+Route RouteOf(std::uint64_t seed, const char* qr_a, const char* arrow, const char* qr_b) {
+  return {seed, {{"qr_a", qr_a}, {"arrow", arrow}, {"qr_b", qr_b}}};
+}
+
+const std::vector<HallCase>& Halls() {
+  using enum Flooring;
+  static const std::vector<HallCase> halls = {
+      Driven(Case(1, 0.70, 0.03, {1.6, 50}, 0.00, kGrey, 6500, 1.0,
+                  RouteOf(11, "A-1", "left", "B-1"))),
+      Case(2, 0.70, 0.05, {1.4, 50}, 0.03, kOak, 3000, 0.6, RouteOf(12, "A-2", "right", "B-2")),
+      Case(3, 0.75, 0.07, {2.0, 40}, 0.05, kTiles, 8000, 0.4, RouteOf(13, "A-1", "right", "B-1")),
+      Case(4, 0.75, 0.04, {1.5, 45}, 0.10, kBlueMat, 6500, 0.15, RouteOf(14, "A-2", "left", "B-2")),
+      Case(5, 0.80, 0.05, {1.8, 50}, 0.15, kWetSpots, 6500, 1.2, RouteOf(15, "A-1", "left", "B-2")),
+      Case(6, 0.83, 0.03, {1.6, 60}, 0.08, kGrey, 3000, 0.3, RouteOf(16, "A-2", "right", "B-1")),
+      Case(7, 0.83, 0.07, {1.4, 45}, 0.02, kOak, 6500, 1.2, RouteOf(17, "A-1", "right", "B-2")),
+      Case(8, 0.87, 0.05, {2.2, 35}, 0.12, kTiles, 3000, 0.8, RouteOf(18, "A-2", "left", "B-1")),
+      Case(9, 0.90, 0.04, {1.7, 50}, 0.05, kBlueMat, 8000, 1.0, RouteOf(19, "A-1", "left", "B-1")),
+      Case(10, 0.93, 0.06, {1.9, 45}, 0.15, kWetSpots, 8000, 0.5,
+           RouteOf(20, "A-2", "right", "B-2")),
+      Case(11, 0.97, 0.05, {1.6, 55}, 0.07, kOak, 8000, 0.2, RouteOf(21, "A-1", "right", "B-1")),
+      Case(12, 1.00, 0.07, {2.0, 50}, 0.10, kGrey, 6500, 0.15, RouteOf(22, "A-2", "left", "B-2")),
+  };
+  return halls;
+}
+
+DriveResult DriveIn(const HallCase& hall) {
+  DriveSettings settings = SettingsOf(hall.route);
+  settings.hall = hall.hall;
+  settings.until = hall.until;
+  if (const char* folder = std::getenv("MUSHER_HALL_PICTURES")) settings.pictures = folder;
+  CourseDrive drive(settings);
+  DriveResult result = drive.Run();
+  std::cout << fmt::format(
+      "hall {:2}: lane {:.2f} m, line {:.2f} m, S {:.1f} m {:.0f}°, slip {:.2f}, {}, {:.0f} K, "
+      "light {:.2f}: {}, {} whole feet ({} touches), {} reservations, {:.0f} s\n",
+      hall.number, hall.hall.hall.lane_m, hall.hall.hall.line_m, hall.hall.s.radius_m,
+      hall.hall.s.arc_deg, *hall.route.slip, NameOf(hall.hall.flooring),
+      hall.hall.light.temperature_k, hall.hall.light.share, result.state,
+      result.world->referee().whole_foot_count(), result.world->referee().touch_count(),
+      result.reservations.size(), ToSeconds(result.took));
+  for (const std::string& each : result.reservations) std::cout << "  " << each << "\n";
+  return result;
+}
+
+// It comes to its end, or stands in ERROR and says why: either way no foot is wholly on a line. The
+// halls with `ends` have to be driven, so that the others may not all stop in their first state.
+class WholeCourseOfAnotherHall : public ::testing::TestWithParam<HallCase> {};
+
+TEST_P(WholeCourseOfAnotherHall, IsDrivenOrEndsWithItsReason) {
+  const HallCase& hall = GetParam();
+  const DriveResult result = DriveIn(hall);
+  const world::Referee& referee = result.world->referee();
+  EXPECT_EQ(referee.whole_foot_count(), 0U) << Joined(result.log);
+  EXPECT_EQ(referee.collisions(), 0U) << Joined(result.log);
+  if (hall.ends) {
+    EXPECT_EQ(result.state, "END") << result.reason << "\n" << Joined(result.log);
+  }
+  if (result.state == "END") {
+    EXPECT_TRUE(referee.finished()) << "a zone is missing\n" << Joined(result.log);
+  } else {
+    EXPECT_EQ(result.state, "ERROR") << Joined(result.log);
+    EXPECT_FALSE(result.reason.empty()) << Joined(result.log);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Nightly, WholeCourseOfAnotherHall, ::testing::ValuesIn(Halls()),
+                         [](const auto& hall) {
+                           return "Hall" + std::to_string(hall.param.number);
+                         });
+
+// What the gate drives of these: into the first bay of a narrow hall, and of a wide one.
+TEST(WayToTheBayOfAnotherHall, IsDrivenByTheCamerasAlone) {
+  for (const int number : {2, 12}) {
+    HallCase hall = Halls()[static_cast<std::size_t>(number) - 1];
+    hall.until = "A2_TO_S1";
+    const DriveResult result = DriveIn(hall);
+    EXPECT_EQ(result.state, "A2_TO_S1") << Joined(result.log);
+    ExpectNoFault(result, hall.route);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(

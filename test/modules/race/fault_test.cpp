@@ -86,7 +86,7 @@ TEST(RaceFault, OfAWalkerThatWasRestartedLeadsToTheError) {
     return walked < Milliseconds(2000) ? "State:WALKING,Active:True" : "State:IDLE,Active:False";
   };
   rig.Command("START:S1_TO_S2");
-  ExpectError(rig, std::chrono::seconds(4),
+  ExpectError(rig, std::chrono::seconds(10),
               "the line walker has ended with no walk: it was restarted");
 }
 
@@ -103,7 +103,7 @@ TEST(RaceFault, OfAWalkerThatLosesItsLineLeadsToTheError) {
     return walked < Milliseconds(2000) ? "State:WALKING" : "State:IDLE,Active:False,End:lost";
   };
   rig.Command("START:S1_TO_S2");
-  ExpectError(rig, std::chrono::seconds(4), "the line walker has ended with lost");
+  ExpectError(rig, std::chrono::seconds(10), "the line walker has ended with lost");
 }
 
 TEST(RaceFault, OfAWalkerThatNeverArrivesLeadsToTheErrorAfterItsLimit) {

@@ -159,6 +159,43 @@ TEST(Pause, AcceptsResetAndStop) {
   EXPECT_EQ(rig.state(), "START");
 }
 
+// After the release, and Active, it began by itself.
+TEST(Pause, OverrulesAStartThatIsQueued) {
+  Rig rig;
+  rig.Command("START");
+  PauseFor(rig, std::chrono::seconds(5));
+  rig.Run(Milliseconds(2000));
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_THAT(rig.field.motions, ElementsAre());
+}
+
+TEST(Pause, OverrulesAJumpThatWaitsForTheBody) {
+  Rig rig;
+  rig.script.motion_replies = false;
+  rig.Command("START:ERROR");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.motions.size() == 1; }));
+  rig.Command("START:QRA_TO_A1");
+  rig.Tick();
+  rig.script.motion_replies = true;
+  PauseFor(rig, std::chrono::seconds(5));
+  rig.Run(Milliseconds(3000));
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_EQ(rig.field.streams, 0);
+  EXPECT_TRUE(rig.field.Logged("START:QRA_TO_A1 is dropped"));
+}
+
+// The walker was started again behind the lane's end.
+TEST(Pause, AtTheEndOfTheLaneDoesNotStartTheWalkerAgain) {
+  Rig rig;
+  rig.Command("START:S1_TO_S2");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.walking_lane; }));
+  rig.Run(Milliseconds(2000));
+  rig.race->OnWalkerStatus(0, "State:IDLE,Active:False,End:course_end", rig.now);
+  PauseFor(rig, std::chrono::minutes(10));
+  ASSERT_TRUE(rig.RunTo("IN_S2", std::chrono::seconds(10)));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+}
+
 TEST(Pause, OfTheMachineAtItsEndEndsTheStream) {
   Rig rig;
   rig.Command("START:QRA_TO_A1");

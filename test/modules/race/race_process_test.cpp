@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <fstream>
 
 #include "musher/messages/musher_msgs/sighting.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
@@ -234,7 +235,7 @@ TEST_F(RaceProcess, RunsACourseToItsEndAndReplaysItsRecording) {
 }
 
 TEST_F(RaceProcess, KeepsAReservationWhereTheOdometryStandsStill) {
-  walker_says_ = "State:IDLE,Active:False,End:course_end";
+  walker_says_ = "State:WALKING,Active:True";
   odometry_ = Publisher<msg::Odometry>("odom_out", transport::kSensorDataQos);
   std::string course = kCourse;
   const std::string old = "count = 3";
@@ -242,6 +243,10 @@ TEST_F(RaceProcess, KeepsAReservationWhereTheOdometryStandsStill) {
   StartActive(course + "[odometry]\ntopic = \"odom_out\"\nfresh_ms = 10000\n");
   ASSERT_TRUE(peer_.Until([&] { return odometry_->MatchedReaders() == 1; }));
   Command("START");
+  ASSERT_TRUE(AwaitState("State:3")) << peer_.Output();
+  const std::size_t count = infos_.size();
+  ASSERT_TRUE(peer_.Until([&] { return infos_.size() > count + 10; }));
+  walker_says_ = "State:IDLE,Active:False,End:course_end";
   ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
   ASSERT_TRUE(peer_.Until([&] {
     return infos_.back().find(
@@ -341,6 +346,25 @@ TEST_F(RaceProcess, ChecksACourse) {
   EXPECT_THAT(Said(),
               HasSubstr("stuck.toml:24:8: error: state.FORK: has no transition in the case"));
   EXPECT_EQ(RunTool({"check"}), 2);
+}
+
+TEST_F(RaceProcess, PrintsACourseForAnotherHall) {
+  const std::string config = SourceDir() + "/config/";
+  const std::string hall = peer_.folder() / "hall.toml";
+  std::ofstream(hall) << "start_m = 1.33\nline_m = 0.04\n";
+  EXPECT_EQ(RunTool({"course", hall, config + "race/course.toml"}), 1);
+  EXPECT_THAT(Said(), HasSubstr("not derived: start_m: where the line ahead is seen from START"));
+  EXPECT_THAT(Said(), HasSubstr("start_m = 1.33"));
+  EXPECT_THAT(Said(), HasSubstr("state.START_TO_QRA: forward 12 -> 17 (0.40 m more)"));
+  EXPECT_EQ(RunTool({"course", hall, config + "race/course.toml", "--vision",
+                     config + "vision/course.toml"}),
+            1);
+  EXPECT_THAT(Said(), HasSubstr("lane_m = 0.87 "));
+  EXPECT_EQ(RunTool({"course", hall, config + "race/course.toml", "--walker",
+                     config + "line_walker/walker.toml"}),
+            0);
+  EXPECT_EQ(RunTool({"course", "/no/such.toml", config + "race/course.toml"}), 2);
+  EXPECT_EQ(RunTool({"course", hall}), 2);
 }
 
 }  // namespace musher::race::race_process_test

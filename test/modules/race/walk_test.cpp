@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <utility>
 
 #include "musher/test/modules/race/race_rig.hpp"
 
@@ -73,7 +74,7 @@ TEST(Walk, UntilTheBarrierIsAtTheTopStoresItsStepsForTheRemainder) {
   ASSERT_TRUE(rig.RunTo("IN_L1"));
   EXPECT_TRUE(rig.field.Logged("S2_TO_L1: barrier after 30 steps"));
   ASSERT_TRUE(rig.RunTo("L1_TO_QRB"));
-  rig.Tick(2);
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
   const int before = rig.field.streams;
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == before; }));
   // 85 - (30 + 5 of the special gait); 15 more follow.
@@ -218,8 +219,8 @@ TEST(Check, CorrectsByTheMovementBefore) {
   EXPECT_EQ(correction("B1_TO_L1", "front_lane", W::kLeft), turn_right);
   EXPECT_EQ(correction("B1_TO_L1", "front_lane", W::kRight), turn_left);
   EXPECT_EQ(correction("A1_TO_S1", "front_lane", W::kLeft), turn_right);
-  EXPECT_EQ(correction("QRA_TO_A1", "front_bay", W::kFront, true), forward);
-  EXPECT_EQ(correction("QRA_TO_A1", "front_bay", W::kBack, true), backward);
+  EXPECT_EQ(correction("QRA_TO_A1", "front_bay_a", W::kFront, true), forward);
+  EXPECT_EQ(correction("QRA_TO_A1", "front_bay_a", W::kBack, true), backward);
   EXPECT_EQ(correction("QRA_TO_A1", "right_edge", W::kFront, true), right);
   EXPECT_EQ(correction("QRA_TO_A1", "right_edge", W::kBack, true), left);
   EXPECT_EQ(correction("QRA_TO_A2", "left_edge", W::kFront, true), left);
@@ -340,6 +341,18 @@ TEST(Lane, IgnoresTheEndOfAnEarlierWalk) {
   ASSERT_TRUE(rig.RunTo("IN_S2", Milliseconds(2000)));
 }
 
+// After a second the end of an earlier walk counted as that of this one.
+TEST(Lane, DoesNotEndWellByAWalkerThatHasNotBegun) {
+  Rig rig;
+  rig.script.walker = [](Duration) { return "State:IDLE,Active:False,End:course_end"; };
+  rig.Command("START:S1_TO_S2");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.walking_lane; }));
+  rig.Run(Milliseconds(4500));
+  EXPECT_EQ(rig.state(), "S1_TO_S2");
+  EXPECT_TRUE(rig.RunTo("ERROR", Milliseconds(1000)));
+  EXPECT_TRUE(rig.field.Logged("the line walker has not begun to walk within 5000 ms"));
+}
+
 TEST(Lane, ThatACommandLeadsALyingRobotToIsWalkedStanding) {
   Rig rig;
   rig.Command("START:S1_TO_S2");
@@ -348,6 +361,57 @@ TEST(Lane, ThatACommandLeadsALyingRobotToIsWalkedStanding) {
   EXPECT_TRUE(rig.field.walker.empty()) << "it does not stand yet";
   ASSERT_TRUE(rig.RunTo("IN_S2", std::chrono::seconds(20)));
   EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+}
+
+// A walk that ended by a fault that has healed led to the error at once.
+TEST(Lane, IsStartedAgainAfterAnotherEnd) {
+  Rig rig;
+  int starts = 0;
+  bool walking = false;
+  rig.script.walker = [&](Duration walked) -> std::string {
+    if (walked > Duration(0) && !std::exchange(walking, true)) ++starts;
+    if (walked == Duration(0)) walking = false;
+    if (walked < Milliseconds(3000)) return "State:WALKING,Active:True";
+    return starts == 1 ? "State:IDLE,Active:False,End:silent"
+                       : "State:IDLE,Active:False,End:course_end";
+  };
+  rig.Command("START:S1_TO_S2");
+  ASSERT_TRUE(rig.RunTo("IN_S2", std::chrono::seconds(20)));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP", "START", "STOP"));
+  EXPECT_TRUE(rig.field.Logged("the line walker has ended with silent: retry 1 of 1"));
+  EXPECT_EQ(rig.race->memory().reserved(), 1U);
+}
+
+// Two seconds after the STOP of a person it walked on by itself.
+TEST(Lane, ThatOthersStopIsNotStartedAgain) {
+  Rig rig;
+  rig.script.walker = [](Duration walked) -> std::string {
+    return walked < Milliseconds(3000) ? "State:WALKING,Active:True"
+                                       : "State:IDLE,Active:False,End:stopped";
+  };
+  rig.Command("START:S1_TO_S2");
+  ASSERT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(10)));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+  EXPECT_TRUE(rig.field.Logged("the line walker has ended with stopped"));
+}
+
+// In the statuses is still the end by the STOP of before.
+TEST(Lane, ThatTheRaceItselfHasStoppedIsStartedAgain) {
+  Rig rig;
+  rig.Command("START:S1_TO_S2");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.walking_lane; }));
+  rig.Run(Milliseconds(2000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(Milliseconds(1000));
+  rig.script.walker = [](Duration walked) -> std::string {
+    if (walked < Milliseconds(500)) return "State:IDLE,Active:False,End:stopped";
+    return walked < Milliseconds(4000) ? "State:WALKING,Active:True"
+                                       : "State:IDLE,Active:False,End:course_end";
+  };
+  rig.race->Resume(rig.now);
+  ASSERT_TRUE(rig.RunTo("IN_S2", std::chrono::seconds(20)));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP", "START", "STOP"));
 }
 
 TEST(Speech, OfTheCountdownTakesFiveSeconds) {

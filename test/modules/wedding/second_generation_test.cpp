@@ -45,6 +45,18 @@ class SecondShow : public ShowRig {
   }
 };
 
+// It published scan_search to its end, also while it followed a face.
+TEST_F(SecondShow, SearchTracksTheFaceThatItSeesAndScansWithoutOne) {
+  Command("search");
+  ASSERT_GT(TicksToMotion("scan_search", 3), 0);
+  ASSERT_EQ(state(), "SEARCH");
+  Face();
+  EXPECT_GT(TicksToMotion("track_face", 3), 0);
+  EXPECT_EQ(state(), "SEARCH");
+  EXPECT_GT(TicksToMotion("scan_search", Ticks(Milliseconds(2000))), 0) << "it is gone";
+  EXPECT_EQ(state(), "SEARCH");
+}
+
 TEST_F(SecondShow, IdleSwaysForTenToTwentySecondsThenObservesForThreeToFive) {
   std::set<int> active;
   for (int round = 0; round < 20; ++round) {

@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "musher/base/toml/file.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/yaw.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
+#include "musher/modules/race/course_for_hall.hpp"
 #include "musher/modules/race/course_reader.hpp"
 #include "musher/modules/world/render/shot.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
@@ -44,23 +47,55 @@ world::Scene SceneOf(const DriveSettings& settings) {
                                             {.seed = settings.seed, .chosen = settings.chosen});
   world::Scene scene = Valid(reading, reading.scene);
   if (settings.slip) scene.body.slip = *settings.slip;
+  if (settings.pose) scene.start = *settings.pose;
+  if (settings.hall) {
+    LayOut(settings.hall->hall, settings.hall->s, scene);
+    Furnish(settings.hall->flooring, settings.seed, scene);
+    Illuminate(settings.hall->light, scene);
+  }
   for (world::Ball& ball : scene.balls) {
-    if (!settings.yellow_light || ball.name != "yellow light") continue;
+    if (ball.name != "yellow light") continue;
+    if (settings.light_at_m) ball.center_m.head<2>() = *settings.light_at_m;
+    if (!settings.yellow_light && !settings.light_at_m) continue;
     ball.show_within_m = 1.1;
     ball.show_for = std::chrono::seconds(6);
   }
   return scene;
 }
 
-line_walker::WalkerConfig WalkerOf() {
-  const auto reading = line_walker::ReadWalkerFile(Config("line_walker/walker.toml"));
+std::string TextOf(const std::string& file) {
+  const Result<std::string> text = config_toml::ReadModuleText(Config(file));
+  if (!text) throw std::runtime_error(text.error().message);
+  return text.value();
+}
+
+Course BaseOf(const DriveSettings& settings) {
+  const auto reading = ReadCourseFile(Config(settings.course));
+  return Valid(reading, reading.course);
+}
+
+line_walker::WalkerConfig WalkerOf(const DriveSettings& settings) {
+  std::string text = TextOf("line_walker/walker.toml");
+  if (settings.hall) text = WalkerForHall(settings.hall->hall, text).text;
+  const auto reading = line_walker::ReadWalkerText(text, Config("line_walker/walker.toml"));
+  return Valid(reading, reading.config);
+}
+
+vision::VisionConfig VisionOf(const DriveSettings& settings) {
+  std::string text = TextOf("vision/course.toml");
+  if (settings.hall) text = VisionForHall(settings.hall->hall, BaseOf(settings).hall, text).text;
+  const auto reading = vision::ReadVisionText(text, Config("vision/course.toml"));
   return Valid(reading, reading.config);
 }
 
 // With short waits where it only waits: a minute of standing shows nothing.
-Course CourseOf() {
-  const auto reading = ReadCourseFile(Config("race/course.toml"));
-  Course course = Valid(reading, reading.course);
+Course CourseOf(const DriveSettings& settings) {
+  Course course = BaseOf(settings);
+  if (settings.hall) {
+    const AdaptedFile file = CourseForHall(settings.hall->hall, course, TextOf(settings.course));
+    const auto reading = ReadCourseText(file.text, Config(settings.course));
+    course = Valid(reading, reading.course);
+  }
   for (Wait& wait : course.waits) {
     if (!wait.detector) wait.limit = std::min(wait.limit, Milliseconds(2000));
   }
@@ -94,14 +129,15 @@ msg::Odometry OdometryOf(const world::World& world) {
 CourseDrive::CourseDrive(DriveSettings settings)
     : settings_(std::move(settings)),
       dog_(SceneOf(settings_)),
-      walker_config_(WalkerOf()),
+      walker_config_(WalkerOf(settings_)),
       walker_(walker_config_.walk),
-      race_(CourseOf(), *this) {
+      race_(CourseOf(settings_), *this) {
   const world::Scene& scene = dog_.world().scene();
   scenery_ = world::Scenery::Make(scene).value();
+  const bool painted = settings_.hall && settings_.hall->flooring != Flooring::kShipped;
+  if (painted) std::filesystem::remove(scene.ground.file);
   for (std::size_t i = 0; i < cameras_.size(); ++i) cameras_[i].emplace(scene.cameras.cameras[i]);
-  const auto reading = vision::ReadVisionFile(Config("vision/course.toml"));
-  for (const vision::CourseEntry& entry : Valid(reading, reading.config).detectors) {
+  for (const vision::CourseEntry& entry : VisionOf(settings_).detectors) {
     DetectorChannel channel{
         entry, entry.factory.make().value(), vision::StampGate(entry.rate_hz), 0, {}, {}, false,
         {}};
@@ -133,7 +169,7 @@ DriveResult CourseDrive::Run() {
   race_.Resume(dog_.now());
   static_cast<void>(machine_.Start(dog_.now()));
   for (int i = 0; i < 50; ++i) Step();
-  race_.OnCommand("START", dog_.now());
+  race_.OnCommand(settings_.from.empty() ? "START" : "START:" + settings_.from, dog_.now());
   const auto& course = race_.course();
   const Time begun = dog_.now();
   while (dog_.now() - begun < settings_.limit) {
@@ -144,10 +180,16 @@ DriveResult CourseDrive::Run() {
       break;
     }
   }
-  // What the last state does.
-  for (int i = 0; i < 50 * 8; ++i) Step();
+  // What the last state does; that of `until` has just begun.
+  const int more = race_.state() == settings_.until ? 0 : 50 * 8;
+  for (int i = 0; i < more; ++i) Step();
   result_.took = dog_.now() - begun;
   result_.state = race_.state();
+  const std::string info = race_.InfoText();
+  constexpr std::string_view kReason = ",Reason:";
+  if (const auto at = info.find(kReason); at != std::string::npos) {
+    result_.reason = info.substr(at + kReason.size());
+  }
   result_.pictures = shots_;
   for (const Reservation& each : race_.memory().reservations()) {
     result_.reservations.push_back(each.Text());

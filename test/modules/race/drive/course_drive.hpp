@@ -22,17 +22,33 @@
 #include "musher/modules/race/race.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/modules/world/render/render.hpp"
+#include "musher/test/modules/race/drive/hall_scene.hpp"
 #include "musher/test/modules/race/drive/simulated_dog.hpp"
 
 namespace musher::race::testing {
 
+// Another hall than that of config/scenes/course.toml.
+struct OtherHall {
+  Hall hall;
+  SCurve s;
+  Flooring flooring = Flooring::kShipped;
+  HallLight light;
+};
+
 struct DriveSettings {
+  std::string course = "race/course.toml";  // in config/
+  // With a course, detectors and a walker that `musher-race course` writes for it.
+  std::optional<OtherHall> hall;
   std::uint64_t seed = 1;
   std::map<std::string, std::string> chosen;  // of the scene: qr_a, qr_b, arrow
-  bool yellow_light = false;     // appears before the robot in the START lane, for some seconds
+  bool yellow_light = false;  // appears before the robot in the START lane, for some seconds
+  // The same over another place, in the scene's frame.
+  std::optional<Eigen::Vector2d> light_at_m;
   std::optional<double> slip;    // of the feet, ahead and aside; else that of the scene
   std::set<std::string> unseen;  // detectors of the race that never see their thing
   Duration limit = std::chrono::minutes(15);
+  std::string from;                      // begins in this state; empty: in START
+  std::optional<world::Pose2> pose;      // there, and not where the scene has it
   std::string until;                     // ends when this state begins; empty: at END
   Duration latency = Milliseconds(100);  // from a picture to what is found in it
   std::string pictures;                  // a folder for what the checks saw; empty: none
@@ -51,7 +67,8 @@ struct Latencies {
 };
 
 struct DriveResult {
-  std::string state;  // the last one
+  std::string state;   // the last one
+  std::string reason;  // of ERROR, as in state_info
   std::vector<std::string> states;
   std::vector<std::string> log;
   Duration took{};
