@@ -430,6 +430,10 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   if (request.path == "/api/cancel_skill") {
     return skills_.Cancel(TextIn(body, "action"), TextIn(body, "goal_id"), respond);
   }
+  if (request.path == "/api/pause_skill") {
+    return skills_.Pause(actuator, TextIn(body, "skill"), body.value("pause", Json()) != false,
+                         respond);
+  }
   respond(http::ErrorResponse(404, kCodeParametersInvalid, "there is nothing at " + request.path));
 }
 

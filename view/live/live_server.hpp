@@ -8,13 +8,13 @@
 //
 //   /live         the WebSocket of a page (subprotocol musher.view.v1)
 //   GET /api/...  history, behavior, tree, log, topics; POST: plan
-//   POST /api/... with a login: set, estop, release, restart, skill, cancel_skill, logout
+//   POST /api/... with a login: set, estop, release, restart, skill, its pause and cancel, logout
 //   /camera       a picture
 //   /metrics      for Prometheus
 //   /login        opens a session with the code of a link; POST /api/login with a PIN
 //   POST /api/link, /api/logout: with the token of `musher view`, a link, or the end of all
-//   sessions any path      Foxglove's protocol, for a WebSocket of its subprotocol; acts with
-//   ?token=TOKEN
+//
+//   any path      Foxglove's protocol, for a WebSocket of its subprotocol, and ?token=TOKEN to act
 //
 // Threads: loop thread only.
 

@@ -54,6 +54,14 @@ http::Response CancelResponse(const Result<msg::CancelGoal::Response>& reply) {
   }
 }
 
+http::Response PauseResponse(const Result<msg::PauseSkill::Response>& reply) {
+  if (!reply) return http::ErrorResponse(504, reply.error().code, reply.error().message);
+  if (!reply.value().success) {
+    return http::ErrorResponse(409, kCodeStateInvalid, reply.value().message);
+  }
+  return GoalResponse("{}");
+}
+
 }  // namespace
 
 Result<SkillRequests::Client*> SkillRequests::ClientOf(const std::string& action) {
@@ -69,6 +77,21 @@ Result<SkillRequests::Client*> SkillRequests::ClientOf(const std::string& action
       node_, transport::ResolveName(name_space_, action));
   if (!made) return made.error();
   return (clients_[action] = std::move(made).value()).get();
+}
+
+Result<SkillRequests::PauseClient*> SkillRequests::PauseClientOf(const std::string& actuator) {
+  if (!IsName("/" + actuator)) {
+    return Error{kCodeParametersInvalid, "'" + actuator + "' is not the name of an actuator"};
+  }
+  const auto known = pausers_.find(actuator);
+  if (known != pausers_.end()) return known->second.get();
+  if (pausers_.size() >= kMostActions) {
+    return Error{kCodeParametersInvalid, "the page has paused skills of too many actuators"};
+  }
+  auto made = transport::MakeClient<msg::PauseSkill>(
+      node_, transport::ResolveName(name_space_, actuator + "/pause_skill"));
+  if (!made) return made.error();
+  return (pausers_[actuator] = std::move(made).value()).get();
 }
 
 void SkillRequests::Answer(Begun& begun, http::Response response) {
@@ -116,6 +139,19 @@ void SkillRequests::Cancel(const std::string& action, const std::string& goal_id
   }
   client.value()->Cancel(*id, kAnswerTime,
                          [respond](const auto& reply) { respond(CancelResponse(reply)); });
+}
+
+void SkillRequests::Pause(const std::string& actuator, const std::string& skill, bool pause,
+                          const http::Respond& respond) {
+  const auto client = PauseClientOf(actuator);
+  if (!client) {
+    return respond(http::ErrorResponse(400, client.error().code, client.error().message));
+  }
+  msg::PauseSkill::Request request;
+  request.skill = skill;
+  request.pause = pause;
+  client.value()->Call(request, kAnswerTime,
+                       [respond](const auto& reply) { respond(PauseResponse(reply)); });
 }
 
 }  // namespace musher::view

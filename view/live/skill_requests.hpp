@@ -1,11 +1,11 @@
 #pragma once
-// The requests of a page for skills: runs one and cancels it. How a run goes on and ends is in the
-// topic `skill_feedback`, which the page watches.
+// The requests of a page for skills: runs one, pauses, resumes and cancels it. How a run goes on
+// and ends is in the topic `skill_feedback`, which the page watches.
 //
 // Threads: loop thread only, callbacks too. Each `respond` runs once, within a time; never after
 // this is dropped. Errors are responses with a status and a sentence:
 //   400 the request is malformed
-//   409 the skill is refused, or cannot be cancelled
+//   409 the skill is refused, or cannot be cancelled, paused or resumed
 //   504 no answer in time
 
 #include <map>
@@ -13,8 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/action.hpp"
+#include "musher/transport/service.hpp"
 #include "musher/view/http/server.hpp"
 
 namespace musher::view {
@@ -40,6 +42,9 @@ class SkillRequests {
   void Run(const Request& request, const http::Respond& respond);
   // {} once the actuator is cancelling it. `goal_id`: of SkillFeedback.
   void Cancel(const std::string& action, const std::string& goal_id, const http::Respond& respond);
+  // {} once it stands, or goes on. `pause`: else it is resumed.
+  void Pause(const std::string& actuator, const std::string& skill, bool pause,
+             const http::Respond& respond);
 
  private:
   using Client = transport::ActionClient<msg::SkillExecution>;
@@ -49,12 +54,16 @@ class SkillRequests {
     transport::LoopHandlePtr timer;
   };
 
+  using PauseClient = transport::Client<msg::PauseSkill>;
+
   Result<Client*> ClientOf(const std::string& action);
+  Result<PauseClient*> PauseClientOf(const std::string& actuator);
   static void Answer(Begun& begun, http::Response response);
 
   transport::Node& node_;
   const std::string name_space_;
-  std::map<std::string, std::unique_ptr<Client>> clients_;  // by action
+  std::map<std::string, std::unique_ptr<Client>> clients_;       // by action
+  std::map<std::string, std::unique_ptr<PauseClient>> pausers_;  // by actuator
 };
 
 }  // namespace musher::view

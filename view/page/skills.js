@@ -1,5 +1,5 @@
-// The skills of an actuator: what each one does, its run, and a run or its cancellation by a person who may
-// act. ui.skill is null or {key, error, busy}: the skill whose parameters are being typed.
+// The skills of an actuator: what each one does, its run, and a run, its pause or its cancellation by a person who
+// may act. ui.skill is null or {key, error, busy}: the skill whose parameters are being typed.
 import {post} from './connection.js';
 import {h} from './dom.js';
 import {t} from './i18n.js';
@@ -45,6 +45,22 @@ async function cancel(ctx, offers, offer, feedback) {
   if (why) ctx.alarm(t('failed', {why}));
 }
 
+// A run that is paused by a request says so in a detail.
+function isPaused(feedback) {
+  return feedback?.status === 0 && (feedback.details ?? []).some(({key}) => key === 'paused');
+}
+
+async function pause(ctx, offers, offer, stop) {
+  const why = await request(ctx, 'api/pause_skill', {actuator: offers.actuator, skill: offer.skill, pause: stop},
+    t(stop ? 'skill.pausing' : 'skill.resuming', {name: offer.skill}));
+  if (why) ctx.alarm(t('failed', {why}));
+}
+
+function pauseButton(ctx, offers, offer, paused) {
+  return actButton(ctx, t(paused ? 'skill.resume' : 'skill.pause'), () => pause(ctx, offers, offer, !paused),
+    {label: t(paused ? 'skill.resume.of' : 'skill.pause.of', {name: offer.skill})});
+}
+
 function parametersForm(ctx, offers, offer, key) {
   const {busy, error} = ctx.ui.skill;
   const close = () => {
@@ -67,15 +83,18 @@ function parametersForm(ctx, offers, offer, key) {
 }
 
 function buttons(ctx, offers, offer, feedback, key) {
-  const cancellable = feedback?.status === 0 && feedback.goal_id;
+  const runs = feedback?.status === 0 && feedback.state !== 'IDLE';
+  const cancellable = runs && feedback.goal_id;
   return h('p', {class: 'buttons'},
+    runs ? pauseButton(ctx, offers, offer, isPaused(feedback)) : null,
     cancellable ? actButton(ctx, t('skill.cancel'), () => cancel(ctx, offers, offer, feedback),
-      {label: t('skill.cancel.of', {name: offer.skill})})
-      : actButton(ctx, t('skill.run'), () => {
-        ctx.ui.skill = {key, error: '', busy: false};
-        ctx.redraw();
-        if (offer.parameters?.length) ctx.focus('parameter-0');
-      }, {label: t('skill.run.of', {name: offer.skill})}));
+      {label: t('skill.cancel.of', {name: offer.skill})}) : null,
+    // A run that goes on after a restart has no goal that could be cancelled.
+    runs ? null : actButton(ctx, t('skill.run'), () => {
+      ctx.ui.skill = {key, error: '', busy: false};
+      ctx.redraw();
+      if (offer.parameters?.length) ctx.focus('parameter-0');
+    }, {label: t('skill.run.of', {name: offer.skill})}));
 }
 
 function skillItem(ctx, offers, offer) {
@@ -84,7 +103,7 @@ function skillItem(ctx, offers, offer) {
   return h('li', {key: offer.skill, class: 'skill'},
     h('p', null, h('b', null, offer.skill), ' ', quoted(offer.summary)),
     feedback ? [h('p', null, h('span', {class: `pill tone-${['busy', 'ok', 'bad', 'off'][feedback.status]}`},
-      t(`skill.${feedback.status}`)),
+      isPaused(feedback) ? t('skill.paused') : t(`skill.${feedback.status}`)),
       ` ${feedback.state} `, quoted(feedback.message)),
     h('progress', {max: 100, value: feedback.progress, 'aria-label': `${offer.skill}: ${t('app.progress')}`}),
     h('p', {class: 'quiet small', lang: 'en'},

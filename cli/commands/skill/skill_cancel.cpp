@@ -3,13 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <list>
-#include <optional>
 
-#include "musher/base/joined.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/commands/skill/skill_commands.hpp"
 #include "musher/cli/commands/skill/skill_goal.hpp"
-#include "musher/cli/machine/skill_offers.hpp"
+#include "musher/cli/commands/skill/skill_runs.hpp"
 #include "musher/cli/machine/skill_request.hpp"
 #include "musher/cli/render/skill.hpp"
 
@@ -53,19 +51,20 @@ Result<> CancelGoalOf(Link& link, const GlobalOptions& global, const OfferedSkil
   return Ok();
 }
 
-// Queries an actuator for the goal of the skill, and cancels it. Nothing if the skill does not run.
-std::optional<Failure> CancelOn(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
-                                Duration timeout, std::list<Cancelled>& all) {
+// Queries an actuator for the goal of the skill, and cancels it.
+AskedRun CancelOn(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
+                  Duration timeout, std::list<Cancelled>& all) {
   const auto answer = QuerySkill(link, global, skill.actuator, {skill.offer.skill, ""});
   if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
   const msg::SkillFeedback& feedback = std::get<msg::GetSkill::Response>(answer).feedback;
-  if (!SkillRuns(feedback)) return std::nullopt;
+  if (!SkillRuns(feedback)) return false;
   const auto id = ReadGoalId(feedback.goal_id);
   if (!id) {
     return Failure{ExitCode::kNotDone,
                    {kCodeUnSupport, skill.offer.skill + " of " + skill.actuator +
                                         " was not started by a goal, so that no goal can be "
-                                        "cancelled"}};
+                                        "cancelled; `musher skill pause " +
+                                        skill.offer.skill + "` makes it stand"}};
   }
   Cancelled& one = all.emplace_back();
   one.end = {
@@ -74,7 +73,7 @@ std::optional<Failure> CancelOn(Link& link, const GlobalOptions& global, const O
   if (const auto sent = CancelGoalOf(link, global, skill, *id, timeout, one); !sent) {
     return Failure{ExitCode::kUsage, sent.error()};
   }
-  return std::nullopt;
+  return true;
 }
 
 ExitCode ReportCancelled(const std::list<Cancelled>& all, Console& console) {
@@ -99,34 +98,21 @@ ExitCode CancelSkill(const SkillCancelOptions& options, const GlobalOptions& glo
   const auto opened = Link::Open(global);
   if (!opened) return console.Fail(opened.error());
   Link& link = *opened.value();
-  const auto offers = SkillOffers::Begin(link, global);
-  if (!offers) return console.Fail(offers.error());
-  if (const auto failure = offers.value()->Await(options.actuator)) return console.Fail(*failure);
-  const auto found = FindSkill(offers.value()->all(), options.name, options.actuator);
-  if (!found) return console.Fail(Failure{ExitCode::kNotDone, found.error()});
   const Duration timeout = global.timeout.value_or(kCancelEnd);
   std::list<Cancelled> all;
-  std::vector<std::string> actuators;
-  std::optional<Failure> failure;
-  for (const OfferedSkill& skill : found.value()) {
-    actuators.push_back(skill.actuator);
-    if (auto trouble = CancelOn(link, global, skill, timeout, all)) failure = std::move(trouble);
-  }
-  if (all.empty() && failure) return console.Fail(*failure);
-  if (all.empty()) {
-    return console.Fail(Failure{
-        ExitCode::kNotDone,
-        {kCodeStateInvalid, options.name + " is not running; offered by " + Joined(actuators)}});
-  }
+  const AskedRuns asked = AskRunsOf(
+      link, global, options.name, options.actuator,
+      [&](const OfferedSkill& skill) { return CancelOn(link, global, skill, timeout, all); });
+  if (!asked.any) return console.Fail(*asked.failure);
   link.RunUntil(
       [&all] {
         return std::all_of(all.begin(), all.end(), [](const auto& one) { return one.known; });
       },
       timeout);
   const ExitCode exit = ReportCancelled(all, console);
-  if (failure) console.PrintError(failure->error.message);
+  if (asked.failure) console.PrintError(asked.failure->error.message);
   if (link.interrupted()) return ExitCode::kInterrupted;
-  return failure ? failure->exit : exit;
+  return asked.failure ? asked.failure->exit : exit;
 }
 
 }  // namespace

@@ -39,6 +39,16 @@ class SkillsOfAPage : public ::testing::Test {
     server_ =
         transport::MakeActionServer<msg::SkillExecution>(*robot_, "dog/skill_execution", handlers)
             .value();
+    pauses_ = transport::MakeServer<msg::PauseSkill>(
+                  *robot_, "dog/pause_skill",
+                  [this](const msg::PauseSkill::Request& request, auto reply) {
+                    msg::PauseSkill::Response response;
+                    response.success = request.pause != paused_;
+                    response.message = response.success ? "EXECUTING" : request.skill + " stands";
+                    paused_ = request.pause;
+                    reply(response);
+                  })
+                  .value();
     network_.RunFor(std::chrono::seconds(1));
   }
 
@@ -65,6 +75,8 @@ class SkillsOfAPage : public ::testing::Test {
   std::string requested_;
   int cancelled_ = 0;
   std::unique_ptr<transport::ActionServer<msg::SkillExecution>> server_;
+  bool paused_ = false;
+  std::unique_ptr<transport::Server<msg::PauseSkill>> pauses_;
   std::vector<std::string> answers_;
   SkillRequests skills_{*desk_, ""};
 };
@@ -100,6 +112,22 @@ TEST_F(SkillsOfAPage, ThatCannotBeCancelledSaySo) {
   skills_.Cancel("/dog/skill_execution", std::string(32, 'a'), Collect());
   network_.RunFor(std::chrono::seconds(1));
   EXPECT_THAT(answers_.back(), HasSubstr("has ended already"));
+}
+
+TEST_F(SkillsOfAPage, ArePausedAndResumedAndARefusalSaysWhy) {
+  const auto pause = [&](const std::string& actuator, bool stop) {
+    skills_.Pause(actuator, "jump", stop, Collect());
+    network_.RunFor(std::chrono::seconds(20));
+    return answers_.back();
+  };
+  EXPECT_EQ(pause("dog", true), "200 {}");
+  EXPECT_TRUE(paused_);
+  EXPECT_THAT(pause("dog", true), ::testing::AllOf(StartsWith("409"), HasSubstr("jump stands")));
+  EXPECT_EQ(pause("dog", false), "200 {}");
+  EXPECT_FALSE(paused_);
+  EXPECT_THAT(pause("cat", true), StartsWith("504"));
+  EXPECT_THAT(pause("dog cat", true), StartsWith("400"));
+  EXPECT_EQ(answers_.size(), 5U);
 }
 
 TEST_F(SkillsOfAPage, OfNoActuatorAreAnsweredInTime) {

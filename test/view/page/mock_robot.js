@@ -38,6 +38,7 @@ export class MockRobot {
     this.treeStatus = [1, 2, 1, 2, 1, 0, 0];
     this.progress = 40;
     this.skillStatus = 0;
+    this.skillPaused = false;
     this.large = false;
     this.pastDay(startMs);
   }
@@ -180,7 +181,8 @@ export class MockRobot {
       return this.latest(topic, 'musher_msgs/msg/SkillFeedback',
         {header: {}, actuator: 'skills', skill: 'goto', goal_id: '00', status: this.skillStatus,
         state: 'MOVING', progress: this.progress, message: 'Driving to the goal',
-          details: [{key: 'distance_to_goal_m', value: '1.25'}]});
+          details: [{key: 'distance_to_goal_m', value: '1.25'},
+            ...(this.skillPaused ? [{key: 'paused', value: 'by a request'}] : [])]});
     }
     return null;
   }

@@ -121,6 +121,9 @@ export class MockServer {
     else if (name === '/api/logout') this.mayAct = false;
     else if (name === '/api/skill' && body.parameters.name === 'full') return json({error: {code: 1,
       message: 'the disk is full; `musher status` shows how full'}}, 409);
+    else if (name === '/api/pause_skill' && body.pause === this.robot.skillPaused) return json({error: {code: 106,
+      message: body.pause ? 'goto is paused already' : 'goto is not paused'}}, 409);
+    else if (name === '/api/pause_skill') this.robot.skillPaused = body.pause;
     else if (name === '/api/skill' || name === '/api/cancel_skill') return json({goal_id: '01'});
     else return json({error: {code: 404, message: `no such request: ${name}`}}, 404);
     return json({code: 0, reason: ''});

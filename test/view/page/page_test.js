@@ -322,6 +322,29 @@ test('a skill is run with its parameters, and cancelled', () => inPage({hash: 'a
     actuator: 'skills', skill: 'take_photo', parameters: {name: 'roses'}}});
 }));
 
+test('a skill is paused and goes on, and a refusal is said', () => inPage({hash: 'application/skills'},
+  async (page, {server, robot}) => {
+  const goto = '.skill:has-text("goto")';
+  await page.click(`${goto} >> text=Pause`);
+  await until('it is paused', () => robot.skillPaused);
+  assert.deepEqual(server.requests, [{path: '/api/pause_skill', body: {actuator: 'skills', skill: 'goto',
+    pause: true}}]);
+  await page.waitForSelector('text=goto is being paused');
+  server.publishWatched('/skill_feedback');
+  await page.waitForSelector(`${goto} .pill >> text=paused`);
+  assert.equal(await page.locator(`${goto} >> text=Cancel`).count(), 1, 'a paused run can be cancelled');
+  await page.click(`${goto} >> text=Resume`);
+  await until('it goes on', () => !robot.skillPaused);
+  await page.click(`${goto} >> text=Resume`);
+  await page.waitForSelector('text=goto is not paused');
+  server.publishWatched('/skill_feedback');
+  await page.waitForSelector(`${goto} .pill >> text=running`);
+  robot.skillStatus = 1;
+  server.publishWatched('/skill_feedback');
+  await page.waitForSelector(`${goto} .pill >> text=completed`);
+  assert.equal(await page.locator(`${goto} >> text=Pause`).count(), 0, 'only a run is paused');
+}));
+
 test('several logs are one by time, of a level and above', () => inPage({hash: 'log'}, async page => {
   await page.waitForSelector('pre.log >> text=line 300');
   await page.click('.log-chooser summary');
