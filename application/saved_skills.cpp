@@ -1,9 +1,12 @@
 #include "musher/application/saved_skills.hpp"
 
+#include <charconv>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
 #include "musher/base/toml/file.hpp"
 #include "musher/behavior/skill/snapshot.hpp"
 #include "musher/behavior/skill/toml/snapshot_toml.hpp"
@@ -14,24 +17,74 @@ namespace {
 constexpr Duration kWrittenEach = std::chrono::seconds(1);
 constexpr std::size_t kLargest = 16 << 20;
 constexpr const char* kKilled = "its process has ended while it ran";
+// The first two lines of the file.
+constexpr std::string_view kHostLine = "written_host = \"";
+constexpr std::string_view kTimeLine = "written_ns = ";
 
 bool Ended(const std::string& state) {
   return state == "SUCCEEDED" || state == "FAILED" || state == "CANCELLED";
 }
 
-// The run as it had failed then, and so the skills inside of it.
-void Fail(skill::Snapshot& run) {
+std::string TextOf(const HostTime& written) {
+  return std::string(kHostLine) + written.host + "\"\n" + std::string(kTimeLine) +
+         std::to_string(written.since_boot.count()) + "\n\n";
+}
+
+// Reads the first two lines and leaves them empty, so that errors name the lines of the file.
+// Nullopt: the file does not have them.
+std::optional<HostTime> TakeWritten(std::string& text) {
+  const std::size_t first = text.find('\n');
+  const std::size_t second = first == std::string::npos ? first : text.find('\n', first + 1);
+  if (second == std::string::npos) return std::nullopt;
+  const std::string_view host(text.data(), first);
+  const std::string_view time(text.data() + first + 1, second - first - 1);
+  const bool quoted = host.starts_with(kHostLine) && host.ends_with('"');
+  if (!quoted || host.size() <= kHostLine.size() || !time.starts_with(kTimeLine)) {
+    return std::nullopt;
+  }
+  std::int64_t since_boot_ns = 0;
+  const char* const end = time.data() + time.size();
+  const auto read = std::from_chars(time.data() + kTimeLine.size(), end, since_boot_ns);
+  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
+  HostTime written{std::string(host.substr(kHostLine.size(), host.size() - kHostLine.size() - 1)),
+                   Duration(since_boot_ns)};
+  text.replace(0, second, "\n");
+  return written;
+}
+
+// Why what ran then does not go on now; empty: it does.
+std::string WhyOver(const std::optional<HostTime>& written, const HostTime& now) {
+  if (!written) return "its file does not say when it was written";
+  const Duration age = now.since_boot - written->since_boot;
+  if (written->host.empty() || written->host != now.host || age < Duration{}) {
+    return "the computer or its container was restarted since then";
+  }
+  if (age <= SavedSkills::kMostAge) return "";
+  const auto seconds = [](Duration time) {
+    return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + " s";
+  };
+  return "it was saved " + seconds(age) + " ago, and " + seconds(SavedSkills::kMostAge) +
+         " are the limit";
+}
+
+// The run as it had failed then, and so the skills inside of it. `over`: see WhyOver().
+void Fail(skill::Snapshot& run, const std::string& over) {
   if (Ended(run.state) || run.state == "IDLE") return;
-  const std::string why = std::string(kKilled) + " (" + run.state + ")";
+  const std::string why = std::string(kKilled) + " (" + run.state + ")" +
+                          (over.empty() ? "" : "; it does not go on: " + over);
   run.history.push_back({run.time, run.ticks, run.state, "FAILED", skill::Cause::kFault, why});
   run.errors.push_back({run.time, run.state, why});
   run.state = "FAILED";
   run.message = why;
   run.paused = run.pause_requested = false;
-  for (skill::Snapshot& inside : run.inside) Fail(inside);
+  for (skill::Snapshot& inside : run.inside) Fail(inside, over);
 }
 
 }  // namespace
+
+HostTime HostTimeNow() {
+  return {HostId(), Duration(static_cast<std::int64_t>(NewIncarnation()))};
+}
 
 Result<> SavedSkills::Save(const skill::Manager& manager, Time now) {
   std::string shown;
@@ -51,7 +104,11 @@ Result<> SavedSkills::Save(const skill::Manager& manager, Time now) {
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(file_).parent_path(), ignored);
   const Result<> written =
-      text ? ReplaceFile(file_, text.value(), {.synced = false}) : Result<>(text.error());
+      text ? ReplaceFile(file_, TextOf(restored_.value_or(host_now_())) + text.value(),
+                         {.synced = false})
+           : Result<>(text.error());
+  // It would say that what has ended goes on. That is possible on a full disk, too.
+  if (!written) std::filesystem::remove(file_, ignored);
   written_at_ = now;
   shown_ = std::move(shown);
   const std::string fault = written ? "" : written.error().message;
@@ -63,16 +120,20 @@ Result<std::vector<std::string>> SavedSkills::Restore(skill::Manager& manager, b
   std::vector<std::string> lines;
   std::error_code none;
   if (!std::filesystem::exists(file_, none)) return lines;
-  const Result<std::string> text = config_toml::ReadTextFile(file_, kLargest);
+  Result<std::string> text = config_toml::ReadTextFile(file_, kLargest);
   if (!text) return text.error();
+  const std::optional<HostTime> written = TakeWritten(text.value());
   if (const Result<> read = skill::RestoreSnapshot(manager, text.value(), file_); !read) {
     return read.error();
   }
+  const std::string over = continues ? WhyOver(written, host_now_()) : "";
+  continues = continues && over.empty();
+  if (continues) restored_ = written;
   if (!continues) {
     Result<skill::ManagerSnapshot> saved = manager.Save();
     if (!saved) return saved.error();
     manager.ResetAll();  // before its outputs are open: nothing is sent
-    for (skill::Snapshot& run : saved.value().runs) Fail(run);
+    for (skill::Snapshot& run : saved.value().runs) Fail(run, over);
     const auto faults = manager.Restore(saved.value());
     if (!faults.empty()) return Error{kCodeFailed, faults.front().key + ": " + faults.front().what};
   }
@@ -84,6 +145,11 @@ Result<std::vector<std::string>> SavedSkills::Restore(skill::Manager& manager, b
                     (continues ? goes_on : " has failed: " + run->feedback().message));
   }
   return lines;
+}
+
+std::string SavedSkills::TakeOver() {
+  const auto restored = std::exchange(restored_, std::nullopt);
+  return restored ? WhyOver(restored, host_now_()) : "";
 }
 
 }  // namespace musher

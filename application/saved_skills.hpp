@@ -5,10 +5,19 @@
 //   steps ── Save() ──▶ file ── process is killed ──▶ Restore() of the next one
 //
 // Written when a run changes its state or ends, and else once a second; a process that is killed
-// loses that much. Only what runs is in it. Threads: one at a time. Times are the machine's.
+// loses that much. Only what runs is in it.
+//
+// A robot goes on with what it did a moment ago, and not with what it did before it was switched
+// off, or long ago: only with a file of the same boot of its computer that was written kMostAge ago
+// at most, when it is read and again when the first step follows. What was restored and has made no
+// step keeps its time in the file, whatever states its process passes through.
+//
+// Threads: one at a time. Times are the machine's, but HostTime.
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/base/result.hpp"
@@ -17,24 +26,41 @@
 
 namespace musher {
 
+// A time of this computer, whatever clock the machine has.
+struct HostTime {
+  std::string host;       // HostId(): one boot of one computer; empty: unknown
+  Duration since_boot{};  // also while it slept
+};
+HostTime HostTimeNow();
+
 class SavedSkills {
  public:
-  explicit SavedSkills(std::string file) : file_(std::move(file)) {}
+  static constexpr Duration kMostAge = std::chrono::minutes(1);
+
+  explicit SavedSkills(std::string file, std::function<HostTime()> host_now = HostTimeNow)
+      : file_(std::move(file)), host_now_(std::move(host_now)) {}
 
   // Fails with the reason when it cannot be written; once for each reason.
   Result<> Save(const skill::Manager& manager, Time now);
 
   // What ran in the process before, in a manager that has run nothing: to go on with, or, without
-  // `continues`, as runs that have failed. Returns a line for each of them. Fails for a file that
-  // cannot be read, or does not fit these skills; then nothing has changed.
+  // `continues` and from a file of another boot or an old one, as runs that have failed. Returns a
+  // line for each of them, with the reason. Fails for a file that cannot be read, or does not fit
+  // these skills; then nothing has changed.
   Result<std::vector<std::string>> Restore(skill::Manager& manager, bool continues);
+
+  // Called before steps: why what was restored must not go on by now; empty: it may. From then on
+  // the runs are those of this process.
+  std::string TakeOver();
 
  private:
   const std::string file_;
+  const std::function<HostTime()> host_now_;
   // The states of the runs that were written last. Nothing at first: what a process before has left
   // in the file is replaced by the first Save().
   std::optional<std::string> shown_;
   std::optional<Time> written_at_;
+  std::optional<HostTime> restored_;  // when it was written by the process before
   std::string fault_;
 };
 

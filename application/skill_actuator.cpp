@@ -61,6 +61,13 @@ class SkillActuator::Impl final : public ApplicationImpl {
     return *manager_;
   }
 
+  void CancelAtOnce(const std::string& why) {
+    StopTicks();
+    if (!manager_) return;
+    manager_->CancelAllNow(why);
+    AfterPause();
+  }
+
  private:
   struct OpenGoal {
     Goal goal;
@@ -168,7 +175,12 @@ class SkillActuator::Impl final : public ApplicationImpl {
 
   Result<> Activate() override {
     if (Result<> checked = CheckNoStop(); !checked) return checked;
-    if (!ticking()) StartTicks();
+    if (ticking()) return Ok();
+    if (const std::string over = saved_ ? saved_->TakeOver() : ""; !over.empty()) {
+      manager_->CancelAllNow("it does not go on: " + over);
+      ReportGoals();
+    }
+    StartTicks();
     return Ok();
   }
   void Leave(const State& state) override {
@@ -185,13 +197,6 @@ class SkillActuator::Impl final : public ApplicationImpl {
     StopTicks();
     if (!manager_) return;
     manager_->Pause();
-    AfterPause();
-  }
-
-  void CancelAtOnce(const std::string& why) {
-    StopTicks();
-    if (!manager_) return;
-    manager_->CancelAllNow(why);
     AfterPause();
   }
 
@@ -289,7 +294,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   }
 
   void SaveRuns() {
-    if (!saved_ || !open()) return;
+    if (!saved_ || !ticks_.open()) return;
     const Result<> saved = saved_->Save(*manager_, Now());
     if (!saved) owner_.Log(LogLevel::kWarning, saved.error().message);
   }
@@ -347,6 +352,9 @@ SkillActuator::~SkillActuator() {
 
 skill::Manager& SkillActuator::manager() {
   return impl_->OnLoop().manager();
+}
+void SkillActuator::CancelSkills(const std::string& why) {
+  impl_->OnLoop().CancelAtOnce(why);
 }
 bool SkillActuator::ticking() const {
   return impl_->OnLoop().ticking();

@@ -50,7 +50,7 @@
 //
 // With Options::after_restart the skills that run are in state_dir of the state config,
 // <actuator>_skills.toml: the process after one that was killed reports them as failed, with the
-// reason, or goes on with them.
+// reason, or goes on with them, if they were saved less than a minute ago in the same boot.
 //
 // In a fault-injection test (simulation/actuator_fault_test.hpp) there is neither transport nor
 // clock: skills are registered and cancelled, and not stepped.
@@ -100,6 +100,10 @@ class SkillActuator : public MachineActuator {
   // Skills are already paused or cancelled. Bring the outputs to neutral; must return at once and
   // be idempotent. An exception is logged.
   virtual void OnPause() {}
+
+  // Cancels all skills at once, for example because the process ends: OnPause() is called, their
+  // goals end, and the process after this one finds that none ran. On the loop only.
+  void CancelSkills(const std::string& why);
 
   // The skills; available from SetUp on. On the loop only. Skills started here have no goal.
   skill::Manager& manager();

@@ -19,12 +19,14 @@
 //   events.on_end = [](const GoalOutcome<msg::Fibonacci>& outcome) {…};
 //   const GoalId id = client.value()->SendGoal({10}, Milliseconds(500), events);
 //
-// Three problems of the ROS 2 stack are avoided:
+// Four problems of the ROS 2 stack are avoided:
 //   - Every goal of a client ends: with the server's result, or as lost with a reason when the
 //     server crashed, restarted or became unreachable. (An rclcpp client waits for ever.)
 //   - A goal ends as aborted when its server has dropped every handle, and so forgotten the goal.
 //   - A cancel request for a goal that is canceling already is answered with that goal, so that it
 //     may be repeated. (ROS 2 answers that the goal has ended.)
+//   - A cancel request that overtakes its goal is kept for a minute, and the goal is then rejected.
+//     (ROS 2 forgets it, and the goal runs.)
 //
 // The states of a goal are in action_goals.hpp. Feedback, status and result come on different
 // topics: a result may overtake the last feedback, which is then dropped.

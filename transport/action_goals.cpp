@@ -80,6 +80,21 @@ CancelChoice ActionGoals::ChooseCancelled(const msg::GoalInfo& request) const {
   return choice;
 }
 
+void ActionGoals::NoteEarlyCancel(const msg::GoalInfo& request, Time now) {
+  const GoalId& id = request.goal_id.uuid;
+  if (id == kNoGoalId || request.stamp != msg::Stamp{} || Find(id) != nullptr) return;
+  std::erase_if(early_cancels_, [&](const EarlyCancel& noted) { return noted.id == id; });
+  early_cancels_.push_back({id, now});
+  if (early_cancels_.size() > kMostEarlyCancels) early_cancels_.pop_front();
+}
+
+bool ActionGoals::WasCancelledEarly(const GoalId& id, Time now) const {
+  constexpr Duration kKept = std::chrono::minutes(1);
+  return std::ranges::any_of(early_cancels_, [&](const EarlyCancel& noted) {
+    return noted.id == id && now - noted.at < kKept;
+  });
+}
+
 std::vector<GoalId> ActionGoals::Expire(Time now) {
   std::vector<GoalId> expired;
   while (!ended_.empty() &&

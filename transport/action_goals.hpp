@@ -103,6 +103,13 @@ class ActionGoals {
   // that is cancelled already is in the reply once more, so that a request may be repeated.
   CancelChoice ChooseCancelled(const msg::GoalInfo& request) const;
 
+  // A request to cancel one goal that is not known: it has overtaken its goal, perhaps. Other
+  // requests are ignored.
+  void NoteEarlyCancel(const msg::GoalInfo& request, Time now);
+  // Whether that was noted for this goal within the last minute: then it must not be accepted.
+  bool WasCancelledEarly(const GoalId& id, Time now) const;
+  static constexpr std::size_t kMostEarlyCancels = 1000;  // the oldest is dropped first
+
   // Forgets the goals whose results have expired, and returns them.
   std::vector<GoalId> Expire(Time now);
   // When Expire() has something to forget.
@@ -122,6 +129,10 @@ class ActionGoals {
     GoalId id{};
     Time at;
   };
+  struct EarlyCancel {
+    GoalId id{};
+    Time at;
+  };
   using Number = std::uint64_t;  // in the order of acceptance
 
   const Goal* Find(const GoalId& id) const;
@@ -130,7 +141,8 @@ class ActionGoals {
   Number accepted_ = 0;
   std::map<Number, Goal> goals_;
   std::map<GoalId, Number> numbers_;
-  std::deque<Ended> ended_;  // in the order of their ends
+  std::deque<Ended> ended_;                // in the order of their ends
+  std::deque<EarlyCancel> early_cancels_;  // in the order of their times
 };
 
 }  // namespace musher::transport

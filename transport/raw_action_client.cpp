@@ -12,6 +12,10 @@ constexpr Duration kNoTimeout = std::chrono::hours(24 * 365 * 10);
 // From a status that shows the end of a goal, or the loss of its server, to another request for a
 // result that has not come until then.
 constexpr Duration kRetryAfter = std::chrono::seconds(1);
+// The cancellation of a goal whose acceptance is not known: a server that does not know it yet may
+// accept it later.
+constexpr Duration kCancelAgain = std::chrono::seconds(1);
+constexpr int kCancelRepeats = 10;
 // Feedback that is kept for a goal before its acceptance is known: the depth of the topic.
 constexpr std::size_t kMostEarlyFeedback = 10;
 
@@ -139,7 +143,7 @@ void RawActionClient::OnSendReply(const GoalId& id,
   if (reply) decoded = msg::Decode<internal::SendGoalReply>(reply.value());
   if (!decoded) {
     // The server may have accepted it all the same, or may accept it later.
-    Cancel({{id}, {}}, goals_.at(id).timeout, [](const auto&) {});
+    CancelLost(id, kCancelRepeats);
     End(id, GoalEnd::kLost, {},
         reply ? "the reply to the goal is malformed" : reply.error().message);
   } else if (!decoded->accepted) {
@@ -147,6 +151,17 @@ void RawActionClient::OnSendReply(const GoalId& id,
   } else {
     OnAccepted(id);
   }
+}
+
+void RawActionClient::CancelLost(const GoalId& id, int repeats) {
+  Cancel({{id}, {}}, kCancelAgain, [this, id, repeats](const auto& reply) {
+    const bool done = reply && (reply.value().return_code == msg::CancelGoal::kErrorNone ||
+                                reply.value().return_code == msg::CancelGoal::kErrorGoalTerminated);
+    cancel_lost_.erase(id);
+    if (done || repeats == 0) return;
+    cancel_lost_[id] =
+        loop_.At(loop_.Now() + kCancelAgain, [this, id, repeats] { CancelLost(id, repeats - 1); });
+  });
 }
 
 void RawActionClient::OnAccepted(const GoalId& id) {

@@ -5,7 +5,7 @@
 //   sent --accepted--> active --result of the server-----> succeeded, canceled, aborted
 //     \                      \--server or goal is lost---> lost
 //      \--rejected-------------------------------------->  rejected
-//       \--no reply in time----------------------------->  lost, and cancelled
+//       \--no reply in time----------------------------->  lost, and cancelled, 11 times at most
 //
 // The result is requested once the goal is accepted, and again when a server is matched or lost (it
 // may have restarted, or a reply was lost with the connection) or when the status topic shows that
@@ -93,6 +93,8 @@ class RawActionClient {
 
   Result<> Open(Node& node, const ActionTypes& types);
   void OnSendReply(const GoalId& id, const Result<std::span<const std::byte>>& reply);
+  // Cancels a goal that has ended as lost, until a server says that it is done, or repeats end.
+  void CancelLost(const GoalId& id, int repeats);
   void OnAccepted(const GoalId& id);
   void RequestResult(const GoalId& id);
   void RetryResult(const GoalId& id);
@@ -110,6 +112,7 @@ class RawActionClient {
   const std::string action_;
   const ActionClientOptions options_;
   std::map<GoalId, Goal> goals_;
+  std::map<GoalId, LoopHandlePtr> cancel_lost_;  // the next request; see CancelLost()
   std::vector<ParticipantId> servers_;
   LoopHandlePtr lost_;  // while no server is matched
   std::shared_ptr<RawActionClient*> self_ = std::make_shared<RawActionClient*>(this);

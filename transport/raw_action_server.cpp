@@ -108,7 +108,8 @@ bool RawActionServer::OnSendGoal(const msg::RequestId& id, std::span<const std::
   if (!request) return false;
   const GoalId& goal_id = request->goal_id.uuid;
   const auto reject = [&] { reply(msg::Encode(internal::SendGoalReply{id, false, {}})); };
-  if (goal_id == kNoGoalId || goals_.StateOf(goal_id) != GoalState::kUnknown) {
+  if (goal_id == kNoGoalId || goals_.StateOf(goal_id) != GoalState::kUnknown ||
+      goals_.WasCancelledEarly(goal_id, loop_.Now())) {
     reject();
     return true;
   }
@@ -171,6 +172,7 @@ void RawActionServer::OnCancelGoal(const msg::GoalInfo& request,
   const std::weak_ptr self = self_;
   const auto handlers = handlers_;
   const CancelChoice choice = goals_.ChooseCancelled(request);
+  goals_.NoteEarlyCancel(request, loop_.Now());
   std::vector<RawGoalPtr> canceling;
   msg::CancelGoal::Response response;
   response.return_code = choice.return_code;

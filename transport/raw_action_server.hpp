@@ -4,7 +4,8 @@
 //
 // A goal is started after the reply that accepts it is sent, which may be held (raw_server.hpp): an
 // rclcpp client drops the feedback of a goal that it does not know to be accepted. A goal that is
-// cancelled before ends without being started.
+// cancelled before ends without being started. One whose cancellation has overtaken it, on a topic
+// of its own, is rejected; the reply to the cancellation is ROS 2's, that the goal is unknown.
 //
 // Threads: loop thread only.
 

@@ -71,13 +71,14 @@ Result<std::optional<Duration>> TakeTimeout(const Run& run, Texts& parameters) {
 
 class InStep {
  public:
-  explicit InStep(bool& flag) : flag_(flag) { flag_ = true; }
-  ~InStep() { flag_ = false; }
+  explicit InStep(bool& flag) : flag_(flag), before_(std::exchange(flag, true)) {}
+  ~InStep() { flag_ = before_; }
   InStep(const InStep&) = delete;
   InStep& operator=(const InStep&) = delete;
 
  private:
   bool& flag_;
+  const bool before_;
 };
 
 }  // namespace
@@ -217,6 +218,7 @@ Result<Run*> Manager::Running(std::string_view skill) const {
 Result<> Manager::Cancel(std::string_view skill, const std::string& why) {
   const Result<Run*> run = Running(skill);
   if (!run) return run.error();
+  const InStep guard(in_step_);  // it may end, and calls its skill then
   run.value()->Cancel(why);
   return Ok();
 }
@@ -230,6 +232,7 @@ Result<> Manager::CancelNow(std::string_view skill, const std::string& why) {
 }
 
 void Manager::CancelAll(const std::string& why) {
+  const InStep guard(in_step_);
   for (const auto& run : runs_) run->Cancel(why);
 }
 

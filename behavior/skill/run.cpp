@@ -207,7 +207,7 @@ void Run::End(Status status, Cause cause, std::string message) {
   }
   if (message.empty()) message = status == Status::kCompleted ? "Completed" : "Failed";
   in_step_ = true;
-  const auto thrown = Thrown("OnEnd", [&] { skill_->OnEnd({status, from, message}); });
+  const auto thrown = Thrown("OnEnd", [&] { skill_->OnEnd({status, from, message, paused_}); });
   in_step_ = false;
   if (thrown) {
     if (status == Status::kCompleted) {
@@ -237,7 +237,10 @@ void Run::Pause() {
   fresh_ = true;
   if (!running() || in_step_ || std::exchange(paused_, true)) return;
   feedback_.paused = true;
-  if (const auto thrown = Thrown("OnPause", [&] { skill_->OnPause(); })) FailByFault(*thrown);
+  if (const auto thrown = Thrown("OnPause", [&] { skill_->OnPause(); })) {
+    paused_ = false;  // its outputs may not be neutral
+    FailByFault(*thrown);
+  }
   ShowState();  // a skill inside may have failed
 }
 
@@ -292,12 +295,14 @@ void Run::Cancel(const std::string& why) {
   if (!running() || std::exchange(cancel_requested_, true)) return;
   cancel_why_ = why;
   cancel_at_ = now_;
+  // Its outputs are neutral, and its parts may be those of another skill by now.
+  if (pause_requested_ && !in_step_) End(Status::kCancelled, Cause::kCancelled, "");
 }
 
 void Run::CancelNow(const std::string& why) {
   if (!running()) return;
   Cancel(why);
-  if (in_step_) return;
+  if (in_step_ || ended()) return;
   End(Status::kCancelled, Cause::kCancelled, "");
 }
 

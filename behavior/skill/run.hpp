@@ -9,7 +9,8 @@
 // not failed before; a skill that says it has succeeded after the request is cancelled, too.
 //
 // A run is paused by Pause(), until its next step, or by PauseUntilResumed(): then steps do
-// nothing, and its time stands still, until Resume() or a cancellation.
+// nothing, and its time stands still, until Resume(). A cancellation ends a run that is paused so
+// at once, without the skill's own one: another skill may use its parts of the robot by then.
 //
 // Threads: one at a time. A skill must not call its own run.
 
@@ -88,7 +89,8 @@ class Run {
   // Goes on with the next step. Fails for a run that is not paused so, and with the reason of
   // Skill::MayResume(); then it stays paused.
   Result<> Resume();
-  // Requests the cancellation; the next step does it. Only the first request counts.
+  // Requests the cancellation; the next step does it. Only the first request counts. Ends a run at
+  // once that PauseUntilResumed() has paused.
   void Cancel(const std::string& why);
   // Ends it at once, without the skill's own cancellation.
   void CancelNow(const std::string& why);

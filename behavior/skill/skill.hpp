@@ -19,7 +19,7 @@
 //       tick.Report(100 * drone_.height / target, "Taking off");
 //       return skill::Next::Stay();
 //     }
-//     void OnEnd(const skill::Ended&) override { drone_.climb = 0; }
+//     void OnEnd(const skill::Ended& end) override { if (!end.paused) drone_.climb = 0; }
 //    ...
 //   };
 //
@@ -119,6 +119,9 @@ struct Ended {
   Status status = Status::kFailed;
   StateId from = kIdle;  // the last state before
   std::string message;
+  // In a pause: OnPause() has brought the outputs to neutral, and another skill may use the same
+  // parts of the robot by now. Command nothing.
+  bool paused = false;
 };
 
 class Skill {
@@ -137,8 +140,8 @@ class Skill {
   // The time of the state is over, and Step() has decided to stay. By default it fails. Called in
   // each further step if it stays.
   virtual Next OnLimit(Tick& tick);
-  // Exactly once at the end of a run, however it ends: bring the outputs to neutral. An exception
-  // makes a success a failure.
+  // Exactly once at the end of a run, however it ends: bring the outputs to neutral, unless
+  // Ended::paused. An exception makes a success a failure.
   virtual void OnEnd(const Ended& ended);
   // The run is not stepped for a while: bring the outputs to neutral. An exception fails the run.
   virtual void OnPause();

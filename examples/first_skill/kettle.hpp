@@ -40,7 +40,9 @@ class Heat : public skill::Skill {
     tick.Detail("temperature_c", kettle_.temperature_c);
     return skill::Next::Stay();
   }
-  void OnEnd(const skill::Ended&) override { kettle_.heats = false; }
+  void OnEnd(const skill::Ended& ended) override {
+    if (!ended.paused) kettle_.heats = false;
+  }
   void OnPause() override { kettle_.heats = false; }
 
  private:

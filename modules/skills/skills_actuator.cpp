@@ -46,8 +46,10 @@ void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
   topics.Keep(nav2);
   nav2_ = nav2;
   if (signals_ == nullptr) return;
-  topics.Keep(std::shared_ptr<transport::LoopHandle>(
-      signals_->Watch(topics.node().loop(), [this] { robot_.Rest(); })));
+  topics.Keep(std::shared_ptr<transport::LoopHandle>(signals_->Watch(topics.node().loop(), [this] {
+    CancelSkills("its process ends");  // and OnPause()
+    robot_.Rest();
+  })));
 }
 
 Result<> SkillsActuator::MayStart() {

@@ -343,6 +343,13 @@ void MotionGate::LimitByUnknown(const Track& track, const Velocity& wanted, Time
   }
 }
 
+bool MotionGate::Covers(const Point& place, Time now) const {
+  return std::ranges::any_of(views_, [&](const ScanView& view) {
+    return IsRecent(view, now) &&
+           view.Covers(Composed(measured_track_.Since(*view.taken()), {place, 0}).at);
+  });
+}
+
 void MotionGate::LimitByZones(const std::vector<Point>& points, const Velocity& wanted,
                               Limit& limit) const {
   for (const GateZone& zone : rules_.zones) {

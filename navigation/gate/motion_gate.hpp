@@ -103,6 +103,10 @@ class MotionGate {
   // What a scanner has seen last, in the frame that the body had then.
   const std::vector<Point>& PointsOf(std::size_t scanner) const { return views_[scanner].points(); }
 
+  // Whether a recent scan covers this place, in the present frame of the body: what is there, or
+  // before it, is seen.
+  bool Covers(const Point& place, Time now) const;
+
   // The scanner without a recent scan; null: there is none.
   const ScanMount* Blind(Time now) const;
 

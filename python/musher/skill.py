@@ -117,9 +117,10 @@ class SkillManager:
                  may_resume: Optional[Callable[[Any], Optional[str]]] = None
                  ) -> Callable[[_Function], _Function]:
         """Makes a function a skill of all robots. `timeout`: seconds of a run, then it fails. `uses`: parts of the
-        robot that it needs for itself. `on_end(robot, status)` is called once at each end, however the run ends.
-        `on_pause(robot)` is called when a run is paused by pause_skill(), and brings the outputs to neutral; without
-        it a skill is not paused so. `may_resume(robot)` returns why such a run may not go on, or None."""
+        robot that it needs for itself. `on_end(robot, status)` is called once at each end, however the run ends,
+        but not of a run that is paused by pause_skill(). `on_pause(robot)` is called when a run is paused so, and
+        brings the outputs to neutral, as another skill may use them from then on; without it a skill is not paused
+        so. `may_resume(robot)` returns why such a run may not go on, or None."""
         if callable(name):
             raise TypeError("write @SkillManager.register(), with parentheses")
         _check_timeout(timeout)
@@ -205,7 +206,6 @@ class SkillManager:
             return run.feedback
         if run.pause_why is not None and run.cancel_why is None:
             return run.feedback
-        run.pause_why = None
         now = self._clock()
         if run.stepped_at is not None:
             run.elapsed_s += max(0.0, now - run.stepped_at)
@@ -266,6 +266,7 @@ class SkillManager:
         try:
             run.skill.on_pause(self.robot)
         except Exception as error:  # the outputs may not be neutral
+            run.pause_why = None
             self._end(run, FAILED, f"on_pause: {type(error).__name__}: {error}")
             raise SkillError(f"{skill} has failed: {run.feedback['message']}") from None
 
@@ -345,7 +346,7 @@ class SkillManager:
         if status == COMPLETED and run.cancel_why is not None:
             status, message = CANCELLED, run.cancel_why
         run.feedback.update(status=status, message=message)
-        if run.skill.on_end is not None:
+        if run.skill.on_end is not None and run.pause_why is None:
             try:
                 run.skill.on_end(self.robot, status)
             except Exception as error:  # the outputs may not be neutral: no success

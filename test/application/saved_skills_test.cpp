@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "musher/behavior/skill/compose.hpp"
 #include "musher/behavior/skill/wait.hpp"
@@ -31,18 +32,31 @@ class ASavedSkill : public ::testing::Test {
   static Time At(double seconds) { return Time{} + FromSeconds(seconds); }
   // Until the process is killed.
   void RunUntil(skill::Manager& manager, double seconds) {
-    SavedSkills saved(file_);
+    SavedSkills saved = Saved();
     for (double at_s = 0; at_s <= seconds; at_s += 0.1) {
       manager.RunOnce(At(at_s));
       EXPECT_TRUE(saved.Save(manager, At(at_s)));
     }
   }
   Result<std::vector<std::string>> Restore(skill::Manager& manager, bool continues) const {
-    return SavedSkills(file_).Restore(manager, continues);
+    return Saved().Restore(manager, continues);
+  }
+  SavedSkills Saved() const {
+    return SavedSkills(file_, [this] { return host_now_; });
+  }
+  // What the next process says of `wait`, which ran before; it runs none.
+  std::string WhyItDoesNotGoOn() {
+    const auto next = Skills();
+    const auto lines = Restore(*next, true);
+    EXPECT_TRUE(lines) << lines.error().message;
+    EXPECT_FALSE(next->running());
+    EXPECT_EQ(next->Find("wait")->feedback().status, Status::kFailed);
+    return lines.value().at(0);
   }
 
   const TempFolder folder_;
   const std::string file_ = folder_ / "state/r_skills.toml";
+  HostTime host_now_{"this boot", std::chrono::hours(5)};
   std::unique_ptr<skill::Manager> before_ = Skills(), after_ = Skills();
 };
 
@@ -73,10 +87,86 @@ TEST_F(ASavedSkill, GoesOnWhereItWas) {
   EXPECT_EQ(after_->Find("wait")->feedback().status, Status::kCompleted);
 }
 
+// A robot that was switched off in mid-patrol drove on days later, at the next Active.
+TEST_F(ASavedSkill, DoesNotGoOnAfterARestartOfTheComputer) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  for (const std::string host : {"another boot", ""}) {
+    host_now_.host = host;
+    EXPECT_EQ(WhyItDoesNotGoOn(),
+              "wait has failed: its process has ended while it ran (WAITING); it does not go on: "
+              "the computer or its container was restarted since then");
+  }
+}
+
+TEST_F(ASavedSkill, DoesNotGoOnAfterALongTime) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  host_now_.since_boot += SavedSkills::kMostAge;
+  EXPECT_THAT(Restore(*Skills(), true).value(), ElementsAre(HasSubstr("goes on from WAITING")));
+  host_now_.since_boot += Milliseconds(1000);
+  EXPECT_THAT(WhyItDoesNotGoOn(), HasSubstr("it was saved 61 s ago, and 60 s are the limit"));
+  host_now_.since_boot = {};
+  EXPECT_THAT(WhyItDoesNotGoOn(), HasSubstr("the computer or its container was restarted"));
+}
+
+// It was restored within the minute, and the machine was in another state than Active: its pauses
+// renewed the time in the file, and a set of Active hours later moved the robot.
+TEST_F(ASavedSkill, DoesNotGoOnALongTimeAfterItWasRestored) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  host_now_.since_boot += std::chrono::seconds(10);
+  SavedSkills saved = Saved();
+  ASSERT_TRUE(saved.Restore(*after_, true));
+  host_now_.since_boot += std::chrono::seconds(40);
+  after_->Pause();
+  ASSERT_TRUE(saved.Save(*after_, At(50)));
+  host_now_.since_boot += std::chrono::seconds(20);
+  EXPECT_THAT(WhyItDoesNotGoOn(), HasSubstr("it was saved 70 s ago"))
+      << "also in the process after the next";
+  EXPECT_THAT(saved.TakeOver(), HasSubstr("it was saved 70 s ago"));
+  EXPECT_EQ(saved.TakeOver(), "") << "what runs from now on is its own";
+}
+
+TEST_F(ASavedSkill, ThatHasMadeAStepInTimeIsThatOfTheNextProcess) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  SavedSkills saved = Saved();
+  ASSERT_TRUE(saved.Restore(*after_, true));
+  host_now_.since_boot += SavedSkills::kMostAge;
+  EXPECT_EQ(saved.TakeOver(), "");
+  after_->RunOnce(At(100));
+  ASSERT_TRUE(saved.Save(*after_, At(100)));
+  host_now_.since_boot += SavedSkills::kMostAge;
+  EXPECT_THAT(Restore(*Skills(), true).value(), ElementsAre(HasSubstr("goes on from WAITING")));
+}
+
+// The disk was full when an emergency stop cancelled it: the next process would have gone on.
+TEST_F(ASavedSkill, WhoseEndCannotBeSavedIsForgotten) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  SavedSkills saved = Saved();
+  before_->RunOnce(At(0));
+  ASSERT_TRUE(saved.Save(*before_, At(0)));
+  std::filesystem::create_directory(file_ + ".new");  // where the next content would be written
+  before_->CancelAllNow("emergency stop");
+  EXPECT_FALSE(saved.Save(*before_, At(0.1)));
+  EXPECT_FALSE(std::filesystem::exists(file_));
+}
+
+TEST_F(ASavedSkill, DoesNotGoOnFromAFileThatDoesNotSayWhenItWasWritten) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  std::ifstream in(file_);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  text.erase(0, text.find("[[run]]"));
+  std::ofstream(file_) << text;
+  EXPECT_THAT(WhyItDoesNotGoOn(), HasSubstr("its file does not say when it was written"));
+}
+
 TEST_F(ASavedSkill, ThatWasPausedStaysPaused) {
   ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
   RunUntil(*before_, 3);
-  SavedSkills saved(file_);
+  SavedSkills saved = Saved();
   ASSERT_TRUE(saved.Save(*before_, At(3)));
   ASSERT_TRUE(before_->Pause("wait", "by a request"));
   ASSERT_TRUE(saved.Save(*before_, At(3.1)));  // at once
@@ -104,7 +194,7 @@ TEST_F(ASavedSkill, IsNoneWhenNoneRan) {
 TEST_F(ASavedSkill, ThatHasFailedIsForgottenOnceTheNextProcessSteps) {
   ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
   RunUntil(*before_, 3);
-  SavedSkills saved(file_);
+  SavedSkills saved = Saved();
   ASSERT_TRUE(saved.Restore(*after_, false));
   after_->RunOnce(At(1000));
   ASSERT_TRUE(saved.Save(*after_, At(1000)));
@@ -129,7 +219,7 @@ TEST_F(ASavedSkill, SaysOnceWhyItCannotBeSaved) {
   std::ofstream(folder_ / "state") << "a file, no folder";
   ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
   before_->RunOnce(At(0));
-  SavedSkills saved(file_);
+  SavedSkills saved = Saved();
   EXPECT_THAT(saved.Save(*before_, At(0)).error().message, HasSubstr("are not saved"));
   EXPECT_TRUE(saved.Save(*before_, At(2)));
 }

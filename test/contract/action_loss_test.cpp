@@ -88,6 +88,35 @@ TEST_P(ActionLoss, CancelsAGoalWhoseAcceptanceComesTooLate) {
   (*late)({true, {}});
 }
 
+// A server that does not keep the cancellation of a goal that it does not know starts it later.
+TEST_P(ActionLoss, RepeatsTheCancellationOfALostGoalUntilItIsDone) {
+  const std::string name = name_ + "_forgets";
+  const auto client = Must(MakeActionClient<Fibonacci>(*here_, name));
+  const auto send_goal = Must(MakeServer<Fibonacci::SendGoal>(*there_, name + "/_action/send_goal",
+                                                              [](const auto&, const auto&) {}));
+  std::vector<GoalId> cancelled;
+  const auto cancel_goal = Must(MakeServer<msg::CancelGoal>(
+      *there_, name + "/_action/cancel_goal", [&](const auto& request, const auto& reply) {
+        cancelled.push_back(request.goal_info.goal_id.uuid);
+        if (cancelled.size() == 1) return;  // its reply is lost
+        msg::CancelGoal::Response response;
+        response.return_code = msg::CancelGoal::kErrorUnknownGoalId;
+        if (cancelled.size() == 3) {  // it has started the goal
+          response.return_code = msg::CancelGoal::kErrorNone;
+          response.goals_canceling.push_back(request.goal_info);
+        }
+        reply(response);
+      }));
+  SeenGoal seen;
+  seen.id = client->SendGoal({5}, Milliseconds(300), seen.Events());
+  ASSERT_TRUE(RunUntil([&] { return cancelled.size() == 3; }));
+  EXPECT_THAT(cancelled, ElementsAre(seen.id, seen.id, seen.id));
+  EXPECT_EQ(seen.End(), "lost") << "at once";
+  const Time until = loop().Now() + Milliseconds(1500);
+  loop().RunUntil([] { return false; }, until);
+  EXPECT_THAT(cancelled, SizeIs(3)) << "its goal is cancelled now";
+}
+
 // A writer with a short history may replace a reply that was not received.
 TEST_P(ActionLoss, RequestsTheResultOfAnEndedGoalUntilItComes) {
   const std::string name = name_ + "_forgetful";

@@ -273,6 +273,22 @@ TEST_P(Action, RejectsAGoalWithAnIdThatIsInUse) {
   EXPECT_EQ(server_->offered, 1);
 }
 
+// A cancellation is on a topic of its own, and may overtake its goal.
+TEST_P(Action, RejectsAGoalThatWasCancelledBeforeItCame) {
+  const auto client = MakeClient(*here_);
+  const auto raw = Must(
+      transport::MakeClient<Fibonacci::SendGoal>(*here_, name_ + "/_action/send_goal", nullptr));
+  EXPECT_EQ(Cancel(*client, GoalId{4}).return_code, msg::CancelGoal::kErrorUnknownGoalId);
+  std::vector<bool> accepted;
+  for (const GoalId& id : {GoalId{4}, GoalId{4}, GoalId{5}}) {
+    raw->Call({{id}, {5}}, kLong,
+              [&](const auto& reply) { accepted.push_back(reply.value().accepted); });
+  }
+  ASSERT_TRUE(RunUntil([&] { return accepted.size() == 3; }));
+  EXPECT_THAT(accepted, ElementsAre(false, false, true));
+  EXPECT_EQ(server_->offered, 1);
+}
+
 TEST_P(Action, PublishesTheStatusOfAllGoalsAlsoForLaterReaders) {
   const auto client = MakeClient(*here_);
   SeenGoal first, second;

@@ -165,6 +165,18 @@ class AManager(unittest.TestCase):
         self.assertEqual(self.step()["status"], "cancelled")
         self.assertFalse(self.skills.is_paused("take_off"))
 
+    def test_the_end_of_a_paused_skill_leaves_its_parts_to_the_skill_that_uses_them_meanwhile(self):
+        for end in (lambda: self.skills.cancel_skill("take_off"), lambda: self.skills.cancel_all_now("stop"),
+                    lambda: self.skills.reset_skill("take_off")):
+            self.step(altitude=2.0)
+            self.skills.pause_skill("take_off")
+            self.drone.climb = 0.7  # by the other skill
+            end()
+            if "take_off" in self.skills.running():
+                self.assertEqual(self.step()["status"], "cancelled")
+            self.assertEqual((self.drone.climb, self.skills.running()), (0.7, []))
+            self.drone.height = 0.0
+
     def test_refuses_a_pause_or_a_resumption_with_the_reason(self):
         def why(call, skill):
             with self.assertRaises(SkillError) as error:

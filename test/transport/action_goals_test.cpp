@@ -116,6 +116,40 @@ TEST_F(Goals, CancelNoGoalThatIsUnknownOrHasEnded) {
   EXPECT_THAT(Choose(1).goals, IsEmpty());
 }
 
+TEST_F(Goals, RefuseTheIdOfACancellationThatCameBeforeItsGoalForAMinute) {
+  goals_.NoteEarlyCancel(Request(1), now_);
+  EXPECT_FALSE(goals_.WasCancelledEarly(Id(2), now_));
+  EXPECT_TRUE(goals_.WasCancelledEarly(Id(1), now_));
+  EXPECT_TRUE(goals_.WasCancelledEarly(Id(1), now_ + std::chrono::seconds(59)));
+  EXPECT_FALSE(goals_.WasCancelledEarly(Id(1), now_ + std::chrono::seconds(60)));
+  goals_.NoteEarlyCancel(Request(1), now_ + std::chrono::seconds(30));
+  EXPECT_TRUE(goals_.WasCancelledEarly(Id(1), now_ + std::chrono::seconds(89))) << "repeated";
+}
+
+TEST_F(Goals, KeepNoEarlyCancellationOfAGoalThatIsKnownOrOfMany) {
+  Add(1);
+  for (const msg::GoalInfo& request : {Request(1), Request(0), Request(2, 7), Request(0, 7)}) {
+    goals_.NoteEarlyCancel(request, now_);
+  }
+  EXPECT_FALSE(goals_.WasCancelledEarly(Id(1), now_));
+  EXPECT_FALSE(goals_.WasCancelledEarly(Id(2), now_));
+  EXPECT_FALSE(goals_.WasCancelledEarly(kNoGoalId, now_));
+}
+
+TEST_F(Goals, KeepALimitedNumberOfEarlyCancellations) {
+  for (std::size_t i = 0; i <= ActionGoals::kMostEarlyCancels; ++i) {
+    GoalId id{};
+    id[0] = static_cast<std::uint8_t>(i % 256);
+    id[1] = static_cast<std::uint8_t>(i / 256 + 1);
+    goals_.NoteEarlyCancel({{id}, {}}, now_);
+  }
+  GoalId first{}, second{};
+  first[1] = second[1] = 1;
+  second[0] = 1;
+  EXPECT_FALSE(goals_.WasCancelledEarly(first, now_)) << "the oldest is dropped first";
+  EXPECT_TRUE(goals_.WasCancelledEarly(second, now_));
+}
+
 TEST_F(Goals, ReportOneThatIsCancelingOnceMore) {
   Add(1, GoalState::kCanceling);
   EXPECT_THAT(Choose(1).goals, IsEmpty());

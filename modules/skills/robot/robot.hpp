@@ -128,6 +128,9 @@ class Robot {
   // scan; see HasScan().
   virtual std::vector<navigation::Point> obstacles() const = 0;
   virtual bool HasScan() const = 0;
+  // Whether such a scan covers this place, in the frame of the body: what is there, or before it,
+  // is seen. Of a place that is not covered nothing is known.
+  virtual bool ScanCovers(const navigation::Point& place) const = 0;
 
   // Objects by the source of the config, of the last 0.5 s.
   virtual std::vector<SeenObject> objects() const = 0;

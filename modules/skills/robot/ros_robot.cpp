@@ -156,6 +156,11 @@ bool RosRobot::HasScan() const {
   return wire && wire->HasScan();
 }
 
+bool RosRobot::ScanCovers(const navigation::Point& place) const {
+  const auto wire = wire_.lock();
+  return wire && wire->velocity->Covers(place);
+}
+
 std::vector<SeenObject> RosRobot::objects() const {
   const auto wire = wire_.lock();
   const auto* seen = wire ? wire->objects.At(wire->Now()) : nullptr;

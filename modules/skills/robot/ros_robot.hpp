@@ -69,6 +69,7 @@ class RosRobot final : public Robot {
   skill::Future<navigation::Path> ComputeRefuge() override;
   std::vector<navigation::Point> obstacles() const override;
   bool HasScan() const override;
+  bool ScanCovers(const navigation::Point& place) const override;
   std::vector<SeenObject> objects() const override;
   bool HasObjects() const override;
   std::optional<std::vector<SeenObject>> Detect() override;

@@ -45,6 +45,8 @@ class VelocityOutput {
   const std::vector<navigation::Point>& PointsOf(std::size_t scanner) const {
     return gate_.PointsOf(scanner);
   }
+  // Whether a recent scan covers this place, in the frame of the body.
+  bool Covers(const navigation::Point& place) const { return gate_.Covers(place, clock_.Now()); }
   // As measured: the pose in any frame that stays, the velocity in the frame of the body.
   void OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity);
 

@@ -49,8 +49,8 @@ skill::Next FlightSkill::Cancel(skill::Tick& /*tick*/) {
   return skill::Next::Cancelled();
 }
 
-void FlightSkill::OnEnd(const skill::Ended& /*ended*/) {
-  robot_.StopMotion();
+void FlightSkill::OnEnd(const skill::Ended& ended) {
+  if (!ended.paused) robot_.StopMotion();
 }
 
 void FlightSkill::OnPause() {

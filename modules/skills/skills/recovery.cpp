@@ -112,6 +112,21 @@ navigation::Velocity Recovery::Command(const std::vector<navigation::Point>& aro
   return {.yaw_rad_s = std::clamp(2 * away_rad, -kRecoveryRadS, kRecoveryRadS)};
 }
 
+bool Recovery::IsWayCovered(double ahead_m_s) const {
+  constexpr double kMarginM = 0.05, kApartM = 0.1;
+  const double side_m = robot_.radius_m();
+  const double whole_m = kind_ == RecoveryKind::kBackUp ? kBackM : kLeaveM;
+  const double left_m = std::max(whole_m - moved_m_, 0.0);
+  const double sign = ahead_m_s < 0 ? -1 : 1;
+  for (double along_m = 0; along_m < left_m + kApartM; along_m += kApartM) {
+    const double x_m = sign * (side_m + kMarginM + std::min(along_m, left_m));
+    for (const double y_m : {-side_m, 0.0, side_m}) {
+      if (!robot_.ScanCovers({x_m, y_m, 0})) return false;
+    }
+  }
+  return true;
+}
+
 double Recovery::share() const {
   const double of_time = ToSeconds(passed_) / ToSeconds(RecoveryOf(kind_).longest);
   const double of_motion = kind_ == RecoveryKind::kBackUp            ? moved_m_ / kBackM
@@ -148,7 +163,14 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
                     : kind_ == RecoveryKind::kBackUp        ? moved_m_ >= kBackM
                                                             : turned_rad_ >= 2 * M_PI;
   if (over) return Result<>();
-  robot_.SetVelocity(Command(around));
+  const navigation::Velocity command = Command(around);
+  if (command.x_m_s != 0 && !IsWayCovered(command.x_m_s)) {
+    const bool back = command.x_m_s < 0;
+    return Error{kCodeFailed,
+                 fmt::format("it does not go {}: no scan covers what is {} it",
+                             back ? "backwards" : "ahead", back ? "behind" : "ahead of")};
+  }
+  robot_.SetVelocity(command);
   const std::string held_by = robot_.HeldBy();
   held_ = held_by.empty() ? Duration{} : held_ + step;
   if (held_ >= kRecoveryHeldLimit) return Error{kCodeFailed, held_by};

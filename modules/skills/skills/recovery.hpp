@@ -8,7 +8,8 @@
 //   back_up            0.4 m back
 //   spin               once around, for a look at all sides
 //
-// A motion without odometry, without a scan, or that the gate holds for a second, fails. Frames and
+// A motion without odometry, without a scan, or that the gate holds for a second, fails; so does
+// one to where no scanner covers all of its way: what is not seen there may be a person. Frames and
 // units of robot.hpp.
 
 #include <cstdint>
@@ -54,6 +55,8 @@ class Recovery {
   std::optional<Result<>> StepOfMotion(Duration step);
   void NoteMotion(const navigation::Pose& pose);
   navigation::Velocity Command(const std::vector<navigation::Point>& around) const;
+  // Whether a scan covers all that the body comes to on what is left of its way.
+  bool IsWayCovered(double ahead_m_s) const;
 
   Robot& robot_;
   RecoveryKind kind_ = RecoveryKind::kWait;

@@ -51,8 +51,8 @@ skill::Next RecoverySkill::Step(skill::Tick& tick) {
               : skill::Next::Fail(name + ": " + end->error().message);
 }
 
-void RecoverySkill::OnEnd(const skill::Ended& /*ended*/) {
-  if (Recovery::Moves(kind_)) robot_.StopMotion();
+void RecoverySkill::OnEnd(const skill::Ended& ended) {
+  if (Recovery::Moves(kind_) && !ended.paused) robot_.StopMotion();
 }
 
 void RecoverySkill::OnPause() {

@@ -99,7 +99,8 @@ skill::Next TravelSkill::Stop(skill::Tick& tick, const std::string& success) {
   return skill::Next::Succeed(success);
 }
 
-void TravelSkill::OnEnd(const skill::Ended& /*ended*/) {
+void TravelSkill::OnEnd(const skill::Ended& ended) {
+  if (ended.paused) return;  // its drive is given up, and the base may be another skill's
   travel_.End();
 }
 

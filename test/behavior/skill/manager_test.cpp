@@ -207,15 +207,39 @@ TEST_F(AManager, ChecksAtAResumptionThatTheSkillMayStillRun) {
   EXPECT_TRUE(manager_->Resume("walk"));
 }
 
-TEST_F(AManager, CancelsASkillThatIsPausedInAnOrderlyWay) {
+// Its own cancellation would use the parts of the robot that another skill has taken since.
+TEST_F(AManager, EndsASkillThatIsPausedByARequestAtOnceWhenItIsCancelled) {
+  for (const bool all : {false, true}) {
+    walk_.log.clear();
+    ASSERT_TRUE(manager_->Start("walk"));
+    Steps(1);
+    ASSERT_TRUE(manager_->Pause("walk", ""));
+    if (all) {
+      manager_->CancelAll("a person");
+    } else {
+      ASSERT_TRUE(manager_->Cancel("walk", "a person"));
+    }
+    EXPECT_EQ(StateOf("walk"), "CANCELLED");
+    EXPECT_EQ(manager_->Find("walk")->feedback().message, "a person");
+    EXPECT_FALSE(manager_->Find("walk")->feedback().paused);
+    EXPECT_FALSE(manager_->Find("walk")->pause_requested());
+    Steps(1);
+    EXPECT_THAT(walk_.log, ElementsAre("OnPause", "OnEnd cancelled in its pause"));
+  }
+}
+
+TEST_F(AManager, SaysToASkillWhetherItEndsInItsPause) {
   ASSERT_TRUE(manager_->Start("walk"));
+  ASSERT_TRUE(manager_->Start("look"));
   Steps(1);
   ASSERT_TRUE(manager_->Pause("walk", ""));
-  ASSERT_TRUE(manager_->Cancel("walk", "a person"));
+  ASSERT_TRUE(manager_->Reset("walk"));
+  ASSERT_TRUE(manager_->Pause("look", ""));
+  ASSERT_TRUE(manager_->Resume("look"));
   Steps(1);
-  EXPECT_EQ(StateOf("walk"), "CANCELLED");
-  EXPECT_THAT(walk_.log, ElementsAre("OnPause", "OnResume", "Cancel", "OnEnd cancelled"));
-  EXPECT_FALSE(manager_->Find("walk")->pause_requested());
+  ASSERT_TRUE(manager_->Reset("look"));
+  EXPECT_THAT(walk_.log, ElementsAre("OnPause", "OnEnd cancelled in its pause"));
+  EXPECT_THAT(look_.log, ElementsAre("OnPause", "MayResume", "OnResume", "OnEnd cancelled"));
 }
 
 TEST_F(AManager, FailsASkillWhoseOutputsAreNotNeutralInItsPause) {
@@ -223,6 +247,7 @@ TEST_F(AManager, FailsASkillWhoseOutputsAreNotNeutralInItsPause) {
   ASSERT_TRUE(manager_->Start("walk"));
   EXPECT_EQ(ErrorOf(manager_->Pause("walk", "")), "walk has failed: OnPause: no brake");
   EXPECT_EQ(StateOf("walk"), "FAILED");
+  EXPECT_THAT(walk_.log, ElementsAre("OnPause", "OnEnd failed")) << "it has to stop itself";
 }
 
 TEST_F(AManager, RestoresASkillThatIsPausedAsPaused) {

@@ -56,7 +56,9 @@ class Scripted : public Skill {
   Next OnLimit(Tick& tick) override {
     return script_.on_limit ? script_.on_limit(tick) : Skill::OnLimit(tick);
   }
-  void OnEnd(const Ended& ended) override { Log("OnEnd", std::string(Name(ended.status))); }
+  void OnEnd(const Ended& ended) override {
+    Log("OnEnd", std::string(Name(ended.status)) + (ended.paused ? " in its pause" : ""));
+  }
   void OnPause() override { Log("OnPause"); }
   void OnResume() override { Log("OnResume"); }
   Result<> MayResume() override {

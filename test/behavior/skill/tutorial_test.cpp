@@ -43,7 +43,9 @@ class TakeOff : public skill::Skill {
     tick.Detail("height_m", drone_.height_m);
     return skill::Next::Stay();
   }
-  void OnEnd(const skill::Ended&) override { drone_.climb_mps = 0; }
+  void OnEnd(const skill::Ended& ended) override {
+    if (!ended.paused) drone_.climb_mps = 0;
+  }
   void OnPause() override { drone_.climb_mps = 0; }
 
  private:

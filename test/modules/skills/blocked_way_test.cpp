@@ -77,6 +77,21 @@ TEST_F(BlockedWay, StandsWithoutRecoveriesAndWhereTheGateHoldsIt) {
   }
 }
 
+// A scanner that looks ahead sees no person behind the robot, and one may stand there.
+TEST_F(BlockedWay, DoesNotBackUpWhereItsScanCoversNothing) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
+  robot.scan_covers_rad = M_PI / 2;
+  std::set<std::string> texts;
+  EachStep([&] { texts.insert(feedback().message); });
+  GoTo("[4, 0]");
+  RunFor(5);
+  const double before_m = robot.travelled_m;
+  ExpectFailure(120, " s, 2.5 m from the goal, at (1.5");
+  EXPECT_NEAR(robot.travelled_m, before_m, 0.01);
+  EXPECT_TRUE(
+      texts.contains("back_up: it does not go backwards: no scan covers what is behind it"));
+}
+
 TEST_F(BlockedWay, GoesOnWhenAnObstacleLeavesInTime) {
   for (int door = 0; door < 3; ++door) {
     const double door_m = 2.0 + door;

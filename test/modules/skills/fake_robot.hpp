@@ -80,6 +80,7 @@ class FakeRobot : public Robot {
   std::unique_ptr<Drive> FollowPath(const navigation::Path&) override { return nullptr; }
   std::vector<navigation::Point> obstacles() const override { return scan; }
   bool HasScan() const override { return has_scan; }
+  bool ScanCovers(const navigation::Point&) const override { return has_scan; }
   std::vector<SeenObject> objects() const override {
     return has_objects ? seen : std::vector<SeenObject>();
   }

@@ -135,6 +135,32 @@ TEST_F(FollowLine, StandsInAPauseAndWhenItIsCancelled) {
   EXPECT_TRUE(robot.Rests());
 }
 
+// The cancelled skill braked for 5 s, between the commands of the one that had the base.
+TEST_F(FollowLine, IsNotBrakedByTheEndOfASkillThatIsPaused) {
+  const std::vector<std::pair<std::string, Texts>> others = {
+      {"navigate_to", {{"goal_pos", "[40, 0]"}}},
+      {"avoid_obstacle", {{"goal_pos", "[40, 0]"}}},
+      {"back_up", {}}};
+  for (const auto& [other, parameters] : others) {
+    for (const bool reset : {false, true}) {
+      robot.at = {{kRadiusM, 0, 0}, M_PI / 2};
+      ASSERT_TRUE(Start(other, parameters));
+      RunFor(1);
+      ASSERT_TRUE(manager->Pause(other, "by a request"));
+      RunFor(2);
+      robot.at = {{kRadiusM, 0, 0}, M_PI / 2};
+      Go();
+      RunFor(3);
+      robot.stops = 0;
+      ASSERT_TRUE(reset ? manager->Reset(other) : manager->Cancel(other, "a person"));
+      RunFor(6);
+      EXPECT_EQ(robot.stops, 0) << other;
+      EXPECT_NEAR(navigation::Speed(robot.velocity()), 0.3, 0.05) << other;
+      manager->ResetAll();
+    }
+  }
+}
+
 TEST_F(FollowLine, StandsBeforeABoxOnTheLineAndFailsWhenItStays) {
   for (int i = -10; i <= 10; ++i) {
     robot.points.push_back({2 + 0.02 * i, std::sqrt(kRadiusM * kRadiusM - 4), 0});

@@ -39,6 +39,7 @@ class MovingRobot : public Robot {
     return navigation::Path{start, goal};
   };
   std::vector<navigation::Point> points;  // of obstacles
+  double scan_covers_rad = M_PI;          // to each side of straight ahead
   // A place that is blocked by what the map does not have. The robot stops in front of it, and the
   // drive ends as those of the controller server do. The planner then plans as the real one: where
   // no path leads around it, its path leads through.
@@ -57,6 +58,7 @@ class MovingRobot : public Robot {
   int plans = 0;
   int drives = 0;
   int cleared = 0;
+  int stops = 0;  // commands to stand
   std::vector<navigation::Path> driven_paths;
   double travelled_m = 0;
   double nearest_m = 1e9;  // to a point of an obstacle, so far
@@ -109,9 +111,13 @@ class MovingRobot : public Robot {
   navigation::Velocity velocity() const override { return velocity_; }
   void SetVelocity(const navigation::Velocity& command) override {
     command_ = held_by.empty() ? command : navigation::Velocity{};
+    if (command == navigation::Velocity{}) ++stops;
   }
   std::string HeldBy() const override { return held_by; }
-  void StopMotion() override { command_.reset(); }
+  void StopMotion() override {
+    command_.reset();
+    ++stops;
+  }
   bool HasPlanner() const override { return planner_up; }
   bool HasController() const override { return controller_up; }
   skill::Future<navigation::Path> ComputePath(
@@ -158,6 +164,9 @@ class MovingRobot : public Robot {
     return scan_up ? points : std::vector<navigation::Point>();
   }
   bool HasScan() const override { return scan_up; }
+  bool ScanCovers(const navigation::Point& place) const override {
+    return scan_up && std::abs(std::atan2(place.y_m, place.x_m)) <= scan_covers_rad;
+  }
   std::vector<SeenObject> objects() const override { return {}; }
   std::optional<std::vector<SeenObject>> Detect() override { return std::nullopt; }
   bool HasObjects() const override { return false; }

@@ -99,6 +99,30 @@ TEST_F(ARecovery, MovesNothingWithoutScanOrOdometry) {
   EXPECT_EQ(robot.travelled_m, 0);
 }
 
+// It went backwards into a person whom a scanner that looks ahead cannot see.
+TEST_F(ARecovery, GoesNowhereThatItsScanDoesNotCover) {
+  const std::string behind = "back_up: it does not go backwards: no scan covers what is behind it";
+  for (const double covered_rad : {M_PI / 2, 2.36, 3.0}) {
+    robot.scan_covers_rad = covered_rad;
+    ExpectFailure("back_up", behind);
+  }
+  StandBefore(0.22);
+  robot.scan_covers_rad = 0.2;
+  ExpectFailure("leave_tight_start", "it does not go ahead: no scan covers what is ahead of it");
+  EXPECT_EQ(robot.travelled_m, 0);
+  robot.scan_covers_rad = M_PI / 2;
+  Run("leave_tight_start");
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  robot.at = {};
+  robot.points.clear();
+  robot.scan_covers_rad = M_PI;
+  ASSERT_TRUE(Start("back_up"));
+  RunFor(1);
+  robot.scan_covers_rad = M_PI / 2;
+  EXPECT_TRUE(RunToItsEnd(2));
+  EXPECT_EQ(feedback().message, behind) << "also on its way";
+}
+
 TEST_F(ARecovery, TakesAJumpOfThePoseForNoMotion) {
   for (const char* name : {"back_up", "spin"}) {
     robot.at = {};

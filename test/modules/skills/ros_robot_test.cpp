@@ -63,6 +63,28 @@ TEST_F(ARosRobot, LetsNoCommandLeadItIntoWhatItsScanSees) {
   EXPECT_THAT(robot_.HeldBy(), HasSubstr("no recent scan on r/scan"));
 }
 
+TEST_F(ARosRobot, KnowsWhichPlacesItsScanCovers) {
+  EXPECT_FALSE(robot_.ScanCovers({1, 0, 0}));
+  See(9);
+  Run(20);
+  for (const navigation::Point at : {navigation::Point{1, 0, 0}, {-1, 0, 0}, {0, -1, 0}}) {
+    EXPECT_TRUE(robot_.ScanCovers(at));
+  }
+  Run(600);
+  EXPECT_FALSE(robot_.ScanCovers({1, 0, 0})) << "it is not recent";
+  msg::LaserScan ahead;  // 180 degrees
+  ahead.range_max = 10;
+  ahead.angle_min = static_cast<float>(-M_PI / 2);
+  ahead.angle_increment = static_cast<float>(M_PI / 180);
+  ahead.ranges.assign(181, std::numeric_limits<float>::infinity());
+  EXPECT_TRUE(peers_->scan->Publish(ahead));
+  Run(20);
+  EXPECT_TRUE(robot_.ScanCovers({1, 0, 0}));
+  EXPECT_TRUE(robot_.ScanCovers({1, -0.9, 0}));
+  EXPECT_FALSE(robot_.ScanCovers({-1, 0, 0}));
+  EXPECT_FALSE(robot_.ScanCovers({-0.2, 0.3, 0}));
+}
+
 TEST_F(ARosRobot, SendsNothingBesideADrive) {
   sees_m_ = 9;
   Run(200);

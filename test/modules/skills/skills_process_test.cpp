@@ -140,6 +140,19 @@ TEST_F(SkillsProcess, ThatWasKilledGoesOnIfItsConfigSaysSo) {
   EXPECT_EQ(FeedbackOfTakeOff().status, msg::SkillFeedback::kStatusProcessing);
 }
 
+// It drove on by itself when its controller had started it again.
+TEST_F(SkillsProcess, ThatWasTerminatedHasCancelledItsSkillsAndGoesOnWithNone) {
+  const std::string more = "after_restart = \"continue\"\n";
+  ASSERT_NO_FATAL_FAILURE(BeginToRise(more));
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGTERM);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGTERM);
+  ASSERT_NO_FATAL_FAILURE(Begin(more));
+  ExpectNoRise();
+  EXPECT_THAT(peer_.Output(), ::testing::Not(HasSubstr("goes on")));
+  EXPECT_EQ(FeedbackOfTakeOff().state, "IDLE");
+}
+
 TEST_F(SkillsProcess, PausesOneSkillAlsoOverAPauseOfTheRobot) {
   ASSERT_NO_FATAL_FAILURE(BeginToRise());
   EXPECT_EQ(Pause(true), "true EXECUTING");
