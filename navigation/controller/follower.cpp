@@ -125,6 +125,14 @@ double Follower::HighestPace(double planned_m_s) const {
   return planned_m_s > speed_limit_m_s_ ? std::max(speed_limit_m_s_ / planned_m_s, kLeast) : 1;
 }
 
+// A moving body keeps more room, and so is slow where it passes an obstacle. Without a least speed
+// it would creep there: the nearer, the longer.
+double Follower::SideRoom(double speed_m_s) const {
+  const ObstacleRules& rules = rules_.obstacles;
+  if (speed_m_s <= rules.pass_m_s) return 0;
+  return rules.side_s * std::min(speed_m_s, rules_.limits.speed_m_s);
+}
+
 void Follower::MoveReference(Time now, double dt_s, const Pose& pose, const Velocity& velocity,
                              const std::vector<Point>& obstacles) {
   const TrajectoryPoint at = trajectory_.At(reference_);
@@ -142,10 +150,8 @@ void Follower::MoveReference(Time now, double dt_s, const Pose& pose, const Velo
   const double lead_m = rules_.flat
                             ? std::hypot(at.pose.at.x_m - pose.at.x_m, at.pose.at.y_m - pose.at.y_m)
                             : Distance(at.pose.at, pose.at);
-  // A moving body keeps more room, and so is slow where it passes an obstacle.
   ObstacleRules moving = rules;
-  moving.margin_m +=
-      std::max(moving.side_s * std::min(speed_m_s, rules_.limits.speed_m_s), meets_m);
+  moving.margin_m += std::max(SideRoom(speed_m_s), meets_m);
   const auto passes = obstruction_ ? std::nullopt
                                    : FirstObstruction(trajectory_, reference_, ahead_m, obstacles,
                                                       rules_.flat, moving);

@@ -9,10 +9,10 @@
 //
 // - The reference moves along the trajectory. For an obstacle on the next braking distance it slows
 //   down with `brake_m_s2`, or harder for one that appears nearer, so the body stops on its way,
-//   without leaving it. It is slow beside an obstacle: a moving body keeps more room. One that
-//   comes nearer by itself, by two sets of obstacles after each other, counts as so much nearer
-//   that the body stands when they meet. It also waits for a body that is more than `lead_m` away
-//   from it.
+//   without leaving it. It is slow beside an obstacle, as a moving body keeps more room, but not
+//   slower than `pass_m_s`: it passes, or it waits. An obstacle that comes nearer by itself, by two
+//   sets of obstacles after each other, counts as so much nearer that the body stands when they
+//   meet. The reference also waits for a body that is more than `lead_m` away from it.
 // - Each axis is controlled with a receding horizon (axis_control.hpp); the command is limited to
 //   the highest speed in space.
 // - Arrived: the reference is at the end and the body within `arrive_m` and `arrive_rad` of it.
@@ -108,6 +108,7 @@ class Follower {
                      const std::vector<Point>& obstacles);
   // The highest pace by the limit of the speed.
   double HighestPace(double planned_m_s) const;
+  double SideRoom(double speed_m_s) const;
   double Braking(double speed_m_s, const std::optional<Obstruction>& passed) const;
   void WatchApproach(Time now, const Pose& pose, const Velocity& velocity,
                      const std::vector<Point>& obstacles);

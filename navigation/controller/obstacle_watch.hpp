@@ -13,6 +13,7 @@ struct ObstacleRules {
   double radius_m = 0.3;       // of the body
   double margin_m = 0.1;       // between the body and an obstacle, at least
   double side_s = 0.4;         // more room for a moving body: what it drives in this time
+  double pass_m_s = 0.2;       // but so fast it passes anything that the margin lets it pass
   double brake_m_s2 = 0.8;     // with which the body stops
   double hardest_m_s2 = 2.0;   // the same for an obstacle that appears nearer than that
   double reaction_s = 0.1;     // from the scan to the begin of braking

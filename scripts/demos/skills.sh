@@ -3,6 +3,9 @@
 # Sourced by scripts/demo: two ground robots, a humanoid and a flyer in simulated rooms. They are given goals
 # and a plan, report progress, carry things and can be cancelled. People and a target cross their paths; what
 # stands on a path and is not in the map is seen by the scan.
+#
+# With --long then the held scenes, in a second world: what robots believe is wrong, and what they see keeps them
+# from every contact, as the world counts. A row is a function.
 
 journal=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/logs
@@ -287,6 +290,176 @@ end() {
   say "pictures: $picture, $photo"
 }
 
+# --- the held scenes --------------------------------------------------------------------------------
+
+boot_held() {
+  step "The same robots boot in a wide hall in which what they believe is wrong"
+  cp "$root/scripts/demos/skills_held.toml" "$scratch/config/scenes/rooms.toml"
+  sed -i "s/^seed = 1$/seed = 1\nspeed = $speed.0\nlockstep = true/" "$scratch/config/scenes/rooms.toml"
+  sed -i '/^scan = ""/d' "$scratch/config/skills/cf2x_0.toml"  # here the flyer has a scanner
+  sed -i 's|^line = ""|line = "jetbot_1/lines"|' "$scratch/config/skills/jetbot_1.toml"
+  say "\$ musher up --detach config/skills.toml"
+  musher_up "$scratch/config/skills.toml" > "$scratch/up.log" 2>&1
+  expect "exit code of up" 0 $?
+  expect "the machine" Active "$(status .state)"
+}
+
+# place ROBOT X Y YAW: carries it there, and lets it notice.
+place() {
+  shown musher-world send place "$2" "$3" "$4" "$1"
+  sleep 0.5
+}
+# expect_arrival ROBOT "X Y": it has completed its skill, and the world has it there.
+expect_arrival() {
+  expect_end "$1" completed "Reached goal"
+  expect "the world has it there" no "$(has_moved "$1" "$2")"
+}
+# expect_stand ROBOT: it does not move for a second.
+expect_stand() {
+  local before
+  sleep 0.5
+  before=$(position "$1")
+  sleep 0.5
+  expect "it stands at" "${before:-a known place}" "$(position "$1")"
+}
+
+held_tight_start() {
+  local gap
+  for gap in 0.01 0.04; do
+    step "Held scenes: a start $gap m from a wall"
+    place jetbot_0 "$(awk "BEGIN { print 0.2 + $gap }")" 8 3.14
+    run jetbot_0 nav_2d "goal_pos=[2.5,8]"
+    expect_arrival jetbot_0 "2.5 8"
+  done
+}
+
+held_late_map() {
+  step "Held scenes: on its way to an obstacle the map comes, with the obstacle in it"
+  start=$(position jetbot_0)
+  begin held.json jetbot_0 nav_2d "goal_pos=[9.5,8]"
+  local drive=$begun
+  await_moved jetbot_0 "$start"
+  shown musher-world send map objects
+  ended held.json "$drive"
+  expect_arrival jetbot_0 "9.5 8"
+  shown musher-world send map fixed
+}
+
+held_person() {
+  step "Held scenes: a drive that a person slows down still ends, at its goal"
+  run jetbot_0 nav_2d "goal_pos=[14,8]"
+  expect_arrival jetbot_0 "14 8"
+}
+
+held_u_trap() {
+  step "Held scenes: a U trap that the map does not have"
+  run jetbot_0 nav_2d "goal_pos=[21.5,8]"
+  expect_arrival jetbot_0 "21.5 8"
+}
+
+held_large_map() {
+  step "Held scenes: from one end of a large map to the other"
+  run jetbot_0 nav_2d "goal_pos=[2,2]"
+  expect_arrival jetbot_0 "2 2"
+}
+
+# held_odometry WHAT FAULT...: on a drive the odometry has a fault, which ends it; right again, it goes on.
+held_odometry() {
+  step "Held scenes: $1 on a drive ends it at a stand, with the reason"
+  shift
+  place jetbot_0 2 2 0
+  start=$(position jetbot_0)
+  begin held.json jetbot_0 nav_2d "goal_pos=[10,2]" lost_limit=4 recoveries=
+  local drive=$begun
+  await_moved jetbot_0 "$start"
+  shown musher-world send odometry "$@" jetbot_0
+  ended held.json "$drive"
+  expect "the outcome" failed "$(answer .outcome)"
+  say "$(answer .message)"
+  expect_stand jetbot_0
+  shown musher-world send odometry right jetbot_0
+  run jetbot_0 nav_2d "goal_pos=[10,2]"
+  expect_arrival jetbot_0 "10 2"
+}
+
+# expect_hold WHEN: the flyer keeps its place in the wind.
+expect_hold() {
+  local before
+  before=$(position cf2x_0)
+  sleep 3
+  expect "$1 it is carried away" no "$(has_moved cf2x_0 "$before")"
+}
+
+held_flyer_holds() {
+  step "Held scenes: a flyer holds its place in the wind after each kind of end"
+  run cf2x_0 take_off altitude=1.0
+  expect_end take_off completed "Reached altitude"
+  expect_hold "completed,"
+  begin held.json cf2x_0 hover altitude=1.0 duration=60
+  local flight=$begun
+  await_message cf2x_0 hover Hovering > /dev/null
+  shown musher skill cancel hover --actuator cf2x_0
+  ended held.json "$flight"
+  expect "the outcome" cancelled "$(answer .outcome)"
+  expect_hold "cancelled,"
+  run cf2x_0 nav_3d "goal_pos=[40,13,1]"
+  expect "a goal outside the map" failed "$(answer .outcome)"
+  expect_hold "failed,"
+}
+
+held_flyer_passes() {
+  step "Held scenes: a flyer passes a person who goes to and fro"
+  run cf2x_0 nav_3d "goal_pos=[10,13,1]"
+  expect_arrival cf2x_0 "10 13"
+  run cf2x_0 land
+  expect_end land completed "Landed"
+}
+
+held_line() {
+  step "Held scenes: a robot on a line stands before the box on it"
+  place jetbot_1 23 12 0
+  run jetbot_1 follow_line speed=0.5
+  expect "the outcome" failed "$(answer .outcome)"
+  say "$(answer .message)"
+  expect "it names the obstacle" "Blocked for" "$(answer '.message[:11]')"
+  expect_stand jetbot_1
+}
+
+held_head_on() {
+  step "Held scenes: two robots meet head-on in a corridor"
+  place jetbot_0 10.5 2.5 0
+  place jetbot_1 21.5 2.5 3.14
+  begin held.json jetbot_0 nav_2d "goal_pos=[21.5,2.5]"
+  local first=$begun
+  begin second.json jetbot_1 nav_2d "goal_pos=[10.5,2.5]"
+  local second=$begun
+  ended held.json "$first"
+  expect_arrival jetbot_0 "21.5 2.5"
+  ended second.json "$second"
+  expect_arrival jetbot_1 "10.5 2.5"
+}
+
+held_scenes() {
+  boot_held
+  ((failures == 0)) || return
+  held_tight_start
+  held_late_map
+  held_person
+  held_u_trap
+  held_large_map
+  held_odometry "odometry that stands" freeze
+  held_odometry "a jump of the localisation by 30 m" jump 30 0
+  held_flyer_holds
+  held_flyer_passes
+  held_line
+  held_head_on
+  step "Held scenes: what the world has counted; power-off"
+  expect "collisions" 0 "$(robots '[.robots[].collisions] | add')"
+  shown musher down
+  expect "exit code" 0 "$code"
+  await_end
+}
+
 explain_keeping() {
   cat << END
 
@@ -317,5 +490,7 @@ run_demo() {
     leave_wall
     carry_away
   fi
-  [[ $keep == yes ]] || end
+  [[ $keep == yes ]] && return
+  end
+  if [[ $long == yes ]] && ((failures == 0)); then held_scenes; fi
 }

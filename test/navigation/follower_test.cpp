@@ -171,6 +171,31 @@ TEST(Follower, StopsWithinItsBrakingDistanceBeforeAnObstacleThatAppears) {
   EXPECT_NEAR(body.pose.at.y_m, 0, 0.01);
 }
 
+// It crept: 2 cm beyond its margin it had 0.05 m/s.
+TEST(Follower, PassesAnObstacleAtAClearSpeedOrWaits) {
+  for (const double beyond_m : {-0.02, 0.005, 0.02, 0.05, 0.1, 0.2}) {
+    Body body;
+    const ObstacleRules rules;
+    std::vector<Point> person;
+    for (int i = 0; i <= 10; ++i) {
+      person.push_back({2 + 0.05 * i, rules.radius_m + rules.margin_m + beyond_m, 0});
+    }
+    body.Start(kAhead);
+    double slowest_m_s = 10;
+    bool waits = false;
+    for (int i = 0; i < 20 * 60 && body.follower.progress() != Progress::kArrived; ++i) {
+      waits = body.Step(person).progress == Progress::kWaiting || waits;
+      const double x_m = body.pose.at.x_m;
+      if (x_m > 1 && x_m < 3.2) slowest_m_s = std::min(slowest_m_s, body.velocity.x_m_s);
+    }
+    EXPECT_EQ(waits, beyond_m < 0) << beyond_m;
+    EXPECT_EQ(body.follower.progress() == Progress::kArrived, beyond_m >= 0) << beyond_m;
+    if (beyond_m < 0) continue;
+    EXPECT_GT(slowest_m_s, 0.15) << beyond_m;
+    EXPECT_LT(slowest_m_s, beyond_m < 0.05 ? 0.3 : 1) << "it is slow there";
+  }
+}
+
 TEST(Follower, GoesOnWhenTheObstacleHasLeft) {
   Body body;
   body.Start(kAhead);

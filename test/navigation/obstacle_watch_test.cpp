@@ -11,7 +11,7 @@ namespace musher::navigation::obstacle_watch_test {
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-const ObstacleRules kRules = {0.3, 0.1, 0.2, 0.8, 2.0, 0.1, 0.5, 0.3};
+const ObstacleRules kRules = {0.3, 0.1, 0.2, 0.2, 0.8, 2.0, 0.1, 0.5, 0.3};
 
 Trajectory Straight() {
   return MakeTrajectory({{{0, 0, 0}, 0}, {{10, 0, 0}, 0}}, {}).value();

@@ -1,6 +1,9 @@
 #include "musher/modules/world/process/robot_messages.hpp"
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
@@ -38,6 +41,21 @@ msg::Odometry OdometryOfRobot(const World& world, std::size_t robot) {
   const RobotBody& body = world.fleet().robots().at(robot).body;
   return OdometryOf(world.scene().robots[robot].name, world.now(),
                     PoseOf(body.position_m(), body.yaw_rad()), body.velocity());
+}
+
+Result<OdometryFault> OdometryFaultFrom(const std::string& text) {
+  OdometryFault fault;
+  std::istringstream words(text);
+  std::string kind, more;
+  words >> kind;
+  if (kind == "jump") words >> fault.off_m.x() >> fault.off_m.y();
+  fault.freezes = kind == "freeze";
+  const bool known = fault.freezes || kind == "jump" || kind == "right";
+  if (!known || words.fail() || words >> more || !fault.off_m.allFinite()) {
+    return Error{kCodeParametersInvalid, "odometry: expected freeze, jump X Y or right, found \"" +
+                                             text.substr(0, 60) + "\""};
+  }
+  return fault;
 }
 
 msg::Odometry OdometryOfMover(const World& world, std::size_t index) {
@@ -96,6 +114,42 @@ msg::ObjectStates ObjectsInSightOf(const World& world, std::size_t robot) {
     in_sight.objects.push_back(std::move(all.objects[i]));
   }
   return in_sight;
+}
+
+msg::YellowLines LinesInView(const World& world, std::size_t robot) {
+  constexpr double kEveryM = 0.02;  // of a line
+  const LineViewSpec& view = *world.scene().robots.at(robot).line_view;
+  const RobotBody& body = world.fleet().robots()[robot].body;
+  const Eigen::Rotation2Dd to_body(-body.yaw_rad());
+  std::vector<Eigen::Vector2d> seen;  // in the frame of the robot
+  for (const Line& line : world.scene().lines) {
+    for (std::size_t i = 1; i < line.points_m.size(); ++i) {
+      const Eigen::Vector2d along = line.points_m[i] - line.points_m[i - 1];
+      const int steps = static_cast<int>(along.norm() / kEveryM) + 1;
+      for (int step = 0; step <= steps; ++step) {
+        const Eigen::Vector2d at = line.points_m[i - 1] + along * (double(step) / steps);
+        const Eigen::Vector2d from_body = to_body * (at - body.position_m().head<2>());
+        const double ahead_m = from_body.x() - view.ahead_m;
+        const bool inside =
+            ahead_m >= 0 && ahead_m <= view.depth_m && std::abs(from_body.y()) <= view.width_m / 2;
+        if (inside) seen.push_back(from_body);
+      }
+    }
+  }
+  msg::YellowLines lines;
+  lines.header = {msg::ToStamp(world.now()), world.scene().robots[robot].name};
+  lines.ycy = lines.dy = lines.walk = "center";
+  lines.middle_offset = lines.bottom_gap_px = std::numeric_limits<float>::quiet_NaN();
+  if (seen.empty()) return lines;
+  lines.contours = 1;
+  double left_m = 0;
+  for (const Eigen::Vector2d& at : seen) {
+    left_m += at.y() / static_cast<double>(seen.size());
+    lines.edge_x.push_back(static_cast<float>(0.5 - at.y() / view.width_m));
+    lines.edge_y.push_back(static_cast<float>(1 - (at.x() - view.ahead_m) / view.depth_m));
+  }
+  lines.middle_offset = static_cast<float>(-left_m / view.width_m);
+  return lines;
 }
 
 BodyVelocity FromMessage(const msg::Twist& twist) {

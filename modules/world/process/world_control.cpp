@@ -29,6 +29,8 @@ const char* const kWorldCommands =
     "  power-key down|up   the power key: held for 3 s the robot is powered off\n"
     "  fault NAME [MOTOR]  of the body or a sensor: see the module's README\n"
     "  place X Y [YAW]     moves the body there, m and rad; place X Y YAW ROBOT: a robot\n"
+    "  odometry WHAT       of a robot: freeze ROBOT, jump X Y ROBOT by so many m, right ROBOT\n"
+    "  map objects|fixed   the map comes again, with the objects in it, or without them\n"
     "  speed FACTOR        how fast the world's time goes\n"
     "  pause on|off        whether it stands still\n"
     "  show|hide NAME      a ball with that name appears, or disappears\n"
@@ -82,6 +84,14 @@ std::optional<WorldCommand> ReadPlace(const Words& words) {
   return Carry{{{*x, *y}, *yaw}};
 }
 
+std::optional<WorldCommand> ReadOdometry(const Words& words) {
+  const bool jump = words.size() == 5 && words[1] == "jump";
+  const bool plain = words.size() == 3 && (words[1] == "freeze" || words[1] == "right");
+  if (jump && (!Number(words[2]) || !Number(words[3]))) return std::nullopt;
+  if ((!jump && !plain) || !config_toml::IsName(words.back())) return std::nullopt;
+  return OdometryNow{words.back(), jump ? "jump " + words[2] + " " + words[3] : words[1]};
+}
+
 std::optional<WorldCommand> ReadOne(const std::string& what, const std::string& word) {
   if (what == "battery" || what == "speed") {
     const auto number = Number(word);
@@ -94,6 +104,8 @@ std::optional<WorldCommand> ReadOne(const std::string& what, const std::string& 
     if (const auto down = Either(word, "down", "up")) return PowerKey{*down};
   } else if (what == "pause") {
     if (const auto on = Either(word, "on", "off")) return Pause{*on};
+  } else if (what == "map") {
+    if (const auto objects = Either(word, "objects", "fixed")) return MapNow{*objects};
   } else if (what == "show" || what == "hide") {
     return Show{word, what == "show"};
   } else if (what == "touch") {
@@ -106,6 +118,7 @@ std::optional<WorldCommand> ReadWords(const Words& words) {
   if (words.empty()) return std::nullopt;
   const std::string& what = words.front();
   if (what == "place") return ReadPlace(words);
+  if (what == "odometry") return ReadOdometry(words);
   if (what == "battery" && words.size() == 3 && config_toml::IsName(words[2])) {
     const auto percent = Number(words[1]);
     return percent ? std::optional<WorldCommand>(ChargeRobot{words[2], *percent}) : std::nullopt;
@@ -162,6 +175,12 @@ class CommandSender {
   }
   Result<std::string> operator()(const CarryRobot& command) {
     return Publish<msg::PoseStamped>(command.robot + "/place", ToPoseStamped(command.at));
+  }
+  Result<std::string> operator()(const OdometryNow& command) {
+    return Publish<msg::String>(command.robot + "/odometry", {command.text});
+  }
+  Result<std::string> operator()(const MapNow& command) {
+    return Call<msg::SetBool>("map", {command.objects});
   }
   Result<std::string> operator()(const Speed& command) {
     return Publish<msg::Float32>("speed", {static_cast<float>(command.factor)});

@@ -46,9 +46,16 @@ struct CarryRobot {
   std::string robot;
   Pose2 at;
 };
-using WorldCommand =
-    std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Show, MarkNow,
-                 Pause, DrawNow, RefereeNow, RobotsNow, FieldNow, ChargeRobot, CarryRobot>;
+struct OdometryNow {
+  std::string robot;
+  std::string text;  // "right", "freeze", "jump 30 0"
+};
+struct MapNow {
+  bool objects = false;  // in it as well, where they stand now
+};
+using WorldCommand = std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed,
+                                  Show, MarkNow, Pause, DrawNow, RefereeNow, RobotsNow, FieldNow,
+                                  ChargeRobot, CarryRobot, OdometryNow, MapNow>;
 
 // Help text: one line for each command.
 extern const char* const kWorldCommands;

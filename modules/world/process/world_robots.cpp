@@ -3,13 +3,12 @@
 #include <cmath>
 #include <utility>
 
-#include "musher/messages/nav_msgs/occupancy_grid.hpp"
 #include "musher/messages/nav_msgs/path.hpp"
-#include "musher/messages/sensor_msgs/point_cloud2.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/modules/world/process/robot_messages.hpp"
 #include "musher/modules/world/process/world_messages.hpp"
 #include "musher/modules/world/scene/solids.hpp"
 #include "musher/modules/world/sensors/fleet_sensing.hpp"
@@ -55,6 +54,7 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
   }
   outlet.battery = endpoints.Advertise<msg::BatteryState>(prefix + "battery");
   outlet.in_sight = endpoints.Advertise<msg::ObjectStates>(prefix + "objects_in_sight");
+  if (spec.line_view) outlet.lines = endpoints.Advertise<msg::YellowLines>(prefix + "lines");
   if (spec.stamped_command) {
     endpoints.Subscribe<msg::TwistStamped>(prefix + "cmd_vel", [this, robot](const auto& stamped) {
       Drive(robot, FromMessage(stamped.twist));
@@ -83,6 +83,9 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
                                         [this, robot](const auto& message) {
                                           Log(world_.PutDown(robot, FromMessage(message.pose)));
                                         });
+  endpoints.Subscribe<msg::String>(
+      "world/" + prefix + "odometry",
+      [this, robot](const auto& message) { SetOdometry(robot, message.data); });
   if (!spec.hand) return;
   endpoints.Serve<msg::ManipulationControl>(
       prefix + "manipulation_control", [this, robot](const auto& request, auto reply) {
@@ -98,15 +101,47 @@ void WorldRobots::Log(const std::optional<std::string>& line) const {
 }
 
 void WorldRobots::OpenMaps(transport::Endpoints& endpoints) {
-  const Scene& scene = world_.scene();
-  auto* grid = endpoints.Advertise<msg::OccupancyGrid>("map", transport::kLatchedQos);
-  auto* cloud = endpoints.Advertise<msg::PointCloud2>("map_point_cloud", transport::kLatchedQos);
-  if (!endpoints.opened()) return;
+  grid_ = endpoints.Advertise<msg::OccupancyGrid>("map", transport::kLatchedQos);
+  cloud_ = endpoints.Advertise<msg::PointCloud2>("map_point_cloud", transport::kLatchedQos);
+  endpoints.Serve<msg::SetBool>("world/map", [this](const auto& request, auto reply) {
+    PublishMaps(request.data);
+    reply({true, ""});
+  });
+  if (endpoints.opened()) PublishMaps(false);
+}
+
+void WorldRobots::PublishMaps(bool with_objects) {
+  Scene scene = world_.scene();
+  const auto& objects = world_.fleet().objects();
+  for (std::size_t i = 0; with_objects && i < objects.size(); ++i) {
+    if (objects[i].held_by) continue;
+    const Solid solid = SolidOf(scene.objects[i], objects[i]);
+    if (const auto* box = std::get_if<Box>(&solid.shape)) scene.boxes.push_back(*box);
+    if (const auto* circle = std::get_if<Circle>(&solid.shape)) scene.circles.push_back(*circle);
+  }
   const auto publish = [this](const char* name, const Result<>& sent) {
     if (!sent) log_(std::string(name) + " could not be published: " + sent.error().message);
   };
-  publish("map", grid->Publish(MapOfGround(scene, TallestOnGround(scene))));
-  publish("map_point_cloud", cloud->Publish(CloudOfSurfaces(scene)));
+  publish("map", grid_->Publish(MapOfGround(scene, TallestOnGround(scene))));
+  publish("map_point_cloud", cloud_->Publish(CloudOfSurfaces(scene)));
+}
+
+void WorldRobots::SetOdometry(std::size_t robot, const std::string& text) {
+  const auto fault = OdometryFaultFrom(text);
+  if (!fault) return log_(world_.scene().robots[robot].name + ": " + fault.error().message);
+  outlets_[robot].fault = fault.value();
+  outlets_[robot].frozen.reset();
+}
+
+msg::Odometry WorldRobots::OdometryOf(std::size_t robot) {
+  Outlet& outlet = outlets_[robot];
+  msg::Odometry odometry = OdometryOfRobot(world_, robot);
+  odometry.pose.pose.position.x += outlet.fault.off_m.x();
+  odometry.pose.pose.position.y += outlet.fault.off_m.y();
+  if (!outlet.fault.freezes) return odometry;
+  if (!outlet.frozen) outlet.frozen = odometry.pose.pose;
+  odometry.pose.pose = *outlet.frozen;
+  return odometry;
 }
 
 // A refusal is logged once until a command is accepted.
@@ -123,13 +158,16 @@ void WorldRobots::OnStep() {
   // The next ones follow soon.
   for (std::size_t i = 0; i < outlets_.size(); ++i) {
     const Outlet& outlet = outlets_[i];
-    static_cast<void>(outlet.odometry->Publish(OdometryOfRobot(world_, i)));
+    static_cast<void>(outlet.odometry->Publish(OdometryOf(i)));
     if (outlet.scan != nullptr && IsDue(now, scene.robots[i].lidar.reach.rate_hz) &&
         outlet.scan->MatchedReaders() > 0) {
       static_cast<void>(outlet.scan->Publish(MeasureRobotScan(world_, i)));
     }
     if (IsDue(now, kObjectsHz) && outlet.in_sight->MatchedReaders() > 0) {
       static_cast<void>(outlet.in_sight->Publish(ObjectsInSightOf(world_, i)));
+    }
+    if (outlet.lines != nullptr && IsDue(now, kObjectsHz)) {
+      static_cast<void>(outlet.lines->Publish(LinesInView(world_, i)));
     }
     if (!IsDue(now, kBatteryHz) && now != kStep) continue;
     const Battery& battery = world_.fleet().robots()[i].battery;

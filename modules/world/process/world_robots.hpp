@@ -7,15 +7,20 @@
 //   R/scan                  sensor_msgs/LaserScan, best effort, at the rate of its lidar
 //   R/battery               sensor_msgs/BatteryState, once a second
 //   R/objects_in_sight      musher_msgs/ObjectStates, 10 Hz: those that nothing hides from it
+//   R/lines                 musher_msgs/YellowLines, 10 Hz: of a robot with a line_view
 //   R/planned_path          nav_msgs/Path, subscribed, latched: drawn in the picture
 //   R/manipulation_control  musher_msgs/ManipulationControl, served: of a robot with a hand
 //   world/R/set_battery     std_msgs/Float32, subscribed: in %
 //   world/R/place           geometry_msgs/PoseStamped, subscribed: puts it down on the ground there
+//   world/R/odometry        std_msgs/String, subscribed: a fault of its odometry, "freeze" or
+//                           "jump X Y" in m, until "right"
 //   M/odom                  nav_msgs/Odometry, every step, of each mover M that is tracked
 //   world/objects           musher_msgs/ObjectStates, 10 Hz
 //   map, map_point_cloud    nav_msgs/OccupancyGrid, sensor_msgs/PointCloud2, latched
 //
 //   world/robots, robots_json  std_srvs/Trigger, served: what the robots do now
+//   world/map                  std_srvs/SetBool, served: publishes the maps again, with the objects
+//                              where they stand, or without them
 //
 // The maps are only in a scene with robots. Times and rates are of world time.
 //
@@ -27,9 +32,12 @@
 #include <vector>
 
 #include "musher/messages/musher_msgs/manipulation.hpp"
+#include "musher/messages/nav_msgs/occupancy_grid.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/messages/sensor_msgs/point_cloud2.hpp"
+#include "musher/modules/world/process/robot_messages.hpp"
 #include "musher/modules/world/simulation/world.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -53,11 +61,17 @@ class WorldRobots {
     transport::Publisher<msg::LaserScan>* scan = nullptr;  // null: it has no lidar
     transport::Publisher<msg::BatteryState>* battery = nullptr;
     transport::Publisher<msg::ObjectStates>* in_sight = nullptr;
-    std::string refused;  // the last refusal that was logged
+    transport::Publisher<msg::YellowLines>* lines = nullptr;  // null: it has no view of them
+    std::string refused;                                      // the last refusal that was logged
+    OdometryFault fault;
+    std::optional<msg::Pose> frozen;
   };
 
   void Open(transport::Endpoints& endpoints, std::size_t robot);
   void OpenMaps(transport::Endpoints& endpoints);
+  void PublishMaps(bool with_objects);
+  void SetOdometry(std::size_t robot, const std::string& text);
+  msg::Odometry OdometryOf(std::size_t robot);
   void Drive(std::size_t robot, const BodyVelocity& velocity);
   // Logs the line, if there is one.
   void Log(const std::optional<std::string>& line) const;
@@ -65,6 +79,8 @@ class WorldRobots {
   World& world_;
   const std::function<void(const std::string&)> log_;
   std::vector<Outlet> outlets_;
+  transport::Publisher<msg::OccupancyGrid>* grid_ = nullptr;
+  transport::Publisher<msg::PointCloud2>* cloud_ = nullptr;
   std::vector<transport::Publisher<msg::Odometry>*> mover_odometry_;  // null: it is not tracked
   transport::Publisher<msg::ObjectStates>* objects_ = nullptr;
 };

@@ -42,6 +42,13 @@ struct HandSpec {
   double reach_m = 1;  // from the hand to the middle of an object
 };
 
+// A camera that looks down: the part of the ground in which it sees the lines of the scene.
+struct LineViewSpec {
+  double ahead_m = 0.2;  // from the middle of the robot to its lower edge
+  double width_m = 0.8;  // from its left to its right edge
+  double depth_m = 0.6;  // from its lower to its upper edge
+};
+
 struct RobotSpec {
   std::string name;  // the namespace of its topics
   RobotKind kind = RobotKind::kHolonomic;
@@ -57,6 +64,7 @@ struct RobotSpec {
   BatterySpec battery;                           // standing_w on the ground, moving_w else
   std::optional<HandSpec> hand;
   std::optional<CameraSpec> camera;
+  std::optional<LineViewSpec> line_view;
   // A full circle, over the middle of its underside.
   LidarSpec lidar{true, {0.05, 10, 0.01, 10}, {{0, 0, 0.15}, 0, 0}, -M_PI, M_PI * 179 / 180, 360};
 };

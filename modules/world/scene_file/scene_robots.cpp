@@ -63,7 +63,8 @@ class RobotReader {
          row::Number("turn_acceleration_rad_s2", robot.limits.turn_acceleration_rad_s2, 0.05, 200),
          row::Sub("battery", BatteryRows(robot.battery)), row::Sub("lidar", LidarRows(robot.lidar)),
          [&](TableReader& table) { ReadHand(table, robot); },
-         [&](TableReader& table) { ReadCamera(table, robot); }});
+         [&](TableReader& table) { ReadCamera(table, robot); },
+         [&](TableReader& table) { ReadLineView(table, robot); }});
     written_robots_.push_back({reader.at(), reader.path()});
     scene_.robots.push_back(std::move(robot));
   }
@@ -187,6 +188,15 @@ class RobotReader {
     camera.position_m = {robot.radius_m, 0, robot.height_m / 2};
     camera.rate_hz = 5;
     ReadRows(*reader, RobotCameraRows(camera));
+  }
+
+  static void ReadLineView(TableReader& robot_table, RobotSpec& robot) {
+    auto reader = robot_table.Sub("line_view");
+    if (!reader) return;
+    LineViewSpec& view = robot.line_view.emplace();
+    ReadRows(*reader, {row::Number("ahead_m", view.ahead_m, -2, 2),
+                       row::Number("width_m", view.width_m, 0.05, 5),
+                       row::Number("depth_m", view.depth_m, 0.05, 5)});
   }
 
   std::string OwnName(TableReader& reader, std::map<std::string, Position>& taken) {

@@ -5,14 +5,23 @@
 // Beside them the rooms of rooms.toml: how much of them the skill explore covers in 120 s.
 //
 //   benchmark_scenes [SEED [WORDS]]     WORDS: only scenes whose names have them
+//   benchmark_scenes random FIRST COUNT
 //
-// Exit code 1: with the gate there was a contact, or a robot has not ended.
+// Random scenes of these seeds, a line a run; it may be stopped at any time.
+//
+//   benchmark_scenes sum < LINES
+//
+// The table of such lines, of one process or of several.
+//
+// Exit code 1: with the gate there was a contact, a robot has not ended, moves after its end, or
+// says that it has arrived elsewhere.
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
+#include "musher/test/benchmark/scenes/random_runs.hpp"
 #include "musher/test/modules/skills/scenes/scene_run.hpp"
 #include "musher/test/support/paths.hpp"
 
@@ -126,6 +135,12 @@ int Run(std::uint64_t seed, const std::string& words) {
 
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  const std::string mode = argc > 1 ? argv[1] : "";
+  if (mode == "sum") return musher::benchmark::AddUpRandomScenes();
+  if (mode == "random") {
+    const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
+    return musher::benchmark::RunRandomScenes(first, argc > 3 ? std::atoi(argv[3]) : 100);
+  }
   const auto seed = static_cast<std::uint64_t>(argc > 1 ? std::atoll(argv[1]) : 1);
   const std::string words = argc > 2 ? argv[2] : "";
   const int scenes = musher::benchmark::Run(seed, words);

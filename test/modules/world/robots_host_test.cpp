@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 
@@ -11,6 +12,8 @@
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/rooms.hpp"
@@ -126,6 +129,79 @@ TEST_F(RobotsHostTest, LatchesTheMapsForWhateverSubscribesLater) {
   EXPECT_NEAR(maps[0].info.resolution, 0.05, 1e-6);
   ASSERT_THAT(clouds, SizeIs(1));
   EXPECT_EQ(clouds[0].fields.size(), 3u);
+}
+
+TEST_F(RobotsHostTest, PublishesTheMapsAgainWithTheObjectsThatStandThere) {
+  Scene scene = RobotYard();
+  scene.objects = {BoxOf("box_red", {0.8, 0, 0.075})};
+  Open(scene);
+  std::vector<msg::OccupancyGrid> maps;
+  Listen("map", maps, transport::kLatchedQos);
+  auto client = transport::MakeClient<msg::SetBool>(*desk_, "world/map").value();
+  network_.RunFor(Milliseconds(200));
+  for (const bool objects : {true, false}) {
+    client->Call({objects}, seconds(1), [](const auto& answer) { EXPECT_TRUE(answer); });
+    network_.RunFor(seconds(1));
+  }
+  ASSERT_THAT(maps, SizeIs(3));
+  const auto occupied = [](const msg::OccupancyGrid& map) {
+    return std::ranges::count_if(map.data, [](auto cell) { return cell > 50; });
+  };
+  EXPECT_GT(occupied(maps[1]), occupied(maps[0]));
+  EXPECT_EQ(maps[2].data, maps[0].data);
+}
+
+TEST_F(RobotsHostTest, PublishesAWrongOdometryUntilItIsRightAgain) {
+  Open(RobotYard());
+  std::vector<msg::Odometry> odometry;
+  Listen("jetbot_0/odom", odometry);
+  auto faults = transport::MakePublisher<msg::String>(*desk_, "world/jetbot_0/odometry").value();
+  network_.RunFor(Milliseconds(200));
+  const auto set = [&](const std::string& text) {
+    EXPECT_TRUE(faults->Publish({text}));
+    network_.RunFor(Milliseconds(200));
+  };
+  const auto x_m = [&] { return odometry.back().pose.pose.position.x; };
+  const double right_m = x_m();
+  set("jump 30 -2");
+  EXPECT_NEAR(x_m(), right_m + 30, 1e-6);
+  EXPECT_NEAR(odometry.back().pose.pose.position.y, -2, 1e-6);
+  set("freeze");
+  EXPECT_NEAR(x_m(), right_m, 1e-6);
+  msg::Twist ahead;
+  ahead.linear.x = 1;
+  Drive("jetbot_0", ahead, seconds(1));
+  EXPECT_NEAR(x_m(), right_m, 1e-6);
+  EXPECT_GT(odometry.back().header.stamp.sec, 0);
+  set("melt");
+  EXPECT_NEAR(x_m(), right_m, 1e-6);
+  EXPECT_THAT(log_, Contains("jetbot_0: odometry: expected freeze, jump X Y or right, found "
+                             "\"melt\""));
+  set("right");
+  EXPECT_GT(x_m(), right_m + 0.5);
+}
+
+TEST_F(RobotsHostTest, PublishesTheLinesInTheViewOfARobot) {
+  Scene scene = RobotYard();
+  scene.robots[0].line_view = LineViewSpec{0.2, 0.8, 0.6};
+  scene.lines.push_back({.points_m = {{-1, 0.2}, {0.5, 0.2}}});
+  Open(scene);
+  std::vector<msg::YellowLines> lines;
+  Listen("jetbot_0/lines", lines);
+  network_.RunFor(seconds(1));
+  ASSERT_FALSE(lines.empty());
+  const msg::YellowLines& last = lines.back();
+  EXPECT_EQ(last.contours, 1U);
+  EXPECT_NEAR(last.middle_offset, -0.25, 0.01) << "20 cm to the left of 80 cm";
+  ASSERT_FALSE(last.edge_x.empty());
+  EXPECT_NEAR(last.edge_x[0], 0.25, 0.01);
+  const auto [high, low] = std::ranges::minmax(last.edge_y);
+  EXPECT_NEAR(low, 1, 0.05);
+  EXPECT_NEAR(high, 0.5, 0.05) << "it ends in the middle of the view";
+  msg::Twist turn;
+  turn.angular.z = -1.5;
+  Drive("jetbot_0", turn, seconds(1));
+  EXPECT_EQ(lines.back().contours, 0U);
 }
 
 TEST_F(RobotsHostTest, PublishesScansBatteriesObjectsAndTrackedMoversAtTheirRates) {

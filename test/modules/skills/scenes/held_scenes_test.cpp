@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <set>
 
+#include "musher/test/modules/skills/scenes/random_scene.hpp"
 #include "musher/test/modules/skills/scenes/scene_run.hpp"
 #include "musher/test/modules/skills/scenes/scene_world.hpp"
 #include "musher/test/support/paths.hpp"
@@ -23,6 +25,12 @@ void ExpectRight(const Scene& scene) {
     EXPECT_EQ(robot.contacts, 0) << what;
     EXPECT_NE(robot.end, RobotOutcome::End::kOpen) << what;
     EXPECT_TRUE(robot.stands) << what;
+    const bool jumps = std::ranges::any_of(scene.events, [](const SceneEvent& event) {
+      return event.kind == SceneEvent::Kind::kJump;
+    });
+    if (robot.end == RobotOutcome::End::kArrived && !jumps) {
+      EXPECT_LT(robot.off_goal_m, 0.5) << what;
+    }
     if (scene.expects == Scene::Expects::kArrives) {
       EXPECT_EQ(robot.end, RobotOutcome::End::kArrived) << what;
       EXPECT_LT(robot.off_goal_m, 0.3) << what;
@@ -118,6 +126,37 @@ TEST(ASceneWorld, ShowsWallsAndMoversWhereTheyAre) {
 
 TEST(HeldScenesNightly, EndWithoutContact) {
   for (const Scene& scene : HeldScenes()) ExpectRight(scene);
+}
+
+TEST(RandomScenes, BeginInFreePlacesAndAreTheSameForASeed) {
+  std::set<std::string> names;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const Scene scene = RandomScene(seed);
+    EXPECT_EQ(scene.map, RandomScene(seed).map) << seed;
+    names.insert(scene.name);
+    SceneWorld world(scene, 1);
+    world.Step(0.01);
+    for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+      EXPECT_GT(world.least_room_m(i), 0) << seed << ": " << scene.name;
+    }
+  }
+  EXPECT_GT(names.size(), 100U);
+}
+
+void ExpectRandomScenesToEnd(std::uint64_t first, std::uint64_t count) {
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    Scene scene = RandomScene(seed);
+    scene.name = "seed " + std::to_string(seed) + ", " + scene.name;
+    ExpectRight(scene);
+  }
+}
+
+TEST(RandomScenes, EndWithoutContact) {
+  ExpectRandomScenesToEnd(1, 8);
+}
+
+TEST(RandomScenesNightly, EndWithoutContact) {
+  ExpectRandomScenesToEnd(1000, 200);
 }
 
 }  // namespace musher::skills::testing
