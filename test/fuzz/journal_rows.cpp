@@ -31,7 +31,7 @@ class Rows {
       if (auto snapshot = DecodeSnapshot(text)) {
         const auto again = DecodeSnapshot(EncodeSnapshot(snapshot.value()));
         Require(again.ok() && again.value() == snapshot.value(), "a machine stays the same");
-        Add(std::make_shared<const Snapshot>(std::move(snapshot).value()));
+        Add(std::make_shared<const MachineSnapshot>(std::move(snapshot).value()));
       }
     } else if (kind == 'c') {
       if (auto config = DecodeConfig(text)) {

@@ -31,7 +31,7 @@ void Cycle(MachineActuator& actuator, Board& board, int hz) {
 }
 
 int Main(const std::string& name, Board& board, int hz) {
-  MachineActuator actuator(name);
+  ActuatorRunner<MachineActuator> actuator(name);
   actuator.RegisterStateCallback([&board](const State& state) {
     ++board.callbacks;
     if (state == kSetUp || state == kSelfCheck) Compute(board.load_ms.exchange(0));
