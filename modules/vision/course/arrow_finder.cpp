@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "musher/modules/vision/course/arrow_shapes.hpp"
+
 namespace musher::vision {
 namespace {
 
@@ -92,17 +94,37 @@ bool StandsAlone(const cv::Mat& bgr, const cv::Mat& mask, const cv::Rect& box) {
   return others > 0 && green < kMostGreen * others;
 }
 
-std::optional<Arrow> ArrowOf(const cv::Mat& bgr, const cv::Mat& mask, const Contour& outline,
-                             const ArrowParameters& parameters) {
-  const cv::Rect box = cv::boundingRect(outline);
-  const bool is_cut =
-      box.x == 0 || box.y == 0 || box.br().x == mask.cols || box.br().y == mask.rows;
-  if (is_cut || !StandsAlone(bgr, mask, box)) return std::nullopt;
-  cv::Mat green = cv::Mat::zeros(box.size(), CV_8UC1);
-  cv::drawContours(green, std::vector<Contour>{outline}, 0, cv::Scalar(255), cv::FILLED, cv::LINE_8,
-                   cv::noArray(), 0, -box.tl());
-  cv::bitwise_and(green, mask(box), green);
-  auto profile = ProfileOf(green, TiltOf(cv::moments(green, true)));
+struct Direction {
+  bool left = false;
+  double misfit = 0;
+};
+
+// The same thing on a level axis, on a larger picture.
+cv::Mat Levelled(const cv::Mat& shape, double tilt_rad) {
+  const int rim_px = std::max(shape.cols, shape.rows) / 2;
+  cv::Mat level;
+  cv::copyMakeBorder(shape, level, rim_px, rim_px, rim_px, rim_px, cv::BORDER_CONSTANT);
+  const cv::Point2f middle(float(level.cols) / 2, float(level.rows) / 2);
+  const cv::Mat turn = cv::getRotationMatrix2D(middle, tilt_rad * 180 / M_PI, 1);
+  cv::warpAffine(level, level, turn, level.size(), cv::INTER_NEAREST);
+  return level;
+}
+
+// Whether the whole silhouette is more like such an arrow than like anything else: leaves have the
+// heights of an arrow by chance.
+bool LooksLike(const Direction& direction, const cv::Mat& shape, double tilt_rad) {
+  constexpr double kMostMisfit = 0.3;
+  const auto misfits = CompareShapes(Levelled(shape, tilt_rad));
+  if (!misfits) return false;
+  const double own = direction.left ? misfits->left : misfits->right;
+  const double opposite = direction.left ? misfits->right : misfits->left;
+  return own < kMostMisfit && own < opposite && own < misfits->other;
+}
+
+// By the heights along its axis: of a straight arrow whose shaft has one height.
+std::optional<Direction> ByProfile(const cv::Mat& shape, const ArrowParameters& parameters) {
+  const double tilt_rad = TiltOf(cv::moments(shape, true));
+  auto profile = ProfileOf(shape, tilt_rad);
   if (!profile) return std::nullopt;
   const double right = MisfitOf(*profile);
   std::reverse(profile->begin(), profile->end());
@@ -110,7 +132,68 @@ std::optional<Arrow> ArrowOf(const cv::Mat& bgr, const cv::Mat& mask, const Cont
   const double misfit = std::min(left, right);
   if (misfit > parameters.most_misfit) return std::nullopt;
   if (std::max(left, right) < parameters.clearly * misfit) return std::nullopt;
-  return Arrow{box, left < right, misfit};
+  const Direction direction{left < right, misfit};
+  return LooksLike(direction, shape, tilt_rad) ? std::optional(direction) : std::nullopt;
+}
+
+// By the whole silhouette.
+std::optional<Direction> ByShape(const cv::Mat& shape, const ArrowParameters& parameters) {
+  const auto misfits = CompareShapes(shape);
+  if (!misfits) return std::nullopt;
+  const double best = std::min(misfits->left, misfits->right);
+  const double worse = std::max(misfits->left, misfits->right);
+  if (best > parameters.most_shape_misfit) return std::nullopt;
+  if (std::min(worse, misfits->other) < parameters.clearly * best) return std::nullopt;
+  return Direction{misfits->left < misfits->right, best};
+}
+
+std::optional<Direction> DirectionOf(const cv::Mat& shape, const ArrowParameters& parameters) {
+  const auto direction = ByProfile(shape, parameters);
+  return direction || !parameters.other_shapes ? direction : ByShape(shape, parameters);
+}
+
+// The white shape on a green board, the only large one; in the box of the board. `filled`: all that
+// the board's outline encloses.
+std::optional<cv::Mat> WhiteOn(const cv::Mat& bgr, const cv::Mat& green, const cv::Mat& filled,
+                               const ArrowParameters& parameters) {
+  constexpr double kAlone = 4;        // times as large as the next one
+  constexpr double kBrighter = 1.2;   // than the green
+  constexpr double kLeastFull = 0.8;  // of the rectangle around the board
+  const int board_px2 = cv::countNonZero(filled);
+  if (board_px2 < kLeastFull * double(filled.total())) return std::nullopt;
+  std::vector<Contour> outlines = OutlinesOf(filled & ~green);
+  std::sort(outlines.begin(), outlines.end(), [](const Contour& one, const Contour& other) {
+    return cv::contourArea(one) > cv::contourArea(other);
+  });
+  if (outlines.empty()) return std::nullopt;
+  const double area_px2 = cv::contourArea(outlines[0]);
+  if (area_px2 < parameters.least_area_px2) return std::nullopt;
+  if (outlines.size() > 1 && cv::contourArea(outlines[1]) * kAlone > area_px2) return std::nullopt;
+  cv::Mat shape = cv::Mat::zeros(filled.size(), CV_8UC1), grey;
+  cv::drawContours(shape, outlines, 0, cv::Scalar(255), cv::FILLED);
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  if (cv::mean(grey, shape)[0] < kBrighter * cv::mean(grey, green)[0]) return std::nullopt;
+  return shape;
+}
+
+std::optional<Arrow> ArrowOf(const cv::Mat& bgr, const cv::Mat& mask, const Contour& outline,
+                             const ArrowParameters& parameters) {
+  const cv::Rect box = cv::boundingRect(outline);
+  const bool is_cut =
+      box.x == 0 || box.y == 0 || box.br().x == mask.cols || box.br().y == mask.rows;
+  if (is_cut || !StandsAlone(bgr, mask, box)) return std::nullopt;
+  cv::Mat filled = cv::Mat::zeros(box.size(), CV_8UC1);
+  cv::drawContours(filled, std::vector<Contour>{outline}, 0, cv::Scalar(255), cv::FILLED,
+                   cv::LINE_8, cv::noArray(), 0, -box.tl());
+  const cv::Mat green = filled & mask(box);
+  auto direction = DirectionOf(green, parameters);
+  if (!direction && parameters.other_shapes) {
+    if (const auto white = WhiteOn(bgr(box), green, filled, parameters)) {
+      direction = DirectionOf(*white, parameters);
+    }
+  }
+  if (!direction) return std::nullopt;
+  return Arrow{box, direction->left, direction->misfit};
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 #pragma once
-// A green arrow on a board: whether it points to the left or to the right. Pure.
+// A green arrow on a board, or a white one on a green board: whether it points to the left or to
+// the right. Pure.
 //
 // The height of the green along the arrow's axis is compared with that of an arrow: a shaft of one
 // height, then a head that narrows to a point. Both directions are tried with heads and shafts of
 // many proportions; the better fit is the direction, when it is good and clearly better. An axis
-// that is tilted up to 30 degrees is followed. The green must be surrounded by something that is
-// not green: grass and trees are none.
+// that is tilted up to 30 degrees is followed. What does not fit is compared with chevrons, elbows
+// and arrows that become wider (arrow_shapes.hpp), and what only they fit is a direction, when
+// shapes that are no such arrow fit clearly worse. The green must be surrounded by something that
+// is not green: grass and trees are none.
 //
 // The usual votes (centroid beside the middle of the box by a tenth of its width, and the end that
 // is nearer to half the height) are not used: the centroid of an ordinary arrow is nearer to the
@@ -28,9 +31,11 @@ struct ArrowParameters {
   HsvRange green{{35, 50, 50}, {85, 255, 255}};
   Region region;
   double least_area_px2 = 1000;
-  int kernel_px = 5;          // of opening and closing
-  double most_misfit = 0.12;  // mean difference of the heights, as a share of the arrow's own
-  double clearly = 1.5;       // factor by which the other direction has to fit worse
+  int kernel_px = 5;                // of opening and closing
+  double most_misfit = 0.12;        // mean difference of the heights, as a share of the arrow's own
+  double clearly = 1.5;             // factor by which the other direction has to fit worse
+  bool other_shapes = true;         // chevrons, elbows and white arrows on green, too
+  double most_shape_misfit = 0.25;  // share of the area that only one of the two shapes covers
 
   friend bool operator==(const ArrowParameters&, const ArrowParameters&) = default;
 };

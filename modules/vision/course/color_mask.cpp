@@ -35,8 +35,13 @@ cv::Rect RectOf(const Region& region, const cv::Size& picture) {
 }
 
 cv::Mat MaskOf(const cv::Mat& bgr, const HsvRange& range) {
-  cv::Mat hsv, mask;
+  cv::Mat hsv;
   cv::cvtColor(bgr, hsv, cv::COLOR_BGR2HSV);
+  return MaskOfHsv(hsv, range);
+}
+
+cv::Mat MaskOfHsv(const cv::Mat& hsv, const HsvRange& range) {
+  cv::Mat mask;
   if (range.from[0] <= range.to[0]) {
     cv::inRange(hsv, ScalarOf(range.from), ScalarOf(range.to), mask);
     return mask;
@@ -46,6 +51,13 @@ cv::Mat MaskOf(const cv::Mat& bgr, const HsvRange& range) {
   cv::inRange(hsv, ScalarOf(range.from), ScalarOf({179, range.to[1], range.to[2]}), above);
   cv::bitwise_or(mask, above, mask);
   return mask;
+}
+
+bool IsIn(const cv::Vec3b& hsv, const HsvRange& range) {
+  const bool goes_through_0 = range.from[0] > range.to[0];
+  const bool from = hsv[0] >= range.from[0], to = hsv[0] <= range.to[0];
+  return (goes_through_0 ? from || to : from && to) && hsv[1] >= range.from[1] &&
+         hsv[1] <= range.to[1] && hsv[2] >= range.from[2] && hsv[2] <= range.to[2];
 }
 
 void CleanMask(cv::Mat& mask, int open_px, int close_px) {

@@ -41,6 +41,9 @@ struct HsvRange {
 
 // 255 where the colour is in the range, else 0.
 cv::Mat MaskOf(const cv::Mat& bgr, const HsvRange& range);
+cv::Mat MaskOfHsv(const cv::Mat& hsv, const HsvRange& range);  // of converted pixels
+
+bool IsIn(const cv::Vec3b& hsv, const HsvRange& range);
 
 // Removes spots smaller than `open_px`, then closes gaps smaller than `close_px`. Up to 1: not.
 void CleanMask(cv::Mat& mask, int open_px, int close_px);

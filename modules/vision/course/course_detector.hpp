@@ -19,9 +19,10 @@ namespace musher::vision {
 
 // What is published of a picture. The headers are filled in by the publisher.
 struct CourseSight {
-  std::optional<msg::Sighting> sighting;  // of all detectors but those of lines
+  std::optional<msg::Sighting> sighting;  // of all detectors but those of lines; nothing in a doubt
   std::optional<msg::YellowLines> lines;  // of a detector of lines
   std::optional<std::string> text;  // what the detector's text topic says now; nothing: silent
+  std::string doubt{};              // why a light may be there or not; then there is no sighting
 };
 
 class CourseDetector {

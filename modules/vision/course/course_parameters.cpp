@@ -59,12 +59,16 @@ class ParametersReader {
     Integer("kernel_px", 1, kMostKernelPx, arrow.kernel_px);
     Number("most_misfit", 0.001, 1, arrow.most_misfit);
     Number("clearly", 1, 100, arrow.clearly);
+    arrow.other_shapes = reader_.Bool("other_shapes").value_or(arrow.other_shapes);
+    Number("most_shape_misfit", 0.001, 1, arrow.most_shape_misfit);
     return arrow;
   }
 
   BarrierParameters Barrier() {
     BarrierParameters barrier;
     Color("red", hall_.red, barrier.red);
+    Color("yellow", std::nullopt, barrier.yellow);
+    barrier.striped = reader_.Bool("striped").value_or(barrier.striped);
     SearchedIn("region", barrier.region);
     Number("least_area_px2", 1, kMostAreaPx2, barrier.least_area_px2);
     Number("least_length", 1, 100, barrier.least_length);
@@ -88,6 +92,7 @@ class ParametersReader {
     Integer("kernel_px", 1, kMostKernelPx, marker.kernel_px);
     Number("least_aspect", 0.01, 1, marker.least_aspect);
     marker.round_only = reader_.Bool("round_only").value_or(marker.round_only);
+    marker.shines = reader_.Bool("shines").value_or(marker.shines);
     Number("size_m", 0.001, 10, marker.size_m);
     Number("focal_px", 1, kMostFocalPx, marker.focal_px);
     Integer("sightings", 1, kMostPictures, marker.sightings);

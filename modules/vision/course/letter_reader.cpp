@@ -1,9 +1,12 @@
 #include <tesseract/baseapi.h>
 
 #include <algorithm>
+#include <map>
 #include <opencv2/imgproc.hpp>
+#include <set>
 #include <utility>
 
+#include "musher/modules/vision/course/glyphs.hpp"
 #include "musher/modules/vision/course/qr_finder.hpp"
 #include "musher/modules/vision/course/words.hpp"
 #include "musher/modules/vision/picture/vision_code.hpp"
@@ -28,10 +31,9 @@ cv::Mat LinePicture(const cv::Mat& grey, const cv::Rect& line, double letter_px)
   return letters;
 }
 
-cv::Mat RegionPicture(const cv::Mat& grey, const cv::Rect& region) {
+cv::Mat RegionPicture(const cv::Mat& grey, const cv::Rect& region, double scale) {
   cv::Mat letters;
-  constexpr double kScale = 2;
-  cv::resize(grey(region), letters, {}, kScale, kScale, cv::INTER_CUBIC);
+  cv::resize(grey(region), letters, {}, scale, scale, cv::INTER_CUBIC);
   cv::threshold(letters, letters, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
   return letters;
 }
@@ -95,32 +97,68 @@ LetterReader::LetterReader(QrParameters parameters, std::unique_ptr<Engine> engi
 
 LetterReader::~LetterReader() = default;
 
+std::vector<std::string> LetterReader::TextsOf(const cv::Mat& letters) const {
+  std::vector<std::string> texts;
+  for (const int page_mode : parameters_.page_modes) {
+    texts.push_back(engine_->Text(letters, page_mode, parameters_.least_confidence));
+  }
+  return texts;
+}
+
+std::set<std::string> LetterReader::WordsOf(const cv::Mat& letters) const {
+  std::set<std::string> words;
+  for (const std::string& text : TextsOf(letters)) {
+    for (const std::string& word : WordsOfLetters(text, parameters_.words)) words.insert(word);
+  }
+  return words;
+}
+
+LetterReader::LineRead LetterReader::ReadLine(const cv::Mat& grey, const cv::Rect& line) const {
+  std::vector<std::string> texts;
+  std::set<std::string> fitting;
+  for (const double letter_px : {30.0, 38.0}) {  // read best; one is read where the other is not
+    const cv::Mat letters = LinePicture(grey, line, letter_px);
+    for (const std::string& text : TextsOf(letters)) {
+      texts.push_back(text);
+      for (const std::string& word : WordsOfLetters(text, parameters_.words)) {
+        if (GlyphsFit(letters, letter_px, word)) fitting.insert(word);
+      }
+    }
+  }
+  const std::set<std::string> all = WordsOfReadings(texts, parameters_.words);
+  const bool has_word =
+      std::any_of(all.begin(), all.end(), [](const auto& word) { return word != "?"; });
+  if (all.size() > 1) return {all, true};
+  return {fitting, has_word && fitting.empty()};
+}
+
 std::optional<LettersFound> LetterReader::Read(const cv::Mat& bgr) {
   CheckCoursePicture(bgr);
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  std::optional<LettersFound> found;
-  bool is_doubtful = false;  // two words
-  const auto read = [&](const cv::Mat& letters, const cv::Rect& box) {
-    for (const int page_mode : parameters_.page_modes) {
-      const std::string text = engine_->Text(letters, page_mode, parameters_.least_confidence);
-      for (const std::string& word : WordsOfLetters(text, parameters_.words)) {
-        is_doubtful = is_doubtful || (found && found->word != word);
-        if (!found) found = LettersFound{word, box};
-      }
-    }
-  };
-  for (const cv::Rect& line : FindTextLines(grey)) {
-    for (const double letter_px : {30.0, 38.0}) {  // read best; one is read where the other is not
-      if (!is_doubtful) read(LinePicture(grey, line, letter_px), line);
-    }
+  std::map<std::string, cv::Rect> found;  // where
+  std::vector<cv::Rect> doubtful;         // a region does not know better what is there
+  for (const TextLine& line : FindTextLines(grey)) {
+    LineRead read;
+    if (line.alone) read = ReadLine(grey, line.box);
+    if (!line.alone || read.doubtful) doubtful.push_back(line.box);
+    for (const std::string& word : read.words) found.emplace(word, line.box);
+    if (found.size() > 1) return std::nullopt;
   }
   for (const Region& region : parameters_.regions) {
-    if (found) break;
+    if (!found.empty()) break;
     const cv::Rect box = RectOf(region, grey.size());
-    read(RegionPicture(grey, box), box);
+    const bool is_doubtful =
+        std::any_of(doubtful.begin(), doubtful.end(),
+                    [&](const cv::Rect& line) { return !(line & box).empty(); });
+    if (is_doubtful) continue;
+    const std::set<std::string> once = WordsOf(RegionPicture(grey, box, 2));
+    if (once.size() == 1 && WordsOf(RegionPicture(grey, box, 1.6)) == once) {
+      found.emplace(*once.begin(), box);
+    }
   }
-  return is_doubtful ? std::nullopt : found;
+  if (found.size() != 1) return std::nullopt;
+  return LettersFound{found.begin()->first, found.begin()->second};
 }
 
 }  // namespace musher::vision

@@ -1,3 +1,6 @@
+#include <string>
+#include <utility>
+
 #include "musher/modules/vision/course/course_detectors.hpp"
 #include "musher/modules/vision/course/marker_tracker.hpp"
 
@@ -20,10 +23,16 @@ class MarkerDetector : public CourseDetector {
 
   CourseSight Look(const cv::Mat& bgr, std::int64_t /*stamp_ns*/,
                    const std::optional<Lens>& lens) override {
-    found_ = FindMarker(bgr, parameters_);
+    MarkerLook look = LookForMarker(bgr, parameters_);
+    found_ = look.marker;
+    CourseSight sight;
+    if (!look.doubt.empty()) {  // neither a picture with it nor one without it
+      sight.doubt = std::move(look.doubt);
+      word_ = "?";
+      return sight;
+    }
     const MarkerTracker::Phase phase =
         tracker_.OnPicture(found_.has_value(), found_ && IsAtEdge(found_->box, bgr.size()));
-    CourseSight sight;
     sight.sighting = NoSighting();
     word_ = PhaseText(phase);
     if (found_) {

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "musher/modules/vision/course/floor_color.hpp"
+#include "musher/modules/vision/course/lamp_glow.hpp"
 
 namespace musher::vision {
 namespace {
@@ -76,11 +80,53 @@ std::optional<Marker> ShapeOf(const Contour& outline, const MarkerParameters& pa
   return Marker{cv::boundingRect(outline), longer, round};
 }
 
+// Of what the outline encloses, where it is as the parameters say.
+std::optional<Marker> MarkerOf(const Contour& outline, const cv::Size& picture,
+                               const MarkerParameters& parameters) {
+  const cv::Rect region = RectOf(parameters.region, picture);
+  if (cv::contourArea(outline) < parameters.least_area_px2) return std::nullopt;
+  if ((cv::boundingRect(outline) & region).empty()) return std::nullopt;
+  const auto core = WithoutThinParts(outline, parameters);
+  if (!core) return std::nullopt;
+  const auto marker = ShapeOf(*core, parameters);
+  if (!marker) return std::nullopt;
+  const cv::Rect& box = marker->box;
+  const bool is_cut =
+      box.x == 0 || box.y == 0 || box.br().x == picture.width || box.br().y == picture.height;
+  const double area_px2 = cv::contourArea(*core);
+  if (is_cut || area_px2 < parameters.least_area_px2 || area_px2 > parameters.most_area_px2) {
+    return std::nullopt;
+  }
+  if (!region.contains((box.tl() + box.br()) / 2)) return std::nullopt;
+  return marker;
+}
+
+// A lamp whose middle is white in the picture.
+std::optional<Marker> LargestCore(const cv::Mat& hsv, const MarkerParameters& parameters) {
+  const cv::Rect region = RectOf(parameters.region, hsv.size());
+  std::optional<Marker> largest;
+  for (const cv::Rect& box : FindWhiteCores(hsv, parameters.yellow)) {
+    const double area_px2 = M_PI / 4 * box.area();
+    const bool fits =
+        (box & cv::Rect({0, 0}, hsv.size())) == box && area_px2 >= parameters.least_area_px2 &&
+        area_px2 <= parameters.most_area_px2 && region.contains((box.tl() + box.br()) / 2);
+    const double size_px = std::max(box.width, box.height);
+    if (fits && (!largest || size_px > largest->size_px)) largest = Marker{box, size_px, true};
+  }
+  return largest;
+}
+
+std::string HasItsColor(double coverage) {
+  return "much of the picture has the colour of the light: " +
+         std::to_string(std::lround(100 * coverage)) + " %";
+}
+
 }  // namespace
 
 MarkerParameters LightParameters() {
   MarkerParameters light;
-  light.yellow = {{20, 100, 100}, {30, 255, 255}};
+  light.yellow = {{9, 100, 100}, {34, 255, 255}};
+  light.shines = true;
   light.region = {0.16, 0.7, 0, 1};
   light.most_area_px2 = 100000;
   light.round_only = true;
@@ -88,30 +134,38 @@ MarkerParameters LightParameters() {
   return light;
 }
 
-std::optional<Marker> FindMarker(const cv::Mat& bgr, const MarkerParameters& parameters) {
+MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters) {
   CheckCoursePicture(bgr);
-  cv::Mat mask = MaskOf(bgr, parameters.yellow);
-  CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
-  const cv::Rect region = RectOf(parameters.region, bgr.size());
-  std::optional<Marker> largest;
-  for (const Contour& outline : OutlinesOf(mask)) {
-    if (cv::contourArea(outline) < parameters.least_area_px2) continue;
-    if ((cv::boundingRect(outline) & region).empty()) continue;
-    const auto core = WithoutThinParts(outline, parameters);
-    if (!core) continue;
-    const auto marker = ShapeOf(*core, parameters);
-    if (!marker) continue;
-    const cv::Rect& box = marker->box;
-    const bool is_cut =
-        box.x == 0 || box.y == 0 || box.br().x == bgr.cols || box.br().y == bgr.rows;
-    const double area_px2 = cv::contourArea(*core);
-    if (is_cut || area_px2 < parameters.least_area_px2 || area_px2 > parameters.most_area_px2) {
-      continue;
-    }
-    if (!region.contains((box.tl() + box.br()) / 2)) continue;
-    if (!largest || marker->size_px > largest->size_px) largest = marker;
+  MarkerLook look;
+  cv::Mat hsv;
+  cv::cvtColor(bgr, hsv, cv::COLOR_BGR2HSV);
+  cv::Mat mask = MaskOfHsv(hsv, parameters.yellow);
+  constexpr double kMostCoverage = 0.25;  // of a lamp that is so near that the robot stops
+  const double coverage = cv::countNonZero(mask) / double(mask.total());
+  if (parameters.shines && coverage > kMostCoverage) {
+    const LineMask lines = MaskOfLines(bgr, parameters.yellow, kMostCoverage);
+    mask = lines.mask;
+    if (!lines.doubt.empty()) look.doubt = HasItsColor(coverage);
   }
-  return largest;
+  CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
+  for (const Contour& outline : OutlinesOf(mask)) {
+    const auto marker = MarkerOf(outline, bgr.size(), parameters);
+    if (!marker || (look.marker && marker->size_px <= look.marker->size_px)) continue;
+    if (parameters.shines && !Shines(hsv, marker->box)) continue;
+    look.marker = marker;
+  }
+  if (parameters.shines) {
+    // Also beside an outline: a farther lamp has one, the white core of a near one has none.
+    const auto core = LargestCore(hsv, parameters);
+    const bool is_nearer = core && (!look.marker || core->size_px > look.marker->size_px);
+    if (is_nearer) look.marker = core;
+  }
+  if (look.marker) look.doubt.clear();
+  return look;
+}
+
+std::optional<Marker> FindMarker(const cv::Mat& bgr, const MarkerParameters& parameters) {
+  return LookForMarker(bgr, parameters).marker;
 }
 
 }  // namespace musher::vision

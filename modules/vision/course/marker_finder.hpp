@@ -7,6 +7,11 @@
 // wide as high, within limits, without dents, and as full as a circle or a square is; a light as a
 // circle. The fullest of the largest counts. What the picture's edge cuts is none.
 //
+// A light has to shine as well (lamp_glow.hpp): it may be amber, and so bright that its middle is
+// white in the picture. Where much of the picture has its colour, under warm lamps, only what is
+// clearly more saturated counts (floor_color.hpp); where nothing is and no white core is seen, a
+// light may be there or not: that is a doubt.
+//
 // The region limits the centre only, so that what is near may be larger than the region. Circles
 // are not searched in edges (Hough): the outline decides, which needs a tenth of the time and finds
 // nothing in a noisy picture.
@@ -15,6 +20,7 @@
 
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
 
 #include "musher/modules/vision/course/color_mask.hpp"
 
@@ -28,6 +34,7 @@ struct MarkerParameters {
   int kernel_px = 5;          // of opening and closing
   double least_aspect = 0.6;  // its shorter side, as a share of the longer one
   bool round_only = false;
+  bool shines = false;    // a lamp: brighter than what is around it, maybe with a white core
   double size_m = 0.2;    // its diameter or its side
   double focal_px = 600;  // of a picture 640 pixels wide, while no lens is known
   int sightings = 2;      // in a row, before it is tracked
@@ -36,7 +43,7 @@ struct MarkerParameters {
   friend bool operator==(const MarkerParameters&, const MarkerParameters&) = default;
 };
 
-// Those of a light: glowing, so of a narrower colour, a ball, in the middle of the picture. The
+// Those of a light: shining, from amber to yellow, a ball, in the middle of the picture. The
 // region begins where a light 0.13 m above the camera is at 0.55 m, for a camera that is inclined 8
 // degrees downwards: the race stops at 0.7 m. A sign at twice that height has left it at 0.9 m.
 MarkerParameters LightParameters();
@@ -47,6 +54,13 @@ struct Marker {
   bool round = false;  // else square
 };
 
+struct MarkerLook {
+  std::optional<Marker> marker;
+  std::string doubt;  // why a light cannot be distinguished from the rest; empty: it can
+};
+MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters);
+
+// Without the doubt.
 std::optional<Marker> FindMarker(const cv::Mat& bgr, const MarkerParameters& parameters);
 
 }  // namespace musher::vision

@@ -27,11 +27,16 @@ class QrDetector : public CourseDetector {
         !code &&
         (letters_.is_pending() || without_code_++ % std::max(1, parameters_.thorough_every) == 0);
     if (!code && !is_thorough) return sight;
-    if (!code) code = FindCodeThoroughly(bgr);
+    bool shows_patterns = false;
+    if (!code) {
+      const ThoroughLook look = LookThoroughly(bgr);
+      code = look.code;
+      shows_patterns = look.shows_patterns;
+    }
     if (code) {
       OnCode(*code, bgr, sight);
     } else {
-      LookForLetters(bgr, sight);
+      LookForLetters(bgr, shows_patterns, sight);
     }
     return sight;
   }
@@ -51,11 +56,11 @@ class QrDetector : public CourseDetector {
     if (word && !sight.text) sight.sighting->text.clear();
   }
 
-  void LookForLetters(const cv::Mat& bgr, CourseSight& sight) {
+  void LookForLetters(const cv::Mat& bgr, bool shows_patterns, CourseSight& sight) {
     codes_.OnPicture(std::nullopt);
     if (!parameters_.letters) return;
     std::optional<LettersFound> letters;
-    if (!ShowsCode(bgr)) letters = Reader().Read(bgr);
+    if (!shows_patterns) letters = Reader().Read(bgr);
     sight.text = letters_.OnPicture(letters ? std::optional(letters->word) : std::nullopt);
     if (!letters) return;
     Show(letters->word, letters->box, bgr, sight);

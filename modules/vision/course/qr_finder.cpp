@@ -57,18 +57,37 @@ std::optional<cv::Rect> TakeLine(const Sign& letter, std::vector<Sign>& signs) {
 }
 
 // Of the signs on one light area.
-void AddLines(std::vector<Sign> signs, std::vector<cv::Rect>& lines) {
+void AddLines(std::vector<Sign> signs, std::vector<TextLine>& lines) {
+  const std::vector<Sign> all = signs;
   std::sort(signs.begin(), signs.end(),
             [](const auto& one, const auto& other) { return one.box.height > other.box.height; });
   while (!signs.empty()) {
     const Sign highest = signs.front();
     signs.erase(signs.begin());
     if (!IsLetter(highest.box)) continue;
-    if (const auto line = TakeLine(highest, signs)) lines.push_back(*line);
+    const auto line = TakeLine(highest, signs);
+    if (!line) continue;
+    const bool alone = std::none_of(all.begin(), all.end(), [&](const Sign& sign) {
+      return (sign.box & *line).empty() && IsLetter(sign.box) && 2 * sign.box.height > line->height;
+    });
+    lines.push_back({*line, alone});
   }
 }
 
-// Whether the light area has no dents, as a board, and few signs on it.
+// Whether it has four corners, as a board has from everywhere.
+bool IsQuad(const Contour& hull) {
+  constexpr double kLeastShare = 0.88;
+  const double around = cv::arcLength(hull, true);
+  for (const double share : {0.02, 0.035, 0.05, 0.07}) {
+    Contour corners;
+    cv::approxPolyDP(hull, corners, share * around, true);
+    if (corners.size() > 4) continue;
+    return corners.size() == 4 && cv::contourArea(corners) > kLeastShare * cv::contourArea(hull);
+  }
+  return false;
+}
+
+// Whether the light area has four corners and no dents, as a board, and few signs on it.
 bool IsBoard(const Contour& outline, const std::vector<Sign>& signs) {
   constexpr double kLeastShareOfHull = 0.85, kMostShareOfSigns = 0.35;
   Contour hull;
@@ -76,7 +95,8 @@ bool IsBoard(const Contour& outline, const std::vector<Sign>& signs) {
   const double area = cv::contourArea(outline);
   double dark = 0;
   for (const Sign& sign : signs) dark += sign.area;
-  return area > kLeastShareOfHull * cv::contourArea(hull) && dark < kMostShareOfSigns * area;
+  return area > kLeastShareOfHull * cv::contourArea(hull) && dark < kMostShareOfSigns * area &&
+         IsQuad(hull);
 }
 
 // Whether the area, without its holes, has one brightness: not stones that are brighter than the
@@ -95,7 +115,7 @@ bool IsPlain(const cv::Mat& grey, const std::vector<Contour>& outlines,
 }
 
 // Of the light areas that are brighter than that level.
-void AddLinesAt(double level, const cv::Mat& grey, std::vector<cv::Rect>& lines) {
+void AddLinesAt(double level, const cv::Mat& grey, std::vector<TextLine>& lines) {
   cv::Mat light;
   cv::threshold(grey, light, level, 255, cv::THRESH_BINARY);
   std::vector<Contour> outlines;
@@ -113,9 +133,14 @@ void AddLinesAt(double level, const cv::Mat& grey, std::vector<cv::Rect>& lines)
   constexpr std::size_t kMostHoles = 400;  // more are a texture
   for (auto& [area, signs] : holes) {
     if (signs.size() > kMostHoles || !IsBoard(outlines[std::size_t(area)], signs)) continue;
-    std::vector<cv::Rect> found;
+    std::vector<TextLine> found;
     AddLines(std::move(signs), found);
     if (found.empty() || !IsPlain(grey, outlines, tree, area)) continue;
+    // A light area as large as the picture is more than a board: a fence in it is no second word.
+    constexpr double kWhole = 0.9;
+    const cv::Rect board = cv::boundingRect(outlines[std::size_t(area)]);
+    const bool is_whole = board.area() > kWhole * double(grey.total());
+    for (TextLine& line : found) line.alone = line.alone || is_whole;
     lines.insert(lines.end(), found.begin(), found.end());
   }
 }
@@ -145,9 +170,10 @@ std::optional<CodeFound> CodeIn(const cv::Mat& grey, double scale) {
   return CodeFound{code.text(), cv::boundingRect(corners)};
 }
 
-std::optional<CodeFound> RectifiedCode(const cv::Mat& grey) {
-  std::vector<cv::Point2f> corners;
-  if (!cv::QRCodeDetector().detect(grey, corners) || corners.size() != 4) return std::nullopt;
+// `corners`: of the code, by its finder patterns.
+std::optional<CodeFound> RectifiedCode(const cv::Mat& grey,
+                                       const std::vector<cv::Point2f>& corners) {
+  if (corners.size() != 4) return std::nullopt;
   constexpr float kSide = 320, kRim = 40;
   const std::vector<cv::Point2f> square{
       {kRim, kRim}, {kSide - kRim, kRim}, {kSide - kRim, kSide - kRim}, {kRim, kSide - kRim}};
@@ -173,27 +199,30 @@ std::optional<CodeFound> FindCode(const cv::Mat& bgr) {
   return code ? code : CodeIn(grey, 1.5);
 }
 
-std::optional<CodeFound> FindCodeThoroughly(const cv::Mat& bgr) {
+ThoroughLook LookThoroughly(const cv::Mat& bgr) {
   CheckCoursePicture(bgr);
   constexpr int kLeastPx = 21;  // as many squares has the smallest code
-  if (bgr.cols < kLeastPx || bgr.rows < kLeastPx) return std::nullopt;
+  if (bgr.cols < kLeastPx || bgr.rows < kLeastPx) return {};
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  auto code = RectifiedCode(grey);
-  for (const double scale : {3.0, 2.0}) {
-    if (!code) code = CodeIn(grey, scale);
-  }
-  return code;
-}
-
-bool ShowsCode(const cv::Mat& bgr) {
-  CheckCoursePicture(bgr);
+  ThoroughLook look;
   std::vector<cv::Point2f> corners;
-  return cv::QRCodeDetector().detect(bgr, corners);
+  look.shows_patterns = cv::QRCodeDetector().detect(grey, corners);
+  if (look.shows_patterns) look.code = RectifiedCode(grey, corners);
+  for (const double scale : {3.0, 2.0}) {
+    if (!look.code) look.code = CodeIn(grey, scale);
+  }
+  constexpr double kInvertedScale = 1.5;
+  if (!look.code) look.code = CodeIn(255 - grey, kInvertedScale);
+  return look;
 }
 
-std::vector<cv::Rect> FindTextLines(const cv::Mat& grey) {
-  std::vector<cv::Rect> lines;
+std::optional<CodeFound> FindCodeThoroughly(const cv::Mat& bgr) {
+  return LookThoroughly(bgr).code;
+}
+
+std::vector<TextLine> FindTextLines(const cv::Mat& grey) {
+  std::vector<TextLine> lines;
   cv::Mat light;
   const double otsu = cv::threshold(grey, light, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
   AddLinesAt(otsu, grey, lines);
@@ -201,13 +230,21 @@ std::vector<cv::Rect> FindTextLines(const cv::Mat& grey) {
     constexpr double kNearOtsu = 12;
     if (std::abs(level - otsu) > kNearOtsu) AddLinesAt(level, grey, lines);
   }
-  std::stable_sort(lines.begin(), lines.end(),
-                   [](const auto& one, const auto& other) { return one.area() > other.area(); });
-  std::vector<cv::Rect> different;
+  std::stable_sort(lines.begin(), lines.end(), [](const auto& one, const auto& other) {
+    return one.box.area() > other.box.area();
+  });
+  // At another level its board may show fewer signs.
+  for (TextLine& line : lines) {
+    line.alone = std::all_of(lines.begin(), lines.end(), [&](const TextLine& each) {
+      return each.alone || !IsSame(each.box, line.box);
+    });
+  }
+  std::vector<TextLine> different;
   constexpr std::size_t kMost = 8;
-  for (const cv::Rect& line : lines) {
-    const bool is_known = std::any_of(different.begin(), different.end(),
-                                      [&](const cv::Rect& each) { return IsSame(line, each); });
+  for (const TextLine& line : lines) {
+    const bool is_known =
+        std::any_of(different.begin(), different.end(),
+                    [&](const TextLine& each) { return IsSame(line.box, each.box); });
     if (!is_known && different.size() < kMost) different.push_back(line);
   }
   return different;

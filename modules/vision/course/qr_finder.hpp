@@ -5,13 +5,15 @@
 // Codes are read by ZXing, in the picture and half as large again. Of codes of 0.4 m from 0.6 to
 // 3 m in rendered pictures it reads three of four so. A thorough look takes six times as long: it
 // lets OpenCV find the corners of the code, and reads it after a rectification or at twice and
-// three times the size, which reads the others.
+// three times the size, which reads the others, and it reads codes of light squares on dark ones.
 //
-// Letters are read by Tesseract where dark signs stand in a line on a board: a light area without
-// dents, of one brightness, mostly free of signs (the joints of a wall are a light area, too). Each
-// line is cropped and scaled to the two sizes that are read best. Two words in one picture, or at
-// the two sizes, are none; and none is read while the finder patterns of a code are seen, whose
-// squares look like letters. Fixed regions are read where a config has them: they depend on the
+// Letters are read by Tesseract where dark signs stand in a line on a board: a light area with four
+// corners and without dents, of one brightness, mostly free of signs (the joints of a wall are a
+// light area, too), and with one line of signs of that height. Each line is cropped and scaled to
+// the two sizes that are read best. A word counts when what is read of them does not differ and the
+// shapes of the signs fit it (glyphs.hpp). Two words in one picture, or of one line, are none; and
+// none is read while the finder patterns of a code are seen, whose squares look like letters. Fixed
+// regions are read where a config has them, and no line in them is in doubt: they depend on the
 // distance, and the edge of a board in them is read as a letter.
 //
 // Units: pixels, fractions of the picture. Threads: one call at a time for each LetterReader.
@@ -20,6 +22,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -48,13 +51,21 @@ struct CodeFound {
 };
 
 std::optional<CodeFound> FindCode(const cv::Mat& bgr);            // 4 ms
-std::optional<CodeFound> FindCodeThoroughly(const cv::Mat& bgr);  // 25 ms
+std::optional<CodeFound> FindCodeThoroughly(const cv::Mat& bgr);  // 30 ms
 
-// Whether the finder patterns of a code are seen, also where the code cannot be read. 10 ms.
-bool ShowsCode(const cv::Mat& bgr);
+struct ThoroughLook {
+  std::optional<CodeFound> code;
+  bool shows_patterns = false;  // the finder patterns of a code, also where it cannot be read
+};
+ThoroughLook LookThoroughly(const cv::Mat& bgr);  // 30 ms
+
+struct TextLine {
+  cv::Rect box;
+  bool alone = true;  // no other sign on its board is nearly as high: it has no second word
+};
 
 // Lines of dark signs on a board, the largest first, at most eight.
-std::vector<cv::Rect> FindTextLines(const cv::Mat& grey);
+std::vector<TextLine> FindTextLines(const cv::Mat& grey);
 
 struct LettersFound {
   std::string word;
@@ -67,12 +78,23 @@ class LetterReader {
   static Result<std::unique_ptr<LetterReader>> Make(const QrParameters& parameters);
   ~LetterReader();
 
-  // The word that is read; nothing where there are two. Takes up to 0.2 s of CPU.
+  // The word that is read; nothing where there are two, and where it is not sure. Takes up to 0.2 s
+  // of CPU.
   std::optional<LettersFound> Read(const cv::Mat& bgr);
 
  private:
   struct Engine;
   LetterReader(QrParameters parameters, std::unique_ptr<Engine> engine);
+
+  struct LineRead {
+    std::set<std::string> words;  // one whose signs fit it; all where the two sizes differ
+    bool doubtful = false;        // a word was read that is not sure
+  };
+
+  // What Tesseract reads of prepared letters, one for each page mode; "" where it is not sure.
+  std::vector<std::string> TextsOf(const cv::Mat& letters) const;
+  std::set<std::string> WordsOf(const cv::Mat& letters) const;
+  LineRead ReadLine(const cv::Mat& grey, const cv::Rect& line) const;
 
   const QrParameters parameters_;
   const std::unique_ptr<Engine> engine_;

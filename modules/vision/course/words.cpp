@@ -82,6 +82,18 @@ std::optional<std::string> WordOfLetters(std::string_view text,
   return matches.size() == 1 ? std::optional(matches.front()) : std::nullopt;
 }
 
+std::set<std::string> WordsOfReadings(const std::vector<std::string>& texts,
+                                      const std::vector<std::string>& words) {
+  std::set<std::string> all;
+  for (const std::string& text : texts) {
+    const std::vector<std::string> matches = WordsOfLetters(text, words);
+    all.insert(matches.begin(), matches.end());
+    const bool has_signs = !Essence(text, false).empty();
+    if (matches.empty() && has_signs) all.insert("?");
+  }
+  return all;
+}
+
 std::string Excerpt(std::string_view text) {
   constexpr std::size_t kMost = 64;
   std::string excerpt(text.substr(0, kMost));

@@ -10,6 +10,7 @@
 // Threads: any.
 
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,11 @@ std::optional<std::string> WordOfLetters(std::string_view text,
 // All that the text matches: two of "A-1 A-2".
 std::vector<std::string> WordsOfLetters(std::string_view text,
                                         const std::vector<std::string>& words);
+
+// What several readings of one line match; a "?" is in it for a reading with letters or digits that
+// is no word. Readings that contradict each other give two and more.
+std::set<std::string> WordsOfReadings(const std::vector<std::string>& texts,
+                                      const std::vector<std::string>& words);
 
 // For a report: the first 64 characters, printable ASCII; each other byte is a '?'.
 std::string Excerpt(std::string_view text);

@@ -131,6 +131,7 @@ std::string SightText(const CourseSight& sight) {
   std::string text;
   if (sight.sighting) text += SightingText(*sight.sighting);
   if (sight.lines) text += LinesText(*sight.lines);
+  if (!sight.doubt.empty()) text += "  in doubt: " + sight.doubt + "\n";
   if (sight.text) text += "  publishes \"" + *sight.text + "\"\n";
   return text;
 }

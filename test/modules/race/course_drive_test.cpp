@@ -280,13 +280,23 @@ INSTANTIATE_TEST_SUITE_P(Nightly, WholeCourseOfAnotherHall, ::testing::ValuesIn(
 
 // What the gate drives of these: into the first bay of a narrow hall, and of a wide one.
 TEST(WayToTheBayOfAnotherHall, IsDrivenByTheCamerasAlone) {
-  for (const int number : {2, 12}) {
+  for (const int number : {1, 12}) {
     HallCase hall = Halls()[static_cast<std::size_t>(number) - 1];
-    hall.until = "A2_TO_S1";
+    hall.until = hall.route.chosen.at("qr_a") == "A-1" ? "A1_TO_S1" : "A2_TO_S1";
     const DriveResult result = DriveIn(hall);
-    EXPECT_EQ(result.state, "A2_TO_S1") << Joined(result.log);
+    EXPECT_EQ(result.state, hall.until) << Joined(result.log);
     ExpectNoFault(result, hall.route);
   }
+}
+
+// Half of what it sees has the colour of the yellow light there: it walked on as if there were
+// none.
+TEST(AHallInWarmLight, IsNotDrivenWhereTheYellowLightCannotBeSeen) {
+  HallCase hall = Halls()[1];
+  hall.until = "A2_TO_S1";
+  const DriveResult result = DriveIn(hall);
+  EXPECT_EQ(result.state, "ERROR") << Joined(result.log);
+  EXPECT_THAT(result.reason, ::testing::HasSubstr("no sample of the detector light"));
 }
 
 INSTANTIATE_TEST_SUITE_P(

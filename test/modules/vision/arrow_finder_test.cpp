@@ -59,6 +59,54 @@ TEST(Arrows, ThatDisagreeAreNoAnswer) {
   EXPECT_EQ(found.direction, "");
 }
 
+using Shape = std::vector<cv::Point>;
+
+// Three of usual shapes, to the right.
+const Shape kChevron{{200, 150}, {250, 150}, {320, 220}, {250, 290}, {200, 290}, {270, 220}};
+const Shape kElbow{{200, 330}, {200, 190}, {280, 190}, {280, 150}, {360, 215},
+                   {280, 280}, {280, 240}, {245, 240}, {245, 330}};
+const Shape kTapered{{180, 210}, {300, 190}, {300, 150}, {390, 220},
+                     {300, 290}, {300, 250}, {180, 230}};
+
+cv::Mat WithShape(const Shape& shape, const cv::Scalar& board, const cv::Scalar& paint) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(130, 110, 320, 250)).setTo(board);
+  cv::fillPoly(bgr, std::vector{shape}, paint, cv::LINE_AA);
+  return bgr;
+}
+
+TEST(Arrow, MayBeAChevronAnElbowOrTapered) {
+  for (const Shape& shape : {kChevron, kElbow, kTapered}) {
+    const cv::Mat bgr = WithShape(shape, kWhite, kGreen);
+    EXPECT_EQ(Direction(bgr), "right") << shape[0] << shape[2];
+    EXPECT_EQ(Direction(Mirrored(bgr)), "left") << shape[0] << shape[2];
+  }
+  ArrowParameters straight_only;
+  straight_only.other_shapes = false;
+  EXPECT_EQ(FindArrows(WithShape(kElbow, kWhite, kGreen), straight_only).direction, "");
+}
+
+TEST(Arrow, MayBeWhiteOnGreen) {
+  for (const Shape& shape : {ArrowCorners({180, 160, 200, 120}, 0.4, 0.4), kElbow}) {
+    const cv::Mat bgr = WithShape(shape, kGreen, kWhite);
+    EXPECT_EQ(Direction(bgr), "right") << shape[0];
+    EXPECT_EQ(Direction(Mirrored(bgr)), "left") << shape[0];
+    EXPECT_EQ(Direction(WithShape(shape, kGreen, {10, 10, 10})), "") << "black on green is none";
+  }
+}
+
+TEST(Green, ThatPointsBothWaysOrToNoSideHasNoDirection) {
+  const Shape both{{150, 220}, {200, 160}, {200, 200}, {340, 200}, {340, 160},
+                   {390, 220}, {340, 280}, {340, 240}, {200, 240}, {200, 280}};
+  const Shape cross{{250, 150}, {290, 150}, {290, 200}, {340, 200}, {340, 240}, {290, 240},
+                    {290, 290}, {250, 290}, {250, 240}, {200, 240}, {200, 200}, {250, 200}};
+  const Shape corner{{200, 150}, {340, 150}, {340, 190}, {240, 190}, {240, 290}, {200, 290}};
+  for (const Shape& shape : {both, cross, corner}) {
+    EXPECT_EQ(Direction(WithShape(shape, kWhite, kGreen)), "") << shape[0];
+    EXPECT_EQ(Direction(WithShape(shape, kGreen, kWhite)), "") << shape[0];
+  }
+}
+
 TEST(Green, ThatIsNoArrowHasNoDirection) {
   cv::Mat box = GreyPicture();
   box(cv::Rect(200, 200, 150, 80)).setTo(kGreen);

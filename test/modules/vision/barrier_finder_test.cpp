@@ -49,6 +49,116 @@ TEST(Barrier, IsNeitherShortNorSteepNorOfAnotherColour) {
   }
 }
 
+// Pieces of one colour, 30 pixels wide, with gaps of the other one.
+cv::Mat WithStripes(const cv::Scalar& color, const cv::Scalar& gaps, int slant_px) {
+  cv::Mat bgr = WithBar({80, 200, 480, 40}, gaps);
+  for (int x = 80; x + 30 + slant_px < 560; x += 60) {
+    cv::fillConvexPoly(bgr,
+                       std::vector<cv::Point>{
+                           {x + slant_px, 200}, {x + 30 + slant_px, 200}, {x + 30, 239}, {x, 239}},
+                       color);
+  }
+  return bgr;
+}
+
+TEST(Barrier, MayHaveStripes) {
+  const cv::Scalar black(20, 20, 20);
+  for (const int slant_px : {0, 20}) {
+    for (const cv::Mat& bgr :
+         {WithStripes(kRed, kWhite, slant_px), WithStripes(kYellow, black, slant_px)}) {
+      const auto barrier = FindBarrier(bgr, {});
+      ASSERT_TRUE(barrier) << slant_px;
+      EXPECT_NEAR(barrier->height_px, 40, 3);
+      EXPECT_NEAR(barrier->box.x + barrier->box.width / 2.0, 320, 50);
+      BarrierParameters plain;
+      plain.striped = false;
+      EXPECT_FALSE(FindBarrier(bgr, plain));
+    }
+  }
+  EXPECT_FALSE(FindBarrier(WithStripes(kYellow, kWhite, 0), {})) << "no warning colours";
+}
+
+TEST(Barrier, OfTiltedStripesIsNotNearerThanItIs) {
+  const cv::Scalar black(20, 20, 20);
+  for (const double degrees : {-20.0, -10.0, 10.0, 20.0}) {
+    for (const cv::Mat& level : {WithStripes(kRed, kWhite, 0), WithStripes(kYellow, black, 0)}) {
+      cv::Mat bgr;
+      const cv::Mat turn = cv::getRotationMatrix2D({320, 220}, degrees, 1);
+      cv::warpAffine(level, bgr, turn, level.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+      const auto barrier = FindBarrier(bgr, {});
+      ASSERT_TRUE(barrier) << degrees;
+      EXPECT_NEAR(barrier->height_px, 40, 4) << degrees;
+    }
+  }
+}
+
+TEST(Barrier, OfAGateCountsWithoutItsPosts) {
+  cv::Mat bgr = WithBar({100, 150, 400, 40});
+  bgr(cv::Rect(100, 150, 30, 300)).setTo(kRed);
+  bgr(cv::Rect(470, 150, 30, 300)).setTo(kRed);
+  const auto barrier = FindBarrier(bgr, {});
+  ASSERT_TRUE(barrier);
+  EXPECT_NEAR(barrier->height_px, 40, 5);
+  EXPECT_LE(barrier->box.height, 48);
+}
+
+TEST(Barrier, IsNoRedShirtThatTheUpperEdgeCuts) {
+  EXPECT_FALSE(FindBarrier(WithBar({200, 0, 220, 50}), {}));
+  EXPECT_TRUE(FindBarrier(WithBar({40, 0, 560, 110}), {}));
+  EXPECT_FALSE(FindBarrier(WithBar({40, 0, 560, 130}), {})) << "a quarter of the picture is high";
+  EXPECT_FALSE(FindBarrier(WithBar({0, 0, 640, 200}), {})) << "nor a red wall";
+}
+
+TEST(Barrier, IsNoRowOfLampsUnderADarkCeiling) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(0, 0, 640, 120)).setTo(cv::Scalar(30, 30, 30));
+  for (const int y : {20, 60}) {
+    for (int i = 0; i < 3; ++i) {
+      cv::circle(bgr, {280 + 27 * i, y}, 5, {40, 190, 255}, cv::FILLED, cv::LINE_AA);
+    }
+  }
+  EXPECT_FALSE(FindBarrier(bgr, {}));
+}
+
+TEST(Barrier, IsNoPanelOfSlats) {
+  cv::Mat bgr = WithBar({100, 300, 400, 60}, {15, 15, 15});
+  for (int x = 100; x + 14 <= 500; x += 20) {
+    bgr(cv::Rect(x, 300, 14, 60)).setTo(cv::Scalar(70, 130, 180));
+  }
+  EXPECT_FALSE(FindBarrier(bgr, {}));
+}
+
+TEST(Barrier, IsNoRowOfRedChairsBeforeALightWall) {
+  for (const double shade : {1.0, 0.9}) {
+    cv::Mat bgr(480, 640, CV_8UC3, cv::Scalar(225, 230, 230));
+    bgr(cv::Rect(120, 220, 400, 50)) *= shade;
+    for (int i = 0; i < 4; ++i) bgr(cv::Rect(120 + 110 * i, 220, 60, 50)).setTo(kRed);
+    EXPECT_FALSE(FindBarrier(bgr, {})) << shade;
+  }
+}
+
+TEST(Barrier, IsNoStripeOfAFlag) {
+  cv::Mat bgr = WithBar({200, 150, 270, 180});
+  bgr(cv::Rect(200, 210, 270, 60)).setTo(kWhite);
+  EXPECT_FALSE(FindBarrier(bgr, {}));
+  bgr(cv::Rect(200, 270, 270, 60)).setTo(kWhite);
+  EXPECT_TRUE(FindBarrier(bgr, {})) << "a bar over something white";
+}
+
+TEST(Barrier, IsNoWallOfBricks) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(20, 150, 600, 120)).setTo(cv::Scalar(150, 160, 170));
+  for (int row = 0; row < 8; ++row) {
+    for (int x = 20 - (row % 2) * 20; x < 620; x += 40) {
+      bgr(cv::Rect(x, 150 + 15 * row, 37, 12) & cv::Rect(20, 150, 600, 120))
+          .setTo(cv::Scalar(50, 60, 160));
+    }
+  }
+  EXPECT_FALSE(FindBarrier(bgr, {}));
+  bgr(cv::Rect(0, 0, 640, 150)).setTo(cv::Scalar(50, 60, 160));
+  EXPECT_FALSE(FindBarrier(bgr, {}));
+}
+
 TEST(Barrier, IsTheLargestOfSeveral) {
   cv::Mat bgr = WithBar({100, 100, 200, 30});
   bgr(cv::Rect(50, 300, 500, 60)).setTo(kRed);

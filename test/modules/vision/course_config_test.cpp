@@ -199,6 +199,8 @@ parameters.least_area_px2 = 1
 parameters.kernel_px = 1
 parameters.most_misfit = 0.2
 parameters.clearly = 2
+parameters.other_shapes = false
+parameters.most_shape_misfit = 0.2
 [[detectors]]
 name = "c"
 kind = "barrier"
@@ -211,6 +213,8 @@ parameters.most_tilt_deg = 10
 parameters.top = 0.2
 parameters.height_m = 0.1
 parameters.focal_px = 500
+parameters.striped = false
+parameters.yellow.from = [14, 110, 50]
 [[detectors]]
 name = "d"
 kind = "light"
@@ -218,6 +222,7 @@ parameters.most_area_px2 = 9000
 parameters.kernel_px = 3
 parameters.least_aspect = 0.7
 parameters.round_only = false
+parameters.shines = false
 parameters.size_m = 0.1
 parameters.focal_px = 500
 parameters.sightings = 3
@@ -248,14 +253,17 @@ parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
                                  80,
                                  12,
                                  0.3};
-  const ArrowParameters arrow = {{{35, 50, 50}, {80, 255, 255}}, {0.1, 1, 0, 1}, 1, 1, 0.2, 2};
+  const ArrowParameters arrow = {
+      {{35, 50, 50}, {80, 255, 255}}, {0.1, 1, 0, 1}, 1, 1, 0.2, 2, false, 0.2};
   const BarrierParameters barrier = {
-      {{160, 40, 40}, {5, 255, 255}}, {0.1, 1, 0, 1}, 1, 2, 0.5, 10, 0.2, 0.1, 500};
+      {{160, 40, 40}, {5, 255, 255}}, {0.1, 1, 0, 1}, 1, 2, 0.5, 10, 0.2, 0.1, 500, false,
+      {{14, 110, 50}, {35, 255, 255}}};
   MarkerParameters light = LightParameters();
   light.most_area_px2 = 9000;
   light.kernel_px = 3;
   light.least_aspect = 0.7;
   light.round_only = false;
+  light.shines = false;
   light.size_m = 0.1;
   light.focal_px = 500;
   light.sightings = 3;

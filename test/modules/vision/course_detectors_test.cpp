@@ -121,6 +121,22 @@ TEST(MarkerDetector, SaysThatASignIsHiddenThatWasFarFromTheEdge) {
   EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "hidden");
 }
 
+TEST(LightDetector, HasNoSightingInADoubtAndKeepsItsTrack) {
+  Series lights(MakeMarkerDetector(LightParameters()));
+  lights.Look(WithDisc(30, 200));
+  EXPECT_EQ(lights.Look(WithDisc(30, 200)).sighting->phase, "tracking");
+  cv::Mat warm = GreyPicture();  // a wall under warm lamps
+  warm(cv::Rect(0, 0, 640, 260)).setTo(cv::Scalar(110, 190, 240));
+  for (int i = 0; i < 10; ++i) {
+    const CourseSight sight = lights.Look(warm);
+    EXPECT_FALSE(sight.sighting || sight.text) << "it would say that there is no light";
+    EXPECT_NE(sight.doubt, "");
+  }
+  const CourseSight gone = lights.Look(GreyPicture());
+  EXPECT_EQ(gone.sighting->phase, "tracking");
+  EXPECT_EQ(gone.doubt, "");
+}
+
 TEST(QrDetector, SaysAWordOfItsListAndOnlyShowsAnotherCode) {
   Series codes(MakeQrDetector({}));
   const CourseSight word = codes.Look(WithCode("A-2"));

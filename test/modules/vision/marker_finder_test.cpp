@@ -71,6 +71,84 @@ TEST(Light, IsABallBeforeALineOfItsColour) {
   EXPECT_FALSE(FindMarker(square, LightParameters()));
 }
 
+// A ball of light in that place: its colour from its middle to its rim.
+cv::Mat WithLamp(const std::vector<std::pair<int, cv::Scalar>>& rings) {
+  cv::Mat bgr = GreyPicture();
+  for (const auto& [radius, color] : rings) {
+    cv::circle(bgr, {300, 200}, radius, color, cv::FILLED, cv::LINE_AA);
+  }
+  return bgr;
+}
+const cv::Scalar kAmber(0, 150, 255);
+
+TEST(Light, IsAmberToo) {
+  const auto light = FindMarker(WithLamp({{40, kAmber}}), LightParameters());
+  ASSERT_TRUE(light);
+  EXPECT_NEAR(light->size_px, 81, 3);
+}
+
+TEST(Light, MayHaveAWhiteCore) {
+  const cv::Scalar core(235, 252, 255);
+  const cv::Scalar ring(60, 200, 255);
+  for (const int core_px : {30, 36}) {
+    const auto light = FindMarker(WithLamp({{40, ring}, {core_px, core}}), LightParameters());
+    ASSERT_TRUE(light) << core_px;
+    EXPECT_NEAR(light->size_px, 81, 6) << core_px;
+  }
+  EXPECT_FALSE(FindMarker(WithLamp({{40, core}}), LightParameters())) << "a white lamp";
+  EXPECT_FALSE(FindMarker(WithLamp({{40, kRed}, {30, core}}), LightParameters())) << "a red one";
+}
+
+TEST(Light, IsNoYellowDiscThatDoesNotShine) {
+  cv::Mat bgr = GreyPicture();
+  bgr.setTo(cv::Scalar(225, 235, 235));  // a poster
+  cv::circle(bgr, {300, 200}, 40, kYellow, cv::FILLED, cv::LINE_AA);
+  EXPECT_FALSE(FindMarker(bgr, LightParameters()));
+}
+
+TEST(Light, IsTheNearOneWithAWhiteCoreBesideAFarOne) {
+  cv::Mat bgr = WithLamp({{40, {60, 200, 255}}, {37, {235, 252, 255}}});
+  cv::circle(bgr, {500, 150}, 10, kYellow, cv::FILLED, cv::LINE_AA);
+  const auto light = FindMarker(bgr, LightParameters());
+  ASSERT_TRUE(light);
+  EXPECT_NEAR(light->size_px, 81, 6);
+}
+
+// Of two colours, as warm lamps show it to a camera without a white balance.
+cv::Mat WarmWall() {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(0, 0, 320, 260)).setTo(cv::Scalar(100, 150, 190));
+  bgr(cv::Rect(320, 0, 320, 260)).setTo(cv::Scalar(50, 130, 190));
+  return bgr;
+}
+
+TEST(Light, BeforeAWallOfItsColourIsInDoubtUnlessItsCoreIsSeen) {
+  const MarkerLook wall = LookForMarker(WarmWall(), LightParameters());
+  EXPECT_FALSE(wall.marker);
+  EXPECT_THAT(wall.doubt, ::testing::HasSubstr("54 %"));
+  cv::Mat bgr = WarmWall();
+  cv::circle(bgr, {200, 150}, 40, {60, 200, 255}, cv::FILLED, cv::LINE_AA);
+  cv::circle(bgr, {200, 150}, 30, {235, 252, 255}, cv::FILLED, cv::LINE_AA);
+  const MarkerLook lamp = LookForMarker(bgr, LightParameters());
+  EXPECT_TRUE(lamp.marker);
+  EXPECT_EQ(lamp.doubt, "");
+  EXPECT_EQ(LookForMarker(GreyPicture(), LightParameters()).doubt, "");
+  EXPECT_EQ(LookForMarker(WarmWall(), {}).doubt, "") << "of a sign that does not shine";
+}
+
+TEST(Light, IsNoYellowSignWithAWhiteDisc) {
+  for (const int disc_px : {35, 50, 60}) {
+    cv::Mat bgr = GreyPicture();
+    bgr(cv::Rect(230, 130, 140, 140)).setTo(cv::Scalar(20, 206, 255));
+    cv::circle(bgr, {300, 200}, disc_px, {245, 250, 252}, cv::FILLED, cv::LINE_AA);
+    EXPECT_FALSE(FindMarker(bgr, LightParameters())) << disc_px;
+    bgr = GreyPicture();
+    cv::circle(bgr, {300, 200}, 75, {20, 200, 235}, cv::FILLED, cv::LINE_AA);
+    cv::circle(bgr, {300, 200}, disc_px, {240, 244, 245}, cv::FILLED, cv::LINE_AA);
+    EXPECT_FALSE(FindMarker(bgr, LightParameters())) << disc_px << " on a round one";
+  }
+}
+
 RC_GTEST_PROP(MarkerProperty, OfAMirroredPictureIsInTheMirroredPlace, ()) {
   const cv::Mat bgr =
       WithDisc({*rc::gen::inRange(0, 640), *rc::gen::inRange(0, 300)}, *rc::gen::inRange(3, 90));

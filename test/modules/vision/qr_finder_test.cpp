@@ -39,6 +39,15 @@ TEST(CodeOfABoard, IsReadFarAndTurnedByOneOfTheLooks) {
   EXPECT_GT(quick, all / 2);
 }
 
+TEST(CodeOfABoard, OfLightSquaresOnDarkIsReadByTheThoroughLook) {
+  const cv::Mat bgr = BoardShot(world::Sign::Kind::kQr, "A-1", 0.4, 1);
+  const cv::Mat inverted = cv::Scalar::all(255) - bgr;
+  const auto code = FindCodeThoroughly(inverted);
+  ASSERT_TRUE(code);
+  EXPECT_EQ(code->content, "A-1");
+  EXPECT_NEAR(code->box.x + code->box.width / 2.0, 320, 20);
+}
+
 class Letters : public ::testing::Test {
  protected:
   std::string Read(const cv::Mat& bgr) {
@@ -68,6 +77,54 @@ TEST_F(Letters, OfOtherWordsAreNone) {
   for (const std::string text : {"A-3", "STOP", "C-1", "8-1", "A-1 A-2", "A\n1\nB\n2"}) {
     EXPECT_EQ(Read(BoardShot(world::Sign::Kind::kText, text, 0.4, 1)), "") << text;
   }
+}
+
+// A board in the picture, with that text in its middle.
+cv::Mat DrawnBoard(const std::string& text, const std::vector<cv::Point>& corners) {
+  cv::Mat bgr = GreyPicture();
+  cv::fillConvexPoly(bgr, corners, kWhite, cv::LINE_AA);
+  const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_DUPLEX, 2, 8, nullptr);
+  const cv::Rect box = cv::boundingRect(corners);
+  cv::putText(bgr, text, (box.tl() + box.br()) / 2 + cv::Point(-size.width / 2, size.height / 2),
+              cv::FONT_HERSHEY_DUPLEX, 2, {20, 20, 20}, 8, cv::LINE_AA);
+  return bgr;
+}
+const std::vector<cv::Point> kQuad{{120, 150}, {520, 140}, {520, 340}, {120, 330}};
+
+TEST_F(Letters, AreReadOnALightAreaWithFourCornersOnly) {
+  EXPECT_EQ(Read(DrawnBoard("B-1", kQuad)), "B-1");
+  const std::vector<cv::Point> triangle{{0, 340}, {320, 20}, {639, 340}};
+  EXPECT_EQ(Read(DrawnBoard("B-1", triangle)), "");
+}
+
+TEST_F(Letters, OfTwoWordsOnABoardAreNoneAlsoWhereOneIsNotRead) {
+  const cv::Mat bgr = DrawnBoard("A-1 A-2", {{60, 150}, {600, 140}, {600, 340}, {60, 330}});
+  EXPECT_EQ(Read(bgr), "");
+  cv::Mat grey;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  const std::vector<TextLine> lines = FindTextLines(grey);
+  EXPECT_GE(lines.size(), 2U);
+  for (const TextLine& line : lines) EXPECT_FALSE(line.alone);
+}
+
+// Half of a board with two words: as lines they are in doubt, in the region only one is seen.
+TEST_F(Letters, OfARegionAreNoneWhereTheirLineIsInDoubt) {
+  const auto width = [](const char* text) {
+    return cv::getTextSize(text, cv::FONT_HERSHEY_DUPLEX, 2, 8, nullptr).width;
+  };
+  const double left_px = 330 - width("A-1 A-2") / 2.0;
+  QrParameters parameters;
+  parameters.regions = {{0.35, 0.65, (left_px - 16) / 640, (left_px + width("A-1") + 8) / 640}};
+  auto reader = LetterReader::Make(parameters);
+  ASSERT_TRUE(reader);
+  cv::Mat bgr = DrawnBoard("A-1 A-2", {{60, 150}, {600, 140}, {600, 340}, {60, 330}});
+  EXPECT_FALSE(reader.value()->Read(bgr));
+  // Dents: it is no board any more, and has no line.
+  bgr(cv::Rect(330, 275, 310, 80)).setTo(kGrey);
+  bgr(cv::Rect(330, 120, 310, 80)).setTo(kGrey);
+  const auto found = reader.value()->Read(bgr);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->word, "A-1");
 }
 
 TEST_F(Letters, AreNoneInNoiseAndInAnEmptyHall) {

@@ -34,6 +34,16 @@ TEST(ReadText, OfTwoWordsOrOfManyMoreAreNone) {
   }
 }
 
+TEST(Readings, ThatContradictEachOtherAreMoreThanOneWord) {
+  using Words = std::set<std::string>;
+  EXPECT_EQ(WordsOfReadings({"B-1", "B-1\n"}, kWords), Words{"B-1"});
+  EXPECT_EQ(WordsOfReadings({"B-1", ""}, kWords), Words{"B-1"}) << "one is not sure";
+  EXPECT_EQ(WordsOfReadings({"B-1", " .-"}, kWords), Words{"B-1"}) << "no letter and no digit";
+  EXPECT_EQ(WordsOfReadings({"B-1", "R-1"}, kWords), (Words{"?", "B-1"}));
+  EXPECT_EQ(WordsOfReadings({"A-1", "A-2"}, kWords), (Words{"A-1", "A-2"}));
+  EXPECT_EQ(WordsOfReadings({"STOP", "STOP"}, kWords), Words{"?"});
+}
+
 TEST(ReadText, OfOtherScriptsAreComparedAsTheyAre) {
   const std::vector<std::string> words{"库位1", "库位2"};
   EXPECT_THAT(WordOfLetters("库位 2", words), Optional(Eq("库位2")));

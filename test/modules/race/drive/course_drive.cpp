@@ -305,7 +305,7 @@ void CourseDrive::Look(DetectorChannel& channel, const cv::Mat& picture) {
       }
       if (channel.wanted_by_race) channel.shown_to_race = taken;
       if (channel.of_walker) ShowWalker(*channel.of_walker, lines, taken);
-    } else if (channel.wanted_by_race) {
+    } else if (sight.sighting && channel.wanted_by_race) {
       msg::Sighting seen = *sight.sighting;
       if (settings_.unseen.contains(race_.course().detectors[*channel.of_race].name)) seen = {};
       race_.OnSighting(

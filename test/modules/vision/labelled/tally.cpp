@@ -64,7 +64,7 @@ void Tally::Add(const Tally& other) {
 
 Tally TallyOf(const CourseSight& sight, const LabelledPicture& picture) {
   Tally tally;
-  const msg::Sighting& sighting = *sight.sighting;
+  const msg::Sighting sighting = sight.sighting.value_or(NoSighting());  // nothing in a doubt
   if (!picture.there) {
     tally.absent = 1;
     // A code that is no word is seen, but not published.

@@ -1,0 +1,161 @@
+#include "musher/modules/vision/course/lamp_glow.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+
+namespace musher::vision {
+namespace {
+
+// How bright it looks, 0 to 255, of a hue from red to yellow.
+double LumaOf(const cv::Vec3b& hsv) {
+  constexpr double kYellow = 30;
+  const double value = hsv[2], least = value * (1 - hsv[1] / 255.0);
+  const double green = least + (value - least) * std::min(1.0, hsv[0] / kYellow);
+  return 0.3 * value + 0.59 * green + 0.11 * least;
+}
+
+struct Mean {
+  double value = 0, saturation = 0, luma = 0;
+  int count = 0;
+};
+
+// Of the pixels between two ellipses around the middle of the box, in shares of its half sides.
+Mean MeanBetween(const cv::Mat& hsv, const cv::Rect& box, double least, double most) {
+  constexpr int kSteps = 64, kRings = 6;
+  const double x_px = box.width / 2.0, y_px = box.height / 2.0;
+  Mean mean;
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double share = least + (most - least) * (ring + 0.5) / kRings;
+    for (int i = 0; i < kSteps; ++i) {
+      const double turn = 2 * M_PI * i / kSteps;
+      const cv::Point at(int(box.x + x_px + share * x_px * std::cos(turn)),
+                         int(box.y + y_px + share * y_px * std::sin(turn)));
+      if (!cv::Rect({0, 0}, hsv.size()).contains(at)) continue;
+      const auto& pixel = hsv.at<cv::Vec3b>(at);
+      mean.value += pixel[2];
+      mean.saturation += pixel[1];
+      mean.luma += LumaOf(pixel);
+      ++mean.count;
+    }
+  }
+  if (mean.count == 0) return mean;
+  mean.value /= mean.count;
+  mean.saturation /= mean.count;
+  mean.luma /= mean.count;
+  return mean;
+}
+
+constexpr double kFarthestRing = 2.2;  // in radii of the core
+constexpr double kAroundFrom = 1.5, kAroundTo = 2.2;
+
+// In shares of the radius of a core: where the ring of colour ends in each direction; 0: there is
+// none.
+double RingEnd(const cv::Mat& hsv, const cv::Rect& core, const HsvRange& color, double turn) {
+  constexpr double kLeastLuma = 185;  // of the lamp; its glow on what is around it is darker
+  constexpr double kMostGapPx = 1.6;  // noise
+  const double radius_px = (core.width + core.height) / 4.0;
+  const cv::Point2d middle(core.x + core.width / 2.0, core.y + core.height / 2.0);
+  double end = 0;
+  for (double at = 0.8; at < kFarthestRing; at += 0.5 / radius_px) {
+    const cv::Point place(int(middle.x + at * radius_px * std::cos(turn)),
+                          int(middle.y + at * radius_px * std::sin(turn)));
+    if (!cv::Rect({0, 0}, hsv.size()).contains(place)) break;
+    const auto& pixel = hsv.at<cv::Vec3b>(place);
+    if (IsIn(pixel, color) && LumaOf(pixel) > kLeastLuma) {
+      end = at;
+    } else if (end > 0 && (at - end) * radius_px > kMostGapPx) {
+      break;
+    }
+  }
+  return end;
+}
+
+// The core with its ring; nothing where the ring is not around nearly all of it, or not as round as
+// the core: a sign with a white disc.
+std::optional<cv::Rect> WithRing(const cv::Mat& hsv, const cv::Rect& core, const HsvRange& color) {
+  constexpr int kDirections = 32, kLeast = 26;
+  std::vector<double> ends;
+  for (int i = 0; i < kDirections; ++i) {
+    const double end = RingEnd(hsv, core, color, 2 * M_PI * i / kDirections);
+    if (end > 0) ends.push_back(end);
+  }
+  if (ends.size() < kLeast) return std::nullopt;
+  std::nth_element(ends.begin(), ends.begin() + std::ptrdiff_t(ends.size() / 2), ends.end());
+  const double factor = std::max(1.0, ends[ends.size() / 2]);
+  const double unlike = std::max(0.08 * factor, 2.8 / (core.width + core.height));
+  const auto alike = std::count_if(ends.begin(), ends.end(), [&](double end) {
+    return end < kFarthestRing - 0.1 && std::abs(end - factor) <= unlike;
+  });
+  if (alike < kLeast) return std::nullopt;
+  const int width = cvRound(factor * core.width), height = cvRound(factor * core.height);
+  const cv::Rect box(core.x + (core.width - width) / 2, core.y + (core.height - height) / 2, width,
+                     height);
+  // More saturated than what is beyond, which a warm light colours, too.
+  constexpr double kMoreSaturated = 25;
+  const Mean ring = MeanBetween(hsv, core, 0.95, std::max(1.1, factor * 0.97));
+  const Mean beyond = MeanBetween(hsv, box, kAroundFrom, kAroundTo);
+  if (beyond.count == 0 || ring.saturation < beyond.saturation + kMoreSaturated) {
+    return std::nullopt;
+  }
+  // Where the middle is white the lamp has all the red that a picture can have; paint has less.
+  constexpr double kLeastInner = 245;
+  const double inner = MeanBetween(hsv, core, 1, 1 + 0.6 * (factor - 1)).value;
+  if (inner < kLeastInner) return std::nullopt;
+  return box;
+}
+
+bool IsRound(const Contour& outline) {
+  constexpr double kLeastAspect = 0.75, kCircle = M_PI / 4, kTolerance = 0.1, kConvex = 0.9;
+  const cv::RotatedRect around = cv::minAreaRect(outline);
+  const double longer = std::max(around.size.width, around.size.height) + 1.0;
+  const double shorter = std::min(around.size.width, around.size.height) + 1.0;
+  if (shorter < kLeastAspect * longer) return false;
+  Contour hull;
+  cv::convexHull(outline, hull);
+  const double area_px2 = cv::contourArea(hull) + cv::arcLength(hull, true) / 2 + 1;
+  return std::abs(area_px2 / (longer * shorter) - kCircle) < kTolerance &&
+         cv::contourArea(outline) > kConvex * cv::contourArea(hull);
+}
+
+}  // namespace
+
+bool Shines(const cv::Mat& hsv, const cv::Rect& box) {
+  // In values, of which a picture has the square root of the light.
+  constexpr double kBrighterThanAround = 1.15, kBrighterThanRim = 1.12;
+  const Mean middle = MeanBetween(hsv, box, 0, 0.4), rim = MeanBetween(hsv, box, 0.75, 0.92);
+  const Mean around = MeanBetween(hsv, box, kAroundFrom, kAroundTo);
+  if (around.count == 0) return false;
+  // A lamp with a white middle is bright up to its rim: what is darker there is its glow on a wall.
+  constexpr double kWhite = 90, kBrightRim = 0.87;
+  if (middle.saturation < kWhite && rim.luma < kBrightRim * middle.luma) return false;
+  const double bright = std::max(middle.value, rim.value);
+  if (bright > kBrighterThanAround * around.value) return true;
+  // A core that is so bright loses its colour instead.
+  const bool fades = middle.value > kBrighterThanRim * rim.value ||
+                     middle.saturation * kBrighterThanRim < rim.saturation - 8;
+  return fades && middle.value > around.value;
+}
+
+std::vector<cv::Rect> FindWhiteCores(const cv::Mat& hsv, const HsvRange& color) {
+  constexpr int kLeastValue = 235, kMostSaturation = 95;
+  constexpr double kLeastArea = 30;
+  cv::Mat white;
+  cv::inRange(hsv, cv::Scalar(0, 0, kLeastValue), cv::Scalar(179, kMostSaturation, 255), white);
+  std::vector<cv::Rect> found;
+  // All outer outlines: the glow on a light wall is white, too, around the ring and the core.
+  std::vector<Contour> outlines;
+  std::vector<cv::Vec4i> tree;  // next, previous, first child, parent
+  cv::findContours(white, outlines, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
+  for (std::size_t i = 0; i < outlines.size(); ++i) {
+    const Contour& outline = outlines[i];
+    if (tree[i][3] >= 0) continue;  // of a hole
+    if (cv::contourArea(outline) < kLeastArea || !IsRound(outline)) continue;
+    if (const auto box = WithRing(hsv, cv::boundingRect(outline), color)) found.push_back(*box);
+  }
+  return found;
+}
+
+}  // namespace musher::vision
