@@ -5,6 +5,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/wire/type_descriptions.hpp"
 
 namespace musher::transport {
 namespace {
@@ -56,6 +57,11 @@ Result<std::unique_ptr<ManagedNodeEndpoints>> ManagedNodeEndpoints::Make(
   if (auto made = ParameterEndpoints::Make(node, ResolveName(name_space, name),
                                            endpoints->hooks_.parameters)) {
     endpoints->parameters_ = std::move(made).value();
+  }
+  if (auto made = MakeServer<msg::GetTypeDescription>(
+          node, ResolveName(name_space, name) + "/get_type_description",
+          [](const auto& request, auto reply) { reply(Describe(request)); })) {
+    endpoints->describe_type_ = std::move(made).value();
   }
   return endpoints;
 }

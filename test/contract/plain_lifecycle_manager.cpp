@@ -55,9 +55,13 @@ dds_entity_t PlainParticipant::Reader(const dds_topic_descriptor_t& type, const 
                                       std::function<void()> on_data) {
   const dds_entity_t reader = dds_create_reader(participant_, Topic(type, topic), qos_, nullptr);
   dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS | DDS_SUBSCRIPTION_MATCHED_STATUS);
+  Attach(reader, std::move(on_data));
+  return reader;
+}
+
+void PlainParticipant::Attach(dds_entity_t reader, std::function<void()> on_data) {
   dds_waitset_attach(waitset_, reader, static_cast<dds_attach_t>(on_data_.size()));
   on_data_.push_back(std::move(on_data));
-  return reader;
 }
 
 void PlainParticipant::Every(std::int64_t ms, std::function<void()> work) {

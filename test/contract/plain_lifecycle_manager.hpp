@@ -48,6 +48,9 @@ class PlainParticipant {
   // `on_data` runs in Spin() when there are samples to take.
   dds_entity_t Reader(const dds_topic_descriptor_t& type, const std::string& topic,
                       std::function<void()> on_data);
+  // The same with a reader made by the caller, whose matches `on_data` reads, too.
+  void Attach(dds_entity_t reader, std::function<void()> on_data);
+  dds_entity_t entity() const { return participant_; }
   // The same; `on_sample` receives each sample while it is on loan.
   template <class T>
   void Read(const dds_topic_descriptor_t& type, const std::string& topic,

@@ -1,6 +1,7 @@
 // A process without Musher's protocol, for tests on real DDS: runs until SIGTERM.
 //
-//   protocol_peer ros2 <namespace> <name> <lease_ms> [option …]       a ROS 2 managed node
+//   protocol_peer ros2 <namespace> <name> <lease_ms> [option …]       a ROS 2 managed node; with
+//                                    names as "planner,smoother" a container of several
 //   protocol_peer cyberdog <namespace> <name> <lease_ms> [option …]   a module with heartbeats
 //
 //   faulty                  its first replies are lost, as to a client that has not been matched
@@ -15,8 +16,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <list>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <string>
 
 #include "musher/test/protocols/cyberdog_module.hpp"
@@ -39,8 +42,11 @@ class Peer {
   Peer(transport::Node& node, const std::string& kind, const std::string& name_space,
        const std::string& name) {
     if (kind == "ros2") {
-      ros_.emplace(node, transport::ResolveName(name_space, name));
-      ros_->on_callback = [this](const std::string& callback) { OnCallback(callback); };
+      std::istringstream names(name);
+      for (std::string one; std::getline(names, one, ',');) {
+        ros_.emplace_back(node, transport::ResolveName(name_space, one));
+        ros_.back().on_callback = [this](const std::string& callback) { OnCallback(callback); };
+      }
     } else {
       module_.emplace(node, name_space, name, name);
       module_->on_callback = [this](const std::string& callback) { OnCallback(callback); };
@@ -50,7 +56,9 @@ class Peer {
   void Apply(const std::string& option) {
     const std::size_t equals = option.find('=');
     const std::string value = option.substr(equals == std::string::npos ? 0 : equals + 1);
-    if (option == "faulty" && ros_) ros_->lost_change_replies = ros_->lost_get_replies = 1;
+    for (auto& ros : ros_) {
+      if (option == "faulty") ros.lost_change_replies = ros.lost_get_replies = 1;
+    }
     if (option.starts_with("events=")) events_ = value;
     const std::size_t colon = value.find(':');
     const std::string callback = value.substr(0, colon);
@@ -70,17 +78,19 @@ class Peer {
     if (cause == fails_while_.end()) return;
     const bool fails = access(cause->second.c_str(), F_OK) == 0;
     using Outcome = testing::RosManagedNode::Outcome;
-    if (ros_) ros_->script[callback].outcome = fails ? Outcome::kFailure : Outcome::kSuccess;
+    for (auto& ros : ros_) {
+      ros.script[callback].outcome = fails ? Outcome::kFailure : Outcome::kSuccess;
+    }
     if (module_) module_->script[callback].code = fails ? 1 : 0;
   }
   void Take(const std::string& callback, Duration takes) {
-    if (ros_) ros_->script[callback].takes = takes;
+    for (auto& ros : ros_) ros.script[callback].takes = takes;
     if (module_) module_->script[callback].takes = takes;
   }
 
   std::string events_;
   std::map<std::string, std::string> fails_while_;  // by callback: a file
-  std::optional<testing::RosManagedNode> ros_;
+  std::list<testing::RosManagedNode> ros_;
   std::optional<testing::CyberdogModule> module_;
 };
 
