@@ -14,7 +14,8 @@ constexpr const char* kFooter = R"(
 FILE, every key of which may be left out:
   motions = "motions.toml"  # the motion id table, relative to FILE
   [priority]                # of sources: debug, app, audio, vis, blutele, algo
-  [board]                   # wait_ms, silent_ms, feedback_ms
+  [board]                   # kind = "topic" or "lcm", command_url, response_url, localization_url,
+                            # interface, board, ttl; wait_ms, silent_ms, feedback_ms
 
 Exit codes: 0 torn down; 1 SetUp failed; 2 usage or config.)";
 

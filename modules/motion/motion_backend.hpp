@@ -13,6 +13,7 @@
 
 #include <Eigen/Geometry>
 #include <functional>
+#include <string>
 
 #include "musher/modules/motion/motion_command.hpp"
 
@@ -26,11 +27,13 @@ struct BodyMotion {
   Eigen::Vector3d v_B = Eigen::Vector3d::Zero();  // m/s
   Eigen::Vector3d w_B = Eigen::Vector3d::Zero();  // rad/s
   Eigen::Vector3d a_B = Eigen::Vector3d::Zero();  // m/s^2, gravity included
+  bool has_acceleration = true;                   // false: the board does not measure it
 };
 
 struct BodyState {
   BodyReport report;
   BodyMotion motion;
+  bool has_new_motion = true;  // false: `motion` is that of an earlier report
 };
 
 class MotionBackend {
@@ -43,6 +46,9 @@ class MotionBackend {
 
   // Called by the shell. Returns at once; a failure to send shows in what the body reports.
   virtual void Send(const BodyCommand& command) = 0;
+
+  // Where the body's reports come from, in messages: "world/body_state".
+  virtual std::string Source() const { return "world/body_state"; }
 };
 
 }  // namespace musher::motion

@@ -29,6 +29,25 @@ struct Meaning {
   const char* text;
 };
 
+struct MotorFaultKind {
+  MotorFault fault;
+  MotionKey key;
+  const char* text;
+};
+
+// The gravest first.
+constexpr std::array kMotorFaults = {
+    MotorFaultKind{MotorFault::kTooHot, MotionKey::kMotorTooHot, "too hot"},
+    MotorFaultKind{MotorFault::kOffline, MotionKey::kMotorOffline, "offline"},
+    MotorFaultKind{MotorFault::kOverloaded, MotionKey::kMotorOverLoad, "overloaded"},
+    MotorFaultKind{MotorFault::kOverCurrent, MotionKey::kMotorOverCurrent, "over-current"},
+    MotorFaultKind{MotorFault::kDriver, MotionKey::kMotorError, "driver fault"},
+    MotorFaultKind{MotorFault::kUnderVoltage, MotionKey::kMotorError, "under-voltage"},
+    MotorFaultKind{MotorFault::kOverVoltage, MotionKey::kMotorError, "over-voltage"},
+    MotorFaultKind{MotorFault::kEncoder, MotionKey::kMotorError, "encoder fault"},
+    MotorFaultKind{MotorFault::kOther, MotionKey::kMotorError, "fault"},
+};
+
 constexpr std::array kMeanings = {
     Meaning{MotionCode(KeyCode::kFailed), "a source with higher priority controls the body"},
     Meaning{MotionCode(KeyCode::kStateInvalid), "the state of the machine does not allow it"},
@@ -75,12 +94,33 @@ std::int32_t CodeOfStatus(std::int8_t switch_status) {
 }
 
 std::int32_t CodeOfMotorError(std::int32_t motor_error) {
-  constexpr std::int32_t kTooHot = 1;
-  constexpr std::int32_t kOverLoad = 2;
   if (motor_error == 0) return kCodeOk;
-  if ((motor_error & kTooHot) != 0) return MotionCode(MotionKey::kMotorTooHot);
-  if ((motor_error & kOverLoad) != 0) return MotionCode(MotionKey::kMotorOverLoad);
+  for (const MotorFaultKind& kind : kMotorFaults) {
+    if ((motor_error & static_cast<std::int32_t>(kind.fault)) != 0) return MotionCode(kind.key);
+  }
   return MotionCode(MotionKey::kMotorError);
+}
+
+std::string MotorName(std::size_t motor) {
+  constexpr std::array kLegs = {"front right", "front left", "rear right", "rear left"};
+  constexpr std::array kJoints = {"hip abduction", "hip", "knee"};
+  const std::string number = "motor " + std::to_string(motor);
+  const std::size_t leg = motor / kJoints.size();
+  if (leg >= kLegs.size()) return number;
+  return number + " (" + kLegs.at(leg) + " " + kJoints.at(motor % kJoints.size()) + ")";
+}
+
+std::string MotorFaultText(std::int32_t motor_error) {
+  std::string text;
+  std::int32_t rest = motor_error;
+  const auto add = [&](const std::string& name) { text += (text.empty() ? "" : ", ") + name; };
+  for (const MotorFaultKind& kind : kMotorFaults) {
+    const auto bit = static_cast<std::int32_t>(kind.fault);
+    if ((rest & bit) != 0) add(kind.text);
+    rest &= ~bit;
+  }
+  if (rest != 0) add("error " + std::to_string(rest));
+  return text;
 }
 
 bool IsBodyFault(std::int32_t code) {

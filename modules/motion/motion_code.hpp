@@ -1,6 +1,7 @@
 #pragma once
 // The codes of the motion manager, 3000 and more, and the mapping of the board's status to them.
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -66,8 +67,26 @@ enum class SwitchStatus : std::int8_t {
 // 0 without a fault; an unknown status is an execution error.
 std::int32_t CodeOfStatus(std::int8_t switch_status);
 
-// The code of a motor's BodyState.motor_error, a bit for each fault; 0 without one.
+// The bits of a motor's BodyState.motor_error.
+enum class MotorFault : std::int32_t {
+  kTooHot = 1 << 0,
+  kOverloaded = 1 << 1,
+  kOther = 1 << 2,
+  kOffline = 1 << 3,
+  kOverCurrent = 1 << 4,
+  kDriver = 1 << 5,
+  kUnderVoltage = 1 << 6,
+  kOverVoltage = 1 << 7,
+  kEncoder = 1 << 8,
+};
+
+// The code of a motor's BodyState.motor_error, that of its gravest fault; 0 without one.
 std::int32_t CodeOfMotorError(std::int32_t motor_error);
+
+// "motor 4 (front left hip)": legs FR, FL, RR, RL, each with abduction, hip and knee.
+std::string MotorName(std::size_t motor);
+// "too hot, driver"; "" without a fault.
+std::string MotorFaultText(std::int32_t motor_error);
 
 // Whether a code is a fault of the body or its board, and not of a command.
 bool IsBodyFault(std::int32_t code);

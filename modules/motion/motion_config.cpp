@@ -1,5 +1,7 @@
 #include "musher/modules/motion/motion_config.hpp"
 
+#include <arpa/inet.h>
+
 #include <array>
 #include <filesystem>
 #include <utility>
@@ -8,6 +10,7 @@
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/toml/rows.hpp"
+#include "musher/transport/lcm_packet.hpp"
 
 namespace musher::motion {
 namespace {
@@ -41,6 +44,41 @@ Rows PriorityRows(Priorities& priorities) {
   return rows;
 }
 
+// An LCM url, with the reader's position where it is wrong.
+config_toml::Row UrlRow(const char* key, std::string& url) {
+  return [key, &url](TableReader& reader) {
+    row::Text(key, url)(reader);
+    const auto parsed = transport::ReadLcmUrl(url);
+    if (!parsed) reader.Fault(reader.At(key), key, parsed.error().message);
+  };
+}
+
+// An IPv4 address; "": any.
+config_toml::Row AddressRow(const char* key, std::string& address) {
+  return [key, &address](TableReader& reader) {
+    row::Text(key, address)(reader);
+    in_addr parsed{};
+    if (address.empty() || inet_pton(AF_INET, address.c_str(), &parsed) == 1) return;
+    reader.Fault(reader.At(key), key, "expected an IPv4 address, such as \"192.168.44.233\"");
+  };
+}
+
+Rows BoardRows(MotionConfig& config) {
+  constexpr int kMostTtl = 255;
+  LcmConfig& lcm = config.lcm;
+  return {
+      row::Choice("kind", config.board, {{"topic", BoardKind::kTopic}, {"lcm", BoardKind::kLcm}}),
+      UrlRow("command_url", lcm.command_url),
+      UrlRow("response_url", lcm.response_url),
+      UrlRow("localization_url", lcm.localization_url),
+      row::Text("interface", lcm.network_interface),
+      AddressRow("board", lcm.board),
+      row::Integer("ttl", lcm.ttl, 0, kMostTtl),
+      row::Time("wait_ms", config.board_wait),
+      row::Time("silent_ms", config.board_silent),
+      row::Time("feedback_ms", config.board_feedback)};
+}
+
 MotionConfig Read(const Table& table, const std::string& path, Findings& findings) {
   MotionConfig config;
   const std::filesystem::path folder = config_toml::FolderOf(path);
@@ -48,9 +86,7 @@ MotionConfig Read(const Table& table, const std::string& path, Findings& finding
   TableReader root(table, {1, 1}, "", findings);
   ReadRows(root, {row::File("motions", config.motions, folder),
                   row::Sub("priority", PriorityRows(config.priorities)),
-                  row::Sub("board", {row::Time("wait_ms", config.board_wait),
-                                     row::Time("silent_ms", config.board_silent),
-                                     row::Time("feedback_ms", config.board_feedback)})});
+                  row::Sub("board", BoardRows(config))});
   return config;
 }
 

@@ -12,9 +12,27 @@
 
 namespace musher::motion {
 
+enum class BoardKind {
+  kTopic,  // world/body_command and world/body_state: a simulated body
+  kLcm,    // a motion board on LCM, as that of a CyberDog 2
+};
+
+struct LcmConfig {
+  std::string command_url = "udpm://239.255.76.67:7671";
+  std::string response_url = "udpm://239.255.76.67:7670";
+  std::string localization_url = "udpm://239.255.76.67:7667";
+  std::string network_interface;  // to the board; empty: that of the route
+  int ttl = 1;                    // of commands; 0: to a board on this computer
+  std::string board;              // its IPv4 address; empty: the first host that responds
+
+  friend bool operator==(const LcmConfig&, const LcmConfig&) = default;
+};
+
 struct MotionConfig {
   std::string motions;  // the file of the motion id table, absolute
   Priorities priorities = DefaultPriorities();
+  BoardKind board = BoardKind::kTopic;
+  LcmConfig lcm;
   Duration board_wait = Milliseconds(10'000);   // how long SetUp waits for the first report
   Duration board_silent = Milliseconds(500);    // timeout without a report
   Duration board_feedback = Milliseconds(200);  // within which a command must be taken

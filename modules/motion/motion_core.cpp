@@ -48,14 +48,19 @@ class Decision {
   void Take(const motion_event::Opened& event);
   void Take(const motion_event::EmergencyStop& event);
   void Take(const motion_event::WorldRestarted& event);
+  void Take(const motion_event::BoardRestarted& event);
+  void Take(const motion_event::BoardHeld& event);
+  void Take(const motion_event::BoardFault& event);
   void Take(const motion_event::TimePassed& event);
 
   MotionActions Actions() && { return std::move(actions_); }
 
  private:
   bool LooksAgain();
+  void ForgetBody();
 
   // Checks.
+  Result<> CheckBoard() const;
   Result<> MayRun(const Motion& motion, const std::string& capability) const;
   Result<> CheckRequest(const MotionRequest& requested) const;
   Result<> CheckPlay(const motion_event::PlayArrived& event) const;
@@ -78,6 +83,7 @@ class Decision {
   void BeginMotion();
   std::vector<std::int32_t> WayTo(const Motion& motion) const;
   std::int32_t CodeOfRefusal() const;
+  std::string TextOfRefusal(std::int32_t code) const;
   void AdvanceJob(bool time_passed);
   bool AdvanceWait(bool time_passed);
   void EndMotion();
@@ -165,6 +171,15 @@ Result<> Decision::CheckPlay(const motion_event::PlayArrived& event) const {
         core_.servo
             ? "the body is controlled by servo commands of " + SourceName(core_.servo->source)
             : "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
+  }
+  return CheckBoard();
+}
+
+// Whether the board can be commanded.
+Result<> Decision::CheckBoard() const {
+  if (!core_.board_held_by.empty()) {
+    return Error{MotionCode(KeyCode::kTargetBusy),
+                 "another program commands the motion board: " + core_.board_held_by};
   }
   if (core_.BoardSilent()) {
     return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
@@ -264,11 +279,45 @@ void Decision::Take(const motion_event::EmergencyStop&) {
 void Decision::Take(const motion_event::WorldRestarted&) {
   if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world was restarted");
   core_.servo.reset();
+  core_.logged.clear();
+  ForgetBody();
+}
+
+void Decision::ForgetBody() {
   core_.body.reset();
   core_.second_look.reset();
-  core_.logged.clear();
   Quiet();
   core_.link.sent_at = Time::min();
+}
+
+void Decision::Take(const motion_event::BoardRestarted&) {
+  const std::int32_t code = MotionCode(Key::kBoardSilent);
+  const bool stops = core_.job && core_.job->motion_id == kEmergencyStop;
+  core_.interrupted_stream = now_;  // also one that was refused while the board was silent
+  if (core_.servo) {
+    core_.servo.reset();
+    actions_.emplace_back(
+        motion_action::ServoResponse{kNoMotion, core_.servo_commands, -1, -1, false, code});
+  }
+  if (stops) return;  // which goes on until the board has taken it
+  if (core_.job) DropJob(code, "the motion board has restarted");
+  ForgetBody();
+}
+
+void Decision::Take(const motion_event::BoardHeld& event) {
+  core_.board_held_by = event.by;
+  if (event.by.empty()) return;
+  const std::string why = "another program commands the motion board: " + event.by;
+  if (core_.servo) StopServo(why);
+  if (!core_.job || core_.job->own) return;
+  const JobMotion motion = core_.job->todo.front();
+  DropJob(MotionCode(KeyCode::kTargetBusy), why);
+  if (rules_.table.Find(motion.command.id)->limit) Stand(motion.command);
+}
+
+void Decision::Take(const motion_event::BoardFault& event) {
+  actions_.emplace_back(motion_action::Log{event.text + " (" + std::to_string(event.code) + ")"});
+  if (IsBodyFault(event.code)) actions_.emplace_back(motion_action::ReportError{event.code});
 }
 
 void Decision::Take(const motion_event::TimePassed&) {
@@ -393,8 +442,9 @@ void Decision::Log(std::int32_t code, const std::string& text) {
 void Decision::ReportMotors(const BodyReport& before) {
   const auto& errors = core_.body->motor_error;
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    const std::int32_t code = CodeOfMotorError(errors.at(i) & ~before.motor_error.at(i));
-    if (code != kCodeOk) Log(code, "motor " + std::to_string(i) + ": " + MotionCodeText(code));
+    const std::int32_t added = errors.at(i) & ~before.motor_error.at(i);
+    const std::int32_t code = CodeOfMotorError(added);
+    if (code != kCodeOk) Log(code, MotorName(i) + ": " + MotorFaultText(added));
   }
 }
 
@@ -410,7 +460,10 @@ void Decision::ReportEmergencyStop() {
 
 void Decision::Take(const motion_event::ServoArrived& event) {
   const ServoCommand& command = event.command;
+  // Whichever source it is of: the body has one stream at a time.
+  const auto interrupted = std::exchange(core_.interrupted_stream, std::nullopt);
   if (command.type == ServoCommand::kEnd) return EndServo(command);
+  if (interrupted && now_ - *interrupted < kServoWatchdog) core_.interrupted_stream = now_;
   if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
   FollowServo(command, *rules_.table.Find(command.requested.id));
 }
@@ -440,10 +493,11 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
     return Error{MotionCode(KeyCode::kTargetBusy),
                  "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
   }
-  if (!core_.servo && core_.BoardSilent()) {
-    return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
+  if (core_.interrupted_stream) {
+    return Error{MotionCode(Key::kBoardSilent),
+                 "the motion board has restarted; end the stream, or pause it for 200 ms"};
   }
-  return Ok();
+  return core_.servo ? Ok() : CheckBoard();
 }
 
 Result<> Decision::CheckPriority(const ServoCommand& command) const {
@@ -649,6 +703,13 @@ std::int32_t Decision::CodeOfRefusal() const {
   return code != kCodeOk ? code : MotionCode(Key::kBoardSilent);
 }
 
+std::string Decision::TextOfRefusal(std::int32_t code) const {
+  if (code != MotionCode(Key::kBoardSilent) || core_.BoardSilent()) return MotionCodeText(code);
+  return "the motion board has not taken it within " +
+         std::to_string(ToMilliseconds(rules_.config.board_feedback)) + " ms; it reports mode " +
+         std::to_string(core_.body->mode) + ", gait " + std::to_string(core_.body->gait);
+}
+
 // A report of the board does not end a wait: a newer one may be queued behind it.
 void Decision::AdvanceJob(bool time_passed) {
   while (core_.job && AdvanceWait(time_passed)) {
@@ -679,7 +740,10 @@ bool Decision::AdvanceWait(bool time_passed) {
   }
   if (job.wait == Job::Wait::kFeedback) {
     if (Taken()) return go_on(Job::Wait::kSettle, kSettleTime);
-    return over && fail(CodeOfRefusal());
+    if (!over) return false;
+    const std::int32_t code = CodeOfRefusal();
+    FailMotion(code, TextOfRefusal(code));
+    return true;
   }
   if (job.wait == Job::Wait::kSettle) {
     return over && go_on(Job::Wait::kTransition, kTransitionTime);
@@ -768,7 +832,8 @@ bool Decision::Lies() const {
   const Motion* present = Present();
   if (present == nullptr || core_.BoardSilent()) return false;
   if (present->id == kEmergencyStop) return true;
-  return present->id == kGetDown && core_.body->bar > kDoneBar;
+  const bool is_down = present->id == kGetDown || present->id == kPassiveGetDown;
+  return is_down && core_.body->bar > kDoneBar;
 }
 
 // --- interface ---

@@ -113,6 +113,18 @@ struct Opened {};
 struct EmergencyStop {};
 // The world and its time started again: what was known of the body is void.
 struct WorldRestarted {};
+// The board was switched off and on: what it was commanded is void. A servo stream has to end, or
+// to pause, before the body follows it again.
+struct BoardRestarted {};
+// Another program commands the board; "": no longer.
+struct BoardHeld {
+  std::string by;
+};
+// The link to the board has one; it reports each of them rarely.
+struct BoardFault {
+  std::int32_t code = 0;
+  std::string text;
+};
 struct TimePassed {};
 }  // namespace motion_event
 
@@ -120,6 +132,7 @@ using MotionEvent =
     std::variant<motion_event::BoardReported, motion_event::ServoArrived, motion_event::PlayArrived,
                  motion_event::LieDown, motion_event::Cancelled, motion_event::Closed,
                  motion_event::Opened, motion_event::EmergencyStop, motion_event::WorldRestarted,
+                 motion_event::BoardRestarted, motion_event::BoardHeld, motion_event::BoardFault,
                  motion_event::TimePassed>;
 
 namespace motion_action {
@@ -215,7 +228,10 @@ struct BoardLink {
 struct MotionCore {
   std::optional<BodyReport> body;
   Time body_reported_at{};
-  bool board_silent = false;        // since its last report
+  bool board_silent = false;  // since its last report
+  std::string board_held_by;  // another program that commands the board; "": none
+  // The last frame of a servo stream that the board's restart has interrupted.
+  std::optional<Time> interrupted_stream;
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted
   bool emergency_stop = false;                          // the latch

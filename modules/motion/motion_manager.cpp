@@ -5,6 +5,7 @@
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/cyberdog/codes/module_codes.hpp"
+#include "musher/modules/motion/lcm_backend.hpp"
 #include "musher/modules/motion/topic_backend.hpp"
 
 namespace musher::motion {
@@ -30,7 +31,6 @@ MotionManager::~MotionManager() {
 }
 
 void MotionManager::OnEmergencyStop() {
-  stopped_ = true;
   if (shell_) shell_->Do(motion_event::EmergencyStop{});
 }
 
@@ -71,23 +71,50 @@ Result<> MotionManager::OpenShell() {
          return Allowed(capability, cyberdog::module_code::kMotionManager);
        },
        [this](const std::string& text) { Log(text); }, name()},
-      [&](MotionBackend::OnBody on_body) -> Result<std::unique_ptr<MotionBackend>> {
-        auto backend = TopicBackend::Make(node, name_space, std::move(on_body));
-        if (!backend) return backend.error();
-        return std::unique_ptr<MotionBackend>(std::move(backend).value());
-      });
+      [this](MotionBackend::OnBody on_body) { return MakeBackend(std::move(on_body)); });
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
-  if (stopped_) shell_->Do(motion_event::EmergencyStop{});
+  if (EmergencyStopped()) shell_->Do(motion_event::EmergencyStop{});
   return Ok();
+}
+
+Result<std::unique_ptr<MotionBackend>> MotionManager::MakeBackend(MotionBackend::OnBody on_body) {
+  if (config_.board == BoardKind::kLcm) return MakeLcmBackend(std::move(on_body));
+  auto backend = TopicBackend::Make(loop_->node(), machine_config().name_space, std::move(on_body));
+  if (!backend) return backend.error();
+  return std::unique_ptr<MotionBackend>(std::move(backend).value());
+}
+
+// The shell exists when the events come: they come from the loop, which makes it now.
+Result<std::unique_ptr<MotionBackend>> MotionManager::MakeLcmBackend(
+    MotionBackend::OnBody on_body) {
+  LcmBackend::Events events;
+  events.on_body = std::move(on_body);
+  events.on_restart = [this] {
+    if (shell_) shell_->Do(motion_event::BoardRestarted{});
+  };
+  events.on_held = [this](const std::string& other) {
+    if (shell_) shell_->Do(motion_event::BoardHeld{other});
+  };
+  events.on_fault = [this](std::int32_t code, const std::string& text) {
+    if (shell_) shell_->Do(motion_event::BoardFault{code, text});
+  };
+  auto backend = LcmBackend::Make(loop_->node().loop(), *clock_, config_, std::move(events));
+  if (!backend) return backend.error();
+  Log("the motion board is expected on " + backend.value()->Source());
+  return std::unique_ptr<MotionBackend>(std::move(backend).value());
 }
 
 // The body may be switched on a little later than this module.
 Result<> MotionManager::AwaitBody() {
   const auto reported = std::make_shared<bool>(false);
-  OnLoop([&](MotionShell& shell) { shell.OnNextReport([reported] { *reported = true; }); });
+  std::string source;
+  OnLoop([&](MotionShell& shell) {
+    source = shell.board();
+    shell.OnNextReport([reported] { *reported = true; });
+  });
   const Error silent{MotionCode(MotionKey::kBoardSilent),
-                     "the motion board is silent: no report on world/body_state within " +
+                     "the motion board is silent: no report on " + source + " within " +
                          std::to_string(ToMilliseconds(config_.board_wait)) + " ms"};
   return program::AwaitOnLoop(
       *loop_, config_.board_wait, [&] { return *reported ? Ok() : Result<>(silent); },

@@ -37,6 +37,8 @@ class MotionManager : public MachineActuator {
   Result<> Run(const State& state);
   Result<> SetUp();
   Result<> OpenShell();
+  Result<std::unique_ptr<MotionBackend>> MakeBackend(MotionBackend::OnBody on_body);
+  Result<std::unique_ptr<MotionBackend>> MakeLcmBackend(MotionBackend::OnBody on_body);
   Result<> AwaitBody();
   Result<> SelfCheck();
   Result<> Open();
@@ -50,7 +52,6 @@ class MotionManager : public MachineActuator {
   const MotionTable table_;
   std::shared_ptr<transport::NodeThread> loop_;  // keeps the loop until the shell is dropped
   // On the loop only.
-  bool stopped_ = false;  // an emergency stop was received, maybe before the shell exists
   std::unique_ptr<transport::Clock> clock_;
   std::unique_ptr<MotionShell> shell_;
 };

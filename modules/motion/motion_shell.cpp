@@ -84,9 +84,11 @@ void MotionShell::OpenServices() {
 
 void MotionShell::OnBody(const BodyState& body) {
   Do(motion_event::BoardReported{body.report});
-  // No caller to report a failure to; the next one follows in 20 ms.
-  static_cast<void>(odometry_->Publish(OdometryOf(body.motion)));
-  static_cast<void>(imu_->Publish(ImuOf(body.motion)));
+  if (body.has_new_motion) {
+    // No caller to report a failure to; the next one follows in 20 ms.
+    static_cast<void>(odometry_->Publish(OdometryOf(body.motion)));
+    static_cast<void>(imu_->Publish(ImuOf(body.motion)));
+  }
   for (const auto& then : std::exchange(next_report_callbacks_, {})) then();
 }
 
@@ -112,14 +114,17 @@ RequestToken MotionShell::LieDown(std::int32_t id, int tries, OnAnswer on_answer
 Result<> MotionShell::Check() const {
   const std::int32_t failed = MotionCode(KeyCode::kSelfCheckFailed);
   if (core_.BoardSilent()) {
-    return Error{failed, "the motion board is silent: no report on " +
-                             transport::ResolveName(dependencies_.name_space, "world/body_state")};
+    return Error{failed, "the motion board is silent: no report on " + backend_->Source()};
+  }
+  if (!core_.board_held_by.empty()) {
+    return Error{failed, "another program commands the motion board: " + core_.board_held_by +
+                             "; close the app or the other motion manager"};
   }
   const auto& errors = core_.body->motor_error;
   const auto bad = std::find_if(errors.begin(), errors.end(), [](auto e) { return e != 0; });
   if (bad != errors.end()) {
-    return Error{failed, "motor " + std::to_string(bad - errors.begin()) + " reports error " +
-                             std::to_string(*bad)};
+    return Error{failed, MotorName(static_cast<std::size_t>(bad - errors.begin())) +
+                             " reports: " + MotorFaultText(*bad)};
   }
   return Ok();
 }

@@ -52,6 +52,8 @@ class MotionShell {
   }
 
   const MotionCore& core() const { return core_; }
+  // Where the board's reports come from, in messages.
+  std::string board() const { return backend_->Source(); }
   // The result of SelfCheck: the board reports, and no motor has an error.
   Result<> Check() const;
 

@@ -145,6 +145,7 @@ msg::Imu ImuOf(const BodyMotion& motion) {
   imu.orientation = Turn(motion.X_OB);
   imu.angular_velocity = ToWire(motion.w_B);
   imu.linear_acceleration = ToWire(motion.a_B);
+  if (!motion.has_acceleration) imu.linear_acceleration_covariance[0] = -1;  // no such reading
   return imu;
 }
 

@@ -18,11 +18,14 @@ class TopicBackend : public MotionBackend {
                                                     const std::string& name_space, OnBody on_body);
 
   void Send(const BodyCommand& command) override;
+  std::string Source() const override { return source_; }
 
  private:
   TopicBackend(transport::Node& node, const std::string& name_space)
-      : endpoints_(node, name_space) {}
+      : source_(transport::ResolveName(name_space, "world/body_state")),
+        endpoints_(node, name_space) {}
 
+  const std::string source_;
   transport::Endpoints endpoints_;
   transport::Publisher<msg::MotionCustomCommand>* commands_ = nullptr;
 };

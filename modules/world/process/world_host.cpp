@@ -50,6 +50,11 @@ Result<> WorldHost::Connect() {
   Publish();
   if (Result<> made = MakeCameras(); !made) return made;
   if (world_.scene().lockstep) ListenToFollowers();
+  if (world_.scene().has_body && world_.scene().motion_board.lcm) {
+    auto board = WorldBoard::Open(node_.loop(), world_, options_.log);
+    if (!board) return board.error();
+    board_ = std::move(board).value();
+  }
   Listen();
   Serve();
   return endpoints_.opened();
@@ -68,6 +73,7 @@ void WorldHost::Publish() {
   show_ = std::make_unique<WorldShow>(endpoints_, world_, options_.log);
   robots_ = std::make_unique<WorldRobots>(endpoints_, world_, options_.log);
   field_ = std::make_unique<WorldField>(endpoints_, world_, options_.log);
+  frames_ = std::make_unique<WorldFrames>(endpoints_, world_, *robots_);
 }
 
 Result<> WorldHost::MakeCameras() {
@@ -79,11 +85,14 @@ Result<> WorldHost::MakeCameras() {
 }
 
 void WorldHost::Listen() {
-  endpoints_.Subscribe<msg::MotionCustomCommand>("world/body_command", [this](const auto& message) {
-    const auto command = FromMessage(message);
-    Log(command ? world_.Command(command.value())
-                : "a body command is refused: " + command.error().message);
-  });
+  if (!board_) {
+    endpoints_.Subscribe<msg::MotionCustomCommand>(
+        "world/body_command", [this](const auto& message) {
+          const auto command = FromMessage(message);
+          Log(command ? world_.Command(command.value())
+                      : "a body command is refused: " + command.error().message);
+        });
+  }
   endpoints_.Subscribe<msg::Float32>(
       "world/set_battery", [this](const auto& message) { Log(world_.SetBattery(message.data)); });
   endpoints_.Subscribe<msg::Int32>("world/press",
@@ -192,6 +201,7 @@ void WorldHost::OnStep() {
   if (world_.scene().has_body) PublishBody();
   robots_->OnStep();
   field_->OnStep();
+  frames_->OnStep();
   show_->OnStep();
   cameras_->OnStep(world_);
   for (const int touch : outputs.touches) Touch(touch);
@@ -207,6 +217,7 @@ void WorldHost::PublishBody() {
   if (world_.now() % kBatteryPeriod < kStep || world_.now() == kStep) {
     static_cast<void>(battery_->Publish(ToBatteryState(world_)));
   }
+  if (board_) board_->OnStep();
   sensors_->OnStep(world_);
 }
 

@@ -2,7 +2,8 @@
 // A world on the network: steps at the pace of its scene, publishes and subscribes.
 //
 //   clock                  every step, in any namespace
-//   world/body_state       every step          world/body_command    commands of the body
+//   world/body_state       every step          world/body_command    commands of the body, unless
+//                                              they come on LCM (world_board.hpp)
 //   world/battery          once a second       world/set_battery     in %
 //   world/touch            when it happens     world/press           a finger on the robot
 //   world/charge           cable in, or out    world/place           puts the body there
@@ -10,6 +11,7 @@
 //   world/referee, referee_json, the same      world/show, hide: a ball by its name
 //   world/scan, ultrasonic, tof/..., gps: see world_sensors.hpp; of humanoids: world_show.hpp
 //   <robot>/odom, cmd_vel, scan and so on: see world_robots.hpp
+//   robot_description, joint_states, /tf, /tf_static: see world_frames.hpp
 //   of a competition field: see world_field.hpp
 //   musher/machine_status  of the controller, for the picture
 //
@@ -28,8 +30,10 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/world/process/followers.hpp"
 #include "musher/modules/world/process/pacer.hpp"
+#include "musher/modules/world/process/world_board.hpp"
 #include "musher/modules/world/process/world_cameras.hpp"
 #include "musher/modules/world/process/world_field.hpp"
+#include "musher/modules/world/process/world_frames.hpp"
 #include "musher/modules/world/process/world_robots.hpp"
 #include "musher/modules/world/process/world_sensors.hpp"
 #include "musher/modules/world/process/world_show.hpp"
@@ -96,11 +100,13 @@ class WorldHost {
   transport::Publisher<msg::BodyState>* body_state_ = nullptr;
   transport::Publisher<msg::BatteryState>* battery_ = nullptr;
   transport::Publisher<msg::Int32>* touch_ = nullptr;
+  std::unique_ptr<WorldBoard> board_;  // null: world/body_command is it
   std::unique_ptr<WorldSensors> sensors_;
   std::unique_ptr<WorldCameras> cameras_;
   std::unique_ptr<WorldShow> show_;
   std::unique_ptr<WorldRobots> robots_;
   std::unique_ptr<WorldField> field_;
+  std::unique_ptr<WorldFrames> frames_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for callbacks from other threads
   transport::Endpoints endpoints_;                              // last: its callbacks use the rest
 };

@@ -55,6 +55,9 @@ class WorldRobots {
   // After each step of the world.
   void OnStep();
 
+  // Where a robot is by its odometry, with its fault.
+  msg::Odometry OdometryOf(std::size_t robot);
+
  private:
   struct Outlet {
     transport::Publisher<msg::Odometry>* odometry = nullptr;
@@ -71,7 +74,6 @@ class WorldRobots {
   void OpenMaps(transport::Endpoints& endpoints);
   void PublishMaps(bool with_objects);
   void SetOdometry(std::size_t robot, const std::string& text);
-  msg::Odometry OdometryOf(std::size_t robot);
   void Drive(std::size_t robot, const BodyVelocity& velocity);
   // Logs the line, if there is one.
   void Log(const std::optional<std::string>& line) const;

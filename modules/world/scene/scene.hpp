@@ -207,6 +207,16 @@ struct Picture {
   Way way = Way::kState;
 };
 
+// How the body's motion board is reached, beside world/body_state.
+struct BoardSpec {
+  bool lcm = false;  // false: by world/body_command; true: on LCM, as that of a CyberDog 2
+  std::string command_url = "udpm://239.255.76.67:7671";
+  std::string response_url = "udpm://239.255.76.67:7670";
+  std::string localization_url = "udpm://239.255.76.67:7667";
+  std::string network_interface;  // empty: that of the route
+  int ttl = 0;                    // 0: on this computer only
+};
+
 struct Scene {
   std::string name;
   std::uint64_t seed = 1;
@@ -219,6 +229,7 @@ struct Scene {
   Pose2 start;
   bool start_standing = false;
   BodySpec body;
+  BoardSpec motion_board;
   BatterySpec battery;
   Picture picture;
   std::vector<Box> boxes;

@@ -21,6 +21,7 @@
 #include "musher/modules/world/scene_file/scene_robots.hpp"
 #include "musher/modules/world/scene_file/scene_sensors.hpp"
 #include "musher/modules/world/scene_file/scene_things.hpp"
+#include "musher/transport/lcm_packet.hpp"
 
 namespace musher::world {
 namespace {
@@ -59,11 +60,11 @@ class Reader {
     scene_.sampled = choices.sampled();
     Variation by;
     placed_.push_back({scene_.start, {1, 1}, "start"});
-    keys::ReadSome(root,
-                   {row::Number("speed", scene_.speed, kLeastSpeed, kMostSpeed),
-                    row::Bool("lockstep", scene_.lockstep), row::Sub("place", PlaceRows()),
-                    row::Sub("body", BodyRows()), row::Sub("battery", BatteryRows(scene_.battery)),
-                    row::Sub("picture", PictureRows()), row::Sub("start", StartRows())});
+    keys::ReadSome(root, {row::Number("speed", scene_.speed, kLeastSpeed, kMostSpeed),
+                          row::Bool("lockstep", scene_.lockstep), row::Sub("place", PlaceRows()),
+                          row::Sub("body", BodyRows()), row::Sub("motion_board", MotionBoardRows()),
+                          row::Sub("battery", BatteryRows(scene_.battery)),
+                          row::Sub("picture", PictureRows()), row::Sub("start", StartRows())});
     ReadThings(root, folder, choices, findings_, scene_);
     scene_.humanoid = ReadHumanoid(root, folder);
     ReadViews(root, folder, findings_, scene_);
@@ -117,6 +118,25 @@ class Reader {
             row::Bool("standing", scene_.start_standing), [this](TableReader& reader) {
               placed_.back() = {scene_.start, reader.at(), "start"};
             }};
+  }
+
+  Rows MotionBoardRows() {
+    constexpr int kMostTtl = 255;
+    BoardSpec& board = scene_.motion_board;
+    return {row::Choice("kind", board.lcm, {{"topic", false}, {"lcm", true}}),
+            LcmUrlRow("command_url", board.command_url),
+            LcmUrlRow("response_url", board.response_url),
+            LcmUrlRow("localization_url", board.localization_url),
+            row::Text("interface", board.network_interface),
+            row::Integer("ttl", board.ttl, 0, kMostTtl)};
+  }
+
+  static Row LcmUrlRow(const char* key, std::string& url) {
+    return [key, &url](TableReader& reader) {
+      row::Text(key, url)(reader);
+      const auto parsed = transport::ReadLcmUrl(url);
+      if (!parsed) reader.Fault(reader.At(key), key, parsed.error().message);
+    };
   }
 
   Rows BodyRows() {

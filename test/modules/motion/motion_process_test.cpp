@@ -3,7 +3,12 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <cstdlib>
 
+#include "musher/actuator/callback_harness.hpp"
+#include "musher/actuator/program/await.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/modules/motion/motion_manager.hpp"
 #include "musher/test/modules/motion/harness.hpp"
 #include "musher/test/modules/motion/robot_rig.hpp"
 #include "musher/test/support/domain.hpp"
@@ -139,6 +144,66 @@ TEST(MotionTool, ReportsThatThereIsNoMotionManager) {
       RunProgram("musher-motion", {"--namespace", "nowhere_at_all", "--domain", domain, "status"});
   EXPECT_EQ(ran.exit, 1);
   EXPECT_THAT(ran.out, HasSubstr("no motion manager in namespace 'nowhere_at_all'"));
+}
+
+// The class of the motion manager over DDS, without a machine, and a body that stands.
+class MotionManagerSetUp : public ::testing::Test {
+ protected:
+  MotionManagerSetUp() {
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+    node_ = transport::NodeThread::Start().value();
+    node_->RunOnLoop([&] {
+      board_ = std::make_unique<TopicBoard>(node_->node());
+      board_->board.report.mode = TheTable().Find(kRecoveryStand)->mode;
+      board_->board.report.bar = 100;
+    });
+    config_.board_silent = std::chrono::seconds(5);
+    config_.board_feedback = std::chrono::seconds(2);
+    manager_ = std::make_unique<MotionManager>("motion_manager", config_, TheTable());
+    harness_ = std::make_unique<CallbackHarness>(*manager_);
+  }
+  ~MotionManagerSetUp() override {
+    harness_.reset();
+    manager_.reset();
+    node_->RunOnLoop([&] { board_.reset(); });
+  }
+  void SetUp() override {
+    const musher::ConfigReading robot =
+        musher::ReadConfigFile(SourceDir() + "/config/cyberdog2.toml");
+    ASSERT_TRUE(robot.config);
+    ASSERT_TRUE(harness_->Adopt(*robot.config));
+    harness_->SetNode(node_);
+  }
+  bool AwaitMode(int mode) {
+    const Error another{kCodeTimeout, "the body is in another mode"};
+    return program::AwaitOnLoop(
+               *node_, std::chrono::seconds(20),
+               [&] { return board_->board.report.mode == mode ? Ok() : Result<>(another); },
+               [] { return false; })
+        .ok();
+  }
+
+  std::shared_ptr<transport::NodeThread> node_;
+  std::unique_ptr<TopicBoard> board_;
+  MotionConfig config_;
+  std::unique_ptr<MotionManager> manager_;
+  std::unique_ptr<CallbackHarness> harness_;
+};
+
+TEST_F(MotionManagerSetUp, LetsABodyStandAfterAnEmergencyStopThatWasReleasedBefore) {
+  ASSERT_TRUE(harness_->EmergencyStop());  // and released
+  ASSERT_TRUE(harness_->Run(kSetUp));
+  EXPECT_TRUE(harness_->Run(kLowPower)) << "it is not stopped";
+  EXPECT_TRUE(AwaitMode(kLying));
+}
+
+TEST_F(MotionManagerSetUp, StopsTheBodyDuringAnEmergencyStop) {
+  ActuatorReport report;
+  report.emergency_stop = 1;
+  harness_->SetReport(report);
+  ASSERT_TRUE(harness_->EmergencyStop());
+  ASSERT_TRUE(harness_->Run(kSetUp));
+  EXPECT_TRUE(AwaitMode(0));
 }
 
 }  // namespace musher::motion::testing::motion_process_test

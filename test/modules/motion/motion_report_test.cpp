@@ -43,7 +43,7 @@ TEST(MotionReport, ReportsAHotAndAnOverloadedMotorOnce) {
   harness.RunFor(std::chrono::seconds(1));
   EXPECT_THAT(harness.reported, ElementsAre(3033, 3034, 3055));
   EXPECT_THAT(harness.log,
-              Contains(HasSubstr("motor 3: a motor reports that it is too hot (3033)")));
+              Contains(HasSubstr("motor 3 (front left hip abduction): too hot (3033)")));
 }
 
 TEST(MotionReport, ReportsAnEmergencyStopAs3088OnceInThreeMinutes) {

@@ -273,6 +273,25 @@ TEST(MotionServo, DoesNotTreatABoardAsSilentWhoseReportsAreQueued) {
   EXPECT_EQ(harness.ServoCode(), 3035) << "but this one was silent";
 }
 
+// Its frames were refused while the board was silent, so no servo motion was running.
+TEST(MotionServo, WaitsForAPauseOfTheStreamAfterARestartOfTheBoard) {
+  Harness harness;
+  harness.board.silent = true;
+  harness.RunFor(Milliseconds(700));
+  harness.Stream(303, Milliseconds(3000));
+  EXPECT_EQ(harness.ServoCode(), 3035);
+  harness.Do(motion_event::BoardRestarted{});
+  harness.board.silent = false;
+  harness.RunFor(Milliseconds(100));
+  harness.sent.clear();
+  harness.Stream(303, Milliseconds(3000));
+  EXPECT_THAT(harness.sent, IsEmpty());
+  EXPECT_EQ(harness.ServoCode(), 3035);
+  harness.RunFor(Milliseconds(250));
+  harness.Servo(303);
+  EXPECT_FALSE(harness.sent.empty()) << "a new stream";
+}
+
 TEST(MotionServo, PublishesTheBoardsFeedbackPeriodically) {
   Harness harness;
   harness.Stream(303, Milliseconds(1000));

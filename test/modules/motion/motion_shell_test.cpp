@@ -259,7 +259,8 @@ TEST_F(MotionShellTest, ChecksThatTheBoardReportsAndNoMotorHasAnError) {
   board_.board.report.motor_error[7] = 13;
   network_.RunFor(Milliseconds(100));
   EXPECT_EQ(shell_->Check().error().code, 3009);
-  EXPECT_THAT(shell_->Check().error().message, HasSubstr("motor 7 reports error 13"));
+  EXPECT_THAT(shell_->Check().error().message,
+              HasSubstr("motor 7 (rear right hip) reports: too hot, offline, fault"));
   board_.board.silent = true;
   network_.RunFor(Milliseconds(600));
   EXPECT_THAT(shell_->Check().error().message, HasSubstr("silent"));

@@ -158,7 +158,7 @@ TEST(MotionLieDown, TakesTheBodyDownFromStanding) {
 }
 
 TEST(MotionLieDown, DoesNothingWhereTheBodyLiesAlready) {
-  for (const std::int32_t lying : {kEmergencyStop, kGetDown}) {
+  for (const std::int32_t lying : {kEmergencyStop, kGetDown, kPassiveGetDown}) {
     Harness harness;
     harness.Body(lying);
     EXPECT_EQ(harness.CodeOf(harness.LieDown(kPassiveGetDown, 0)), kCodeOk);

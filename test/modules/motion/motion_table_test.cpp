@@ -102,6 +102,26 @@ TEST(MotionTable, GivesTheFlipsACapabilityOfTheirOwn) {
   }
 }
 
+// What is not declared is allowed in Active.
+TEST(MotionTable, HasNoFlipJumpDanceOrTrickThatTheConfigOfTheCyberDog2Allows) {
+  const musher::ConfigReading robot =
+      musher::ReadConfigFile(SourceDir() + "/config/cyberdog2.toml");
+  ASSERT_TRUE(robot.config);
+  const std::set<std::string> plain = {"",     "get_down",  "stand",     "stand_on_ground",
+                                       "pose", "body_pose", "timed_walk"};
+  CapabilityView view;
+  view.actuator = "motion_manager";
+  view.battery = 100;
+  for (const Motion& motion : TheTable().motions()) {
+    const auto may = [&](const char* state) {
+      view.state = state;
+      return EvaluateCapability(*robot.config, motion.capability, view).ok();
+    };
+    EXPECT_EQ(may("Active"), plain.contains(motion.capability)) << motion.id;
+    EXPECT_TRUE(!may("Protected") || plain.contains(motion.capability)) << motion.id;
+  }
+}
+
 // The robot's state config permits in Protected the same as CyberDog's rules: to stand, to lie,
 // the plain pose as result commands, and walking by servo.
 TEST(MotionTable, AllowsInProtectedTheMotionsForALowBattery) {
@@ -217,6 +237,35 @@ TEST(MotionConfigFile, TakesAllItsKeys) {
   EXPECT_EQ(reading.config->board_wait, Milliseconds(1));
   EXPECT_EQ(reading.config->board_silent, Milliseconds(2));
   EXPECT_EQ(reading.config->board_feedback, Milliseconds(3));
+}
+
+TEST(MotionConfigFile, TakesTheKeysOfABoardOnLcm) {
+  const ConfigReading reading = ReadMotionConfigText(
+      "[board]\nkind = \"lcm\"\ncommand_url = \"udpm://239.1.2.3:1\"\n"
+      "response_url = \"udpm://239.1.2.3:2?ttl=0\"\nlocalization_url = \"udpm://239.1.2.3:3\"\n"
+      "interface = \"eth0\"\nttl = 255\nboard = \"192.168.44.233\"\n",
+      "m.toml");
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(reading.config->board, BoardKind::kLcm);
+  EXPECT_EQ(reading.config->lcm, (LcmConfig{"udpm://239.1.2.3:1", "udpm://239.1.2.3:2?ttl=0",
+                                            "udpm://239.1.2.3:3", "eth0", 255, "192.168.44.233"}));
+}
+
+TEST(MotionConfigFile, OfTheCyberDog2TakesItsBoardOnly) {
+  const ConfigReading reading = ReadMotionConfigFile(SourceDir() + "/config/motion/cyberdog2.toml");
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(reading.config->lcm.board, "192.168.44.233");
+}
+
+TEST(MotionConfigFile, RefusesAWrongKindUrlAndAddressWithItsPlace) {
+  const ConfigReading reading = ReadMotionConfigText(
+      "[board]\nkind = \"lmc\"\ncommand_url = \"udpm://192.168.44.233:7671\"\nttl = 256\n"
+      "board = \"192.168.44\"\n",
+      "m.toml");
+  EXPECT_FALSE(reading.config);
+  std::vector<int> lines;
+  for (const Diagnostic& diagnostic : reading.diagnostics) lines.push_back(diagnostic.line);
+  EXPECT_THAT(lines, ElementsAre(2, 3, 4, 5));
 }
 
 TEST(MotionConfigFile, IsReportedWithErrorAndPlace) {

@@ -31,10 +31,10 @@ Ended RunProgram(const std::string& name, const std::vector<std::string>& argume
   return RunToEnd({"sh", "-c", line + " 2>&1"});
 }
 
-RobotRig::RobotRig() {
+RobotRig::RobotRig(const std::string& board) {
   setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-  Write(folder_ / "motion.toml", "motions = \"" + SourceDir() + "/config/motion/motions.toml\"\n" +
-                                     std::string(kLongTimeouts));
+  Write(folder_ / "motion.toml",
+        "motions = \"" + SourceDir() + "/config/motion/motions.toml\"\n" + kLongTimeouts + board);
   const std::string states(kStates);
   Write(folder_ / "robot.toml",
         "[controller]\nactuators = [\"motion_manager\"]\nstates = " + states +

@@ -30,7 +30,8 @@ Ended RunProgram(const std::string& name, const std::vector<std::string>& argume
 
 class RobotRig {
  public:
-  RobotRig();
+  // `board` are more keys of [board] in the config of the motion manager.
+  explicit RobotRig(const std::string& board = "");
   ~RobotRig();
 
   // Starts the board and leads the machine to Active.

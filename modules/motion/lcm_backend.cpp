@@ -1,0 +1,143 @@
+#include "musher/modules/motion/lcm_backend.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/motion/motion_code.hpp"
+
+namespace musher::motion {
+namespace {
+
+using transport::LcmOptions;
+using transport::LcmSample;
+using transport::LcmSocket;
+
+LcmLink::Sender SenderOf(const LcmSample& sample) {
+  return {sample.sender, sample.packet->sequence};
+}
+
+}  // namespace
+
+LcmBackend::LcmBackend(transport::EventLoop& loop, const transport::Clock& clock,
+                       LinkOptions options, Events events)
+    : loop_(loop),
+      clock_(clock),
+      events_(std::move(events)),
+      link_(loop.Now(), std::move(options)) {}
+
+Result<std::unique_ptr<LcmBackend>> LcmBackend::Make(transport::EventLoop& loop,
+                                                     const transport::Clock& clock,
+                                                     const MotionConfig& config, Events events) {
+  LinkOptions options;
+  options.give_up = std::max(options.give_up, config.board_feedback);
+  options.board = config.lcm.board;
+  std::unique_ptr<LcmBackend> backend(
+      new LcmBackend(loop, clock, std::move(options), std::move(events)));
+  if (auto opened = backend->Open(config.lcm); !opened) {
+    return Error{MotionCode(KeyCode::kNetError), opened.error().message};
+  }
+  backend->Arm();
+  return backend;
+}
+
+Result<> LcmBackend::Open(const LcmConfig& config) {
+  const auto open = [&](const std::string& url, std::unique_ptr<LcmSocket>& socket,
+                        void (LcmBackend::*on_sample)(const LcmSample&)) -> Result<> {
+    const auto parsed = transport::ReadLcmUrl(url);
+    if (!parsed) return parsed.error();
+    auto opened =
+        LcmSocket::Open(loop_, LcmOptions{parsed.value(), config.network_interface, config.ttl},
+                        [this, on_sample](const LcmSample& sample) { (this->*on_sample)(sample); });
+    if (!opened) return opened.error();
+    socket = std::move(opened).value();
+    return Ok();
+  };
+  if (auto done = open(config.command_url, commands_, &LcmBackend::OnCommandGroup); !done) {
+    return done;
+  }
+  if (auto done = open(config.response_url, responses_, &LcmBackend::OnResponseGroup); !done) {
+    return done;
+  }
+  return open(config.localization_url, locations_, &LcmBackend::OnLocationGroup);
+}
+
+std::string LcmBackend::Source() const {
+  return std::string(kResponseChannel) + " of " + responses_->name();
+}
+
+void LcmBackend::Send(const BodyCommand& command) {
+  Handle(link_.OnCommand(command, loop_.Now()));
+}
+
+void LcmBackend::OnCommandGroup(const LcmSample& sample) {
+  if (sample.sender == commands_->sender()) return;
+  const Time now = loop_.Now();
+  if (!sample.packet) {
+    const std::string what = std::to_string(sample.size) + " bytes are no LCM message";
+    return Handle(link_.OnMalformed(kCommandChannel, what, now));
+  }
+  if (sample.packet->channel != kCommandChannel) return;
+  const auto frame = DecodeCommand(sample.packet->data);
+  Handle(frame ? link_.OnOtherFrame(sample.sender, frame.value(), now)
+               : link_.OnMalformed(kCommandChannel, frame.error().message, now));
+}
+
+void LcmBackend::OnResponseGroup(const LcmSample& sample) {
+  const Time now = loop_.Now();
+  if (!sample.packet) {
+    const std::string what = std::to_string(sample.size) + " bytes are no LCM message";
+    return Handle(link_.OnMalformed(kResponseChannel, what, now));
+  }
+  const auto& [sequence, channel, data] = *sample.packet;
+  if (channel == kResponseChannel) {
+    const auto report = DecodeResponse(data);
+    Handle(report ? link_.OnResponse(SenderOf(sample), report.value(), now)
+                  : link_.OnMalformed(kResponseChannel, report.error().message, now));
+  } else if (channel == kTemperatureChannel) {
+    const auto temperatures = DecodeTemperatures(data);
+    Handle(temperatures
+               ? link_.OnTemperatures(SenderOf(sample), temperatures.value(), now)
+               : link_.OnMalformed(kTemperatureChannel, temperatures.error().message, now));
+  }
+}
+
+void LcmBackend::OnLocationGroup(const LcmSample& sample) {
+  if (!sample.packet || sample.packet->channel != kLocalizationChannel) return;
+  const Time now = loop_.Now();
+  const auto location = DecodeLocation(sample.packet->data);
+  if (!location) {
+    return Handle(link_.OnMalformed(kLocalizationChannel, location.error().message, now));
+  }
+  const Duration stamp = msg::FromStamp(clock_.Stamp());
+  Handle(link_.OnLocation(SenderOf(sample), location.value(), stamp, now));
+}
+
+void LcmBackend::Handle(const LinkOutput& output) {
+  for (const BodyCommand& frame : output.frames) Transmit(frame);
+  for (const LinkFault& fault : output.faults) events_.on_fault(fault.code, fault.text);
+  if (output.restarted) events_.on_restart();
+  if (output.held_by) events_.on_held(*output.held_by);
+  if (output.body) events_.on_body(*output.body);
+  Arm();
+}
+
+void LcmBackend::Transmit(const BodyCommand& frame) {
+  const auto sent = commands_->Send(kCommandChannel, EncodeCommand(frame));
+  if (sent) return;
+  for (const LinkFault& fault : link_.OnSendFailed(sent.error(), loop_.Now()).faults) {
+    events_.on_fault(fault.code, fault.text);
+  }
+}
+
+void LcmBackend::Arm() {
+  const Time deadline = link_.NextDeadline();
+  if (timer_ && deadline == armed_for_) return;
+  armed_for_ = deadline;
+  timer_ = loop_.At(deadline, [this] {
+    armed_for_ = Time{};
+    Handle(link_.OnTime(loop_.Now()));
+  });
+}
+
+}  // namespace musher::motion

@@ -1,0 +1,60 @@
+#pragma once
+// A body behind a motion board on LCM: a CyberDog 2's, its simulator, or modules/world with
+// [board] kind = "lcm". The decisions are in lcm_link.hpp; here are its sockets and its timer.
+//
+// Threads: the loop's only. A loop that hangs sends no frame, and the board lets the body lie down.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/modules/motion/lcm_link.hpp"
+#include "musher/modules/motion/motion_config.hpp"
+#include "musher/transport/clock.hpp"
+#include "musher/transport/lcm_socket.hpp"
+
+namespace musher::motion {
+
+class LcmBackend : public MotionBackend {
+ public:
+  // All run on the loop, never inside Send(), except on_fault.
+  struct Events {
+    OnBody on_body;
+    std::function<void()> on_restart;                         // of the board
+    std::function<void(const std::string& other)> on_held;    // "": no longer
+    std::function<void(std::int32_t, std::string)> on_fault;  // code and sentence
+  };
+
+  // `clock` gives the stamps of odometry; it and the loop outlive the backend. Fails with what to
+  // type where no route leads to the board.
+  static Result<std::unique_ptr<LcmBackend>> Make(transport::EventLoop& loop,
+                                                  const transport::Clock& clock,
+                                                  const MotionConfig& config, Events events);
+
+  void Send(const BodyCommand& command) override;
+  std::string Source() const override;
+
+ private:
+  LcmBackend(transport::EventLoop& loop, const transport::Clock& clock, LinkOptions options,
+             Events events);
+
+  Result<> Open(const LcmConfig& config);
+  void OnCommandGroup(const transport::LcmSample& sample);
+  void OnResponseGroup(const transport::LcmSample& sample);
+  void OnLocationGroup(const transport::LcmSample& sample);
+  void Handle(const LinkOutput& output);
+  void Transmit(const BodyCommand& frame);
+  void Arm();
+
+  transport::EventLoop& loop_;
+  const transport::Clock& clock_;
+  const Events events_;
+  LcmLink link_;
+  std::unique_ptr<transport::LcmSocket> commands_;
+  std::unique_ptr<transport::LcmSocket> responses_;
+  std::unique_ptr<transport::LcmSocket> locations_;
+  Time armed_for_{};
+  transport::LoopHandlePtr timer_;  // last: its callback uses the rest
+};
+
+}  // namespace musher::motion

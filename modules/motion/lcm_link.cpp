@@ -1,0 +1,367 @@
+#include "musher/modules/motion/lcm_link.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "musher/modules/motion/motion_code.hpp"
+
+namespace musher::motion {
+namespace {
+
+constexpr std::int8_t kModeOff = 0;
+constexpr std::int8_t kModeDamping = 7;
+constexpr std::int8_t kModeWalk = 11;
+constexpr std::int8_t kModeStand = 12;
+constexpr std::int8_t kGaitStand = 1;  // of kModeWalk
+// Of kModeWalk: with zero speed the body stays in its place. It does not in pronks, bounds and the
+// gaits of users.
+constexpr std::array<std::int8_t, 9> kGaitsInPlace = {1, 3, 10, 26, 27, 28, 29, 30, 31};
+
+bool IsEmergencyStop(const BodyCommand& command) {
+  return command.mode == kModeOff;
+}
+bool IsRecoveryStand(const BodyCommand& command) {
+  return command.mode == kModeStand && command.gait == 0;
+}
+bool HasSpeed(const BodyCommand& command) {
+  return std::any_of(command.vel.begin(), command.vel.end(), [](float v) { return v != 0; });
+}
+// After it the body moves no further.
+bool Stops(const BodyCommand& command) {
+  return IsEmergencyStop(command) || command.mode == kModeDamping ||
+         (command.mode == kModeWalk && command.gait == kGaitStand && !HasSpeed(command));
+}
+
+bool IsStatus(const BodyReport& report, SwitchStatus status) {
+  return report.switch_status == static_cast<std::int8_t>(status);
+}
+// The board goes off when the body tilts, and keeps ori_error until the body walks again, also when
+// it has stood up or lain down since.
+bool IsTilted(const BodyReport& report) {
+  return report.ori_error != 0 && report.mode == kModeOff;
+}
+// The board takes nothing but recovery stand.
+bool NeedsRecovery(const BodyReport& report) {
+  return IsStatus(report, SwitchStatus::kEstop) || IsStatus(report, SwitchStatus::kEdamp) ||
+         IsTilted(report);
+}
+
+// A status of the motion manager: the board reports some faults beside its status.
+std::int8_t StatusWithFaults(const BodyReport& report) {
+  const bool fine = IsStatus(report, SwitchStatus::kNormal);
+  const auto status = [](SwitchStatus s) { return static_cast<std::int8_t>(s); };
+  if (fine && IsTilted(report)) return status(SwitchStatus::kOrientation);
+  if (fine && report.footpos_error != 0) return status(SwitchStatus::kFootPosition);
+  return report.switch_status;
+}
+
+// "192.168.44.233" of "192.168.44.233:40000".
+std::string_view HostOf(std::string_view sender) {
+  return sender.substr(0, sender.rfind(':'));
+}
+
+std::string Number(int value) {
+  return std::to_string(value);
+}
+std::string MotionText(const BodyCommand& command) {
+  return "mode " + Number(command.mode) + " gait " + Number(command.gait) + ", life count " +
+         Number(static_cast<std::uint8_t>(command.life_count));
+}
+
+}  // namespace
+
+NewestOnly::Age NewestOnly::Take(std::uint32_t number, Time now) {
+  const bool first = !newest_;
+  const bool newer = first || static_cast<std::int32_t>(number - *newest_) > 0;
+  if (!newer && now - newest_at_ < kRestartPause) return Age::kOld;
+  newest_ = number;
+  newest_at_ = now;
+  return newer ? Age::kNew : Age::kRestarted;
+}
+
+// --- commands ---
+
+bool LcmLink::MaySend(const BodyCommand& command, Time now) const {
+  if (IsEmergencyStop(command)) return true;
+  if (stopped_ && !IsRecoveryStand(command)) return false;
+  if (Held(now) || looking_ || Silent(now)) return Stops(command);
+  if (NeedsRecovery(body_.report)) return IsRecoveryStand(command);
+  return counted_ || IsRecoveryStand(command) || Stops(command);
+}
+
+LinkOutput LcmLink::OnCommand(const BodyCommand& command, Time now) {
+  LinkOutput output;
+  if (command.life_count == wanted_) return output;  // repeated: the link does so by itself
+  taken_ = 0;
+  unconfirmed_.reset();
+  if (!MaySend(command, now)) {
+    wanted_ = 0;
+    return output;
+  }
+  wanted_ = command.life_count;
+  stopped_ = IsEmergencyStop(command);
+  if (stopped_) looking_ = false;
+  recounts_ = counted_ ? 0 : 1;  // a stop or recovery stand, which may be taken twice
+  Begin(command, now, output, stopped_ ? kStopCopies : 1);
+  unconfirmed_ = now;
+  tick_at_ = now + Period(now);
+  return output;
+}
+
+Duration LcmLink::Period(Time now) const {
+  constexpr Duration kMost = Milliseconds(200);
+  return unconfirmed_ && now - *unconfirmed_ < kMost ? kUntilTaken : kHeartbeatPeriod;
+}
+
+void LcmLink::Begin(const BodyCommand& command, Time now, LinkOutput& output, int copies) {
+  frame_ = command;
+  frame_->life_count = static_cast<std::int8_t>(++life_);
+  counted_ = true;
+  tick_at_ = now + kHeartbeatPeriod;
+  output.frames.insert(output.frames.end(), static_cast<std::size_t>(copies), *frame_);
+}
+
+void LcmLink::Look(Time end) {
+  looking_ = true;
+  look_end_ = end;
+  frame_.reset();
+  counted_ = false;
+}
+
+// The body goes on as it is, where it is.
+void LcmLink::Hold(Time now, LinkOutput& output) {
+  const BodyReport& report = body_.report;
+  if (NeedsRecovery(report)) return;
+  BodyCommand hold;
+  hold.mode = report.mode;
+  hold.gait = report.gait;
+  const bool in_place = std::ranges::find(kGaitsInPlace, hold.gait) != kGaitsInPlace.end();
+  if (hold.mode == kModeWalk && !in_place) hold.gait = kGaitStand;
+  if (hold.mode != kModeDamping && hold.mode != kModeWalk && !IsRecoveryStand(hold)) return;
+  constexpr std::int8_t kAllFeet = 0x0F;
+  constexpr float kStepHeight_m = 0.05F;
+  hold.contact = kAllFeet;
+  hold.step_height = {kStepHeight_m, kStepHeight_m};
+  recounts_ = 1;
+  Begin(hold, now, output, 1);
+}
+
+// --- the board ---
+
+// Positions and temperatures are those of the board whose responses are believed.
+bool LcmLink::IsBoard(const Stream& stream, const Sender& sender) const {
+  const std::string_view host = HostOf(sender.name);
+  if (!options_.board.empty()) return host == options_.board;
+  return &stream == &responses_ || host == HostOf(responses_.sender);
+}
+
+NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, LinkOutput& output) {
+  using Age = NewestOnly::Age;
+  if (!IsBoard(stream, sender)) {
+    const std::string board = options_.board.empty() ? responses_.sender : options_.board;
+    if (board.empty()) return Age::kOld;  // none has responded yet
+    Fault("another host",
+          {MotionCode(KeyCode::kTargetBusy), "messages of a motion board from " + sender.name +
+                                                 " are ignored: the motion board is " + board},
+          now, output);
+    return Age::kOld;
+  }
+  const bool lost = !stream.at || now - *stream.at >= kRestartPause;
+  if (sender.name != stream.sender && !lost) {
+    Fault("second board",
+          {MotionCode(KeyCode::kTargetBusy), "a second motion board answers from " + sender.name +
+                                                 " and is ignored; the first one is at " +
+                                                 stream.sender},
+          now, output);
+    return Age::kOld;
+  }
+  const bool another = !stream.sender.empty() && sender.name != stream.sender;
+  if (sender.name != stream.sender) stream.order = NewestOnly();
+  stream.sender = sender.name;
+  const Age age = stream.order.Take(sender.sequence, now);
+  if (age != Age::kOld) stream.at = now;
+  return another ? Age::kRestarted : age;
+}
+
+void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
+  output.restarted = true;
+  unconfirmed_.reset();
+  if (stopped_) {  // which is kept
+    recounts_ = 1;
+  } else {
+    wanted_ = taken_ = 0;
+    Look(now + kLookTime);
+  }
+  Fault("restart",
+        {MotionCode(MotionKey::kBoardSilent),
+         "the motion board (" + sender + ") has restarted: what it was commanded is void"},
+        now, output);
+}
+
+LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, Time now) {
+  LinkOutput output;
+  ++in_second_;
+  const NewestOnly::Age age = Take(responses_, sender, now, output);
+  if (age == NewestOnly::Age::kOld) return output;
+  if (age == NewestOnly::Age::kRestarted) Restart(sender.name, now, output);
+  const Temperatures temperatures = body_.report.motor_temperature;
+  body_.report = report;
+  body_.report.motor_temperature = temperatures;
+  if (looking_ && !look_end_) look_end_ = now + kLookTime;
+  NoteTaken(now);
+  // What was commanded before the board stopped by itself must not begin when it recovers.
+  if (NeedsRecovery(report) && frame_ && !stopped_ && !IsRecoveryStand(*frame_)) frame_.reset();
+  pending_ = true;
+  if (!handed_on_ || now - *handed_on_ >= kBetweenReports) HandOn(now, output);
+  return output;
+}
+
+// The board does not say which command it has taken: its motion shows it.
+void LcmLink::NoteTaken(Time now) {
+  if (!unconfirmed_ || !frame_ || now - *unconfirmed_ < kControlPeriod) return;
+  const BodyReport& report = body_.report;
+  const bool changing = IsStatus(report, SwitchStatus::kTransitioning);
+  const bool same = IsStatus(report, SwitchStatus::kNormal) && report.mode == frame_->mode &&
+                    report.gait == frame_->gait;
+  const bool off = stopped_ && (report.mode == kModeOff || IsStatus(report, SwitchStatus::kEstop));
+  if (!off && !changing && !same) return;
+  taken_ = wanted_;
+  unconfirmed_.reset();
+}
+
+void LcmLink::HandOn(Time now, LinkOutput& output) {
+  body_.report.life_count = taken_;
+  output.body = body_;
+  output.body->report.switch_status = StatusWithFaults(body_.report);
+  body_.has_new_motion = false;
+  pending_ = false;
+  handed_on_ = now;
+}
+
+LinkOutput LcmLink::OnLocation(const Sender& sender, const BoardLocation& location, Duration stamp,
+                               Time now) {
+  LinkOutput output;
+  if (Take(locations_, sender, now, output) == NewestOnly::Age::kOld) return output;
+  body_.motion = location.motion;
+  body_.motion.stamp = stamp;
+  body_.has_new_motion = true;
+  return output;
+}
+
+LinkOutput LcmLink::OnTemperatures(const Sender& sender, const Temperatures& temperatures,
+                                   Time now) {
+  LinkOutput output;
+  if (Take(temperatures_, sender, now, output) == NewestOnly::Age::kOld) return output;
+  body_.report.motor_temperature = temperatures;
+  return output;
+}
+
+// --- faults ---
+
+LinkOutput LcmLink::OnOtherFrame(const std::string& sender, const BodyCommand& frame, Time now) {
+  LinkOutput output;
+  const std::string who = sender + " (" + MotionText(frame) + ")";
+  if (!Held(now)) output.held_by = who;
+  other_at_ = now;
+  Fault(
+      "other sender",
+      {MotionCode(KeyCode::kTargetBusy), "another program commands the motion board: " + who +
+                                             (frame_ ? "; this one: " + MotionText(*frame_) : "") +
+                                             "; close the app or the other motion manager"},
+      now, output);
+  constexpr std::uint8_t kFarAway = 64;
+  life_ = static_cast<std::uint8_t>(static_cast<std::uint8_t>(frame.life_count) + kFarAway);
+  if (stopped_) recounts_ = 1;  // each frame of the stop is new to the board
+  return output;
+}
+
+LinkOutput LcmLink::OnMalformed(const std::string& channel, const std::string& what, Time now) {
+  LinkOutput output;
+  Fault("malformed " + channel,
+        {MotionCode(KeyCode::kParametersInvalid),
+         "a datagram on LCM channel '" + channel + "' is dropped: " + what},
+        now, output);
+  return output;
+}
+
+LinkOutput LcmLink::OnSendFailed(const Error& error, Time now) {
+  LinkOutput output;
+  Fault("send", {MotionCode(KeyCode::kNetError), error.message}, now, output);
+  return output;
+}
+
+void LcmLink::Fault(const std::string& kind, LinkFault fault, Time now, LinkOutput& output) {
+  const auto last = reported_.find(kind);
+  if (last != reported_.end() && now - last->second < kSameFault) return;
+  reported_[kind] = now;
+  output.faults.push_back(std::move(fault));
+}
+
+void LcmLink::WatchRate(Time now, LinkOutput& output) {
+  if (now - second_began_ < std::chrono::seconds(1)) return;
+  if (in_second_ > kMostResponses) {
+    Fault("flood",
+          {MotionCode(MotionKey::kExecuteError),
+           "the motion board sends " + std::to_string(in_second_) +
+               " responses a second, expected 50; only the newest of each 10 ms is used"},
+          now, output);
+  }
+  in_second_ = 0;
+  second_began_ = now;
+}
+
+// --- time ---
+
+LinkOutput LcmLink::OnTime(Time now) {
+  LinkOutput output;
+  if (pending_ && now - *handed_on_ >= kBetweenReports) HandOn(now, output);
+  WatchRate(now, output);
+  if (other_at_ && !Held(now)) {
+    other_at_.reset();
+    output.held_by = "";
+    if (!stopped_) Look(now);
+  }
+  if (now < tick_at_) return output;
+  tick_at_ = now + Period(now);
+  const bool alone = !Held(now) && !Silent(now);
+  if (alone && look_end_ && now >= *look_end_) looking_ = false;
+  if (frame_) {
+    Repeat(now, output);
+  } else if (alone && !looking_) {
+    Hold(now, output);
+  }
+  return output;
+}
+
+void LcmLink::Repeat(Time now, LinkOutput& output) {
+  if (Held(now) && !stopped_) return;
+  BodyCommand frame = *frame_;
+  if (Silent(now) && HasSpeed(frame)) {
+    frame.mode = kModeWalk;
+    frame.gait = kGaitStand;
+    frame.vel = {};
+    unconfirmed_.reset();
+    Begin(frame, now, output, 1);
+  } else if (unconfirmed_ && now - *unconfirmed_ >= options_.give_up && !Stops(frame)) {
+    unconfirmed_.reset();
+    // A frame that the board has refused stays as heartbeat. Another one would begin whenever the
+    // board can take it, long after the answer that it has failed.
+    if (!Silent(now) && IsStatus(body_.report, SwitchStatus::kBanTransition)) {
+      output.frames.push_back(frame);
+    } else {
+      frame_.reset();
+    }
+  } else if (recounts_ > 0) {
+    --recounts_;
+    Begin(frame, now, output, 1);
+  } else {
+    output.frames.push_back(frame);
+  }
+}
+
+Time LcmLink::NextDeadline() const {
+  return pending_ ? std::min(tick_at_, *handed_on_ + kBetweenReports) : tick_at_;
+}
+
+}  // namespace musher::motion

@@ -1,0 +1,192 @@
+#pragma once
+// What a process sends to a motion board on LCM, and what it believes of the board's answers. Pure:
+// each event comes with the time and gives an output; the shell around it (lcm_backend.hpp) turns
+// datagrams and timers into events and the output into datagrams.
+//
+// clang-format off
+//             100 ms of responses                a command
+//   looking ───────────────────────▶ holding ───────────────▶ commanding ── 20 frames a second
+//    ▲  ▲        it holds the body where it is                   │   │
+//    │  └────────── the board restarted ─────────────────────────┤   │ another program's frame
+//    └── 600 ms without one ── yielding ◀────────────────────────┴───┘
+// clang-format on
+//
+// Rules:
+//   - The board knows a new command by a life count that differs from the last one, and lies down
+//     after 500 ms without a frame. Each command gets the next count and is repeated, because
+//     datagrams are lost: 50 times a second until the board has taken it, for 200 ms at most, then
+//     20 times. A process that hangs sends nothing, so the body lies down.
+//   - A command that the board has not taken after LinkOptions.give_up has failed: it is sent no
+//     longer, because it would begin whenever the board can take it. Only stops are kept.
+//   - A process begins by looking: it sends nothing before it has received responses for 100 ms.
+//     Its first frame is no motion: a body that lies goes on lying, one that stands by recovery
+//     stand or walks is held in its place with zero speed; a gait that does not stay in its place
+//     becomes WALK_STAND. It is sent with two life counts, of which one at least differs from that
+//     of the commander before. A body in another motion ends it first, and one that is off stays
+//     off: nothing is sent to it.
+//   - An emergency stop is sent at once, in each situation, three times because datagrams are lost,
+//     and repeated until recovery stand follows. Only recovery stand follows it.
+//   - While the board reports an emergency stop, its damping mode or that it is off because the
+//     body is tilted too far, only recovery stand and the emergency stop are sent.
+//   - Without a response for 500 ms a walk is stopped, and no motion begins.
+//   - While another program commands the board, only commands that stop are sent.
+//   - The board is the host that LinkOptions.board names, else the first one that responds.
+//   Messages
+//     of other hosts are dropped.
+//   - A datagram that is older than the newest of its sender is dropped. A board that answers from
+//     another address, or counts from the beginning, after 200 ms of silence has restarted: nothing
+//     that was commanded before holds.
+//
+// Threads: any; a plain value.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/modules/motion/board_message.hpp"
+
+namespace musher::motion {
+
+inline constexpr Duration kHeartbeatPeriod = Milliseconds(50);  // between two frames: 20 Hz
+inline constexpr Duration kUntilTaken = Milliseconds(20);       // the same, while it is not taken
+inline constexpr Duration kLookTime = Milliseconds(100);        // from the first response
+inline constexpr Duration kNoResponse = Milliseconds(500);      // then the board is silent
+// After the last frame of another program it has ended: a board takes frames from 2 Hz on.
+inline constexpr Duration kOtherSender = Milliseconds(600);
+inline constexpr Duration kRestartPause = Milliseconds(200);  // after which counts may restart
+inline constexpr Duration kControlPeriod = Milliseconds(10);  // an answer takes one at least
+inline constexpr Duration kBetweenReports = Milliseconds(10);
+inline constexpr Duration kSameFault = std::chrono::seconds(180);  // reported once in that time
+// A second: the board sends 50, and 500 while a motion is nearly complete.
+inline constexpr int kMostResponses = 1000;
+inline constexpr int kStopCopies = 3;
+
+// What a number that its sender counts up says of a datagram.
+class NewestOnly {
+ public:
+  enum class Age { kNew, kOld, kRestarted };
+  Age Take(std::uint32_t number, Time now);
+
+  friend bool operator==(const NewestOnly&, const NewestOnly&) = default;
+
+ private:
+  std::optional<std::uint32_t> newest_;
+  Time newest_at_{};
+};
+
+struct LinkFault {
+  std::int32_t code = 0;
+  std::string text;
+
+  friend bool operator==(const LinkFault&, const LinkFault&) = default;
+};
+
+struct LinkOutput {
+  std::vector<BodyCommand> frames;  // to send at once, in this order
+  std::optional<BodyState> body;    // to hand on
+  bool restarted = false;           // the board: what it was doing is void
+  // Another program commands the board ("192.168.44.1:41234 …"); "": no longer. nullopt: as before.
+  std::optional<std::string> held_by;
+  std::vector<LinkFault> faults;
+};
+
+struct LinkOptions {
+  // How long a command is repeated that the board has not taken: at least as long as its caller
+  // waits for that.
+  Duration give_up = kNoResponse;
+  std::string board;  // its address, "192.168.44.233"; empty: the first host that responds
+};
+
+class LcmLink {
+ public:
+  explicit LcmLink(Time now, LinkOptions options = {})
+      : options_(std::move(options)), tick_at_(now + kHeartbeatPeriod), second_began_(now) {
+    body_.has_new_motion = false;
+  }
+
+  // Whose datagram it is, and its number.
+  struct Sender {
+    std::string name;
+    std::uint32_t sequence = 0;
+  };
+
+  LinkOutput OnCommand(const BodyCommand& command, Time now);
+  // `stamp` goes into the odometry. Each of the three messages has one sender; those of a second
+  // one are ignored and reported.
+  LinkOutput OnResponse(const Sender& sender, const BodyReport& report, Time now);
+  LinkOutput OnLocation(const Sender& sender, const BoardLocation& location, Duration stamp,
+                        Time now);
+  LinkOutput OnTemperatures(const Sender& sender, const Temperatures& temperatures, Time now);
+  // A frame on the board's channel that is not of this process.
+  LinkOutput OnOtherFrame(const std::string& sender, const BodyCommand& frame, Time now);
+  // What was received on the channel, and why it is dropped.
+  LinkOutput OnMalformed(const std::string& channel, const std::string& what, Time now);
+  LinkOutput OnSendFailed(const Error& error, Time now);
+  LinkOutput OnTime(Time now);
+
+  // When to call OnTime().
+  Time NextDeadline() const;
+
+  bool looking() const { return looking_; }
+  const std::optional<BodyCommand>& frame() const { return frame_; }  // that is repeated
+
+ private:
+  // Messages of one channel, of one sender.
+  struct Stream {
+    std::string sender;
+    NewestOnly order;
+    std::optional<Time> at;
+  };
+
+  bool Held(Time now) const { return other_at_ && now - *other_at_ < kOtherSender; }
+  bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
+  bool MaySend(const BodyCommand& command, Time now) const;
+  bool IsBoard(const Stream& stream, const Sender& sender) const;
+  // Whether the message is to be used; kRestarted: and its count has restarted, or the sender is
+  // another one.
+  NewestOnly::Age Take(Stream& stream, const Sender& sender, Time now, LinkOutput& output);
+  void Restart(const std::string& sender, Time now, LinkOutput& output);
+  void Look(Time end);
+  void Hold(Time now, LinkOutput& output);
+  void Begin(const BodyCommand& command, Time now, LinkOutput& output, int copies);
+  void Repeat(Time now, LinkOutput& output);
+  Duration Period(Time now) const;
+  void NoteTaken(Time now);
+  void HandOn(Time now, LinkOutput& output);
+  void WatchRate(Time now, LinkOutput& output);
+  void Fault(const std::string& kind, LinkFault fault, Time now, LinkOutput& output);
+
+  LinkOptions options_;
+
+  // What is sent.
+  std::optional<BodyCommand> frame_;
+  std::uint8_t life_ = 0;            // of the last new frame
+  bool counted_ = false;             // the board's count is one of ours: the next one is new to it
+  int recounts_ = 0;                 // frames that still get another life count
+  std::int8_t wanted_ = 0;           // life count of the motion manager's last command
+  std::int8_t taken_ = 0;            // the same, once the board has taken it
+  std::optional<Time> unconfirmed_;  // since when that command waits to be taken
+  Time tick_at_;                     // of the next frame
+  bool stopped_ = false;             // emergency stop: only recovery stand follows
+
+  // What the board says.
+  bool looking_ = true;
+  std::optional<Time> look_end_;  // from the first response on
+  Stream responses_;
+  Stream locations_;
+  Stream temperatures_;
+  BodyState body_;
+  bool pending_ = false;  // body_ is not handed on yet
+  std::optional<Time> handed_on_;
+  Time second_began_;
+  int in_second_ = 0;  // responses
+
+  std::optional<Time> other_at_;  // the last frame of another program
+  std::map<std::string, Time> reported_;
+};
+
+}  // namespace musher::motion

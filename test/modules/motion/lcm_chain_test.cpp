@@ -1,0 +1,232 @@
+// The motion manager's decision code, its link and a motion board on LCM as one chain in virtual
+// time: datagrams are lost, the board restarts, the manager hangs.
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "musher/modules/motion/lcm_link.hpp"
+#include "musher/test/modules/motion/harness.hpp"
+#include "musher/test/modules/motion/wire_board.hpp"
+
+namespace musher::motion::testing::lcm_chain_test {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class LcmChain : public ::testing::Test {
+ protected:
+  LcmChain() { Do(motion_event::Opened{}); }
+
+  void RunFor(Duration duration) {
+    for (const Time end = now_ + duration; now_ < end;) {
+      now_ += Milliseconds(1);
+      if ((now_ - Time{}) % Milliseconds(20) == Duration::zero()) Respond();
+      if (hangs_) continue;
+      if (now_ >= link_.NextDeadline()) Handle(link_.OnTime(now_));
+      const auto deadline = NextDeadline(Rules(), core_);
+      if (deadline && now_ >= *deadline) Do(motion_event::TimePassed{});
+    }
+  }
+  void Respond() {
+    const BodyReport report = board_.Report(now_);
+    ++sequence_;
+    if (hangs_ || Lost()) return;
+    Handle(link_.OnResponse({"192.168.44.233:1", sequence_}, report, now_));
+  }
+  bool Lost() { return std::uniform_real_distribution<>()(random_) < loss_; }
+
+  void Handle(const LinkOutput& output) {
+    for (const BodyCommand& frame : output.frames) {
+      if (!Lost()) board_.Take(frame, now_);
+    }
+    for (const LinkFault& fault : output.faults) {
+      Do(motion_event::BoardFault{fault.code, fault.text});
+    }
+    if (output.restarted) Do(motion_event::BoardRestarted{});
+    if (output.held_by) Do(motion_event::BoardHeld{*output.held_by});
+    if (output.body) Do(motion_event::BoardReported{output.body->report});
+  }
+  void Do(const MotionEvent& event) {
+    for (const MotionAction& action : Step(Rules(), core_, event, now_)) {
+      if (const auto* send = std::get_if<motion_action::Send>(&action)) {
+        Handle(link_.OnCommand(send->command, now_));
+      } else if (const auto* answer = std::get_if<motion_action::Answer>(&action)) {
+        answers_[answer->token] = *answer;
+      } else if (const auto* response = std::get_if<motion_action::ServoResponse>(&action)) {
+        response_ = *response;
+      } else if (const auto* log = std::get_if<motion_action::Log>(&action)) {
+        log_.push_back(log->text);
+      }
+    }
+  }
+  RequestToken Request(std::int32_t id) {
+    Do(motion_event::PlayArrived{++token_, 0, {{id, {}}}});
+    return token_;
+  }
+  motion_action::Answer AnswerOf(RequestToken token) {
+    for (int i = 0; i < 20'000 && answers_.count(token) == 0; ++i) RunFor(Milliseconds(10));
+    return answers_[token];
+  }
+  void Stream(Duration duration, float speed = 0.3F) {
+    for (const Time end = now_ + duration; now_ < end; RunFor(Milliseconds(50))) {
+      ServoCommand command;
+      command.requested.id = kUserTrot;
+      command.requested.arguments.vel_des = {speed, 0, 0};
+      Do(motion_event::ServoArrived{command});
+    }
+  }
+  MotionRules Rules() const { return {TheTable(), config_, gate_}; }
+
+  Time now_{std::chrono::hours(1)};
+  MotionConfig config_;
+  Gate gate_ = [](const std::string&) { return Ok(); };
+  MotionCore core_;
+  LcmLink link_{now_};
+  WireBoard board_;
+  std::mt19937 random_{7};
+  double loss_ = 0;
+  bool hangs_ = false;
+  std::uint32_t sequence_ = 0;
+  RequestToken token_ = 0;
+  std::map<RequestToken, motion_action::Answer> answers_;
+  motion_action::ServoResponse response_;
+  std::vector<std::string> log_;
+};
+
+TEST_F(LcmChain, ExecutesAMotionOnceAndKeepsTheBodyStanding) {
+  RunFor(Milliseconds(500));
+  board_.taken.clear();
+  EXPECT_EQ(AnswerOf(Request(132)).code, kCodeOk);
+  RunFor(Milliseconds(100));
+  ASSERT_EQ(board_.taken.size(), 1U) << "a jump";
+  EXPECT_EQ(board_.taken[0].mode, 16);
+  RunFor(std::chrono::seconds(30));
+  EXPECT_EQ(board_.taken.size(), 1U);
+  EXPECT_FALSE(board_.lay_down) << "frames are sent between commands";
+}
+
+TEST_F(LcmChain, LetsTheBodyLieDownWhenTheManagerHangs) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(1000));
+  EXPECT_EQ(board_.Report(now_).gait, 27);
+  hangs_ = true;
+  RunFor(Milliseconds(600));
+  EXPECT_TRUE(board_.lay_down);
+  EXPECT_EQ(board_.Report(now_).mode, 7);
+  hangs_ = false;
+  RunFor(Milliseconds(1000));
+  EXPECT_EQ(board_.Report(now_).mode, 7) << "it does not stand up by itself";
+}
+
+TEST_F(LcmChain, WalksAndStopsWhen30PercentOfTheDatagramsAreLost) {
+  RunFor(Milliseconds(500));
+  loss_ = 0.3;
+  for (int i = 0; i < 20; ++i) {
+    Stream(Milliseconds(2000));
+    EXPECT_EQ(board_.Report(now_).gait, 27);
+    RunFor(Milliseconds(1500));
+    EXPECT_EQ(board_.Report(now_).gait, 1) << "WALK_STAND, run " << i;
+    EXPECT_EQ(AnswerOf(Request(132)).code, kCodeOk) << "run " << i;
+    EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk) << "run " << i;
+  }
+  EXPECT_FALSE(board_.lay_down);
+}
+
+TEST_F(LcmChain, StopsInAnEmergencyWhen30PercentOfTheDatagramsAreLost) {
+  RunFor(Milliseconds(500));
+  loss_ = 0.3;
+  Stream(Milliseconds(1000));
+  const RequestToken stop = Request(kEmergencyStop);
+  RunFor(Milliseconds(200));
+  EXPECT_EQ(board_.taken.back().mode, 0);
+  EXPECT_EQ(AnswerOf(stop).code, kCodeOk);
+  RunFor(std::chrono::seconds(30));
+  EXPECT_EQ(board_.taken.back().mode, 0);
+  EXPECT_FALSE(board_.lay_down) << "the stop is kept up";
+}
+
+TEST_F(LcmChain, DoesNotWalkOnAfterARestartOfTheBoardBeforeTheStreamHasPaused) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(1000));
+  board_.Restart();
+  now_ += kRestartPause;
+  sequence_ = 0;
+  Stream(Milliseconds(5000));
+  EXPECT_EQ(board_.Report(now_).mode, 7);
+  for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
+  EXPECT_EQ(response_.code, 3035);
+  EXPECT_THAT(log_, Contains(HasSubstr("has restarted")));
+  RunFor(Milliseconds(300));
+  Stream(Milliseconds(5000));
+  EXPECT_EQ(board_.Report(now_).gait, 27) << "a new stream: it stands up and walks";
+}
+
+TEST_F(LcmChain, LetsALyingBodyLieThatWasCommandedToStandWhileTheCableWasOut) {
+  board_.Become(7, 1);
+  RunFor(Milliseconds(500));
+  loss_ = 1;
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, 3035);
+  RunFor(std::chrono::seconds(60));
+  loss_ = 0;
+  board_.taken.clear();
+  RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(board_.Report(now_).mode, 7);
+  for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk) << "once it is commanded again";
+}
+
+TEST_F(LcmChain, StandsWalksAndLiesDownAfterATiltThatTheBoardStillReports) {
+  RunFor(Milliseconds(500));
+  board_.Become(0, 0);
+  board_.board.report.ori_error = 1;  // kept until it walks
+  RunFor(Milliseconds(100));
+  EXPECT_EQ(AnswerOf(Request(kGetDown)).code, 3050) << "only recovery stand passes";
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
+  EXPECT_EQ(AnswerOf(Request(kGetDown)).code, kCodeOk);
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
+  Stream(Milliseconds(1000));
+  EXPECT_EQ(board_.Report(now_).gait, 27);
+}
+
+TEST_F(LcmChain, AnswersThatABodyLiesThatLiesByPassiveGetDown) {
+  board_.Become(7, 0);
+  RunFor(Milliseconds(1500));
+  const std::size_t before = board_.taken.size();
+  Do(motion_event::LieDown{++token_, kGetDown, 3});
+  EXPECT_EQ(AnswerOf(token_).code, kCodeOk);
+  EXPECT_EQ(board_.taken.size(), before);
+}
+
+TEST_F(LcmChain, AnswersWhatTheBoardReportsWhenItNeverTakesTheMotion) {
+  RunFor(Milliseconds(500));
+  board_.board.deaf = true;
+  const motion_action::Answer answer = AnswerOf(Request(132));
+  EXPECT_EQ(answer.code, 3035);
+  EXPECT_THAT(answer.message, HasSubstr("has not taken it within 200 ms; it reports mode 12"));
+}
+
+TEST_F(LcmChain, RefusesMotionsWhileAnotherProgramCommandsTheBoard) {
+  RunFor(Milliseconds(500));
+  const auto other = [&] {
+    BodyCommand frame;
+    frame.mode = 12;
+    Handle(link_.OnOtherFrame("192.168.44.100:7", frame, now_));
+  };
+  Stream(Milliseconds(500));
+  other();
+  EXPECT_EQ(board_.taken.back().gait, 1) << "the walk is stopped";
+  other();
+  const motion_action::Answer answer = AnswerOf(Request(132));
+  EXPECT_EQ(answer.code, 3011);
+  EXPECT_THAT(answer.message, HasSubstr("192.168.44.100:7"));
+  RunFor(Milliseconds(1000));
+  EXPECT_EQ(AnswerOf(Request(132)).code, kCodeOk) << "it has ended";
+}
+
+TEST_F(LcmChain, TakesASentenceOfTheLinkIntoTheLog) {
+  Do(motion_event::BoardFault{3010, "a datagram is dropped"});
+  EXPECT_THAT(log_, Contains("a datagram is dropped (3010)"));
+}
+
+}  // namespace musher::motion::testing::lcm_chain_test

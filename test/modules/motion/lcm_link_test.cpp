@@ -1,0 +1,565 @@
+// The link to a motion board on LCM, in virtual time: what it sends, and what it believes.
+
+#include "musher/modules/motion/lcm_link.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/modules/motion/motion_code.hpp"
+
+namespace musher::motion::testing::lcm_link_test {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr const char* kBoard = "192.168.44.233:40000";
+
+class LcmLinkTest : public ::testing::Test {
+ protected:
+  // A response of the board now.
+  LinkOutput Respond(std::int8_t mode, std::int8_t gait, std::int8_t status = 0) {
+    BodyReport report;
+    report.mode = mode;
+    report.gait = gait;
+    report.bar = 100;
+    report.switch_status = status;
+    return Respond(report);
+  }
+  LinkOutput Respond(const BodyReport& report) {
+    return Keep(link_.OnResponse({kBoard, ++sequence_}, report, now_));
+  }
+  // Time passes, with a response each 20 ms if `responds_`.
+  void RunFor(Duration duration, std::int8_t mode = 12, std::int8_t gait = 0,
+              std::int8_t status = 0) {
+    for (const Time end = now_ + duration; now_ < end;) {
+      now_ += Milliseconds(1);
+      if (responds_ && (now_ - Time{}) % Milliseconds(20) == Duration::zero()) {
+        Respond(mode, gait, status);
+      }
+      if (now_ >= link_.NextDeadline()) Keep(link_.OnTime(now_));
+    }
+  }
+  void Command(std::int8_t mode, std::int8_t gait, float speed = 0) {
+    BodyCommand command;
+    command.mode = mode;
+    command.gait = gait;
+    command.vel = {speed, 0, 0};
+    command.life_count = ++life_;
+    Keep(link_.OnCommand(command, now_));
+  }
+  LinkOutput Keep(LinkOutput output) {
+    for (const BodyCommand& frame : output.frames) frames_.push_back(frame);
+    for (const LinkFault& fault : output.faults) faults_.push_back(fault);
+    if (output.body) bodies_.push_back(*output.body);
+    if (output.held_by) held_by_ = *output.held_by;
+    restarted_ = restarted_ || output.restarted;
+    return output;
+  }
+  // A body that stands, held by the link.
+  void Stand() {
+    RunFor(Milliseconds(300));
+    frames_.clear();
+  }
+  int NewCounts() const {
+    int counts = 0;
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      if (i == 0 || frames_[i].life_count != frames_[i - 1].life_count) ++counts;
+    }
+    return counts;
+  }
+
+  Time now_{std::chrono::hours(1)};
+  LcmLink link_{now_};
+  bool responds_ = true;
+  std::uint32_t sequence_ = 0;
+  std::int8_t life_ = 64;
+  std::vector<BodyCommand> frames_;
+  std::vector<LinkFault> faults_;
+  std::vector<BodyState> bodies_;
+  std::string held_by_;
+  bool restarted_ = false;
+};
+
+TEST_F(LcmLinkTest, SendsNothingBeforeItHasLookedAtTheBoard) {
+  responds_ = false;
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(1000));
+  EXPECT_THAT(frames_, IsEmpty()) << "no response yet";
+  responds_ = true;
+  RunFor(Milliseconds(90));
+  EXPECT_THAT(frames_, IsEmpty()) << "it looks for 100 ms";
+}
+
+TEST_F(LcmLinkTest, HoldsAStandingBodyWithTwoLifeCounts) {
+  RunFor(Milliseconds(500));
+  ASSERT_FALSE(frames_.empty());
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 12);
+  EXPECT_EQ(NewCounts(), 2) << "one may be that of the commander before";
+}
+
+TEST_F(LcmLinkTest, HoldsAWalkingBodyWithZeroSpeed) {
+  RunFor(Milliseconds(500), 11, 27);
+  ASSERT_FALSE(frames_.empty());
+  for (const BodyCommand& frame : frames_) {
+    EXPECT_EQ(frame.mode, 11);
+    EXPECT_EQ(frame.gait, 27);
+    EXPECT_EQ(frame.vel, (std::array<float, 3>{}));
+  }
+  EXPECT_EQ(NewCounts(), 2);
+}
+
+TEST_F(LcmLinkTest, KeepsALyingBodyLying) {
+  RunFor(Milliseconds(500), 7, 1);
+  ASSERT_FALSE(frames_.empty());
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 7);
+}
+
+TEST_F(LcmLinkTest, LeavesABodyThatIsOffToItselfUntilItIsCommanded) {
+  RunFor(Milliseconds(500), 0, 0);
+  EXPECT_THAT(frames_, IsEmpty()) << "its motors get power by a command only";
+  Command(7, 1);
+  RunFor(Milliseconds(100), 7, 1);
+  ASSERT_FALSE(frames_.empty());
+  EXPECT_EQ(NewCounts(), 2) << "one may be that of the commander before";
+}
+
+TEST_F(LcmLinkTest, StandsInPlaceOfAPronkABoundOrAUserGaitThatItFinds) {
+  for (const int gait : {2, 7, 9, 50, 110}) {
+    link_ = LcmLink(now_);
+    frames_.clear();
+    RunFor(Milliseconds(500), 11, static_cast<std::int8_t>(gait));
+    ASSERT_FALSE(frames_.empty()) << gait;
+    for (const BodyCommand& frame : frames_) {
+      EXPECT_EQ(frame.mode, 11);
+      EXPECT_EQ(frame.gait, 1) << "WALK_STAND";
+    }
+  }
+}
+
+TEST_F(LcmLinkTest, DoesNotInterruptAnotherMotionOfTheBodyThatItFinds) {
+  RunFor(Milliseconds(500), 62, 2);
+  EXPECT_THAT(frames_, IsEmpty());
+  RunFor(Milliseconds(200), 7, 1);
+  EXPECT_FALSE(frames_.empty()) << "it has ended";
+}
+
+TEST_F(LcmLinkTest, RepeatsTheLastFrame20TimesASecond) {
+  Stand();
+  Command(21, 0);
+  RunFor(Milliseconds(1000), 21, 0);
+  EXPECT_THAT(frames_, SizeIs(::testing::AllOf(::testing::Ge(20U), ::testing::Le(21U))));
+  EXPECT_EQ(NewCounts(), 1);
+}
+
+TEST_F(LcmLinkTest, GivesEachCommandTheNextLifeCountRound256) {
+  Stand();
+  std::uint8_t last = static_cast<std::uint8_t>(link_.frame()->life_count);
+  for (int i = 0; i < 300; ++i) {
+    life_ = static_cast<std::int8_t>(i % 100);
+    Command(11, 27, 0.1F);
+    const auto count = static_cast<std::uint8_t>(link_.frame()->life_count);
+    ASSERT_EQ(count, static_cast<std::uint8_t>(last + 1));
+    last = count;
+  }
+}
+
+TEST_F(LcmLinkTest, SendsACommandOnceThatTheMotionManagerRepeats) {
+  Stand();
+  Command(16, 1);
+  BodyCommand again = *link_.frame();
+  again.life_count = life_;
+  EXPECT_THAT(link_.OnCommand(again, now_).frames, IsEmpty());
+}
+
+TEST_F(LcmLinkTest, SendsAnEmergencyStopAtOnceThriceAndKeepsIt) {
+  Command(0, 0);
+  EXPECT_THAT(frames_, SizeIs(3)) << "although no board has responded yet";
+  EXPECT_EQ(NewCounts(), 1);
+  frames_.clear();
+  RunFor(Milliseconds(5000), 0, 0, 2);
+  EXPECT_THAT(frames_, SizeIs(::testing::Ge(99U)));
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 0);
+  frames_.clear();
+  Command(11, 27, 0.5F);
+  EXPECT_THAT(frames_, IsEmpty()) << "only recovery stand follows";
+  Command(12, 0);
+  ASSERT_THAT(frames_, SizeIs(1));
+  EXPECT_EQ(frames_[0].mode, 12);
+}
+
+TEST_F(LcmLinkTest, LetsOnlyRecoveryStandPassAfterAStopOfTheBoard) {
+  for (const std::int8_t status : {std::int8_t{2}, std::int8_t{3}}) {
+    Stand();
+    Command(11, 27, 0.5F);
+    RunFor(Milliseconds(100), 11, 27);
+    RunFor(Milliseconds(100), 11, 27, status);
+    frames_.clear();
+    Command(11, 27, 0.5F);
+    Command(62, 2);
+    Command(7, 1);
+    RunFor(Milliseconds(500), 7, 0, status);
+    EXPECT_THAT(frames_, IsEmpty()) << int{status};
+    Command(12, 0);
+    EXPECT_THAT(frames_, SizeIs(1));
+    RunFor(Milliseconds(500));
+    for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 12);
+  }
+}
+
+TEST_F(LcmLinkTest, DoesNotContinueAWalkWhenTheBoardRecoversByItself) {
+  Stand();
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(100), 11, 27, 3);
+  frames_.clear();
+  RunFor(Milliseconds(300), 11, 27);
+  ASSERT_FALSE(frames_.empty());
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.vel[0], 0);
+}
+
+TEST_F(LcmLinkTest, TreatsABodyThatIsOffBecauseItHasTiltedAsStopped) {
+  Stand();
+  BodyReport tilted;
+  tilted.mode = 0;
+  tilted.ori_error = 1;
+  now_ += Milliseconds(20);
+  const LinkOutput output = Respond(tilted);
+  ASSERT_TRUE(output.body);
+  EXPECT_EQ(CodeOfStatus(output.body->report.switch_status), MotionCode(MotionKey::kOrientation));
+  Command(11, 27, 0.5F);
+  Command(7, 1);
+  EXPECT_THAT(frames_, IsEmpty());
+  Command(12, 0);
+  EXPECT_THAT(frames_, SizeIs(1));
+}
+
+// The board keeps ori_error until the body walks.
+TEST_F(LcmLinkTest, WalksAndLiesDownAfterATiltFromWhichTheBodyHasStoodUp) {
+  Stand();
+  BodyReport report;
+  report.mode = 12;
+  report.ori_error = 1;
+  now_ += Milliseconds(20);
+  EXPECT_EQ(Respond(report).body->report.switch_status, 0);
+  Command(7, 1);
+  ASSERT_THAT(frames_, SizeIs(1)) << "get-down";
+  report.mode = 7;
+  report.gait = 1;
+  now_ += Milliseconds(20);
+  EXPECT_EQ(Respond(report).body->report.switch_status, 0) << "it lies as it was commanded";
+  EXPECT_TRUE(link_.frame());
+  report.mode = 12;
+  report.gait = 0;
+  now_ += Milliseconds(20);
+  Respond(report);
+  Command(11, 27, 0.5F);
+  EXPECT_EQ(frames_.back().mode, 11);
+}
+
+TEST_F(LcmLinkTest, DoesNotBeginACommandThatHasFailedOnceTheBoardIsBack) {
+  RunFor(Milliseconds(300), 7, 1);
+  responds_ = false;  // the cable is out
+  Command(12, 0);
+  RunFor(Milliseconds(5000));
+  frames_.clear();
+  RunFor(std::chrono::seconds(60));
+  EXPECT_THAT(frames_, IsEmpty());
+  responds_ = true;
+  RunFor(Milliseconds(5000), 7, 1);
+  ASSERT_FALSE(frames_.empty());
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 7) << "it does not stand up";
+}
+
+TEST_F(LcmLinkTest, HoldsTheBodyAfterACommandThatTheBoardHasNotTaken) {
+  Stand();
+  Command(16, 1);
+  RunFor(Milliseconds(700), 12, 0);
+  frames_.clear();
+  RunFor(Milliseconds(500), 12, 0);
+  ASSERT_FALSE(frames_.empty());
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 12) << "no jump";
+}
+
+TEST_F(LcmLinkTest, KeepsARefusedCommandAsItsHeartbeat) {
+  Stand();
+  Command(16, 1);
+  RunFor(Milliseconds(3000), 12, 0, 5);
+  ASSERT_TRUE(link_.frame());
+  EXPECT_EQ(link_.frame()->mode, 16);
+  EXPECT_EQ(NewCounts(), 1) << "never new to the board again";
+}
+
+TEST_F(LcmLinkTest, RepeatsACommandAsLongAsTheMotionManagerWaits) {
+  link_ = LcmLink(now_, {Milliseconds(2000), ""});
+  Stand();
+  Command(16, 1);
+  RunFor(Milliseconds(1900), 12, 0);
+  EXPECT_EQ(link_.frame()->mode, 16);
+  RunFor(Milliseconds(300), 12, 0);
+  EXPECT_EQ(link_.frame()->mode, 12);
+}
+
+TEST_F(LcmLinkTest, SendsAStopUntilTheBoardTakesIt) {
+  Stand();
+  responds_ = false;
+  for (const std::int8_t mode : {std::int8_t{7}, std::int8_t{0}}) {
+    Command(mode, 0);
+    RunFor(std::chrono::seconds(10));
+    frames_.clear();
+    RunFor(Milliseconds(1000));
+    ASSERT_FALSE(frames_.empty());
+    for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, mode);
+  }
+}
+
+TEST_F(LcmLinkTest, DropsAResponseThatIsOlderThanTheNewest) {
+  Stand();
+  now_ += Milliseconds(20);
+  Respond(12, 0);
+  BodyReport old;
+  old.mode = 7;
+  now_ += Milliseconds(20);
+  EXPECT_FALSE(link_.OnResponse({kBoard, sequence_ - 1}, old, now_).body);
+  EXPECT_FALSE(link_.OnResponse({kBoard, sequence_}, old, now_).body) << "a copy";
+  EXPECT_EQ(Respond(12, 0).body->report.mode, 12);
+}
+
+TEST_F(LcmLinkTest, NumbersOfResponsesMayWrapAround) {
+  NewestOnly order;
+  EXPECT_EQ(order.Take(0xFFFFFFFFU, now_), NewestOnly::Age::kNew);
+  EXPECT_EQ(order.Take(0, now_), NewestOnly::Age::kNew);
+  EXPECT_EQ(order.Take(0xFFFFFFFFU, now_), NewestOnly::Age::kOld);
+}
+
+TEST_F(LcmLinkTest, ForgetsItsCommandWhenTheBoardCountsFromTheBeginning) {
+  Stand();
+  sequence_ = 100'000;
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(500), 11, 27);
+  responds_ = false;
+  RunFor(Milliseconds(300));
+  sequence_ = 0;
+  responds_ = true;
+  frames_.clear();
+  RunFor(Milliseconds(1000), 7, 0);
+  EXPECT_TRUE(restarted_);
+  ASSERT_THAT(faults_, SizeIs(1));
+  EXPECT_THAT(faults_[0].text, HasSubstr("has restarted"));
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.vel[0], 0);
+  EXPECT_EQ(frames_.back().mode, 7) << "it goes on lying";
+}
+
+TEST_F(LcmLinkTest, ForgetsItsCommandWhenTheBoardAnswersFromAnotherAddress) {
+  Stand();
+  Command(11, 27, 0.5F);
+  now_ += kRestartPause;
+  BodyReport lying;
+  lying.mode = 7;
+  Keep(link_.OnResponse({"192.168.44.233:51111", 1}, lying, now_));
+  EXPECT_TRUE(restarted_);
+  EXPECT_FALSE(link_.frame());
+}
+
+TEST_F(LcmLinkTest, SendsACommandAfterARestartOfTheBoardThatHasTheCountOfTheOneBefore) {
+  Stand();
+  sequence_ = 100'000;
+  Command(62, 2);
+  RunFor(Milliseconds(100), 62, 2);
+  EXPECT_EQ(bodies_.back().report.life_count, life_);
+  now_ += kRestartPause;
+  sequence_ = 0;
+  RunFor(Milliseconds(300), 7, 0);
+  EXPECT_EQ(bodies_.back().report.life_count, 0) << "what it has taken is void";
+  frames_.clear();
+  --life_;
+  Command(12, 0);
+  EXPECT_THAT(frames_, SizeIs(1));
+}
+
+TEST_F(LcmLinkTest, KeepsAnEmergencyStopWhenTheBoardRestarts) {
+  Stand();
+  Command(0, 0);
+  RunFor(Milliseconds(100), 0, 0, 2);
+  now_ += kRestartPause;
+  sequence_ = 0;
+  frames_.clear();
+  RunFor(Milliseconds(300), 7, 0);
+  ASSERT_FALSE(frames_.empty());
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 0);
+  EXPECT_EQ(NewCounts(), 2) << "the board that was switched on must take it as new";
+}
+
+TEST_F(LcmLinkTest, IgnoresASecondBoardAndNamesIt) {
+  Stand();
+  BodyReport other;
+  other.mode = 7;
+  EXPECT_FALSE(Keep(link_.OnResponse({"192.168.44.5:1", 1}, other, now_)).body);
+  ASSERT_THAT(faults_, SizeIs(1));
+  EXPECT_THAT(faults_[0].text, AllOf(HasSubstr("192.168.44.5:1"), HasSubstr(kBoard)));
+}
+
+TEST_F(LcmLinkTest, TakesPositionsAndTemperaturesOfTheHostThatRespondsOnly) {
+  BoardLocation location;
+  link_.OnLocation({"192.168.44.5:1", 1}, location, Milliseconds(7), now_);
+  EXPECT_FALSE(Respond(12, 0).body->has_new_motion) << "before the first response";
+  Stand();
+  Keep(link_.OnLocation({"192.168.44.5:1", 2}, location, Milliseconds(7), now_));
+  Keep(link_.OnTemperatures({"192.168.44.5:2", 1}, Temperatures{90}, now_));
+  now_ += Milliseconds(20);
+  EXPECT_FALSE(Respond(12, 0).body->has_new_motion);
+  EXPECT_EQ(bodies_.back().report.motor_temperature[0], 0);
+  ASSERT_THAT(faults_, SizeIs(1)) << "reported once";
+  EXPECT_THAT(faults_[0].text, AllOf(HasSubstr("192.168.44.5:1"), HasSubstr(kBoard)));
+}
+
+TEST_F(LcmLinkTest, DropsMessagesOfOtherHostsThanTheConfiguredBoard) {
+  link_ = LcmLink(now_, {kNoResponse, "192.168.44.233"});
+  BodyReport other;
+  other.mode = 7;
+  EXPECT_FALSE(Keep(link_.OnResponse({"192.168.44.5:1", 1}, other, now_)).body);
+  ASSERT_THAT(faults_, SizeIs(1));
+  EXPECT_THAT(faults_[0].text,
+              AllOf(HasSubstr("from 192.168.44.5:1"), HasSubstr("board is 192.168.44.233")));
+  Stand();
+  now_ += std::chrono::seconds(1);  // the board is silent, but another host is not the board
+  EXPECT_FALSE(Keep(link_.OnResponse({"192.168.44.5:1", 2}, other, now_)).body);
+  EXPECT_FALSE(restarted_);
+  EXPECT_EQ(Respond(12, 0).body->report.mode, 12);
+}
+
+TEST_F(LcmLinkTest, YieldsToAnotherProgramAndNamesItByItsLifeCount) {
+  Stand();
+  Command(11, 27, 0.5F);
+  BodyCommand other;
+  other.mode = 11;
+  other.gait = 10;
+  other.life_count = static_cast<std::int8_t>(200);
+  Keep(link_.OnOtherFrame("192.168.44.100:7", other, now_));
+  EXPECT_THAT(held_by_, AllOf(HasSubstr("192.168.44.100:7"), HasSubstr("life count 200")));
+  ASSERT_THAT(faults_, SizeIs(1));
+  EXPECT_EQ(faults_[0].code, 3011);
+  frames_.clear();
+  for (int i = 0; i < 100; ++i) {
+    Keep(link_.OnOtherFrame("192.168.44.100:7", other, now_));
+    Command(11, 27, 0.5F);
+    RunFor(Milliseconds(20), 11, 10);
+  }
+  EXPECT_THAT(frames_, IsEmpty());
+  EXPECT_THAT(faults_, SizeIs(1)) << "reported once";
+  Command(0, 0);
+  EXPECT_THAT(frames_, SizeIs(3)) << "an emergency stop is sent all the same";
+  frames_.clear();
+  other.life_count = link_.frame()->life_count;
+  Keep(link_.OnOtherFrame("192.168.44.100:7", other, now_));
+  RunFor(Milliseconds(51), 11, 10);
+  ASSERT_FALSE(frames_.empty());
+  EXPECT_NE(frames_.back().life_count, other.life_count) << "new to the board";
+}
+
+TEST_F(LcmLinkTest, YieldsToAnotherProgramThatSendsTwoFramesASecond) {
+  Stand();
+  BodyCommand other;
+  other.mode = 11;
+  for (int i = 0; i < 10; ++i) {
+    Keep(link_.OnOtherFrame("192.168.44.1:7", other, now_));
+    frames_.clear();
+    Command(62, 2);
+    RunFor(Milliseconds(500), 11, 27);
+    EXPECT_THAT(frames_, IsEmpty());
+    EXPECT_NE(held_by_, "");
+  }
+}
+
+TEST_F(LcmLinkTest, HoldsTheBodyOnceAnotherProgramHasEnded) {
+  BodyCommand other;
+  other.mode = 11;
+  for (int i = 0; i < 50; ++i) {
+    Keep(link_.OnOtherFrame("192.168.44.1:7", other, now_));
+    RunFor(Milliseconds(20), 11, 27);
+  }
+  EXPECT_THAT(frames_, IsEmpty());
+  RunFor(kOtherSender + Milliseconds(200), 11, 27);
+  ASSERT_FALSE(frames_.empty());
+  EXPECT_EQ(frames_.back().vel[0], 0);
+  EXPECT_EQ(held_by_, "");
+}
+
+TEST_F(LcmLinkTest, StopsAWalkWithoutAResponseFor500ms) {
+  Stand();
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(200), 11, 27);
+  responds_ = false;
+  frames_.clear();
+  RunFor(Milliseconds(600));
+  EXPECT_EQ(frames_.back().gait, 1) << "WALK_STAND";
+  EXPECT_EQ(frames_.back().vel[0], 0);
+  frames_.clear();
+  Command(11, 27, 0.5F);
+  EXPECT_THAT(frames_, IsEmpty());
+}
+
+TEST_F(LcmLinkTest, TakesTheMotionOfTheBoardForItsAnswer) {
+  Stand();
+  Command(62, 2);
+  now_ += Milliseconds(1);
+  Respond(62, 2, 1);
+  EXPECT_NE(link_.OnTime(now_ + kBetweenReports).body->report.life_count, life_)
+      << "sent before the command arrived";
+  now_ += Milliseconds(20);
+  EXPECT_NE(Respond(12, 0).body->report.life_count, life_) << "another mode";
+  now_ += Milliseconds(20);
+  EXPECT_EQ(Respond(62, 2, 1).body->report.life_count, life_);
+}
+
+TEST_F(LcmLinkTest, NeverTakesAModeThatWasNotAskedForAsAnAnswer) {
+  Stand();
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(2000), 12, 0);
+  EXPECT_NE(bodies_.back().report.life_count, life_);
+}
+
+TEST_F(LcmLinkTest, HandsOnTheNewestReportOfEach10msInAFlood) {
+  for (int i = 0; i < 20'000; ++i) {
+    now_ += std::chrono::microseconds(100);
+    Respond(12, 0);
+    if (now_ >= link_.NextDeadline()) Keep(link_.OnTime(now_));
+  }
+  EXPECT_LE(bodies_.size(), 202U);
+  ASSERT_THAT(faults_, SizeIs(1));
+  EXPECT_THAT(faults_[0].text, HasSubstr("responses a second, expected 50"));
+}
+
+TEST_F(LcmLinkTest, ReportsNoFloodOf500ResponsesASecond) {
+  for (int i = 0; i < 1500; ++i) {
+    now_ += Milliseconds(2);
+    Respond(12, 0);
+    if (now_ >= link_.NextDeadline()) Keep(link_.OnTime(now_));
+  }
+  EXPECT_THAT(faults_, IsEmpty());
+}
+
+TEST_F(LcmLinkTest, ReportsAMalformedDatagramOnceIn3Minutes) {
+  for (int i = 0; i < 1000; ++i) Keep(link_.OnMalformed("robot_control_response", "short", now_));
+  EXPECT_THAT(faults_, SizeIs(1));
+  Keep(link_.OnMalformed("robot_control_response", "short", now_ + kSameFault));
+  EXPECT_THAT(faults_, SizeIs(2));
+}
+
+TEST_F(LcmLinkTest, PublishesEachPositionOnce) {
+  Stand();
+  BoardLocation location;
+  location.motion.X_OB.translation().x() = 3;
+  link_.OnLocation({"192.168.44.233:40001", 1}, location, Milliseconds(7), now_);
+  now_ += Milliseconds(20);
+  const LinkOutput first = Respond(12, 0);
+  EXPECT_TRUE(first.body->has_new_motion);
+  EXPECT_EQ(first.body->motion.X_OB.translation().x(), 3);
+  EXPECT_EQ(first.body->motion.stamp, Milliseconds(7));
+  now_ += Milliseconds(20);
+  EXPECT_FALSE(Respond(12, 0).body->has_new_motion);
+  Keep(link_.OnTemperatures({kBoard, ++sequence_}, Temperatures{40}, now_));
+  now_ += Milliseconds(20);
+  EXPECT_EQ(Respond(12, 0).body->report.motor_temperature[0], 40);
+}
+
+}  // namespace musher::motion::testing::lcm_link_test

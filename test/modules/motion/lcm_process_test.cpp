@@ -1,0 +1,141 @@
+// The real motion manager with [board] kind = "lcm", and a motion board that is written with LCM's
+// own library and nothing of Musher; each as a process. The multicast group is of this test only.
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "musher/modules/motion/board_message.hpp"
+#include "musher/test/modules/motion/robot_rig.hpp"
+#include "musher/test/support/paths.hpp"
+#include "musher/test/support/wait.hpp"
+#include "musher/transport/lcm_socket.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::motion::testing::lcm_process_test {
+
+using ::testing::HasSubstr;
+
+// The process of this name among those that `parent` and its children have started; 0: none.
+pid_t DescendantNamed(const std::string& name, pid_t parent) {
+  std::error_code error;
+  const std::string tasks = "/proc/" + std::to_string(parent) + "/task";
+  for (const auto& task : std::filesystem::directory_iterator(tasks, error)) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child = 0; children >> child;) {
+      std::string its_name;
+      std::getline(std::ifstream("/proc/" + std::to_string(child) + "/comm"), its_name);
+      if (its_name == name) return child;
+      if (const pid_t deeper = DescendantNamed(name, child); deeper != 0) return deeper;
+    }
+  }
+  return 0;
+}
+
+class LcmProcess : public ::testing::Test {
+ protected:
+  LcmProcess() {
+    static int tests = 0;
+    const int process = getpid();
+    const std::string group = "udpm://239.253." + std::to_string(process / 256 % 256) + "." +
+                              std::to_string(process % 256) + ":";
+    const int port = 21'000 + 10 * tests++;
+    for (int i = 0; i < 3; ++i) urls_.push_back(group + std::to_string(port + i));
+  }
+  void SetUp() override {
+    transport::LinuxEventLoop loop;
+    const auto opened = transport::LcmSocket::Open(
+        loop, {transport::ReadLcmUrl(urls_[0]).value(), "", 0}, [](const transport::LcmSample&) {});
+    if (!opened) GTEST_SKIP() << "LCM's library needs a route: " << opened.error().message;
+  }
+  std::string Config() const {
+    return "kind = \"lcm\"\nttl = 0\ncommand_url = \"" + urls_[0] + "\"\nresponse_url = \"" +
+           urls_[1] + "\"\nlocalization_url = \"" + urls_[2] + "\"\n";
+  }
+  std::unique_ptr<Process> StartBoard(const std::string& mode, const std::string& gait) const {
+    std::vector<std::string> argv = {BinDir() + "/plain_board"};
+    for (const std::string& url : urls_) argv.push_back(url + "?ttl=0");
+    argv.push_back(mode);
+    argv.push_back(gait);
+    auto board = std::make_unique<Process>(argv);
+    EXPECT_NE(board->LineWith("board ready"), "");
+    return board;
+  }
+
+  std::vector<std::string> urls_;
+};
+
+TEST_F(LcmProcess, StandsWalksAndStopsOnABoardOfLcmsOwnLibrary) {
+  const auto board = StartBoard("7", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  EXPECT_EQ(
+      board->NextLine(musher::testing::In(std::chrono::seconds(30))).value_or("").substr(0, 14),
+      "command mode 7")
+      << "its first frame is no motion";
+  EXPECT_EQ(robot.RequestMotion(111), (msg::MotionResultCmd::Response{111, true, 0}));
+  EXPECT_NE(board->LineWith("command mode 12 gait 0"), "");
+  const Ended walk = RunProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "1"});
+  EXPECT_EQ(walk.exit, 0) << walk.out;
+  EXPECT_THAT(board->LineWith("mode 11 gait 27"), HasSubstr("speed 0.30"));
+  EXPECT_THAT(board->LineWith("mode 11 gait 1"), HasSubstr("speed 0.00"));
+  const Ended square = RunProgram("musher-motion", {"walk", "--square", "0.1", "--speed", "0.5"});
+  EXPECT_EQ(square.exit, 0) << square.out;
+  EXPECT_EQ(robot.RequestMotion(0), (msg::MotionResultCmd::Response{0, true, 0}));
+  EXPECT_NE(board->LineWith("command mode 0 gait 0"), "");
+}
+
+TEST_F(LcmProcess, AdoptsABodyThatWalksAndStopsIt) {
+  const auto board = StartBoard("11", "27");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  EXPECT_THAT(board->LineWith("command"), HasSubstr("mode 11 gait 27"));
+  EXPECT_THAT(board->LineWith("command"), HasSubstr("speed 0.00"));
+}
+
+TEST_F(LcmProcess, LetsTheBodyLieDownWhenTheManagerHangs) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  EXPECT_NE(board->LineWith("command mode 12"), "");
+  const pid_t manager = DescendantNamed("musher-motion-m", getpid());
+  ASSERT_GT(manager, 0);
+  kill(manager, SIGSTOP);
+  EXPECT_NE(board->LineWith("no frame: lies down"), "");
+  kill(manager, SIGCONT);
+}
+
+TEST_F(LcmProcess, NamesAnotherProgramThatCommandsTheBoard) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  transport::LinuxEventLoop loop;
+  const auto app =
+      transport::LcmSocket::Open(loop, {transport::ReadLcmUrl(urls_[0]).value(), "", 0},
+                                 [](const transport::LcmSample&) {})
+          .value();
+  BodyCommand frame;
+  frame.mode = 12;
+  frame.life_count = 99;
+  const auto sending = loop.Every(Milliseconds(20), [&] {
+    static_cast<void>(app->Send(kCommandChannel, EncodeCommand(frame)));
+  });
+  const std::string named = "another program commands the motion board: " + app->sender();
+  EXPECT_TRUE(loop.RunUntil([&] { return robot.Log().find(named) != std::string::npos; },
+                            musher::testing::In(std::chrono::seconds(30))));
+  std::int32_t code = 0;
+  loop.RunUntil([&] { return (code = robot.RequestMotion(132).code) != 0; },
+                musher::testing::In(std::chrono::seconds(30)));
+  EXPECT_EQ(code, 3011);
+}
+
+TEST_F(LcmProcess, SaysWhereItExpectsASilentBoard) {
+  RobotRig robot(Config() + "wait_ms = 300\n");
+  EXPECT_FALSE(robot.BringUp());
+  EXPECT_THAT(robot.Log(), HasSubstr("expected on robot_control_response of " + urls_[1] + " by "));
+}
+
+}  // namespace musher::motion::testing::lcm_process_test

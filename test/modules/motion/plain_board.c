@@ -1,0 +1,123 @@
+// A motion board that shares no code with Musher: LCM's own library, and the C code that lcm-gen
+// makes of the messages. It stands or walks as it is commanded, and lies down after 500 ms without
+// a frame. It prints "board ready", and a line for each new command.
+//
+//   plain_board COMMAND_URL RESPONSE_URL LOCALIZATION_URL MODE GAIT
+
+#include <lcm/lcm.h>
+#include <math.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "musher_lcm_danger_states_lcmt.h"
+#include "musher_lcm_localization_lcmt.h"
+#include "musher_lcm_robot_control_cmd_lcmt.h"
+#include "musher_lcm_robot_control_response_lcmt.h"
+
+enum { kPeriodMs = 20, kLieDownMs = 500, kOneSecondMs = 1000 };
+
+static int64_t NowMs(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1000LL + now.tv_nsec / 1000000;
+}
+
+struct Board {
+  int mode;
+  int gait;
+  int life_count;  // -1: no command yet
+  float speed[3];  // x, y in m/s, yaw in rad/s
+  float x;
+  float y;
+  float yaw;
+  int64_t last_frame_ms;
+};
+
+static void OnCommand(const lcm_recv_buf_t* buffer, const char* channel,
+                      const musher_lcm_robot_control_cmd_lcmt* command, void* user) {
+  struct Board* board = (struct Board*)user;
+  (void)buffer;
+  (void)channel;
+  board->last_frame_ms = NowMs();
+  if (board->life_count == (uint8_t)command->life_count) return;
+  board->life_count = (uint8_t)command->life_count;
+  board->mode = command->mode;
+  board->gait = command->gait_id;
+  for (int i = 0; i < 3; ++i) board->speed[i] = board->mode == 11 ? command->vel_des[i] : 0;
+  printf("command mode %d gait %d life %d speed %.2f\n", board->mode, board->gait,
+         board->life_count, (double)command->vel_des[0]);
+  fflush(stdout);
+}
+
+static void Report(struct Board* board, lcm_t* responses, lcm_t* locations) {
+  musher_lcm_robot_control_response_lcmt response = {0};
+  musher_lcm_localization_lcmt location = {0};
+  response.mode = (int8_t)board->mode;
+  response.gait_id = (int8_t)board->gait;
+  response.contact = 0x0F;
+  response.order_process_bar = 100;
+  response.switch_status = board->mode == 0 ? 2 : 0;
+  musher_lcm_robot_control_response_lcmt_publish(responses, "robot_control_response", &response);
+  const float seconds = (float)kPeriodMs / 1000;
+  const float c = cosf(board->yaw);
+  const float s = sinf(board->yaw);
+  board->x += (board->speed[0] * c - board->speed[1] * s) * seconds;
+  board->y += (board->speed[0] * s + board->speed[1] * c) * seconds;
+  board->yaw += board->speed[2] * seconds;
+  location.xyz[0] = board->x;
+  location.xyz[1] = board->y;
+  location.rpy[2] = board->yaw;
+  location.vBody[0] = board->speed[0];
+  location.vBody[1] = board->speed[1];
+  location.omegaBody[2] = board->speed[2];
+  location.timestamp = NowMs() * 1000000;
+  musher_lcm_localization_lcmt_publish(locations, "global_to_robot", &location);
+}
+
+static void ReportTemperatures(lcm_t* responses) {
+  musher_lcm_danger_states_lcmt states;
+  for (int i = 0; i < 12; ++i) states.motor_temperature[i] = 40.0F + (float)i;
+  musher_lcm_danger_states_lcmt_publish(responses, "motor_temperature", &states);
+}
+
+int main(int argc, char** argv) {
+  if (argc != 6) return 2;
+  lcm_t* commands = lcm_create(argv[1]);
+  lcm_t* responses = lcm_create(argv[2]);
+  lcm_t* locations = lcm_create(argv[3]);
+  if (commands == NULL || responses == NULL || locations == NULL) return 1;
+  struct Board board = {0};
+  board.mode = atoi(argv[4]);
+  board.gait = atoi(argv[5]);
+  board.life_count = -1;
+  musher_lcm_robot_control_cmd_lcmt_subscribe(commands, "robot_control_cmd", OnCommand, &board);
+  printf("board ready\n");
+  fflush(stdout);
+  int64_t next_ms = NowMs();
+  int64_t next_temperatures_ms = next_ms;
+  for (;;) {
+    const int64_t now_ms = NowMs();
+    if (now_ms >= next_ms) {
+      if (board.last_frame_ms != 0 && now_ms - board.last_frame_ms > kLieDownMs &&
+          board.mode != 7) {
+        board.mode = 7;
+        board.gait = 1;
+        for (int i = 0; i < 3; ++i) board.speed[i] = 0;
+        printf("no frame: lies down\n");
+        fflush(stdout);
+      }
+      Report(&board, responses, locations);
+      next_ms += kPeriodMs;
+    }
+    if (now_ms >= next_temperatures_ms) {
+      ReportTemperatures(responses);
+      next_temperatures_ms += kOneSecondMs;
+    }
+    struct pollfd readable = {lcm_get_fileno(commands), POLLIN, 0};
+    if (poll(&readable, 1, (int)(next_ms > now_ms ? next_ms - now_ms : 0)) > 0) {
+      lcm_handle(commands);
+    }
+  }
+}

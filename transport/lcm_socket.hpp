@@ -1,0 +1,69 @@
+#pragma once
+// A multicast group of LCM on the event loop: sends messages and receives those of all programs of
+// the group, also its own. Other than LCM's own library it needs no thread, names the sender of a
+// message and its number, and takes the network interface as an option.
+//
+//   auto socket = LcmSocket::Open(loop, {url, "eth0", 1}, [](const LcmSample& sample) { ... });
+//   socket.value()->Send("robot_control_cmd", bytes);
+//
+// Threads: loop thread only. On a simulated loop, which has no sockets, nothing is received.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/base/unique_fd.hpp"
+#include "musher/transport/event_loop.hpp"
+#include "musher/transport/lcm_packet.hpp"
+
+namespace musher::transport {
+
+struct LcmOptions {
+  LcmUrl url;
+  std::string network_interface;  // "eth0"; empty: that of the route to the group
+  int ttl = 1;                    // if the url has none; 0: on this host only
+};
+
+// A datagram of the group; the callback's only.
+struct LcmSample {
+  std::string sender;               // "192.168.44.233:41234"
+  std::optional<LcmPacket> packet;  // nullopt: no LCM message
+  std::size_t size = 0;             // of the datagram, in bytes
+};
+
+class LcmSocket {
+ public:
+  using OnSample = std::function<void(const LcmSample&)>;
+
+  // Fails with what to type where no route leads to the group, or its interface has no multicast.
+  static Result<std::unique_ptr<LcmSocket>> Open(EventLoop& loop, const LcmOptions& options,
+                                                 OnSample on_sample);
+
+  // One datagram. Returns at once.
+  Result<> Send(std::string_view channel, std::span<const std::byte> data);
+
+  // Of the messages that Send() sends.
+  const std::string& sender() const { return sender_; }
+  // "udpm://239.255.76.67:7670 by eth0 (192.168.44.1)".
+  const std::string& name() const { return name_; }
+
+ private:
+  LcmSocket(LcmUrl url, OnSample on_sample)
+      : url_(std::move(url)), on_sample_(std::move(on_sample)) {}
+
+  Result<> OpenSender(const LcmOptions& options);
+  Result<> OpenReceiver(const LcmOptions& options);
+  void Receive();
+
+  const LcmUrl url_;
+  const OnSample on_sample_;
+  std::string sender_;
+  std::string name_;
+  std::uint32_t sequence_ = 0;
+  std::vector<std::byte> buffer_;
+  UniqueFd out_;
+  UniqueFd in_;
+  LoopHandlePtr readable_;  // last: its callback uses the rest
+};
+
+}  // namespace musher::transport
