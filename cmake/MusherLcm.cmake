@@ -12,6 +12,7 @@ function(musher_lcm_types target file)
   add_custom_command(OUTPUT ${headers} DEPENDS ${file} VERBATIM
     COMMAND ${LCM_GEN} --cpp --cpp-hpath ${folder} ${file})
   add_custom_target(${target}_headers DEPENDS ${headers})
+  add_dependencies(musher_message_headers ${target}_headers)  # scripts/lint makes these
   add_library(${target} INTERFACE)
   target_include_directories(${target} SYSTEM INTERFACE ${folder} ${LCM_INCLUDE_DIR})
   add_dependencies(${target} ${target}_headers)

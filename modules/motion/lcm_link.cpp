@@ -140,9 +140,9 @@ void LcmLink::Hold(Time now, LinkOutput& output) {
   if (hold.mode == kModeWalk && !in_place) hold.gait = kGaitStand;
   if (hold.mode != kModeDamping && hold.mode != kModeWalk && !IsRecoveryStand(hold)) return;
   constexpr std::int8_t kAllFeet = 0x0F;
-  constexpr float kStepHeight_m = 0.05F;
+  constexpr float kStepHeightM = 0.05F;
   hold.contact = kAllFeet;
-  hold.step_height = {kStepHeight_m, kStepHeight_m};
+  hold.step_height = {kStepHeightM, kStepHeightM};
   recounts_ = 1;
   Begin(hold, now, output, 1);
 }

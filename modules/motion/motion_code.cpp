@@ -104,7 +104,7 @@ std::int32_t CodeOfMotorError(std::int32_t motor_error) {
 std::string MotorName(std::size_t motor) {
   constexpr std::array kLegs = {"front right", "front left", "rear right", "rear left"};
   constexpr std::array kJoints = {"hip abduction", "hip", "knee"};
-  const std::string number = "motor " + std::to_string(motor);
+  std::string number = "motor " + std::to_string(motor);
   const std::size_t leg = motor / kJoints.size();
   if (leg >= kLegs.size()) return number;
   return number + " (" + kLegs.at(leg) + " " + kJoints.at(motor % kJoints.size()) + ")";

@@ -292,11 +292,12 @@ using Place = std::optional<std::array<double, 2>>;
 // Where in its region, from its top, the middle of a line is seen; nothing where it is not.
 template <class At>
 std::optional<double> ShareInRegion(const View& view, At&& at) {
-  constexpr double kHalfM = 2.5, kStepM = 0.01;
+  constexpr double kStepM = 0.01;
+  constexpr int kHalf = 250;  // steps
   double sum = 0, weights = 0;
   Place before;
-  for (double along_m = -kHalfM; along_m <= kHalfM; along_m += kStepM) {
-    const Place seen = navigation::ShareOf(view.camera, view.trunk_height_m, at(along_m));
+  for (int i = -kHalf; i <= kHalf; ++i) {
+    const Place seen = navigation::ShareOf(view.camera, view.trunk_height_m, at(i * kStepM));
     const bool inside = seen && (*seen)[0] >= view.left && (*seen)[0] <= view.right &&
                         (*seen)[1] >= view.top && (*seen)[1] <= view.bottom;
     if (inside && before) {

@@ -118,8 +118,9 @@ bool Recovery::IsWayCovered(double ahead_m_s) const {
   const double whole_m = kind_ == RecoveryKind::kBackUp ? kBackM : kLeaveM;
   const double left_m = std::max(whole_m - moved_m_, 0.0);
   const double sign = ahead_m_s < 0 ? -1 : 1;
-  for (double along_m = 0; along_m < left_m + kApartM; along_m += kApartM) {
-    const double x_m = sign * (side_m + kMarginM + std::min(along_m, left_m));
+  const auto last = static_cast<int>(std::ceil(left_m / kApartM));
+  for (int i = 0; i <= last; ++i) {
+    const double x_m = sign * (side_m + kMarginM + std::min(i * kApartM, left_m));
     for (const double y_m : {-side_m, 0.0, side_m}) {
       if (!robot_.ScanCovers({x_m, y_m, 0})) return false;
     }

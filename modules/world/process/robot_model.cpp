@@ -76,7 +76,7 @@ class Builder {
   std::string AddTurning(const std::string& parent, std::size_t joint, const Vector3d& origin_m,
                          const Vector3d& axis, std::optional<LinkShape> shape = std::nullopt) {
     const std::string name(JointTable().at(joint).name);
-    const std::string child = prefix_ + name.substr(name.find('_') + 1);
+    std::string child = prefix_ + name.substr(name.find('_') + 1);
     Add({name, parent, child, At(origin_m), joint, axis}, std::move(shape));
     return child;
   }

@@ -76,13 +76,13 @@ musher_lcm::localization_lcmt LocationOf(const World& world) {
     to[1] = static_cast<float>(y);
     to[2] = static_cast<float>(z);
   };
-  const Eigen::Vector3d v_B = body.speed();
-  const Eigen::Vector3d v_O = Eigen::AngleAxisd(odometry.yaw_rad, Eigen::Vector3d::UnitZ()) * v_B;
+  const Eigen::Vector3d speed_m_s =
+      Eigen::AngleAxisd(odometry.yaw_rad, Eigen::Vector3d::UnitZ()) * body.speed();
   set(location.xyz, odometry.position_m.x(), odometry.position_m.y(), attitude.height_m);
-  set(location.vxyz, v_O.x(), v_O.y(), v_O.z());
+  set(location.vxyz, speed_m_s.x(), speed_m_s.y(), speed_m_s.z());
   set(location.rpy, attitude.roll_rad, attitude.pitch_rad, odometry.yaw_rad);
   set(location.omegaBody, body.turn_rate().x(), body.turn_rate().y(), body.turn_rate().z());
-  set(location.vBody, v_B.x(), v_B.y(), v_B.z());
+  set(location.vBody, body.speed().x(), body.speed().y(), body.speed().z());
   location.timestamp = world.now().count();
   return location;
 }
