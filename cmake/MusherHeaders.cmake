@@ -1,7 +1,7 @@
 # Every installed header stands alone: a source file that includes nothing before it compiles. Most have
 # one, their own, which the preset alone compiles alone; for the others one is made.
-set(folders actuator application base behavior cli controller cyberdog lifecycle messages navigation ota simulation transport
-            view wire)
+set(folders actuator application base behavior cli controller cyberdog lifecycle messages navigation ota search simulation
+            transport view wire)
 if(MUSHER_MODULES)
   list(APPEND folders modules)
 endif()

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/test/search/explorer.hpp"
+#include "musher/search/explorer.hpp"
 
 namespace musher::search {
 

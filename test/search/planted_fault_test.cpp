@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/test/search/explorer.hpp"
+#include "musher/search/explorer.hpp"
 #include "musher/test/search/scenarios.hpp"
 
 namespace musher::search::planted_fault_test {

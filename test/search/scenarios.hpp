@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/test/search/world.hpp"
+#include "musher/search/world.hpp"
 
 namespace musher::search {
 

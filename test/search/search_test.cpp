@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "musher/test/search/explorer.hpp"
+#include "musher/search/explorer.hpp"
 #include "musher/test/search/figures_table.hpp"
 #include "musher/test/search/scenarios.hpp"
 #include "musher/test/support/nightly.hpp"

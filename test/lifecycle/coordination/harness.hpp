@@ -12,9 +12,15 @@
 
 #include "musher/base/check.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"
-#include "musher/test/lifecycle/fake_robot.hpp"
+#include "musher/search/fake_robot.hpp"
 
 namespace musher::testing {
+
+using search::Disk;
+using search::FakeActuator;
+using search::FakeController;
+using search::FakeRobot;
+using search::Message;
 
 // The script of an actuator's callback.
 struct Behaviour {

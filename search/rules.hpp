@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "musher/test/search/world.hpp"
+#include "musher/search/world.hpp"
 
 namespace musher::search {
 

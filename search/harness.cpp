@@ -1,10 +1,10 @@
-#include "musher/test/search/harness.hpp"
+#include "musher/search/harness.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
-#include "musher/test/search/rules.hpp"
+#include "musher/search/rules.hpp"
 
 namespace musher::search {
 namespace {
@@ -196,7 +196,7 @@ RequestToken Harness::TokenOf(Sender sender, CommandNumber number, bool query) {
                       sender.value());
 }
 
-void Harness::Save(Stored what, SaveNumber save, std::function<void(testing::Disk&)> write) {
+void Harness::Save(Stored what, SaveNumber save, std::function<void(Disk&)> write) {
   write(world_.disk);
   Feed(event::SaveEnded{what, save, true, {}});
 }

@@ -1,4 +1,4 @@
-#include "musher/test/search/fingerprint.hpp"
+#include "musher/search/fingerprint.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "musher/test/search/world.hpp"
+#include "musher/search/world.hpp"
 
 namespace musher::search {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/test/search/world.hpp"
+#include "musher/search/world.hpp"
 
 namespace musher::search {
 

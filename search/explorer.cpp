@@ -1,4 +1,4 @@
-#include "musher/test/search/explorer.hpp"
+#include "musher/search/explorer.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -7,8 +7,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "musher/test/search/fingerprint.hpp"
-#include "musher/test/search/rules.hpp"
+#include "musher/search/fingerprint.hpp"
+#include "musher/search/rules.hpp"
 
 namespace musher::search {
 namespace {

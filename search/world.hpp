@@ -40,7 +40,7 @@
 #include <vector>
 
 #include "musher/lifecycle/per_actuator.hpp"
-#include "musher/test/lifecycle/fake_robot.hpp"
+#include "musher/search/fake_robot.hpp"
 
 namespace musher::search {
 
@@ -62,14 +62,13 @@ class EachActuator {
   std::array<T, kActuators> values_{};
 };
 
-using testing::Message;
 struct StopMessage {};
 
 using Late = std::variant<Message, event::Replied, event::StatusSeen, StopMessage>;
 
 enum class Work { kNone, kRunning, kOverdue };
 
-struct SimActuator : testing::FakeActuator {
+struct SimActuator : FakeActuator {
   Work work = Work::kNone;
   bool stop_requested = false;  // of the running callback
   bool energised = false;       // its output: on at the end of an upward callback
@@ -97,7 +96,7 @@ enum class Repeat : std::uint8_t {
   kDone,  // at least degraded; of the present controller
 };
 
-struct World : testing::FakeController {
+struct World : FakeController {
   int faults = 0;  // that may happen in all
   int faults_left = 0;
   EachActuator<SimActuator> actuators;

@@ -1,7 +1,7 @@
 #pragma once
 // A fake robot: the real decision code of the controller and of its actuators, connected as the
 // shells connect them. What is sent and what runs ends when the derived class decides so: after a
-// time in coordination/harness.hpp, by a choice in test/search/harness.hpp.
+// time in test/lifecycle/coordination/harness.hpp, by a choice in harness.hpp.
 
 #include <cstdint>
 #include <deque>
@@ -12,7 +12,7 @@
 #include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
 
-namespace musher::testing {
+namespace musher::search {
 
 // An actuator and its process.
 struct FakeActuator {
@@ -104,4 +104,4 @@ class FakeRobot {
   bool handling_ = false;
 };
 
-}  // namespace musher::testing
+}  // namespace musher::search

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/test/search/harness.hpp"
+#include "musher/search/harness.hpp"
 
 namespace musher::search {
 namespace {

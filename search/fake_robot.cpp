@@ -1,8 +1,8 @@
-#include "musher/test/lifecycle/fake_robot.hpp"
+#include "musher/search/fake_robot.hpp"
 
 #include <utility>
 
-namespace musher::testing {
+namespace musher::search {
 
 void FakeRobot::Feed(const Event& event) {
   queue_.push_back(event);
@@ -90,4 +90,4 @@ void FakeRobot::Apply(const Action& action) {
   }
 }
 
-}  // namespace musher::testing
+}  // namespace musher::search

@@ -1,4 +1,4 @@
-#include "musher/test/search/rules.hpp"
+#include "musher/search/rules.hpp"
 
 #include <algorithm>
 

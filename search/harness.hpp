@@ -4,13 +4,13 @@
 #include <functional>
 #include <string>
 
-#include "musher/test/search/world.hpp"
+#include "musher/search/world.hpp"
 
 namespace musher::search {
 
 bool FromActuator(const Late& late);
 
-class Harness : public testing::FakeRobot {
+class Harness : public FakeRobot {
  public:
   Harness(const Model& model, World& world, Notes& notes)
       : FakeRobot(model.config, world), model_(model), world_(world), notes_(notes) {}
@@ -43,10 +43,10 @@ class Harness : public testing::FakeRobot {
  private:
   void StepController(const Event& event) override;
   void StepActuator(ActuatorIndex i, const ActuatorEvent& event) override;
-  testing::FakeActuator& Actuator(ActuatorIndex i) override { return world_.actuators[i]; }
+  FakeActuator& Actuator(ActuatorIndex i) override { return world_.actuators[i]; }
   RequestToken TokenOf(Sender sender, CommandNumber number, bool query) override;
   void Send(const Message& message) override { world_.outbox.push_back(message); }
-  void Save(Stored what, SaveNumber save, std::function<void(testing::Disk&)> write) override;
+  void Save(Stored what, SaveNumber save, std::function<void(Disk&)> write) override;
   void Do(const Action& action) override;
   void Do(ActuatorIndex i, const ActuatorAction& action);
 
