@@ -51,13 +51,18 @@ class ChoiceList {
         {kind, static_cast<std::uint8_t>(i.value()), static_cast<std::uint8_t>(index), 0});
   }
   void Fault(ChoiceKind kind, ActuatorIndex i = 0) {
-    if (world_.faults_left > 0)
+    if (world_.faults_left > 0 && IsSearched(kind))
       choices_.push_back({kind, static_cast<std::uint8_t>(i.value()), 0, 1});
+  }
+
+  bool IsSearched(ChoiceKind fault) const {
+    return (model_.faults >> static_cast<int>(fault) & 1) != 0;
   }
 
   void ListStop() {
     if (world_.stopped || !Leads()) return;
     Fault(ChoiceKind::kEngageStop);
+    if (!IsSearched(ChoiceKind::kEngageStopLate)) return;
     for (const ActuatorIndex i : kIndices) {
       if (world_.faults_left <= 1 || !world_.actuators[i].alive) continue;
       choices_.push_back({ChoiceKind::kEngageStopLate, static_cast<std::uint8_t>(i.value()), 0, 2});
@@ -133,6 +138,7 @@ class ChoiceList {
       if (actuator.end || actuator.status_due || !actuator.replies.empty()) return;
       if (actuator.work == Work::kRunning) ++cost;
     }
+    if (cost > 0 && !IsSearched(ChoiceKind::kTime)) return;
     if (cost > world_.faults_left || !NextDeadline(model_.config, world_.machine)) return;
     choices_.push_back({ChoiceKind::kTime, 0, 0, cost});
   }

@@ -259,7 +259,7 @@ void CheckBegin(const Model& model, const World& world, ActuatorIndex i, const S
     notes.violations.push_back(what + " while an emergency stop is latched");
   }
   const bool requested = world.repeat != Repeat::kNotYet && target == model.target;
-  if (world.released && report.held_by_stop && !requested && number != 0 &&
+  if (world.released && !requested && number != 0 &&
       MaySwitchOn(model.config, report.state, target)) {
     notes.violations.push_back(what + " by the release of the emergency stop");
   }

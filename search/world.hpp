@@ -33,7 +33,9 @@
 // is searched (fingerprint.hpp).
 
 #include <array>
+#include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <variant>
@@ -175,6 +177,14 @@ struct Rules {
       };
 };
 
+inline constexpr std::uint64_t kAllFaults = ~std::uint64_t{0};
+// For a search of more faults than of all kinds would end.
+constexpr std::uint64_t OnlyFaults(std::initializer_list<ChoiceKind> kinds) {
+  std::uint64_t bits = 0;
+  for (const ChoiceKind kind : kinds) bits |= std::uint64_t{1} << static_cast<int>(kind);
+  return bits;
+}
+
 struct Model {
   explicit Model(MachineConfig machine, State wanted = {}, Rules decisions = {});
 
@@ -182,6 +192,7 @@ struct Model {
   State target;  // of the first request
   Rules rules;
   EachActuator<ActuatorIndex> kinds;  // equal for interchangeable actuators
+  std::uint64_t faults = kAllFaults;  // the kinds that are choices, a bit for each
   bool releases = false;              // whether kRelease and kRepeat are choices
   bool other_machine = false;         // whether kOtherCommand and what follows it are choices
 };

@@ -77,6 +77,7 @@ std::string StopsText(const StoredStops& stops) {
     text += line("by", stop.by) + line("reason", stop.reason);
   }
   for (const StopId id : stops.released) text += line("released", ToString(id));
+  if (stops.awaits_request) text += "awaits request\n";
   return text + "end\n";
 }
 
@@ -92,7 +93,9 @@ std::optional<StoredStops> StopsFrom(const std::string& text) {
     const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);
     const bool is_id = error == std::errc() && end == value.data() + value.size() && id != 0;
     if (line == "end") return stops;
-    if (name == "engaged" && is_id) {
+    if (line == "awaits request") {
+      stops.awaits_request = true;
+    } else if (name == "engaged" && is_id) {
       stops.engaged.push_back({StopId(id), "", ""});
     } else if (name == "released" && is_id) {
       stops.released.emplace_back(id);
@@ -230,7 +233,8 @@ Result<> StateStore::Replace(const std::string& path, const std::string& content
   return written;
 }
 
-// "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; a last line "end".
+// "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; "awaits request"; a
+// last line "end".
 Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
   auto written = SlotFile(EmergencyStopFile()).Write(StopsText(stops));
   if (written) RememberFile(EmergencyStopFile());

@@ -109,7 +109,7 @@ void Coordinator::Handle(const Event& event) {
 
 void Coordinator::On(const event::Begin& begin) {
   start_up_.Begin(begin);
-  stops_.Begin(begin.stops);
+  stops_.Begin(begin);
   rules_.Begin(begin.policy);
 }
 
@@ -122,6 +122,7 @@ void Coordinator::Settle() {
   start_up_.CheckDeadlines();
   recovery_.CheckDeadlines();
   stops_.CheckRelease();
+  stops_.CheckRequested();
   Advance();
   saver_.NoteHosts();
 }

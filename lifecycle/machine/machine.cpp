@@ -42,11 +42,12 @@ StoredStops StopsOf(const Machine& machine) {
   stops.engaged.insert(stops.engaged.end(), machine.emergency.others.begin(),
                        machine.emergency.others.end());
   stops.released = machine.emergency.released;
+  stops.awaits_request = machine.emergency.awaits_request;
   return stops;
 }
 
 bool MustBeSetAgain(const Machine& machine, const KnownActuator& known) {
-  const bool stopped = known.report.held_by_stop || machine.emergency.cause != 0;
+  const bool stopped = known.report.held_by_stop || machine.emergency.awaits_request;
   return stopped && !known.set_again;
 }
 

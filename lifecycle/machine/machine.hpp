@@ -64,6 +64,7 @@ struct EmergencyStopState {
   std::vector<EmergencyStop> others;  // engaged beside it by other sources, released with it
   std::vector<StopId> released;  // the last released stops, with the ones that newer stops replaced
   std::optional<PendingRelease> release;
+  bool awaits_request = false;  // since the last stop no switch up was requested for all: on disk
 
   friend bool operator==(const EmergencyStopState&, const EmergencyStopState&) = default;
 };
@@ -159,6 +160,7 @@ inline constexpr std::tuple kFields<EmergencyStopState> = {
     Field{"other_stops", &EmergencyStopState::others},
     Field{"released_stops", &EmergencyStopState::released},
     Field{"release", &EmergencyStopState::release},
+    Field{"awaits_request", &EmergencyStopState::awaits_request},
 };
 
 template <>

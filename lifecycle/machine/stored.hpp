@@ -16,6 +16,7 @@ namespace musher {
 struct StoredStops {
   std::vector<EmergencyStop> engaged;  // oldest first
   std::vector<StopId> released;        // ids, also of replaced ones, the last one at the end
+  bool awaits_request = false;         // since the last stop no switch up has been requested
 
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
@@ -73,6 +74,7 @@ template <>
 inline constexpr std::tuple kFields<StoredStops> = {
     Field{"engaged", &StoredStops::engaged},
     Field{"released", &StoredStops::released},
+    Field{"awaits_request", &StoredStops::awaits_request},
 };
 
 template <>

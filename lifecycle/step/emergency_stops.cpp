@@ -53,6 +53,7 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
 
 StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   StoredStops stops;
+  stops.awaits_request = stored.awaits_request || received.awaits_request;
   for (const auto* from : {&stored, &received}) {
     for (const StopId id : from->released) AddReleased(stops, id);
   }
@@ -64,8 +65,12 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
 
 // Both are published, so that a panel that still publishes "engaged" does not engage a released
 // stop.
-void EmergencyStops::Begin(const StoredStops& stops) {
+void EmergencyStops::Begin(const event::Begin& begin) {
+  const StoredStops& stops = begin.stops;
+  const bool runs = !begin.remote.empty() ||
+                    std::ranges::any_of(begin.running, [](bool running) { return running; });
   machine_.emergency.released = stops.released;
+  machine_.emergency.awaits_request = stops.awaits_request && runs;
   PublishReleased();
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
@@ -164,6 +169,13 @@ void EmergencyStops::CheckRelease() {
   PublishReleased();
 }
 
+void EmergencyStops::CheckRequested() {
+  if (!machine_.emergency.awaits_request || machine_.emergency.stop) return;
+  if (!std::ranges::all_of(machine_.actuators, &KnownActuator::set_again)) return;
+  machine_.emergency.awaits_request = false;
+  saver_.Save(Stored::kEmergencyStops);
+}
+
 void EmergencyStops::EndRelease(const Result<>& result) {
   const PendingRelease ended = *std::exchange(machine_.emergency.release, std::nullopt);
   for (const RequestId request : ended.requests) Do(action::AnswerCall{request, result});
@@ -223,6 +235,7 @@ bool EmergencyStops::IsReleased(StopId id) const {
 // controller. It is published first and saved after.
 void EmergencyStops::Engage(const EmergencyStop& stop) {
   Do(action::PublishEmergencyStop{stop, true});
+  machine_.emergency.awaits_request = true;
   saver_.Save(Stored::kEmergencyStops);
   const RecordId recorded =
       RecordMachine(kCodeProtectedError, texts::EmergencyStopEngaged(stop.by, stop.reason),

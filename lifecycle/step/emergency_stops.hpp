@@ -11,14 +11,17 @@ class EmergencyStops : StepPart {
  public:
   EmergencyStops(StepContext& step, Saver& saver) : StepPart(step), saver_(saver) {}
 
-  // Continues those that were stored, or received from other controllers and panels.
-  void Begin(const StoredStops& stops);
+  // Continues those that were stored, or received from other controllers and panels. Where nothing
+  // runs any more, the start of the machine is a request to switch on what a release did not.
+  void Begin(const event::Begin& begin);
   void On(const event::EmergencyStopSeen& seen);
   void On(const event::ReleaseRequested& requested);
   // An actuator may have latched a stop that this controller missed, or missed a release.
   void Compare(const ActuatorReport& report, ActuatorIndex i);
   // Ends a release that is confirmed, or whose time is over.
   void CheckRelease();
+  // Whether everything may be switched on again after the last stop.
+  void CheckRequested();
 
  private:
   void CompareOldest(const ActuatorReport& report, ActuatorIndex i);

@@ -134,6 +134,12 @@ void StartUp::EndFirstStage() {
         "and `musher set Active`",
         recorded);
   }
+  if (machine_.emergency.awaits_request) {
+    return Fail(
+        "no state was requested since the last emergency stop; run `musher set SelfCheck` and "
+        "`musher set Active`",
+        recorded);
+  }
   if (!config_.HasState(kSelfCheck)) return Activate(recorded);
   switches_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
                   recorded);

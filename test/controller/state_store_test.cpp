@@ -73,7 +73,7 @@ TEST_F(Store, OfADamagedPolicyOnlyWhatCanBeReadCounts) {
 TEST_F(Store, KeepsTheEmergencyStopsThatAreEngagedAndTheReleasedIds) {
   StateStore store = MustOpen();
   EXPECT_EQ(store.LoadEmergencyStops(), StoredStops{});
-  const StoredStops stops{{{7, "alice@desk", "smoke in\nthe lab"}, {9, "", ""}}, {3, 4}};
+  const StoredStops stops{{{7, "alice@desk", "smoke in\nthe lab"}, {9, "", ""}}, {3, 4}, true};
   ASSERT_TRUE(store.SaveEmergencyStops(stops));
   StoredStops loaded = store.LoadEmergencyStops();
   EXPECT_EQ(loaded.engaged.at(0).reason, "smoke in the lab") << "one line each";

@@ -21,6 +21,7 @@ class PlantedFault : public ::testing::Test {
     Model model(correct.config, to, std::move(rules));
     model.releases = true;
     model.other_machine = other_machine_;
+    model.faults = faults_;
     World root = WorldIn(correct, from);
     root.faults = root.faults_left = faults;
     searched_ = SearchAll(model, root);
@@ -28,6 +29,7 @@ class PlantedFault : public ::testing::Test {
   }
 
   bool other_machine_ = false;
+  std::uint64_t faults_ = kAllFaults;
   Searched searched_;
   std::string scenario_;
 };
@@ -186,6 +188,35 @@ TEST_F(PlantedFault, FindsACallbackThatTheReleaseOfAnEmergencyStopStarts) {
   Search(rules, "Active", "Dancing", 2, EqualRanks());
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(scenario_, HasSubstr("a person releases the emergency stop"));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("by the release of the emergency stop")));
+}
+
+// The controller forgets the stop once it is released: what was restarted meanwhile is started
+// whole.
+TEST_F(PlantedFault, FindsARestartedActuatorThatTheReleaseOfAnEmergencyStopSwitchesOn) {
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    if (!machine.emergency.stop) machine.emergency.awaits_request = false;
+    return Step(config, machine, event, now);
+  };
+  faults_ = OnlyFaults({ChoiceKind::kEngageStop, ChoiceKind::kCrash});
+  Search(rules, "Active", "Active", 2, ScenarioNamed("Restarted"));
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("crashes"));
+  EXPECT_THAT(scenario_, HasSubstr("a person releases the emergency stop"));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("by the release of the emergency stop")));
+}
+
+// The next controller does not know of the stop, which was over.
+TEST_F(PlantedFault, FindsARestartedActuatorThatTheNextControllerSwitchesOnAfterAReleasedStop) {
+  faults_ = OnlyFaults({ChoiceKind::kEngageStop, ChoiceKind::kCrash, ChoiceKind::kRestart});
+  Search(WithEvent<event::Begin>(
+             [](event::Begin& begin, const Machine&) { begin.stops.awaits_request = false; }),
+         "Active", "Active", 3, ScenarioNamed("Restarted"));
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("the controller is killed, and another takes over"));
   EXPECT_THAT(searched_.fault->violations,
               Contains(HasSubstr("by the release of the emergency stop")));
 }

@@ -106,6 +106,26 @@ TEST(ExhaustiveSearchOfEqualRanks, FindsNoViolation) {
   }
 }
 
+// Around an emergency stop, with actuators that are restarted and a controller that is killed:
+// after its release nothing is switched on before a person requests it.
+TEST(ExhaustiveSearchOfAStopAndRestarts, FindsNoViolation) {
+  const std::vector<std::pair<State, State>> switches = {
+      {"Active", "Active"}, {"LowPower", "Active"}, {"Active", "LowPower"}};
+  for (const auto& [from, to] : switches) {
+    if (from != to && !musher::testing::Nightly()) continue;  // half a minute
+    Model model(ScenarioNamed("Restarted").config, to);
+    model.releases = true;
+    model.faults = OnlyFaults({ChoiceKind::kEngageStop, ChoiceKind::kCrash, ChoiceKind::kRestart});
+    World root = WorldIn(model, from);
+    root.faults = root.faults_left =
+        (from == to && musher::testing::Nightly() ? 3 : 2) - kFewerFaults;
+    const Searched searched = SearchAll(model, root);
+    EXPECT_FALSE(searched.fault) << "from " << from << " to " << to << "\n"
+                                 << ScenarioOf(model, root, searched.fault->path);
+    std::cout << from << " to " << to << ": " << searched.figures.nodes << " nodes\n";
+  }
+}
+
 // Beside another machine, or a controller that was replaced, whose messages have no identity: their
 // commands, releases and heartbeats change nothing, at any point of a switch with another fault.
 TEST(ExhaustiveSearchBesideAnotherMachine, FindsNoViolation) {

@@ -482,6 +482,56 @@ TEST_F(EmergencyStopped, AReleasedStopStaysReleasedAfterARestartOfTheController)
   for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
 }
 
+// The exhaustive search found it, with a stop, a crash and a killed controller: the next controller
+// did not know of the stop, which was over.
+TEST_F(EmergencyStopped, AReleasedStopSwitchesNothingOnByTheNextController) {
+  Harness& t = In("Active", Ours(2));
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.Crash("b");
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck");
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_FALSE(t.disk().stops.awaits_request);
+  t.Crash("b");
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active") << "the stop is over";
+}
+
+TEST_F(EmergencyStopped, AReleasedStopKeepsAMachineDownThatIsTakenOverInItsStart) {
+  Harness& t = In("Active", Ours(1));
+  Stop(t);
+  t.Crash("a");
+  t.Rest();
+  t.Release();
+  t.Rest();
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("a"), "SelfCheck") << "nobody has requested Active since the stop";
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.StateOf("a"), "Active");
+}
+
+// The start of a machine of which nothing runs is a request.
+TEST(EmergencyStopBeforeBegin, IsNoMoreWaitedForOnceAllProcessesHaveEnded) {
+  const MachineConfig config = MachineOf(2);
+  for (const bool runs : {false, true}) {
+    Machine machine = MakeMachine(config);
+    event::Begin begin;
+    begin.running = {false, runs};
+    begin.stops = {{}, {7}, true};
+    Step(config, machine, begin, Time());
+    EXPECT_EQ(machine.emergency.awaits_request, runs);
+  }
+}
+
 TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
