@@ -154,7 +154,9 @@ void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
                         " ms old and had " + std::to_string(ToMilliseconds(sent->second.budget)) +
                         " ms");
   }
-  if (rises && !sent->second.may_rise) {
+  // A controller lowers an actuator that claims to be more active than it is.
+  const bool lowered = false_reporters_.contains(name) && !Rises(config_, kDeActive, report.target);
+  if (rises && !sent->second.may_rise && !lowered) {
     ReportViolation(Invariant::kNoUnrequestedActivation, what + ", which was not requested");
   }
   if (rises && !sent->second.has_reason) {
@@ -857,8 +859,9 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
   if (known && known->command.number >= command.number) return;  // the same, or a newer one
   const bool begun =
       report.busy_number >= command.number || report.outcome_number >= command.number;
-  const bool stopped = report.emergency_stop != 0 && (command.target == report.state ||
-                                                      Rises(config_, report.state, command.target));
+  const bool stopped =
+      report.emergency_stop != 0 &&
+      (command.target == report.state || MaySwitchOn(config_, report.state, command.target));
   if (begun || stopped || report.epoch > before->epoch || report.state == kTearDown) return;
   const auto sent = sent_commands_.find({before->epoch, *config_.IndexOf(name), command.number});
   if (sent == sent_commands_.end()) return;
@@ -972,7 +975,8 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
 }
 
 // Whether an actuator need not be in the state that "done" reports: it is listed as degraded, still
-// joining, reports false states, or joined too late to take part.
+// joining, reports false states, joined too late to take part, or obeys a newer controller since:
+// one that was frozen reports what was done before.
 bool Checker::IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const {
   const std::string& name = config_.actuators[i].name;
   const KnownActuator& known = machine.actuators[i];
@@ -982,6 +986,7 @@ bool Checker::IsExcused(const Machine& machine, ActuatorIndex i, const SwitchRes
       std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
         return one.name == name && one.outcome == ActuatorOutcome::kDone;
       });
+  if (robot_.ReportOf(i, known.report)->epoch > machine.epoch) return true;
   const bool away = known.presence != Presence::kPresent || !known.checked || known.fault;
   const bool joining = known.due || known.command || known.suspended || (away && !took_part);
   return joining || false_reporters_.contains(name) || self_switched_.contains(name) ||

@@ -76,6 +76,10 @@ class Checker {
   void OnFalseReport(const std::string& name, const State& state) {
     false_reporters_[name] = state;
   }
+  bool ReportsTearDownFalsely(const std::string& name) const {
+    const auto found = false_reporters_.find(name);
+    return found != false_reporters_.end() && found->second == kTearDown;
+  }
 
   // Whether the state is stable: nothing is under way, and nothing will start by itself.
   bool AtRest() const { return PendingActivity().empty(); }

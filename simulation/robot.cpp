@@ -202,6 +202,14 @@ void SimRobot::RebootHost(std::size_t host) {
   }
   processes_.EndAllOn(host);
   clients_.erase(host);
+  std::vector<StopId> ended;
+  for (const auto& [id, program] : stop_programs_) {
+    if (program->host() == host) ended.push_back(id);
+  }
+  for (const StopId id : ended) {
+    stop_programs_.erase(id);
+    if (on_stop_withdrawn) on_stop_withdrawn(id);
+  }
   hosts_.Reboot(host);
 }
 

@@ -762,7 +762,8 @@ void Scenario::RepairActuators() {
     const ActuatorConfig& actuator = config_.actuators[process];
     const KnownActuator& known = leader->shell().machine().actuators[i];
     const ActuatorReport* report = robot_.ReportOf(i, known.report);
-    const bool finished = report != nullptr && report->state == kTearDown;  // its process may run
+    const bool finished = (report != nullptr && report->state == kTearDown) ||  // it may run
+                          checker_.ReportsTearDownFalsely(config_.actuators[i].name);
     const bool well = report != nullptr && !report->busy() && !known.fault && !finished;
     if (well) continue;
     Note("the operator restarts " + actuator.name);

@@ -43,6 +43,8 @@ class StopClient {
   StopClient(const StopClient&) = delete;
   StopClient& operator=(const StopClient&) = delete;
 
+  std::size_t host() const { return options_.host; }
+
  private:
   void OpenLinks(Hosts& hosts);
   void Follow();

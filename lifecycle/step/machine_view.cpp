@@ -45,13 +45,17 @@ bool MachineView::RunsElsewhere(ActuatorIndex i) const {
          report.host != view_.host;
 }
 
+bool MachineView::IsReportOf(ActuatorIndex i, std::int32_t pid) const {
+  const ActuatorReport& report = Of(i).report;
+  return report.pid == pid && (report.host.empty() || report.host == view_.host);
+}
+
 bool MachineView::AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const {
   const KnownActuator& known = Of(i);
   const bool publishes =
       known.presence == Presence::kPresent ||
       (known.presence == Presence::kStarting && known.report.incarnation != known.process.dead);
-  const bool here = !known.report.host.empty() && known.report.host == view_.host;
-  return publishes && here && known.report.pid != 0 && known.report.pid != pid;
+  return publishes && !known.report.host.empty() && known.report.pid != 0 && !IsReportOf(i, pid);
 }
 
 bool MachineView::Fits(ActuatorIndex i) const {

@@ -30,8 +30,11 @@ class MachineView {
   std::int32_t OwnProcess(ActuatorIndex i) const;
   // Whether its process runs on another host: a second one here would run in parallel.
   bool RunsElsewhere(ActuatorIndex i) const;
-  // Whether a process of this host other than `pid` publishes as this actuator: another party has
-  // started it first, or `pid` was only the program that started it.
+  // Whether the last report of the actuator is of process `pid` of this host: a process of another
+  // host may have the same pid.
+  bool IsReportOf(ActuatorIndex i, std::int32_t pid) const;
+  // Whether a process other than `pid` of this host publishes as this actuator: another party has
+  // started it, or `pid` was only the program that started it.
   bool AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const;
 
   // Whether it may be in the state of the machine: it has passed its check, or is present without

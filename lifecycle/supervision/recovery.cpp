@@ -156,7 +156,7 @@ void Recovery::On(const event::ProcessEnded& ended) {
   KnownActuator& known = Of(ended.actuator);
   if (known.process.pid != ended.pid) return;
   known.process.pid = 0;
-  if (known.report.pid == ended.pid) known.process.dead = known.report.incarnation;
+  if (IsReportOf(ended.actuator, ended.pid)) known.process.dead = known.report.incarnation;
   known.cause =
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                     texts::ProcessExited(ConfigOf(ended.actuator).name, ended.pid, ended.how),

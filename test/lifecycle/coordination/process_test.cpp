@@ -89,15 +89,26 @@ TEST_F(Processes, OfTheControllerThatExitWhileAnotherOfThisHostIsPresentAreNotLo
   EXPECT_EQ(Of(0).presence, Presence::kPresent);
 }
 
-TEST_F(Processes, OfTheControllerThatExitAreLossesIfTheOtherIsOnAnotherHostOrUnknown) {
-  for (const char* host : {"there", ""}) {
+// Also with the same pid: found by scenarios, where the controller started a second one here.
+TEST_F(Processes, OfTheControllerThatExitAreNoLossesWhileOneOfAnotherHostIsPresent) {
+  for (const std::int32_t pid : {900, 700}) {
     StartUpOurs();
-    Of(0).report.pid = 900;
-    Of(0).report.host = host;
+    Of(0).report.pid = pid;
+    Of(0).report.host = "there";
     Do(event::ProcessEnded{0, 700, false, "exit code 1"});
-    EXPECT_EQ(Of(0).presence, Presence::kLost) << host;
-    EXPECT_EQ(Of(0).health, Health::kCrashed);
+    EXPECT_EQ(Of(0).presence, Presence::kPresent) << pid;
+    Pass(Milliseconds(200));
+    EXPECT_THAT(Did<action::StartProcess>(), IsEmpty());
   }
+}
+
+TEST_F(Processes, OfTheControllerThatExitAreLossesIfTheOtherIsUnknown) {
+  StartUpOurs();
+  Of(0).report.pid = 900;
+  Of(0).report.host = "";
+  Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+  EXPECT_EQ(Of(0).health, Health::kCrashed);
   StartUpOurs();
   Of(0).report.pid = 0;
   Do(event::ProcessEnded{0, 700, false, "exit code 1"});
