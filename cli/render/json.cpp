@@ -40,7 +40,7 @@ Json Of(const std::map<std::string, RunningActuators::Actuator>& running) {
   Json actuators = Json::object();
   for (const auto& [name, actuator] : running) {
     Json json = ActuatorJson(actuator.status);
-    json["heard"] = actuator.has_status;
+    json["status_received"] = actuator.has_status;
     json["emergency_stop"] = StopJson(actuator.status);
     actuators[name] = std::move(json);
   }

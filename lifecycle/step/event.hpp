@@ -303,11 +303,11 @@ inline constexpr std::tuple kFields<event::RestartRequested> = {
 };
 
 template <>
-inline constexpr std::string_view kEventName<event::RivalSeen> = "RivalHeard";
+inline constexpr std::string_view kEventName<event::RivalSeen> = "RivalSeen";
 template <>
 inline constexpr std::tuple kFields<event::RivalSeen> = {
     Field{"epoch", &event::RivalSeen::epoch},
-    Field{"who", &event::RivalSeen::rival},
+    Field{"rival", &event::RivalSeen::rival},
     Field{"has_precedence", &event::RivalSeen::has_precedence},
 };
 
@@ -374,7 +374,7 @@ inline constexpr std::tuple kFields<event::InputSilent> = {
 };
 
 template <>
-inline constexpr std::string_view kEventName<event::ClockReceived> = "ClockHeard";
+inline constexpr std::string_view kEventName<event::ClockReceived> = "ClockReceived";
 template <>
 inline constexpr std::tuple kFields<event::ClockReceived> = {
     Field{"clock", &event::ClockReceived::clock},

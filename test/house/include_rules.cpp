@@ -100,7 +100,7 @@ bool IsOfTheKernel(const std::string& header) {
 const std::map<std::string, std::vector<std::string>>& Libraries() {
   static const std::map<std::string, std::vector<std::string>> table = {
       {"dds/", {"transport/dds/", "test/contract/", "test/benchmark/"}},
-      {"openssl/", {"transport/security/", "wire/security/", "ota/signature.cpp"}},
+      {"openssl/", {"transport/security/", "wire/security/", "ota/signature.cpp", "test/wire/"}},
       {"toml++/", {"base/toml/"}},
       {"tinyxml2.h", {"behavior/tree/xml/"}},
       {"CLI/",
@@ -196,8 +196,22 @@ std::string EvaluateRoom(const SourceFile& file, const std::string& header) {
   return "room '" + from + "' may not include room '" + to + "'";
 }
 
+// The tests of the core are built where the floors above it are not.
+std::string EvaluateTest(const SourceFile& file, const std::string& header) {
+  static const Folders of_core = {
+      "support",    "base",      "lifecycle", "behavior",    "search",     "transport",
+      "wire",       "contract",  "actuator",  "application", "controller", "cyberdog",
+      "simulation", "protocols", "golden",    "mutation",    "house"};
+  static const Folders above = {"cli", "ota", "view", "python", "modules", "navigation"};
+  const std::size_t begin = std::string("test/").size();
+  const std::string tested = file.path.substr(begin, file.path.find('/', begin) - begin);
+  const std::string folder = header.substr(0, header.find('/'));
+  if (!of_core.contains(tested) || !above.contains(folder)) return {};
+  return "test/" + tested + " is of the core and may not include " + folder;
+}
+
 std::string EvaluateOurs(const SourceFile& file, const std::string& header) {
-  if (file.In("test/")) return {};
+  if (file.In("test/")) return EvaluateTest(file, header);
   const auto row = RowOf(file);
   if (row == MayInclude().end()) {
     return file.Folder() + " has no row in the table of what it may include";

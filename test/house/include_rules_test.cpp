@@ -20,6 +20,13 @@ TEST(IncludeRules, ReportFileAndLineWhenAFolderReachesUp) {
               ElementsAre("transport/a.cpp:2: transport may not include lifecycle"));
 }
 
+// A test of the core that included a header of the upgrades could not be linked without them.
+TEST(IncludeRules, TestsOfTheCoreIncludeNothingOfTheFloorsAbove) {
+  EXPECT_THAT(ForbiddenIncludes(Including("test/wire/a.cpp", "\"musher/ota/disk.hpp\"")),
+              ElementsAre("test/wire/a.cpp:2: test/wire is of the core and may not include ota"));
+  EXPECT_THAT(ForbiddenIncludes(Including("test/ota/a.cpp", "\"musher/ota/disk.hpp\"")), IsEmpty());
+}
+
 TEST(IncludeRules, KeepTheKernelOutOfPureFolders) {
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/a.cpp", "\"musher/base/host.hpp\"")),
               ElementsAre("lifecycle/a.cpp:2: lifecycle may not include base/host.hpp"));

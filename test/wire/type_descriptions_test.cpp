@@ -2,13 +2,15 @@
 
 #include "musher/wire/type_descriptions.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <openssl/sha.h>
 
+#include <array>
 #include <string>
 
 #include "musher/messages/definitions.hpp"
 #include "musher/messages/type_hash.hpp"
-#include "musher/ota/signature.hpp"
 
 namespace musher::transport::type_descriptions_test {
 
@@ -38,9 +40,11 @@ std::string HashOf(const msg::TypeDescription& description) {
   }
   const std::string json = "{\"type_description\": " + Json(description.type_description) +
                            ", \"referenced_type_descriptions\": [" + referenced + "]}";
-  ota::Sha256 hash;
-  hash.Add(json);
-  return "RIHS01_" + hash.Finish();
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+  SHA256(reinterpret_cast<const unsigned char*>(json.data()), json.size(), digest.data());
+  std::string hash = "RIHS01_";
+  for (const unsigned char byte : digest) hash += fmt::format("{:02x}", byte);
+  return hash;
 }
 
 TEST(TypeDescriptions, HaveTheHashOfEveryTypeInTheIdl) {

@@ -512,7 +512,7 @@ TEST_F(EmergencyStopped, AReleasedStopKeepsAMachineDownThatIsTakenOverInItsStart
   t.Rest();
   t.RestartController();
   t.Rest();
-  EXPECT_EQ(t.StateOf("a"), "SelfCheck") << "nobody has requested Active since the stop";
+  EXPECT_EQ(t.StateOf("a"), "SelfCheck") << "no request for Active since the stop";
   EXPECT_THAT(t.log(), Not(Contains("a:Active")));
   EXPECT_TRUE(t.Set("SelfCheck").done());
   EXPECT_TRUE(t.Set("Active").done());
