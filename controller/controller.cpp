@@ -363,7 +363,8 @@ std::unique_ptr<transport::HostServer> Controller::MakeHostServer() {
   if (!name_ || !config_.keys.empty()) return nullptr;
   auto here = transport::HostServer::Make(node_.loop(), LockOf("musher/calls"));
   if (here) return std::move(here).value();
-  shell_->Remark(kCodeNetError, here.error().message + "; commands of this host use the network");
+  shell_->Remark(kCodeNetError, here.error().message +
+                                    "; commands of this host reach this controller by DDS only");
   return nullptr;
 }
 
@@ -425,7 +426,7 @@ void Controller::Begin() {
   check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });
 }
 
-// With those of the machine's other state folders: another way to start it releases no stop.
+// Includes the stops of the machine's other state folders: another way to start it releases none.
 StoredStops Controller::LoadStops() {
   StoredStops stops = store_->LoadEmergencyStops();
   const MachineOrigin machine = Origin();

@@ -125,7 +125,7 @@ class Controller {
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   transport::LoopHandlePtr begin_later_;
   std::unique_ptr<transport::NetworkWatch> network_watch_;  // null unless the profile is lan
-  transport::LoopHandlePtr stops_here_;                     // of processes of this host
+  transport::LoopHandlePtr stops_here_;    // receives stops of processes of this host
   bool folder_fails_ = false;              // files that were removed cannot be saved again
   transport::LoopHandlePtr check_folder_;  // periodically, from the beginning of the machine on
   std::vector<transport::LoopHandlePtr> kill_later_;  // for processes that the config does not list

@@ -66,7 +66,7 @@ struct PeerInfo {
   std::string name;          // of Musher: of its user ("alice@dog1") or node ("/dog1/arm")
 };
 
-// What another participant does wrong, as often as it does.
+// A fault of another participant, reported each time that it occurs.
 struct PeerFault {
   ParticipantId participant = 0;  // 0: not known
   std::string topic;              // on DDS: "rt/chat"

@@ -172,7 +172,7 @@ void HostServer::Accept() {
   connection.watch = loop_.WhenReadable(connection.socket.get(), [this, id] { Read(id); });
 }
 
-// The request, or the end of a caller that waits no longer.
+// Reads the request of a caller. A caller that no longer waits has closed its end.
 void HostServer::Read(int id) {
   const auto found = connections_->find(id);
   if (found == connections_->end()) return;

@@ -69,7 +69,7 @@ class RawActionClient {
   // unique in the domain.
   msg::RequestId NextId() { return send_goal_->NextId(); }
   static GoalId GoalIdOf(const msg::RequestId& id);
-  // Lost unless the state is terminal.
+  // How a goal in `state` has ended: kLost, unless `state` is terminal.
   static GoalEnd EndOf(GoalState state);
 
   void SendGoal(const msg::RequestId& id, msg::Bytes request, Duration timeout, Events events);

@@ -36,7 +36,7 @@ Duration Between(Time last, Time now) {
 Result<std::unique_ptr<Run>> MakeRun(const Entry& entry) {
   try {
     std::unique_ptr<Skill> skill = entry.make ? entry.make() : nullptr;
-    if (!skill) return Error{kCodeFailed, entry.name + ": its factory makes none"};
+    if (!skill) return Error{kCodeFailed, entry.name + ": its factory returns no skill"};
     auto run = std::make_unique<Run>(entry.name, std::move(skill), entry.settings);
     if (!run->built()) return run->built().error();
     return run;

@@ -24,7 +24,8 @@ Result<> Registry::Add(const std::string& name, Factory make) {
     return Error{kCodeParametersInvalid, "skill " + name + " is registered already"};
   }
   std::unique_ptr<Skill> skill = make ? make() : nullptr;
-  if (!skill) return Error{kCodeParametersInvalid, "skill " + name + ": its factory makes none"};
+  if (!skill)
+    return Error{kCodeParametersInvalid, "skill " + name + ": its factory returns no skill"};
   const Run probe(name, std::move(skill));
   if (!probe.built()) return probe.built();
   entries_.push_back({name, std::move(make)});

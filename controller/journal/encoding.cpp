@@ -97,7 +97,7 @@ class Writer {
 
   template <Struct T>
   void AddFields(OrderedJson& json, const T& value) const {
-    static_assert(kIsComplete<T>, "lifecycle/fields has to name every member");
+    static_assert(kIsComplete<T>, "kFields, at the end of its header, has to name every member");
     std::apply([&](const auto&... fields) { (Add(json, value, fields), ...); }, kFields<T>);
   }
 

@@ -321,7 +321,7 @@ void Ros2Link::Finish(Verdict verdict, std::int32_t code, const std::string& mes
   for (const PendingQuery& query : queries) AnswerQuery(query.number);
 }
 
-// The machine's state for a primary state: the node's last one, if both agree.
+// The state of an actuator whose node is in `state`: its last one, if that maps to `state`.
 State Ros2Link::StateIn(Ros2State state) const {
   if (state == Ros2State::kFinalized) return State(kTearDown);
   const State& last = report().state;

@@ -101,7 +101,7 @@ class ControllerPresence {
     transport::ParticipantId from = 0;
     msg::EmergencyStop stop;
   };
-  std::vector<transport::ParticipantId> controllers_;  // others of this machine, the last ones
+  std::vector<transport::ParticipantId> controllers_;  // the latest of this machine but ours
   std::vector<Release> unproven_;  // perhaps of such a controller, the last ones
   struct OtherMachine {
     Rival controller;

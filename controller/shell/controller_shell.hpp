@@ -66,7 +66,7 @@ class ControllerShell {
   // clients and latches the machine's status, until another controller takes over or the machine is
   // stopped. `children`: the processes in `begin` that an earlier controller has started.
   void Begin(event::Begin begin, const std::vector<ChildProcess>& children = {});
-  // Before Begin(): the id of this machine.
+  // Sets the id of this machine; call it before Begin().
   void SetMachineId(const std::string& id);
   // An emergency stop of a process of this host, which has not sent it by the transport.
   void OnStop(const msg::EmergencyStop& stop) { presence_->OnStop(stop); }

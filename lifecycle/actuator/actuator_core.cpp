@@ -21,7 +21,7 @@ constexpr std::size_t kReleasedKept = 256;
 constexpr std::size_t kMostStops = 64;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
-// By whom a stop for want of a permit is engaged: the key of the config.
+// `by` of a stop that is engaged because no permit arrived: the key of the config.
 constexpr const char* kPermitKey = "[safety] permit_ms";
 // An actuator discovers within this time who gives the permits.
 constexpr Duration kFirstPermit = std::chrono::seconds(1);

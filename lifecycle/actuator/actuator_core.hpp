@@ -170,7 +170,7 @@ struct Permit {
   std::vector<PermitSender> senders;  // the sender of the last permit is at the end
   Time stamp{};                       // of the sample that counts, by the clock of its sender
   std::string by;                     // whose it was
-  std::uint64_t stops = 0;            // so many for want of a permit so far
+  std::uint64_t stops = 0;            // engaged so far because no permit arrived in time
   friend bool operator==(const Permit&, const Permit&) = default;
 };
 

@@ -101,7 +101,7 @@ struct FailedChecks {
 struct ControlState {
   Incarnation incarnation = 0;  // that TakeControl() was sent to
   std::optional<Time> again;    // it has not answered yet; retry at this time
-  // It has a higher epoch: take control at this time, if no controller leads with that epoch.
+  // The actuator has a higher epoch: take control then, unless a controller leads with that epoch.
   std::optional<Time> rival_until;
 
   friend bool operator==(const ControlState&, const ControlState&) = default;

@@ -15,7 +15,7 @@ namespace musher {
 // The emergency stops that are stored for the next controller.
 struct StoredStops {
   std::vector<EmergencyStop> engaged;  // oldest first
-  std::vector<StopId> released;        // ids, also of replaced ones, the last one at the end
+  std::vector<StopId> released;        // with stops that newer ones replaced; the last release last
   bool awaits_request = false;         // since the last stop no switch up has been requested
 
   friend bool operator==(const StoredStops&, const StoredStops&) = default;

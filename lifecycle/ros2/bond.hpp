@@ -30,7 +30,7 @@ struct BondHeartbeat {
 
 class Bond {
  public:
-  // Short enough for the shortest timeout that nav2 is used with.
+  // Below the shortest timeout of a bond with which nav2 is used.
   static constexpr Duration kPeriod = Milliseconds(100);
   // The timeout that this side publishes.
   static constexpr Duration kTimeout = Milliseconds(4000);

@@ -28,7 +28,7 @@ class PolicyRequests : StepPart {
   void On(const Requested& requested);
 
  private:
-  // Each returns why it refuses, or arranges the answer.
+  // Each returns the reason of a refusal; else nothing, and the request is answered later.
   std::optional<Error> Handle(const Requested& requested, RecordId request_record);
   std::optional<Error> HandleKeep(const Requested& requested, RecordId request_record);
   std::optional<Error> HandleOta(const Requested& requested, RecordId request_record);

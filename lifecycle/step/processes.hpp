@@ -26,7 +26,7 @@ class Processes : StepPart {
 
   // Its process has exited, or could not be started: decides what follows.
   void Recover(ActuatorIndex i, const event::ProcessEnded& ended = {});
-  // It is present; its restarts are counted until it has run for a while.
+  // The actuator is present again: its restarts count until it has run for a while.
   void EvaluateArrival(ActuatorIndex i);
   void StartAgain(ActuatorIndex i);
   // Another party has started it first.

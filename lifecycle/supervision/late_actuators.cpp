@@ -101,7 +101,7 @@ bool LateActuators::IsStopped(ActuatorIndex i) const {
 void LateActuators::Hold(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.due = false;
-  // A failure that its own callback has reported is kept.
+  // Keeps a fault that the actuator's own callback has reported.
   const std::int32_t own = known.report.outcome_code;
   const bool reported = own != kCodeOk && known.fault && known.fault->code == own;
   if (known.fault && (reported || known.suspended || !known.checked)) return;

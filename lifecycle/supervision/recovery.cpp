@@ -181,7 +181,7 @@ void Recovery::On(const event::ProcessEnded& ended) {
   processes_.Recover(ended.actuator, ended);
 }
 
-// Whether a lost connection is all that is known about its loss.
+// Whether the actuator is lost, and a lost connection is the only reason that is known.
 bool Recovery::WasDisconnected(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   return known.presence == Presence::kLost && known.fault &&

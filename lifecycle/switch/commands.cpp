@@ -206,7 +206,7 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
     if (well || command.target == kTearDown) Of(i).fault.reset();
   }
   if (command.target == kSelfCheck) NoteCheck(i, end);
-  // Driven on once it is free, unless a check is still running.
+  // An overdue actuator is driven again once it is free; one whose check still runs is not.
   if (end.outcome == ActuatorOutcome::kOverdue && command.target != kSelfCheck) Of(i).due = true;
   if (Leg* leg = LegUnderWay(i)) {
     EndLeg(*leg, end, now_);

@@ -16,7 +16,7 @@ struct PlanStep : ActuatorGoal {
   enum class Part {
     kDriven,
     kInTarget,      // is already in the target state
-    kHeldInTarget,  // the same, and no longer detached
+    kHeldInTarget,  // is in the target state, and is attached to the machine again
     kUnsupported,   // does not list the target
     kLeftOut,       // not available, not checked, or still starting: `note` says which
   };

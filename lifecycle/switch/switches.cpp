@@ -34,7 +34,7 @@ void Explain(Leg& leg, const RecordText& text) {
   leg.event = text.event;
 }
 
-// The legs in an order in which each stands before those that it needs.
+// The legs, sorted so that a leg stands before each leg that it needs.
 class Order {
  public:
   Order(const MachineConfig& config, const std::vector<Leg>& legs)
@@ -440,7 +440,7 @@ void Switches::Apply(const Switch& s, bool undone) {
   }
 }
 
-// After a switch up those that it has left out for their failed self-check have another one.
+// Checks again each actuator that a switch up has left out because its self-check had failed.
 void Switches::CheckAgain() {
   for (KnownActuator& known : machine_.actuators) {
     if (!known.checked && known.failed_checks.count > 0) known.failed_checks.at = now_;

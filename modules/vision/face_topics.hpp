@@ -33,7 +33,7 @@ class FaceTopics {
                                                   DetectorWorker<Detector>& worker,
                                                   const VisionConfig& config);
 
-  // Two reasons to be on: the robot is in a state in which it looks; a self-check runs, which
+  // Two reasons to be on: the present state runs a detector; a self-check runs, which
   // publishes nothing. Fails when the pictures cannot be subscribed to.
   Result<> SetOn(bool on);
   Result<> SetChecked(bool checked);

@@ -32,7 +32,7 @@ Result<navigation::Velocity> NudgeCommand(const Robot& robot, const navigation::
                                           const navigation::Point& start, double most_m) {
   const auto now = robot.pose();
   if (!now || !navigation::IsFinite(*now)) return Error{kCodeFailed, robot.WhyNoPose()};
-  if (!robot.HasScan()) return Error{kCodeFailed, "it comes no closer without a scan"};
+  if (!robot.HasScan()) return Error{kCodeFailed, "stopped: no scan to approach by"};
   if (Horizontal(now->at, start) >= most_m) {
     return Error{kCodeFailed, "it has come as close as it may"};
   }

@@ -32,7 +32,7 @@ class CourseTopics {
                                                     DetectorWorker<CourseProcessor>& worker,
                                                     const CourseEntry& entry, Duration silence);
 
-  // The robot is in a state in which it looks. Fails when the pictures cannot be subscribed to.
+  // The present state runs a detector. Fails when the pictures cannot be subscribed to.
   Result<> SetOn(bool on);
   // A self-check runs, which needs no subscriber and publishes nothing.
   Result<> SetChecked(bool checked);

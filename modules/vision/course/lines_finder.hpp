@@ -23,7 +23,7 @@
 // what has it is not as wide as a line, does not stand out from the floor, or has not the shape of
 // a line; the only line may be another lane's.
 //
-// How much of the offset is how far: on a lane 0.83 m wide, `middle_offset` changes by 0.05 for
+// Distance for a given offset: on a lane 0.83 m wide, `middle_offset` changes by 0.05 for
 // each 0.1 m beside its middle in the picture of the front camera, and by 0.036 in that of a
 // fisheye, for the region below. The threshold of 0.08 is 0.19 m and 0.20 m.
 //

@@ -387,7 +387,8 @@ TEST(ARegistry, RefusesASkillThatCannotRun) {
             "skill walk is registered already");
   EXPECT_FALSE(registry.Add<Scripted>("", script));
   EXPECT_FALSE(registry.Add<Scripted>("a/b", script));
-  EXPECT_EQ(registry.Add("none", Factory()).error().message, "skill none: its factory makes none");
+  EXPECT_EQ(registry.Add("none", Factory()).error().message,
+            "skill none: its factory returns no skill");
   const Factory endless = [] {
     return std::make_unique<StepFunction>([](Table& table) { table.State("A"); },
                                           [](Tick&) { return Next::Stay(); });

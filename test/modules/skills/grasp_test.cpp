@@ -72,7 +72,7 @@ TEST_F(Grasping, DrivesNoFartherThanItMay) {
 TEST_F(Grasping, ComesNoCloserWithoutAScanAndStopsForAnObstacle) {
   Box().pose.at = {2.3, 0, 0};
   bench_.robot.has_scan = false;
-  EXPECT_EQ(Grasp().message, "Too far: 2.30m > 2.00m; it comes no closer without a scan");
+  EXPECT_EQ(Grasp().message, "Too far: 2.30m > 2.00m; stopped: no scan to approach by");
   bench_.robot.has_scan = true;
   bench_.robot.scan = {{0.5, 0.05, 0}};
   EXPECT_THAT(Grasp().message, HasSubstr("m > 2.00m; an obstacle is in the way"));
