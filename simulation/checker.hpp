@@ -224,7 +224,8 @@ class Checker {
   bool state_lost_ = false;        // a disk was full: a controller may have stored outdated state
   bool urgent_requested_ = false;  // Error or TearDown, which supersede others
   std::optional<Time> power_due_;
-  int empty_samples_ = 0;         // of the battery, published so far
+  int empty_in_a_row_ = 0;        // samples of an empty battery that were published last
+  int most_empty_in_a_row_ = 0;   // so far
   RecordId power_requested_ = 0;  // the record of the last request for a power-off
   // The actuators that exited with a configuration error, and the controller whose child each was.
   std::map<std::string, std::uint64_t> config_errors_;

@@ -2,7 +2,6 @@
 
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
-#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::skills {
 
@@ -15,7 +14,13 @@ bool VelocityOutput::OnScan(std::size_t scanner, const msg::LaserScan& scan) {
 
 void VelocityOutput::OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity) {
   gate_.OnVelocity(velocity, clock_.Now());
-  guard_.OnPose(pose, Duration{}, clock_.Now());
+  const auto fault = guard_.OnPose(pose, Duration{}, clock_.Now());
+  if (fault && sending_ && !flies_) Hold(*fault);
+}
+
+void VelocityOutput::Hold(const Error& fault) {
+  if (fault_.empty()) fault_ = fault.message;
+  verdict_ = gate_.Check({}, clock_.Now());
 }
 
 void VelocityOutput::Set(const navigation::Velocity& command) {
@@ -40,25 +45,22 @@ void VelocityOutput::Stop() {
   sending_.reset();
   teleop_until_.reset();
   guard_.Forget();
-  stuck_.clear();
+  fault_.clear();
   command_ = {};
   Publish();
 }
 
 std::string VelocityOutput::HeldBy() const {
-  if (!stuck_.empty()) return stuck_;
+  if (!fault_.empty()) return fault_;
   return verdict_.holds() ? Describe(verdict_) : "";
 }
 
 // A command that is lost is followed by the next; after a lost 0 the robot stops by itself.
 void VelocityOutput::Publish() {
   if (teleop_until_ && clock_.Now() >= *teleop_until_) return Stop();
-  verdict_ = gate_.Check(stuck_.empty() ? command_ : navigation::Velocity{}, clock_.Now());
+  verdict_ = gate_.Check(fault_.empty() ? command_ : navigation::Velocity{}, clock_.Now());
   const auto fault = guard_.OnCommand(verdict_.command, clock_.Now());
-  if (!flies_ && fault && navigation::Is(*fault, navigation::Fault::kStuck)) {
-    stuck_ = fault->message;
-    verdict_ = gate_.Check({}, clock_.Now());
-  }
+  if (fault && !flies_) Hold(*fault);
   if (publisher_ != nullptr) static_cast<void>(publisher_->Publish(ToMessage(verdict_.command)));
 }
 

@@ -3,8 +3,9 @@
 // second, and with each scan, until it is replaced or stopped. Stop() publishes 0 once and then
 // nothing more; without commands the robot itself stops.
 //
-// A body on the ground that is commanded and does not move, for example before a thing below its
-// scanner, is stopped as well, until Stop().
+// A body on the ground whose odometry cannot be true beside its commands is stopped as well, until
+// Stop(): it is commanded and does not move, for example before a thing below its scanner; its pose
+// jumps; it is carried or pushed.
 //
 // A command of a person (teleop) is used only while no skill sends one, and ends by itself after
 // kTeleopTime.
@@ -61,6 +62,7 @@ class VelocityOutput {
 
  private:
   void Send(const navigation::Velocity& command);
+  void Hold(const Error& fault);
   void Publish();
 
   transport::Publisher<msg::Twist>* const publisher_;
@@ -68,7 +70,7 @@ class VelocityOutput {
   navigation::MotionGate gate_;
   const bool flies_;  // then it holds its place in the wind, and its commands move it nowhere
   navigation::MotionGuard guard_{navigation::GuardRules{}};
-  std::string stuck_;  // why, if it is
+  std::string fault_;  // of the odometry beside the commands; empty: none
   navigation::Velocity command_;
   navigation::GateVerdict verdict_;
   std::optional<Time> teleop_until_;

@@ -115,6 +115,27 @@ TEST_F(ARosRobot, StopsWhenItIsCommandedAndDoesNotMove) {
   EXPECT_EQ(peers_->commands.back().linear.x, -0.5) << "the next skill may try";
 }
 
+// follow_line, grasp and the other skills that command the base themselves believed any pose.
+TEST_F(ARosRobot, StopsWhenItsPoseJumpsFartherThanABodyCan) {
+  sees_m_ = 9;
+  Run(200);
+  robot_.SetVelocity({0.3, 0, 0, 0});
+  for (int i = 0; i < 5; ++i) {
+    Stand(1 + 0.03 * i, 0);
+    Run(80);
+  }
+  EXPECT_EQ(peers_->commands.back().linear.x, 0.3);
+  Stand(9, 0);
+  Run(80);
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{});
+  EXPECT_THAT(robot_.HeldBy(), HasSubstr("the pose has jumped by"));
+  Stand(9.1, 0);
+  Run(80);
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{}) << "until the skill has ended";
+  robot_.StopMotion();
+  EXPECT_EQ(robot_.HeldBy(), "");
+}
+
 TEST_F(ARosRobot, ClearsTheMemoryOfPlannerAndController) {
   EXPECT_TRUE(ResultOf(robot_.ClearMemory()));
   EXPECT_THAT(peers_->cleared, ::testing::UnorderedElementsAre("r/clear_planner_memory",
