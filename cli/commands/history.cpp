@@ -194,7 +194,12 @@ std::variant<Entries, Failure> FromDisk(const Failure& failure, const Selection&
   const std::string journal = files->state_dir + "/journal.sqlite";
   if (!std::filesystem::exists(journal)) return failure;
   console.Note("no controller leads " + files->name + " now; reading " + journal);
-  return FromFile(journal, wanted.since, wanted.ReadLimit());
+  auto read = FromFile(journal, wanted.since, wanted.ReadLimit());
+  const auto* entries = std::get_if<Entries>(&read);
+  if (entries != nullptr && EndsWithoutRecord(*entries)) {
+    console.Note("the last controller ended without a record: it was killed, or the power failed");
+  }
+  return read;
 }
 
 // Why there is no actuator of that name: neither an entry nor the config knows it; empty: there is.

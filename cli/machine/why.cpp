@@ -31,11 +31,37 @@ CauseChain ChainFrom(const msg::GetHistory::Response& history, NewestFirst last)
   return chain;
 }
 
+// A hung process is killed after its backtrace: the hang is the failure, and it has the backtrace.
+void BeginAtHang(CauseChain& chain, const msg::GetHistory::Response& history) {
+  const auto hang = std::ranges::find(chain.events, "actuator_hung");
+  if (hang == chain.events.end() || chain.events.front() != "process_exited") return;
+  const auto before = hang - chain.events.begin();
+  chain.entries.erase(chain.entries.begin(), chain.entries.begin() + before);
+  chain.events.erase(chain.events.begin(), hang);
+  msg::HistoryEntry& hung = chain.entries.front();
+  for (std::size_t i = 0; i < history.entries.size() && i < history.events.size(); ++i) {
+    const msg::HistoryEntry& entry = history.entries[i];
+    const bool of_it = entry.id > hung.id && entry.actuator == hung.actuator;
+    if (!of_it || history.events[i] != "backtrace_taken") continue;
+    hung.data = entry.data;
+    return;
+  }
+}
+
 bool Contains(const CauseChain& chain, const msg::HistoryEntry& entry) {
   return std::find(chain.entries.begin(), chain.entries.end(), entry) != chain.entries.end();
 }
 
 }  // namespace
+
+bool EndsWithoutRecord(const msg::GetHistory::Response& history) {
+  const auto last =
+      std::find_if(history.events.rbegin(), history.events.rend(), [](const std::string& event) {
+        return event == "controller_started" || event == "machine_stopped" ||
+               event == "controller_fenced";
+      });
+  return last != history.events.rend() && *last == "controller_started";
+}
 
 Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state) {
   const std::vector<msg::HistoryEntry>& entries = history.entries;
@@ -51,6 +77,7 @@ Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state
   Why why{State(newest->state), ChainFrom(history, newest), {}, history.error};
   if (state.empty() && failed != entries.rend() && !Contains(why.change, *failed)) {
     why.failure = ChainFrom(history, failed);
+    BeginAtHang(why.failure, history);
   }
   return why;
 }

@@ -29,4 +29,7 @@ struct Why {
 // failure. Fails if the entries of `history` do not contain the change.
 Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state);
 
+// Whether the controller that recorded the last entries was neither stopped nor replaced.
+bool EndsWithoutRecord(const msg::GetHistory::Response& history);
+
 }  // namespace musher::cli

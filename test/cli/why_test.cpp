@@ -73,12 +73,27 @@ TEST_F(Explaining, AStateThatWasNamedLeavesOtherFailuresOut) {
   EXPECT_EQ(Text(State("Active")), "1970-01-01 00:00:00.001  the machine went to Active\n");
 }
 
-TEST_F(Explaining, ABacktraceIsFolded) {
+// As the controller records it: the hang, the backtrace beside it, and the exit as a consequence.
+TEST_F(Explaining, AHangIsTheFailureAndItsBacktraceIsFolded) {
   Add(0, "the machine is Active", 0, "Active");
-  Add(0, "legs hung", kTimeout, "", "TID 7:\n#0  read\n#1  main\n");
+  Add(0, "legs hung", kTimeout);
+  Add(2, "taking a backtrace of legs; then process 7 gets SIGKILL", kTimeout);
+  Add(0, "backtrace of legs:", 0, "", "TID 7:\n#0  read\n#1  main\n");
+  Add(3, "legs's process 7 ended: killed by SIGKILL", kTimeout);
+  history_.events = {"machine_usable", "actuator_hung", "backtrace_started", "backtrace_taken",
+                     "process_exited"};
   EXPECT_THAT(Text(), ::testing::StartsWith("1970-01-01 00:00:00.002  last failure: legs hung "
                                             "(107 Robot: Timeout)  "
                                             "[3 lines in `musher history`]\n"));
+}
+
+TEST(History, EndsWithoutARecordWhereItsControllerWasKilled) {
+  msg::GetHistory::Response history;
+  EXPECT_FALSE(EndsWithoutRecord(history));
+  history.events = {"controller_started", "machine_stopped", "controller_started", "switch_done"};
+  EXPECT_TRUE(EndsWithoutRecord(history));
+  history.events.emplace_back("machine_stopped");
+  EXPECT_FALSE(EndsWithoutRecord(history));
 }
 
 }  // namespace musher::cli::why_test
