@@ -15,6 +15,11 @@ bool Expects(const World& world, const SimActuator& actuator) {
   });
 }
 
+// With an empty list every failure of a self-check is tolerated: it has no other one.
+bool ToleratesSomeCodes(const ActuatorConfig& actuator) {
+  return actuator.critical_codes && !actuator.critical_codes->empty();
+}
+
 class ChoiceList {
  public:
   ChoiceList(const Model& model, const World& world) : model_(model), world_(world) {}
@@ -30,7 +35,7 @@ class ChoiceList {
       if (world_.stop_seen_due) Free(ChoiceKind::kSeeStop);
       return std::move(choices_);
     }
-    for (const ActuatorIndex i : kIndices) ListActuator(i);
+    for (const ActuatorIndex i : world_.actuators.Indices()) ListActuator(i);
     if (world_.stop_seen_due && Leads()) Free(ChoiceKind::kSeeStop);
     ListTime();
     if (world_.faults_left > 0 && Leads()) {
@@ -63,7 +68,7 @@ class ChoiceList {
     if (world_.stopped || !Leads()) return;
     Fault(ChoiceKind::kEngageStop);
     if (!IsSearched(ChoiceKind::kEngageStopLate)) return;
-    for (const ActuatorIndex i : kIndices) {
+    for (const ActuatorIndex i : world_.actuators.Indices()) {
       if (world_.faults_left <= 1 || !world_.actuators[i].alive) continue;
       choices_.push_back({ChoiceKind::kEngageStopLate, static_cast<std::uint8_t>(i.value()), 0, 2});
     }
@@ -77,7 +82,7 @@ class ChoiceList {
   }
 
   void ListOtherMachine() {
-    for (const ActuatorIndex i : kIndices) {
+    for (const ActuatorIndex i : world_.actuators.Indices()) {
       const SimActuator& actuator = world_.actuators[i];
       if (!actuator.alive || !actuator.visible) continue;
       Fault(ChoiceKind::kOtherCommand, i);
@@ -121,6 +126,8 @@ class ChoiceList {
     Free(ChoiceKind::kEndOk, i);
     if (actuator.core.report.target == kTearDown) Free(ChoiceKind::kEndFirst, i);
     Fault(ChoiceKind::kEndFailed, i);
+    const bool has_codes = ToleratesSomeCodes(model_.config.actuators[i]);
+    if (has_codes && actuator.core.report.target == kSelfCheck) Fault(ChoiceKind::kEndTolerated, i);
     if (actuator.work == Work::kOverdue && actuator.stop_requested)
       Free(ChoiceKind::kEndOnRequest, i);
     if (!Expects(world_, actuator) || !actuator.replies.empty()) return;

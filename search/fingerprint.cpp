@@ -246,7 +246,7 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   }
   const SimActuator& a = world.actuators[i];
   mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.energised, a.status_due, a.end, a.epoch,
-            a.begun, a.queried);
+            a.begun, a.queried, machine.current && a.done == machine.current->number);
   const ActuatorCore& c = a.core;
   mixer.Add(c.report, c.report.emergency_stop, c.report.released_stop, c.running_for,
             c.was_detached, c.waiting, c.unsettled, c.half_way_down, c.controller, c.announced,
@@ -268,7 +268,7 @@ Identity IdentityOf(const Model& model, const World& w) {
   const Machine& m = w.machine;
   unsigned twins = 0;
   std::vector<Fingerprint> actuators;
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : w.actuators.Indices()) {
     const Fingerprint own = OfActuator(model, w, i);
     if (std::find(actuators.begin(), actuators.end(), own) != actuators.end())
       twins |= 1U << i.value();

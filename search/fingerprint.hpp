@@ -20,10 +20,6 @@ struct Fingerprint {
   auto operator<=>(const Fingerprint&) const = default;
 };
 
-struct FingerprintHash {
-  std::size_t operator()(const Fingerprint& f) const { return f.low; }
-};
-
 // A node's fingerprint. `twins` has a bit for each actuator in the same state as an interchangeable
 // earlier one, so that its choices are searched for that one only.
 struct Identity {

@@ -86,6 +86,7 @@ void Harness::StartActuator(ActuatorIndex i) {
   SimActuator next;
   next.late = std::move(actuator.late);
   next.processes = actuator.processes + 1;
+  next.done = actuator.done;
   actuator = std::move(next);
   actuator.Launch(actuator.processes);
   StepActuator(i, actuator_event::Started{});
@@ -105,6 +106,7 @@ void Harness::EndCallback(ActuatorIndex i, std::int32_t code, const std::string&
   SimActuator& actuator = world_.actuators[i];
   actuator.work = Work::kNone;
   const ActuatorReport& report = actuator.core.report;
+  if (code == kCodeOk) actuator.done = std::max(actuator.done, report.busy_number);
   if (code == kCodeOk && config_.RankOf(report.target)) {
     const bool again = report.target != report.state || report.emergency_stop == 0;
     actuator.energised = Rises(config_, report.state, report.target) ||
@@ -154,7 +156,7 @@ void Harness::EndProcess(ActuatorIndex i, bool clean) {
 
 void Harness::EngageStop(std::optional<ActuatorIndex> except) {
   world_.stopped = world_.stop_seen_due = true;
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : world_.actuators.Indices()) {
     if (i != except) ReceiveStop(i);
   }
 }
@@ -227,7 +229,7 @@ void Harness::Do(ActuatorIndex i, const ActuatorAction& action) {
 // An actuator that receives the stop late receives all of it late.
 void Harness::PublishToActuators(bool engaged) {
   const auto of_stop = [](const Late& late) { return std::holds_alternative<StopMessage>(late); };
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : world_.actuators.Indices()) {
     const auto& late = world_.actuators[i].late;
     if (!engaged) {
       StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, world_.sender()});

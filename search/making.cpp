@@ -3,12 +3,27 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/base/check.hpp"
 #include "musher/search/harness.hpp"
 
 namespace musher::search {
 namespace {
 
 constexpr std::int32_t kFailure = 3001;
+constexpr int kMostChoices = 100'000;  // until a world is quiet
+
+// The code of a callback that fails: of a self-check one that counts as failed, if any does.
+std::int32_t FailureOf(const ActuatorConfig& actuator, const State& target) {
+  const bool listed = target == kSelfCheck && actuator.critical_codes.has_value();
+  return listed && !actuator.critical_codes->empty() ? actuator.critical_codes->front() : kFailure;
+}
+
+// A code of a self-check that does not count as failed.
+std::int32_t ToleratedFailureOf(const ActuatorConfig& actuator) {
+  std::int32_t code = kFailure;
+  while (std::ranges::count(*actuator.critical_codes, code) > 0) ++code;
+  return code;
+}
 
 // Compares all but the id of the emergency stop.
 bool HasSameContent(const ActuatorReport& a, const ActuatorReport& b) {
@@ -72,7 +87,7 @@ void Tidy(Harness& harness) {
     for (const Message& message : std::exchange(world.outbox, {})) harness.Deliver(message);
   }
   const bool stopped = world.machine.phase == Phase::kStopped;
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : world.actuators.Indices()) {
     SimActuator& actuator = world.actuators[i];
     const KnownActuator& known = world.machine.actuators[i];
     const ActuatorReport& report = actuator.core.report;
@@ -87,6 +102,38 @@ void Tidy(Harness& harness) {
     actuator.end.reset();
     std::erase_if(actuator.late, FromActuator);
   }
+}
+
+// The names of other actuators, with those of `one` and `other` exchanged; their order is none.
+std::vector<std::string> Exchanged(std::vector<std::string> names, const std::string& one,
+                                   const std::string& other) {
+  for (std::string& name : names) {
+    if (name == one) {
+      name = other;
+    } else if (name == other) {
+      name = one;
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Whether the config stays the same when the names of two actuators are exchanged, also where
+// others refer to them.
+bool AreAlike(const MachineConfig& config, ActuatorIndex one, ActuatorIndex other) {
+  const std::string& name = config.actuators[one].name;
+  const std::string& second = config.actuators[other].name;
+  const auto exchanged = [&](ActuatorIndex i) { return i == one ? other : i == other ? one : i; };
+  return std::ranges::all_of(config.actuators.Indices(), [&](ActuatorIndex i) {
+    ActuatorConfig image = config.actuators[i];
+    image.name = config.actuators[exchanged(i)].name;
+    image.after = Exchanged(image.after, name, second);
+    image.binds_to = Exchanged(image.binds_to, name, second);
+    ActuatorConfig there = config.actuators[exchanged(i)];
+    there.after = Exchanged(there.after, "", "");
+    there.binds_to = Exchanged(there.binds_to, "", "");
+    return image == there;
+  });
 }
 
 class ChoiceMaker {
@@ -179,7 +226,7 @@ class ChoiceMaker {
     const Time next = *NextDeadline(harness_.config(), world_.machine);
     harness_.Log(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
     world_.now = std::max(world_.now, next);
-    for (const ActuatorIndex k : kIndices) {
+    for (const ActuatorIndex k : world_.actuators.Indices()) {
       if (world_.actuators[k].work != Work::kRunning) continue;
       harness_.Log("FAULT: " + harness_.Name(k) + "'s callback is overdue");
       world_.actuators[k].work = Work::kOverdue;
@@ -238,16 +285,26 @@ class ChoiceMaker {
     }
   }
 
+  // Of the callback that ends.
+  std::int32_t Code() {
+    const ActuatorConfig& own = harness_.config().actuators[i_];
+    if (choice_.kind == ChoiceKind::kEndTolerated) return ToleratedFailureOf(own);
+    const bool failed =
+        choice_.kind == ChoiceKind::kEndFailed || choice_.kind == ChoiceKind::kEndOnRequest;
+    return failed ? FailureOf(own, target()) : kCodeOk;
+  }
+
   void End() {
-    const bool failed = choice_.kind == ChoiceKind::kEndFailed;
+    const bool tolerated = choice_.kind == ChoiceKind::kEndTolerated;
+    const bool failed = choice_.kind == ChoiceKind::kEndFailed || tolerated;
     const bool requested = choice_.kind == ChoiceKind::kEndOnRequest;
     const bool overtaken = !actuator().replies.empty();
     harness_.Log((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
-                 (failed      ? " fails"
+                 (tolerated   ? " fails, with a code that is not critical"
+                  : failed    ? " fails"
                   : requested ? " ends because it was requested to stop"
                               : " ends"));
-    harness_.EndCallback(i_, failed || requested ? kFailure : 0,
-                         requested ? "requested to stop" : "");
+    harness_.EndCallback(i_, Code(), requested ? "requested to stop" : "");
     if (choice_.kind == ChoiceKind::kEndCrash) {
       harness_.Log("FAULT: and its process, which is detected before its reply");
       Move(true);
@@ -325,13 +382,15 @@ void Make(const Model& model, World& world, const Choice& choice, Notes& notes) 
 }
 
 Model::Model(MachineConfig machine, State wanted, Rules decisions)
-    : config(std::move(machine)), target(std::move(wanted)), rules(std::move(decisions)) {
-  for (const ActuatorIndex i : kIndices) {
-    ActuatorConfig named = config.actuators[i];
+    : config(std::move(machine)),
+      target(std::move(wanted)),
+      rules(std::move(decisions)),
+      kinds(config.actuators.size()) {
+  MUSHER_CHECK(config.actuators.size() <= kMostSearchedActuators, "too many actuators to search");
+  for (const ActuatorIndex i : config.actuators.Indices()) {
     kinds[i] = i;
     for (ActuatorIndex k; k < i && kinds[i] == i; ++k) {
-      named.name = config.actuators[k].name;
-      if (named == config.actuators[k]) kinds[i] = k;
+      if (AreAlike(config, k, i)) kinds[i] = k;
     }
   }
 }
@@ -339,12 +398,13 @@ Model::Model(MachineConfig machine, State wanted, Rules decisions)
 World NewWorld(const Model& model) {
   World world;
   world.machine = MakeMachine(model.config);
+  world.actuators.resize(model.config.actuators.size());
   return world;
 }
 
 void Begin(const Model& model, World& world, bool by_hand, Notes& notes) {
   Harness harness(model, world, notes);
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : world.actuators.Indices()) {
     if (model.config.actuators[i].command.empty()) harness.StartActuator(i);
   }
   harness.BeginController(by_hand);
@@ -357,15 +417,16 @@ void RequestSwitch(const Model& model, World& world, const State& target, Notes&
   Tidy(harness);
 }
 
-void Settle(const Model& model, World& world, Notes& notes) {
-  while (true) {
+bool Settle(const Model& model, World& world, Notes& notes) {
+  for (int made = 0; made < kMostChoices; ++made) {
     const std::vector<Choice> choices = Choices(model, world);
     const auto next = std::find_if(choices.begin(), choices.end(), [](const Choice& choice) {
       return choice.cost == 0 && choice.kind != ChoiceKind::kRequest;
     });
-    if (next == choices.end()) return;
+    if (next == choices.end()) return true;
     Make(model, world, *next, notes);
   }
+  return false;
 }
 
 }  // namespace musher::search

@@ -38,18 +38,29 @@ bool EndIsUnknown(const SimActuator& actuator) {
   return !actuator.alive && actuator.end.has_value();
 }
 
+bool IsOfLaterStage(const MachineConfig& config, ActuatorIndex i) {
+  return std::ranges::any_of(config.actuators, [&](const ActuatorConfig& other) {
+    return other.stage < config.actuators[i].stage;
+  });
+}
+
 void CheckDone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
   if (result.target != kSelfCheck && world.machine.state != result.target) {
     notes.violations.push_back("done is reported while the machine is in " + world.machine.state);
   }
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : world.actuators.Indices()) {
     const SimActuator& actuator = world.actuators[i];
     const ActuatorReport& report = actuator.core.report;
     const std::string& name = model.config.actuators[i].name;
     // After "done" an actuator that is degraded for another reason is in the state, too.
     if ((Listed(result, name) && !result.done()) || EndIsUnknown(actuator)) continue;
+    // A switch goes on without an actuator that does not list the state.
+    if (!model.config.actuators[i].Lists(result.target)) continue;
     // TearDown need not wait for an actuator that is not attached to the controller.
     const bool follows = world.machine.actuators[i].presence == Presence::kPresent;
+    // One of a later stage that comes up meanwhile joins the machine after the switch.
+    const bool joins = IsOfLaterStage(model.config, i) && !model.config.RankOf(report.state);
+    if (world.in_start && joins) continue;
     if (result.target == kTearDown && !follows) continue;
     const bool there =
         result.target == kSelfCheck
@@ -60,23 +71,73 @@ void CheckDone(const Model& model, const World& world, const SwitchResult& resul
   }
 }
 
+// The most active state in which an actuator stays while the machine has no state with a rank.
+State MostInStart(const Model& model, ActuatorIndex i) {
+  const ActuatorConfig& actuator = model.config.actuators[i];
+  const bool stays_lower = !actuator.Lists(kDeActive) && actuator.Lists(kLowPower);
+  return State(stays_lower ? kLowPower : kDeActive);
+}
+
 // All actuators are back. Where the machine has no state with a rank, none is above DeActive.
 void CheckUndone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
   const bool at_rest = model.config.RankOf(world.machine.state).has_value();
   if (result.state != world.machine.state || result.state == result.target) {
     notes.violations.push_back("undone is reported with the machine in " + result.state);
   }
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : world.actuators.Indices()) {
     const SimActuator& actuator = world.actuators[i];
     const std::string& name = model.config.actuators[i].name;
     if (Listed(result, name) || !actuator.alive) continue;
     const State& state = actuator.core.report.state;
-    const bool back =
-        at_rest ? state == world.machine.state : !IsHigher(model.config, state, State(kDeActive));
+    if (at_rest && !model.config.actuators[i].Lists(world.machine.state)) continue;
+    const bool back = at_rest ? state == world.machine.state
+                              : !IsHigher(model.config, state, MostInStart(model, i));
     if (!back) notes.violations.push_back("undone is reported while " + name + " is in " + state);
     if (at_rest && actuator.work != Work::kNone && actuator.core.report.target == result.target) {
       notes.violations.push_back("undone is reported while " + name + " is switching");
     }
+  }
+}
+
+// The machine has fallen back to the on_lost of an actuator. What does not list that state cannot
+// follow, and must not stay more active.
+void CheckFallback(const Model& model, const World& world, ActuatorIndex i, Notes& notes) {
+  const MachineConfig& config = model.config;
+  const State& place = world.machine.state;
+  const State& state = world.actuators[i].core.report.state;
+  const ActuatorConfig& own = config.actuators[i];
+  if (!world.actuators[i].alive || own.Lists(place) || !IsHigher(config, state, place)) return;
+  if (IsRequested(world, place) || place == world.from) return;
+  for (const ActuatorIndex k : world.actuators.Indices()) {
+    if (world.actuators[k].alive || config.actuators[k].on_lost != place) continue;
+    notes.violations.push_back(own.name + " stays in " + state + " while the machine is in " +
+                               place + ", the on_lost of " + config.actuators[k].name +
+                               ", which is lost: " + place + " is not among the states of " +
+                               own.name);
+  }
+}
+
+// A start in which nothing fails leads the machine to Active, and every actuator with it.
+void CheckStarted(const Model& model, const World& world, Notes& notes) {
+  const Machine& machine = world.machine;
+  if (!world.in_start || world.faults_left < world.faults) return;
+  if (machine.phase != Phase::kRunning) {
+    notes.violations.push_back("nothing has failed, and the machine does not start; it is in " +
+                               machine.state);
+  } else if (model.config.HasState(kActive) && machine.state != kActive) {
+    notes.violations.push_back("nothing has failed, and the start has left the machine in " +
+                               machine.state);
+  }
+  for (const ActuatorIndex i : world.actuators.Indices()) {
+    const KnownActuator& known = machine.actuators[i];
+    const ActuatorConfig& own = model.config.actuators[i];
+    const bool there = known.presence == Presence::kPresent && !known.suspended &&
+                       (!own.Lists(machine.state) || !model.config.RankOf(machine.state) ||
+                        known.state() == machine.state);
+    if (there) continue;
+    notes.violations.push_back("nothing has failed, and " + own.name +
+                               " is not up after the start" +
+                               (known.fault ? ": " + known.fault->message : ""));
   }
 }
 
@@ -92,6 +153,9 @@ void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& 
   const auto rank = config.RankOf(state);
   // For the release of the stop, which drives no actuator to another state on the same level.
   const bool waits = machine.emergency.stop && (!rank || (place && *rank < *place));
+  const bool later_stage =
+      own.stage > machine.start_up.stage && known.presence == Presence::kAbsent;
+  if (later_stage) return;
   const bool there = actuator.alive && known.presence == Presence::kPresent &&
                      (state == machine.state || !place || waits);
   if (!there && !known.held && !known.fault) {
@@ -110,7 +174,20 @@ void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& 
                                ", but the controller has it in " + known.state());
   }
   if (!own.on_lost.empty() && !actuator.alive && place && *place > *config.RankOf(own.on_lost)) {
+    // A person may continue without an actuator that is not critical.
+    const bool continued =
+        !own.critical && world.requests.size() > 1 && IsRequested(world, machine.state);
+    if (continued) return;
     notes.violations.push_back(own.name + " is lost, and the machine is in " + machine.state);
+  }
+  const bool gone = !actuator.alive && known.presence != Presence::kPresent && place;
+  const bool of_later_stage = known.presence == Presence::kAbsent && machine.emergency.stop;
+  // What was torn down and has not come back was not lost.
+  const bool torn_down = IsRequested(world, State(kTearDown));
+  if (gone && own.on_lost.empty() && !own.command.empty() && !of_later_stage && !torn_down) {
+    notes.violations.push_back(own.name + " is lost, and the machine stays in " + machine.state +
+                               "; " + own.name +
+                               " has no on_lost (\"Active\" if the machine may run without it)");
   }
 }
 
@@ -124,7 +201,9 @@ void CheckPlaceInStart(const Model& model, const World& world, ActuatorIndex i, 
   const bool in_start = machine.start_up.set_up && !model.config.RankOf(machine.state);
   const bool reachable = actuator.alive && known.presence == Presence::kPresent;
   if (!in_start || !reachable || actuator.work != Work::kNone || known.held) return;
-  if (!IsHigher(model.config, report.state, State(kDeActive))) return;
+  if (!IsHigher(model.config, report.state, MostInStart(model, i))) return;
+  const ActuatorConfig& own = model.config.actuators[i];
+  if (known.fault && !own.Lists(kDeActive) && !own.Lists(kLowPower)) return;
   const bool is_seen = known.state() == report.state && !known.report.busy();
   if (known.fault && (report.outcome_code != kCodeOk || !is_seen)) return;
   notes.violations.push_back("in a stable state " + model.config.actuators[i].name + " is in " +
@@ -141,7 +220,7 @@ void CheckOrder(const Model& model, const World& world, const action::SendSwitch
     const auto& after = model.config.actuators[one].after;
     return std::find(after.begin(), after.end(), model.config.actuators[other].name) != after.end();
   };
-  for (const ActuatorIndex k : kIndices) {
+  for (const ActuatorIndex k : world.actuators.Indices()) {
     const ActuatorIndex first = reversed ? k : send.actuator;
     const ActuatorIndex second = reversed ? send.actuator : k;
     const bool later = comes_after(second, first);
@@ -164,14 +243,21 @@ void CheckOrder(const Model& model, const World& world, const action::SendSwitch
   }
 }
 
-// Whether the actuator is lost after its command of this switch had ended done: the report of an
-// exited process stays as it was.
+// Whether the actuator is lost after its command of this switch had ended done. The report of an
+// exited process stays as it was, until it is restarted.
 bool LostAfterItsPart(const Model& model, const World& world, const SwitchResult& result,
                       const ActuatorResult& part) {
   const auto i = model.config.IndexOf(part.name);
   if (part.outcome != ActuatorOutcome::kLost || !i) return false;
   const ActuatorReport& report = world.actuators[*i].core.report;
-  return report.outcome_number == result.number && report.outcome_code == kCodeOk;
+  return (report.outcome_number == result.number && report.outcome_code == kCodeOk) ||
+         world.actuators[*i].done == result.number;
+}
+
+// An actuator that does not list the state of the machine before may have been there already.
+bool IsIn(const Model& model, const World& world, const std::string& name, const State& state) {
+  const auto i = model.config.IndexOf(name);
+  return i && world.actuators[*i].alive && world.actuators[*i].core.report.state == state;
 }
 
 // A switch up takes all actuators or none; none was degraded before. An actuator may be lost after
@@ -183,26 +269,44 @@ void CheckUp(const Model& model, const World& world, const action::AnswerSetStat
   for (const ActuatorResult& actuator : result.actuators) {
     if (actuator.outcome == ActuatorOutcome::kDone) continue;
     if (LostAfterItsPart(model, world, result, actuator)) continue;
+    if (IsIn(model, world, actuator.name, result.target)) continue;
     notes.violations.push_back("the machine switches up without " + actuator.name);
   }
+}
+
+// Whether a fault of one actuator can degrade another: it waits for it, or is bound to it.
+bool DependOnEachOther(const MachineConfig& config) {
+  return std::ranges::any_of(config.actuators, [&](const ActuatorConfig& a) {
+    return !a.after.empty() || !a.binds_to.empty() || a.stage != config.actuators.back().stage;
+  });
 }
 
 // Without an order among the actuators each fault makes at most one degraded; an emergency stop all
 // that it holds below or beside the state of the machine, until that is requested again.
 void CheckDegraded(const Model& model, const World& world, Notes& notes) {
-  const auto& actuators = model.config.actuators;
-  const bool in_order = std::any_of(actuators.begin(), actuators.end(),
-                                    [](const ActuatorConfig& a) { return !a.after.empty(); });
   const auto names = Degraded(model.config, world.machine);
   const auto degraded = std::ranges::count_if(names, [&](const std::string& name) {
-    const ActuatorReport& report = world.actuators[*model.config.IndexOf(name)].core.report;
+    const ActuatorIndex i = *model.config.IndexOf(name);
+    if (!model.config.actuators[i].Lists(world.machine.state)) return false;
+    const ActuatorReport& report = world.actuators[i].core.report;
     const bool ended = report.held_by_stop && world.machine.state == world.from;
     return !ended || world.repeat != Repeat::kNotYet;
   });
   if (IsRequested(world, State(kTearDown))) return;  // an actuator that has exited counts as absent
-  if (in_order || degraded <= world.faults - world.faults_left) return;
+  if (DependOnEachOther(model.config) || degraded <= world.faults - world.faults_left) return;
   notes.violations.push_back(std::to_string(degraded) +
                              " actuators are degraded, more than had a fault");
+}
+
+void CheckStableRules(const Model& model, const World& world, Notes& notes) {
+  const auto state_of = [&](std::optional<ActuatorIndex> actuator) {
+    if (!actuator) return world.machine.state;
+    const SimActuator& one = world.actuators[*actuator];
+    return one.alive ? one.core.report.state : State();
+  };
+  for (const StableRule& rule : model.stable_rules) {
+    if (rule.IsViolated(state_of)) notes.violations.push_back("your rule: " + rule.text);
+  }
 }
 
 }  // namespace
@@ -299,7 +403,7 @@ void CheckStep(const Model& model, const World& world, const Before& before, Not
   }
   const bool adopts = world.generation > 0 && before.phase == Phase::kStarting &&
                       !before.starting && machine.phase == Phase::kRunning;
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : world.actuators.Indices()) {
     if (!adopts) break;
     const State& state = world.actuators[i].core.report.state;
     const bool counts = world.actuators[i].alive &&
@@ -351,12 +455,17 @@ void CheckRest(const Model& model, const World& world, Notes& notes) {
     notes.violations.emplace_back("the TearDown has no end");
   const bool ends =
       world.machine.phase == Phase::kStopping || world.machine.phase == Phase::kStopped;
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : world.actuators.Indices()) {
     if (!ends) CheckPlaceInStart(model, world, i, notes);
   }
+  CheckStarted(model, world, notes);
+  if (!ends) CheckStableRules(model, world, notes);
   if (world.machine.phase != Phase::kRunning) return;
   CheckDegraded(model, world, notes);
-  for (const ActuatorIndex i : kIndices) CheckPlace(model, world, i, notes);
+  for (const ActuatorIndex i : world.actuators.Indices()) {
+    CheckPlace(model, world, i, notes);
+    CheckFallback(model, world, i, notes);
+  }
 }
 
 }  // namespace musher::search

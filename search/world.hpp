@@ -1,6 +1,6 @@
 #pragma once
-// A small machine as one plain value: the real controller's Machine, three real ActuatorCores, and
-// the messages between them. The search makes one Choice after the other; time is only the order of
+// A machine as one plain value: the real controller's Machine, the real ActuatorCores, and the
+// messages between them. The search makes one Choice after the other; time is only the order of
 // the choices.
 //
 // What a World keeps beside the controller and its disk:
@@ -29,10 +29,9 @@
 //   - An emergency stop reaches all actuators at once, also between two commands of one wave; the
 //     controller receives it at any time. An actuator that receives it later is another fault.
 //   - Before the first request the only fault is an emergency stop: the rest is another start.
-// Actuators with the same config are interchangeable: of states that differ by their names only one
-// is searched (fingerprint.hpp).
+// Actuators are interchangeable where the config stays the same when their names are exchanged: of
+// states that differ by their names only one is searched (fingerprint.hpp).
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
@@ -41,28 +40,14 @@
 #include <variant>
 #include <vector>
 
+#include "musher/lifecycle/config/stable_rule.hpp"
 #include "musher/lifecycle/per_actuator.hpp"
 #include "musher/search/fake_robot.hpp"
 
 namespace musher::search {
 
-inline constexpr std::size_t kActuators = 3;
-inline constexpr ActuatorIndices kIndices(kActuators);
-
-// PerActuator without an allocation: a World is copied in every step of the search.
-template <typename T>
-class EachActuator {
- public:
-  T& operator[](ActuatorIndex actuator) { return values_[actuator.value()]; }
-  const T& operator[](ActuatorIndex actuator) const { return values_[actuator.value()]; }
-  auto begin() { return values_.begin(); }
-  auto end() { return values_.end(); }
-  auto begin() const { return values_.begin(); }
-  auto end() const { return values_.end(); }
-
- private:
-  std::array<T, kActuators> values_{};
-};
+// A node of the search has a bit for each.
+inline constexpr std::size_t kMostSearchedActuators = 32;
 
 struct StopMessage {};
 
@@ -83,6 +68,7 @@ struct SimActuator : FakeActuator {
   Epoch epoch = 0;
   CommandNumber begun = 0;    // of a begun callback
   CommandNumber queried = 0;  // of an answered query
+  CommandNumber done = 0;     // of a callback that ended with code 0, also of an earlier process
 };
 
 struct Request {
@@ -101,11 +87,12 @@ enum class Repeat : std::uint8_t {
 struct World : FakeController {
   int faults = 0;  // that may happen in all
   int faults_left = 0;
-  EachActuator<SimActuator> actuators;
+  PerActuator<SimActuator> actuators;
   std::vector<Message> outbox;
   std::vector<Request> requests;  // request n is the (n-1)th
   State from;                     // where the machine was before the first of them
   bool at_start = false;          // nothing has been requested yet
+  bool in_start = false;          // it was started, and nothing is requested
   bool stopped = false;           // an emergency stop has been engaged
   bool stop_seen_due = false;     // the controller has not received it
   bool released = false;          // by a person
@@ -133,6 +120,7 @@ enum class ChoiceKind : std::uint8_t {
   kDuplicate,
   kUnannounced,  // a query of a controller whose announcement it has not received
   kEndFailed,
+  kEndTolerated,  // a self-check fails with a code that the config does not list as critical
   kEndReplyLost,
   kEndReplyHeld,
   kEndReplyDuplicated,
@@ -191,10 +179,11 @@ struct Model {
   MachineConfig config;
   State target;  // of the first request
   Rules rules;
-  EachActuator<ActuatorIndex> kinds;  // equal for interchangeable actuators
-  std::uint64_t faults = kAllFaults;  // the kinds that are choices, a bit for each
-  bool releases = false;              // whether kRelease and kRepeat are choices
-  bool other_machine = false;         // whether kOtherCommand and what follows it are choices
+  PerActuator<ActuatorIndex> kinds;      // equal for interchangeable actuators
+  std::uint64_t faults = kAllFaults;     // the kinds that are choices, a bit for each
+  bool releases = false;                 // whether kRelease and kRepeat are choices
+  std::vector<StableRule> stable_rules;  // of the user
+  bool other_machine = false;            // whether kOtherCommand and what follows it are choices
 };
 
 // The results of one choice.
@@ -216,8 +205,9 @@ bool IsQuiet(const World& world, const std::vector<Choice>& choices);
 // A machine before its start, and the start of a machine.
 World NewWorld(const Model& model);
 void Begin(const Model& model, World& world, bool by_hand, Notes& notes);
-// Makes choices without faults until the world is quiet.
-void Settle(const Model& model, World& world, Notes& notes);
+// Makes choices without faults until the world is quiet. Returns false when it is not after very
+// many of them.
+bool Settle(const Model& model, World& world, Notes& notes);
 // A caller requests a switch.
 void RequestSwitch(const Model& model, World& world, const State& target, Notes& notes);
 

@@ -11,10 +11,12 @@ namespace {
 using testing::ActuatorNamed;
 using testing::MachineOf;
 
+constexpr std::size_t kActuators = 3;
+
 // Actuators that are overdue one after the other.
 MachineConfig Staggered() {
   MachineConfig config = MachineOf(kActuators);
-  for (const ActuatorIndex i : kIndices) {
+  for (const ActuatorIndex i : config.actuators.Indices()) {
     auto& times = config.actuators[i].times;
     times.assign(times.size(), Milliseconds(100 + 10 * static_cast<int>(i.value())));
   }

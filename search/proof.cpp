@@ -1,0 +1,356 @@
+#include "musher/search/proof.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <new>
+#include <numeric>
+#include <semaphore>
+#include <thread>
+#include <utility>
+
+#include "musher/base/joined.hpp"
+#include "musher/base/suggest.hpp"
+#include "musher/lifecycle/config/flow.hpp"
+
+namespace musher::search {
+namespace {
+
+constexpr auto kProgressPeriod = std::chrono::milliseconds(200);
+
+// Where searches begin.
+class Roots {
+ public:
+  explicit Roots(const MachineConfig& config) : model_(config) {
+    AddAfterStart();
+    FollowAll();
+    AddInStart();
+    FollowAll();
+  }
+
+  bool Has(const State& state) const { return worlds_.contains(state); }
+  const std::map<State, World>& worlds() const { return worlds_; }
+
+  // The machine before its start.
+  static World OfStart(const Model& model) {
+    World world = NewWorld(model);
+    Notes notes;
+    Begin(model, world, false, notes);
+    world.from = State(kSelfCheck);
+    world.in_start = true;
+    return world;
+  }
+
+ private:
+  // Where the start leads without a fault.
+  void AddAfterStart() {
+    World world = NewWorld(model_);
+    Notes notes;
+    Begin(model_, world, false, notes);
+    if (Settle(model_, world, notes) && world.machine.phase == Phase::kRunning) {
+      const State state = world.machine.state;
+      Add(state, std::move(world));
+    }
+  }
+
+  void FollowAll() {
+    while (followed_ < order_.size()) Follow(order_[followed_++]);
+  }
+
+  // What a request leads to from there.
+  void Follow(State from) {  // a copy: Add() moves those in order_
+    for (const State& to : model_.config.states) {
+      if (to == kTearDown || Has(to) || !FlowAllows(model_.config, from, to)) continue;
+      World world = worlds_.at(from);
+      world.at_start = false;
+      Notes notes;
+      RequestSwitch(model_, world, to, notes);
+      if (Settle(model_, world, notes) && world.machine.state == to) Add(to, std::move(world));
+    }
+  }
+
+  // A program drives the start: all is set up, or nothing yet.
+  void AddInStart() {
+    World world = NewWorld(model_);
+    Notes notes;
+    Begin(model_, world, true, notes);
+    if (!Has(State(kUninitialized))) Add(State(kUninitialized), world);
+    if (!Has(State(kSetUp)) && Settle(model_, world, notes) && world.machine.state == kSetUp) {
+      Add(State(kSetUp), std::move(world));
+    }
+  }
+
+  void Add(const State& state, World world) {
+    world.requests.clear();
+    world.from = state;
+    world.at_start = true;
+    worlds_.emplace(state, std::move(world));
+    order_.push_back(state);
+  }
+
+  const Model model_;
+  std::map<State, World> worlds_;
+  std::vector<State> order_;
+  std::size_t followed_ = 0;  // of the order
+};
+
+class Prover {
+ public:
+  Prover(const MachineConfig& config, const ProofOptions& options)
+      : config_(config), options_(options), roots_(config) {}
+
+  Proof Run() && {
+    ListStates();
+    proof_.why = WhyThereIsNothing();
+    if (!proof_.why.empty()) return std::move(proof_);
+    for (int faults = 0; faults <= options_.faults && !proof_.counter_example; ++faults) {
+      if (!SearchAllWith(faults)) break;
+      if (!proof_.counter_example) proof_.proved_faults = faults;
+    }
+    for (const ProvedTask& task : proof_.tasks) proof_.figures += task.figures;
+    if (proof_.counter_example) {
+      proof_.end = ProofEnd::kViolated;
+      Replay(*proof_.counter_example);
+    } else if (proof_.proved_faults == options_.faults) {
+      proof_.end = ProofEnd::kProved;
+    }
+    return std::move(proof_);
+  }
+
+ private:
+  void ListStates() {
+    for (const State& state : config_.states) {
+      if (roots_.Has(state)) {
+        proof_.reached.push_back(state);
+      } else if (state != kTearDown) {
+        proof_.not_reached.push_back(state);
+      }
+    }
+  }
+
+  // To search for: then nothing would be proved.
+  std::string WhyThereIsNothing() const {
+    if (options_.from && !roots_.Has(*options_.from)) {
+      return "no sequence of requests without a fault leads to " + *options_.from;
+    }
+    if (TasksWith(0).empty()) return "the flow allows no request in " + *options_.from;
+    return {};
+  }
+
+  std::vector<ProofTask> TasksWith(int faults) const {
+    std::vector<ProofTask> tasks;
+    if (!options_.from) tasks.push_back({{}, {}, faults});
+    for (const auto& [from, world] : roots_.worlds()) {
+      if (options_.from && *options_.from != from) continue;
+      for (const State& to : config_.states) {
+        if (FlowAllows(config_, from, to)) tasks.push_back({from, to, faults});
+      }
+    }
+    // The largest one last would keep one thread busy while the others have ended.
+    std::ranges::stable_sort(tasks, std::ranges::greater{},
+                             [&](const ProofTask& task) { return WorkOf(task); });
+    return tasks;
+  }
+
+  // How large the search is, by the one with one fault fewer.
+  std::size_t WorkOf(const ProofTask& task) const {
+    const auto before = std::ranges::find(
+        proof_.tasks, ProofTask{task.from, task.to, task.faults - 1}, &ProvedTask::task);
+    return before == proof_.tasks.end() ? 1 : before->figures.nodes + 1;
+  }
+
+  Model ModelOf(const ProofTask& task) const {
+    Model model(config_, task.to, options_.rules);
+    model.stable_rules = options_.stable_rules;
+    const auto alike = model.kinds;
+    for (const ActuatorIndex i : model.kinds.Indices()) {
+      model.kinds[i] = i;
+      if (!options_.symmetry || IsInRule(i)) continue;
+      for (ActuatorIndex k; k < i && model.kinds[i] == i; ++k) {
+        if (alike[k] == alike[i] && !IsInRule(k)) model.kinds[i] = k;
+      }
+    }
+    return model;
+  }
+
+  // Such an actuator is like no other one.
+  bool IsInRule(ActuatorIndex i) const {
+    return std::ranges::any_of(options_.stable_rules, [&](const StableRule& rule) {
+      return rule.never.actuator == i || (rule.condition && rule.condition->actuator == i);
+    });
+  }
+
+  World RootOf(const Model& model, const ProofTask& task) const {
+    World root = task.IsStart() ? Roots::OfStart(model) : roots_.worlds().at(task.from);
+    root.faults = root.faults_left = task.faults;
+    return root;
+  }
+
+  // Returns whether all searches with so many faults have ended by themselves. The first violation
+  // ends all; then its shortest scenario is searched for.
+  bool SearchAllWith(int faults) {
+    const std::vector<ProofTask> tasks = TasksWith(faults);
+    ForEach(tasks, [this](const ProofTask& task) { Search(task); });
+    if (!proof_.counter_example) return !limits_.stop;
+    if (!proof_.why.empty()) return true;
+    limits_.stop = false;
+    limits_.below = proof_.counter_example->choices;
+    ForEach(tasks, [this](const ProofTask& task) { Shorten(task); });
+    return true;
+  }
+
+  // Calls `search` with each task, in several threads.
+  void ForEach(const std::vector<ProofTask>& tasks,
+               const std::function<void(const ProofTask&)>& search) {
+    std::vector<std::size_t> work_of;
+    for (const ProofTask& task : tasks) work_of.push_back(WorkOf(task));
+    const std::size_t all_work = std::accumulate(work_of.begin(), work_of.end(), std::size_t{});
+    std::atomic<std::size_t> next = 0;
+    std::atomic<std::size_t> done = 0;
+    std::atomic<std::size_t> work_done = 0;
+    std::counting_semaphore<> ended(0);
+    const auto work = [&] {
+      for (std::size_t i = next++; i < tasks.size() && !limits_.stop; i = next++) {
+        try {
+          search(tasks[i]);
+        } catch (const std::bad_alloc&) {
+          out_of_memory_ = limits_.stop = true;
+        }
+        work_done += work_of[i];
+        ++done;
+      }
+      ended.release();
+    };
+    std::vector<std::jthread> threads;
+    for (unsigned i = 0; i < std::max(1U, options_.threads); ++i) threads.emplace_back(work);
+    for (std::size_t left = threads.size(); left > 0;) {
+      if (ended.try_acquire_for(kProgressPeriod)) --left;
+      const double share = static_cast<double>(work_done) / static_cast<double>(all_work);
+      const int faults = tasks.empty() ? 0 : tasks.front().faults;
+      Report({faults, done, tasks.size(), limits_.nodes, share});
+    }
+    if (out_of_memory_ && proof_.why.empty()) proof_.why = "there is no more memory";
+  }
+
+  void Report(const ProofProgress& progress) {
+    if (!options_.on_progress || !proof_.why.empty()) return;
+    proof_.why = options_.on_progress(progress);
+    if (!proof_.why.empty()) limits_.stop = true;
+  }
+
+  void Search(const ProofTask& task) {
+    const Model model = ModelOf(task);
+    const World root = RootOf(model, task);
+    const Searched searched = SearchDepthFirst(model, root, limits_);
+    const std::lock_guard lock(mutex_);
+    proof_.tasks.push_back({task, searched.figures, searched.finished && !searched.fault});
+    if (searched.fault) limits_.stop = true;
+    KeepIfShorter(task, root, searched);
+  }
+
+  void Shorten(const ProofTask& task) {
+    const Model model = ModelOf(task);
+    const World root = RootOf(model, task);
+    const Searched searched = SearchAll(model, root, &limits_);
+    const std::lock_guard lock(mutex_);
+    KeepIfShorter(task, root, searched);
+    limits_.below = proof_.counter_example->choices;
+  }
+
+  void KeepIfShorter(const ProofTask& task, const World& root, const Searched& searched) {
+    if (!searched.fault) return;
+    const std::size_t choices = searched.fault->Choices();
+    if (proof_.counter_example && proof_.counter_example->choices <= choices) return;
+    proof_.counter_example =
+        CounterExample{task, searched.fault->path, choices, searched.fault->repeats, root, {}, {}};
+    if (searched.fault->repeats) proof_.counter_example->violations = searched.fault->violations;
+  }
+
+  void Replay(CounterExample& example) const {
+    const Model model = ModelOf(example.task);
+    example.steps = StepsOf(model, example.root, example.path, example.violations);
+  }
+
+  const MachineConfig& config_;
+  const ProofOptions& options_;
+  const Roots roots_;
+  SearchLimits limits_;
+  std::atomic<bool> out_of_memory_ = false;
+  std::mutex mutex_;  // guards proof_.tasks and proof_.counter_example while threads run
+  Proof proof_;
+};
+
+}  // namespace
+
+std::string ProofTask::Text() const {
+  return IsStart() ? "the start" : "from " + from + " to " + to;
+}
+
+std::vector<std::string> LeftOutOf(const MachineConfig& config) {
+  std::vector<std::string> left_out;
+  const auto add_if = [&](bool is_set, const char* what) {
+    if (is_set) left_out.emplace_back(what);
+  };
+  const auto add_of = [&](const std::string& what, const auto& is_set) {
+    std::vector<std::string> names;
+    for (const ActuatorConfig& actuator : config.actuators) {
+      if (is_set(actuator)) names.push_back(actuator.name);
+    }
+    if (!names.empty()) left_out.push_back(what + " of " + Joined(names, ""));
+  };
+  add_if(config.policy.has_value(), "[policy]");
+  add_if(config.permit.has_value(), "[safety] permit_ms");
+  add_if(!config.capabilities.empty(), "[capability]");
+  add_if(config.ros2.started_by_manager, "[ros2] start = \"manager\"");
+  add_if(config.transport == TransportProfile::kLan, "[transport]: all run on one host");
+  add_of("checkpoints", [](const ActuatorConfig& actuator) {
+    return actuator.checkpoint || !actuator.checkpoint_in.empty();
+  });
+  add_of("controller_lost_ms",
+         [](const ActuatorConfig& actuator) { return actuator.controller_lost.has_value(); });
+  add_of("protocol (Musher's is searched)",
+         [](const ActuatorConfig& actuator) { return actuator.protocol != Protocol::kMusher; });
+  return left_out;
+}
+
+MachineConfig SearchableConfig(const MachineConfig& config) {
+  MachineConfig searched = config;
+  searched.policy.reset();
+  searched.permit.reset();
+  searched.view.reset();
+  searched.capabilities.clear();
+  searched.ros2.started_by_manager = false;
+  for (ActuatorConfig& actuator : searched.actuators) {
+    actuator.protocol = Protocol::kMusher;
+    actuator.ros2_states.clear();
+    actuator.heartbeat_name.clear();
+    // What a process is called does not make two actuators different.
+    if (!actuator.command.empty()) actuator.command = {"program"};
+    actuator.cwd.clear();
+    actuator.env.clear();
+    actuator.log_size_bytes = 0;
+  }
+  return searched;
+}
+
+std::string WhyNotSearchable(const MachineConfig& config, const std::optional<State>& from) {
+  if (config.actuators.size() > kMostSearchedActuators) {
+    return "a machine of at most " + std::to_string(kMostSearchedActuators) +
+           " actuators can be searched, and this one has " +
+           std::to_string(config.actuators.size());
+  }
+  if (!from || *from == kUninitialized || *from == kSetUp) return {};
+  if (!config.HasState(*from) || *from == kTearDown) {
+    return config.name + " has no state '" + *from + "' to search from" +
+           DidYouMean(*from, config.states);
+  }
+  return {};
+}
+
+Proof Prove(const MachineConfig& config, const ProofOptions& options) {
+  return Prover(config, options).Run();
+}
+
+}  // namespace musher::search

@@ -1,0 +1,96 @@
+#pragma once
+// The proof of a state config: the exhaustive search of its machine, from every state that the
+// machine reaches to every state that its flow allows, and of its start; first without a fault,
+// then with one, and so on.
+//
+// What the search leaves out of a config: LeftOutOf(). All actuators run on one host, in a process
+// each, and speak Musher's protocol. docs/proof.md says what a proof is worth.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/search/explorer.hpp"
+
+namespace musher::search {
+
+// One search: a switch of the machine, or its start.
+struct ProofTask {
+  State from;  // where the machine is; of the start: empty
+  State to;    // what is requested; of the start: empty
+  int faults = 0;
+
+  bool IsStart() const { return to.empty(); }
+  std::string Text() const;  // "from Active to LowPower", "the start"
+
+  friend bool operator==(const ProofTask&, const ProofTask&) = default;
+};
+
+struct ProvedTask {
+  ProofTask task;
+  Figures figures;
+  bool finished = false;
+};
+
+// A scenario that violates a rule: of the fewest faults, and with these of the fewest choices, if
+// there was time and memory to search for that one.
+struct CounterExample {
+  ProofTask task;
+  std::string path;         // see explorer.hpp
+  std::size_t choices = 0;  // of the path
+  bool repeats = false;     // see Fault; such a one is not the shortest
+  World root;
+  std::vector<PathStep> steps;
+  std::vector<std::string> violations;
+};
+
+struct ProofProgress {
+  int faults = 0;          // the searches under way have so many
+  std::size_t done = 0;    // searches with so many faults …
+  std::size_t all = 0;     // … of so many
+  std::size_t states = 0;  // so far, of all searches
+  double share = 0;        // of the work with so many faults, as searches with one fewer took
+};
+
+struct ProofOptions {
+  int faults = 1;
+  std::optional<State> from;  // search only what begins there
+  unsigned threads = 1;
+  std::vector<StableRule> stable_rules = {};  // of the user
+  Rules rules = {};
+  // Of states that differ by alike actuators, search one. Off: it is not exact where one step sends
+  // to two of them, and the controller is killed between the two.
+  bool symmetry = false;
+  // Called in the calling thread a few times a second. A text ends the proof, which is then not
+  // finished because of it.
+  std::function<std::string(const ProofProgress&)> on_progress;
+};
+
+enum class ProofEnd : std::uint8_t { kProved, kViolated, kNotFinished };
+
+struct Proof {
+  ProofEnd end = ProofEnd::kNotFinished;
+  std::string why;             // it is not finished, or no shorter scenario was searched for
+  int proved_faults = -1;      // all was searched up to so many faults without a violation
+  std::vector<State> reached;  // states, in the config's order
+  // States that no sequence of requests without a fault leads to; but TearDown, its end.
+  std::vector<State> not_reached;
+  std::vector<ProvedTask> tasks;  // that were begun
+  Figures figures;                // of all
+  std::optional<CounterExample> counter_example;
+};
+
+// The machine as it is searched, without what the search leaves out.
+MachineConfig SearchableConfig(const MachineConfig& config);
+
+// What that is, of the keys of this config: "[policy]", "checkpoint_ms of camera, lidar".
+std::vector<std::string> LeftOutOf(const MachineConfig& config);
+
+// Why a config cannot be searched; empty: it can.
+std::string WhyNotSearchable(const MachineConfig& config, const std::optional<State>& from);
+
+// `config`: a searchable one.
+Proof Prove(const MachineConfig& config, const ProofOptions& options);
+
+}  // namespace musher::search
