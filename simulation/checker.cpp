@@ -1308,6 +1308,20 @@ void Checker::CheckRest(bool provided) {
     CheckPlace(machine, i);
     CheckLoss(machine, i, provided);
   }
+  CheckStableRules(machine);
+}
+
+// What an actuator that publishes a false state is in, is not known.
+void Checker::CheckStableRules(const Machine& machine) {
+  if (machine.phase == Phase::kStopped || !false_reporters_.empty()) return;
+  const auto state_of = [&](std::optional<ActuatorIndex> actuator) {
+    if (!actuator) return machine.state;
+    const ActuatorReport* report = robot_.ReportOf(*actuator, machine.actuators[*actuator].report);
+    return report == nullptr ? State() : report->state;
+  };
+  for (const StableRule& rule : stable_rules) {
+    if (rule.IsViolated(state_of)) ReportViolation(Invariant::kStableRules, rule.text);
+  }
 }
 
 void Checker::CheckPlace(const Machine& machine, ActuatorIndex i) {

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/lifecycle/config/stable_rule.hpp"
 #include "musher/simulation/invariant.hpp"
 #include "musher/simulation/robot.hpp"
 
@@ -84,6 +85,8 @@ class Checker {
   // Whether the state is stable: nothing is under way, and nothing will start by itself.
   bool AtRest() const { return PendingActivity().empty(); }
   std::string PendingActivity() const;  // what is under way; empty: nothing
+  // The user's own, which CheckRest() checks as well.
+  std::vector<StableRule> stable_rules;
   // Checks what must hold in a stable state. `provided`: also that the config's on_lost covers
   // every lost actuator.
   void CheckRest(bool provided);
@@ -187,6 +190,7 @@ class Checker {
   void NoteLowering(const State& from);
 
   // A stable state.
+  void CheckStableRules(const Machine& machine);
   void CheckLoss(const Machine& machine, ActuatorIndex i, bool provided);
   void CheckPlace(const Machine& machine, ActuatorIndex i);
   void CheckPlaceInStart(const Machine& machine, ActuatorIndex i);

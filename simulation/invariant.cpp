@@ -85,6 +85,8 @@ std::string_view InvariantText(Invariant invariant) {
       return "an operator can recover the machine from every stable state";
     case Invariant::kAllAvailableAfterRecovery:
       return "after that recovery all actuators are available";
+    case Invariant::kStableRules:
+      return "your own rules hold in every stable state";
   }
   return {};
 }

@@ -98,6 +98,7 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
           [this](const std::string& name, const State& state) { return SampleAct(name, state); },
           LayoutOf(config, seed, options.shared_processes, injections_)),
       checker_(robot_) {
+  checker_.stable_rules = options.stable_rules;
   for (const ActuatorIndex i : config.actuators.Indices()) {
     for (const State& state : config.actuators[i].states) {
       phase_timeout_ = std::max(phase_timeout_, config.TimeFor(i, state) + Milliseconds(500));

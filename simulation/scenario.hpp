@@ -28,6 +28,7 @@ struct ScenarioOptions {
   bool provided = true;           // the config's on_lost must cover every lost actuator
   bool shared_processes = false;  // some actuators run in the process of another
   bool bridges = false;           // some networks have a bridge that repeats old samples
+  std::vector<StableRule> stable_rules = {};  // of the user
 };
 
 // The default options for a config. The bound is a minute plus the longest chain of `after`, with

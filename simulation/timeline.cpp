@@ -100,9 +100,9 @@ void Timeline::End(const Ending& ending) {
   }
 }
 
-std::string Timeline::Text() const {
+std::string Timeline::TextOf(const std::vector<Line>& lines) {
   std::string text;
-  for (const Line& line : lines_) {
+  for (const Line& line : lines) {
     text += Seconds(line.at) + std::string(Mark(line.source)) + line.text + "\n";
   }
   return text;

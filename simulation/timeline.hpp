@@ -1,6 +1,6 @@
 #pragma once
-// The timeline of a scenario, as text (a line for each event) or as a picture (SVG, a band for the
-// machine and for each actuator).
+// The timeline of a scenario, or of what a search has found, as text (a line for each event) or as
+// a picture (SVG, a band for the machine and for each actuator).
 
 #include <map>
 #include <string>
@@ -43,8 +43,15 @@ class Timeline {
   const std::vector<Band>& bands() const { return bands_; }
   Duration end() const { return end_; }
 
-  std::string Text() const;
-  std::string Svg(const std::string& title) const;
+  std::string Text() const { return TextOf(lines_); }
+  std::string Svg(const std::string& title) const {
+    return SvgOf(config_, lines_, bands_, end_, title);
+  }
+
+  // Of lines and bands that were made elsewhere; `end`: of the picture.
+  static std::string TextOf(const std::vector<Line>& lines);
+  static std::string SvgOf(const MachineConfig& config, const std::vector<Line>& lines,
+                           const std::vector<Band>& bands, Duration end, const std::string& title);
 
  private:
   void Update(const SimRobot& robot);

@@ -103,23 +103,25 @@ std::string DrawBand(const MachineConfig& config, const Timeline::Band& band, co
 
 }  // namespace
 
-std::string Timeline::Svg(const std::string& title) const {
-  const Axis axis(lines_, end_);
+std::string Timeline::SvgOf(const MachineConfig& config, const std::vector<Line>& lines,
+                            const std::vector<Band>& bands, Duration end,
+                            const std::string& title) {
+  const Axis axis(lines, end);
   std::vector<const Line*> numbered;  // listed beneath the bands
-  for (const Line& line : lines_) {
+  for (const Line& line : lines) {
     const bool shown = line.source == Source::kInjection || line.source == Source::kOperator ||
                        line.source == Source::kChecker;
     if (shown) numbered.push_back(&line);
   }
-  const double bands_end = kTop + kRow * static_cast<double>(bands_.size());
+  const double bands_end = kTop + kRow * static_cast<double>(bands.size());
   const double height = bands_end + 40 + 18 * static_cast<double>(numbered.size());
   const double width = kLeft + kWidth + 30;
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + Number(width) +
                     " " + Number(height) + "\" font-family=\"sans-serif\" font-size=\"13\">\n";
   svg += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   svg += Label(kLeft, 22, "font-size=\"16\"", title);
-  for (std::size_t i = 0; i < bands_.size(); ++i) {
-    svg += DrawBand(config_, bands_[i], axis, kTop + kRow * static_cast<double>(i));
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    svg += DrawBand(config, bands[i], axis, kTop + kRow * static_cast<double>(i));
   }
   for (std::size_t i = 0; i < numbered.size(); ++i) {
     const Line& line = *numbered[i];

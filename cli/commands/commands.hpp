@@ -17,6 +17,7 @@ class Grammar;
   command(AddExplain)                       \
   command(AddGraph)                         \
   command(AddNew)                           \
+  command(AddProve)                         \
   command(AddSimulate)                      \
   command(AddTree)                          \
   group("Start and stop")                   \

@@ -25,6 +25,7 @@ struct SimulateOptions {
   std::string only;                   // inject only these of its events: "3,7"; empty: all
   std::optional<double> bound_s;      // within which the machine must reach a stable state
   std::string home;                   // the state that operators recover it to; empty: Active
+  std::string rules;                  // file with rules of the user
   std::string svg;                    // file for the drawing of the failing or shown run
   unsigned jobs = 0;                  // threads; 0: one per core
 };
@@ -127,11 +128,15 @@ ExitCode Simulate(const SimulateOptions& options, const GlobalOptions& /*global*
   auto config = LoadConfig(options.file, console);
   if (!config) return ExitCode::kUsage;
   const std::vector<std::string> others = MakeAllUseMusher(*config);
-  const auto scenario = OptionsFor(options, *config);
+  auto scenario = OptionsFor(options, *config);
   if (!scenario) return console.Fail(scenario.error());
+  if (!LoadStableRules(options.rules, *config, console, scenario.value().stable_rules)) {
+    return ExitCode::kUsage;
+  }
   if (options.seed) return RunOne(options, *config, scenario.value(), console);
 
-  SimulationReport report{*config, options.file, scenario.value(), {}, {}, {}, {}, others};
+  SimulationReport report{*config, options.file, scenario.value(), {},           {},
+                          {},      {},           others,           options.rules};
   const auto begin = std::chrono::steady_clock::now();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   report.threads = options.jobs == 0 ? cores : options.jobs;
@@ -182,6 +187,12 @@ void AddSimulate(Grammar& grammar) {
                             "State that the operator recovers it to; default Active"),
              Names::kStates)
       ->type_name("STATE");
+  grammar
+      .Offer(app.add_option("--rules", options.rules,
+                            "Rules of your own for stable states, as in\n"
+                            "never lamp Active while base is not Active"),
+             Names::kFiles)
+      ->type_name("FILE");
   grammar
       .Offer(app.add_option("--svg", options.svg,
                             "Draw the shortest failing run, or the run of --seed"),

@@ -16,6 +16,7 @@ constexpr auto kExamples = std::to_array<Example>({
     {"explain", "musher explain policy.battery.protected_at"},
     {"diff", "musher diff old.toml robot.toml"},
     {"graph", "musher graph robot.toml --what actuators -o robot.svg"},
+    {"prove", "musher prove robot.toml --faults 1 --budget 600"},
     {"simulate", "musher simulate robot.toml --seeds 10000"},
     {"tree", "musher tree check mission.xml"},
     {"up", "musher up robot.toml --detach"},

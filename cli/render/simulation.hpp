@@ -18,6 +18,7 @@ struct SimulationReport {
   Duration took{};
   std::optional<simulation::ScenarioId> worst;  // the shortest failing scenario
   std::vector<std::string> others;              // actuators that use another protocol
+  std::string rules;                            // file with rules of the user; empty: none
 };
 
 // `failing_scenario`: the timeline of `worst`; empty when there is none.

@@ -35,7 +35,9 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
                        {"simulated_s", ToSeconds(s.simulated)},
                        {"took_s", ToSeconds(report.took)},
                        {"checks", s.checks},
-                       {"bound_s", ToSeconds(report.options.bound)}};
+                       {"bound_s", ToSeconds(report.options.bound)},
+                       {"rules", nullptr}};
+  if (!report.rules.empty()) json["rules"] = report.options.stable_rules.size();
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
     json["switches"][std::string(OutcomeName(static_cast<SwitchOutcome>(i)))] = s.switches[i];
   }
@@ -46,9 +48,10 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
   }
   json["injected_events"] = CoverageOf(s.coverage);
   for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
+    const auto invariant = static_cast<simulation::Invariant>(i);
+    if (invariant == simulation::Invariant::kStableRules && report.rules.empty()) continue;
     json["invariants"].push_back(
-        {{"invariant", InvariantText(static_cast<simulation::Invariant>(i))},
-         {"violated_by", s.bad[i]}});
+        {{"invariant", InvariantText(invariant)}, {"violated_by", s.bad[i]}});
   }
   json["shortest_failing_scenario"] = nullptr;
   if (report.worst) {

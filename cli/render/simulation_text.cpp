@@ -61,13 +61,17 @@ std::string Figures(const SimulationReport& report) {
   return text;
 }
 
-std::string Invariants(const Summary& s, bool colour) {
+std::string Invariants(const SimulationReport& report, bool colour) {
+  const Summary& s = report.summary;
   std::string text;
   for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
+    const bool of_user = static_cast<Invariant>(i) == Invariant::kStableRules;
+    if (of_user && report.rules.empty()) continue;
     const auto& bad = s.bad[i];
     text += bad.empty() ? Paint("  holds     ", Style::kGood, colour)
                         : Paint("  VIOLATED  ", Style::kBad, colour);
     text += InvariantText(static_cast<Invariant>(i));
+    if (of_user) text += " (" + Counted(report.options.stable_rules.size(), "rule") + ")";
     if (!bad.empty()) {
       text += fmt::format(": {} {}, seed {} first", Grouped(bad.size()),
                           bad.size() == 1 ? "scenario" : "scenarios", bad.front());
@@ -110,11 +114,13 @@ std::string SimulationText(const SimulationReport& report, const std::string& fa
   }
   text +=
       "\nInjected events, by the phase of the machine:\n\n" + report.summary.coverage.Text() + "\n";
-  text += Invariants(report.summary, colour) + "\n";
+  text += Invariants(report, colour) + "\n";
   if (report.worst) {
-    text += fmt::format("The shortest failing scenario: musher simulate {} --seed {}{}\n\n{}\n",
-                        Printable(ShellWord(report.file)), report.worst->seed, Only(*report.worst),
-                        failing_scenario);
+    const std::string rules =
+        report.rules.empty() ? "" : " --rules " + Printable(ShellWord(report.rules));
+    text += fmt::format("The shortest failing scenario: musher simulate {}{} --seed {}{}\n\n{}\n",
+                        Printable(ShellWord(report.file)), rules, report.worst->seed,
+                        Only(*report.worst), failing_scenario);
   }
   return text + Verdict(report, colour);
 }

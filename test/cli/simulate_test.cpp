@@ -194,4 +194,18 @@ TEST_F(Simulating, InvalidInputIsReportedAndNothingIsSimulated) {
   EXPECT_THAT(error_of({"--bound", "-1"}), HasSubstr("--bound"));
 }
 
+TEST_F(Simulating, ARuleOfItsUserIsChecked) {
+  const std::string rules = folder_ / "rules.txt";
+  std::ofstream(rules) << "never voice Active while machine is Active\n";
+  const std::string config = Config(Robot(kProvided));
+  const Ran ran = RunProgram({"simulate", config, "--seeds", kFew, "--rules", rules});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("VIOLATED  your own rules hold in every stable state"),
+                             HasSubstr("✗ never voice Active while machine is Active")));
+  std::ofstream(rules) << "never voice Active while machine is Error\n";
+  const Ran good = RunProgram({"simulate", config, "--seeds", kFew, "--rules", rules});
+  EXPECT_EQ(good.exit, 0) << good.out;
+  EXPECT_THAT(good.out, HasSubstr("holds     your own rules hold in every stable state"));
+}
+
 }  // namespace musher::cli::simulate_test

@@ -1,0 +1,198 @@
+// musher prove FILE: every order of messages, callbacks, deadlines and faults of a robot with this
+// config, on the real decision code. Touches no network and no process.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <thread>
+
+#include "musher/base/files.hpp"
+#include "musher/base/memory_limit.hpp"
+#include "musher/base/process_usage.hpp"
+#include "musher/cli/commands/commands.hpp"
+#include "musher/cli/config/config_file.hpp"
+#include "musher/cli/console/signals.hpp"
+#include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/render/proof.hpp"
+
+namespace musher::cli {
+namespace {
+
+constexpr int kMostFaults = 9;
+
+struct ProveOptions {
+  std::string file;
+  int faults = 1;
+  std::optional<double> budget_s;
+  std::optional<double> memory_gb;  // 10^9 bytes
+  std::string from;
+  std::string rules;  // file with rules of the user
+  std::string svg;    // file for the drawing of the counter-example
+  unsigned jobs = 0;  // threads; 0: one per core
+};
+
+constexpr double kBytesOfGb = 1e9;
+constexpr double kLeastLeftGb = 0.25;  // of the computer's memory
+// Of a limit; what is used grows between two looks at it.
+constexpr double kOwnShare = 0.95;
+constexpr double kGroupShare = 0.9;
+
+// Three quarters of the computer's.
+double UsualMemoryGb() {
+  const auto pages = static_cast<double>(sysconf(_SC_PHYS_PAGES));
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / kBytesOfGb * 3 / 4;
+}
+
+double Gb(std::uint64_t bytes) {
+  return static_cast<double>(bytes) / kBytesOfGb;
+}
+
+std::string Number(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
+// Shows the progress, and ends the proof when its time or memory is used up, or by Ctrl-C.
+class ProofWatch {
+ public:
+  ProofWatch(const ProveOptions& options, Console& console)
+      : options_(options),
+        console_(console),
+        memory_gb_(options.memory_gb.value_or(UsualMemoryGb())) {}
+
+  std::string operator()(const search::ProofProgress& progress) {
+    const auto now = std::chrono::steady_clock::now();
+    if (progress.faults != faults_) {
+      faults_ = progress.faults;
+      begun_with_faults_ = now;
+    }
+    console_.ShowBlock(ProofProgressLine(progress, now - begun_with_faults_));
+    if (NextSignal(signals_) != 0) {
+      interrupted_ = true;
+      return "it was interrupted";
+    }
+    if (options_.budget_s && ToSeconds(now - begun_) >= *options_.budget_s) {
+      return "its budget of " + Number(*options_.budget_s) + " s is used up";
+    }
+    return WhyMemoryEnds();
+  }
+
+  Duration took() const { return std::chrono::steady_clock::now() - begun_; }
+  bool interrupted() const { return interrupted_; }
+
+ private:
+  std::string WhyMemoryEnds() const {
+    const auto usage = UsageOf(getpid());
+    const double used_gb = usage ? Gb(usage->resident_bytes) : 0;
+    if (used_gb >= memory_gb_ * kOwnShare) {
+      return "it has used " + Number(memory_gb_) + " GB of memory (--memory permits more)";
+    }
+    if (group_ && used_gb >= Gb(*group_) * kGroupShare) {
+      return "its control group permits " + Number(Gb(*group_)) + " GB of memory";
+    }
+    const auto left = AvailableMemory();
+    if (left && Gb(*left) < kLeastLeftGb) {
+      return "this computer has only " + Number(Gb(*left)) + " GB of memory left";
+    }
+    return {};
+  }
+
+  const ProveOptions& options_;
+  Console& console_;
+  const double memory_gb_;
+  const std::optional<std::uint64_t> group_ = MemoryLimitOfGroups();
+  const UniqueFd signals_ = TakeEndSignals();  // before the threads of the search
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point begun_with_faults_ = begun_;
+  int faults_ = 0;
+  bool interrupted_ = false;
+};
+
+ExitCode ExitOf(search::ProofEnd end) {
+  switch (end) {
+    case search::ProofEnd::kProved:
+      return ExitCode::kDone;
+    case search::ProofEnd::kViolated:
+      return ExitCode::kNotDone;
+    case search::ProofEnd::kNotFinished:
+      break;
+  }
+  return ExitCode::kUnknownEnd;
+}
+
+// The report is printed already, and its exit code counts.
+void DrawCounterExample(const ProofReport& report, const std::string& file, Console& console) {
+  if (!report.proof.counter_example || file.empty()) return;
+  const auto written = WriteFile(file, CounterExampleSvg(report));
+  if (!written) console.PrintError("--svg: " + written.error().message);
+}
+
+ExitCode Prove(const ProveOptions& options, const GlobalOptions& /*global*/, Console& console) {
+  const auto config = LoadConfig(options.file, console);
+  if (!config) return ExitCode::kUsage;
+  search::ProofOptions proof;
+  proof.faults = options.faults;
+  if (!options.from.empty()) proof.from = State(options.from);
+  if (!LoadStableRules(options.rules, *config, console, proof.stable_rules)) {
+    return ExitCode::kUsage;
+  }
+  const std::string why_not = search::WhyNotSearchable(*config, proof.from);
+  if (!why_not.empty()) return console.Fail(Error{kCodeParametersInvalid, why_not});
+  proof.threads =
+      options.jobs == 0 ? std::max(1U, std::thread::hardware_concurrency()) : options.jobs;
+
+  ProofReport report{*config, options.file, options.faults, options.from, {}, {}, {}};
+  if (!options.rules.empty()) report.rules = proof.stable_rules.size();
+  const MachineConfig searched = search::SearchableConfig(*config);
+  ProofWatch watch(options, console);
+  proof.on_progress = std::ref(watch);
+  report.proof = search::Prove(searched, proof);
+  report.took = watch.took();
+  console.HideBlock();
+  console.Print(console.mode().json ? ProofJson(report) : ProofText(report, console.mode().colour));
+  DrawCounterExample(report, options.svg, console);
+  const bool ended = report.proof.end != search::ProofEnd::kNotFinished;
+  return watch.interrupted() && !ended ? ExitCode::kInterrupted : ExitOf(report.proof.end);
+}
+
+}  // namespace
+
+void AddProve(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("prove", "Search every order of events and faults of a state config", Prove);
+  grammar.Offer(app.add_option("FILE", options.file, "The state config"), Names::kConfigs)
+      ->required()
+      ->type_name("");
+  app.add_option("--faults", options.faults, "Faults in a scenario at most; default 1")
+      ->check(CLI::Range(0, kMostFaults).description(""))
+      ->type_name("K");
+  app.add_option("--budget", options.budget_s, "End after this time; default: none")
+      ->check(Between(0.001, 1e9, "seconds"))
+      ->type_name("SECONDS");
+  app.add_option("--memory", options.memory_gb,
+                 "End when it uses so much memory;\ndefault: three quarters of the computer's")
+      ->check(Between(0.001, 1e6, "GB"))
+      ->type_name("GB");
+  grammar
+      .Offer(app.add_option("--from", options.from, "Search only what begins in this state"),
+             Names::kStates)
+      ->type_name("STATE");
+  grammar
+      .Offer(app.add_option("--rules", options.rules,
+                            "Rules of your own for stable states, as in\n"
+                            "never lamp Active while base is not Active"),
+             Names::kFiles)
+      ->type_name("FILE");
+  grammar.Offer(app.add_option("--svg", options.svg, "Draw the counter-example"), Names::kFiles)
+      ->type_name("FILE");
+  app.add_option("-j,--jobs", options.jobs, "Threads; default all cores")
+      ->check(CLI::Range(1U, 256U).description(""))
+      ->type_name("N");
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,33 @@
+#pragma once
+// The report of `musher prove`, as text and as JSON.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/search/proof.hpp"
+
+namespace musher::cli {
+
+struct ProofReport {
+  const MachineConfig& config;
+  std::string file;
+  int faults = 1;                    // that were to be proved
+  std::string from;                  // only what begins in this state; empty: all
+  std::optional<std::size_t> rules;  // of the user, how many; none: no --rules
+  search::Proof proof;
+  Duration took{};
+};
+
+std::string ProofText(const ProofReport& report, bool colour);
+std::string ProofJson(const ProofReport& report);
+// The picture of the counter-example; there is one.
+std::string CounterExampleSvg(const ProofReport& report);
+// The counter-example, a line for each event.
+std::string CounterExampleText(const ProofReport& report);
+
+// "1 fault: 12 of 52 searches, 1,234,567 states, about 3 min left"; `took`: since the searches with
+// so many faults began.
+std::string ProofProgressLine(const search::ProofProgress& progress, Duration took);
+
+}  // namespace musher::cli

@@ -1,0 +1,67 @@
+#include <nlohmann/json.hpp>
+
+#include "musher/cli/console/json_line.hpp"
+#include "musher/cli/render/proof.hpp"
+
+namespace musher::cli {
+namespace {
+
+std::string_view ResultName(search::ProofEnd end) {
+  switch (end) {
+    case search::ProofEnd::kProved:
+      return "proved";
+    case search::ProofEnd::kViolated:
+      return "violated";
+    case search::ProofEnd::kNotFinished:
+      break;
+  }
+  return "not finished";
+}
+
+Json StateNames(const std::vector<State>& states) {
+  Json names = Json::array();
+  for (const State& state : states) names.push_back(state.name());
+  return names;
+}
+
+// Of the start both states are null.
+Json TaskOf(const search::ProofTask& task) {
+  return {
+      {"from", Known(task.from.name())}, {"to", Known(task.to.name())}, {"faults", task.faults}};
+}
+
+}  // namespace
+
+std::string ProofJson(const ProofReport& report) {
+  const search::Proof& proof = report.proof;
+  Json json = {{"file", report.file},
+               {"faults", report.faults},
+               {"from", Known(report.from)},
+               {"rules", report.rules ? Json(*report.rules) : Json()},
+               {"left_out", search::LeftOutOf(report.config)},
+               {"result", ResultName(proof.end)},
+               {"proved_faults", proof.proved_faults < 0 ? Json() : Json(proof.proved_faults)},
+               {"why", Known(proof.why)},
+               {"states", proof.figures.nodes},
+               {"transitions", proof.figures.transitions},
+               {"took_s", ToSeconds(report.took)},
+               {"reached", StateNames(proof.reached)},
+               {"not_reached", StateNames(proof.not_reached)},
+               {"searches", Json::array()}};
+  for (const search::ProvedTask& task : proof.tasks) {
+    Json search = TaskOf(task.task);
+    search["states"] = task.figures.nodes;
+    search["transitions"] = task.figures.transitions;
+    search["complete"] = task.finished;
+    json["searches"].push_back(std::move(search));
+  }
+  json["counter_example"] = nullptr;
+  if (proof.counter_example) {
+    json["counter_example"] = TaskOf(proof.counter_example->task);
+    json["counter_example"]["violations"] = proof.counter_example->violations;
+    json["counter_example"]["text"] = CounterExampleText(report);
+  }
+  return JsonLine(json);
+}
+
+}  // namespace musher::cli

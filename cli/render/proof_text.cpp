@@ -1,0 +1,214 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "musher/base/words.hpp"
+#include "musher/cli/console/console.hpp"
+#include "musher/cli/render/proof.hpp"
+#include "musher/simulation/timeline.hpp"
+
+namespace musher::cli {
+namespace {
+
+using search::CounterExample;
+using search::PathStep;
+using search::ProofEnd;
+using search::World;
+using simulation::Timeline;
+
+// 1234567 as "1,234,567".
+std::string WithCommas(std::uint64_t number) {
+  std::string text = std::to_string(number);
+  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
+  return text;
+}
+
+std::string TookText(Duration time) {
+  const double seconds = ToSeconds(time);
+  if (seconds < 100) return fmt::format("{:.1f} s", seconds);
+  return fmt::format("{:.0f} min", seconds / 60);
+}
+
+// "for 1 fault", "without a fault"
+std::string WithFaults(const std::string& preposition, int faults) {
+  if (faults == 0) return "without a fault";
+  return preposition + " " + Counted(static_cast<std::size_t>(faults), "fault");
+}
+
+// Where the searches begin, if not everywhere.
+std::string Scope(const ProofReport& report) {
+  return report.from.empty() ? "" : ", from " + Printable(report.from) + " alone";
+}
+
+// A sentence of the search as a line of the timeline.
+Timeline::Line TimelineLine(std::string sentence, Duration at) {
+  Timeline::Line line{at, Timeline::Source::kActuator, {}};
+  for (const std::string_view fault : {"FAULT: ", "CROSSED "}) {
+    if (!sentence.starts_with(fault)) continue;
+    line.source = Timeline::Source::kInjection;
+    sentence.erase(0, fault == "FAULT: " ? fault.size() : 0);
+    if (fault == "CROSSED ") sentence.replace(0, fault.size(), "crossed ");
+  }
+  if (sentence.starts_with("a caller ") || sentence.starts_with("a person ")) {
+    line.source = Timeline::Source::kOperator;
+  } else if (sentence.starts_with("  ")) {
+    sentence.erase(0, 2);
+    if (sentence.find(" begins ") == std::string::npos) {
+      line.source = Timeline::Source::kController;
+    }
+  }
+  line.text = std::move(sentence);
+  return line;
+}
+
+// The lines and bands of a counter-example. Time stands still between two deadlines: each event is
+// drawn a microsecond after the one before it.
+class Picture {
+ public:
+  Picture(const MachineConfig& config, const CounterExample& example) : config_(config) {
+    bands_.push_back({"machine", {}});
+    for (const ActuatorConfig& actuator : config.actuators) bands_.push_back({actuator.name, {}});
+    Show(example.root);
+    for (const PathStep& step : example.steps) {
+      end_ = std::max(end_ + std::chrono::microseconds(1), step.world.now - example.root.now);
+      for (const std::string& sentence : step.sentences)
+        lines_.push_back(TimelineLine(sentence, end_));
+      Show(step.world);
+    }
+    for (const std::string& violation : example.violations) {
+      lines_.push_back({end_, Timeline::Source::kChecker, violation});
+    }
+    end_ += std::chrono::microseconds(1);
+    for (Timeline::Band& band : bands_) band.spans.back().to = end_;
+  }
+
+  std::string Text() const { return Timeline::TextOf(lines_); }
+  std::string Svg(const std::string& title) const {
+    return Timeline::SvgOf(config_, lines_, bands_, end_, title);
+  }
+
+ private:
+  void Show(const World& world) {
+    const auto& current = world.machine.current;
+    Show(0, world.machine.state, current ? current->target : State());
+    for (const ActuatorIndex i : world.actuators.Indices()) {
+      const search::SimActuator& actuator = world.actuators[i];
+      const ActuatorReport& report = actuator.core.report;
+      Show(i.value() + 1, actuator.alive ? report.state : State(),
+           actuator.alive && report.busy() ? report.target : State());
+    }
+  }
+  void Show(std::size_t band, const State& state, const State& target) {
+    std::vector<Timeline::Span>& spans = bands_[band].spans;
+    if (!spans.empty()) {
+      spans.back().to = end_;
+      if (spans.back().state == state.name() && spans.back().target == target.name()) return;
+    }
+    spans.push_back({end_, end_, state, target});
+  }
+
+  const MachineConfig& config_;
+  std::vector<Timeline::Line> lines_;
+  std::vector<Timeline::Band> bands_;
+  Duration end_{};
+};
+
+// What was searched with each number of faults.
+std::string Levels(const ProofReport& report) {
+  std::string text;
+  for (int faults = 0; faults <= report.faults; ++faults) {
+    search::Figures figures;
+    std::size_t finished = 0;
+    std::size_t begun = 0;
+    for (const search::ProvedTask& task : report.proof.tasks) {
+      if (task.task.faults != faults) continue;
+      figures += task.figures;
+      ++begun;
+      finished += task.finished ? 1 : 0;
+    }
+    if (begun == 0) continue;
+    text += fmt::format("  {:<9} {}, {} complete; {} states, {} transitions\n",
+                        Counted(static_cast<std::size_t>(faults), "fault"),
+                        begun == 1 ? "1 search" : std::to_string(begun) + " searches", finished,
+                        WithCommas(figures.nodes), WithCommas(figures.transitions));
+  }
+  return text;
+}
+
+std::string Notes(const ProofReport& report) {
+  std::string text;
+  const std::vector<std::string> left_out = search::LeftOutOf(report.config);
+  if (!left_out.empty()) {
+    text += fmt::format("  note      not searched: {}\n", fmt::join(left_out, "; "));
+  }
+  if (!report.proof.not_reached.empty()) {
+    std::vector<std::string> names;
+    for (const State& state : report.proof.not_reached) names.push_back(state);
+    text += fmt::format("  note      no request leads to {}: nothing is searched from there\n",
+                        fmt::join(names, ", "));
+  }
+  return text;
+}
+
+std::string Conclusion(const ProofReport& report, bool colour) {
+  const search::Proof& proof = report.proof;
+  const std::string figures =
+      fmt::format("{} states, {} transitions, in {}", WithCommas(proof.figures.nodes),
+                  WithCommas(proof.figures.transitions), TookText(report.took));
+  switch (proof.end) {
+    case ProofEnd::kProved:
+      return Paint("Proved " + WithFaults("for", report.faults), Style::kGood, colour) +
+             Scope(report) + ": " + figures + ".\n";
+    case ProofEnd::kViolated:
+      return Paint("Violated " + WithFaults("with", proof.counter_example->task.faults),
+                   Style::kBad, colour) +
+             ": " + figures + ".\n" +
+             (proof.why.empty() ? "" : "No shorter one was searched for: " + proof.why + ".\n");
+    case ProofEnd::kNotFinished:
+      break;
+  }
+  return Paint("Not finished", Style::kBusy, colour) + ": " + proof.why + "; " +
+         (proof.proved_faults < 0 ? "nothing is proved"
+                                  : "proved " + WithFaults("for", proof.proved_faults)) +
+         "; " + figures + ".\n";
+}
+
+}  // namespace
+
+std::string CounterExampleText(const ProofReport& report) {
+  return Picture(report.config, *report.proof.counter_example).Text();
+}
+
+std::string CounterExampleSvg(const ProofReport& report) {
+  const CounterExample& example = *report.proof.counter_example;
+  return Picture(report.config, example).Svg(report.config.name + ", " + example.task.Text());
+}
+
+std::string ProofText(const ProofReport& report, bool colour) {
+  const search::Proof& proof = report.proof;
+  std::string text = fmt::format(
+      "{}: {}, {}, {}{}{}\n\n", Printable(report.file),
+      Counted(report.config.actuators.size(), "actuator"), Counted(proof.reached.size(), "state"),
+      report.rules ? Counted(*report.rules, "rule") + " of your own, " : "",
+      WithFaults("up to", report.faults), Scope(report));
+  text += Levels(report) + Notes(report) + "\n";
+  if (proof.counter_example) {
+    const bool is_shortest = proof.why.empty() && !proof.counter_example->repeats;
+    const std::string shortest = is_shortest ? "The shortest" : "A";
+    text += shortest + " counter-example, " + proof.counter_example->task.Text() + ":\n\n" +
+            CounterExampleText(report) + "\n";
+  }
+  return text + Conclusion(report, colour);
+}
+
+std::string ProofProgressLine(const search::ProofProgress& progress, Duration took) {
+  std::string line = fmt::format("{}: {} of {} searches, {} states",
+                                 Counted(static_cast<std::size_t>(progress.faults), "fault"),
+                                 progress.done, progress.all, WithCommas(progress.states));
+  constexpr double kTooEarly = 0.02;
+  if (progress.share < kTooEarly) return line;
+  const double left_s = ToSeconds(took) * (1 - progress.share) / progress.share;
+  return line + ", about " + TookText(FromSeconds(left_s)) + " left";
+}
+
+}  // namespace musher::cli

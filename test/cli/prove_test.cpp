@@ -1,0 +1,186 @@
+// musher prove: configs that are proved, that are not, and those in which it finds a scenario.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "musher/base/files.hpp"
+#include "musher/test/cli/program.hpp"
+#include "musher/test/support/temp_folder.hpp"
+
+namespace musher::cli::prove_test {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// `legs` are critical; the states of `lamp` and more of its keys.
+std::string Robot(const std::string& states_of_lamp, const std::string& of_lamp) {
+  return R"([controller]
+actuators = ["legs", "lamp"]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive"]
+default_time = 1000
+default_state = "Uninitialized"
+
+[actuator.legs]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive"]
+times = [1000, 1000, 1000, 1000, 1000, 1000]
+command = ["legs"]
+critical = true
+
+[actuator.lamp]
+states = [)" +
+         states_of_lamp + "]\ncommand = [\"lamp\"]\n" + of_lamp;
+}
+
+constexpr const char* kAllStates =
+    R"("SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive")";
+constexpr const char* kSixTimes = "times = [1000, 1000, 1000, 1000, 1000, 1000]\n";
+
+class Proving : public ::testing::Test {
+ protected:
+  std::string Config(const std::string& text) const {
+    std::ofstream(folder_ / "robot.toml") << text;
+    return folder_ / "robot.toml";
+  }
+  std::string Valid() const {
+    return Config(Robot(kAllStates, std::string(kSixTimes) + "on_lost = \"Active\"\n"));
+  }
+  // Where legs are lost, lamp cannot follow to Protected.
+  std::string WithoutFallback() const {
+    return Config(Robot(R"("SetUp", "TearDown", "SelfCheck", "Active", "DeActive")",
+                        "times = [1000, 1000, 1000, 1000, 1000]\non_lost = \"Active\"\n"));
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Proving, AValidRobotIsProvedForOneFault) {
+  const Ran ran = RunProgram({"prove", Valid()});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 5 states, up to 1 fault"),
+                             HasSubstr("Proved for 1 fault: "), HasSubstr(" transitions, in ")));
+}
+
+TEST_F(Proving, TheJsonHasEverySearchAndTheResult) {
+  const Ran ran = RunProgram({"prove", Valid(), "--from", "DeActive", "--json"});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  const auto json = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(json["result"], "proved");
+  EXPECT_EQ(json["proved_faults"], 1);
+  EXPECT_EQ(json["from"], "DeActive");
+  EXPECT_TRUE(json["rules"].is_null());
+  EXPECT_TRUE(json["left_out"].empty());
+  EXPECT_TRUE(json["counter_example"].is_null());
+  EXPECT_GE(json["searches"].size(), 8U);
+  for (const auto& search : json["searches"]) EXPECT_EQ(search["from"], "DeActive");
+}
+
+TEST_F(Proving, AFallbackThatAnActuatorDoesNotListIsShownAsATimeline) {
+  const std::string svg = folder_ / "found.svg";
+  const Ran ran = RunProgram({"prove", WithoutFallback(), "--faults", "9", "--svg", svg});
+  EXPECT_EQ(ran.exit, 1) << ran.out;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("The shortest counter-example, from Active to "),
+                             HasSubstr("⚡ "), HasSubstr("✗ lamp stays in Active"),
+                             HasSubstr("Protected is not among the states of lamp")));
+  EXPECT_THAT(ReadFile(svg), AllOf(HasSubstr("<svg"), HasSubstr(">lamp</text>")));
+}
+
+TEST_F(Proving, ACounterExampleIsShownAlsoWhereItCannotBeDrawn) {
+  const Ran ran = RunProgram({"prove", WithoutFallback(), "--svg", folder_ / "none/found.svg"});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("✗ lamp stays in Active"), HasSubstr("Violated")));
+  EXPECT_THAT(ran.err, HasSubstr("--svg: can't write " + folder_ / "none/found.svg"));
+}
+
+TEST_F(Proving, AStateThatNothingLeadsToIsNotProved) {
+  const Ran ran = RunProgram(
+      {"prove",
+       Config(Robot(kAllStates, std::string(kSixTimes)) + "on_lost = \"Active\"\n[[transition]]\n"
+                                                          "from = \"Active\"\nto = \"DeActive\"\n"),
+       "--from", "Protected"});
+  EXPECT_EQ(ran.exit, 5) << ran.err;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("Not finished: no sequence of requests without a fault "
+                                       "leads to Protected; nothing is proved"),
+                             Not(HasSubstr("Proved"))));
+}
+
+TEST_F(Proving, WhatIsLeftOutOfTheConfigIsNamed) {
+  const std::string file = Config(Robot(kAllStates, std::string(kSixTimes)) +
+                                  "on_lost = \"Active\"\ncheckpoint_ms = 500\n"
+                                  "[safety]\npermit_ms = 300\n");
+  const Ran ran = RunProgram({"prove", file, "--faults", "0"});
+  EXPECT_EQ(ran.exit, 0) << ran.out << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("not searched: [safety] permit_ms; checkpoints of lamp"));
+  const Ran json = RunProgram({"prove", file, "--faults", "0", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(json.out)["left_out"].size(), 2U) << json.out;
+}
+
+// As if by Ctrl-C: the signal waits for the program to take it.
+TEST_F(Proving, WhatIsProvedIsSaidWhereItIsInterrupted) {
+  sigset_t interrupt;
+  sigset_t before;
+  sigemptyset(&interrupt);
+  sigaddset(&interrupt, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &interrupt, &before);
+  raise(SIGINT);
+  const Ran ran = RunProgram({"prove", Valid(), "--faults", "9"});
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  EXPECT_EQ(ran.exit, 130) << ran.out;
+  EXPECT_THAT(ran.out, HasSubstr("Not finished: it was interrupted; "));
+}
+
+TEST_F(Proving, ABudgetThatIsUsedUpSaysWhatIsProved) {
+  const Ran ran = RunProgram({"prove", Valid(), "--faults", "9", "--budget", "0.001"});
+  EXPECT_EQ(ran.exit, 5) << ran.out;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("Not finished: its budget of 0.001 s is used up"),
+                             Not(HasSubstr("Proved"))));
+}
+
+TEST_F(Proving, MemoryThatIsUsedUpEndsIt) {
+  const Ran ran = RunProgram({"prove", Valid(), "--faults", "9", "--memory", "0.001"});
+  EXPECT_EQ(ran.exit, 5) << ran.out;
+  EXPECT_THAT(ran.out, HasSubstr("it has used 0.001 GB of memory (--memory permits more)"));
+}
+
+TEST_F(Proving, ARuleOfItsUserIsChecked) {
+  std::ofstream(folder_ / "rules.txt") << "never lamp Active while legs is exited\n";
+  const std::string rules = folder_ / "rules.txt";
+  const Ran ran = RunProgram({"prove", Valid(), "--rules", rules, "--from", "Active"});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_THAT(ran.out, HasSubstr("1 rule of your own"));
+  std::ofstream(folder_ / "rules.txt") << "never lamp Protected while legs is Protected\n";
+  const Ran bad = RunProgram({"prove", Valid(), "--rules", rules, "--from", "Active"});
+  EXPECT_EQ(bad.exit, 1) << bad.out;
+  EXPECT_THAT(bad.out, HasSubstr("✗ your rule: never lamp Protected while legs is Protected"));
+}
+
+TEST_F(Proving, AWrongRuleIsReportedWithItsPlace) {
+  std::ofstream(folder_ / "rules.txt") << "\nnever lmp Active\n";
+  const std::string rules = folder_ / "rules.txt";
+  const Ran ran = RunProgram({"prove", Valid(), "--rules", rules});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("rules.txt:2:7: error: "), HasSubstr("lamp")));
+}
+
+// A regular file, which gives an error when it is read.
+TEST_F(Proving, RulesThatCannotBeReadAreAnError) {
+  for (const char* command : {"prove", "simulate"}) {
+    for (const char* file : {"/proc/self/mem", "/nonexistent", "/"}) {
+      const Ran ran = RunProgram({command, Valid(), "--rules", file});
+      EXPECT_EQ(ran.exit, 2) << ran.out;
+      EXPECT_THAT(ran.err, HasSubstr(std::string("--rules ") + file + ": the file cannot be read"));
+    }
+  }
+}
+
+TEST_F(Proving, AnUnknownStateIsAWrongCommandLine) {
+  const Ran ran = RunProgram({"prove", Valid(), "--from", "DeActiv"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("did you mean 'DeActive'?"));
+}
+
+}  // namespace musher::cli::prove_test
