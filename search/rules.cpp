@@ -62,6 +62,9 @@ void CheckDone(const Model& model, const World& world, const SwitchResult& resul
     const bool joins = IsOfLaterStage(model.config, i) && !model.config.RankOf(report.state);
     if (world.in_start && joins) continue;
     if (result.target == kTearDown && !follows) continue;
+    // Error leads those that are set up; one that is being restarted is checked and then follows.
+    const bool restarted = !world.machine.actuators[i].checked && report.state == kSetUp;
+    if (result.target == kError && restarted) continue;
     const bool there =
         result.target == kSelfCheck
             ? actuator.alive && report.outcome_number == result.number && report.outcome_code == 0
@@ -90,6 +93,9 @@ void CheckUndone(const Model& model, const World& world, const SwitchResult& res
     if (Listed(result, name) || !actuator.alive) continue;
     const State& state = actuator.core.report.state;
     if (at_rest && !model.config.actuators[i].Lists(world.machine.state)) continue;
+    // It was restarted after its part: it is checked before it joins, as after "done".
+    const KnownActuator& known = world.machine.actuators[i];
+    if (at_rest && known.presence == Presence::kPresent && !known.checked) continue;
     const bool back = at_rest ? state == world.machine.state
                               : !IsHigher(model.config, state, MostInStart(model, i));
     if (!back) notes.violations.push_back("undone is reported while " + name + " is in " + state);
