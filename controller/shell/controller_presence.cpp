@@ -189,10 +189,11 @@ void ControllerPresence::NoteOtherMachine(Rival other) {
   OtherMachine& known = others_[key];
   known.controller = std::move(other);
   known.received = now;
-  known.present = true;
-  if (known.reported && now - *known.reported < kReportAgain) return;
-  known.reported = now;
-  if (on_other_) on_other_(&known.controller);
+  const bool came = !std::exchange(known.present, true);
+  const bool recorded = known.reported && now - *known.reported < kReportAgain;
+  if (recorded && !came) return;
+  if (!recorded) known.reported = now;
+  if (on_other_) on_other_(recorded ? nullptr : &known.controller);
 }
 
 void ControllerPresence::NoteOtherSilence() {

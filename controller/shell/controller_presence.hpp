@@ -40,7 +40,8 @@ class ControllerPresence {
     MachineIdentity machine;
   };
   // Called when another machine appears in the namespace and domain and now and then while it
-  // stays, with its controller; with null when one is no longer received.
+  // stays, with its controller; with null when one is no longer received, or is received again
+  // that was reported a short time ago.
   using OnOtherMachine = std::function<void(const Rival*)>;
 
   // How long this computer was suspended since its boot, which the loop's time does not count.
