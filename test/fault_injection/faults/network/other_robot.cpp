@@ -60,6 +60,8 @@ void OtherRobotInRange(FaultRun& run) {
   link.LinkDown(true);
   ExpectObeys(run, "without the other robot");
   link.LinkUp(true);
+  // Its state folder keeps an engaged stop for its next start, in the next fault of this kind.
+  run.Expect(run.robot.OtherMusher({"estop", "--release"}) == 0, "its stop is not released");
   run.Expect(run.robot.OtherMusher({"down"}) == 0, "the other robot is not torn down");
   run.Expect(other.Wait() == 0, "the other controller does not end as it should");
   const auto after = run.observer().GetStatus();
