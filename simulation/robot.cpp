@@ -305,14 +305,17 @@ StopId SimRobot::EngageEmergencyStop(StopId id, std::size_t panel, const std::st
 StopView SimRobot::ViewOf(std::size_t host) const {
   StopView view;
   view.lan = config_.transport == TransportProfile::kLan;
+  MachineHere machine{{config_.name, ""}, view.lan};
   for (const auto& controller : controllers_) {
     view.has_controller |= controller && controller->host() == host;
   }
   for (const ActuatorConfig& actuator : config_.actuators) {
+    machine.actuators.push_back(actuator.name);
     if (IsAlive(actuator.name) && processes_.IsAlive(actuator.name, host)) {
       view.running_here.push_back(actuator.name);
     }
   }
+  view.machines.push_back(std::move(machine));
   return view;
 }
 

@@ -38,7 +38,7 @@ StopClient::StopClient(transport::sim::Network& network, Hosts& hosts, Options o
     Look();
     if (ended_) return;
     const StopView view = View();
-    const bool waits = view.has_controller || !latch_->Report(view).actuators.empty();
+    const bool waits = view.has_controller || latch_->Report(view).found();
     if (!waits) return End();
     transport::EventLoop& later = node_->loop();
     timer_ = later.At(later.Now() + kTimeout - kFirstWait, [this] { End(); });
@@ -107,15 +107,14 @@ void StopClient::Look() {
   if (ended_ || !latch_) return;
   const StopView view = View();
   const EstopReport report = latch_->Report(view);
-  const bool alone = !view.lan && !view.has_controller && !report.actuators.empty();
+  const bool alone = !view.lan && !view.has_controller && report.found();
   if ((report.controller || alone) && report.settled()) End();
 }
 
 void StopClient::End() {
   if (std::exchange(ended_, true)) return;
   const EstopReport report = latch_->Report(View());
-  const bool none = !report.controller && report.actuators.empty();
-  confirmed_ = !none && report.complete();
+  confirmed_ = report.found() && report.complete();
   transport::EventLoop& loop = node_->loop();
   timer_ = loop.At(loop.Now() + (confirmed_ ? Duration::zero() : kKeptPublished), on_over_);
   on_end_(confirmed_);

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "musher/base/host.hpp"
 #include "musher/cli/commands/commands.hpp"
@@ -21,6 +22,7 @@
 #include "musher/cli/render/text.hpp"
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
+#include "musher/controller/storage/machines_here.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -69,14 +71,30 @@ void HandOver(const msg::EmergencyStop& stop, const GlobalOptions& global) {
                  msg::Encode(stop));
 }
 
-// Publishes the stop for a minute. Without the signals and the terminal of the command.
+// The options with which the command reaches every host of the machine: of its own config, where
+// the environment and the command line say nothing else. A person who stops a robot on it does not
+// think of a profile.
+GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
+                    const std::vector<MachineHere>& machines) {
+  GlobalOptions reach = global;
+  for (const MachineHere& one : machines) {
+    if (!one.lan || !SameMachine(one.identity, machine)) continue;
+    const char* profile = std::getenv("MUSHER_TRANSPORT");  // NOLINT(concurrency-mt-unsafe)
+    if (profile == nullptr || *profile == '\0') setenv("MUSHER_TRANSPORT", "lan", /*replace=*/1);
+    if (reach.interfaces.empty()) reach.interfaces = one.interfaces;
+  }
+  return reach;
+}
+
+// Publishes the stop for a minute, unless it is released. Without the signals and the terminal of
+// the command.
 [[noreturn]] void PublishForAMinute(const GlobalOptions& global, const msg::EmergencyStop& stop) {
   const auto link = Link::Open(global);
   if (!link) _exit(1);
   const auto latch =
       StopLatch::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
   if (!latch) _exit(1);
-  link.value()->RunUntil([] { return false; }, kKeptPublished);
+  link.value()->RunUntil([&] { return latch.value()->withdrawn(); }, kKeptPublished);
   _exit(0);
 }
 
@@ -103,7 +121,7 @@ class DetachedPublisher {
   ~DetachedPublisher() = default;
 
   void Begin() { Send('p'); }
-  // Every actuator has confirmed the stop.
+  // Every actuator has confirmed the stop, or it is released.
   void Cancel() {
     Send('c');
     pipe_ = {};
@@ -143,10 +161,11 @@ class DetachedPublisher {
 // Waits until every actuator of the machine has latched the stop.
 class Confirmation {
  public:
-  Confirmation(Link& link, const StopLatch& latch, const GlobalOptions& global)
+  Confirmation(Link& link, const StopLatch& latch, const GlobalOptions& global,
+               std::vector<MachineHere> machines)
       : link_(link),
         latch_(latch),
-        scope_{global.name_space, transport::DomainId({}).value(), IsLan()} {}
+        scope_{global.name_space, transport::DomainId({}).value(), IsLan(), std::move(machines)} {}
 
   Duration DefaultTimeout() const { return scope_.lan ? kLanStopTimeout : kStopTimeout; }
 
@@ -164,14 +183,14 @@ class Confirmation {
     const auto led = [this] { return Report().controller && Report().settled(); };
     if (link_.RunUntil(led, std::min(link_.discovery(), timeout))) return;
     if (link_.interrupted()) return;
-    const bool none = !HasController() && Report().actuators.empty();
+    const bool none = !HasController() && !Report().found();
     if (none && link_.HasOtherMachine()) return;  // which is not meant
     if (scope_.lan || Report().controller || HasController()) {
       // An actuator that does not stop is reported in time.
       if (HasController()) link_.RunPatiently([this] { return Report().controller; }, left());
       const bool late = left() < -kShortageWindow / 2;  // it was waited for longer
       link_.RunUntil(led, late ? link_.discovery() : left());
-    } else if (!Report().actuators.empty()) {
+    } else if (Report().found()) {
       link_.RunUntil([this] { return Report().settled(); }, left());
     }
   }
@@ -194,35 +213,60 @@ class Confirmation {
   const StopScope scope_;
 };
 
-ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
-  const MachineIdentity machine = MachineToStop(global);
+// Prints why the stop is not complete. It stays published for a minute, unless it was released.
+ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatch& latch,
+                     DetachedPublisher& detached, Console& console) {
+  std::string kept;
+  if (latch.withdrawn()) {
+    detached.Cancel();
+    kept = "; it was released meanwhile";
+  } else {
+    detached.Begin();
+    if (detached.pid() != 0) {
+      kept = fmt::format("; the stop stays published for a minute (pid {})", detached.pid());
+    }
+  }
+  if (!report.found()) {
+    Failure failure = link.NotFound("controller or actuator");
+    failure.error.message += kept;
+    return console.Fail(failure);
+  }
+  console.PrintError(EstopError(report) + kept);
+  return link.interrupted() ? ExitCode::kInterrupted : ExitCode::kNotDone;
+}
+
+ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
+  const MachineIdentity machine = MachineToStop(given);
   const msg::EmergencyStop stop = NewStop(options.reason, machine);
-  HandOver(stop, global);
+  HandOver(stop, given);
+  const std::vector<MachineHere> machines =
+      MachinesHere(transport::DomainId({}).value(), given.name_space);
+  const GlobalOptions global = Reach(given, machine, machines);
   DetachedPublisher detached(global, stop);
   const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
   const auto latch =
       StopLatch::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
   if (!latch) return console.Fail(latch.error());
-  const auto second_try =
-      link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] { detached.Begin(); });
+  const auto second_try = link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] {
+    if (!latch.value()->withdrawn()) detached.Begin();
+  });
   link.value()->Choose(machine);
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());
   }
-  Confirmation confirmation(*link.value(), *latch.value(), global);
+  Confirmation confirmation(*link.value(), *latch.value(), global, machines);
   confirmation.Await(global.timeout.value_or(confirmation.DefaultTimeout()));
   confirmation.AwaitSaved();
   EstopReport report = confirmation.Report();
   if (const pid_t silent = report.controller ? 0 : link.value()->LeaderHere(); silent != 0) {
     report.silent_controller = WhySilent(ExamineSilent(silent, global), global);
   }
-  const bool none = !report.controller && report.actuators.empty();
-  if (!none) {
+  if (report.found()) {
     console.Print(console.mode().json ? EstopJson(report)
                                       : EstopText(report, console.mode().colour));
   }
-  if (!none && report.complete()) {
+  if (report.found() && report.complete()) {
     detached.Cancel();
     if (!report.not_on_disk.empty()) {
       console.PrintError("not on disk: " + report.not_on_disk +
@@ -230,18 +274,7 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
     }
     return ExitCode::kDone;
   }
-  detached.Begin();
-  const std::string kept =
-      detached.pid() == 0
-          ? ""
-          : fmt::format("; the stop stays published for a minute (pid {})", detached.pid());
-  if (none) {
-    Failure failure = link.value()->NotFound("controller or actuator");
-    failure.error.message += kept;
-    return console.Fail(failure);
-  }
-  console.PrintError(EstopError(report) + kept);
-  return link.value()->interrupted() ? ExitCode::kInterrupted : ExitCode::kNotDone;
+  return NotComplete(report, *link.value(), *latch.value(), detached, console);
 }
 
 ExitCode Release(const GlobalOptions& global, Console& console) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/base/time.hpp"
 
@@ -17,6 +18,7 @@ struct GlobalOptions {
   std::string machine;                   // its name or the beginning of its id; empty: this host's
   std::optional<int> domain;             // none: ROS_DOMAIN_ID, else 0
   std::optional<std::string> transport;  // "local" or "lan"; none: MUSHER_TRANSPORT, else local
+  std::vector<std::string> interfaces;   // to other hosts, of the profile lan; none: as DDS chooses
   std::optional<Duration> timeout;       // for the controller's answer; none: the command's own
   ColourWhen colour = ColourWhen::kAuto;
   std::string keys;      // folder with credentials; empty: none are used

@@ -52,6 +52,7 @@ Result<> Link::Join() {
   transport::DdsOptions options;
   options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.hidden = true;
+  options.interfaces = global_.interfaces;
   if (!global_.keys.empty()) {
     options.credentials =
         transport::Credentials{std::filesystem::absolute(global_.keys), global_.identity};

@@ -17,6 +17,8 @@ namespace {
 // Of what is known of other machines for a message.
 constexpr std::size_t kMostMachines = 8;
 constexpr std::size_t kLongestUnknownMachine = 80;
+constexpr std::size_t kMostOrigins = 64;  // of releases, and of heartbeats
+constexpr const char* kElsewhere = "not found here, it may run on another host";
 
 // Whether it may move. A crashed actuator does not. One whose connection is lost may, unless its
 // process has ended; so may one whose process a new controller has found, or has stored as running
@@ -40,6 +42,11 @@ std::vector<std::string> EstopReport::Missing() const {
     if (!actuator.stopped) missing.push_back(actuator.name);
   }
   return missing;
+}
+
+bool EstopReport::found() const {
+  return controller || std::any_of(actuators.begin(), actuators.end(),
+                                   [](const Actuator& actuator) { return actuator.found; });
 }
 
 bool EstopReport::settled() const {
@@ -66,6 +73,7 @@ StopView ViewFromHere(const StopScope& scope, std::optional<msg::MachineStatus> 
   view.controller = std::move(controller);
   view.has_controller = NameLock::IsHeld(names + "musher/controller");
   view.lan = scope.lan;
+  view.machines = scope.machines;
   view.running_here = NameLock::HeldBelow(names);
   return view;
 }
@@ -103,7 +111,56 @@ Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
       qos, std::move(events));
   if (!statuses) return statuses.error();
   latch->statuses_ = std::move(statuses).value();
+  latch->FollowReleases(node, name_space);
   return latch;
+}
+
+// Where it may not subscribe, the stop stays published: nothing may keep it from being engaged.
+void StopLatch::FollowReleases(transport::Node& node, const std::string& name_space) {
+  auto heartbeats = transport::MakeSubscription<msg::ControllerHeartbeat>(
+      node, transport::ControllerHeartbeatTopic(name_space),
+      [this](const msg::ControllerHeartbeat& heartbeat, const transport::SampleInfo& info) {
+        if (heartbeat.participant == 0 || !transport::IsOwn(heartbeat.participant, info)) return;
+        Note(controllers_, {transport::ParticipantId(heartbeat.participant),
+                            {heartbeat.machine, heartbeat.machine_id}});
+      },
+      transport::kLatchedFromManyQos);
+  if (heartbeats) heartbeats_ = std::move(heartbeats).value();
+  auto releases = transport::SubscribeToStops(
+      node, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
+        if (stop.engaged || stop.id != stop_.id) return;
+        Note(releases_, {info.participant, {stop.machine, stop.machine_id}});
+      });
+  if (releases) published_releases_ = std::move(releases).value();
+}
+
+void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
+  if (!SameMachine({stop_.machine, stop_.machine_id}, origin.machine)) return;
+  const bool known = std::any_of(origins.begin(), origins.end(), [&origin](const Origin& one) {
+    return one.participant == origin.participant && one.machine == origin.machine;
+  });
+  if (known) return;
+  if (origins.size() >= kMostOrigins) origins.erase(origins.begin());
+  origins.push_back(std::move(origin));
+  const bool all_known = machines_.size() < kMostMachines;
+  const bool released =
+      all_known && IsReleasedFor({stop_.machine, stop_.machine_id}) &&
+      std::all_of(machines_.begin(), machines_.end(),
+                  [this](const MachineIdentity& machine) { return IsReleasedFor(machine); });
+  if (!released || !stops_) return;
+  stops_ = nullptr;
+  if (on_change_) on_change_();
+}
+
+// By a controller of it.
+bool StopLatch::IsReleasedFor(const MachineIdentity& machine) const {
+  return std::any_of(releases_.begin(), releases_.end(), [&](const Origin& release) {
+    return SameMachine(release.machine, machine) &&
+           std::any_of(controllers_.begin(), controllers_.end(), [&](const Origin& controller) {
+             return controller.participant == release.participant &&
+                    SameMachine(controller.machine, machine);
+           });
+  });
 }
 
 void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
@@ -176,24 +233,71 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
 }
 
 // A controller reports which actuators belong to the machine. Without one those count whose
-// processes run on this host, and whose status is received; on other hosts there may be more.
+// processes run on this host, whose status is received, and which may run on other hosts by what
+// this host has of the machine; there may be more.
 EstopReport StopLatch::Report(const StopView& view) const {
   EstopReport report =
       Report(view.controller, view.controller ? std::vector<std::string>() : view.running_here);
+  if (!view.controller) {
+    for (const MachineHere* machine : MachinesOf(view)) {
+      AddElsewhere(report, machine->elsewhere);
+      if (machine->lan) AddElsewhere(report, machine->actuators);
+    }
+  }
+  report.unknown = WhyUnknown(view);
+  return report;
+}
+
+// Those of this host that the stop is for.
+std::vector<const MachineHere*> StopLatch::MachinesOf(const StopView& view) const {
+  std::vector<const MachineHere*> meant;
+  for (const MachineHere& machine : view.machines) {
+    const auto is_it = [&machine](const MachineIdentity& known) {
+      return SameMachine(known, machine.identity);
+    };
+    const bool received = machines_.empty() || std::ranges::any_of(machines_, is_it);
+    if (is_it({stop_.machine, stop_.machine_id}) && received) meant.push_back(&machine);
+  }
+  return meant;
+}
+
+std::string StopLatch::WhyUnknown(const StopView& view) const {
   if (machines_.size() > 1) {
     // They may have actuators of the same names, and only one controller is followed.
-    report.unknown = "several machines have received the stop (";
+    std::string unknown = "several machines have received the stop (";
     for (const MachineIdentity& machine : machines_) {
-      if (!report.unknown.ends_with('(')) report.unknown += ", ";
-      report.unknown += MachineText(machine).substr(0, kLongestUnknownMachine);
+      if (!unknown.ends_with('(')) unknown += ", ";
+      unknown += MachineText(machine).substr(0, kLongestUnknownMachine);
     }
-    report.unknown += "); `musher estop --machine NAME` stops one of them and confirms that";
-  } else if (!view.controller && view.has_controller) {
-    report.unknown = "the controller does not answer";
-  } else if (!view.controller && view.lan) {
-    report.unknown = "no controller answers, so the actuators of other hosts are not known";
+    return unknown + "); `musher estop --machine NAME` stops one of them and confirms that";
   }
-  return report;
+  if (view.controller) return "";
+  if (view.has_controller) return "the controller does not answer";
+  const std::vector<const MachineHere*> machines = MachinesOf(view);
+  const auto is_lan = [](const MachineHere* machine) { return machine->lan; };
+  if (view.lan || std::ranges::any_of(machines, is_lan)) {
+    return "no controller answers, so the actuators of other hosts are not known";
+  }
+  for (const std::string& name : view.running_here) {
+    const auto has = [&name](const MachineHere* machine) {
+      return std::ranges::count(machine->actuators, name) != 0;
+    };
+    if (std::ranges::any_of(machines, has)) continue;
+    return "no controller answers, and no config of a machine with " + name +
+           " is found on this host, so it may have actuators on other hosts";
+  }
+  return "";
+}
+
+void StopLatch::AddElsewhere(EstopReport& report, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    const auto is_it = [&name](const EstopReport::Actuator& one) { return one.name == name; };
+    if (std::ranges::any_of(report.actuators, is_it)) continue;
+    EstopReport::Actuator& actuator = report.actuators.emplace_back();
+    actuator.name = name;
+    actuator.trouble = kElsewhere;
+    actuator.found = false;
+  }
 }
 
 bool StopLatch::IsOver(const EstopReport& report) const {

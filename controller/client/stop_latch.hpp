@@ -2,6 +2,13 @@
 // Publishes an emergency stop and collects which actuators have latched it. Needs no controller:
 // the actuators subscribe to the stop themselves and publish in their status what they latched.
 //
+//   published ──a controller of each machine that it has reached publishes its release──▶ withdrawn
+//
+// A stop that is published longer would come back into a module that is restarted. A release counts
+// as it does for a controller (shell/controller_presence.hpp): only from a participant whose own
+// heartbeat says that it is a controller of that machine. A panel, or a bridge that repeats samples
+// of others, withdraws nothing. Such a heartbeat comes within its period, also after the release.
+//
 // Threads: loop thread only.
 
 #include <functional>
@@ -12,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/controller/client/machine_here.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
@@ -30,6 +38,7 @@ struct EstopReport {
     Duration after{};          // since this one was published; 0 if it was stopped before
     std::string trouble;       // if not stopped: its health according to the controller, "hung"
     bool unsupported = false;  // its protocol has no emergency stop
+    bool found = true;         // else it is only known from a config or a state folder
   };
   // An emergency stop that was already engaged. Only a controller has its origin and reason.
   struct Earlier {
@@ -49,6 +58,8 @@ struct EstopReport {
   std::string unknown;  // why the machine may have more actuators than these; empty: it has not
 
   std::vector<std::string> Missing() const;  // the actuators that are not stopped
+  // There is something to stop.
+  bool found() const;
   // Every actuator that can latch the stop has: no need to wait longer.
   bool settled() const;
   // Every actuator of the machine has latched it.
@@ -68,6 +79,7 @@ struct StopView {
   bool has_controller = false;  // it was discovered, or a controller runs on this host
   bool lan = false;             // there may be actuators on other hosts
   std::vector<std::string> running_here = {};  // names of the actuators on this host
+  std::vector<MachineHere> machines = {};      // that this host has or had
 };
 
 // Where it looks for it.
@@ -75,6 +87,7 @@ struct StopScope {
   std::string name_space;
   int domain_id = 0;
   bool lan = false;
+  std::vector<MachineHere> machines = {};  // of this host, perhaps also others than the stopped one
 };
 
 // What this host knows at once: its controller and its actuators hold their names.
@@ -85,8 +98,8 @@ class StopLatch {
   // How long the actuators of this host may take to be discovered.
   static constexpr Duration kDiscovery = Milliseconds(1200);
 
-  // Publishes the stop at once and, while this object exists, to actuators that join later. `node`
-  // must outlive it.
+  // Publishes the stop at once and, while this object exists and the stop is not released, to
+  // actuators that join later. `node` must outlive it.
   // `with_keys`: the machine has [security], and so has `node`. `on_change`: an actuator's part of
   // the report has changed.
   static Result<std::unique_ptr<StopLatch>> Begin(transport::Node& node,
@@ -100,8 +113,12 @@ class StopLatch {
   // received.
   EstopReport Report(const std::optional<msg::MachineStatus>& controller,
                      const std::vector<std::string>& expected = {}) const;
-  // The same, with why the machine may have more actuators.
+  // The same, with why the machine may have more actuators. Without a controller the actuators of
+  // the machine that may run on other hosts belong to it, too.
   EstopReport Report(const StopView& view) const;
+
+  // The stop is released: it is published no longer.
+  bool withdrawn() const { return !stops_; }
 
   // Whether waiting brings no more: every actuator of the machine has latched the stop, as far as
   // it can. Without a controller that lists them not before their discovery has had its time: the
@@ -114,10 +131,21 @@ class StopLatch {
     StopId latched = 0;
     Duration after{};
   };
+  // A controller, or a release that its machine's controller may have published.
+  struct Origin {
+    transport::ParticipantId participant = 0;
+    MachineIdentity machine;
+  };
 
   StopLatch(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   void NoteMachine(const MachineIdentity& machine);
+  void FollowReleases(transport::Node& node, const std::string& name_space);
+  void Note(std::vector<Origin>& origins, Origin origin);
+  bool IsReleasedFor(const MachineIdentity& machine) const;
+  std::vector<const MachineHere*> MachinesOf(const StopView& view) const;
+  std::string WhyUnknown(const StopView& view) const;
+  static void AddElsewhere(EstopReport& report, const std::vector<std::string>& names);
   EstopReport::Actuator& Take(EstopReport& report, const std::string& name,
                               const std::string& trouble) const;
 
@@ -127,7 +155,11 @@ class StopLatch {
   const Time begun_;
   std::map<std::string, Received> received_;
   std::vector<MachineIdentity> machines_;  // of the received statuses; no two are the same
+  std::vector<Origin> controllers_;        // the last ones
+  std::vector<Origin> releases_;           // of this stop, the last ones
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
+  std::unique_ptr<transport::Subscription> heartbeats_;
+  std::unique_ptr<transport::Subscription> published_releases_;
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };
 

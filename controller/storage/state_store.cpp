@@ -292,8 +292,9 @@ Result<> StateStore::SaveRemoteActuators(const std::vector<RemoteActuator>& actu
   return Replace(RemoteActuatorsFile(), text);
 }
 
-std::vector<RemoteActuator> StateStore::LoadRemoteActuators(const std::string& host) const {
-  const UniqueFd file(open(RemoteActuatorsFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+std::vector<RemoteActuator> StateStore::RemoteActuatorsIn(const std::string& dir,
+                                                          const std::string& host) {
+  const UniqueFd file(open(RemoteActuatorsFileIn(dir).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   std::istringstream lines(file.valid() ? ReadSmall(file.get()) : "");
   std::vector<RemoteActuator> actuators;
   std::string boot_then;  // of this computer

@@ -84,7 +84,12 @@ class StateStore {
   // its boot.
   Result<> SaveRemoteActuators(const std::vector<RemoteActuator>& actuators,
                                const std::string& host);
-  std::vector<RemoteActuator> LoadRemoteActuators(const std::string& host) const;
+  std::vector<RemoteActuator> LoadRemoteActuators(const std::string& host) const {
+    return RemoteActuatorsIn(dir_, host);
+  }
+  // Those in a folder that another controller may use.
+  static std::vector<RemoteActuator> RemoteActuatorsIn(const std::string& dir,
+                                                       const std::string& host);
 
   // The stored values of the policy; nothing without a file that can be read.
   Result<> SavePolicy(const StoredPolicy& policy);
@@ -132,7 +137,10 @@ class StateStore {
   std::string PolicyFile() const { return dir_ + "/policy"; }
   std::string ConfigHashFile() const { return dir_ + "/config"; }
   std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
-  std::string RemoteActuatorsFile() const { return dir_ + "/remote_actuators"; }
+  static std::string RemoteActuatorsFileIn(const std::string& dir) {
+    return dir + "/remote_actuators";
+  }
+  std::string RemoteActuatorsFile() const { return RemoteActuatorsFileIn(dir_); }
   void ReserveEmergencyStops();
   Result<> Replace(const std::string& path, const std::string& content);
   void Remember(const std::string& path, const std::string& content);

@@ -81,6 +81,7 @@ class Machine:
             of_config, name = _native.read_machine(path)
             namespace = of_config if namespace is None else namespace
             machine = machine or name
+        self._config = path
         self._domain = domain
         self._machine = (machine, "")  # name and id; empty: not chosen
         self._stops: List[_native.Stop] = []  # that are published
@@ -182,7 +183,7 @@ class Machine:
         meant = self._known()  # a stop waits for no discovery
         with _Closing(self._watch()) as statuses:
             stop = _native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED, *meant,
-                                self._domain)
+                                self._domain, self._config)
             self._stops = [*self._stops[-_STOPS_KEPT + 1:], stop]
             status: Optional[bytes] = None
             while True:

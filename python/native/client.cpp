@@ -4,6 +4,7 @@
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/client/switch_client.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
+#include "musher/controller/storage/machines_here.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/python/native/node.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -46,13 +47,14 @@ class Switch : public OnLoop<SwitchClient> {
         }) {}
 };
 
-// An emergency stop that is published as long as this exists.
+// An emergency stop that is published as long as this exists, unless it is released.
 class Stop : public OnLoop<StopLatch> {
  public:
-  // An item of `key` goes into the mailbox when the report has changed.
+  // An item of `key` goes into the mailbox when the report has changed. `config`: the machine's, if
+  // the program knows it.
   Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
        const MailboxPtr& mailbox, std::int64_t key, const std::string& machine,
-       const std::string& machine_id, std::optional<int> domain)
+       const std::string& machine_id, std::optional<int> domain, const std::string& config)
       : OnLoop(node, [&](transport::Node& on) {
           msg::EmergencyStop stop = NewEmergencyStop(by, reason);
           stop.machine = machine;
@@ -70,6 +72,10 @@ class Stop : public OnLoop<StopLatch> {
     scope_ = {node->name_space, id ? id.value() : 0, false};
     const auto profile = transport::Profile(options);
     scope_.lan = !profile || profile.value() == TransportProfile::kLan;
+    std::vector<std::string> configs;
+    if (!config.empty()) configs.push_back(config);
+    scope_.machines =
+        WithoutGil([&] { return MachinesHere(scope_.domain_id, scope_.name_space, configs); });
   }
 
   // Which actuators are stopped: (there is nothing to wait for any more, [(name, stopped, after_s,
@@ -88,6 +94,7 @@ class Stop : public OnLoop<StopLatch> {
       over = latch.IsOver(report);
     });
     Actuators actuators;
+    if (!report.found()) return {over, {}, report.unknown};
     for (const EstopReport::Actuator& one : report.actuators) {
       actuators.emplace_back(one.name, one.stopped,
                              std::chrono::duration<double>(one.after).count(), one.trouble);
@@ -132,7 +139,8 @@ void AddClient(py::module_& native) {
       .def("close", &Switch::Close);
   py::class_<Stop>(native, "Stop")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
-                    std::int64_t, const std::string&, const std::string&, std::optional<int>>())
+                    std::int64_t, const std::string&, const std::string&, std::optional<int>,
+                    const std::string&>())
       .def("report", &Stop::Report)
       .def("close", &Stop::Close);
 }

@@ -28,7 +28,8 @@ class Listener {
     stops_ = transport::MakeSubscription<msg::EmergencyStop>(
                  node, transport::EmergencyStopTopic("pack"),
                  [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
-                   if (status_.emergency_stop == 0 && !deaf_) Latch(stop.id);
+                   const bool takes = stop.engaged && status_.emergency_stop == 0 && !deaf_;
+                   if (takes) Latch(stop.id);
                  },
                  transport::kLatchedFromManyQos)
                  .value();
@@ -162,6 +163,82 @@ TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatIsStoredAsRunningOnAnotherHost) {
   EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
 }
 
+// What a person on the robot has who types `musher estop`: no controller answers, and nothing in
+// the environment names a profile.
+StopView OnTheRobot(MachineHere machine) {
+  StopView view;
+  view.running_here = {"eyes", "legs"};
+  view.machines = {std::move(machine)};
+  return view;
+}
+
+TEST_F(Stop, OfAMachineOfOneHostIsCompleteWithTheActuatorsOfItsConfigThatRunHere) {
+  Engage();
+  AfterASecond();
+  const MachineHere machine{{"robot", ""}, false, {}, {"legs", "eyes", "arm"}};
+  EXPECT_TRUE(latch_->Report(OnTheRobot(machine)).complete()) << "arm does not run";
+}
+
+TEST_F(Stop, OfAMachineOfTheProfileLanNamesTheActuatorsThatMayRunOnOtherHosts) {
+  Engage();
+  AfterASecond();
+  const MachineHere machine{{"robot", ""}, true, {}, {"legs", "eyes", "arm"}};
+  const EstopReport report = latch_->Report(OnTheRobot(machine));
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(report.Missing(), ElementsAre("arm"));
+  EXPECT_THAT(EstopText(report, false),
+              HasSubstr("arm   not found here, it may run on another host\n"));
+  EXPECT_THAT(EstopError(report), HasSubstr("stop not confirmed: arm; no controller answers, so "
+                                            "the actuators of other hosts are not known"));
+}
+
+TEST_F(Stop, OfAMachineOfTheProfileLanIsNotCompleteThoughAllOfItsConfigHaveStopped) {
+  Engage();
+  AfterASecond();
+  const MachineHere machine{{"robot", ""}, true, {}, {"legs", "eyes"}};
+  const EstopReport report = latch_->Report(OnTheRobot(machine));
+  EXPECT_THAT(report.Missing(), IsEmpty());
+  EXPECT_FALSE(report.complete()) << "its config may have been changed since the start";
+}
+
+// By what the last controller has stored, whatever the profile.
+TEST_F(Stop, NamesAnActuatorThatIsStoredAsRunningOnAnotherHostWithoutAController) {
+  Engage();
+  AfterASecond();
+  const MachineHere machine{{"robot", ""}, false, {}, {"legs", "eyes", "arm"}, {"arm"}};
+  EXPECT_THAT(latch_->Report(OnTheRobot(machine)).Missing(), ElementsAre("arm"));
+  EXPECT_TRUE(latch_->Report(OnTheRobot(machine)).found());
+}
+
+TEST_F(Stop, FindsNothingWhereOnlyFilesOfAMachineAreLeft) {
+  eyes_.reset();
+  legs_.reset();
+  Engage();
+  AfterASecond();
+  StopView view = OnTheRobot({{"robot", ""}, true, {}, {"legs", "eyes"}});
+  view.running_here.clear();
+  EXPECT_FALSE(latch_->Report(view).found());
+  EXPECT_FALSE(latch_->Report(view).complete());
+}
+
+TEST_F(Stop, DoesNotTakeTheFilesOfAnotherMachineForItsOwn) {
+  Engage();
+  legs_->BelongTo("dog");
+  eyes_->BelongTo("dog");
+  AfterASecond();
+  StopView view = OnTheRobot({{"dog", ""}, false, {}, {"legs", "eyes"}});
+  view.machines.push_back({{"cat", ""}, true, {}, {"tail"}, {"tail"}});
+  EXPECT_TRUE(latch_->Report(view).complete());
+}
+
+TEST_F(Stop, IsNotCompleteWhereTheConfigOfAnActuatorIsNotKnown) {
+  Engage();
+  AfterASecond();
+  const EstopReport report = latch_->Report(OnTheRobot({{"robot", ""}, false, {}, {"legs"}}));
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(report.unknown, HasSubstr("no config of a machine with eyes is found on this host"));
+}
+
 // A regression: of two robots with actuators of the same names the last status of a name counted,
 // so the stop was confirmed while one of them moved.
 TEST_F(Stop, ThatDoesNotNameItsMachineIsNotConfirmedBesideASecondMachine) {
@@ -263,6 +340,103 @@ TEST_F(Stop, IsPrintedAsJson) {
             R"("controller":true,"earlier":{"by":"alice@desk","reason":"smoke"},"actuators":{)"
             R"("legs":{"stopped":true,"before":true,"after_ms":0.0,"trouble":null},)"
             R"("eyes":{"stopped":false,"before":false,"after_ms":null,"trouble":null}}})");
+}
+
+// A controller as far as releases go: it publishes the release, and its heartbeat.
+class Releaser {
+ public:
+  Releaser(transport::sim::Network& network, const std::string& name, std::string machine)
+      : machine_(std::move(machine)), node_(network.MakeNode(name)) {
+    heartbeats_ = transport::MakePublisher<msg::ControllerHeartbeat>(
+                      *node_, transport::ControllerHeartbeatTopic("pack"), transport::kLatchedQos)
+                      .value();
+    stops_ = transport::MakePublisher<msg::EmergencyStop>(
+                 *node_, transport::EmergencyStopTopic("pack"), transport::kLatchedQos)
+                 .value();
+  }
+
+  void Release(std::uint64_t id) {
+    static_cast<void>(stops_->Publish({id, false, "bob", "", machine_, ""}));
+  }
+  void SendHeartbeat() { SendHeartbeatOf(*this); }
+  // As a bridge repeats it.
+  void SendHeartbeatOf(const Releaser& other) {
+    msg::ControllerHeartbeat heartbeat;
+    heartbeat.machine = other.machine_;
+    heartbeat.participant = other.node_->participant().value();
+    static_cast<void>(heartbeats_->Publish(heartbeat));
+  }
+
+ private:
+  const std::string machine_;
+  const std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
+};
+
+class ReleasedStop : public Stop {
+ protected:
+  // It is published, and both actuators of the machine have latched it.
+  void EngageFor(const std::string& machine) {
+    latch_ =
+        StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke", machine, ""}).value();
+    for (auto* actuator : {&eyes_, &legs_}) (*actuator)->BelongTo("dog");
+    network_.RunFor(std::chrono::seconds(1));
+  }
+  bool Withdrawn() {
+    network_.RunFor(std::chrono::seconds(1));
+    return latch_->withdrawn();
+  }
+
+  Releaser dog_controller_{network_, "dog controller", "dog"};
+  Releaser cat_controller_{network_, "cat controller", "cat"};
+};
+
+TEST_F(ReleasedStop, OfAControllerOfItsMachineIsPublishedNoLonger) {
+  EngageFor("dog");
+  dog_controller_.SendHeartbeat();
+  EXPECT_FALSE(Withdrawn());
+  dog_controller_.Release(6);
+  EXPECT_FALSE(Withdrawn()) << "another stop";
+  dog_controller_.Release(7);
+  EXPECT_TRUE(Withdrawn());
+  legs_.emplace(*dog_, "legs");
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(latch_->Report(std::nullopt).Missing(), ElementsAre("legs"))
+      << "a restarted module latched the released stop";
+}
+
+TEST_F(ReleasedStop, IsPublishedNoLongerAlsoWhereTheHeartbeatOfTheControllerComesLater) {
+  EngageFor("dog");
+  dog_controller_.Release(7);
+  EXPECT_FALSE(Withdrawn()) << "anything may have published that";
+  dog_controller_.SendHeartbeat();
+  EXPECT_TRUE(Withdrawn());
+}
+
+TEST_F(ReleasedStop, StaysPublishedThoughAPanelABridgeOrAnotherMachineReleasesIt) {
+  EngageFor("dog");
+  dog_controller_.SendHeartbeat();
+  Releaser panel(network_, "panel", "dog");
+  panel.Release(7);
+  EXPECT_FALSE(Withdrawn());
+  panel.SendHeartbeatOf(dog_controller_);
+  EXPECT_FALSE(Withdrawn());
+  cat_controller_.SendHeartbeat();
+  cat_controller_.Release(7);
+  EXPECT_FALSE(Withdrawn());
+}
+
+TEST_F(ReleasedStop, ThatNamesNoMachineStaysPublishedUntilEachMachineThatHasReceivedItReleasesIt) {
+  EngageFor("");
+  Listener others(*dog_, "tail");
+  others.BelongTo("cat");
+  for (Releaser* controller : {&dog_controller_, &cat_controller_}) controller->SendHeartbeat();
+  network_.RunFor(std::chrono::seconds(1));
+  dog_controller_.Release(7);
+  EXPECT_FALSE(Withdrawn()) << "the cat may still have to stop";
+  cat_controller_.Release(7);
+  EXPECT_TRUE(Withdrawn());
 }
 
 }  // namespace musher::cli::stop_latch_test

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/controller/storage/machines_here.hpp"
 #include "musher/view/http/reply.hpp"
 #include "musher/view/live/machine_feed.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -169,7 +170,10 @@ void RobotRequests::Stop(const std::string& by, const std::string& reason,
         500, latch.error().code, "the emergency stop could not be sent: " + latch.error().message));
   }
   const Time now = node_.loop().Now();
-  stops_.push_back({std::move(latch).value(), respond, now + kStopTime, now + kStopKept});
+  StopScope scope = options_.stops;  // read after the stop is published
+  scope.machines = MachinesHere(scope.domain_id, scope.name_space);
+  stops_.push_back(
+      {std::move(latch).value(), respond, now + kStopTime, now + kStopKept, std::move(scope)});
   if (!stop_timer_) stop_timer_ = node_.loop().Every(kStopPeriod, [this] { LookAtStops(); });
 }
 
@@ -181,8 +185,8 @@ void RobotRequests::LookAtStops() {
   const Time now = node_.loop().Now();
   for (Stopping& stop : stops_) {
     if (!stop.respond) continue;
-    const EstopReport report = stop.latch->Report(ViewFromHere(options_.stops, status()));
-    const bool found = report.controller || !report.actuators.empty();
+    const EstopReport report = stop.latch->Report(ViewFromHere(stop.scope, status()));
+    const bool found = report.found();
     const bool over = now >= stop.answer_by;
     if (!over && !(found && stop.latch->IsOver(report))) continue;
     const http::Respond respond = std::exchange(stop.respond, nullptr);

@@ -74,7 +74,8 @@ class RobotRequests {
     std::unique_ptr<StopLatch> latch;
     http::Respond respond;  // empty: it was answered
     Time answer_by;
-    Time drop_at;  // until then it reaches actuators that join
+    Time drop_at;  // until then it reaches actuators that join, unless it is released
+    StopScope scope;
   };
 
   template <msg::Service S>

@@ -1,6 +1,7 @@
 // Emergency stops by hand, with a controller and without one.
 
 #include <signal.h>
+#include <sys/wait.h>
 
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
@@ -297,6 +298,36 @@ TEST_F(EmergencyStop, NamesAnActuatorThatDoesNotSayThatItHasStopped) {
   EXPECT_EQ(estop.exit, 1);
   EXPECT_THAT(estop.err, HasSubstr("stop not confirmed: eyes"));
   EXPECT_THAT(estop.out, HasSubstr("legs   stopped after "));
+}
+
+// The program that keeps a stop published for a minute went on after the release: a module that was
+// restarted in that minute latched the released stop, and stayed degraded beside an Active machine.
+TEST_F(EmergencyStop, IsPublishedNoLongerAfterItsReleaseAndHoldsNoModuleThatIsRestarted) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto pid_of = [](const char* name) {
+    return Status()["actuators"][name]["pid"].get<pid_t>();
+  };
+  const pid_t eyes = pid_of("eyes");
+  kill(eyes, SIGSTOP);
+  const Ended estop = Musher({"estop", "--timeout", "1"});
+  kill(eyes, SIGCONT);
+  EXPECT_EQ(estop.exit, 1);
+  const std::string kept = "the stop stays published for a minute (pid ";
+  ASSERT_THAT(estop.err, HasSubstr(kept));
+  const pid_t publisher = std::stoi(estop.err.substr(estop.err.find(kept) + kept.size()));
+  ExpectLatchedByAll(true);
+  const Ended release = Musher({"estop", "--release"});
+  ASSERT_EQ(release.exit, 0) << release.err;
+  EXPECT_TRUE(Until([&] { return waitpid(publisher, nullptr, WNOHANG) == publisher; },
+                    std::chrono::seconds(30)))
+      << "it is published for the whole minute";
+  ASSERT_EQ(Musher({"set", "Active"}).exit, 0);
+  const pid_t voice = pid_of("voice");
+  kill(voice, SIGKILL);
+  AwaitStatus([voice](const nlohmann::json& now) {
+    const nlohmann::json& one = now["actuators"]["voice"];
+    return one["pid"] != voice && one["state"] == "Active" && now["degraded"].empty();
+  });
 }
 
 // It said that no controller led, and to start one.

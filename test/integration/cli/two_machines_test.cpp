@@ -236,4 +236,61 @@ TEST_F(TwoMachines, AnEmergencyStopOverALinkOf300MillisecondsEachWayIsConfirmed)
   EXPECT_EQ(cat_->Status()["emergency_stop"]["engaged"], false);
 }
 
+// One machine of the profile lan: `legs` was started by hand on another host, the rest and the
+// controller run on the robot.
+class MachineOnTwoHosts : public MachineByCli {
+ protected:
+  void SetUp() override {
+    if (geteuid() != 0 || access("/dev/net/tun", R_OK | W_OK) != 0) {
+      GTEST_SKIP() << "two hosts need root and /dev/net/tun";
+    }
+    robot_ = std::make_unique<Host>();
+    far_ = std::make_unique<Host>();
+    ASSERT_TRUE(robot_->up() && far_->up());
+    far_->InNetwork([] { fault_injection::BringUp("lo"); });
+    robot_->InNetwork([this] {
+      fault_injection::BringUp("lo");
+      link_ = std::make_unique<fault_injection::Link>(far_->init());
+    });
+    const std::string legs = folder_ / "legs.toml";
+    Drop("command = [\"musher-exec\", \"" + legs + "\"]\n");
+    Replace("[controller]\n",
+            "[transport]\nprofile = \"lan\"\ninterfaces = [\"link\"]\n[controller]\n");
+    legs_ = std::make_unique<Process>(
+        far_->Here({BinDir() + "/musher-exec", legs, "--config", config_, "--actuator", "legs"}));
+    const Ended up = robot_->Run({"up", config_, "--detach"});
+    ASSERT_EQ(up.exit, 0) << up.err;
+    ASSERT_TRUE(Until([this] { return AllHaveArrivedIn("Active")(robot_->Status()); }));
+  }
+  // The controller exits, the actuators continue.
+  void LoseController() {
+    const std::string pid = std::to_string(robot_->Status()["pid"].get<int>());
+    ASSERT_EQ(robot_->Do({"kill", "-9", pid}).exit, 0);
+  }
+
+  std::unique_ptr<Host> robot_;
+  std::unique_ptr<Host> far_;
+  std::unique_ptr<fault_injection::Link> link_;
+  std::unique_ptr<Process> legs_;
+};
+
+// A person types it on the robot, where nothing says that the machine has the profile lan. It ended
+// with 0, and the actuators of the other host moved on.
+TEST_F(MachineOnTwoHosts, IsStoppedOnBothWithoutAControllerAndNotReportedAsComplete) {
+  ASSERT_NO_FATAL_FAILURE(LoseController());
+  const Ended stop = robot_->Run({"estop", "--timeout", "5"});
+  EXPECT_EQ(stop.exit, 1) << stop.out << stop.err;
+  EXPECT_THAT(stop.out, HasSubstr("legs   stopped after "));
+  EXPECT_THAT(stop.err, HasSubstr("the actuators of other hosts are not known"));
+}
+
+TEST_F(MachineOnTwoHosts, IsNotReportedAsStoppedWhileTheLinkToOneIsCut) {
+  ASSERT_NO_FATAL_FAILURE(LoseController());
+  const fault_injection::LinkImpairment cut{.loss_percent = 100};
+  link_->Set(cut, cut, 1);
+  const Ended stop = robot_->Run({"estop", "--timeout", "5"});
+  EXPECT_EQ(stop.exit, 1) << stop.out << stop.err;
+  EXPECT_THAT(stop.err, HasSubstr("stop not confirmed: legs"));
+}
+
 }  // namespace musher::testing::two_machines_test

@@ -1,0 +1,148 @@
+#include "musher/controller/storage/machines_here.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <sstream>
+#include <string_view>
+#include <tuple>
+
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
+#include "musher/controller/storage/other_starts.hpp"
+#include "musher/controller/storage/state_store.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+
+namespace musher {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The words of a file of /proc that end with zeros.
+std::vector<std::string> WordsOf(const fs::path& file) {
+  std::istringstream text(ReadFile(file));
+  std::vector<std::string> words;
+  for (std::string word; std::getline(text, word, '\0');) words.push_back(word);
+  return words;
+}
+
+// The rest of the first word that begins so.
+std::string After(const std::vector<std::string>& words, std::string_view begin) {
+  const auto found =
+      std::ranges::find_if(words, [begin](const auto& word) { return word.starts_with(begin); });
+  return found == words.end() ? "" : found->substr(begin.size());
+}
+
+// The config that a process was started with; empty: none, or the process is hidden from this user.
+std::string ConfigOf(const fs::path& process, const std::vector<std::string>& environment) {
+  const std::vector<std::string> argv = WordsOf(process / "cmdline");
+  std::string config = After(argv, "--config=");
+  const auto option = std::ranges::find(argv, "--config");
+  if (config.empty() && option != argv.end() && option + 1 != argv.end()) config = *(option + 1);
+  if (config.empty()) config = After(environment, "MUSHER_CONFIG=");
+  if (config.empty()) return "";
+  std::error_code hidden;
+  const fs::path folder = fs::read_symlink(process / "cwd", hidden);
+  return (folder / config).string();  // that of an absolute path stays as it is
+}
+
+class Search {
+ public:
+  Search(int domain_id, const std::string& name_space)
+      : domain_id_(domain_id), name_space_(name_space) {}
+
+  void InFolder(const fs::path& folder) {
+    const auto origin = LoadOrigin(folder);
+    if (!origin || origin->name_space != name_space_ || origin->domain != domain_id_) return;
+    MachineHere machine{{origin->name, origin->id}};
+    machine.elsewhere = ElsewhereBy(folder);
+    std::error_code error;
+    const bool is_root = fs::is_directory(origin->file, error);  // of upgrades
+    const auto config = is_root ? std::nullopt : Read(origin->file);
+    if (config && config->name == origin->name) Take(machine, *config);
+    found_.push_back(std::move(machine));
+  }
+  // `transport`: the profile that the environment names instead of the config; may be empty.
+  void InConfig(const std::string& file, const std::string& transport = "") {
+    const auto config = Read(file);
+    if (!config) return;
+    MachineHere machine{{config->name, ""}};
+    Take(machine, *config);
+    if (transport == "lan") machine.lan = true;
+    std::vector<std::string> folders =
+        DefaultStateDirs({config->name, name_space_, domain_id_, fs::absolute(file).string()});
+    folders.push_back(config->state_dir);
+    for (const std::string& folder : folders) {
+      const auto origin = LoadOrigin(folder);
+      if (!origin || origin->name != config->name || origin->domain != domain_id_) continue;
+      for (std::string& name : ElsewhereBy(folder)) machine.elsewhere.push_back(std::move(name));
+    }
+    found_.push_back(std::move(machine));
+  }
+  // Each config once, however many actuators of it run.
+  void InProcesses() {
+    std::set<std::pair<std::string, std::string>> read;
+    for (const fs::path& process : EntriesOf("/proc")) {
+      if (std::atoi(process.filename().c_str()) == 0) continue;
+      const std::vector<std::string> environment = WordsOf(process / "environ");
+      const std::string config = ConfigOf(process, environment);
+      if (config.empty() || std::atoi(After(environment, "ROS_DOMAIN_ID=").c_str()) != domain_id_) {
+        continue;
+      }
+      const std::string transport = After(environment, "MUSHER_TRANSPORT=");
+      if (read.emplace(config, transport).second) InConfig(config, transport);
+    }
+  }
+  std::vector<MachineHere> Take() { return std::move(found_); }
+
+ private:
+  std::optional<MachineConfig> Read(const std::string& file) const {
+    auto config = ReadConfigFile(file).config;
+    if (config && config->name_space != name_space_) config.reset();
+    return config;
+  }
+  static void Take(MachineHere& machine, const MachineConfig& config) {
+    machine.lan = config.transport == TransportProfile::kLan;
+    machine.interfaces = config.interfaces;
+    for (const ActuatorConfig& actuator : config.actuators) {
+      machine.actuators.push_back(actuator.name);
+    }
+  }
+  static std::vector<std::string> ElsewhereBy(const fs::path& folder) {
+    std::vector<std::string> names;
+    for (RemoteActuator& actuator : StateStore::RemoteActuatorsIn(folder, HostId())) {
+      names.push_back(std::move(actuator.name));
+    }
+    return names;
+  }
+
+  const int domain_id_;
+  const std::string name_space_;
+  std::vector<MachineHere> found_;
+};
+
+}  // namespace
+
+std::vector<MachineHere> MachinesHere(int domain_id, const std::string& name_space,
+                                      const std::vector<std::string>& configs) {
+  Search search(domain_id, name_space);
+  const std::string lock = NameLock::NameOf(domain_id, name_space, "musher/controller");
+  if (NameLock::IsHeld(lock)) {
+    const std::string led = StateDirOfProcess(NameLock::HolderOf(lock).pid);
+    if (!led.empty()) search.InFolder(led);
+  }
+  search.InProcesses();
+  for (const std::string& config : configs) search.InConfig(config);
+  std::error_code error;
+  if (fs::exists("robot.toml", error)) search.InConfig("robot.toml");
+  const fs::path by_user = fs::path(config_toml::DefaultStateDir("any", "")).parent_path();
+  for (const fs::path& place : std::set<fs::path>{by_user, fs::path(kServicePlace)}) {
+    for (const fs::path& folder : EntriesOf(place)) search.InFolder(folder);
+  }
+  return search.Take();
+}
+
+}  // namespace musher
