@@ -169,9 +169,21 @@ class Machine:
         return list(reply.entries)
 
     def restart(self, actuator: str, *, timeout_s: float = 60.0, by: str = "") -> None:
-        """Starts an actuator's process again; returns when it is back where the machine is."""
-        reply = self._call("restart_actuator", RestartActuator, RestartActuator.Request(actuator, by or default_by()),
-                           timeout_s)
+        """Starts an actuator's process again; returns when it is back where the machine is. Raises musher.Failure
+        if it is not, also if the controller that was called exits meanwhile."""
+        mailbox = _native.Mailbox()
+        call = _native.Restart(self._native(), actuator, by or default_by(), timeout_s, mailbox, *self._meant())
+        try:
+            item = mailbox.pop(min(self._find_s, timeout_s))
+            if item is None and not call.found():
+                raise self._not_found()
+            while item is None:
+                item = mailbox.pop(None)
+        finally:
+            call.close()
+        if item.text:
+            raise Failure(item.code, item.text)
+        reply = item.decode(codec_of(RestartActuator.Response), False)
         if reply.code != 0:
             raise Failure(reply.code, reply.reason)
 

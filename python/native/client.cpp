@@ -1,6 +1,7 @@
 #include "musher/python/native/client.hpp"
 
 #include "musher/base/host.hpp"
+#include "musher/controller/client/leader_call.hpp"
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/client/switch_client.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
@@ -45,6 +46,37 @@ class Switch : public OnLoop<SwitchClient> {
                 mailbox->Push(std::move(item));
               });
         }) {}
+};
+
+// A requested restart of an actuator; its end goes into the mailbox: a RestartActuator.Response in
+// bytes, or why there is none.
+class Restart : public OnLoop<LeaderCall<msg::RestartActuator>> {
+ public:
+  Restart(const PyNodePtr& node, const std::string& actuator, const std::string& by,
+          double timeout_s, const MailboxPtr& mailbox, const std::string& machine,
+          const std::string& machine_id)
+      : OnLoop(node, [&](transport::Node& on) {
+          LeaderWatch::Options leader{node->name_space, HostId(), WatchByPidfd(on.loop())};
+          leader.machine = {machine, machine_id};
+          return LeaderCall<msg::RestartActuator>::Make(
+              on, std::move(leader), "restart_actuator", {actuator, by}, Seconds(timeout_s),
+              [mailbox](const Result<msg::RestartActuator::Response>& answer) {
+                Item item;
+                if (answer) {
+                  item.bytes = msg::Encode(answer.value());
+                } else {
+                  item.code = answer.error().code;
+                  item.text = answer.error().message;
+                }
+                mailbox->Push(std::move(item));
+              });
+        }) {}
+
+  bool Found() {
+    bool found = false;
+    Run([&](LeaderCall<msg::RestartActuator>& call) { found = call.found(); });
+    return found;
+  }
 };
 
 // An emergency stop that is published as long as this exists, unless it is released.
@@ -137,6 +169,11 @@ void AddClient(py::module_& native) {
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const std::string&,
                     double, double, const MailboxPtr&, const std::string&, const std::string&>())
       .def("close", &Switch::Close);
+  py::class_<Restart>(native, "Restart")
+      .def(py::init<const PyNodePtr&, const std::string&, const std::string&, double,
+                    const MailboxPtr&, const std::string&, const std::string&>())
+      .def("found", &Restart::Found)
+      .def("close", &Restart::Close);
   py::class_<Stop>(native, "Stop")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
                     std::int64_t, const std::string&, const std::string&, std::optional<int>,

@@ -88,7 +88,8 @@ std::vector<std::string> Sleeps(const SourceFile& file) {
 
 std::vector<std::string> UnwatchedCalls(const SourceFile& file) {
   static const std::regex unwatched(
-      R"(\b(Call|MakeClient)<msg::(SetState|RestartActuator|RequestPolicy)>)");
+      R"(\b(Call|MakeClient)<msg::(SetState|RestartActuator|RequestPolicy)>)"
+      R"call(|_call\("(set_state|restart_actuator|request_policy)")call");
   return Find(file, WithoutComments(file.text), unwatched,
               "waits for a controller that may have exited; LeaderCall and SwitchClient notice it");
 }

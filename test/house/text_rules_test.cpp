@@ -51,6 +51,8 @@ TEST(TextRules, FindCallsThatOutliveTheirController) {
   EXPECT_THAT(UnwatchedCalls(Cpp("link->Call<msg::RestartActuator>(\"restart_actuator\", {});")),
               SizeIs(1));
   EXPECT_THAT(UnwatchedCalls(Cpp("transport::MakeClient<msg::SetState>(node, name);")), SizeIs(1));
+  EXPECT_THAT(UnwatchedCalls(Cpp("reply = self._call(\"restart_actuator\", RestartActuator)")),
+              SizeIs(1));
   EXPECT_THAT(UnwatchedCalls(Cpp("link->Call<msg::GetStatus>(\"get_status\", {});")), IsEmpty());
   EXPECT_THAT(UnwatchedCalls(Cpp("LeaderCall<msg::SetState>::Make(node);")), IsEmpty());
 }

@@ -122,6 +122,31 @@ class Actuators(unittest.TestCase):
         with open(news, encoding="utf-8") as file:  # once b has opened it
             self.assertEqual(file.read(), "stopped")
 
+    def test_a_restart_ends_with_the_controller_that_was_called(self):
+        robot, machine = self.start(program(
+            "def on_set_up(self):\n    while __import__('os').path.exists('wait'): __import__('time').sleep(0.01)"))
+        first = machine.status()
+        robot.write("wait", "")
+        self.addCleanup(os.remove, os.path.join(robot.folder, "wait"))
+        client = musher.Machine(robot.file)
+        self.addCleanup(client.close)
+        failures = []
+
+        def restart():
+            try:
+                client.restart("a")
+            except musher.Failure as failure:
+                failures.append(failure)
+        import threading
+        thread = threading.Thread(target=restart)
+        thread.start()
+        status = machine.wait_until(lambda now: now.actuators[0].pid not in (0, first.actuators[0].pid), DEADLINE_S)
+        self.addCleanup(end, status.actuators[0].pid)
+        end(first.pid)
+        thread.join(DEADLINE_S / 3)
+        self.assertFalse(thread.is_alive(), "it waits on for a controller that has exited")
+        self.assertIn("before it answered", str(failures[0]))
+
     def test_a_client_speaks_to_its_machine_beside_another_one(self):
         robot, machine = self.start(program())
         other = musher.Node("other")
