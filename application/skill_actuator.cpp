@@ -18,6 +18,9 @@ namespace musher {
 namespace {
 
 using Goal = transport::ServerGoal<msg::SkillExecution>;
+using CancelReply = transport::Server<msg::CancelSkill>::Reply;
+
+constexpr std::size_t kLongestName = 80;  // of a requester, in texts
 
 // The request of a goal: the skill and its parameters.
 struct Request {
@@ -87,6 +90,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
       return Error{kCodeFailed, "RegisterSkills() has not added a skill"};
     }
     goals_.clear();
+    cancels_.clear();
     published_.clear();
     manager_ = std::make_unique<skill::Manager>(registry.All());
     RestoreRuns();
@@ -116,7 +120,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
     for (const std::string& line : restored.value()) owner_.Log(LogLevel::kWarning, line);
   }
 
-  // Topics `skill_feedback` and `skills`, and the service `<actuator>/get_skill`.
+  // Topics `skill_feedback` and `skills`, and the services for a run.
   void OpenReports(transport::Endpoints& topics) {
     node_ = &topics.node();
     publish_ = topics.PublishFunction<msg::SkillFeedback>("skill_feedback");
@@ -140,6 +144,43 @@ class SkillActuator::Impl final : public ApplicationImpl {
           response.message = done ? done.value() : done.error().message;
           reply(response);
         });
+    topics.Serve<msg::CancelSkill>(
+        owner_.name() + "/cancel_skill",
+        [this](const auto& request, auto reply) { CancelOne(request, std::move(reply)); });
+  }
+
+  // Answers at the end of the run.
+  void CancelOne(const msg::CancelSkill::Request& request, CancelReply reply) {
+    const std::string why =
+        "by " + (request.by.empty() ? "a request" : request.by.substr(0, kLongestName));
+    if (const Result<> cancelled = CancelRun(request.skill, why); !cancelled) {
+      owner_.Log(LogLevel::kWarning, "cancellation refused: " + cancelled.error().message);
+      return reply(CancelAnswer(false, cancelled.error().message));
+    }
+    owner_.Log(request.skill + ": cancellation requested " + why);
+    cancels_[request.skill].push_back(std::move(reply));
+    if (!ticking()) ReportGoals();
+  }
+
+  static msg::CancelSkill::Response CancelAnswer(bool success, std::string message) {
+    msg::CancelSkill::Response response;
+    response.success = success;
+    response.message = std::move(message);
+    return response;
+  }
+
+  // With the next step, or at once where none comes.
+  Result<> CancelRun(const std::string& skill, const std::string& why) {
+    return ticking() ? manager_->Cancel(skill, why) : manager_->CancelNow(skill, why);
+  }
+
+  void AnswerCancels(const skill::Run& run) {
+    if (!run.ended()) return;
+    const auto waiting = cancels_.extract(run.name());
+    if (waiting.empty()) return;
+    const bool cancelled = run.feedback().status == skill::Status::kCancelled;
+    const auto answer = CancelAnswer(cancelled, skill::ToText(run.feedback()));
+    for (const CancelReply& reply : waiting.mapped()) reply(answer);
   }
 
   // The state in which it was paused.
@@ -241,11 +282,8 @@ class SkillActuator::Impl final : public ApplicationImpl {
   void Cancel(const Goal& goal) {
     for (const auto& [skill, open] : goals_) {
       if (open.goal.id() != goal.id()) continue;
-      static_cast<void>(manager_->Cancel(skill, "by its client"));
-      if (!ticking()) {  // no step would see it
-        static_cast<void>(manager_->CancelNow(skill, "by its client"));
-        ReportGoals();
-      }
+      static_cast<void>(CancelRun(skill, "by its client"));
+      if (!ticking()) ReportGoals();
       return;
     }
     Goal own = goal;  // canceled before it was started
@@ -290,7 +328,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
   void ReportGoals() {
     SaveRuns();
     PublishChanges();
-    for (const skill::Run* run : manager_->Runs()) ReportGoal(*run);
+    for (const skill::Run* run : manager_->Runs()) {
+      ReportGoal(*run);
+      AnswerCancels(*run);
+    }
   }
 
   void SaveRuns() {
@@ -317,6 +358,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   void ReportRemoved(const skill::Run& run) {
     Publish(run);
     ReportGoal(run);
+    AnswerCancels(run);
   }
 
   void End(const skill::Run& run, Goal& goal) {
@@ -334,11 +376,12 @@ class SkillActuator::Impl final : public ApplicationImpl {
   SkillActuator& owner_;
   const Options options_;
   std::unique_ptr<skill::Manager> manager_;
-  const transport::Node* node_ = nullptr;                   // of the endpoints
-  std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
-  std::map<std::string, OpenGoal> goals_;                   // by skill
-  std::map<std::string, Published> published_;              // by skill
-  std::optional<SavedSkills> saved_;                        // nothing: they are not saved
+  const transport::Node* node_ = nullptr;                    // of the endpoints
+  std::function<void(const msg::SkillFeedback&)> publish_;   // while the ticks are open
+  std::map<std::string, OpenGoal> goals_;                    // by skill
+  std::map<std::string, std::vector<CancelReply>> cancels_;  // by skill, which is being cancelled
+  std::map<std::string, Published> published_;               // by skill
+  std::optional<SavedSkills> saved_;                         // nothing: they are not saved
 };
 
 SkillActuator::SkillActuator(const std::string& actuator_name, const Options& options)

@@ -34,6 +34,7 @@
 //   skill_feedback         musher_msgs/SkillFeedback, at each change of a run, with or without goal
 //   <actuator>/get_skill   service musher_msgs/GetSkill: a run's feedback, history, errors, picture
 //   <actuator>/pause_skill service musher_msgs/PauseSkill: pauses and resumes one skill
+//   <actuator>/cancel_skill service musher_msgs/CancelSkill: cancels one skill, also without goal
 //
 // A skill that is paused by that service stays paused in every state, also over a restart with
 // `kContinued`, until it is resumed or cancelled; others may use its parts of the robot meanwhile.

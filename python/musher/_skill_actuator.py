@@ -10,9 +10,9 @@ from musher._actuator import Actuator
 from musher._errors import Failure, ProcessKilled
 from musher._log import where
 from musher.musher_msgs.msg import SkillDetail, SkillFeedback, SkillOffer, SkillOffers
-from musher.musher_msgs.srv import GetSkill, PauseSkill
+from musher.musher_msgs.srv import CancelSkill, GetSkill, PauseSkill
 from musher.plan_msgs.action import SkillExecution
-from musher.skill import COMPLETED, FAILED, PROCESSING, SkillError, SkillManager, text_of
+from musher.skill import CANCELLED, COMPLETED, FAILED, PROCESSING, SkillError, SkillManager, text_of
 from musher.builtin_interfaces.msg import Time
 
 _FAILED = 101  # Robot (100) + FAILED
@@ -41,8 +41,8 @@ class SkillActuator(Actuator):
                        are cancelled at once; on_pause()
 
     Interfaces, in the namespace of the machine, as those of musher-skills: the action skill_execution
-    (plan_msgs/SkillExecution, `musher skill run`), the topics skills and skill_feedback, the services <name>/get_skill and
-    <name>/pause_skill (`musher skill pause`, `musher skill resume`).
+    (plan_msgs/SkillExecution, `musher skill run`), the topics skills and skill_feedback, the services <name>/get_skill,
+    <name>/pause_skill (`musher skill pause`, `musher skill resume`) and <name>/cancel_skill.
     A goal has one skill with its parameters as texts ("[10, 20, 0]"); `timeout` limits the run, in seconds, unless the
     skill takes a parameter of that name.
 
@@ -148,6 +148,7 @@ class SkillActuator(Actuator):
             node.serve_action("skill_execution", SkillExecution, self._on_goal)
             node.serve(f"{self.name}/get_skill", GetSkill, self._report)
             node.serve(f"{self.name}/pause_skill", PauseSkill, self._pause_requested)
+            node.serve(f"{self.name}/cancel_skill", CancelSkill, self._cancel_requested)
             self._feedback_topic = node.publisher("skill_feedback", SkillFeedback)
             offers_topic = node.publisher("skills", SkillOffers, latched=True, depth=1)
             self._ticks = _native.FsmTicks(self._actuator, node._mailbox, self._tick_key)
@@ -291,6 +292,17 @@ class SkillActuator(Actuator):
         state = (self.manager.feedback_of(request.skill) or {})["state"]
         self.log.info(f"{request.skill} {'paused in' if request.pause else 'goes on from'} {state}")
         return PauseSkill.Response(True, state)
+
+    def _cancel_requested(self, request: "CancelSkill.Request") -> "CancelSkill.Response":
+        try:
+            self.manager.cancel_skill(request.skill, f"by {request.by[:_LONGEST] or 'a request'}")
+        except SkillError as error:
+            self.log.warning(f"cancellation refused: {error}")
+            return CancelSkill.Response(False, str(error))
+        feedback = self.manager.step(request.skill)  # its last one
+        text = self._text_of(request.skill)
+        self._publish()
+        return CancelSkill.Response(feedback["status"] == CANCELLED, text)
 
     def _check_stepping(self) -> None:
         if not self._stepping:

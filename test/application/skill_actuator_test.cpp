@@ -19,6 +19,7 @@ using ::testing::Contains;
 using testing::Harness;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
+using ::testing::StartsWith;
 using Tasks = testing::SkillTasks;
 
 class ASkillActuator : public testing::SkillActuatorTest {};
@@ -168,6 +169,57 @@ TEST_F(APauseOfOneSkill, EndsWithTheCancellationOfItsGoal) {
   Await([&] { return cancelled; });
   harness_.Tick(tasks, 5);
   EXPECT_THAT(EndOf(sent), HasSubstr("canceled false cancelled: by its client"));
+}
+
+class ACancellationByHand : public ASkillActuator {
+ protected:
+  // "true cancelled: …", as the service answers at the end of the run.
+  std::string Ask(ActuatorRunner<Tasks>& tasks, const std::string& skill, const std::string& by) {
+    std::unique_ptr<transport::Client<msg::CancelSkill>> client;
+    std::optional<msg::CancelSkill::Response> reply;
+    harness_.node().RunOnLoop([&] {
+      client = transport::MakeClient<msg::CancelSkill>(harness_.node().node(), "show/cancel_skill")
+                   .value();
+      msg::CancelSkill::Request request;
+      request.skill = skill;
+      request.by = by;
+      client->Call(request, std::chrono::seconds(20), [&](const auto& r) { reply = r.value(); });
+    });
+    EXPECT_TRUE(testing::Until([&] {
+      harness_.Tick(tasks, 1);
+      bool has_reply = false;
+      harness_.node().RunOnLoop([&] { has_reply = reply.has_value(); });
+      return has_reply;
+    }));
+    harness_.node().RunOnLoop([&] { client.reset(); });
+    return (reply->success ? "true " : "false ") + reply->message;
+  }
+};
+
+TEST_F(ACancellationByHand, EndsARunWithoutAGoalAndNamesWhoHasCancelledIt) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  ASSERT_TRUE(tasks.Of([](Tasks& t) { return t.manager().Start("wait").ok(); }));
+  EXPECT_THAT(Ask(tasks, "wait", "alice@dog1"), StartsWith("true cancelled: by alice@dog1"));
+  EXPECT_EQ(tasks.StateOf("wait"), "CANCELLED");
+  EXPECT_EQ(Ask(tasks, "wait", "alice@dog1"), "false wait does not run");
+}
+
+TEST_F(ACancellationByHand, EndsARunWithAGoalWhoseClientReadsWhoHasCancelledIt) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "9"}});
+  AwaitAccepted(sent);
+  EXPECT_THAT(Ask(tasks, "wait", ""), StartsWith("true cancelled: by a request"));
+  EXPECT_THAT(EndOf(sent), StartsWith("aborted false cancelled: by a request"));
+}
+
+TEST_F(ACancellationByHand, EndsARunAtOnceWhileTheRobotIsNotActive) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  ASSERT_TRUE(tasks.Of([](Tasks& t) { return t.manager().Start("wait").ok(); }));
+  ASSERT_TRUE(Go("LowPower"));
+  EXPECT_THAT(Ask(tasks, "wait", "alice@dog1"), StartsWith("true cancelled: by alice@dog1"));
 }
 
 TEST_F(ASkillActuator, RunsSeveralSkillsAtOnce) {

@@ -48,6 +48,10 @@ class FakeSkills {
     feedback.actuator = actuator_;
     thread_->RunOnLoop([&] { publish_(feedback); });
   }
+  // `wait` or `deaf` runs without a goal, as after a restart.
+  void GoOnWithoutGoal(const std::string& skill) {
+    thread_->RunOnLoop([&] { without_goal_ = skill; });
+  }
   // The last requested parameters: "altitude=2 ".
   std::string requested() {
     std::string requested;
@@ -77,6 +81,9 @@ class FakeSkills {
     endpoints_->Serve<msg::PauseSkill>(
         actuator_ + "/pause_skill",
         [this](const auto& request, const auto& reply) { reply(Pause(request)); });
+    endpoints_->Serve<msg::CancelSkill>(
+        actuator_ + "/cancel_skill",
+        [this](const auto& request, const auto& reply) { reply(CancelRun(request)); });
     publish_ = endpoints_->PublishFunction<msg::SkillFeedback>("skill_feedback");
     msg::SkillOffers offers{
         actuator_,
@@ -122,6 +129,7 @@ class FakeSkills {
       answer.feedback.progress = 10;
       answer.feedback.goal_id = GoalIdText(goal_->id());
     }
+    if (request.skill == without_goal_) answer.feedback.state = "WAITING";
     if (!request.format.empty()) answer.graph = request.format + " of " + request.skill + "\n";
     return answer;
   }
@@ -137,8 +145,18 @@ class FakeSkills {
     return answer;
   }
 
+  msg::CancelSkill::Response CancelRun(const msg::CancelSkill::Request& request) {
+    msg::CancelSkill::Response answer;
+    answer.success = request.skill == "wait" && request.skill == without_goal_;
+    answer.message = answer.success ? "cancelled: by " + request.by + " (10%)"
+                                    : "failed: it listens to no cancellation (10%)";
+    without_goal_.clear();
+    return answer;
+  }
+
   const std::string actuator_;
   bool paused_ = false;
+  std::string without_goal_;  // the skill that runs so; empty: none
   std::shared_ptr<transport::NodeThread> thread_;
   std::optional<Goal> goal_;  // that runs
   std::string requested_;

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/base/host.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/cli/fake_skills.hpp"
 #include "musher/test/cli/program.hpp"
@@ -204,6 +205,21 @@ TEST_F(SkillCommand, CancelsTheRunOfAnotherClient) {
   const Ran again = RunProgram({"skill", "cancel", "wait"});
   EXPECT_EQ(again.exit, 1);
   EXPECT_EQ(again.err, "musher: wait is not running; offered by cf2x_0, cf2x_1\n");
+}
+
+TEST_F(SkillCommand, CancelsARunWithoutAGoalInTheNameOfItsUser) {
+  FakeSkills robot("cf2x_0");
+  robot.GoOnWithoutGoal("wait");
+  const Ran ran = RunProgram({"skill", "cancel", "wait"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_EQ(ran.out, "wait of cf2x_0 was cancelled: by " + UserAtHost() + "\n");
+  EXPECT_EQ(RunProgram({"skill", "cancel", "wait"}).err,
+            "musher: wait is not running; offered by cf2x_0\n");
+  robot.GoOnWithoutGoal("deaf");
+  const Ran failed = RunProgram({"--json", "skill", "cancel", "deaf"});
+  EXPECT_EQ(failed.exit, 1);
+  EXPECT_EQ(Json(failed.out)["runs"][0]["outcome"], "failed") << failed.out;
+  EXPECT_EQ(failed.err, "musher: deaf of cf2x_0 failed: it listens to no cancellation\n");
 }
 
 TEST_F(SkillCommand, PausesARunOfAnotherClientAndLetsItGoOn) {

@@ -300,6 +300,30 @@ class AnActuator(unittest.TestCase):
         self.assertEqual(ended.exception.end, "canceled")
         self.assertIn("cancelled: by its client", ended.exception.result.message)
 
+    def test_cancels_a_run_by_hand_and_names_who_has_cancelled_it(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.musher_msgs.srv import CancelSkill
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import Parameter, RobotSkill, SkillInfo
+        goals = node.action_client("skill_execution", SkillExecution)
+        service = node.client("arm/cancel_skill", CancelSkill)
+        end = time.monotonic() + DEADLINE_S
+        while not (goals.ready and service.ready):
+            self.assertLess(time.monotonic(), end)
+            self.robot.run("status")
+        goal = goals.send(SkillExecution.Goal(RobotSkill("robot_0", [SkillInfo(skill="wave",
+                                                                              params=[Parameter("times", "1000")])])))
+        next(iter(goal))
+        answer = service.call(CancelSkill.Request("wave", "alice@dog1"), DEADLINE_S)
+        self.assertTrue(answer.success, answer.message)
+        self.assertTrue(answer.message.startswith("cancelled: by alice@dog1"), answer.message)
+        with self.assertRaises(musher.GoalFailed) as ended:
+            goal.result(DEADLINE_S)
+        self.assertEqual((ended.exception.end, ended.exception.result.message), ("aborted", answer.message))
+        again = service.call(CancelSkill.Request("wave", ""), DEADLINE_S)
+        self.assertEqual((again.success, again.message), (False, "wave does not run"))
+
     def test_says_what_it_offers(self):
         listed = self.robot.run("skill", "list", "--json")
         self.assertIn("wave", listed.stdout, listed.stderr)

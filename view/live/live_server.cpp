@@ -428,6 +428,9 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   if (request.path == "/api/restart") return requests_->Restart(person, actuator, respond);
   if (request.path == "/api/skill") return skills_.Run(SkillIn(body), respond);
   if (request.path == "/api/cancel_skill") {
+    if (!body.contains("goal_id")) {
+      return skills_.CancelRun(person, actuator, TextIn(body, "skill"), respond);
+    }
     return skills_.Cancel(TextIn(body, "action"), TextIn(body, "goal_id"), respond);
   }
   if (request.path == "/api/pause_skill") {

@@ -54,7 +54,9 @@ http::Response CancelResponse(const Result<msg::CancelGoal::Response>& reply) {
   }
 }
 
-http::Response PauseResponse(const Result<msg::PauseSkill::Response>& reply) {
+// Of the services pause_skill and cancel_skill.
+template <class Reply>
+http::Response DoneResponse(const Result<Reply>& reply) {
   if (!reply) return http::ErrorResponse(504, reply.error().code, reply.error().message);
   if (!reply.value().success) {
     return http::ErrorResponse(409, kCodeStateInvalid, reply.value().message);
@@ -79,19 +81,22 @@ Result<SkillRequests::Client*> SkillRequests::ClientOf(const std::string& action
   return (clients_[action] = std::move(made).value()).get();
 }
 
-Result<SkillRequests::PauseClient*> SkillRequests::PauseClientOf(const std::string& actuator) {
+template <class Service>
+Result<transport::Client<Service>*> SkillRequests::ServiceOf(Clients<Service>& clients,
+                                                             const std::string& actuator,
+                                                             const std::string& name) {
   if (!IsName("/" + actuator)) {
     return Error{kCodeParametersInvalid, "'" + actuator + "' is not the name of an actuator"};
   }
-  const auto known = pausers_.find(actuator);
-  if (known != pausers_.end()) return known->second.get();
-  if (pausers_.size() >= kMostActions) {
-    return Error{kCodeParametersInvalid, "the page has paused skills of too many actuators"};
+  const auto known = clients.find(actuator);
+  if (known != clients.end()) return known->second.get();
+  if (clients.size() >= kMostActions) {
+    return Error{kCodeParametersInvalid, "the page has called " + name + " of too many actuators"};
   }
-  auto made = transport::MakeClient<msg::PauseSkill>(
-      node_, transport::ResolveName(name_space_, actuator + "/pause_skill"));
+  auto made = transport::MakeClient<Service>(
+      node_, transport::ResolveName(name_space_, actuator + "/" + name));
   if (!made) return made.error();
-  return (pausers_[actuator] = std::move(made).value()).get();
+  return (clients[actuator] = std::move(made).value()).get();
 }
 
 void SkillRequests::Answer(Begun& begun, http::Response response) {
@@ -141,9 +146,22 @@ void SkillRequests::Cancel(const std::string& action, const std::string& goal_id
                          [respond](const auto& reply) { respond(CancelResponse(reply)); });
 }
 
+void SkillRequests::CancelRun(const std::string& by, const std::string& actuator,
+                              const std::string& skill, const http::Respond& respond) {
+  const auto client = ServiceOf(cancels_, actuator, "cancel_skill");
+  if (!client) {
+    return respond(http::ErrorResponse(400, client.error().code, client.error().message));
+  }
+  msg::CancelSkill::Request request;
+  request.skill = skill;
+  request.by = by + " on the page";
+  client.value()->Call(request, kCancelTime,
+                       [respond](const auto& reply) { respond(DoneResponse(reply)); });
+}
+
 void SkillRequests::Pause(const std::string& actuator, const std::string& skill, bool pause,
                           const http::Respond& respond) {
-  const auto client = PauseClientOf(actuator);
+  const auto client = ServiceOf(pauses_, actuator, "pause_skill");
   if (!client) {
     return respond(http::ErrorResponse(400, client.error().code, client.error().message));
   }
@@ -151,7 +169,7 @@ void SkillRequests::Pause(const std::string& actuator, const std::string& skill,
   request.skill = skill;
   request.pause = pause;
   client.value()->Call(request, kAnswerTime,
-                       [respond](const auto& reply) { respond(PauseResponse(reply)); });
+                       [respond](const auto& reply) { respond(DoneResponse(reply)); });
 }
 
 }  // namespace musher::view

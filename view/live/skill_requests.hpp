@@ -26,6 +26,8 @@ class SkillRequests {
   static constexpr Duration kAnswerTime = std::chrono::seconds(5);
   // An actuator accepts a goal before it looks at it: one that is refused ends within this time.
   static constexpr Duration kRefusalTime = Milliseconds(500);
+  // A skill ends within 5 s of its cancellation, unless it has another limit.
+  static constexpr Duration kCancelTime = std::chrono::seconds(15);
   static constexpr std::size_t kMostActions = 64;
 
   // The node must outlive it.
@@ -42,6 +44,10 @@ class SkillRequests {
   void Run(const Request& request, const http::Respond& respond);
   // {} once the actuator is cancelling it. `goal_id`: of SkillFeedback.
   void Cancel(const std::string& action, const std::string& goal_id, const http::Respond& respond);
+  // The same of a run without a goal, which goes on after a restart: {} once it has ended. `by`:
+  // the person, for its result.
+  void CancelRun(const std::string& by, const std::string& actuator, const std::string& skill,
+                 const http::Respond& respond);
   // {} once it stands, or goes on. `pause`: else it is resumed.
   void Pause(const std::string& actuator, const std::string& skill, bool pause,
              const http::Respond& respond);
@@ -54,16 +60,22 @@ class SkillRequests {
     transport::LoopHandlePtr timer;
   };
 
-  using PauseClient = transport::Client<msg::PauseSkill>;
+  template <class Service>
+  using Clients = std::map<std::string, std::unique_ptr<transport::Client<Service>>>;
 
   Result<Client*> ClientOf(const std::string& action);
-  Result<PauseClient*> PauseClientOf(const std::string& actuator);
+  // Of the service `name` of an actuator.
+  template <class Service>
+  Result<transport::Client<Service>*> ServiceOf(Clients<Service>& clients,
+                                                const std::string& actuator,
+                                                const std::string& name);
   static void Answer(Begun& begun, http::Response response);
 
   transport::Node& node_;
   const std::string name_space_;
-  std::map<std::string, std::unique_ptr<Client>> clients_;       // by action
-  std::map<std::string, std::unique_ptr<PauseClient>> pausers_;  // by actuator
+  std::map<std::string, std::unique_ptr<Client>> clients_;  // by action
+  Clients<msg::PauseSkill> pauses_;                         // by actuator
+  Clients<msg::CancelSkill> cancels_;                       // by actuator
 };
 
 }  // namespace musher::view

@@ -40,8 +40,10 @@ async function run(ctx, offers, offer, form) {
 }
 
 async function cancel(ctx, offers, offer, feedback) {
-  const why = await request(ctx, 'api/cancel_skill', {action: offers.action, goal_id: feedback.goal_id},
-    t('skill.cancelling', {name: offer.skill}));
+  // A run that goes on after a restart has no goal.
+  const run = feedback.goal_id ? {action: offers.action, goal_id: feedback.goal_id}
+    : {actuator: offers.actuator, skill: offer.skill};
+  const why = await request(ctx, 'api/cancel_skill', run, t('skill.cancelling', {name: offer.skill}));
   if (why) ctx.alarm(t('failed', {why}));
 }
 
@@ -84,12 +86,10 @@ function parametersForm(ctx, offers, offer, key) {
 
 function buttons(ctx, offers, offer, feedback, key) {
   const runs = feedback?.status === 0 && feedback.state !== 'IDLE';
-  const cancellable = runs && feedback.goal_id;
   return h('p', {class: 'buttons'},
     runs ? pauseButton(ctx, offers, offer, isPaused(feedback)) : null,
-    cancellable ? actButton(ctx, t('skill.cancel'), () => cancel(ctx, offers, offer, feedback),
+    runs ? actButton(ctx, t('skill.cancel'), () => cancel(ctx, offers, offer, feedback),
       {label: t('skill.cancel.of', {name: offer.skill})}) : null,
-    // A run that goes on after a restart has no goal that could be cancelled.
     runs ? null : actButton(ctx, t('skill.run'), () => {
       ctx.ui.skill = {key, error: '', busy: false};
       ctx.redraw();

@@ -1,9 +1,11 @@
-// musher skill cancel NAME: cancels the running goals of a skill, and waits for their end.
+// musher skill cancel NAME: cancels the runs of a skill, and waits for their end. A run with a goal
+// is cancelled by its goal, one that goes on after a restart by the service of its actuator.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <list>
 
+#include "musher/base/host.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/commands/skill/skill_commands.hpp"
 #include "musher/cli/commands/skill/skill_goal.hpp"
@@ -15,6 +17,7 @@ namespace musher::cli {
 namespace {
 
 using SkillClient = transport::ActionClient<msg::SkillExecution>;
+using RunClient = transport::Client<msg::CancelSkill>;
 
 constexpr Duration kCancelEnd = std::chrono::seconds(15);  // a skill may take 5 s to end in order
 
@@ -23,11 +26,12 @@ struct SkillCancelOptions {
   std::string actuator;  // empty: every one that runs the skill
 };
 
-// A goal that is cancelled.
+// A run that is cancelled.
 struct Cancelled {
   SkillEnd end;
-  bool known = false;  // how it ended
-  std::unique_ptr<SkillClient> client;
+  bool known = false;                       // how it ended
+  std::unique_ptr<SkillClient> client;      // of its goal
+  std::unique_ptr<RunClient> run_client{};  // of a run without a goal
 };
 
 Result<> CancelGoalOf(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
@@ -51,28 +55,47 @@ Result<> CancelGoalOf(Link& link, const GlobalOptions& global, const OfferedSkil
   return Ok();
 }
 
-// Queries an actuator for the goal of the skill, and cancels it.
+SkillOutcome OutcomeOf(bool cancelled, const std::string& status) {
+  if (cancelled) return SkillOutcome::kCancelled;
+  if (status.empty()) return SkillOutcome::kRefused;
+  return status == "completed" ? SkillOutcome::kCompleted : SkillOutcome::kFailed;
+}
+
+Result<> CancelRunOf(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
+                     Duration timeout, Cancelled& cancelled) {
+  auto client = transport::MakeClient<msg::CancelSkill>(
+      link.node(), transport::ResolveName(global.name_space, skill.actuator + "/cancel_skill"));
+  if (!client) return client.error();
+  cancelled.run_client = std::move(client).value();
+  msg::CancelSkill::Request request;
+  request.skill = skill.offer.skill;
+  request.by = UserAtHost();
+  cancelled.run_client->Call(request, timeout * 2, [&cancelled](const auto& reply) {
+    if (!reply) return;
+    const SkillReport report = ReadSkillReport(reply.value().message);
+    cancelled.end.message = report.message;
+    if (!report.status.empty()) cancelled.end.progress = report.progress;
+    cancelled.end.outcome = OutcomeOf(reply.value().success, report.status);
+    cancelled.known = true;
+  });
+  return Ok();
+}
+
+// Queries an actuator for the run of the skill, and cancels it.
 AskedRun CancelOn(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
                   Duration timeout, std::list<Cancelled>& all) {
   const auto answer = QuerySkill(link, global, skill.actuator, {skill.offer.skill, ""});
   if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
   const msg::SkillFeedback& feedback = std::get<msg::GetSkill::Response>(answer).feedback;
   if (!SkillRuns(feedback)) return false;
-  const auto id = ReadGoalId(feedback.goal_id);
-  if (!id) {
-    return Failure{ExitCode::kNotDone,
-                   {kCodeUnSupport, skill.offer.skill + " of " + skill.actuator +
-                                        " was not started by a goal, so that no goal can be "
-                                        "cancelled; `musher skill pause " +
-                                        skill.offer.skill + "` makes it stand"}};
-  }
   Cancelled& one = all.emplace_back();
   one.end = {
       skill.offer.skill, skill.actuator, SkillOutcome::kTimeout, "its cancellation was requested",
       feedback.progress, std::nullopt,   feedback.goal_id};
-  if (const auto sent = CancelGoalOf(link, global, skill, *id, timeout, one); !sent) {
-    return Failure{ExitCode::kUsage, sent.error()};
-  }
+  const auto id = ReadGoalId(feedback.goal_id);
+  const auto sent = id ? CancelGoalOf(link, global, skill, *id, timeout, one)
+                       : CancelRunOf(link, global, skill, timeout, one);
+  if (!sent) return Failure{ExitCode::kUsage, sent.error()};
   return true;
 }
 

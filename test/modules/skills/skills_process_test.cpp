@@ -1,18 +1,23 @@
 // The real programs over DDS, driven as a controller drives them.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <fstream>
+#include <sstream>
 #include <utility>
 #include <vector>
 
+#include "musher/base/host.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/plan_msgs/plan.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/action.hpp"
 
 namespace musher::skills::skills_process_test {
@@ -90,6 +95,19 @@ class SkillsProcess : public ::testing::Test {
     EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
     return answer ? (answer->success ? "true " : "false ") + answer->message : "";
   }
+  // What `musher` with these words prints, while the robot goes on.
+  std::string Musher(std::vector<std::string> words) {
+    words.insert(words.begin(), BinDir() + "/musher");
+    const std::string file = peer_.folder() / "musher";
+    const UniqueFd output(open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+    const auto tool =
+        exec::Child::Start({words, peer_.folder().path(), {}}, peer_.reaper(), output.get());
+    EXPECT_TRUE(tool) << (tool ? "" : tool.error().message);
+    EXPECT_TRUE(tool && peer_.Until([&tool] { return tool.value().Ended(); }));
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
   // For a second no command rises.
   void ExpectNoRise() {
     commands_.clear();
@@ -138,6 +156,19 @@ TEST_F(SkillsProcess, ThatWasKilledGoesOnIfItsConfigSaysSo) {
   EXPECT_TRUE(peer_.Until([this] { return !commands_.empty() && commands_.back().linear.z > 0; }))
       << peer_.Output();
   EXPECT_EQ(FeedbackOfTakeOff().status, msg::SkillFeedback::kStatusProcessing);
+}
+
+// A client's goal has ended with the killed process: nothing but the command line could name it.
+TEST_F(SkillsProcess, ThatGoesOnAfterAKillIsCancelledByHand) {
+  ASSERT_NO_FATAL_FAILURE(RiseAgain("after_restart = \"continue\"\n"));
+  ASSERT_TRUE(Rises()) << peer_.Output();
+  EXPECT_EQ(FeedbackOfTakeOff().goal_id, "");
+  EXPECT_EQ(Musher({"skill", "cancel", "take_off"}),
+            "take_off of r was cancelled: by " + UserAtHost() + "\n");
+  EXPECT_EQ(FeedbackOfTakeOff().status, msg::SkillFeedback::kStatusCancelled) << peer_.Output();
+  ExpectNoRise();
+  EXPECT_EQ(Musher({"skill", "cancel", "take_off"}),
+            "musher: take_off is not running; offered by r\n");
 }
 
 // It drove on by itself when its controller had started it again.

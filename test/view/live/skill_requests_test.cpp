@@ -49,6 +49,16 @@ class SkillsOfAPage : public ::testing::Test {
                     reply(response);
                   })
                   .value();
+    cancels_ = transport::MakeServer<msg::CancelSkill>(
+                   *robot_, "dog/cancel_skill",
+                   [this](const msg::CancelSkill::Request& request, auto reply) {
+                     msg::CancelSkill::Response response;
+                     response.success = request.skill == "jump";
+                     response.message = response.success ? "cancelled" : "it does not run";
+                     cancelled_by_ = request.by;
+                     reply(response);
+                   })
+                   .value();
     network_.RunFor(std::chrono::seconds(1));
   }
 
@@ -77,6 +87,8 @@ class SkillsOfAPage : public ::testing::Test {
   std::unique_ptr<transport::ActionServer<msg::SkillExecution>> server_;
   bool paused_ = false;
   std::unique_ptr<transport::Server<msg::PauseSkill>> pauses_;
+  std::string cancelled_by_;
+  std::unique_ptr<transport::Server<msg::CancelSkill>> cancels_;
   std::vector<std::string> answers_;
   SkillRequests skills_{*desk_, ""};
 };
@@ -128,6 +140,19 @@ TEST_F(SkillsOfAPage, ArePausedAndResumedAndARefusalSaysWhy) {
   EXPECT_THAT(pause("cat", true), StartsWith("504"));
   EXPECT_THAT(pause("dog cat", true), StartsWith("400"));
   EXPECT_EQ(answers_.size(), 5U);
+}
+
+TEST_F(SkillsOfAPage, WithoutAGoalAreCancelledInTheNameOfThePerson) {
+  const auto cancel = [&](const std::string& actuator, const std::string& skill) {
+    skills_.CancelRun("alice at 127.0.0.1", actuator, skill, Collect());
+    network_.RunFor(std::chrono::seconds(20));
+    return answers_.back();
+  };
+  EXPECT_EQ(cancel("dog", "jump"), "200 {}");
+  EXPECT_EQ(cancelled_by_, "alice at 127.0.0.1 on the page");
+  EXPECT_THAT(cancel("dog", "run"), ::testing::AllOf(StartsWith("409"), HasSubstr("does not run")));
+  EXPECT_THAT(cancel("cat", "jump"), StartsWith("504"));
+  EXPECT_THAT(cancel("dog cat", "jump"), StartsWith("400"));
 }
 
 TEST_F(SkillsOfAPage, OfNoActuatorAreAnsweredInTime) {

@@ -39,6 +39,7 @@ export class MockRobot {
     this.progress = 40;
     this.skillStatus = 0;
     this.skillPaused = false;
+    this.skillGoal = '00';
     this.large = false;
     this.pastDay(startMs);
   }
@@ -179,7 +180,7 @@ export class MockRobot {
     }
     if (topic === '/skill_feedback') {
       return this.latest(topic, 'musher_msgs/msg/SkillFeedback',
-        {header: {}, actuator: 'skills', skill: 'goto', goal_id: '00', status: this.skillStatus,
+        {header: {}, actuator: 'skills', skill: 'goto', goal_id: this.skillGoal, status: this.skillStatus,
         state: 'MOVING', progress: this.progress, message: 'Driving to the goal',
           details: [{key: 'distance_to_goal_m', value: '1.25'},
             ...(this.skillPaused ? [{key: 'paused', value: 'by a request'}] : [])]});

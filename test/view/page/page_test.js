@@ -322,6 +322,15 @@ test('a skill is run with its parameters, and cancelled', () => inPage({hash: 'a
     actuator: 'skills', skill: 'take_photo', parameters: {name: 'roses'}}});
 }));
 
+test('a run without a goal, as after a restart, is cancelled by its skill', () => inPage({hash: 'application/skills'},
+  async (page, {server, robot}) => {
+  robot.skillGoal = '';
+  server.publishWatched('/skill_feedback');
+  await page.click('.skill:has-text("goto") >> text=Cancel');
+  await until('it is cancelled', () => server.requests.length === 1);
+  assert.deepEqual(server.requests[0], {path: '/api/cancel_skill', body: {actuator: 'skills', skill: 'goto'}});
+}));
+
 test('a skill is paused and goes on, and a refusal is said', () => inPage({hash: 'application/skills'},
   async (page, {server, robot}) => {
   const goto = '.skill:has-text("goto")';
