@@ -18,21 +18,28 @@ namespace {
 
 constexpr std::string_view kRecovered = "recoveries_done";  // data, of this goal
 
-// Whether what the scan sees nearest is ahead, or nothing is near: the robot does not back up into
-// it.
-bool IsNearestAhead(const Robot& robot) {
-  constexpr double kNearM = 1, kAheadRad = 1;
+constexpr double kPathAheadM = 1.2;  // of it that has to be free of who walks
+
+constexpr double kAheadRad = 1;
+constexpr double kBesideRad = 1.4;  // a body that backs up leaves what is not farther round
+
+// What the scan sees nearest.
+enum class Nearest : std::uint8_t { kNothing, kAhead, kElsewhere };
+
+// `ahead_rad`: to either side.
+Nearest NearestWithin(const Robot& robot, double within_m, double ahead_rad) {
   const auto pose = robot.pose();
-  if (!pose) return false;
-  double nearest_m = kNearM;
-  bool ahead = true;
-  for (const navigation::Point& point : SeenAround(robot, *pose, kNearM)) {
+  if (!pose) return Nearest::kElsewhere;
+  double nearest_m = within_m;
+  Nearest nearest = Nearest::kNothing;
+  for (const navigation::Point& point : SeenAround(robot, *pose, within_m)) {
     const double away_m = std::hypot(point.x_m, point.y_m);
     if (away_m >= nearest_m) continue;
     nearest_m = away_m;
-    ahead = std::abs(std::atan2(point.y_m, point.x_m)) < kAheadRad;
+    const bool ahead = std::abs(std::atan2(point.y_m, point.x_m)) < ahead_rad;
+    nearest = ahead ? Nearest::kAhead : Nearest::kElsewhere;
   }
-  return ahead;
+  return nearest;
 }
 
 }  // namespace
@@ -51,6 +58,7 @@ void GoalSkill::Declare(skill::Table& table) {
   table.To(planning_, initializing_, "the planner is lost, or has no map");
   table.To(planning_, recovering_, "no room to start, or no path");
   table.To(recovering_, planning_, "the recovery has ended");
+  table.To(recovering_, executing_, "who was in the way has got room");
   table.To(executing_, skill::kSucceeded, "at the goal");
   table.To(executing_, planning_, "an obstacle, a pause, another goal");
   table.To(executing_, recovering_, "an obstacle stays");
@@ -72,6 +80,7 @@ void GoalSkill::Declare(skill::Table& table) {
 
 Next GoalSkill::Step(Tick& tick) {
   if (tick.state == stopping_) return Stop(tick);
+  movers_.Note(robot_, tick.step);
   if (!taken_) {
     const Result<> taken = Take(tick);
     if (!taken) return Next::Fail(taken.error().message);
@@ -130,10 +139,45 @@ Next GoalSkill::Recover(Tick& tick) {
                      : trouble_ == Trouble::kNoPath   ? "No path: "
                                                       : "Blocked: ";
   tick.Report(15, Prefix(tick) + what + name);
-  const auto end = recovery_.Step(tick.step);
+  auto end = recovery_.Step(tick.step);
+  if (!end && trouble_ == Trouble::kMover && !IsFaceToFace()) {
+    robot_.StopMotion();
+    end = Result<>();
+  }
   if (!end) return Next::Stay();
   recovers_by_.reset();
+  if (trouble_ == Trouble::kMover) {
+    travel_.BeginRest();
+    return Next::To(executing_, name + " has ended");
+  }
   return Next::To(planning_, *end ? name + " has ended" : name + ": " + end->error().message);
+}
+
+bool GoalSkill::IsMoverInTheWay() const {
+  constexpr double kOfRobotM = 0.3;
+  std::vector<navigation::Point> in_the_way = travel_.InTheWay(kPathAheadM);
+  for (const navigation::RobotIntent& other : robot_.others()) {
+    std::erase_if(in_the_way, [&](const navigation::Point& point) {
+      return travel_.Apart(point, other.at) < other.radius_m + kOfRobotM;
+    });
+  }
+  return movers_.HaveCome(robot_, in_the_way);
+}
+
+bool GoalSkill::IsFaceToFace() const {
+  constexpr double kFaceToFaceM = 0.3;
+  const double near_m = robot_.radius_m() + kFaceToFaceM;
+  return NearestWithin(robot_, near_m, kBesideRad) == Nearest::kAhead;
+}
+
+Next GoalSkill::LetMoverPass(const std::string& why) {
+  const RecoveryKind back_up = RecoveryKind::kBackUp;
+  const bool listed = std::ranges::find(recoveries_, back_up) != recoveries_.end();
+  if (listed && Recovery::Helps(back_up, Trouble::kMover, robot_.flies()) && IsFaceToFace()) {
+    return BeginRecovery(back_up, Trouble::kMover, why);
+  }
+  travel_.BeginRest();
+  return Next::Stay();
 }
 
 Next GoalSkill::Execute(Tick& tick) {
@@ -203,7 +247,10 @@ std::optional<RecoveryKind> GoalSkill::DueRecovery() const {
   const RecoveryKind kind = RecoveryKind::kBackUp;
   const bool listed = std::ranges::find(recoveries_, kind) != recoveries_.end();
   const bool helps = listed && Recovery::Helps(kind, Trouble::kBlocked, robot_.flies());
-  return helps && IsNearestAhead(robot_) ? std::optional(kind) : std::nullopt;
+  // It does not back up into what is nearest.
+  constexpr double kNearM = 1;
+  const bool free = NearestWithin(robot_, kNearM, kAheadRad) != Nearest::kElsewhere;
+  return helps && free ? std::optional(kind) : std::nullopt;
 }
 
 Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
@@ -212,6 +259,7 @@ Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
   if (!blocked_) blocked_ = Blocked{.nearest_m = left_m};
   if (blocked_->stood < kBlockedLimit) {
     const std::string why = Prefix(tick) + step.why;
+    if (blocked_->stood < kLetPass && IsMoverInTheWay()) return LetMoverPass(why);
     const auto due = DueRecovery();
     if (!due) return Next::Replan(planning_, why);
     ++blocked_->recoveries;

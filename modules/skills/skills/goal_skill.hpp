@@ -17,8 +17,13 @@
 // An obstacle that stays: the path is planned again, which leads around it if it can. Once the
 // robot has stood there for kBlockedRecovery, and then each kBlockedAgain, it does back_up, if that
 // is among `recoveries` and what is nearest is ahead: a person who yields to it in a door gets
-// room. It does not forget what it has seen: it would drive into the same trap again. It fails once
-// it has stood at obstacles for kBlockedLimit without having come nearer to the goal.
+// room. Who has come into its way in the last seconds, and is no robot that says where it drives,
+// it lets pass before it plans again: a path around someone who walks on is wrong before it has
+// turned onto it. It stands on its path and drives on
+// once that is free; where they stand before each other it backs up first. That ends after kLetPass
+// at a stand. It does not forget
+// what it has seen: it would drive into the same trap again. It fails once it has stood at
+// obstacles for kBlockedLimit without having come nearer to the goal.
 //
 // A planner, a controller or a map that is late, or is lost on the way: INITIALIZING again, up to
 // `lost_limit` (travel_skill.hpp). A pause cancels the drive; then the path is planned again.
@@ -29,6 +34,7 @@
 #include <vector>
 
 #include "musher/modules/skills/skills/give_way.hpp"
+#include "musher/modules/skills/skills/mover_watch.hpp"
 #include "musher/modules/skills/skills/recovery.hpp"
 #include "musher/modules/skills/skills/travel_skill.hpp"
 
@@ -37,6 +43,7 @@ namespace musher::skills {
 inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
 inline constexpr Duration kBlockedRecovery = std::chrono::seconds(8);
 inline constexpr Duration kBlockedAgain = std::chrono::seconds(4);
+inline constexpr Duration kLetPass = std::chrono::seconds(20);
 
 class GoalSkill : public TravelSkill {
  public:
@@ -77,6 +84,11 @@ class GoalSkill : public TravelSkill {
   // That is due now at an obstacle that stays.
   std::optional<RecoveryKind> DueRecovery() const;
   skill::Next BeginRecovery(RecoveryKind kind, Trouble trouble, const std::string& why);
+  // Whether who has come lately stands in its way, and is no robot that it knows.
+  bool IsMoverInTheWay() const;
+  bool IsFaceToFace() const;
+  // Lets pass who is in its way.
+  skill::Next LetMoverPass(const std::string& why);
   void NoteBlockedTime(const skill::Tick& tick);
 
   // From the first obstacle on the way to a goal.
@@ -95,6 +107,7 @@ class GoalSkill : public TravelSkill {
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
   std::optional<Blocked> blocked_;
+  MoverWatch movers_;
   skill::StateId planning_ = skill::kIdle;
   skill::StateId recovering_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;

@@ -88,7 +88,7 @@ bool Recovery::Moves(RecoveryKind kind) {
 
 bool Recovery::Helps(RecoveryKind kind, Trouble trouble, bool flies) {
   // A person in the same door comes on once there is room. The robot waits there anyway.
-  if (trouble == Trouble::kBlocked) {
+  if (trouble == Trouble::kBlocked || trouble == Trouble::kMover) {
     return kind == RecoveryKind::kBackUp && !flies;
   }
   return !Moves(kind) || (trouble == Trouble::kTightStart && !flies);

@@ -28,6 +28,7 @@ enum class Trouble : std::uint8_t {
   kTightStart,  // the planner: it has no room where it stands
   kNoPath,      // the planner: no path, or none in its time
   kBlocked,     // an obstacle stays in the way, and the robot has stood before it for some time
+  kMover,       // who walks stands in the way
 };
 
 class Recovery {

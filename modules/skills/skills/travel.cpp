@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "musher/navigation/navigation_fault.hpp"
 #include "musher/navigation/place_text.hpp"
@@ -20,6 +21,18 @@ double LengthOf(const navigation::Path& path) {
     length += navigation::Distance(path[i - 1].at, path[i].at);
   }
   return length;
+}
+
+double FlatApart(const navigation::Point& a, const navigation::Point& b) {
+  return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
+}
+
+// The nearest place of the line between `from` and `to`; heights do not count.
+navigation::Point Projected(const navigation::Point& point, const navigation::Point& from,
+                            const navigation::Point& to) {
+  const double x = to.x_m - from.x_m, y = to.y_m - from.y_m, square = x * x + y * y;
+  const double along = (point.x_m - from.x_m) * x + (point.y_m - from.y_m) * y;
+  return navigation::Between(from, to, square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0);
 }
 
 // Nullopt: no recovery helps.
@@ -233,6 +246,51 @@ double Travel::distance_to_goal_m() const {
   if (drive_ && drive_->distance_to_goal_m()) return *drive_->distance_to_goal_m();
   const auto pose = robot_.pose();
   return pose && !path_.empty() ? Apart(pose->at, path_.back().at) : length_m_;
+}
+
+navigation::Path Travel::Rest(const navigation::Pose& pose) const {
+  std::size_t next = 0;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < path_.size(); ++i) {
+    const double off_m = FlatApart(pose.at, Projected(pose.at, path_[i - 1].at, path_[i].at));
+    if (off_m >= nearest_m) continue;
+    nearest_m = off_m;
+    next = i;
+  }
+  navigation::Path rest{pose};
+  rest.insert(rest.end(), path_.begin() + static_cast<std::ptrdiff_t>(next), path_.end());
+  return rest;
+}
+
+void Travel::BeginRest() {
+  const auto pose = robot_.pose();
+  Begin(pose ? Rest(*pose) : navigation::Path(path_));
+}
+
+std::vector<navigation::Point> Travel::InTheWay(double ahead_m) const {
+  constexpr double kMarginM = 0.1, kStepM = 0.05, kNearerM = 0.01;
+  const auto pose = robot_.pose();
+  if (!pose || path_.empty()) return {};
+  std::vector<navigation::Point> places;
+  const navigation::Path rest = Rest(*pose);
+  for (std::size_t i = 1; i < rest.size() && ahead_m > 0; ++i) {
+    const navigation::Point &from = rest[i - 1].at, &to = rest[i].at;
+    const double length_m = FlatApart(from, to), gone_m = std::min(length_m, ahead_m);
+    for (double at_m = 0; at_m < gone_m; at_m += kStepM) {
+      places.push_back(navigation::Between(from, to, at_m / length_m));
+    }
+    ahead_m -= length_m;
+  }
+  std::vector<navigation::Point> in_the_way;
+  for (const navigation::Point& point : robot_.obstacles()) {
+    // As the controller has it: what is near does not hold a body that moves away from it.
+    const double within_m =
+        std::min(robot_.radius_m() + kMarginM, FlatApart(point, pose->at) - kNearerM);
+    const bool is = std::ranges::any_of(
+        places, [&](const navigation::Point& place) { return FlatApart(point, place) < within_m; });
+    if (is) in_the_way.push_back(point);
+  }
+  return in_the_way;
 }
 
 void Travel::AddDetails(skill::Tick& tick) const {

@@ -89,6 +89,8 @@ class Travel {
   // Drives along `path`, instead of what was driven before. What a moving robot has passed of it
   // since it was planned is left out.
   void Begin(const navigation::Path& path);
+  // Drives along what is left of the last path.
+  void BeginRest();
   bool planning() const { return plan_.valid(); }
   // Whether a drive has begun, has not ended and was not given up.
   bool driving() const { return drive_ != nullptr; }
@@ -97,6 +99,9 @@ class Travel {
   double distance_to_goal_m() const;
   // Of the path, from where the robot was.
   double length_m() const { return length_m_; }
+  // What the scan sees in the way on the next `ahead_m` of the last path, in the frame of the map.
+  // Heights do not count.
+  std::vector<navigation::Point> InTheWay(double ahead_m) const;
   // On the ground the height does not count.
   double Apart(const navigation::Point& a, const navigation::Point& b) const;
   // distance_to_goal, current_velocity and estimated_time.
@@ -113,6 +118,8 @@ class Travel {
   TravelStep PlanEnd(const navigation::Pose& goal);
   TravelStep DriveEnd();
   navigation::Path FromHere(const navigation::Path& path) const;
+  // What is left of the last path, from where the robot is.
+  navigation::Path Rest(const navigation::Pose& pose) const;
 
   Robot& robot_;
   skill::Future<navigation::Path> plan_;

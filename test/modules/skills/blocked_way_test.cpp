@@ -61,6 +61,22 @@ TEST_F(BlockedWay, BacksUpSoThatAPersonWhoYieldsGetsRoom) {
   EXPECT_TRUE(texts.contains("Blocked: back_up"));
 }
 
+// A path around the person would be wrong before the robot has turned onto it.
+TEST_F(BlockedWay, LetsAPersonPassBeforeItPlansAgain) {
+  bool crosses = false;
+  robot.blocked = [&](const navigation::Point& at) { return crosses && at.x_m > 2; };
+  EachStep([&] {
+    crosses = robot.at.at.x_m > 1 && robot.Now() < Time{} + std::chrono::seconds(8);
+    robot.points.clear();
+    if (crosses) robot.points = {{2.3, -0.1, 0}, {2.2, 0, 0}, {2.3, 0.1, 0}};
+  });
+  GoTo("[6, 0]");
+  EXPECT_TRUE(RunToItsEnd(30));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(robot.plans, 1);
+  EXPECT_GE(robot.drives, 2);
+}
+
 TEST_F(BlockedWay, StandsWithoutRecoveriesAndWhereTheGateHoldsIt) {
   robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
   for (const bool held : {false, true}) {

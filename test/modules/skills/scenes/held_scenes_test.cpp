@@ -64,6 +64,8 @@ TEST(HeldScenes, EndWithoutContact) {
                                      "map that contains the obstacle comes on the way",
                                      "map that is there only after the goal",
                                      "localisation jumps by 1 m for 3 s",
+                                     "person who goes to and fro before the robot 1",
+                                     "person who goes to and fro before the robot 2",
                                      "person comes the other way",
                                      "flyer passes a person"};
   std::size_t found = 0;

@@ -98,6 +98,8 @@ class SceneReader {
     mover.waits_s = reader.Number("waits_s", 0, 600).value_or(0);
     mover.stays = reader.Bool("stays").value_or(false);
     mover.yields = reader.Bool("yields").value_or(true);
+    mover.yields_m = reader.Number("yields_m", 0, 2).value_or(mover.yields_m);
+    mover.turns_s = reader.Number("turns_s", 0, 1e9).value_or(mover.turns_s);
     reader.RefuseOthers();
     scene_.movers.push_back(std::move(mover));
   }

@@ -134,6 +134,16 @@ void SceneWorld::Turn(std::size_t index) {
       static_cast<std::size_t>(std::clamp(static_cast<int>(state.to) + state.direction, 0, last));
 }
 
+// Back to the place from which it came.
+void SceneWorld::TurnRound(std::size_t index) {
+  Mover& state = movers_[index];
+  state.direction = -state.direction;
+  const auto last = static_cast<int>(scene_.movers[index].path.size()) - 1;
+  state.to =
+      static_cast<std::size_t>(std::clamp(static_cast<int>(state.to) + state.direction, 0, last));
+  state.waited_s = 0;
+}
+
 void SceneWorld::MoveMover(std::size_t index, double seconds) {
   const SceneMover& mover = scene_.movers[index];
   Mover& state = movers_[index];
@@ -143,12 +153,15 @@ void SceneWorld::MoveMover(std::size_t index, double seconds) {
   if (left_m < 1e-6) return Turn(index);
   const Point to{state.at.x_m + (goal.x_m - state.at.x_m) * step_m / left_m,
                  state.at.y_m + (goal.y_m - state.at.y_m) * step_m / left_m, 0};
-  constexpr double kYieldsM = 0.3;
   for (const Body& body : bodies_) {
     if (!Reaches(mover, body.pose.at.z_m)) continue;
     const double apart_m = Flat(to, body.pose.at) - mover.radius_m - kSceneBodyM;
     const bool nearer = Flat(to, body.pose.at) < Flat(state.at, body.pose.at);
-    if (mover.yields && nearer && apart_m < kYieldsM) return;
+    if (mover.yields && nearer && apart_m < mover.yields_m) {
+      state.waited_s += seconds;
+      if (state.waited_s >= mover.turns_s) TurnRound(index);
+      return;
+    }
     if (apart_m > kApartAgainM) state.touches = false;
     if (!nearer || apart_m > 0) continue;
     // It is the robot's only if that has moved, which MoveBody() then says.
@@ -158,6 +171,7 @@ void SceneWorld::MoveMover(std::size_t index, double seconds) {
     return;
   }
   state.at = to;
+  state.waited_s = 0;
 }
 
 void SceneWorld::Step(double seconds) {

@@ -57,6 +57,7 @@ class SceneWorld {
     int direction = 1;
     double rests_until_s = 0;
     bool touches = false;
+    double waited_s = 0;  // for a robot in its way
   };
 
   static bool IsOver(const SceneEvent& event, double now_s);
@@ -68,6 +69,7 @@ class SceneWorld {
   void MoveBody(std::size_t robot, double seconds);
   void MoveMover(std::size_t index, double seconds);
   void Turn(std::size_t index);
+  void TurnRound(std::size_t index);
 
   const Scene& scene_;
   std::mt19937_64 random_;
