@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace musher::coverage {
@@ -91,7 +92,126 @@ class Sweep {
   std::vector<std::size_t> open_;
 };
 
-Cell WithLanes(const GrowingCell& growing, double lane_width_m) {
+// What lanes leave of a cell: of lines at the heights that its lanes are to cover, each a little
+// longer than the free interval, the parts that are farther than half a lane from every lane.
+class Uncovered {
+ public:
+  Uncovered(const GrowingCell& cell, double lane_width_m) : reach_m_(lane_width_m / 2) {
+    constexpr int kLines = 60;
+    constexpr double kBeyond = 0.7;  // of the reach: about the half of a disc that is cut off
+    const std::vector<Lane>& slices = cell.slices;
+    const double low_m = slices.front().y_m - cell.below_m;
+    const double high_m = slices.back().y_m + cell.above_m;
+    for (int i = 0; i < kLines; ++i) {
+      const double y_m = low_m + (high_m - low_m) * (i + 0.5) / kLines;
+      const auto above = std::ranges::lower_bound(slices, y_m, {}, &Lane::y_m);
+      const Interval& x = (above == slices.end() ? slices.back() : *above).x;
+      const Interval line{x.begin_m - kBeyond * reach_m_, x.end_m + kBeyond * reach_m_};
+      lines_.push_back({y_m, {line}});
+      left_m_ += Width(line);
+    }
+    all_m_ = left_m_;
+  }
+
+  double share() const { return all_m_ > 0 ? left_m_ / all_m_ : 0; }
+  // The share that another lane would cover.
+  double GainOf(const Lane& lane) const {
+    double gain_m = 0;
+    for (const Line& line : lines_) {
+      const Interval taken = TakenOf(lane, line.y_m);
+      for (const Interval& part : line.left) {
+        gain_m += std::max(
+            std::min(part.end_m, taken.end_m) - std::max(part.begin_m, taken.begin_m), 0.0);
+      }
+    }
+    return all_m_ > 0 ? gain_m / all_m_ : 0;
+  }
+  void Take(const Lane& lane) {
+    left_m_ = 0;
+    for (Line& line : lines_) {
+      const Interval taken = TakenOf(lane, line.y_m);
+      std::vector<Interval> left;
+      for (const Interval& part : line.left) {
+        const Interval before{part.begin_m, std::min(part.end_m, taken.begin_m)};
+        const Interval after{std::max(part.begin_m, taken.end_m), part.end_m};
+        if (taken.begin_m >= taken.end_m) {
+          left.push_back(part);
+          continue;
+        }
+        if (before.begin_m < before.end_m) left.push_back(before);
+        if (after.begin_m < after.end_m) left.push_back(after);
+      }
+      line.left = std::move(left);
+      for (const Interval& part : line.left) left_m_ += Width(part);
+    }
+  }
+  // The longest part of a slice that no lane covers yet, as a lane.
+  std::optional<Lane> LongestOf(const Lane& slice) const {
+    const auto above = std::ranges::lower_bound(lines_, slice.y_m, {}, &Line::y_m);
+    const Line& line = above == lines_.end() ? lines_.back() : *above;
+    std::optional<Lane> longest;
+    for (const Interval& part : line.left) {
+      const Lane lane{
+          slice.y_m,
+          {std::max(part.begin_m, slice.x.begin_m), std::min(part.end_m, slice.x.end_m)}};
+      // Else it is beyond the end of the slice: its very end is what comes nearest.
+      if (lane.x.begin_m >= lane.x.end_m) continue;
+      if (!longest || Width(lane.x) > Width(longest->x)) longest = lane;
+    }
+    return longest;
+  }
+
+ private:
+  struct Line {
+    double y_m = 0;
+    std::vector<Interval> left;
+  };
+
+  // Of a line at that height.
+  Interval TakenOf(const Lane& lane, double y_m) const {
+    const double away_m = std::abs(lane.y_m - y_m);
+    if (away_m >= reach_m_) return {};
+    const double beyond_m = std::sqrt(reach_m_ * reach_m_ - away_m * away_m);
+    return {lane.x.begin_m - beyond_m, lane.x.end_m + beyond_m};
+  }
+
+  const double reach_m_;
+  double all_m_ = 0;
+  double left_m_ = 0;
+  std::vector<Line> lines_;
+};
+
+// Between walls that come together the lanes in the middle of their strips leave the wide ends: for
+// those there are more lanes, the one that covers most first.
+void AddLanes(const GrowingCell& growing, double lane_width_m, std::vector<Lane>& lanes) {
+  constexpr double kEnough = 0.03;  // of the cell: what remains uncovered
+  constexpr double kLeast = 0.015;  // what another lane has to cover
+  constexpr std::size_t kMostTried = 40;
+  constexpr std::size_t kMostAdded = 6;
+  Uncovered uncovered(growing, lane_width_m);
+  for (const Lane& lane : lanes) uncovered.Take(lane);
+  const std::vector<Lane>& slices = growing.slices;
+  const std::size_t every = slices.size() / kMostTried + 1;
+  for (std::size_t added = 0; added < kMostAdded && uncovered.share() > kEnough; ++added) {
+    std::optional<Lane> best;
+    double most = kLeast;
+    for (std::size_t i = 0; i < slices.size(); i += every) {
+      const auto part = uncovered.LongestOf(slices[i]);
+      const double gain = part ? uncovered.GainOf(*part) : 0;
+      if (gain <= most) continue;
+      most = gain;
+      best = part;
+    }
+    if (!best) break;
+    lanes.push_back(*best);
+    uncovered.Take(*best);
+  }
+  std::ranges::stable_sort(lanes, [](const Lane& a, const Lane& b) {
+    return a.y_m != b.y_m ? a.y_m < b.y_m : a.x.begin_m < b.x.begin_m;
+  });
+}
+
+Cell WithLanes(const GrowingCell& growing, double lane_width_m, bool whole) {
   const std::vector<Lane>& slices = growing.slices;
   const double low = slices.front().y_m - growing.below_m;
   const double high = slices.back().y_m + growing.above_m;
@@ -111,12 +231,16 @@ Cell WithLanes(const GrowingCell& growing, double lane_width_m) {
     last = index;
     cell.lanes.push_back(slices[index]);
   }
+  constexpr std::size_t kFewLanes = 4;  // in more than these the ends are little of the cell
+  if (whole && !cell.lanes.empty() && cell.lanes.size() <= kFewLanes) {
+    AddLanes(growing, lane_width_m, cell.lanes);
+  }
   return cell;
 }
 
 }  // namespace
 
-std::vector<Cell> CellsOf(const FreeSpace& space, double lane_width_m, double slice_m) {
+std::vector<Cell> CellsOf(const FreeSpace& space, double lane_width_m, double slice_m, bool whole) {
   constexpr double kInsideM = 1e-5;
   const double low = space.lowest_m() + space.radius_m() + kInsideM;
   const double high = space.highest_m() - space.radius_m() - kInsideM;
@@ -130,7 +254,7 @@ std::vector<Cell> CellsOf(const FreeSpace& space, double lane_width_m, double sl
   }
   std::vector<Cell> cells;
   for (const GrowingCell& growing : sweep.Take()) {
-    Cell cell = WithLanes(growing, lane_width_m);
+    Cell cell = WithLanes(growing, lane_width_m, whole);
     if (!cell.lanes.empty()) cells.push_back(std::move(cell));
   }
   return cells;

@@ -21,7 +21,7 @@ struct Cell {
 
 // Lanes are at most `lane_width_m` apart, and at most half of that from walls, where the robot's
 // radius lets them. `slice_m`: the height at which the space is sampled; what is flatter may be
-// missed.
-std::vector<Cell> CellsOf(const FreeSpace& space, double lane_width_m, double slice_m);
+// missed. `whole`: with more lanes in cells of few lanes, for what those leave of their ends.
+std::vector<Cell> CellsOf(const FreeSpace& space, double lane_width_m, double slice_m, bool whole);
 
 }  // namespace musher::coverage

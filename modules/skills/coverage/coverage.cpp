@@ -41,16 +41,16 @@ std::vector<double> DirectionsOf(const Region& region) {
   return directions;
 }
 
-// `most_slices` limits the time.
+// `most_slices` limits the time. `whole`: see CellsOf().
 Division Divide(const Region& region, const Options& options, double direction_rad,
-                double most_slices) {
+                double most_slices, bool whole) {
   const FreeSpace space(Turned(region, -direction_rad), options.robot_radius_m);
   constexpr double kSlicesALane = 20;
   constexpr double kCoarsestM = 0.1;
   const double height = space.highest_m() - space.lowest_m();
   const double slice_m =
       std::max(std::min(options.lane_width_m / kSlicesALane, kCoarsestM), height / most_slices);
-  Division division{direction_rad, CellsOf(space, options.lane_width_m, slice_m)};
+  Division division{direction_rad, CellsOf(space, options.lane_width_m, slice_m, whole)};
   for (const Cell& cell : division.cells) {
     division.lanes += cell.lanes.size();
     for (const Lane& lane : cell.lanes) division.length_m += lane.x.end_m - lane.x.begin_m;
@@ -63,7 +63,7 @@ std::optional<double> BestDirection(const Region& region, const Options& options
   constexpr double kSlices = 500;
   std::optional<Division> best;
   for (const double direction : DirectionsOf(region)) {
-    Division division = Divide(region, options, direction, kSlices);
+    Division division = Divide(region, options, direction, kSlices, false);
     if (division.lanes == 0) continue;
     const bool better =
         !best || division.lanes < best->lanes ||
@@ -93,7 +93,7 @@ Result<Plan> PlanCoverage(const Region& region, const Options& options,
                                options.robot_radius_m));
   }
   constexpr double kSlices = 4000;
-  const Division division = Divide(checked.value(), options, *direction, kSlices);
+  const Division division = Divide(checked.value(), options, *direction, kSlices, true);
   if (division.lanes > kMostLanes || division.cells.size() > kMostCells) {
     return Refused(fmt::format(
         "the region needs {} lanes in {} parts; expected at most {} and {}: a larger lane_width or "
