@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -73,12 +74,17 @@ void HandOver(const msg::EmergencyStop& stop, const GlobalOptions& global) {
 
 // The options with which the command reaches every host of the machine: of its own config, where
 // the environment and the command line say nothing else. A person who stops a robot on it does not
-// think of a profile.
+// think of a profile. Where the machine is not known, those count of which an actuator runs here:
+// the files of another one may be old.
 GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
                     const std::vector<MachineHere>& machines) {
   GlobalOptions reach = global;
+  const bool named = !machine.name.empty() || !machine.id.empty();
+  const auto here =
+      NameLock::HeldBelow(NameLock::NameOf(transport::DomainId({}).value(), global.name_space, ""));
   for (const MachineHere& one : machines) {
     if (!one.lan || !SameMachine(one.identity, machine)) continue;
+    if (!named && !one.HasOneOf(here)) continue;
     const char* profile = std::getenv("MUSHER_TRANSPORT");  // NOLINT(concurrency-mt-unsafe)
     if (profile == nullptr || *profile == '\0') setenv("MUSHER_TRANSPORT", "lan", /*replace=*/1);
     if (reach.interfaces.empty()) reach.interfaces = one.interfaces;
@@ -102,8 +108,10 @@ GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
 // in any way: on Ctrl-C, with its terminal, or killed.
 class DetachedPublisher {
  public:
-  // To be called before the process has a second thread.
-  DetachedPublisher(const GlobalOptions& global, const msg::EmergencyStop& stop) {
+  // To be called before the process has a second thread. `patience`: after which it publishes
+  // unless it was cancelled.
+  DetachedPublisher(const GlobalOptions& global, const msg::EmergencyStop& stop,
+                    std::optional<Duration> patience = std::nullopt) {
     int ends[2] = {-1, -1};
     if (pipe2(ends, O_CLOEXEC) != 0) return;
     UniqueFd read_end(ends[0]);
@@ -111,7 +119,7 @@ class DetachedPublisher {
     pid_ = fork();
     if (pid_ == 0) {
       write_end = {};
-      Wait(read_end.get(), global, stop);
+      Wait(read_end.get(), patience, global, stop);
     }
     if (pid_ > 0) pipe_ = std::move(write_end);
   }
@@ -126,20 +134,22 @@ class DetachedPublisher {
     Send('c');
     pipe_ = {};
     if (pid_ <= 0) return;
-    if (begun_) {
-      kill(pid_, SIGTERM);
-    } else {
-      waitpid(pid_, nullptr, 0);
-    }
+    kill(pid_, SIGTERM);
+    if (!begun_) waitpid(pid_, nullptr, 0);
   }
   pid_t pid() const { return std::max(pid_, 0); }
 
  private:
-  [[noreturn]] static void Wait(int fd, const GlobalOptions& global,
-                                const msg::EmergencyStop& stop) {
+  [[noreturn]] static void Wait(int fd, std::optional<Duration> patience,
+                                const GlobalOptions& global, const msg::EmergencyStop& stop) {
     setsid();
     const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
+    pollfd asked{fd, POLLIN, 0};
+    const int wait_ms = patience ? static_cast<int>(ToMilliseconds(*patience)) : -1;
+    while (poll(&asked, 1, wait_ms) < 0 && errno == EINTR) {
+    }
+    if (asked.revents == 0) PublishForAMinute(global, stop);
     char word = 0;
     ssize_t size = 0;
     do {
@@ -180,7 +190,9 @@ class Confirmation {
   void Await(Duration timeout) {
     const Time end = link_.loop().Now() + timeout;
     const auto left = [&] { return end - link_.loop().Now(); };
-    const auto led = [this] { return Report().controller && Report().settled(); };
+    const auto led = [this] {
+      return latch_.withdrawn() || (Report().controller && Report().settled());
+    };
     if (link_.RunUntil(led, std::min(link_.discovery(), timeout))) return;
     if (link_.interrupted()) return;
     const bool none = !HasController() && !Report().found();
@@ -239,8 +251,11 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console
   const MachineIdentity machine = MachineToStop(given);
   const msg::EmergencyStop stop = NewStop(options.reason, machine);
   HandOver(stop, given);
+  // The search reads the disk and other processes, and one that hangs may hold it up.
+  DetachedPublisher meanwhile(given, stop, kFirstTry);
   const std::vector<MachineHere> machines =
       MachinesHere(transport::DomainId({}).value(), given.name_space);
+  meanwhile.Cancel();
   const GlobalOptions global = Reach(given, machine, machines);
   DetachedPublisher detached(global, stop);
   const auto link = Link::Open(global, &console);

@@ -1,6 +1,7 @@
 #pragma once
 // What a host has of a machine without its controller (storage/machines_here.hpp finds it).
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,13 @@ struct MachineHere {
   std::vector<std::string> interfaces{};  // of its config, to other hosts
   std::vector<std::string> actuators{};   // of its config; empty: it cannot be read
   std::vector<std::string> elsewhere{};   // that its last controller knew on other hosts
+
+  // Whether one of these actuators, which run on this host, may be one of it.
+  bool HasOneOf(const std::vector<std::string>& running_here) const {
+    return std::ranges::any_of(running_here, [this](const std::string& name) {
+      return std::ranges::count(actuators, name) != 0;
+    });
+  }
 
   friend bool operator==(const MachineHere&, const MachineHere&) = default;
 };

@@ -142,11 +142,13 @@ void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
   if (known) return;
   if (origins.size() >= kMostOrigins) origins.erase(origins.begin());
   origins.push_back(std::move(origin));
-  const bool all_known = machines_.size() < kMostMachines;
-  const bool released =
-      all_known && IsReleasedFor({stop_.machine, stop_.machine_id}) &&
-      std::all_of(machines_.begin(), machines_.end(),
-                  [this](const MachineIdentity& machine) { return IsReleasedFor(machine); });
+  // One that names no machine is for those, too, that have not received it yet.
+  const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
+  const bool released = named && machines_.size() < kMostMachines &&
+                        IsReleasedFor({stop_.machine, stop_.machine_id}) &&
+                        std::ranges::all_of(machines_, [this](const MachineIdentity& machine) {
+                          return IsReleasedFor(machine);
+                        });
   if (!released || !stops_) return;
   stops_ = nullptr;
   if (on_change_) on_change_();
@@ -250,13 +252,17 @@ EstopReport StopLatch::Report(const StopView& view) const {
 
 // Those of this host that the stop is for.
 std::vector<const MachineHere*> StopLatch::MachinesOf(const StopView& view) const {
+  const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
   std::vector<const MachineHere*> meant;
   for (const MachineHere& machine : view.machines) {
     const auto is_it = [&machine](const MachineIdentity& known) {
       return SameMachine(known, machine.identity);
     };
     const bool received = machines_.empty() || std::ranges::any_of(machines_, is_it);
-    if (is_it({stop_.machine, stop_.machine_id}) && received) meant.push_back(&machine);
+    const bool meant_here = named || machine.HasOneOf(view.running_here);
+    if (is_it({stop_.machine, stop_.machine_id}) && received && meant_here) {
+      meant.push_back(&machine);
+    }
   }
   return meant;
 }

@@ -2,7 +2,7 @@
 // Publishes an emergency stop and collects which actuators have latched it. Needs no controller:
 // the actuators subscribe to the stop themselves and publish in their status what they latched.
 //
-//   published ──a controller of each machine that it has reached publishes its release──▶ withdrawn
+//   published ──a controller of the machine that it names publishes its release──▶ withdrawn
 //
 // A stop that is published longer would come back into a module that is restarted. A release counts
 // as it does for a controller (shell/controller_presence.hpp): only from a participant whose own

@@ -59,9 +59,7 @@ class Search {
     if (!origin || origin->name_space != name_space_ || origin->domain != domain_id_) return;
     MachineHere machine{{origin->name, origin->id}};
     machine.elsewhere = ElsewhereBy(folder);
-    std::error_code error;
-    const bool is_root = fs::is_directory(origin->file, error);  // of upgrades
-    const auto config = is_root ? std::nullopt : Read(origin->file);
+    const auto config = Read(origin->file);  // none of a root of upgrades, which is a folder
     if (config && config->name == origin->name) Take(machine, *config);
     found_.push_back(std::move(machine));
   }
@@ -82,11 +80,14 @@ class Search {
     }
     found_.push_back(std::move(machine));
   }
-  // Each config once, however many actuators of it run.
+  // Those of the actuators that run here; each config once, however many actuators of it run.
   void InProcesses() {
+    const std::string begin = NameLock::NameOf(domain_id_, name_space_, "");
     std::set<std::pair<std::string, std::string>> read;
-    for (const fs::path& process : EntriesOf("/proc")) {
-      if (std::atoi(process.filename().c_str()) == 0) continue;
+    for (const std::string& name : NameLock::HeldBelow(begin)) {
+      const NameLock::Holder holder = NameLock::HolderOf(begin + name);
+      if (!holder.trusted) continue;  // what it names may be anything
+      const fs::path process = fs::path("/proc") / std::to_string(holder.pid);
       const std::vector<std::string> environment = WordsOf(process / "environ");
       const std::string config = ConfigOf(process, environment);
       if (config.empty() || std::atoi(After(environment, "ROS_DOMAIN_ID=").c_str()) != domain_id_) {
@@ -99,7 +100,10 @@ class Search {
   std::vector<MachineHere> Take() { return std::move(found_); }
 
  private:
+  // A process may name anything, as a pipe that nobody writes: a stop waits for no such thing.
   std::optional<MachineConfig> Read(const std::string& file) const {
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) return std::nullopt;
     auto config = ReadConfigFile(file).config;
     if (config && config->name_space != name_space_) config.reset();
     return config;

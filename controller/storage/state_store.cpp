@@ -103,9 +103,9 @@ std::optional<StoredStops> StopsFrom(const std::string& text) {
       stops.engaged.back().by = value;
     } else if (name == "reason" && !stops.engaged.empty()) {
       stops.engaged.back().reason = value;
-    } else {
+    } else if (name == "engaged" || name == "released" || name == "by" || name == "reason") {
       return std::nullopt;
-    }
+    }  // else it is of a later version
   }
   return std::nullopt;
 }

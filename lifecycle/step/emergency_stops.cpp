@@ -67,7 +67,7 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
 // stop.
 void EmergencyStops::Begin(const event::Begin& begin) {
   const StoredStops& stops = begin.stops;
-  const bool runs = !begin.remote.empty() ||
+  const bool runs = begin.restarted || !begin.remote.empty() ||
                     std::ranges::any_of(begin.running, [](bool running) { return running; });
   machine_.emergency.released = stops.released;
   machine_.emergency.awaits_request = stops.awaits_request && runs;

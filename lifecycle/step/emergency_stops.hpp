@@ -12,7 +12,8 @@ class EmergencyStops : StepPart {
   EmergencyStops(StepContext& step, Saver& saver) : StepPart(step), saver_(saver) {}
 
   // Continues those that were stored, or received from other controllers and panels. Where nothing
-  // runs any more, the start of the machine is a request to switch on what a release did not.
+  // runs any more, the start of the machine is a request to switch on what a release did not,
+  // unless a supervisor restarts its controller.
   void Begin(const event::Begin& begin);
   void On(const event::EmergencyStopSeen& seen);
   void On(const event::ReleaseRequested& requested);

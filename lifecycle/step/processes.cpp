@@ -70,6 +70,7 @@ void Processes::StartAgain(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.restart.at.reset();
   known.report.state = config_.default_state;  // the old process does not count any more
+  known.report.pid = 0;
   known.presence = Presence::kStarting;
   known.set_up_by = now_ + config_.TimeFor(i, kSetUp);
   known.process.launch = Launch::kUnderWay;

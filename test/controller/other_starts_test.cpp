@@ -1,10 +1,12 @@
 #include "musher/controller/storage/other_starts.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "musher/controller/storage/machines_here.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
@@ -71,6 +73,16 @@ TEST(DefaultStateDirs, AreThoseOfThisUserOfSystemdAndOfTheOwnerOfTheConfig) {
   for (const std::string& one : folders) {
     EXPECT_EQ(fs::path(one).parent_path().filename(), "musher") << one;
     EXPECT_TRUE(fs::path(one).filename().string().starts_with("robot")) << one;
+  }
+}
+
+// Any process of the host may name any file.
+TEST(MachinesHere, DoNotWaitForAPipeThatIsNamedAsAConfig) {
+  const TempFolder folder;
+  const std::string pipe = folder / "robot.toml";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const MachineHere& machine : MachinesHere(0, "of_no_machine", {pipe, "/dev/stdin"})) {
+    ADD_FAILURE() << machine.identity.name;
   }
 }
 

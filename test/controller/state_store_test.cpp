@@ -81,6 +81,12 @@ TEST_F(Store, KeepsTheEmergencyStopsThatAreEngagedAndTheReleasedIds) {
   EXPECT_EQ(loaded, stops);
 }
 
+TEST_F(Store, KeepsTheEmergencyStopsOfAFileThatALaterVersionHasWritten) {
+  StateStore store = MustOpen();
+  std::ofstream(dir_ + "/emergency_stop") << "released 7\na word of tomorrow\nend\n";
+  EXPECT_EQ(store.LoadEmergencyStops(), (StoredStops{{}, {7}}));
+}
+
 TEST_F(Store, ReadsADamagedOrShortenedFileOfEmergencyStopsAsAnEngagedStop) {
   StateStore store = MustOpen();
   for (const char* text :

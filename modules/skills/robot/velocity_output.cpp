@@ -12,9 +12,10 @@ bool VelocityOutput::OnScan(std::size_t scanner, const msg::LaserScan& scan) {
   return true;
 }
 
-void VelocityOutput::OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity) {
+void VelocityOutput::OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity,
+                              Duration stamp) {
   gate_.OnVelocity(velocity, clock_.Now());
-  const auto fault = guard_.OnPose(pose, Duration{}, clock_.Now());
+  const auto fault = guard_.OnPose(pose, stamp, clock_.Now());
   if (fault && sending_ && !flies_) Hold(*fault);
 }
 
@@ -30,6 +31,8 @@ void VelocityOutput::Set(const navigation::Velocity& command) {
 
 void VelocityOutput::Teleoperate(const navigation::Velocity& command) {
   if (sending_ && !teleop_until_) return;
+  const bool lets_go = command == navigation::Velocity{};
+  if (lets_go && !fault_.empty()) return Stop();  // the person has seen that it stands
   teleop_until_ = clock_.Now() + kTeleopTime;
   Send(command);
 }

@@ -5,7 +5,8 @@
 //
 // A body on the ground whose odometry cannot be true beside its commands is stopped as well, until
 // Stop(): it is commanded and does not move, for example before a thing below its scanner; its pose
-// jumps; it is carried or pushed.
+// jumps; it is carried or pushed. A person at the teleoperation lets go of the stick once, and goes
+// on.
 //
 // A command of a person (teleop) is used only while no skill sends one, and ends by itself after
 // kTeleopTime.
@@ -49,7 +50,8 @@ class VelocityOutput {
   // Whether a recent scan covers this place, in the frame of the body.
   bool Covers(const navigation::Point& place) const { return gate_.Covers(place, clock_.Now()); }
   // As measured: the pose in any frame that stays, the velocity in the frame of the body.
-  void OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity);
+  // `stamp`: of the message; 0: it has none.
+  void OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity, Duration stamp);
 
   void Set(const navigation::Velocity& command);
   void Teleoperate(const navigation::Velocity& command);

@@ -172,7 +172,7 @@ void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
   if (!pose || again) return;  // stamps that stand are of odometry that stands
   odometry_stamp_ = stamp;
   body_frame_ = message.child_frame_id;
-  velocity->OnMotion(*pose, ToMapFrame(message.twist.twist, 0));
+  velocity->OnMotion(*pose, ToMapFrame(message.twist.twist, 0), stamp);
   odometry.Set({*pose, ToMapFrame(message.twist.twist, pose->yaw_rad)}, Now());
   const auto frame = InMap(message.header.frame_id);
   if (!frame) return refused.Set(frame.error().message, Now());

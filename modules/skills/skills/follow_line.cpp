@@ -164,7 +164,10 @@ Next FollowLine::Search(Tick& tick) {
 }
 
 Next FollowLine::OnLimit(Tick& tick) {
-  if (tick.state == searching_) return Next::Fail("Line lost: not found by turning to both sides");
+  if (tick.state == searching_) {
+    const std::string held = robot_.HeldBy();
+    return Next::Fail("Line lost: " + (held.empty() ? "not found by turning to both sides" : held));
+  }
   if (!robot_.pose()) return Next::Fail(robot_.WhyNoPose());
   return Next::Fail("No line in sight of " + robot_.name());
 }

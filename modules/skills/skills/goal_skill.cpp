@@ -146,14 +146,17 @@ Next GoalSkill::Recover(Tick& tick) {
   }
   if (!end) return Next::Stay();
   recovers_by_.reset();
-  if (trouble_ == Trouble::kMover) {
+  if (trouble_ == Trouble::kMover && *end) {
     travel_.BeginRest();
     return Next::To(executing_, name + " has ended");
   }
   return Next::To(planning_, *end ? name + " has ended" : name + ": " + end->error().message);
 }
 
+// A flyer plans around it: the rest of a path that climbs is not that of one on the ground, and its
+// scan sees other things at each height.
 bool GoalSkill::IsMoverInTheWay() const {
+  if (robot_.flies()) return false;
   constexpr double kOfRobotM = 0.3;
   std::vector<navigation::Point> in_the_way = travel_.InTheWay(kPathAheadM);
   for (const navigation::RobotIntent& other : robot_.others()) {

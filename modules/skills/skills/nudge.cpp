@@ -42,10 +42,10 @@ Result<navigation::Velocity> NudgeCommand(const Robot& robot, const navigation::
       std::atan2(target.y_m - now->at.y_m, target.x_m - now->at.x_m) - now->yaw_rad);
   navigation::Velocity command;
   command.yaw_rad_s = std::clamp(kTurnGainPerS * bearing_rad, -kTurnRadS, kTurnRadS);
+  if (const std::string held = robot.HeldBy(); !held.empty()) return Error{kCodeFailed, held};
   if (std::abs(bearing_rad) > kStraightRad) return command;
   if (ObstacleAhead(robot, *now, target)) return Error{kCodeFailed, "an obstacle is in the way"};
   command.x_m_s = kSpeedMps;
-  if (const std::string held = robot.HeldBy(); !held.empty()) return Error{kCodeFailed, held};
   return command;
 }
 

@@ -530,6 +530,13 @@ TEST(EmergencyStopBeforeBegin, IsNoMoreWaitedForOnceAllProcessesHaveEnded) {
     Step(config, machine, begin, Time());
     EXPECT_EQ(machine.emergency.awaits_request, runs);
   }
+  Machine machine = MakeMachine(config);
+  event::Begin again;
+  again.running = {false, false};
+  again.stops = {{}, {7}, true};
+  again.restarted = true;
+  Step(config, machine, again, Time());
+  EXPECT_TRUE(machine.emergency.awaits_request) << "a supervisor is no person";
 }
 
 TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {

@@ -102,6 +102,22 @@ TEST_F(Processes, OfTheControllerThatExitAreNoLossesWhileOneOfAnotherHostIsPrese
   }
 }
 
+TEST_F(Processes, ThatExitBeforeTheirFirstStatusAreLossesAlsoAfterOneOfAnotherHost) {
+  StartUpOurs();
+  Of(0).report.host = "there";
+  Of(0).report.pid = 900;
+  Of(0).presence = Presence::kLost;
+  Of(0).process.pid = 0;
+  Of(0).restart.at = machine_.actuators[0].set_up_by.value_or(Time{});
+  Pass(Milliseconds(1));
+  Do(event::ProcessStarted{0, 800});
+  ASSERT_THAT(Did<action::StartProcess>(), SizeIs(1));
+  Do(event::ProcessEnded{0, 800, false, "exit code 1"});
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+  Pass(Milliseconds(200));
+  EXPECT_THAT(Did<action::StartProcess>(), SizeIs(2));
+}
+
 TEST_F(Processes, OfTheControllerThatExitAreLossesIfTheOtherIsUnknown) {
   StartUpOurs();
   Of(0).report.pid = 900;

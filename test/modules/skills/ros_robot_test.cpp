@@ -136,6 +136,28 @@ TEST_F(ARosRobot, StopsWhenItsPoseJumpsFartherThanABodyCan) {
   EXPECT_EQ(robot_.HeldBy(), "");
 }
 
+TEST_F(ARosRobot, IsTeleoperatedAgainAfterAPushOnceThePersonLetsGoOfTheStick) {
+  sees_m_ = 9;
+  Run(200);
+  const auto drive = [this](double x_m_s, int times) {
+    for (int i = 0; i < times; ++i) {
+      msg::Twist twist;
+      twist.linear.x = x_m_s;
+      EXPECT_TRUE(peers_->teleop->Publish(twist));
+      Run(80);
+    }
+  };
+  Stand(1, 0);
+  drive(0.3, 2);
+  Stand(9, 0);
+  drive(0.3, 2);
+  EXPECT_EQ(peers_->commands.back(), msg::Twist{});
+  Stand(9, 0);
+  drive(0, 1);
+  drive(0.3, 2);
+  EXPECT_EQ(peers_->commands.back().linear.x, 0.3);
+}
+
 TEST_F(ARosRobot, ClearsTheMemoryOfPlannerAndController) {
   EXPECT_TRUE(ResultOf(robot_.ClearMemory()));
   EXPECT_THAT(peers_->cleared, ::testing::UnorderedElementsAre("r/clear_planner_memory",
