@@ -974,6 +974,18 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
   }
 }
 
+// Whether another controller commands the actuator since: with a higher epoch, or beyond a
+// partition with the same one.
+bool Checker::ObeysAnother(const Machine& machine, const ActuatorReport& report) const {
+  if (report.epoch > machine.epoch) return true;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const SimulatedController* other = robot_.controller(which);
+    if (other == nullptr || !other->leads() || &other->shell().machine() == &machine) continue;
+    if (other->shell().machine().epoch >= machine.epoch) return true;
+  }
+  return false;
+}
+
 // Whether an actuator need not be in the state that "done" reports: it is listed as degraded, still
 // joining, reports false states, joined too late to take part, or obeys a newer controller since:
 // one that was frozen reports what was done before.
@@ -986,7 +998,7 @@ bool Checker::IsExcused(const Machine& machine, ActuatorIndex i, const SwitchRes
       std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
         return one.name == name && one.outcome == ActuatorOutcome::kDone;
       });
-  if (robot_.ReportOf(i, known.report)->epoch > machine.epoch) return true;
+  if (ObeysAnother(machine, *robot_.ReportOf(i, known.report))) return true;
   const bool away = known.presence != Presence::kPresent || !known.checked || known.fault;
   const bool joining = known.due || known.command || known.suspended || (away && !took_part);
   return joining || false_reporters_.contains(name) || self_switched_.contains(name) ||

@@ -175,6 +175,7 @@ class Checker {
   void CheckClients();
   void CheckClientsAtRest();
   void CheckNotDegraded(const Machine& machine, const SwitchResult& result);
+  bool ObeysAnother(const Machine& machine, const ActuatorReport& report) const;
   bool IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const;
   // The policy, by the samples of the battery alone.
   void CheckCeiling(const Machine& machine, bool at_rest);

@@ -84,7 +84,7 @@ GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
       NameLock::HeldBelow(NameLock::NameOf(transport::DomainId({}).value(), global.name_space, ""));
   for (const MachineHere& one : machines) {
     if (!one.lan || !SameMachine(one.identity, machine)) continue;
-    if (!named && !one.HasOneOf(here)) continue;
+    if (!named && !here.empty() && !one.HasOneOf(here)) continue;
     const char* profile = std::getenv("MUSHER_TRANSPORT");  // NOLINT(concurrency-mt-unsafe)
     if (profile == nullptr || *profile == '\0') setenv("MUSHER_TRANSPORT", "lan", /*replace=*/1);
     if (reach.interfaces.empty()) reach.interfaces = one.interfaces;
@@ -108,10 +108,10 @@ GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
 // in any way: on Ctrl-C, with its terminal, or killed.
 class DetachedPublisher {
  public:
-  // To be called before the process has a second thread. `patience`: after which it publishes
+  // To be called before the process has a second thread. `timeout`: after which it publishes
   // unless it was cancelled.
   DetachedPublisher(const GlobalOptions& global, const msg::EmergencyStop& stop,
-                    std::optional<Duration> patience = std::nullopt) {
+                    std::optional<Duration> timeout = std::nullopt) {
     int ends[2] = {-1, -1};
     if (pipe2(ends, O_CLOEXEC) != 0) return;
     UniqueFd read_end(ends[0]);
@@ -119,7 +119,7 @@ class DetachedPublisher {
     pid_ = fork();
     if (pid_ == 0) {
       write_end = {};
-      Wait(read_end.get(), patience, global, stop);
+      Wait(read_end.get(), timeout, global, stop);
     }
     if (pid_ > 0) pipe_ = std::move(write_end);
   }
@@ -140,13 +140,13 @@ class DetachedPublisher {
   pid_t pid() const { return std::max(pid_, 0); }
 
  private:
-  [[noreturn]] static void Wait(int fd, std::optional<Duration> patience,
+  [[noreturn]] static void Wait(int fd, std::optional<Duration> timeout,
                                 const GlobalOptions& global, const msg::EmergencyStop& stop) {
     setsid();
     const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
     pollfd asked{fd, POLLIN, 0};
-    const int wait_ms = patience ? static_cast<int>(ToMilliseconds(*patience)) : -1;
+    const int wait_ms = timeout ? static_cast<int>(ToMilliseconds(*timeout)) : -1;
     while (poll(&asked, 1, wait_ms) < 0 && errno == EINTR) {
     }
     if (asked.revents == 0) PublishForAMinute(global, stop);

@@ -259,7 +259,8 @@ std::vector<const MachineHere*> StopLatch::MachinesOf(const StopView& view) cons
       return SameMachine(known, machine.identity);
     };
     const bool received = machines_.empty() || std::ranges::any_of(machines_, is_it);
-    const bool meant_here = named || machine.HasOneOf(view.running_here);
+    const bool meant_here =
+        named || view.running_here.empty() || machine.HasOneOf(view.running_here);
     if (is_it({stop_.machine, stop_.machine_id}) && received && meant_here) {
       meant.push_back(&machine);
     }

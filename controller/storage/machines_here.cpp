@@ -100,7 +100,7 @@ class Search {
   std::vector<MachineHere> Take() { return std::move(found_); }
 
  private:
-  // A process may name anything, as a pipe that nobody writes: a stop waits for no such thing.
+  // A process may name anything, as a pipe without a writer: a stop waits for no such thing.
   std::optional<MachineConfig> Read(const std::string& file) const {
     std::error_code error;
     if (!fs::is_regular_file(file, error)) return std::nullopt;

@@ -436,7 +436,7 @@ TEST_F(ReleasedStop, StaysPublishedThoughAPanelABridgeOrAnotherMachineReleasesIt
 }
 
 // Another machine may still be out of range.
-TEST_F(ReleasedStop, ThatNamesNoMachineStaysPublishedWhoeverReleasesIt) {
+TEST_F(ReleasedStop, ThatNamesNoMachineStaysPublishedAfterEachRelease) {
   EngageFor("");
   for (Releaser* controller : {&dog_controller_, &cat_controller_}) {
     controller->SendHeartbeat();

@@ -31,8 +31,8 @@ void VelocityOutput::Set(const navigation::Velocity& command) {
 
 void VelocityOutput::Teleoperate(const navigation::Velocity& command) {
   if (sending_ && !teleop_until_) return;
-  const bool lets_go = command == navigation::Velocity{};
-  if (lets_go && !fault_.empty()) return Stop();  // the person has seen that it stands
+  const bool at_rest = command == navigation::Velocity{};
+  if (at_rest && !fault_.empty()) return Stop();  // the stick is released once
   teleop_until_ = clock_.Now() + kTeleopTime;
   Send(command);
 }

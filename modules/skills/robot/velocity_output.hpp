@@ -5,7 +5,7 @@
 //
 // A body on the ground whose odometry cannot be true beside its commands is stopped as well, until
 // Stop(): it is commanded and does not move, for example before a thing below its scanner; its pose
-// jumps; it is carried or pushed. A person at the teleoperation lets go of the stick once, and goes
+// jumps; it is carried or pushed. A person who teleoperates it releases the stick once, and goes
 // on.
 //
 // A command of a person (teleop) is used only while no skill sends one, and ends by itself after

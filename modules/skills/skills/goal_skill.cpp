@@ -153,8 +153,8 @@ Next GoalSkill::Recover(Tick& tick) {
   return Next::To(planning_, *end ? name + " has ended" : name + ": " + end->error().message);
 }
 
-// A flyer plans around it: the rest of a path that climbs is not that of one on the ground, and its
-// scan sees other things at each height.
+// A flyer plans around it: the rest of a path that climbs cannot be joined by a straight line on a
+// level, and the scan sees other things at each height.
 bool GoalSkill::IsMoverInTheWay() const {
   if (robot_.flies()) return false;
   constexpr double kOfRobotM = 0.3;

@@ -136,7 +136,7 @@ TEST_F(ARosRobot, StopsWhenItsPoseJumpsFartherThanABodyCan) {
   EXPECT_EQ(robot_.HeldBy(), "");
 }
 
-TEST_F(ARosRobot, IsTeleoperatedAgainAfterAPushOnceThePersonLetsGoOfTheStick) {
+TEST_F(ARosRobot, IsTeleoperatedAgainAfterAJumpOnceThePersonReleasesTheStick) {
   sees_m_ = 9;
   Run(200);
   const auto drive = [this](double x_m_s, int times) {
