@@ -60,7 +60,8 @@ class Roots {
   }
 
   // What a request leads to from there.
-  void Follow(State from) {  // a copy: Add() moves those in order_
+  // A copy: Add() moves those in order_.
+  void Follow(State from) {  // NOLINT(performance-unnecessary-value-param)
     for (const State& to : model_.config.states) {
       if (to == kTearDown || Has(to) || !FlowAllows(model_.config, from, to)) continue;
       World world = worlds_.at(from);
@@ -205,6 +206,7 @@ class Prover {
   void ForEach(const std::vector<ProofTask>& tasks,
                const std::function<void(const ProofTask&)>& search) {
     std::vector<std::size_t> work_of;
+    work_of.reserve(tasks.size());
     for (const ProofTask& task : tasks) work_of.push_back(WorkOf(task));
     const std::size_t all_work = std::accumulate(work_of.begin(), work_of.end(), std::size_t{});
     std::atomic<std::size_t> next = 0;
