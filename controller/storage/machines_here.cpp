@@ -86,7 +86,7 @@ class Search {
     std::set<std::pair<std::string, std::string>> read;
     for (const std::string& name : NameLock::HeldBelow(begin)) {
       const NameLock::Holder holder = NameLock::HolderOf(begin + name);
-      if (!holder.trusted) continue;  // what it names may be anything
+      if (holder.pid == 0) continue;  // of a user whose processes this one may not read
       const fs::path process = fs::path("/proc") / std::to_string(holder.pid);
       const std::vector<std::string> environment = WordsOf(process / "environ");
       const std::string config = ConfigOf(process, environment);
