@@ -46,10 +46,8 @@ bool IsStable(const State& state) {
 
 const std::vector<Scenario>& Scenarios() {
   static const std::vector<Scenario> all = {
-      {"Parallel", MachineOf(kActuators)},
-      {"Chain", testing::Chain(), 2},
-      {"Critical", WithCriticalB()},
-      {"Staggered", Staggered()},
+      {"Parallel", MachineOf(kActuators)}, {"Chain", testing::Chain(), 2},
+      {"Critical", WithCriticalB()},       {"Staggered", Staggered()},
       {"Restarted", WithRestarts()},
   };
   return all;

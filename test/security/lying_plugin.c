@@ -11,11 +11,13 @@ static void* Real(const char* function) {
   return library == NULL ? NULL : dlsym(library, function);
 }
 
-static DDS_Security_boolean AllowEndpoint(
-    dds_security_access_control* instance, const DDS_Security_PermissionsHandle permissions,
-    const DDS_Security_DomainId domain, const char* topic, const DDS_Security_Qos* qos,
-    const DDS_Security_PartitionQosPolicy* partition, const DDS_Security_DataTags* tags,
-    DDS_Security_SecurityException* exception) {
+static DDS_Security_boolean AllowEndpoint(dds_security_access_control* instance,
+                                          const DDS_Security_PermissionsHandle permissions,
+                                          const DDS_Security_DomainId domain, const char* topic,
+                                          const DDS_Security_Qos* qos,
+                                          const DDS_Security_PartitionQosPolicy* partition,
+                                          const DDS_Security_DataTags* tags,
+                                          DDS_Security_SecurityException* exception) {
   (void)instance, (void)permissions, (void)domain, (void)topic;
   (void)qos, (void)partition, (void)tags, (void)exception;
   return true;

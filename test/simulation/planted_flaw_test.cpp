@@ -339,7 +339,7 @@ class FlawOfThePolicy : public PlantedFlaw {
 TEST_F(FlawOfThePolicy, FindsAPowerOffAfterOneEmptySample) {
   BringUpWithBattery(80);
   for (int glitches = 0; glitches < 2; ++glitches) {  // a good sample is between them
-    RunFor(std::chrono::seconds(60));  // the machine is up again
+    RunFor(std::chrono::seconds(60));                 // the machine is up again
     robot_->GlitchBattery(0, false);
     ASSERT_TRUE(RunUntil([&] { return policy().emptying.has_value(); }, std::chrono::seconds(1)));
   }

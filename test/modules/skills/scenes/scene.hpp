@@ -19,9 +19,9 @@ struct SceneMover {
   double radius_m = 0.25;
   double height_m = 1.8;
   double begins_s = 0;
-  double waits_s = 0;  // at each place of its path but the first
-  bool stays = false;  // at the end of its path
-  bool yields = true;  // stops before a robot
+  double waits_s = 0;     // at each place of its path but the first
+  bool stays = false;     // at the end of its path
+  bool yields = true;     // stops before a robot
   double yields_m = 0.3;  // so far from it
   double turns_s = 1e9;   // after which it turns round where a robot is in its way
 };
