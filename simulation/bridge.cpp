@@ -18,9 +18,15 @@ Bridge::Bridge(transport::sim::Network& network, const MachineConfig& config, st
        transport::kLatchedFromManyQos);
   Open(heartbeats_, transport::ActuatorHeartbeatTopic(config.name_space), transport::kHeartbeatQos,
        transport::kHeartbeatQos);
+  Open(machines_, transport::MachineStatusTopic(config.name_space), transport::kLatchedQos,
+       transport::kLatchedFromManyQos);
+  Open(controllers_, transport::ControllerHeartbeatTopic(config.name_space), transport::kLatchedQos,
+       transport::kLatchedFromManyQos);
   timer_ = node_->loop().Every(kPeriod, [this] {
     Repeat(statuses_);
     Repeat(heartbeats_);
+    Repeat(machines_);
+    Repeat(controllers_);
   });
 }
 

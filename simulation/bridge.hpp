@@ -1,6 +1,6 @@
 #pragma once
 // A bridge that echoes, such as one between two DDS domains: a second writer of the topics of
-// actuators, which repeats old statuses and heartbeats of all of them, and leaves.
+// actuators and controllers, which repeats old statuses and heartbeats of all of them, and leaves.
 //
 // Threads: the one of the network.
 
@@ -10,6 +10,7 @@
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -38,6 +39,8 @@ class Bridge {
   transport::ParticipantId participant_ = 0;
   Topic<msg::ActuatorStatus> statuses_;
   Topic<msg::ActuatorHeartbeat> heartbeats_;
+  Topic<msg::MachineStatus> machines_;
+  Topic<msg::ControllerHeartbeat> controllers_;
   transport::LoopHandlePtr timer_;
 };
 

@@ -236,7 +236,7 @@ void Checker::CheckController(const SimulatedController& controller) {
   }
   CheckReason(controller, seen.state);
   CheckChange(machine, seen);
-  CheckCeiling(machine, false);
+  CheckCeiling(controller, false);
   CheckQuiet(machine, seen);
   CheckStaysDown(controller);
 }
@@ -1027,18 +1027,29 @@ void Checker::CheckNotDegraded(const Machine& machine, const SwitchResult& resul
 
 // Checked as soon as nothing else is under way. `at_rest`: the stored policy must be loaded by
 // then.
-void Checker::CheckCeiling(const Machine& machine, bool at_rest) {
+void Checker::CheckCeiling(const SimulatedController& controller, bool at_rest) {
+  const Machine& machine = controller.shell().machine();
   const PolicyState& policy = machine.policy;
   const bool waits = machine.current || machine.fallback.target || policy.keep || policy.power ||
                      machine.state == kOta || (!at_rest && !policy.loaded);
-  if (!config_.policy || !config_.policy->battery || !policy.battery) return;
-  NoteLevels(*config_.policy->battery, *policy.battery);
+  if (!config_.policy || !config_.policy->battery) return;
+  if (policy.battery) {
+    NoteLevels(*config_.policy->battery, *policy.battery);
+    level_on_[controller.host()] = {*policy.battery, policy.charging};
+  }
   const auto rank = config_.RankOf(machine.state);
   if (waits || machine.phase != Phase::kRunning || !rank) return;
-  const auto most = MostAt(*config_.policy->battery, *policy.battery, policy.charging);
+  // Without a sample, what the controller before it on this host knew last still holds.
+  const auto known = level_on_.find(controller.host());
+  if (known == level_on_.end() || (!policy.battery && state_lost_)) return;
+  const Level& level = known->second;
+  const auto most = MostAt(*config_.policy->battery, level.percent, level.charging);
   if (!most || *rank <= *most) return;
   ReportViolation(Invariant::kWithinBattery,
-                  "the machine is in " + machine.state + " while " + BatteryText(policy));
+                  "the machine is in " + machine.state + " while " +
+                      (policy.battery ? BatteryText(policy)
+                                      : "nothing publishes the battery, which was at " +
+                                            std::to_string(level.percent) + " %"));
 }
 
 // A level is left at `hysteresis` above its threshold; from then on only the threshold counts.
@@ -1299,7 +1310,7 @@ void Checker::CheckRest(bool provided) {
     ReportViolation(Invariant::kOneReplyPerRequest,
                     "a request for " + open_requests_.begin()->second.target + " has no reply");
   }
-  CheckCeiling(machine, true);
+  CheckCeiling(*controller, true);
   if (machine.phase != Phase::kStopped) {
     CheckStopsAtRest(machine);
     CheckClientsAtRest();

@@ -178,7 +178,7 @@ class Checker {
   bool ObeysAnother(const Machine& machine, const ActuatorReport& report) const;
   bool IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const;
   // The policy, by the samples of the battery alone.
-  void CheckCeiling(const Machine& machine, bool at_rest);
+  void CheckCeiling(const SimulatedController& controller, bool at_rest);
   void CheckPolicyChange(const Machine& machine, const Seen& seen);
   void ForgetEndedPolicySwitches(const Machine& machine);
   void CheckRaise(const State& raised_to, int percent);
@@ -218,8 +218,13 @@ class Checker {
   std::uint64_t next_request_ = 1;
   std::vector<State> policy_up_to_;  // the targets of its last switches
   std::vector<State> policy_down_to_;
-  std::optional<int> raised_at_;  // the battery's percentage when it last decided to raise
-  std::array<bool, 2> left_{};    // the levels of Protected and LowPower; not reached again since
+  struct Level {
+    int percent = 0;
+    bool charging = false;
+  };
+  std::map<std::size_t, Level> level_on_;  // of a host: what a controller there knew last
+  std::optional<int> raised_at_;           // the battery's percentage when it last decided to raise
+  std::array<bool, 2> left_{};  // the levels of Protected and LowPower; not reached again since
   std::optional<State> checked_raise_;  // before its state was seen: a lowering began in that step
   bool lowering_begins_ = false;        // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to

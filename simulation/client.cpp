@@ -20,10 +20,10 @@ Client::Client(transport::sim::Network& network, Hosts& hosts, const MachineConf
     : network_(network),
       config_(config),
       machine_{layout.machine_id.empty() ? "" : config.name, layout.machine_id},
-      host_(host) {
-  const std::string endpoint = "client@" + hosts.name(host);
-  hosts.Attach(endpoint, host);
-  node_ = network.MakeNode(endpoint);
+      host_(host),
+      endpoint_("client@" + hosts.name(host)) {
+  hosts.Attach(endpoint_, host);
+  node_ = network.MakeNode(endpoint_);
 }
 
 Client::~Client() {
@@ -91,6 +91,10 @@ void Client::Restart(const std::string& actuator) {
   request.actuator = actuator;
   if (!machine_.id.empty()) request.by = Name(machine_.id);
   Call<msg::RestartActuator>("restart_actuator", std::move(request));
+}
+
+void Client::SetDiscoveryAtMost(Duration most) {
+  network_.SetDiscoveryDelayOf(endpoint_, Milliseconds(1), most);
 }
 
 void Client::OnControllerKilled() {

@@ -47,6 +47,9 @@ class Client {
   // The leading controller is killed: its open requests have no reply.
   void OnControllerKilled();
   std::size_t host() const { return host_; }
+  // How long it takes at most until it and what it calls have discovered each other.
+  static constexpr Duration kUsualDiscovery = Milliseconds(5);
+  void SetDiscoveryAtMost(Duration most);
 
   // May be empty. A switch has ended; `end.kind` is kUnknown when the outcome is not known.
   std::function<void(const Request&, const SwitchEnd&)> on_end;
@@ -61,6 +64,7 @@ class Client {
   const MachineConfig& config_;
   const MachineIdentity machine_;  // without an id: any
   const std::size_t host_;
+  const std::string endpoint_;
   std::uint64_t next_id_ = 1;
   std::unique_ptr<transport::Node> node_;
   std::list<Request> open_requests_;

@@ -73,6 +73,8 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kStopProgram, "stop-program", 0},
     {InjectionKind::kManyStops, "many-stops", 0},
     {InjectionKind::kUnnamedStop, "unnamed-stop", 0},
+    {InjectionKind::kSilentBattery, "silent-battery", 0},
+    {InjectionKind::kSlowDiscovery, "slow-discovery", 0},
 }};
 
 // The share of process ends that are configuration errors.
@@ -107,6 +109,8 @@ constexpr double kBridgeShare = 0.3;
 constexpr double kStopProgramShare = 0.15;
 constexpr double kManyStopsShare = 0.03;
 constexpr double kUnnamedStopShare = 0.05;
+constexpr double kSilentBatteryShare = 0.25;  // of those with a battery in their policy
+constexpr double kSlowDiscoveryShare = 0.15;
 constexpr double kThenReleased = 0.7;
 constexpr InjectionKind kOfClients[] = {
     InjectionKind::kClientSet,    InjectionKind::kClientSet,     InjectionKind::kClientStatus,
@@ -185,6 +189,7 @@ class InjectionSampler {
         host_random_(seed * 2 + 0x72656274),
         pair_random_(seed * 2 + 0x70616972),
         around_random_(seed * 2 + 0x61726f75),
+        late_random_(seed * 2 + 0x6c617465),
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
   Injections Sample(bool bridges) {
@@ -204,8 +209,10 @@ class InjectionSampler {
     if (hosts_ > 2 && pair_random_.Bernoulli(kPairShare)) AddPair();
     AddAround();
     if (bridges && Random(around_random_).Bernoulli(kBridgeShare)) {
-      Insert(InjectionKind::kBridge, std::chrono::seconds(1), std::chrono::seconds(20));
+      Insert(around_random_, InjectionKind::kBridge, std::chrono::seconds(1),
+             std::chrono::seconds(20));
     }
+    AddLate();
     return std::move(injections_);
   }
 
@@ -243,7 +250,7 @@ class InjectionSampler {
   void AddAround() {
     using std::chrono::seconds;
     const auto maybe = [this](InjectionKind kind, double share, Duration least, Duration most) {
-      if (around_random_.Bernoulli(share)) Insert(kind, least, most);
+      if (around_random_.Bernoulli(share)) Insert(around_random_, kind, least, most);
     };
     const bool lan = config_.transport == TransportProfile::kLan;
     maybe(InjectionKind::kOtherMachine, lan ? kOtherShare : 0, seconds(3), seconds(40));
@@ -256,18 +263,51 @@ class InjectionSampler {
     maybe(InjectionKind::kUnnamedStop, kUnnamedStopShare, released, seconds(12));
   }
 
+  // What is late: the battery's samples, over a restart of the controller as well; and what a
+  // client discovers.
+  void AddLate() {
+    using std::chrono::seconds;
+    const bool battery = config_.policy && config_.policy->battery;
+    if (battery && late_random_.Bernoulli(kSilentBatteryShare)) {
+      const Injection silent =
+          Insert(late_random_, InjectionKind::kSilentBattery, Milliseconds(500), seconds(20));
+      if (late_random_.Bernoulli(0.7)) InsertWithin(silent, InjectionKind::kControllerCrash);
+    }
+    if (!late_random_.Bernoulli(kSlowDiscoveryShare)) return;
+    const Injection slow =
+        Insert(late_random_, InjectionKind::kSlowDiscovery, seconds(2), seconds(20));
+    for (std::uint64_t requests = 1 + late_random_.Next() % 3; requests > 0; --requests) {
+      InsertWithin(slow, kOfClients[late_random_.Next() % std::size(kOfClients)]);
+    }
+  }
+
+  // While another one lasts, on the same host.
+  void InsertWithin(const Injection& other, InjectionKind kind) {
+    Injection injection = other;
+    injection.kind = kind;
+    injection.at += late_random_.Between({}, other.lasts);
+    injection.state = SampleState(config_, late_random_);
+    injection.lasts = SampleLogUniform(late_random_, Milliseconds(1), std::chrono::seconds(10));
+    injection.random = late_random_.Next();
+    Insert(injection);
+  }
+
   // Somewhere among the others. A stop lasts until it is released; zero: it is not.
-  void Insert(InjectionKind kind, Duration least, Duration most) {
+  Injection Insert(Random& random, InjectionKind kind, Duration least, Duration most) {
     Injection injection;
     injection.kind = kind;
-    injection.at = around_random_.Between({}, at_ + std::chrono::seconds(2));
-    injection.actuator = ActuatorIndex(around_random_.Next() % config_.actuators.size());
-    injection.host = around_random_.Next() % hosts_;
-    injection.lasts = most <= least ? least : SampleLogUniform(around_random_, least, most);
-    if (kind >= InjectionKind::kStopProgram && !around_random_.Bernoulli(kThenReleased)) {
-      injection.lasts = {};
-    }
-    injection.random = around_random_.Next();
+    injection.at = random.Between({}, at_ + std::chrono::seconds(2));
+    injection.actuator = ActuatorIndex(random.Next() % config_.actuators.size());
+    injection.host = random.Next() % hosts_;
+    injection.lasts = most <= least ? least : SampleLogUniform(random, least, most);
+    const bool stop = kind >= InjectionKind::kStopProgram && kind <= InjectionKind::kUnnamedStop;
+    if (stop && !random.Bernoulli(kThenReleased)) injection.lasts = {};
+    injection.random = random.Next();
+    Insert(injection);
+    return injection;
+  }
+
+  void Insert(const Injection& injection) {
     const auto later = std::find_if(injections_.begin(), injections_.end(),
                                     [&](const auto& one) { return one.at > injection.at; });
     injections_.insert(later, injection);
@@ -434,6 +474,7 @@ class InjectionSampler {
   Random host_random_;
   Random pair_random_;
   Random around_random_;
+  Random late_random_;
   std::size_t hosts_;
   Duration at_{};
   Injections injections_;
@@ -450,7 +491,8 @@ bool IsFault(InjectionKind kind) {
   const bool of_sensor =
       kind >= InjectionKind::kBatteryGlitch && kind <= InjectionKind::kBatteryWalk;
   const bool around = kind >= InjectionKind::kOtherMachine && kind <= InjectionKind::kBridge;
-  return kind < InjectionKind::kSet || of_hosts || of_sensor || around;
+  const bool late = kind >= InjectionKind::kSilentBattery;
+  return kind < InjectionKind::kSet || of_hosts || of_sensor || around || late;
 }
 
 bool IsAround(InjectionKind kind) {

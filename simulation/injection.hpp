@@ -66,15 +66,17 @@ enum class InjectionKind : std::uint8_t {
   kClientRelease,  // the release of the emergency stops
   kClientRestart,  // the restart of an actuator
   // What is around the robot.
-  kOtherMachine,  // another machine comes into range, in the same namespace; lasts
-  kOuterNetwork,  // a host's outer interface is gone, its loopback remains; lasts
-  kLostFiles,     // the files of the controllers are removed while they run
-  kBridge,        // a bridge repeats old statuses and heartbeats of actuators, and leaves; lasts
-  kStopProgram,   // a program on a host engages a stop, over links that may be bad
-  kManyStops,     // a panel engages stops by the hundred
-  kUnnamedStop,   // a panel engages a stop without an id
+  kOtherMachine,   // another machine comes into range, in the same namespace; lasts
+  kOuterNetwork,   // a host's outer interface is gone, its loopback remains; lasts
+  kLostFiles,      // the files of the controllers are removed while they run
+  kBridge,         // a bridge repeats old statuses and heartbeats, and leaves; lasts
+  kStopProgram,    // a program on a host engages a stop, over links that may be bad
+  kManyStops,      // a panel engages stops by the hundred
+  kUnnamedStop,    // a panel engages a stop without an id
+  kSilentBattery,  // nothing publishes the battery; lasts
+  kSlowDiscovery,  // a client on a host needs seconds to discover what it calls; lasts
 };
-inline constexpr std::size_t kInjectionKinds = 52;
+inline constexpr std::size_t kInjectionKinds = 54;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
 

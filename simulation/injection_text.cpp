@@ -125,13 +125,17 @@ std::string Describe(const MachineConfig& config, const Injection& injection) {
     case InjectionKind::kLostFiles:
       return "the files of the controller are removed";
     case InjectionKind::kBridge:
-      return "a bridge repeats old statuses and heartbeats of actuators" + lasts;
+      return "a bridge repeats old statuses and heartbeats" + lasts;
     case InjectionKind::kStopProgram:
       return "a program on host " + host + " engages an emergency stop" + released;
     case InjectionKind::kManyStops:
       return "a panel engages emergency stops by the hundred" + released;
     case InjectionKind::kUnnamedStop:
       return "a panel engages an emergency stop without an id" + released;
+    case InjectionKind::kSilentBattery:
+      return "nothing publishes the battery" + lasts;
+    case InjectionKind::kSlowDiscovery:
+      return "a client on host " + host + " needs up to 10 s to discover what it calls" + lasts;
   }
   return {};
 }

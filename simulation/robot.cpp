@@ -398,6 +398,7 @@ void SimRobot::OpenBody() {
 
 void SimRobot::PublishBattery(transport::Publisher<msg::BmsStatus>& publisher,
                               const msg::BmsStatus& status) {
+  if (battery_silent_) return;
   if (on_battery) on_battery(status.batt_soc, status.power_wired_charging);
   static_cast<void>(publisher.Publish(status));
 }

@@ -155,6 +155,8 @@ class SimRobot {
   void GlitchBattery(int percent, bool charging);
   // The level that a second program publishes; nullopt: it ends.
   void SetOtherBattery(std::optional<int> percent);
+  // Nothing publishes the battery, or what publishes it is back.
+  void SetBatterySilent(bool silent) { battery_silent_ = silent; }
   std::optional<int> battery() const;  // %, as set
   void SetMotion(std::int32_t motion);
   void ReleaseEmergencyStop();  // by the controller, for an operator
@@ -233,6 +235,7 @@ class SimRobot {
   std::optional<msg::BmsStatus> battery_;
   std::optional<msg::MotionStatus> motion_;
   std::optional<msg::BmsStatus> other_battery_;
+  bool battery_silent_ = false;
   std::unique_ptr<transport::Publisher<msg::BmsStatus>> battery_publisher_;
   std::unique_ptr<transport::Publisher<msg::BmsStatus>> other_battery_publisher_;
   std::unique_ptr<transport::Publisher<msg::MotionStatus>> motion_publisher_;

@@ -500,6 +500,14 @@ void Scenario::ApplyAround(const Injection& injection) {
     case InjectionKind::kManyStops:
       EngageMany(transport::sim::Random(injection.random));
       return ReleaseLater(injection);
+    case InjectionKind::kSilentBattery:
+      robot_.SetBatterySilent(true);
+      return Later(injection.lasts, [this] { robot_.SetBatterySilent(false); });
+    case InjectionKind::kSlowDiscovery:
+      robot_.ClientOn(injection.host).SetDiscoveryAtMost(std::chrono::seconds(10));
+      return Later(injection.lasts, [this, host = injection.host] {
+        robot_.ClientOn(host).SetDiscoveryAtMost(Client::kUsualDiscovery);
+      });
     default:
       Engage(injection.random / 2 % 2, 0);
       return ReleaseLater(injection);
@@ -828,8 +836,10 @@ bool Scenario::RecoverHome() {
           "the machine is in " + from + ", from where no switch leads to " + options_.home);
       return false;
     }
-    // A requested self-check includes the actuators that failed theirs.
-    if (config_.HasState(kSelfCheck)) path->insert(path->begin(), State(kSelfCheck));
+    // A requested self-check includes the actuators that failed theirs. Half of the operators leave
+    // it to the switch up.
+    const bool up = tries == 0 && Scramble(seed_, 5, 5) % 2 == 0 && !path->empty();
+    if (config_.HasState(kSelfCheck) && !up) path->insert(path->begin(), State(kSelfCheck));
     if (path->size() < 2 && from == options_.home) path->push_back(options_.home);
     for (const State& next : *path) {
       Note("the operator requests " + next);

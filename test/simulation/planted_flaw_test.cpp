@@ -373,6 +373,22 @@ TEST_F(FlawOfThePolicy, FindsAControllerThatForgetsASecondPublisher) {
   ExpectFound(Invariant::kRaisedAfterQuiet, "ms after a sample that permits Protected");
 }
 
+TEST_F(FlawOfThePolicy, FindsAControllerThatForgetsALowBatteryWhichIsSilentAfterItsRestart) {
+  BringUpWithBattery(15);
+  ASSERT_EQ(robot_->machine().state, "Protected");
+  robot_->SetBatterySilent(true);
+  robot_->CrashController();
+  BringUp();
+  RunFor(std::chrono::seconds(30));
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  robot_->CrashController();
+  robot_->disk(0).policy = {};
+  BringUp();
+  Request(State(kActive));
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Invariant::kWithinBattery, "nothing publishes the battery, which was at 15 %");
+}
+
 TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
   Make(MachineOf(2));
   robot_->StartActuator("a");
