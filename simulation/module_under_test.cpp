@@ -2,10 +2,8 @@
 
 #include <bit>
 #include <condition_variable>
-#include <future>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "musher/actuator/callback_harness.hpp"
@@ -20,6 +18,8 @@ struct Killed {};
 // Each of so many polls hands over to the simulation. Of the later ones each power of two does, and
 // takes the time of those between, so that a callback that polls endlessly is soon overdue.
 constexpr std::uint64_t kEachPollHandsOver = 32;
+// After the end of the callback that it waited for, also on a busy computer.
+constexpr auto kStopEndsWithin = std::chrono::seconds(10);
 constexpr Duration kLaterPoll = std::chrono::microseconds(10);
 
 bool HandsOver(std::uint64_t poll) {
@@ -220,7 +220,13 @@ ModuleUnderTest::ModuleUnderTest(const Setup& setup, Scenario::ActSampler sample
   callback_->harness->OnPoll([callback = callback_.get()] { callback->Poll(); });
 }
 
-ModuleUnderTest::~ModuleUnderTest() = default;
+// Its callback has ended by now, or is given up. A stop that never returns stays, with what it
+// uses.
+ModuleUnderTest::~ModuleUnderTest() {
+  if (!stop_.joinable()) return;
+  const bool ended = stop_done_.wait_for(kStopEndsWithin) == std::future_status::ready;
+  ended ? stop_.join() : stop_.detach();
+}
 
 Act ModuleUnderTest::Run(const State& state) {
   state_ = state;
@@ -256,7 +262,8 @@ void ModuleUnderTest::OnEmergencyStop() {
     promise.set_value(callback->harness->EmergencyStop());
   });
   if (done.wait_for(setup_.real_time_limit) != std::future_status::ready) {
-    thread.detach();
+    stop_ = std::move(thread);
+    stop_done_ = std::move(done);
     return GiveUp("its OnEmergencyStop() does not return during a callback of " + state_);
   }
   thread.join();

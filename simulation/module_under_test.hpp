@@ -8,9 +8,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "musher/actuator/machine_actuator.hpp"
@@ -53,6 +55,9 @@ class ModuleUnderTest : public Module {
   const Scenario::ActSampler sample_act_;
   transport::sim::Random random_;
   std::shared_ptr<CallbackThread> callback_;
+  // Of an OnEmergencyStop() that was given up; with the callback that it waits for, it ends too.
+  std::thread stop_;
+  std::future<Result<>> stop_done_;
   State state_;                // that was commanded last
   bool waits_ = false;         // the callback waits for its thread, before its first instruction
   Act act_;                    // that was sampled for the callback

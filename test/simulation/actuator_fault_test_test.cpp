@@ -203,14 +203,19 @@ class LockingMotor : public GoodMotor {
  public:
   using GoodMotor::GoodMotor;
 
+  static inline std::atomic<int> stops = 0;  // under way
+
  protected:
   Result<> PowerOn() override {
     const std::lock_guard lock(mutex_);
     return GoodMotor::PowerOn();
   }
   void OnEmergencyStop() override {
+    ++stops;
     const std::lock_guard lock(mutex_);
+    for (volatile int work = 0; work < 300'000; ++work) continue;
     GoodMotor::OnEmergencyStop();
+    --stops;
   }
 
  private:
@@ -222,6 +227,14 @@ TEST(ActuatorFaultTest, FindsAnEmergencyStopThatWaitsForACallback) {
   test.real_time_limit = std::chrono::milliseconds(200);
   EXPECT_THAT(test.Failure().what, HasSubstr("its OnEmergencyStop() does not return during a "
                                              "callback of Active"));
+}
+
+// A regression: such a stop wrote to the motor of a test that had returned.
+TEST(ActuatorFaultTest, EndsAnEmergencyStopThatWaitsForACallbackBeforeTheTestDoes) {
+  MotorFaultTest<LockingMotor> test;
+  test.real_time_limit = std::chrono::milliseconds(200);
+  test.Failure();
+  EXPECT_EQ(LockingMotor::stops, 0);
 }
 
 TEST(ActuatorFaultTest, IsReproducibleFromItsSeed) {
