@@ -23,11 +23,14 @@ constexpr auto kProgressPeriod = std::chrono::milliseconds(200);
 // Where searches begin.
 class Roots {
  public:
-  explicit Roots(const MachineConfig& config) : model_(config) {
+  explicit Roots(const MachineConfig& config) : model_(config) {}
+
+  // Call once. `ends` is called before each request that is followed; true: some are missing.
+  void Find(const std::function<bool()>& ends) {
     AddAfterStart();
-    FollowAll();
+    FollowAll(ends);
     AddInStart();
-    FollowAll();
+    FollowAll(ends);
   }
 
   bool Has(const State& state) const { return worlds_.contains(state); }
@@ -55,14 +58,16 @@ class Roots {
     }
   }
 
-  void FollowAll() {
-    while (followed_ < order_.size()) Follow(order_[followed_++]);
+  void FollowAll(const std::function<bool()>& ends) {
+    while (followed_ < order_.size()) Follow(order_[followed_++], ends);
   }
 
   // What a request leads to from there.
   // A copy: Add() moves those in order_.
-  void Follow(State from) {  // NOLINT(performance-unnecessary-value-param)
+  void Follow(State from,  // NOLINT(performance-unnecessary-value-param)
+              const std::function<bool()>& ends) {
     for (const State& to : model_.config.states) {
+      if (ends()) return;
       if (to == kTearDown || Has(to) || !FlowAllows(model_.config, from, to)) continue;
       World world = worlds_.at(from);
       world.at_start = false;
@@ -103,6 +108,8 @@ class Prover {
       : config_(config), options_(options), roots_(config) {}
 
   Proof Run() && {
+    roots_.Find([this] { return Ends({}); });
+    if (!proof_.why.empty()) return std::move(proof_);
     ListStates();
     proof_.why = WhyThereIsNothing();
     if (!proof_.why.empty()) return std::move(proof_);
@@ -231,15 +238,14 @@ class Prover {
       if (ended.try_acquire_for(kProgressPeriod)) --left;
       const double share = static_cast<double>(work_done) / static_cast<double>(all_work);
       const int faults = tasks.empty() ? 0 : tasks.front().faults;
-      Report({faults, done, tasks.size(), limits_.nodes, share});
+      if (Ends({faults, done, tasks.size(), limits_.nodes, share})) limits_.stop = true;
     }
     if (out_of_memory_ && proof_.why.empty()) proof_.why = "there is no more memory";
   }
 
-  void Report(const ProofProgress& progress) {
-    if (!options_.on_progress || !proof_.why.empty()) return;
-    proof_.why = options_.on_progress(progress);
-    if (!proof_.why.empty()) limits_.stop = true;
+  bool Ends(const ProofProgress& progress) {
+    if (options_.on_progress && proof_.why.empty()) proof_.why = options_.on_progress(progress);
+    return !proof_.why.empty();
   }
 
   void Search(const ProofTask& task) {
@@ -277,7 +283,7 @@ class Prover {
 
   const MachineConfig& config_;
   const ProofOptions& options_;
-  const Roots roots_;
+  Roots roots_;
   SearchLimits limits_;
   std::atomic<bool> out_of_memory_ = false;
   std::mutex mutex_;  // guards proof_.tasks and proof_.counter_example while threads run

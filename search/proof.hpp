@@ -48,7 +48,7 @@ struct CounterExample {
 struct ProofProgress {
   int faults = 0;          // the searches under way have so many
   std::size_t done = 0;    // searches with so many faults …
-  std::size_t all = 0;     // … of so many
+  std::size_t all = 0;     // … of so many; none yet while the states are found
   std::size_t states = 0;  // so far, of all searches
   double share = 0;        // of the work with so many faults, as searches with one fewer took
 };

@@ -202,6 +202,7 @@ std::string ProofText(const ProofReport& report, bool colour) {
 }
 
 std::string ProofProgressLine(const search::ProofProgress& progress, Duration took) {
+  if (progress.all == 0) return "finding the states that requests lead to";
   std::string line = fmt::format("{}: {} of {} searches, {} states",
                                  Counted(static_cast<std::size_t>(progress.faults), "fault"),
                                  progress.done, progress.all, WithCommas(progress.states));

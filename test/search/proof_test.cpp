@@ -179,6 +179,15 @@ TEST(ProofOfAConfig, EndsWhereItsCallerDoes) {
   EXPECT_EQ(proof.proved_faults, 0);
 }
 
+TEST(ProofOfAConfig, EndsWhileItFindsTheStates) {
+  ProofOptions options;
+  options.on_progress = [](const ProofProgress&) { return "the test has seen enough"; };
+  const Proof proof = ProofOf(testing::MachineOf(3), 2, options);
+  EXPECT_EQ(proof.end, ProofEnd::kNotFinished);
+  EXPECT_EQ(proof.why, "the test has seen enough");
+  EXPECT_TRUE(proof.tasks.empty());
+}
+
 // b has done its part of the switch up, crashes and is restarted, all before the switch ends.
 TEST(ProofOfAConfig, AllowsASwitchUpThatAnActuatorIsLostAfter) {
   MachineConfig config = testing::Ours(2);
