@@ -415,6 +415,7 @@ void Controller::Begin() {
   }
   const std::vector<ChildProcess> children = FindRunning(begin);
   begin.restarted = options_.restarted;
+  begin.supervised = options_.supervised;
   if (store_) {
     begin.stops = LoadStops();
     begin.policy = store_->LoadPolicy();
@@ -426,14 +427,20 @@ void Controller::Begin() {
   check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });
 }
 
-// Includes the stops of the machine's other state folders: another way to start it releases none.
+// Includes the stops of the machine's other state folders: another way to start it releases none,
+// and requests nothing.
 StoredStops Controller::LoadStops() {
   StoredStops stops = store_->LoadEmergencyStops();
   const MachineOrigin machine = Origin();
+  std::vector<std::string> folders = DefaultStateDirs(machine);
+  if (!taken_from_.empty()) folders.push_back(taken_from_);
   for (const StopsElsewhere& other :
-       EngagedElsewhere(config_.state_dir, machine, DefaultStateDirs(machine), stops)) {
+       FindStopsElsewhere(config_.state_dir, machine, folders, stops)) {
     stops = Merge(stops, other.stops);
-    Trouble("an emergency stop is engaged in " + other.state_dir +
+    const std::string what = other.stops.engaged.empty()
+                                 ? "no state was requested since the last emergency stop in "
+                                 : "an emergency stop is engaged in ";
+    Trouble(what + other.state_dir +
             ", where this machine had its files when it was started otherwise; it holds");
   }
   return stops;

@@ -36,6 +36,9 @@ struct ControllerOptions {
   // Restarted by a supervisor, not by a person: if the previous controller was taking the machine
   // down, complete that and stay down.
   bool restarted = false;
+  // Started by a supervisor, at boot or again: such a start is no request to switch on what an
+  // emergency stop has switched off.
+  bool supervised = false;
   std::vector<ControllerExtension> extensions;
   ControllerShell::Hooks hooks;
   // Called once for each problem that does not stop the robot, such as a full disk. From any

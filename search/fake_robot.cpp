@@ -16,7 +16,7 @@ void FakeRobot::Feed(const Event& event) {
   handling_ = false;
 }
 
-void FakeRobot::BeginController(bool by_hand, bool restarted) {
+void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised) {
   PerActuator<bool> running;
   for (const ActuatorIndex i : config_.actuators.Indices()) running.push_back(Actuator(i).alive);
   const Disk& disk = controller_.disk;
@@ -25,6 +25,7 @@ void FakeRobot::BeginController(bool by_hand, bool restarted) {
   begin.stop_intent = disk.stop_intent;
   begin.restarted = restarted;
   begin.remote = disk.remote;
+  begin.supervised = supervised;
   Feed(begin);
 }
 

@@ -66,8 +66,9 @@ class FakeRobot {
 
   // An event of the controller. Events are handled one after the other, as in its shell.
   void Feed(const Event& event);
-  // The controller starts, with what is on the disk.
-  void BeginController(bool by_hand, bool restarted = false);
+  // The controller starts, with what is on the disk. `restarted`: by a supervisor, after a crash;
+  // `supervised`: by a supervisor.
+  void BeginController(bool by_hand, bool restarted = false, bool supervised = false);
   // A message arrives, after a heartbeat of its sender if that is `announced`. A process that has
   // ended, or is not set up, receives nothing.
   void Deliver(const Message& message, bool announced = true);

@@ -61,7 +61,8 @@ void Harness::RestartController() {
     actuator.status_due = actuator.alive;  // latched for the next controller
     std::erase_if(actuator.late, FromActuator);
   }
-  BeginController(false);
+  // Not by a person, whose start would be a request.
+  BeginController(false, /*restarted=*/false, /*supervised=*/true);
 }
 
 void Harness::FeedReply(ActuatorIndex i) {

@@ -44,7 +44,7 @@ struct UpOptions {
   bool detach = false;
   bool takeover = false;  // replace a running controller
   bool adopt = false;     // take control of actuators that run with another config, too
-  // A supervisor may restart it after a crash: complete a TearDown that was under way.
+  // A supervisor starts it, perhaps again after a crash: complete a TearDown that was under way.
   bool restarted = false;
   // For a controller that restarts itself: its connection to the launcher, and the launcher's pid
   // or 0.
@@ -183,7 +183,8 @@ namespace {
   {
     ControllerProcess process(
         target.config, target.run, std::move(progress), launcher,
-        {options.takeover, options.adopt, options.resume || StartedAgain(options)});
+        {options.takeover, options.adopt, options.resume || StartedAgain(options),
+         options.resume || options.restarted});
     the_end.exit_code = process.Run();
     if (process.StartsAgain()) reexec.Prepare(process.launcher());
     EndWithin(kLeaveTime);
@@ -273,7 +274,8 @@ void AddUp(Grammar& grammar) {
                "config; without it they block the start");
   app.add_flag("--restarted", options.restarted,
                "For supervisors such as systemd: if the last controller\n"
-               "exited during TearDown, complete that and stay down");
+               "exited during TearDown, complete that and stay down;\n"
+               "after an emergency stop wait for a person's request");
   // For internal use: a controller that restarts executes this program with it.
   app.add_option_function<std::vector<int>>(
          "--resume",

@@ -154,6 +154,7 @@ ControllerOptions ControllerProcess::Options() {
   options.takeover = start_.takeover;
   options.adopt = start_.adopt;
   options.restarted = start_.restarted;
+  options.supervised = start_.supervised;
   if (run_) options.started_from = run_->root;
   options.extensions = {cyberdog::Extension()};
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
@@ -193,7 +194,8 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   if (phase == Phase::kStopping || phase == Phase::kStopped) return;
   const bool decided = trial_boot_ && !trial_boot_->under_way();
   // A start that an emergency stop refuses says nothing of the version, whose trial goes on.
-  const bool held = !ended.usable && controller_->shell().machine().emergency.stop.has_value();
+  const EmergencyStopState& emergency = controller_->shell().machine().emergency;
+  const bool held = !ended.usable && (emergency.stop || emergency.awaits_request);
   start_held_ |= held;
   if (held && trial_boot_) trial_boot_->Hold();
   if (run_ && run_->on_trial_boot && !decided && !held) {

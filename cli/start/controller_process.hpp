@@ -39,6 +39,7 @@ class ControllerProcess {
     bool takeover = false;
     bool adopt = false;
     bool restarted = false;
+    bool supervised = false;
   };
   // `launcher`: pid of the process in the foreground, 0 for none. If it is killed, this process is
   // killed too, until the launcher detaches: after a failed start, or when its terminal was closed

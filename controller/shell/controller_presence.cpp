@@ -129,7 +129,7 @@ void ControllerPresence::Repeat() {
   static_cast<void>(heartbeats_->Publish(
       {config_.name, epoch_.value(), identity_.incarnation.value(), identity_.host, identity_.pid,
        ControllerHeartbeatPeriod(config_).count(), identity_.host_name, identity_.machine_id,
-       node_.participant().value()}));
+       node_.participant().value(), awaits_request_}));
 }
 
 void ControllerPresence::NoteSilence() {
@@ -172,7 +172,8 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerHeartbeat& heartbeat) 
   if (epoch > kLastEpoch) return;  // out of range
   Rival other{"process " + std::to_string(heartbeat.pid) + " of " + HostOf(heartbeat),
               epoch,
-              {heartbeat.machine, heartbeat.machine_id}};
+              {heartbeat.machine, heartbeat.machine_id},
+              heartbeat.awaits_request};
   if (!SameMachine(machine(), other.machine)) return NoteOtherMachine(std::move(other));
   rival_ = std::move(other);
   NoteController(transport::ParticipantId(heartbeat.participant));

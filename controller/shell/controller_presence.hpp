@@ -38,6 +38,7 @@ class ControllerPresence {
     std::string process;  // "process 4711 of this host"
     Epoch epoch = 0;
     MachineIdentity machine;
+    bool awaits_request = false;  // since its last emergency stop no switch up was requested
   };
   // Called when another machine appears in the namespace and domain and now and then while it
   // stays, with its controller; with null when one is no longer received, or is received again
@@ -55,6 +56,8 @@ class ControllerPresence {
   // Before Announce(): the id of this controller's machine.
   void SetMachineId(std::string id) { identity_.machine_id = std::move(id); }
   MachineIdentity machine() const { return {config_.name, identity_.machine_id}; }
+  // The same of this controller, for one that takes over, on another host.
+  void SetAwaitsRequest(bool awaits) { awaits_request_ = awaits; }
   // Publishes the heartbeat at once and periodically from now on.
   void Announce(Epoch epoch);
   // Publishes the heartbeat once more, for an actuator that may not have received it.
@@ -97,6 +100,7 @@ class ControllerPresence {
   const OnOtherMachine on_other_;
   const TimeSuspended time_suspended_;
   Epoch epoch_ = 0;
+  bool awaits_request_ = false;
   std::optional<Rival> rival_;
   struct Release {
     transport::ParticipantId from = 0;

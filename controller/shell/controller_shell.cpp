@@ -74,6 +74,7 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   recorder_.Begin(dependencies_.wall_ns(), dependencies_.config_text);
   begin.host = dependencies_.host;
   begin.stops = Merge(begin.stops, std::exchange(stops_before_begin_, {}));
+  if (const auto& replaced = rival()) begin.stops.awaits_request |= replaced->awaits_request;
   // Actuators of another host are only known by their status.
   begin.running.resize(config_.actuators.size());
   for (const ActuatorIndex i : config_.actuators.Indices()) {
@@ -246,6 +247,7 @@ void ControllerShell::HandleQueued() {
     const Time now = dependencies_.node->loop().Now();
     recorder_.Note(dependencies_.wall_ns(), machine_, event, now);
     const std::vector<Action> actions = Step(config_, machine_, event, now);
+    presence_->SetAwaitsRequest(machine_.emergency.awaits_request);
     for (const Action& action : actions) {
       std::visit([this](const auto& a) { Do(a); }, action);
     }

@@ -26,6 +26,11 @@ fs::path HomeOfOwner(const std::string& file) {
   return found == nullptr || found->pw_dir == nullptr ? "" : found->pw_dir;
 }
 
+StopId LastOf(const StoredStops& stops) {
+  if (!stops.engaged.empty()) return stops.engaged.back().id;
+  return stops.released.empty() ? kUnknownStop : stops.released.back();
+}
+
 }  // namespace
 
 std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine) {
@@ -38,10 +43,13 @@ std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine) {
   return folders;
 }
 
-std::vector<StopsElsewhere> EngagedElsewhere(const std::string& state_dir,
-                                             const MachineOrigin& machine,
-                                             const std::vector<std::string>& folders,
-                                             const StoredStops& known) {
+std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
+                                               const MachineOrigin& machine,
+                                               const std::vector<std::string>& folders,
+                                               const StoredStops& known) {
+  const auto is_known = [&](StopId id) {
+    return id == kUnknownStop || std::ranges::count(known.released, id) != 0;
+  };
   std::vector<StopsElsewhere> found;
   for (const std::string& folder : folders) {
     std::error_code error;
@@ -50,10 +58,10 @@ std::vector<StopsElsewhere> EngagedElsewhere(const std::string& state_dir,
     const auto origin = LoadOrigin(folder);
     if (!origin || !origin->IsOf(machine, true)) continue;
     StoredStops stops = StateStore::ReadableStops(folder);
-    std::erase_if(stops.engaged, [&](const EmergencyStop& stop) {
-      return stop.id == kUnknownStop || std::ranges::count(known.released, stop.id) != 0;
-    });
-    if (!stops.engaged.empty()) found.push_back({folder, std::move(stops)});
+    // Since its last stop is known here, this machine's own folder says whether it waits.
+    stops.awaits_request = stops.awaits_request && !is_known(LastOf(stops));
+    std::erase_if(stops.engaged, [&](const EmergencyStop& stop) { return is_known(stop.id); });
+    if (!stops.engaged.empty() || stops.awaits_request) found.push_back({folder, std::move(stops)});
   }
   return found;
 }

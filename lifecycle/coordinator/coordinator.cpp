@@ -55,7 +55,7 @@ class Coordinator : StepPart {
   Switches switches_{step_, memory_, commands_};
   TearDown tear_down_{step_, saver_, power_, commands_, switches_};
   Requests requests_{step_, commands_, switches_, tear_down_};
-  StartUp start_up_{step_, saver_, switches_, tear_down_};
+  StartUp start_up_{step_, saver_, stops_, switches_, tear_down_};
   Recovery recovery_{step_, processes_, commands_, control_};
   Binding binding_{step_};
   LateActuators late_{step_, commands_};

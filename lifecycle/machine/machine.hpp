@@ -40,6 +40,7 @@ struct StartUpState {
   bool finishing = false;           // a supervisor's start, which finishes the TearDown before it
   bool restarted = false;           // a supervisor's start, and the disk has an epoch
   bool raised = false;              // this controller has raised its epoch, which it may do once
+  bool supervised = false;          // no person's start
   bool set_up = false;              // the actuators of the first stage are present, or given up
   int stage = 0;                    // up to which actuators are started
   std::vector<RequestId> requests;  // answered when all actuators are set up
@@ -144,6 +145,7 @@ inline constexpr std::tuple kFields<StartUpState> = {
     Field{"set_up", &StartUpState::set_up},
     Field{"stage", &StartUpState::stage},
     Field{"set_up_requests", &StartUpState::requests},
+    Field{"supervised", &StartUpState::supervised},
 };
 
 template <>

@@ -67,10 +67,8 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
 // stop.
 void EmergencyStops::Begin(const event::Begin& begin) {
   const StoredStops& stops = begin.stops;
-  const bool runs = begin.restarted || !begin.remote.empty() ||
-                    std::ranges::any_of(begin.running, [](bool running) { return running; });
   machine_.emergency.released = stops.released;
-  machine_.emergency.awaits_request = stops.awaits_request && runs;
+  machine_.emergency.awaits_request = stops.awaits_request;
   PublishReleased();
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
@@ -171,8 +169,11 @@ void EmergencyStops::CheckRelease() {
 
 void EmergencyStops::CheckRequested() {
   if (!machine_.emergency.awaits_request || machine_.emergency.stop) return;
-  if (!std::ranges::all_of(machine_.actuators, &KnownActuator::set_again)) return;
-  machine_.emergency.awaits_request = false;
+  if (std::ranges::all_of(machine_.actuators, &KnownActuator::set_again)) TakeRequest();
+}
+
+void EmergencyStops::TakeRequest() {
+  if (!std::exchange(machine_.emergency.awaits_request, false)) return;
   saver_.Save(Stored::kEmergencyStops);
 }
 
@@ -186,10 +187,25 @@ void EmergencyStops::EndRelease(const Result<>& result) {
 // missed a release: then the release is published again, unless another stop is engaged, which the
 // actuator may have missed.
 void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
-  const StopId id = report.emergency_stop;
-  if (id == 0 || machine_.phase == Phase::kIdle) return;
+  if (machine_.phase == Phase::kIdle) return;
+  CompareRelease(report);
+  if (report.emergency_stop == 0) return;
   CompareOldest(report, i);
   EngageOthersOf(report, i);
+}
+
+// A stop that this controller has missed altogether, as one of another host has: what it has
+// switched off waits for a request, and so does what was restarted since, which does not report it.
+void EmergencyStops::CompareRelease(const ActuatorReport& report) {
+  const StopId id = report.released_stop;
+  if (!report.held_by_stop || id == 0 || machine_.emergency.stop || IsReleased(id)) return;
+  machine_.emergency.awaits_request = true;
+  if (!machine_.emergency.release) {  // which every actuator confirms by the last one
+    StoredStops stops = StopsOf(machine_);
+    AddReleased(stops, id);
+    machine_.emergency.released = std::move(stops.released);
+  }
+  saver_.Save(Stored::kEmergencyStops);
 }
 
 void EmergencyStops::CompareOldest(const ActuatorReport& report, ActuatorIndex i) {

@@ -11,9 +11,7 @@ class EmergencyStops : StepPart {
  public:
   EmergencyStops(StepContext& step, Saver& saver) : StepPart(step), saver_(saver) {}
 
-  // Continues those that were stored, or received from other controllers and panels. Where nothing
-  // runs any more, the start of the machine is a request to switch on what a release did not,
-  // unless a supervisor restarts its controller.
+  // Continues those that were stored, or received from other controllers and panels.
   void Begin(const event::Begin& begin);
   void On(const event::EmergencyStopSeen& seen);
   void On(const event::ReleaseRequested& requested);
@@ -23,8 +21,11 @@ class EmergencyStops : StepPart {
   void CheckRelease();
   // Whether everything may be switched on again after the last stop.
   void CheckRequested();
+  // A person has requested that, and no stop is engaged.
+  void TakeRequest();
 
  private:
+  void CompareRelease(const ActuatorReport& report);
   void CompareOldest(const ActuatorReport& report, ActuatorIndex i);
   void EngageOthersOf(const ActuatorReport& report, ActuatorIndex i);
   bool IsReleased(StopId id) const;

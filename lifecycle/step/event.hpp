@@ -20,7 +20,8 @@ namespace event {
 // detected, else 0. `epoch`, `stops`, `policy`, `stop_intent` and `remote` were read from disk.
 // `restarted`: a supervisor restarts the controller, not a person; with `stop_intent` the
 // controller finishes the TearDown that was begun, and the machine stays down. A person's start
-// clears the intent.
+// clears the intent. `supervised`: a supervisor starts the controller, at boot or again; only a
+// person's start is a request to switch on what an emergency stop has switched off.
 struct Begin {
   bool by_hand = false;
   Epoch epoch = 0;
@@ -32,6 +33,7 @@ struct Begin {
   bool stop_intent = false;
   bool restarted = false;
   std::vector<RemoteActuator> remote = {};
+  bool supervised = false;
   friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status was received.
@@ -207,11 +209,17 @@ template <>
 inline constexpr std::string_view kEventName<event::Begin> = "Begin";
 template <>
 inline constexpr std::tuple kFields<event::Begin> = {
-    Field{"by_hand", &event::Begin::by_hand},     Field{"epoch", &event::Begin::epoch},
-    Field{"running", &event::Begin::running},     Field{"processes", &event::Begin::processes},
-    Field{"host", &event::Begin::host},           Field{"stops", &event::Begin::stops},
-    Field{"policy", &event::Begin::policy},       Field{"stop_intent", &event::Begin::stop_intent},
-    Field{"restarted", &event::Begin::restarted}, Field{"remote", &event::Begin::remote},
+    Field{"by_hand", &event::Begin::by_hand},
+    Field{"epoch", &event::Begin::epoch},
+    Field{"running", &event::Begin::running},
+    Field{"processes", &event::Begin::processes},
+    Field{"host", &event::Begin::host},
+    Field{"stops", &event::Begin::stops},
+    Field{"policy", &event::Begin::policy},
+    Field{"stop_intent", &event::Begin::stop_intent},
+    Field{"restarted", &event::Begin::restarted},
+    Field{"remote", &event::Begin::remote},
+    Field{"supervised", &event::Begin::supervised},
 };
 
 template <>

@@ -24,6 +24,7 @@ void StartUp::Begin(const event::Begin& begin) {
   machine_.epoch = begin.epoch + 1;
   machine_.start_up.finishing = begin.stop_intent && begin.restarted;
   machine_.start_up.restarted = begin.restarted && begin.epoch > 0;
+  machine_.start_up.supervised = begin.supervised || begin.restarted;
   saver_.Save(Stored::kEpoch);
   for (const ActuatorIndex i : begin.running.Indices()) {
     if (begin.running[i]) Of(i).process.launch = Launch::kFoundRunning;
@@ -134,12 +135,13 @@ void StartUp::EndFirstStage() {
         "and `musher set Active`",
         recorded);
   }
-  if (machine_.emergency.awaits_request) {
+  if (machine_.emergency.awaits_request && machine_.start_up.supervised) {
     return Fail(
         "no state was requested since the last emergency stop; run `musher set SelfCheck` and "
         "`musher set Active`",
         recorded);
   }
+  stops_.TakeRequest();  // the start is a person's, and begins with the first state
   if (!config_.HasState(kSelfCheck)) return Activate(recorded);
   switches_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
                   recorded);

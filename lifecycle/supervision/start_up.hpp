@@ -12,8 +12,9 @@ namespace musher {
 
 class StartUp : StepPart {
  public:
-  StartUp(StepContext& step, Saver& saver, Switches& switches, TearDown& tear_down)
-      : StepPart(step), saver_(saver), switches_(switches), tear_down_(tear_down) {}
+  StartUp(StepContext& step, Saver& saver, EmergencyStops& stops, Switches& switches,
+          TearDown& tear_down)
+      : StepPart(step), saver_(saver), stops_(stops), switches_(switches), tear_down_(tear_down) {}
 
   void Begin(const event::Begin& begin);
   void On(const event::SetUpAwaited& awaited);
@@ -39,6 +40,7 @@ class StartUp : StepPart {
   RecordText NotSetUp(ActuatorIndex i) const;
 
   Saver& saver_;
+  EmergencyStops& stops_;
   Switches& switches_;
   TearDown& tear_down_;
 };

@@ -264,4 +264,23 @@ TEST_F(OtherMachines, AreNoneOfTheControllersOfOneMachine) {
   EXPECT_TRUE(recorded_.empty());
 }
 
+// One that takes over on another host has not got the disk.
+TEST(ControllerPresence, SaysThatAReleasedStopWaitsForARequest) {
+  transport::sim::Network network{1};
+  const MachineConfig config = MachineOf(2);
+  const auto here = network.MakeNode("here");
+  const auto there = network.MakeNode("there");
+  const auto leads =
+      ControllerPresence::Make(*here, config, {1, 1, "here"}, [](const Event&) {}).value();
+  const auto starts =
+      ControllerPresence::Make(*there, config, {2, 2, "there"}, [](const Event&) {}).value();
+  leads->Announce(1);
+  for (const bool awaits : {false, true, false}) {
+    leads->SetAwaitsRequest(awaits);
+    network.RunFor(seconds(2));
+    ASSERT_TRUE(starts->rival());
+    EXPECT_EQ(starts->rival()->awaits_request, awaits);
+  }
+}
+
 }  // namespace musher::testing::controller_presence_test

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <optional>
 
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/controller/two_controllers.hpp"
@@ -196,6 +197,25 @@ TEST_F(Leading, TheLatchedStatusIsNeverOlderThanAnAnswer) {
   ASSERT_TRUE(RunUntil([&] { return latched.has_value(); }));
   EXPECT_NE(latched->actuators.front().pid, before);
   EXPECT_EQ(latched->actuators.front().state, "Active");
+}
+
+// It was on the disk of the host that is taken over: what was restarted since the stop went to
+// Active by itself.
+TEST_F(Leading, ATakeoverOnAnotherHostSwitchesNothingOnAfterAReleasedStop) {
+  BringUpFirst();
+  first_.process->shell().OnStop({7, true, "alice", "smoke"});
+  ASSERT_TRUE(RunUntil([this] { return first_.machine().emergency.stop.has_value(); }));
+  std::optional<Result<>> released;
+  first_.process->shell().ReleaseEmergencyStop(
+      "alice", [&released](const Result<>& answer) { released = answer; });
+  ASSERT_TRUE(RunUntil([&] { return released.has_value(); }));
+  ASSERT_TRUE(*released);
+  network_.RunFor(kLookAround);
+  SecondTakesOver();
+  EXPECT_TRUE(second_.machine().emergency.awaits_request);
+  EXPECT_TRUE(RunUntil([this] { return second_.disk.stops.awaits_request; }));
+  EXPECT_EQ(OutcomeOfSet("Active"), "done");
+  EXPECT_FALSE(second_.machine().emergency.awaits_request);
 }
 
 }  // namespace musher::testing::leading_test

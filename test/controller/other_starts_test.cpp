@@ -22,13 +22,14 @@ class OtherStart : public ::testing::Test {
  protected:
   OtherStart() { std::ofstream(robot_.file) << "x"; }
 
-  static void StopIn(const std::string& folder, const MachineOrigin& machine) {
+  static void StopIn(const std::string& folder, const MachineOrigin& machine,
+                     const StoredStops& stops = kStops) {
     auto store = StateStore::Open(folder, machine);
     ASSERT_TRUE(store) << store.error().message;
-    ASSERT_TRUE(store.value().SaveEmergencyStops(kStops));
+    ASSERT_TRUE(store.value().SaveEmergencyStops(stops));
   }
   std::vector<StopsElsewhere> Found(const StoredStops& known = {}) const {
-    return EngagedElsewhere(by_service_, robot_, {by_user_, by_service_}, known);
+    return FindStopsElsewhere(by_service_, robot_, {by_user_, by_service_}, known);
   }
 
   const TempFolder folder_;
@@ -50,6 +51,23 @@ TEST_F(OtherStart, LeavesItsStopToTheNextOne) {
 TEST_F(OtherStart, LeavesNoStopThatHasBeenReleasedSince) {
   StopIn(by_user_, robot_);
   EXPECT_THAT(Found({{}, {7}}), IsEmpty());
+// Started by systemd, the robot went to Active: the stop was over, and that no person had requested
+// a state since was on the other disk only.
+TEST_F(OtherStart, LeavesWhatItsReleasedStopHasSwitchedOffToTheNextOne) {
+  const StoredStops released{{}, {3, 7}, true};
+  StopIn(by_user_, robot_, released);
+  const auto found = Found();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].stops, released);
+  EXPECT_EQ(Found({{}, {3}}).size(), 1U) << "of an earlier stop";
+  EXPECT_THAT(Found({{}, {3, 7}}), IsEmpty()) << "this folder says whether it waits since";
+}
+
+TEST_F(OtherStart, LeavesNothingOfAReleasedStopAfterWhichAStateWasRequested) {
+  StopIn(by_user_, robot_, {{}, {3, 7}, false});
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
 }
 
 TEST_F(OtherStart, OfAnotherMachineLeavesNone) {

@@ -94,6 +94,35 @@ TEST_F(UpAsAService, IsReadyBeforeItStopsWhereItOnlyFinishesATearDown) {
   unsetenv("RUNTIME_DIRECTORY");
 }
 
+// A power cut after a released stop: at boot the robot went to Active, without a command of a
+// person.
+TEST_F(UpAsAService, WaitsAtBootForARequestAfterAReleasedStopAndAPersonsStartIsOne) {
+  const auto boot = [this] {
+    std::filesystem::remove(folder_ / "started");  // /run is empty
+    setenv("RUNTIME_DIRECTORY", folder_.path().c_str(), 1);
+    const Ended up = RunToEnd(Unit("--restarted "));
+    unsetenv("RUNTIME_DIRECTORY");
+    return up;
+  };
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"estop", "smoke"}).exit, 0);
+  ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const Ended up = boot();
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("no state was requested since the last emergency stop"));
+  EXPECT_EQ(Status()["state"], "SetUp");
+  ASSERT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"estop", "smoke"}).exit, 0);
+  ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(UpDetached().exit, 0) << "a person starts it";
+  EXPECT_EQ(Status()["state"], "Active");
+}
+
 // The watchdog sends SIGABRT to the main process, the launcher. What follows is as after any crash
 // of the controller: systemd starts `musher up` again.
 TEST_F(UpAsAService, EndsItsControllerWhenItsWatchdogRanOutAndIsTakenOverByTheNext) {

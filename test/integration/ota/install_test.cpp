@@ -148,6 +148,22 @@ TEST_F(Upgrade, UnderAnEmergencyStopIsKeptOnceTheStopIsReleasedAndTheMachineIsUp
   EXPECT_EQ(Where(), "Active from b");
 }
 
+// A good version was rolled back: the start that waits for a request counted as failed.
+TEST_F(Upgrade, AfterAReleasedStopIsKeptOnceTheMachineIsUpByRequest) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"estop", "smoke"}).exit, 0);
+  ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+  Process install(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_TRUE(Until([this] { return Where() == "SetUp from b"; }));
+  AwaitStatus([](const nlohmann::json& now) { return now["phase"] == "failed"; });
+  ASSERT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
+  ASSERT_EQ(Musher({"set", "Active"}).exit, 0);
+  EXPECT_TRUE(Until([] { return Versions()["last"]["kept"] == true; }));
+  EXPECT_EQ(Where(), "Active from b");
+  EXPECT_EQ(install.Wait().exit, 0);
+}
+
 TEST_F(Upgrade, WithoutARunningMachineIsTriedAtTheNextStart) {
   Make("1.1.0", {});
   const Ended installed = Install("1.1.0");

@@ -510,6 +510,7 @@ TEST_F(EmergencyStopped, AReleasedStopKeepsAMachineDownThatIsTakenOverInItsStart
   t.Rest();
   t.Release();
   t.Rest();
+  t.supervised = true;
   t.RestartController();
   t.Rest();
   EXPECT_EQ(t.StateOf("a"), "SelfCheck") << "no request for Active since the stop";
@@ -519,24 +520,48 @@ TEST_F(EmergencyStopped, AReleasedStopKeepsAMachineDownThatIsTakenOverInItsStart
   EXPECT_EQ(t.StateOf("a"), "Active");
 }
 
-// The start of a machine of which nothing runs is a request.
-TEST(EmergencyStopBeforeBegin, IsNoMoreWaitedForOnceAllProcessesHaveEnded) {
-  const MachineConfig config = MachineOf(2);
-  for (const bool runs : {false, true}) {
-    Machine machine = MakeMachine(config);
-    event::Begin begin;
-    begin.running = {false, runs};
-    begin.stops = {{}, {7}, true};
-    Step(config, machine, begin, Time());
-    EXPECT_EQ(machine.emergency.awaits_request, runs);
+// A power cut. On one host the machine went to Active by itself at boot; one of several hosts did
+// not even when a person started it.
+TEST_F(EmergencyStopped, AReleasedStopLeavesAMachineInSetUpAtBootUntilAPersonStartsIt) {
+  for (const bool several_hosts : {false, true}) {
+    SCOPED_TRACE(several_hosts ? "of several hosts" : "of one host");
+    Harness t(several_hosts ? MachineOf(2) : Ours(2));
+    t.disk().stops = {{}, {kStop}, true};
+    if (several_hosts) t.disk().remote = {{"b", "another host"}};
+    t.supervised = true;
+    t.Begin();
+    t.Rest();
+    EXPECT_EQ(t.machine().state, "SetUp");
+    EXPECT_FALSE(t.usable());
+    EXPECT_THAT(t.start_up()->message, HasSubstr("no state was requested since the last"));
+    EXPECT_TRUE(t.disk().stops.awaits_request);
+    t.supervised = false;
+    t.RestartController();
+    t.Rest();
+    EXPECT_EQ(t.machine().state, "Active");
+    for (const char* name : {"a", "b"}) EXPECT_EQ(t.StateOf(name), "Active");
+    EXPECT_FALSE(t.disk().stops.awaits_request) << "the next boot starts it";
   }
-  Machine machine = MakeMachine(config);
-  event::Begin again;
-  again.running = {false, false};
-  again.stops = {{}, {7}, true};
-  again.restarted = true;
-  Step(config, machine, again, Time());
-  EXPECT_TRUE(machine.emergency.awaits_request) << "a supervisor is no person";
+}
+
+// Its controller was of another host, whose disk has the stop. Only what the stop holds reports it.
+TEST_F(EmergencyStopped, AReleasedStopThatThisDiskDoesNotKnowSwitchesNothingOnEither) {
+  Harness& t = In("Active", Ours(2));
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.Crash("b");
+  t.disk().stops = {};
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck");
+  EXPECT_TRUE(t.disk().stops.awaits_request);
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  t.Crash("b");
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active") << "the stop is over";
 }
 
 TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {

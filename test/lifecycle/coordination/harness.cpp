@@ -99,7 +99,7 @@ void Harness::Begin(bool by_hand, Epoch epoch, bool restarted) {
     if (actuator.command.empty() && !fakes_[i].alive) StartActuator(actuator.name);
   }
   controller_.disk.epoch = epoch;
-  BeginController(by_hand, restarted);
+  BeginController(by_hand, restarted, supervised);
 }
 
 // A disk thread that ended with the controller's process does not answer the next one.

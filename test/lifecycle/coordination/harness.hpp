@@ -117,6 +117,7 @@ class Harness : public FakeRobot {
   std::vector<action::Record> whole_records;  // of the present controller: id n at n - 1
   std::vector<std::string> signals;           // "audio:TERM"
   std::set<std::string> shared;      // actuators whose process still runs after their TearDown
+  bool supervised = false;           // a supervisor starts the controllers, at boot or again
   bool lost_stops = false;           // what the controller publishes of stops does not arrive
   std::function<void()> after_step;  // called after every step of the controller
   Time now() const { return controller_.now; }
