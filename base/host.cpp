@@ -15,8 +15,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -50,19 +50,30 @@ UniqueFd MakeSocket() {
   return UniqueFd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
 }
 
-// The inode of the socket that is bound to an abstract address, from the kernel's table:
+// The abstract addresses of bound sockets that begin so, without that beginning, and the inodes of
+// the sockets, from the kernel's table:
 // "ffff8880: 00000002 00000000 00000000 0002 01 41923 @musher/…", with '@' for the zero byte.
-std::string InodeOf(const std::string& address) {
+std::map<std::string, ino_t> BoundBelow(std::string_view prefix) {
+  const std::string begin = "@musher/" + std::string(prefix);
+  std::map<std::string, ino_t> bound;
   std::ifstream table("/proc/net/unix");
   for (std::string line; std::getline(table, line);) {
+    const std::size_t at = line.find(begin);
+    if (at == std::string::npos || at == 0 || line[at - 1] != ' ') continue;
     std::istringstream words(line);
     std::string skipped;
-    std::string inode;
-    std::string path;
+    ino_t inode = 0;
     for (int i = 0; i < 6; ++i) words >> skipped;
-    if (words >> inode >> path && path == address) return inode;
+    if (words >> inode) bound.emplace(line.substr(at + begin.size()), inode);
   }
-  return {};
+  return bound;
+}
+
+// The inode of the socket that is bound to a name; 0: none is.
+ino_t InodeOf(std::string_view name) {
+  const auto bound = BoundBelow(name);
+  const auto found = bound.find("");
+  return found == bound.end() ? 0 : found->second;
 }
 
 // A descriptor of a process.
@@ -86,15 +97,35 @@ bool IsTrusted(uid_t uid) {
   return uid == 0 || uid == geteuid();
 }
 
-// The process as the holder of the socket with this inode, if it holds it.
-NameLock::Holder HolderIf(pid_t pid, const std::string& inode) {
-  const auto socket = FindOpen(pid, [&](const OpenFile& file) {
-    return S_ISSOCK(file.status.st_mode) && std::to_string(file.status.st_ino) == inode;
-  });
+using Holders = std::map<ino_t, NameLock::Holder>;  // by the inodes of sockets
+
+// Notes the process as the holder of those sockets without one that it has. Returns whether each
+// has one then.
+bool NoteHolder(pid_t pid, Holders& holders) {
   struct stat process {};
-  if (!socket || stat(("/proc/" + std::to_string(pid)).c_str(), &process) != 0) return {};
-  const uid_t user = socket->status.st_uid;
-  return {pid, user, IsTrusted(user) && IsTrusted(process.st_uid)};
+  if (stat(("/proc/" + std::to_string(pid)).c_str(), &process) != 0) return false;
+  const auto all = [&] {
+    return std::ranges::none_of(holders, [](const auto& one) { return one.second.pid == 0; });
+  };
+  return FindOpen(pid,
+                  [&](const OpenFile& file) {
+                    if (!S_ISSOCK(file.status.st_mode)) return false;
+                    const auto held = holders.find(file.status.st_ino);
+                    if (held == holders.end() || held->second.pid != 0) return false;
+                    const uid_t user = file.status.st_uid;
+                    held->second = {pid, user, IsTrusted(user) && IsTrusted(process.st_uid)};
+                    return all();
+                  })
+      .has_value();
+}
+
+// Searches all processes, once.
+void FindHolders(Holders& holders) {
+  if (holders.empty()) return;
+  for (const fs::path& process : EntriesOf("/proc")) {
+    const pid_t pid = std::atoi(process.filename().c_str());
+    if (pid != 0 && NoteHolder(pid, holders)) return;
+  }
 }
 
 }  // namespace
@@ -176,16 +207,25 @@ std::string NameLock::Holder::Text() const {
 }
 
 std::vector<std::string> NameLock::HeldBelow(std::string_view prefix) {
-  const std::string begin = "@musher/" + std::string(prefix);
-  std::set<std::string> names;
-  std::ifstream table("/proc/net/unix");
-  for (std::string line; std::getline(table, line);) {
-    const std::size_t at = line.find(begin);
-    if (at == std::string::npos || at == 0 || line[at - 1] != ' ') continue;
-    const std::string name = line.substr(at + begin.size());
-    if (!name.empty() && name.find('/') == std::string::npos) names.insert(name);
+  std::vector<std::string> names;
+  for (const auto& [name, inode] : BoundBelow(prefix)) {
+    if (!name.empty() && name.find('/') == std::string::npos) names.push_back(name);
   }
-  return {names.begin(), names.end()};
+  return names;
+}
+
+std::map<std::string, NameLock::Holder> NameLock::HoldersBelow(std::string_view prefix) {
+  const auto bound = BoundBelow(prefix);
+  Holders holders;
+  for (const auto& [name, inode] : bound) {
+    if (!name.empty() && name.find('/') == std::string::npos) holders[inode];
+  }
+  FindHolders(holders);
+  std::map<std::string, Holder> named;
+  for (const auto& [name, inode] : bound) {
+    if (holders.contains(inode)) named[name] = holders[inode];
+  }
+  return named;
 }
 
 bool NameLock::IsHeldInDomain(int domain_id, std::string_view end) {
@@ -229,14 +269,11 @@ std::optional<std::vector<std::byte>> NameLock::Receive() {
 }
 
 NameLock::Holder NameLock::HolderOf(std::string_view name) {
-  const std::string inode = InodeOf("@musher/" + std::string(name));
-  if (inode.empty()) return {};
-  for (const fs::path& process : EntriesOf("/proc")) {
-    const pid_t pid = std::atoi(process.filename().c_str());
-    if (pid == 0) continue;
-    if (const Holder holder = HolderIf(pid, inode); holder.pid != 0) return holder;
-  }
-  return {};
+  const ino_t inode = InodeOf(name);
+  if (inode == 0) return {};
+  Holders holders{{inode, {}}};
+  FindHolders(holders);
+  return holders[inode];
 }
 
 Result<> NameLock::CheckHolder(std::string_view name, pid_t pid) {
@@ -245,11 +282,13 @@ Result<> NameLock::CheckHolder(std::string_view name, pid_t pid) {
   if (pid <= 0 || !fs::exists("/proc/" + std::to_string(pid), error)) {
     return Error{kCodeStateInvalid, "there is no " + process};
   }
-  const std::string inode = InodeOf("@musher/" + std::string(name));
-  if (inode.empty()) {
+  const ino_t inode = InodeOf(name);
+  if (inode == 0) {
     return Error{kCodePermissionDenied, "no process of this host holds its name"};
   }
-  const Holder holder = HolderIf(pid, inode);
+  Holders holders{{inode, {}}};
+  NoteHolder(pid, holders);
+  const Holder holder = holders[inode];
   if (holder.pid == 0) {
     return Error{kCodePermissionDenied,
                  process + " does not hold its name, or is of a user whose files cannot be read"};

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -86,6 +87,8 @@ class NameLock {
   };
   // Searches all processes.
   static Holder HolderOf(std::string_view name);
+  // The holder of each name of HeldBelow(), in one search.
+  static std::map<std::string, Holder> HoldersBelow(std::string_view prefix);
 
   // Whether process `pid` holds the name and is trusted; the Error gives the reason, with
   // kCodeStateInvalid if there is no such process (any more). Inspects this process only.

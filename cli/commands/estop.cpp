@@ -43,22 +43,27 @@ constexpr Duration kKeptPublished = std::chrono::minutes(1);
 // Stops the machine of --machine, else the one whose controller runs here. Without a controller
 // here, actuators of this host may belong to any machine: then every machine that receives the stop
 // stops. Where nothing runs here, the machine of the files of this host is meant. It waits for no
-// discovery.
+// discovery: without an id --machine may be a name, or the beginning of an id that is not known
+// yet.
 MachineIdentity MachineToStop(const GlobalOptions& global) {
-  if (!global.machine.empty()) return {global.machine, ""};
   const int domain = transport::DomainId({}).value();
-  if (const auto led = OriginHere(domain, global.name_space)) return {led->name, led->id};
-  const std::string here = NameLock::NameOf(domain, global.name_space, "");
-  if (NameLock::IsHeld(here + "musher/controller") || !NameLock::HeldBelow(here).empty()) return {};
+  const auto led = OriginHere(domain, global.name_space);
+  const MachineIdentity here = led ? MachineIdentity{led->name, led->id} : MachineIdentity{};
+  if (!global.machine.empty()) {
+    const bool by_id = here.name != global.machine && BeginsIdOf(here, global.machine);
+    return by_id ? here : MachineIdentity{global.machine, ""};
+  }
+  if (led) return here;
+  const std::string names = NameLock::NameOf(domain, global.name_space, "");
+  if (NameLock::IsHeld(names + "musher/controller") || !NameLock::HeldBelow(names).empty()) {
+    return {};
+  }
   return MachineOfFilesHere(global).value_or(MachineIdentity{});
 }
 
-msg::EmergencyStop NewStop(const std::vector<std::string>& reason, const MachineIdentity& machine) {
-  msg::EmergencyStop stop =
-      NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(reason, " ")));
+void Address(msg::EmergencyStop& stop, const MachineIdentity& machine) {
   stop.machine = machine.name;
   stop.machine_id = machine.id;
-  return stop;
 }
 
 // Hands the stop to the controller of this host, which publishes it: long before this process has
@@ -72,18 +77,34 @@ void HandOver(const msg::EmergencyStop& stop, const GlobalOptions& global) {
                  msg::Encode(stop));
 }
 
+// The machine of this host that --machine means by the beginning of its id; nullopt: none, or
+// several.
+std::optional<MachineIdentity> MachineByFiles(const std::string& word,
+                                              const std::vector<MachineHere>& machines) {
+  std::optional<MachineIdentity> found;
+  for (const MachineHere& one : machines) {
+    if (one.identity.name == word) return std::nullopt;
+    if (!BeginsIdOf(one.identity, word)) continue;
+    if (found && !SameMachine(*found, one.identity)) return std::nullopt;
+    found = one.identity;
+  }
+  return found;
+}
+
 // The options with which the command reaches every host of the machine: of its own config, where
 // the environment and the command line say nothing else. A person who stops a robot on it does not
 // think of a profile. Where the machine is not known, those count of which an actuator runs here:
-// the files of another one may be old.
+// the files of another one may be old. What begins an id may begin one that is not known here.
 GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
                     const std::vector<MachineHere>& machines) {
   GlobalOptions reach = global;
   const bool named = !machine.name.empty() || !machine.id.empty();
+  const bool by_id = !global.machine.empty() && machine.id.empty();
   const auto here =
       NameLock::HeldBelow(NameLock::NameOf(transport::DomainId({}).value(), global.name_space, ""));
   for (const MachineHere& one : machines) {
-    if (!one.lan || !SameMachine(one.identity, machine)) continue;
+    const bool may_be = by_id && one.identity.id.empty();
+    if (!one.lan || (!may_be && !SameMachine(one.identity, machine))) continue;
     if (!named && !here.empty() && !one.HasOneOf(here)) continue;
     const char* profile = std::getenv("MUSHER_TRANSPORT");  // NOLINT(concurrency-mt-unsafe)
     if (profile == nullptr || *profile == '\0') setenv("MUSHER_TRANSPORT", "lan", /*replace=*/1);
@@ -100,6 +121,7 @@ GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
   const auto latch =
       StopLatch::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
   if (!latch) _exit(1);
+  if (stop.machine_id.empty()) latch.value()->AddBeginningOfId(global.machine);
   link.value()->RunUntil([&] { return latch.value()->withdrawn(); }, kKeptPublished);
   _exit(0);
 }
@@ -247,15 +269,27 @@ ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatc
   return link.interrupted() ? ExitCode::kInterrupted : ExitCode::kNotDone;
 }
 
+// Follows the machine whose controller --machine means. Where it means several, each of them is
+// stopped, and the report names them: a stop that asks first would leave them moving.
+void Choose(Link& link, const MachineIdentity& machine, const GlobalOptions& global) {
+  const bool open = !global.machine.empty() && machine.id.empty();
+  if (!open) return link.Choose(machine);
+  if (link.ChooseMachine()) link.Choose();
+}
+
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
-  const MachineIdentity machine = MachineToStop(given);
-  const msg::EmergencyStop stop = NewStop(options.reason, machine);
+  MachineIdentity machine = MachineToStop(given);
+  msg::EmergencyStop stop =
+      NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
+  Address(stop, machine);
   HandOver(stop, given);
   // The search reads the disk and other processes, and one that hangs may hold it up.
   DetachedPublisher meanwhile(given, stop, kFirstTry);
   const std::vector<MachineHere> machines =
       MachinesHere(transport::DomainId({}).value(), given.name_space);
   meanwhile.Cancel();
+  if (machine.id.empty()) machine = MachineByFiles(given.machine, machines).value_or(machine);
+  Address(stop, machine);
   const GlobalOptions global = Reach(given, machine, machines);
   DetachedPublisher detached(global, stop);
   const auto link = Link::Open(global, &console);
@@ -263,10 +297,11 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console
   const auto latch =
       StopLatch::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
   if (!latch) return console.Fail(latch.error());
+  if (machine.id.empty()) latch.value()->AddBeginningOfId(global.machine);
   const auto second_try = link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] {
     if (!latch.value()->withdrawn()) detached.Begin();
   });
-  link.value()->Choose(machine);
+  Choose(*link.value(), machine, global);
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail(followed.error());
   }

@@ -20,7 +20,6 @@ namespace musher::cli {
 namespace {
 
 constexpr Duration kOthersWithin = Milliseconds(300);  // after the first that is discovered
-constexpr std::size_t kShortestId = 4;                 // of the beginning of an id
 
 // A HostId() is "BOOT/PID NAMESPACE".
 bool IsOfThisBoot(const msg::MachineInfo& info) {
@@ -307,8 +306,7 @@ std::vector<Link::Found> Link::Candidates() const {
 
 bool Link::IsNamed(const MachineIdentity& machine) const {
   const std::string& meant = global_.machine;
-  const bool by_id = meant.size() >= kShortestId && machine.id.starts_with(meant);
-  return meant.empty() || machine.name == meant || by_id;
+  return meant.empty() || machine.name == meant || BeginsIdOf(machine, meant);
 }
 
 bool Link::Speaks(const MachineIdentity& machine) const {

@@ -80,12 +80,16 @@ std::map<std::string, RunningActuators::Actuator> RunningActuators::Now() const 
     if (actuator.status.state != kTearDown) running[name] = actuator;
   }
   const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
-  for (const std::string& name : NameLock::HeldBelow(prefix)) {
-    if (received.contains(name)) continue;
+  const auto has_status = [&](const std::string& name) { return received.contains(name); };
+  const bool all = std::ranges::all_of(NameLock::HeldBelow(prefix), has_status);
+  const auto holders =
+      all ? std::map<std::string, NameLock::Holder>() : NameLock::HoldersBelow(prefix);
+  for (const auto& [name, holder] : holders) {
+    if (has_status(name)) continue;
     Actuator& silent = running[name];
     silent.has_status = false;
     silent.status.name = name;
-    silent.status.pid = NameLock::HolderOf(prefix + name).pid;
+    silent.status.pid = holder.pid;
     silent.status.host = HostId();
   }
   for (const ChildProcess& child : children_) {

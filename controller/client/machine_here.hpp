@@ -15,6 +15,7 @@ struct MachineHere {
   std::vector<std::string> interfaces{};  // of its config, to other hosts
   std::vector<std::string> actuators{};   // of its config; empty: it cannot be read
   std::vector<std::string> elsewhere{};   // that its last controller knew on other hosts
+  std::string unread{};                   // what of it this user may not read; empty: nothing
 
   // Whether one of these actuators, which run on this host, may be one of it.
   bool HasOneOf(const std::vector<std::string>& running_here) const {

@@ -34,6 +34,10 @@ bool MayMove(const msg::ActuatorInfo& actuator) {
   return actuator.health != HealthName(Health::kCrashed) && (actuator.pid != 0 || elsewhere);
 }
 
+bool IsIn(const std::vector<MachineIdentity>& machines, const MachineIdentity& machine) {
+  return std::ranges::any_of(machines, [&](const auto& one) { return SameMachine(one, machine); });
+}
+
 }  // namespace
 
 std::vector<std::string> EstopReport::Missing() const {
@@ -90,8 +94,10 @@ Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
                                                     const msg::EmergencyStop& stop, bool with_keys,
                                                     std::function<void()> on_change) {
   std::unique_ptr<StopLatch> latch(new StopLatch(node, stop, std::move(on_change)));
+  transport::Qos stops_qos = transport::kLatchedQos;
+  stops_qos.depth = static_cast<int>(kMostMachines) + 1;  // a sample for each machine that is meant
   auto stops = transport::MakePublisher<msg::EmergencyStop>(
-      node, transport::EmergencyStopTopic(name_space), transport::kLatchedQos);
+      node, transport::EmergencyStopTopic(name_space), stops_qos);
   if (!stops) return stops.error();
   latch->stops_ = std::move(stops).value();
   if (auto published = latch->stops_->Publish(stop); !published) return published.error();
@@ -121,6 +127,7 @@ void StopLatch::FollowReleases(transport::Node& node, const std::string& name_sp
       node, transport::ControllerHeartbeatTopic(name_space),
       [this](const msg::ControllerHeartbeat& heartbeat, const transport::SampleInfo& info) {
         if (heartbeat.participant == 0 || !transport::IsOwn(heartbeat.participant, info)) return;
+        MeetById({heartbeat.machine, heartbeat.machine_id});
         Note(controllers_, {transport::ParticipantId(heartbeat.participant),
                             {heartbeat.machine, heartbeat.machine_id}});
       },
@@ -134,8 +141,24 @@ void StopLatch::FollowReleases(transport::Node& node, const std::string& name_sp
   if (releases) published_releases_ = std::move(releases).value();
 }
 
+bool StopLatch::IsMeant(const MachineIdentity& machine) const {
+  return SameMachine({stop_.machine, stop_.machine_id}, machine) ||
+         BeginsIdOf(machine, id_begins_) || IsIn(by_id_, machine);
+}
+
+// Also where several ids begin so: no other answer is safe.
+void StopLatch::MeetById(const MachineIdentity& machine) {
+  const bool is_new = BeginsIdOf(machine, id_begins_) && !IsIn(by_id_, machine);
+  if (!is_new || !stops_ || by_id_.size() >= kMostMachines) return;
+  by_id_.push_back(machine);
+  msg::EmergencyStop stop = stop_;
+  stop.machine = machine.name;
+  stop.machine_id = machine.id;
+  static_cast<void>(stops_->Publish(stop));
+}
+
 void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
-  if (!SameMachine({stop_.machine, stop_.machine_id}, origin.machine)) return;
+  if (!IsMeant(origin.machine)) return;
   const bool known = std::any_of(origins.begin(), origins.end(), [&origin](const Origin& one) {
     return one.participant == origin.participant && one.machine == origin.machine;
   });
@@ -144,9 +167,11 @@ void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
   origins.push_back(std::move(origin));
   // One that names no machine is for those, too, that have not received it yet.
   const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
+  std::vector<MachineIdentity> meant = machines_;
+  meant.insert(meant.end(), by_id_.begin(), by_id_.end());
+  if (by_id_.empty()) meant.push_back({stop_.machine, stop_.machine_id});
   const bool released = named && machines_.size() < kMostMachines &&
-                        IsReleasedFor({stop_.machine, stop_.machine_id}) &&
-                        std::ranges::all_of(machines_, [this](const MachineIdentity& machine) {
+                        std::ranges::all_of(meant, [this](const MachineIdentity& machine) {
                           return IsReleasedFor(machine);
                         });
   if (!released || !stops_) return;
@@ -167,8 +192,9 @@ bool StopLatch::IsReleasedFor(const MachineIdentity& machine) const {
 
 void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
   const MachineIdentity theirs{status.machine, status.machine_id};
-  if (!SameMachine({stop_.machine, stop_.machine_id}, theirs)) return;
-  NoteMachine(theirs);
+  MeetById(theirs);
+  if (!IsMeant(theirs)) return;
+  Note(machines_, theirs);
   Received& last = received_[status.name];
   const StopId latched(status.emergency_stop);
   const bool changed = last.writer != info.writer || last.latched != latched;
@@ -177,11 +203,18 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   if (on_change_) on_change_();
 }
 
-void StopLatch::NoteMachine(const MachineIdentity& machine) {
-  const auto same = std::find_if(machines_.begin(), machines_.end(),
+// Those that have received the stop, and whose controller has. No two are the same.
+std::vector<MachineIdentity> StopLatch::Machines() const {
+  std::vector<MachineIdentity> machines = machines_;
+  for (const Origin& controller : controllers_) Note(machines, controller.machine);
+  return machines;
+}
+
+void StopLatch::Note(std::vector<MachineIdentity>& machines, const MachineIdentity& machine) {
+  const auto same = std::find_if(machines.begin(), machines.end(),
                                  [&](const auto& known) { return SameMachine(known, machine); });
-  if (same == machines_.end()) {
-    if (machines_.size() < kMostMachines) machines_.push_back(machine);
+  if (same == machines.end()) {
+    if (machines.size() < kMostMachines) machines.push_back(machine);
     return;
   }
   if (same->id.empty()) same->id = machine.id;
@@ -238,8 +271,11 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
 // processes run on this host, whose status is received, and which may run on other hosts by what
 // this host has of the machine; there may be more.
 EstopReport StopLatch::Report(const StopView& view) const {
+  // A controller of another host may be of another machine than what runs here.
+  const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
+  const bool lists_all = view.controller && (named || view.controller->host == HostId());
   EstopReport report =
-      Report(view.controller, view.controller ? std::vector<std::string>() : view.running_here);
+      Report(view.controller, lists_all ? std::vector<std::string>() : view.running_here);
   if (!view.controller) {
     for (const MachineHere* machine : MachinesOf(view)) {
       AddElsewhere(report, machine->elsewhere);
@@ -255,24 +291,19 @@ std::vector<const MachineHere*> StopLatch::MachinesOf(const StopView& view) cons
   const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
   std::vector<const MachineHere*> meant;
   for (const MachineHere& machine : view.machines) {
-    const auto is_it = [&machine](const MachineIdentity& known) {
-      return SameMachine(known, machine.identity);
-    };
-    const bool received = machines_.empty() || std::ranges::any_of(machines_, is_it);
+    const bool received = machines_.empty() || IsIn(machines_, machine.identity);
     const bool meant_here =
         named || view.running_here.empty() || machine.HasOneOf(view.running_here);
-    if (is_it({stop_.machine, stop_.machine_id}) && received && meant_here) {
-      meant.push_back(&machine);
-    }
+    if (IsMeant(machine.identity) && received && meant_here) meant.push_back(&machine);
   }
   return meant;
 }
 
 std::string StopLatch::WhyUnknown(const StopView& view) const {
-  if (machines_.size() > 1) {
+  if (const auto several = Machines(); several.size() > 1) {
     // They may have actuators of the same names, and only one controller is followed.
     std::string unknown = "several machines have received the stop (";
-    for (const MachineIdentity& machine : machines_) {
+    for (const MachineIdentity& machine : several) {
       if (!unknown.ends_with('(')) unknown += ", ";
       unknown += MachineText(machine).substr(0, kLongestUnknownMachine);
     }
@@ -281,6 +312,11 @@ std::string StopLatch::WhyUnknown(const StopView& view) const {
   if (view.controller) return "";
   if (view.has_controller) return "the controller does not answer";
   const std::vector<const MachineHere*> machines = MachinesOf(view);
+  for (const MachineHere* machine : machines) {
+    if (machine->unread.empty()) continue;
+    return "no controller answers, and " + machine->unread +
+           ", so the machine may have actuators on other hosts";
+  }
   const auto is_lan = [](const MachineHere* machine) { return machine->lan; };
   if (view.lan || std::ranges::any_of(machines, is_lan)) {
     return "no controller answers, so the actuators of other hosts are not known";

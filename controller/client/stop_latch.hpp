@@ -108,6 +108,10 @@ class StopLatch {
                                                   bool with_keys = false,
                                                   std::function<void()> on_change = {});
 
+  // The stop is also for each machine whose id begins so: published to it as soon as anything of it
+  // is received. For a word that a person gives as the name of a machine, and that may be that.
+  void AddBeginningOfId(std::string beginning) { id_begins_ = std::move(beginning); }
+
   // The actuators whose status was received, and those that the controller's status lists as
   // present, in its order. `expected`: names of actuators that run, whether or not their status was
   // received.
@@ -139,7 +143,10 @@ class StopLatch {
 
   StopLatch(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
-  void NoteMachine(const MachineIdentity& machine);
+  static void Note(std::vector<MachineIdentity>& machines, const MachineIdentity& machine);
+  std::vector<MachineIdentity> Machines() const;
+  bool IsMeant(const MachineIdentity& machine) const;
+  void MeetById(const MachineIdentity& machine);
   void FollowReleases(transport::Node& node, const std::string& name_space);
   void Note(std::vector<Origin>& origins, Origin origin);
   bool IsReleasedFor(const MachineIdentity& machine) const;
@@ -151,10 +158,12 @@ class StopLatch {
 
   transport::EventLoop& loop_;
   const msg::EmergencyStop stop_;
+  std::string id_begins_;
   const std::function<void()> on_change_;
   const Time begun_;
   std::map<std::string, Received> received_;
   std::vector<MachineIdentity> machines_;  // of the received statuses; no two are the same
+  std::vector<MachineIdentity> by_id_;     // that were met, whose id begins as above
   std::vector<Origin> controllers_;        // the last ones
   std::vector<Origin> releases_;           // of this stop, the last ones
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;

@@ -1,15 +1,20 @@
 #include "musher/controller/storage/machines_here.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string_view>
-#include <tuple>
+#include <utility>
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/controller/storage/other_starts.hpp"
@@ -49,24 +54,43 @@ std::string ConfigOf(const fs::path& process, const std::vector<std::string>& en
   return (folder / config).string();  // that of an absolute path stays as it is
 }
 
+// Where a user may not look.
+bool IsClosed(const fs::path& folder) {
+  return access(folder.c_str(), R_OK | X_OK) != 0 && errno == EACCES;
+}
+
 class Search {
  public:
   Search(int domain_id, const std::string& name_space)
-      : domain_id_(domain_id), name_space_(name_space) {}
+      : domain_id_(domain_id),
+        name_space_(name_space),
+        lock_(NameLock::NameOf(domain_id, name_space, "")) {}
 
+  // The machine that is led here.
+  void Led() {
+    const std::string controller = lock_ + "musher/controller";
+    if (!NameLock::IsHeld(controller)) return;
+    const pid_t leader = NameLock::HolderOf(controller).pid;
+    const std::string folder = StateDirOfProcess(leader);
+    if (!folder.empty()) InFolder(folder);
+    if (leader == 0) {
+      AddUnread(NameLock::HeldBelow(lock_), "its controller is a process of another user");
+    }
+  }
   void InFolder(const fs::path& folder) {
     const auto origin = LoadOrigin(folder);
     if (!origin || origin->name_space != name_space_ || origin->domain != domain_id_) return;
     MachineHere machine{{origin->name, origin->id}};
     machine.elsewhere = ElsewhereBy(folder);
     const auto config = Read(origin->file);  // none of a root of upgrades, which is a folder
-    if (config && config->name == origin->name) Take(machine, *config);
+    if (config && IsHere(*config) && config->name == origin->name) Take(machine, *config);
     found_.push_back(std::move(machine));
   }
-  // `transport`: the profile that the environment names instead of the config; may be empty.
-  void InConfig(const std::string& file, const std::string& transport = "") {
+  // Returns whether the config can be read. `transport`: the profile that the environment names
+  // instead of it; may be empty.
+  bool InConfig(const std::string& file, const std::string& transport = "") {
     const auto config = Read(file);
-    if (!config) return;
+    if (!config || !IsHere(*config)) return config.has_value();
     MachineHere machine{{config->name, ""}};
     Take(machine, *config);
     if (transport == "lan") machine.lan = true;
@@ -79,41 +103,71 @@ class Search {
       for (std::string& name : ElsewhereBy(folder)) machine.elsewhere.push_back(std::move(name));
     }
     found_.push_back(std::move(machine));
+    return true;
   }
   // Those of the actuators that run here; each config once, however many actuators of it run.
   void InProcesses() {
-    const std::string begin = NameLock::NameOf(domain_id_, name_space_, "");
-    std::set<std::pair<std::string, std::string>> read;
-    for (const std::string& name : NameLock::HeldBelow(begin)) {
-      const NameLock::Holder holder = NameLock::HolderOf(begin + name);
-      if (holder.pid == 0) continue;  // of a user whose processes this one may not read
+    std::map<std::pair<std::string, std::string>, bool> read;
+    std::vector<std::string> hidden;  // of a user whose processes this one may not read
+    for (const auto& [name, holder] : NameLock::HoldersBelow(lock_)) {
+      if (holder.pid == 0) {
+        hidden.push_back(name);
+        continue;
+      }
       const fs::path process = fs::path("/proc") / std::to_string(holder.pid);
       const std::vector<std::string> environment = WordsOf(process / "environ");
       const std::string config = ConfigOf(process, environment);
       if (config.empty() || std::atoi(After(environment, "ROS_DOMAIN_ID=").c_str()) != domain_id_) {
+        of_no_config_.push_back(name);
         continue;
       }
       const std::string transport = After(environment, "MUSHER_TRANSPORT=");
-      if (read.emplace(config, transport).second) InConfig(config, transport);
+      const auto [known, is_new] = read.try_emplace({config, transport}, false);
+      if (is_new) known->second = InConfig(config, transport);
+      if (!known->second) AddUnread({name}, config + ", the config of " + name + ", is not read");
+    }
+    if (hidden.empty()) return;
+    AddUnread(hidden, Joined(hidden) + (hidden.size() == 1 ? " runs" : " run") +
+                          " as processes of another user, whose config is not read");
+  }
+  // The state folders of a default place. One that is closed may be of the machine of an actuator
+  // whose process names no config.
+  void InPlace(const fs::path& place) {
+    if (IsClosed(place)) AddUnread(of_no_config_, place.string() + " is not read");
+    for (const fs::path& folder : EntriesOf(place)) {
+      if (!IsClosed(folder)) {
+        InFolder(folder);
+        continue;
+      }
+      const std::string name = folder.filename().string();
+      const std::string machine = name.substr(0, std::min(name.find('@'), name.find(".domain")));
+      const fs::path own = config_toml::DefaultStateDir(machine, name_space_);
+      if (own.filename() != name) continue;  // of another namespace or domain
+      AddUnread(of_no_config_, folder.string() + " is not read", machine);
     }
   }
   std::vector<MachineHere> Take() { return std::move(found_); }
 
  private:
   // A process may name anything, as a pipe without a writer: a stop waits for no such thing.
-  std::optional<MachineConfig> Read(const std::string& file) const {
+  static std::optional<MachineConfig> Read(const std::string& file) {
     std::error_code error;
     if (!fs::is_regular_file(file, error)) return std::nullopt;
-    auto config = ReadConfigFile(file).config;
-    if (config && config->name_space != name_space_) config.reset();
-    return config;
+    return ReadConfigFile(file).config;
   }
+  bool IsHere(const MachineConfig& config) const { return config.name_space == name_space_; }
   static void Take(MachineHere& machine, const MachineConfig& config) {
     machine.lan = config.transport == TransportProfile::kLan;
     machine.interfaces = config.interfaces;
     for (const ActuatorConfig& actuator : config.actuators) {
       machine.actuators.push_back(actuator.name);
     }
+  }
+  void AddUnread(std::vector<std::string> actuators, std::string what, std::string name = "") {
+    MachineHere machine{{std::move(name), ""}, /*lan=*/true};
+    machine.actuators = std::move(actuators);
+    machine.unread = std::move(what);
+    found_.push_back(std::move(machine));
   }
   static std::vector<std::string> ElsewhereBy(const fs::path& folder) {
     std::vector<std::string> names;
@@ -125,6 +179,8 @@ class Search {
 
   const int domain_id_;
   const std::string name_space_;
+  const std::string lock_;                 // the beginning of the names that are held here
+  std::vector<std::string> of_no_config_;  // actuators that run here
   std::vector<MachineHere> found_;
 };
 
@@ -133,18 +189,14 @@ class Search {
 std::vector<MachineHere> MachinesHere(int domain_id, const std::string& name_space,
                                       const std::vector<std::string>& configs) {
   Search search(domain_id, name_space);
-  const std::string lock = NameLock::NameOf(domain_id, name_space, "musher/controller");
-  if (NameLock::IsHeld(lock)) {
-    const std::string led = StateDirOfProcess(NameLock::HolderOf(lock).pid);
-    if (!led.empty()) search.InFolder(led);
-  }
+  search.Led();
   search.InProcesses();
   for (const std::string& config : configs) search.InConfig(config);
   std::error_code error;
   if (fs::exists("robot.toml", error)) search.InConfig("robot.toml");
   const fs::path by_user = fs::path(config_toml::DefaultStateDir("any", "")).parent_path();
   for (const fs::path& place : std::set<fs::path>{by_user, fs::path(kServicePlace)}) {
-    for (const fs::path& folder : EntriesOf(place)) search.InFolder(folder);
+    search.InPlace(place);
   }
   return search.Take();
 }

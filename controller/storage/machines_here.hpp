@@ -6,7 +6,8 @@
 //   by their configs         given ones, and robot.toml of the working directory
 //
 // An emergency stop must reach every actuator of a machine, also those of other hosts. They are
-// known from its config, and from what its last controller has stored.
+// known from its config, and from what its last controller has stored. What this user may not read
+// may be of a machine with other hosts, whatever the configs say that it reads.
 //
 // Threads: any; it reads /proc and the disk.
 
@@ -17,7 +18,8 @@
 
 namespace musher {
 
-// One machine may be found several times. `configs`: files to read as well.
+// One machine may be found several times, also as one of which only `unread` is known, and the
+// actuators that run here and may be of it. `configs`: files to read as well.
 std::vector<MachineHere> MachinesHere(int domain_id, const std::string& name_space,
                                       const std::vector<std::string>& configs = {});
 

@@ -2,7 +2,9 @@
 // Which machine a controller, a command, a stop or a request belongs to. Another machine in the
 // same namespace and domain never fences, drives or ends anything of this one.
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace musher {
 
@@ -20,6 +22,12 @@ inline bool SameMachine(const MachineIdentity& a, const MachineIdentity& b) {
   const bool same_name = a.name.empty() || b.name.empty() || a.name == b.name;
   const bool same_id = a.id.empty() || b.id.empty() || a.id == b.id;
   return same_name && same_id;
+}
+
+// Whether `word` is the beginning of its id, as a person types it.
+inline bool BeginsIdOf(const MachineIdentity& machine, std::string_view word) {
+  constexpr std::size_t kShortest = 4;
+  return word.size() >= kShortest && machine.id.starts_with(word);
 }
 
 // "robot", "robot (id 5982c7ee)": two machines may have the same name.

@@ -4,12 +4,14 @@
 #include <gmock/gmock.h>
 #include <poll.h>
 #include <sys/file.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -173,6 +175,53 @@ TEST(NameLock, ReportsWhichProcessHoldsTheName) {
   EXPECT_EQ(NameLock::HolderOf(name + "2").pid, 0);
   holder.Kill();
   EXPECT_EQ(NameLock::HolderOf(name).pid, 0);
+}
+
+TEST(NameLock, ReportsTheHoldersOfAllNamesBelowAPrefixAtOnce) {
+  const std::string prefix = UniqueName("pack") + "/";
+  EXPECT_TRUE(NameLock::HoldersBelow(prefix).empty());
+  Child legs([&] { return NameLock::Acquire(prefix + "legs"); });
+  Child others([&] {
+    return std::pair(NameLock::Acquire(prefix + "arm"), NameLock::Acquire(prefix + "eyes"));
+  });
+  Child deeper([&] { return NameLock::Acquire(prefix + "musher/controller"); });
+  ASSERT_TRUE(legs.ready() && others.ready() && deeper.ready());
+  const auto holders = NameLock::HoldersBelow(prefix);
+  ASSERT_EQ(holders.size(), 3U);
+  EXPECT_EQ(holders.at("legs").pid, legs.pid());
+  EXPECT_EQ(holders.at("arm").pid, others.pid());
+  EXPECT_EQ(holders.at("eyes").pid, others.pid());
+  EXPECT_TRUE(holders.at("eyes").trusted);
+}
+
+// As one that is passed to another process, and that no process has open at the moment.
+TEST(NameLock, ReportsAlsoANameWhoseHolderIsNotFound) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0, ends.data()), 0);
+  const std::string prefix = UniqueName("passed") + "/";
+  {
+    const auto lock = NameLock::Acquire(prefix + "legs");
+    ASSERT_TRUE(lock);
+    char byte = 'x';
+    iovec part{&byte, 1};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+    msghdr header{};
+    header.msg_iov = &part;
+    header.msg_iovlen = 1;
+    header.msg_control = control.data();
+    header.msg_controllen = control.size();
+    cmsghdr* passed = CMSG_FIRSTHDR(&header);
+    passed->cmsg_level = SOL_SOCKET;
+    passed->cmsg_type = SCM_RIGHTS;
+    passed->cmsg_len = CMSG_LEN(sizeof(int));
+    const int fd = lock.value().fd();
+    std::memcpy(CMSG_DATA(passed), &fd, sizeof(fd));
+    ASSERT_EQ(sendmsg(ends[0], &header, 0), 1);
+  }
+  const auto holders = NameLock::HoldersBelow(prefix);
+  ASSERT_EQ(holders.size(), 1U);
+  EXPECT_EQ(holders.at("legs").pid, 0);
+  for (const int end : ends) close(end);
 }
 
 TEST(NameLock, ReportsTheProcessAndTheUserThatHoldTheName) {

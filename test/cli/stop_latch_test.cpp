@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/base/host.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/test/cli/robot.hpp"
@@ -28,15 +29,19 @@ class Listener {
     stops_ = transport::MakeSubscription<msg::EmergencyStop>(
                  node, transport::EmergencyStopTopic("pack"),
                  [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
-                   const bool takes = stop.engaged && status_.emergency_stop == 0 && !deaf_;
+                   const bool meant = SameMachine({status_.machine, status_.machine_id},
+                                                  {stop.machine, stop.machine_id});
+                   const bool takes =
+                       meant && stop.engaged && status_.emergency_stop == 0 && !deaf_;
                    if (takes) Latch(stop.id);
                  },
                  transport::kLatchedFromManyQos)
                  .value();
   }
 
-  void BelongTo(std::string machine) {
+  void BelongTo(std::string machine, std::string id = "") {
     status_.machine = std::move(machine);
+    status_.machine_id = std::move(id);
     static_cast<void>(publisher_->Publish(status_));
   }
   void Latch(std::uint64_t id) {
@@ -239,6 +244,37 @@ TEST_F(Stop, IsNotHeldUpByOldFilesOfALanMachineOfWhichNothingRuns) {
   EXPECT_TRUE(latch_->Report(view).complete());
 }
 
+// By the config in the working directory the machine had no other hosts: the stop was reported as
+// complete, while its actuators there moved.
+TEST_F(Stop, IsNotCompleteWhereTheProcessesOfAnActuatorMayNotBeRead) {
+  Engage();
+  AfterASecond();
+  StopView view = OnTheRobot({{"robot", ""}, false, {}, {"legs", "eyes"}});
+  ASSERT_TRUE(latch_->Report(view).complete());
+  MachineHere hidden{{}, true, {}, {"legs"}};
+  hidden.unread = "legs runs as a process of another user";
+  view.machines.push_back(hidden);
+  const EstopReport report = latch_->Report(view);
+  EXPECT_FALSE(report.complete());
+  EXPECT_EQ(report.unknown,
+            "no controller answers, and legs runs as a process of another user, so the machine may "
+            "have actuators on other hosts");
+  view.controller = Controller();
+  view.controller->host = HostId();
+  EXPECT_TRUE(latch_->Report(view).complete()) << "the controller knows its actuators";
+}
+
+// It may be of another machine, which is in range.
+TEST_F(Stop, IsNotCompleteByAControllerOfAnotherHostWithoutWhatRunsHere) {
+  Engage();
+  StopView view = OnTheRobot({{"robot", ""}, false, {}, {"legs", "eyes", "arm"}});
+  view.running_here.push_back("arm");
+  AfterASecond();
+  view.controller = Controller();
+  view.controller->host = "another";
+  EXPECT_THAT(latch_->Report(view).Missing(), ElementsAre("arm"));
+}
+
 TEST_F(Stop, IsNotCompleteWhereTheConfigOfAnActuatorIsNotKnown) {
   Engage();
   AfterASecond();
@@ -350,6 +386,55 @@ TEST_F(Stop, IsPrintedAsJson) {
             R"("eyes":{"stopped":false,"before":false,"after_ms":null,"trouble":null}}})");
 }
 
+// `musher estop --machine 5982`: it named a machine 5982, and reached none.
+class StopById : public Stop {
+ protected:
+  void EngageFor(const std::string& word) {
+    eyes_->BelongTo("dog", "5982c7ee-dog");
+    legs_->BelongTo("cat", "5984a000-cat");
+    latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke", word, ""}).value();
+    latch_->AddBeginningOfId(word);
+  }
+  std::vector<std::string> Stopped() {
+    std::vector<std::string> stopped;
+    for (const EstopReport::Actuator& one : AfterASecond().actuators) {
+      if (one.stopped) stopped.push_back(one.name);
+    }
+    return stopped;
+  }
+};
+
+TEST_F(StopById, ReachesTheMachineWhoseIdBeginsSoAlone) {
+  EngageFor("5982");
+  EXPECT_THAT(Stopped(), ElementsAre("eyes"));
+  EXPECT_TRUE(latch_->Report(StopView{}).complete());
+}
+
+TEST_F(StopById, ReachesThatMachineWhenItComesIntoRange) {
+  EngageFor("5990");
+  EXPECT_THAT(Stopped(), IsEmpty());
+  Listener head(*dog_, "head");
+  head.BelongTo("fox", "5990ffff-fox");
+  EXPECT_THAT(Stopped(), ElementsAre("head"));
+}
+
+TEST_F(StopById, StopsEachMachineWhoseIdBeginsSoAndNamesThem) {
+  EngageFor("5982");
+  legs_->BelongTo("cat", "5982a000-cat");
+  EXPECT_THAT(Stopped(), ElementsAre("eyes", "legs"));
+  EXPECT_THAT(latch_->Report(StopView{}).unknown,
+              HasSubstr("several machines have received the stop (dog (id 5982c7ee), cat (id "
+                        "5982a000))"));
+}
+
+TEST_F(StopById, NeedsFourCharactersOfAnIdAndStopsAMachineOfThatName) {
+  EngageFor("598");
+  EXPECT_THAT(Stopped(), IsEmpty());
+  Listener head(*dog_, "head");
+  head.BelongTo("598", "1111");
+  EXPECT_THAT(Stopped(), ElementsAre("head"));
+}
+
 // A controller as far as releases go: it publishes the release, and its heartbeat.
 class Releaser {
  public:
@@ -433,6 +518,18 @@ TEST_F(ReleasedStop, StaysPublishedThoughAPanelABridgeOrAnotherMachineReleasesIt
   cat_controller_.SendHeartbeat();
   cat_controller_.Release(7);
   EXPECT_FALSE(Withdrawn());
+}
+
+TEST_F(ReleasedStop, ThatNamesTheBeginningOfAnIdIsPublishedUntilThatMachineReleasesIt) {
+  latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke", "5982", ""}).value();
+  latch_->AddBeginningOfId("5982");
+  for (auto* actuator : {&eyes_, &legs_}) (*actuator)->BelongTo("dog", "5982c7ee");
+  cat_controller_.SendHeartbeat();
+  cat_controller_.Release(7);
+  EXPECT_FALSE(Withdrawn());
+  dog_controller_.SendHeartbeat();
+  dog_controller_.Release(7);
+  EXPECT_TRUE(Withdrawn());
 }
 
 // Another machine may still be out of range.

@@ -1,12 +1,10 @@
 #include "musher/controller/storage/other_starts.hpp"
 
 #include <gmock/gmock.h>
-#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "musher/controller/storage/machines_here.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
@@ -51,6 +49,8 @@ TEST_F(OtherStart, LeavesItsStopToTheNextOne) {
 TEST_F(OtherStart, LeavesNoStopThatHasBeenReleasedSince) {
   StopIn(by_user_, robot_);
   EXPECT_THAT(Found({{}, {7}}), IsEmpty());
+}
+
 // Started by systemd, the robot went to Active: the stop was over, and that no person had requested
 // a state since was on the other disk only.
 TEST_F(OtherStart, LeavesWhatItsReleasedStopHasSwitchedOffToTheNextOne) {
@@ -66,8 +66,6 @@ TEST_F(OtherStart, LeavesWhatItsReleasedStopHasSwitchedOffToTheNextOne) {
 TEST_F(OtherStart, LeavesNothingOfAReleasedStopAfterWhichAStateWasRequested) {
   StopIn(by_user_, robot_, {{}, {3, 7}, false});
   EXPECT_THAT(Found(), IsEmpty());
-}
-
 }
 
 TEST_F(OtherStart, OfAnotherMachineLeavesNone) {
@@ -91,16 +89,6 @@ TEST(DefaultStateDirs, AreThoseOfThisUserOfSystemdAndOfTheOwnerOfTheConfig) {
   for (const std::string& one : folders) {
     EXPECT_EQ(fs::path(one).parent_path().filename(), "musher") << one;
     EXPECT_TRUE(fs::path(one).filename().string().starts_with("robot")) << one;
-  }
-}
-
-// Any process of the host may name any file.
-TEST(MachinesHere, DoNotWaitForAPipeThatIsNamedAsAConfig) {
-  const TempFolder folder;
-  const std::string pipe = folder / "robot.toml";
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  for (const MachineHere& machine : MachinesHere(0, "of_no_machine", {pipe, "/dev/stdin"})) {
-    ADD_FAILURE() << machine.identity.name;
   }
 }
 

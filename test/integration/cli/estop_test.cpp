@@ -40,6 +40,20 @@ class EmergencyStop : public MachineByCli {
     EXPECT_THAT(set.err, HasSubstr("an emergency stop is engaged"));
   }
 
+  // As systemd starts it then.
+  Ended UpAtBoot() const {
+    std::filesystem::remove(folder_ / "started");
+    setenv("RUNTIME_DIRECTORY", folder_.path().c_str(), 1);
+    const Ended up = Musher({"up", config_, "--detach", "--restarted"});
+    unsetenv("RUNTIME_DIRECTORY");
+    return up;
+  }
+  static std::string IdOf(const std::string& state_dir) {
+    const std::string machine = ReadFile(state_dir + "/machine");
+    const std::size_t at = machine.find("\nid ") + 4;
+    return machine.substr(at, machine.find('\n', at) - at);
+  }
+
   // Waits until the status of an actuator is so, half a minute at most; returns whether one was.
   bool AwaitReport(const std::function<bool(const msg::ActuatorStatus&)>& is_so) const {
     transport::LinuxEventLoop loop;
@@ -214,6 +228,65 @@ TEST_F(EmergencyStop, HoldsWhenTheMachineIsStartedWithAnotherStateFolder) {
   ASSERT_EQ(UpDetached().exit, 0) << "a released stop does not come back from there";
   EXPECT_EQ(Musher({"down"}).exit, 0);
   unsetenv("XDG_STATE_HOME");
+}
+
+// The stop is over, but the robot was not commanded since.
+TEST_F(EmergencyStop, ThatIsReleasedKeepsAMachineWithAnotherStateFolderDownAtBoot) {
+  setenv("XDG_STATE_HOME", (folder_ / "by_user").c_str(), 1);
+  Drop("state_dir = \"state\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  Estop();
+  ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  Replace("[controller]\n", "[controller]\nstate_dir = \"elsewhere\"\n");
+  EXPECT_EQ(UpAtBoot().exit, 1);
+  EXPECT_EQ(Status()["state"], "SetUp");
+  EXPECT_THAT(ReadFile(folder_ / "elsewhere/controller.log"),
+              HasSubstr("no state was requested since the last emergency stop in " +
+                        (folder_ / "by_user/musher/robot")));
+  EXPECT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(UpAtBoot().exit, 0) << "that was the request";
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  unsetenv("XDG_STATE_HOME");
+}
+
+// Another user may not look into the processes of root's robot. By the robot.toml where that person
+// stands the machine has no other hosts, and the exit code was 0.
+TEST_F(EmergencyStop, OfARobotWhoseProcessesThisUserMayNotReadIsNotReportedAsComplete) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  ASSERT_NO_FATAL_FAILURE(Start());
+  LoseController();
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms::all);
+  const Ended estop =
+      RunToEnd({"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "sh", "-c",
+                "cd " + folder_.path() + " && exec " + BinDir() + "/musher estop --timeout 5"});
+  EXPECT_EQ(estop.exit, 1) << estop.out << estop.err;
+  EXPECT_THAT(estop.err, HasSubstr("eyes, legs, voice run as processes of another user, whose "
+                                   "config is not read"));
+  ExpectLatchedByAll(true);
+}
+
+TEST_F(EmergencyStop, ReachesTheMachineWhoseIdBeginsAsAPersonSays) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string id = IdOf(folder_ / "state");
+  const Ended estop = Musher({"estop", "smoke", "--machine", id.substr(0, 8)});
+  EXPECT_EQ(estop.exit, 0) << estop.err;
+  ExpectLatchedByAll(true);
+  ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+  const Ended other = Musher({"estop", "--machine", "0000-of-none", "--timeout", "1"});
+  EXPECT_EQ(other.exit, 1) << "what runs here may be of it, as far as is known";
+  ExpectLatchedByAll(false);
+}
+
+TEST_F(EmergencyStop, ReachesTheMachineWhoseIdBeginsSoWithoutAController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  LoseController();
+  const std::string id = IdOf(folder_ / "state");
+  const Ended estop = Musher({"estop", "smoke", "--machine", id.substr(0, 8)});
+  EXPECT_EQ(estop.exit, 0) << estop.err;
+  ExpectLatchedByAll(true);
 }
 
 TEST_F(EmergencyStop, IsReleasedByHandWhichChangesNoState) {
