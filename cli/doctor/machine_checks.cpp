@@ -24,19 +24,25 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
     return fmt::format("musher keys add {} --force --keys {}", identity,
                        ShellWord(facts.config->keys));
   };
+  check.health = CheckStatus::kError;
+  if (!facts.keys_untrusted.empty()) {
+    check.reason = facts.keys_untrusted;
+    check.fix = fmt::format("sudo chown -R -h \"$USER\" {0} && chmod -R go-w {0}",
+                            ShellWord(facts.config->keys));
+    return check;
+  }
   for (const KeyFacts& key : facts.keys) {
-    check.health = CheckStatus::kError;
+    if ((key.mode & kGroupAndOthers) != 0) {
+      check.reason = fmt::format(
+          "{} has the permissions {:o}: other users can read the private key", key.file, key.mode);
+      check.fix = "chmod 600 " + ShellWord(key.file);
+      return check;
+    }
     if (!key.error.empty()) {
       check.reason = key.identity + ": " + key.error;
       check.fix = facts.keys_made
                       ? command(key.identity)
                       : fmt::format("musher keys init {}", ShellWord(facts.config->file));
-      return check;
-    }
-    if ((key.mode & kGroupAndOthers) != 0) {
-      check.reason = fmt::format(
-          "{} has the permissions {:o}: other users can read the private key", key.file, key.mode);
-      check.fix = "chmod 600 " + ShellWord(key.file);
       return check;
     }
   }

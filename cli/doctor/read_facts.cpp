@@ -10,6 +10,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/own_folder.hpp"
 #include "musher/base/program.hpp"
 #include "musher/base/version.hpp"
 #include "musher/cli/config/program_check.hpp"
@@ -78,6 +79,9 @@ void ReadKeys(DoctorFacts& facts) {
   }
   const transport::keys::KeyFolder folder(facts.config->keys);
   facts.keys_made = access(folder.IdentityCa().c_str(), F_OK) == 0;
+  auto own = CheckOwnFolder(folder.path());
+  if (own) own = CheckOwnFolder(folder.CaFolder());
+  if (!own) facts.keys_untrusted = own.error().message;
   for (const std::string& identity : identities) {
     KeyFacts key;
     key.identity = identity;

@@ -257,6 +257,19 @@ const Planted kPlanted[] = {
      }},
     {"AReadableKey", "keys", CheckStatus::kError, "has the permissions 644",
      "chmod 600 /etc/keys/c.key", [](DoctorFacts& f) { f.keys[0].mode = 0644; }},
+    {"AKeyThatOthersReadAndThereforeIsNotUsed", "keys", CheckStatus::kError,
+     "has the permissions 640", "chmod 600 /etc/keys/c.key",
+     [](DoctorFacts& f) {
+       f.keys[0].mode = 0640;
+       f.keys[0].error = "/etc/keys/c.key is readable by others";
+     }},
+    {"AKeyFolderThatAnotherUserCanChange", "keys", CheckStatus::kError,
+     "/etc/keys belongs to user 1001, who could",
+     "sudo chown -R -h \"$USER\" /etc/keys && chmod -R go-w /etc/keys",
+     [](DoctorFacts& f) {
+       f.keys_untrusted = "/etc/keys belongs to user 1001, who could replace files in it";
+       f.keys[0].error = f.keys_untrusted;
+     }},
     {"ACertificateThatExpiresSoon", "keys", CheckStatus::kWarning, "within 30 days",
      "musher keys add controller", [](DoctorFacts& f) { f.keys[0].until = f.now; }},
     {"AMissingProgram", "programs", CheckStatus::kError, "dog.toml:3:1: warning: no such program",
@@ -303,6 +316,30 @@ TEST(Diagnose, AComputerWithoutAFaultHasNothingToFix) {
     EXPECT_EQ(check.fix, "") << check.name;
     EXPECT_NE(check.reason, "") << check.name;
   }
+}
+
+TEST(Diagnose, NamesTheInterfacesOfTheProfileLanThatAreUsedAndWhyTheOthersAreNot) {
+  DoctorFacts facts = Healthy();
+  facts.profile = TransportProfile::kLan;
+  facts.interfaces.push_back({"wlan0", false, false, true, {}});
+  facts.interfaces.push_back({"docker0", true, false, true, {"172.17.0.1"}, true, "bridge"});
+  facts.interfaces.push_back({"tun0", true, false, false, {"10.8.0.2"}, false, "tun"});
+  const DoctorCheck chosen = Check(facts, "network interface");
+  EXPECT_EQ(chosen.health, CheckStatus::kOk);
+  EXPECT_EQ(chosen.fix, "");
+  EXPECT_EQ(chosen.reason,
+            "lo with 127.0.0.1 between processes of this host; to other hosts eth0 with "
+            "192.168.1.7 (an ethernet or wifi device that is up); not used: wlan0 (it is down), "
+            "docker0 (it is virtual (bridge); [transport] interfaces can name it), tun0 (it is "
+            "virtual (tun); [transport] interfaces can name it)");
+  facts.config->interfaces = {"tun0", "eth0"};
+  facts.interfaces.back().multicast = true;
+  const DoctorCheck named = Check(facts, "network interface");
+  EXPECT_EQ(named.health, CheckStatus::kOk);
+  EXPECT_THAT(named.reason,
+              HasSubstr("; to other hosts tun0 with 10.8.0.2 ([transport] interfaces names it), "
+                        "eth0 with 192.168.1.7 ([transport] interfaces names it); not used: wlan0 "
+                        "([transport] interfaces does not name it), docker0 "));
 }
 
 TEST(Diagnose, WhatIsNotKnownOrNotUsedDoesNotCount) {

@@ -1,6 +1,9 @@
 // `musher keys` and `musher up` by hand: what is made, and what is said when it is not right.
 
 #include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
 
 #include "musher/test/security/secured_machine.hpp"
 
@@ -104,6 +107,31 @@ TEST_F(WrongKeys, ThatOthersCanReadAreRefused) {
   ASSERT_EQ(chmod((keys_ + "/voice.key").c_str(), 0640), 0);
   ExpectRefusal(keys_ + "/voice.key is readable by others; run `chmod 600 " + keys_ +
                 "/voice.key`");
+}
+
+TEST_F(WrongKeys, InAFolderThatOthersCanChangeAreRefusedAndDoctorSaysSo) {
+  ASSERT_EQ(chmod(keys_.c_str(), 0777), 0);
+  const std::string why = keys_ + " is writable for all users, who could replace files in it";
+  ExpectRefusal(why);
+  const Ended doctor = Musher({"doctor", config_, "--json"});
+  EXPECT_EQ(doctor.exit, 1);
+  const nlohmann::json checks = Json(doctor.out)["checks"];
+  const auto of_keys =
+      std::ranges::find_if(checks, [](const auto& check) { return check["check"] == "keys"; });
+  ASSERT_NE(of_keys, checks.end());
+  EXPECT_EQ((*of_keys)["result"], "error");
+  EXPECT_THAT((*of_keys)["reason"].get<std::string>(), HasSubstr(why));
+  EXPECT_THAT((*of_keys)["fix"].get<std::string>(), HasSubstr("chmod -R go-w " + keys_));
+  const Ended add = Musher({"keys", "add", "visitor"});
+  EXPECT_EQ(add.exit, 2);
+  EXPECT_THAT(add.err, HasSubstr(why));
+}
+
+TEST_F(WrongKeys, OfAnotherUserAreRefused) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root gives a file away";
+  const std::string key = keys_ + "/voice.key";
+  ASSERT_EQ(chown(key.c_str(), 12345, 12345), 0);
+  ExpectRefusal(key + " belongs to user 12345, who can read it");
 }
 
 TEST_F(WrongKeys, ThatAreMissingAreReported) {

@@ -1,6 +1,8 @@
 // A robot's folder of keys: what is issued, and what is taken for good.
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -104,6 +106,36 @@ TEST_F(Keys, ThatAreNoKeysAreNamed) {
   EXPECT_THAT(ErrorOf("legs"), HasSubstr("legs.cert is not a certificate (PEM)"));
   std::ofstream(folder_.Revocations()) << "";
   EXPECT_THAT(ErrorOf("legs"), HasSubstr("revoked.crl is empty"));
+}
+
+TEST_F(Keys, InAFolderThatOthersCanChangeAreNeitherUsedNorIssued) {
+  ASSERT_TRUE(Add("legs"));
+  for (const std::string& folder : {folder_.path(), folder_.CaFolder()}) {
+    ASSERT_EQ(chmod(folder.c_str(), 0777), 0);
+    const std::string why = folder + " is writable for all users, who could replace files in it";
+    const auto issued = Add("voice");
+    ASSERT_FALSE(issued) << folder;
+    EXPECT_THAT(issued.error().message, HasSubstr(why));
+    EXPECT_FALSE(Revoke(folder_, "legs")) << folder;
+    EXPECT_THAT(ErrorOf("legs"), folder == folder_.path() ? HasSubstr(why) : HasSubstr(""));
+    ASSERT_EQ(chmod(folder.c_str(), 0700), 0);
+  }
+  EXPECT_EQ(ErrorOf("legs"), "");
+}
+
+TEST_F(Keys, OfAnotherUserAreNotUsed) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root gives a file away";
+  ASSERT_TRUE(Add("legs"));
+  constexpr uid_t kAnother = 12345;
+  const std::string key = folder_.Key("legs");
+  ASSERT_EQ(chown(key.c_str(), kAnother, kAnother), 0);
+  EXPECT_EQ(ErrorOf("legs"),
+            key + " belongs to user 12345, who can read it; run `chown 0 " + key + "`");
+  ASSERT_EQ(chown(key.c_str(), 0, 0), 0);
+  ASSERT_EQ(chown(folder_.path().c_str(), kAnother, kAnother), 0);
+  EXPECT_THAT(ErrorOf("legs"), HasSubstr(folder_.path() + " belongs to user 12345"));
+  EXPECT_FALSE(Add("voice"));
+  EXPECT_FALSE(CreateAuthority(folder_, Protection::kEncrypted, true));
 }
 
 TEST(Permissions, OfAnActuatorAreThoseOfItsOwnName) {

@@ -90,6 +90,12 @@ Result<KeyPtr> ReadKey(const std::string& file) {
   if (!fd) return fd.error();
   struct stat info {};
   if (fstat(fd.value().get(), &info) != 0) return SystemError(file);
+  if (info.st_uid != geteuid() && info.st_uid != 0) {
+    return Error{kCodePermissionDenied, file + " belongs to user " + std::to_string(info.st_uid) +
+                                            ", who can read it; run `chown " +
+                                            std::to_string(geteuid()) + " " + ShellWord(file) +
+                                            "`"};
+  }
   if ((info.st_mode & kOthers) != 0) {
     return Error{kCodePermissionDenied,
                  file + " is readable by others; run `chmod 600 " + ShellWord(file) + "`"};

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 
+#include "musher/base/own_folder.hpp"
 #include "musher/transport/security/certificates.hpp"
 #include "musher/transport/security/key_files.hpp"
 
@@ -31,6 +33,11 @@ struct CertificateAuthority {
 
 Result<CertificateAuthority> ReadAuthority(const std::string& certificate_file,
                                            const std::string& key_file) {
+  for (const std::string& file : {certificate_file, key_file}) {
+    if (auto own = CheckOwnFolder(std::filesystem::path(file).parent_path()); !own) {
+      return own.error();
+    }
+  }
   auto certificate = ReadCertificate(certificate_file);
   if (!certificate) return certificate.error();
   if (!Exists(key_file)) {
