@@ -2,9 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/base/scheduling.hpp"
 #include "musher/cli/commands/switch_progress.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
@@ -22,6 +27,8 @@ constexpr Duration kControllerEnd = std::chrono::seconds(7);
 // Longer than a service manager takes to start another controller, including its listening time.
 constexpr Duration kSuccessor = std::chrono::seconds(6);
 constexpr Duration kSecuredSuccessor = std::chrono::seconds(12);
+// Between two looks at the names that processes of this host hold.
+constexpr Duration kLookAgain = Milliseconds(20);
 
 // A switch continues when the client stops waiting: adds to the message which switch that is.
 Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
@@ -81,65 +88,191 @@ class SwitchLimits {
   std::unique_ptr<transport::Client<msg::GetPlan>> plans_;  // last: its callback uses steps_
 };
 
+// A switch from its request to its printed outcome.
+//
+// The TearDown of the machine of this host is requested by the controller's socket: it waits for no
+// discovery. Meanwhile the command joins the domain, for what it shows, and for a successor of a
+// controller that exits before it has answered.
+class SwitchCommand {
+ public:
+  SwitchCommand(std::string target, std::string actuator, const GlobalOptions& global,
+                Console& console)
+      : target_(std::move(target)),
+        actuator_(std::move(actuator)),
+        global_(global),
+        console_(console),
+        timeout_(global.timeout.value_or(kSwitchTimeout)),
+        link_(Link::OpenForCalls(global, &console)),
+        limits_(*link_, global),
+        progress_(link_->loop(), console,
+                  [this](const std::string& name, const std::string& state) {
+                    return limits_.Of(name, state);
+                  }) {}
+
+  ExitCode Run() {
+    if (const auto failure = RequestHere()) return console_.Fail(*failure);
+    if (const auto failure = Follow(); failure && !here_) return console_.Fail(*failure);
+    if (!here_) {
+      if (auto requested = RequestByNetwork({}); !requested) {
+        return console_.Fail(requested.error());
+      }
+    }
+    const auto failure =
+        link_->Await([this] { return end_ || failure_; },
+                     [this] { return here_ || (client_ && client_->found()); }, timeout_);
+    progress_.Hide();
+    if (failure) return console_.Fail(WithSwitch(*failure, *link_, target_));
+    if (failure_) return console_.Fail(*failure_);
+    return Conclude();
+  }
+
+ private:
+  bool TakesMachineDown() const { return target_ == kTearDown && actuator_.empty(); }
+
+  // A stopped controller would obey only when it continues, after this command has given up.
+  std::optional<Failure> RequestHere() {
+    const pid_t holder = TakesMachineDown() ? link_->LeaderHere() : 0;
+    if (holder == 0 || RunStateOf(holder) == ProcessRunState::kStopped) return std::nullopt;
+    const auto status = link_->CallHere<msg::GetStatus>(
+        "get_status", {}, std::min(timeout_, link_->discovery_of_one_here()),
+        ExitCode::kNoController);
+    if (!status) return std::nullopt;
+    if (const auto* failure = std::get_if<Failure>(&*status)) {
+      if (failure->exit == ExitCode::kInterrupted) return *failure;
+      return std::nullopt;  // by the network, which says more of a controller that is silent
+    }
+    here_ = std::get<msg::GetStatus::Response>(*status).status;
+    call_ = link_->BeginCallHere<msg::SetState>(
+        "set_state", {target_, actuator_, UserAtHost(), here_->machine, here_->machine_id},
+        [this](auto reply) { OnReplyHere(reply); });
+    if (!call_) here_.reset();
+    if (call_) link_->Choose({here_->machine, here_->machine_id});
+    return std::nullopt;
+  }
+
+  void OnReplyHere(const Result<msg::SetState::Response>& reply) {
+    if (reply) {
+      end_ = SwitchEnd{SwitchEnd::Kind::kAnswered, reply.value()};
+      return;
+    }
+    const Error& error = reply.error();
+    const bool exited = error.code == kCodeNetError;  // else the request was not taken
+    if (exited || error.code == kCodeUnSupport) {
+      std::optional<msg::MachineStatus> last;
+      if (exited) last = link_->last_leader() ? link_->last_leader() : here_;
+      const auto joined = link_->Join();
+      const auto requested = joined ? RequestByNetwork(last) : joined;
+      if (requested) return;
+    }
+    failure_ = Failure{ExitCode::kUnknownEnd,
+                       {error.code, "the controller: " + error.message +
+                                        "; `musher up` with the same config takes control of what "
+                                        "still runs"}};
+  }
+
+  // What is shown of the switch, and which actuators run.
+  std::optional<Failure> Follow() {
+    auto followed = link_->Join();
+    if (!followed) return NotFollowed(followed.error());
+    if (const auto open = link_->ChooseMachine(Link::Purpose::kAct)) return open;
+    followed = link_->FollowStatus([this](const auto& status) { progress_.Show(status); });
+    if (!followed) return NotFollowed(followed.error());
+    if (progress_.on()) limits_.Request(target_, actuator_);
+    auto running =
+        RunningActuators::Begin(link_->node(), global_.name_space, !global_.keys.empty());
+    if (!running) return NotFollowed(running.error());
+    running_ = std::move(running).value();
+    running_->OnlyOf(link_->machine());
+    return std::nullopt;
+  }
+  Failure NotFollowed(const Error& error) {
+    not_followed_ = error.message;
+    return {ExitCode::kUsage, error};
+  }
+
+  // `exited`: the controller that was called by its socket, and has exited before its reply.
+  Result<> RequestByNetwork(std::optional<msg::MachineStatus> exited) {
+    SwitchClient::Options options;
+    options.leader = {global_.name_space, HostId(), WatchByPidfd(link_->loop())};
+    options.leader.machine = link_->machine();
+    options.by = UserAtHost();
+    options.timeout = timeout_ + Link::kAfterAwait;  // Await() has the better error message
+    options.successor = global_.keys.empty() ? kSuccessor : kSecuredSuccessor;
+    options.exited = std::move(exited);
+    auto client = SwitchClient::Make(
+        link_->node(), options, target_, actuator_,
+        [this](const std::string& news) { console_.PrintError(news); },
+        [this](const SwitchEnd& known) { end_ = known; });
+    if (!client) return client.error();
+    client_ = std::move(client).value();
+    return Ok();
+  }
+
+  ExitCode Conclude() {
+    const msg::SetState::Response& result = end_->result;
+    if (end_->kind == SwitchEnd::Kind::kUnknown) {
+      return console_.Fail({ExitCode::kUnknownEnd,
+                            {result.code, result.reason},
+                            CommandNumber(result.switch_number)});
+    }
+    // The controller exits with its machine. Once this command returns, the next one may start.
+    // Its status may be lost before the process exits, so the last known one identifies it.
+    const auto leader = link_->last_leader() ? link_->last_leader() : here_;
+    const bool down = TakesMachineDown() && result.state == kTearDown;
+    if (down && leader && !link_->AwaitEndOf(*leader, kControllerEnd)) {
+      console_.PrintError(
+          fmt::format("the controller (pid {}) has not exited yet; the machine cannot be "
+                      "started again until then",
+                      leader->pid));
+    }
+    console_.Print(console_.mode().json ? SwitchJson(result)
+                                        : SwitchText(result, console_.mode().colour));
+    const bool left = down && IsAnyLeftBehind();
+    if (result.outcome == "done") return left ? ExitCode::kNotDone : ExitCode::kDone;
+    console_.PrintError(SwitchError(result));
+    return ExitCodeOfRefusal(result.outcome == "refused" ? result.code : kCodeFailed);
+  }
+
+  // The machine may have been down before every actuator here was discovered.
+  bool IsAnyLeftBehind() {
+    if (!running_) {
+      console_.PrintError("whether more actuators run in this namespace is not known: " +
+                          not_followed_);
+      return false;
+    }
+    const auto tick = link_->loop().Every(kLookAgain, [] {});
+    link_->RunUntil(
+        [this] {
+          return std::ranges::all_of(running_->Now(), [](const auto& one) {
+            return one.second.has_status || one.second.child;
+          });
+        },
+        link_->discovery());
+    return ReportLeftBehind(running_->Now(), console_);
+  }
+
+  const std::string target_;
+  const std::string actuator_;
+  const GlobalOptions& global_;
+  Console& console_;
+  const Duration timeout_;
+  const std::unique_ptr<Link> link_;
+  SwitchLimits limits_;
+  SwitchProgress progress_;
+  std::unique_ptr<RunningActuators> running_;
+  std::string not_followed_;                // why `running_` is null
+  std::optional<msg::MachineStatus> here_;  // of the controller that is called by its socket
+  std::optional<SwitchEnd> end_;
+  std::optional<Failure> failure_;
+  std::unique_ptr<SwitchClient> client_;
+  std::unique_ptr<transport::HostCall> call_;  // last: its callback uses all of the above
+};
+
 }  // namespace
 
 ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
                        const GlobalOptions& global, Console& console) {
-  const auto link = Link::Open(global, &console);
-  if (!link) return console.Fail(link.error());
-  if (const auto open = link.value()->ChooseMachine(Link::Purpose::kAct)) {
-    return console.Fail(*open);
-  }
-  SwitchLimits limits(*link.value(), global);
-  SwitchProgress progress(link.value()->loop(), console,
-                          [&limits](const std::string& name, const std::string& state) {
-                            return limits.Of(name, state);
-                          });
-  const auto follow = [&progress](const auto& status) { progress.Show(status); };
-  if (const auto r = link.value()->FollowStatus(follow); !r) return console.Fail(r.error());
-  if (progress.on()) limits.Request(target, actuator);
-  const auto running =
-      RunningActuators::Begin(link.value()->node(), global.name_space, !global.keys.empty());
-  if (!running) return console.Fail(running.error());
-  running.value()->OnlyOf(link.value()->machine());
-  const Duration timeout = global.timeout.value_or(kSwitchTimeout);
-  SwitchClient::Options options;
-  options.leader = {global.name_space, HostId(), WatchByPidfd(link.value()->loop())};
-  options.leader.machine = link.value()->machine();
-  options.by = UserAtHost();
-  options.timeout = timeout + Link::kAfterAwait;  // Await() has the better error message
-  options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
-  std::optional<SwitchEnd> end;
-  const auto client = SwitchClient::Make(
-      link.value()->node(), options, target, actuator,
-      [&](const std::string& news) { console.PrintError(news); },
-      [&end](const SwitchEnd& known) { end = known; });
-  if (!client) return console.Fail(client.error());
-  const auto failure = link.value()->Await([&] { return end.has_value(); },
-                                           [&] { return client.value()->found(); }, timeout);
-  progress.Hide();
-  if (failure) return console.Fail(WithSwitch(*failure, *link.value(), target));
-  const msg::SetState::Response& result = end->result;
-  if (end->kind == SwitchEnd::Kind::kUnknown) {
-    return console.Fail(
-        {ExitCode::kUnknownEnd, {result.code, result.reason}, CommandNumber(result.switch_number)});
-  }
-  // The controller exits with its machine. Once this command returns, the next one may start.
-  // Its status may be lost before the process exits, so the last known one identifies it.
-  const auto leader = link.value()->last_leader();
-  const bool down = target == kTearDown && actuator.empty() && result.state == kTearDown;
-  if (down && leader && !link.value()->AwaitEndOf(*leader, kControllerEnd)) {
-    console.PrintError(
-        fmt::format("the controller (pid {}) has not exited yet; the machine cannot be "
-                    "started again until then",
-                    leader->pid));
-  }
-  console.Print(console.mode().json ? SwitchJson(result)
-                                    : SwitchText(result, console.mode().colour));
-  const bool left = down && ReportLeftBehind(running.value()->Now(), console);
-  if (result.outcome == "done") return left ? ExitCode::kNotDone : ExitCode::kDone;
-  console.PrintError(SwitchError(result));
-  return ExitCodeOfRefusal(result.outcome == "refused" ? result.code : kCodeFailed);
+  return SwitchCommand(target, actuator, global, console).Run();
 }
 
 }  // namespace musher::cli

@@ -144,6 +144,9 @@ std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
   const Duration limit = global_.timeout.value_or(std::chrono::hours(1));
   if (!global_.machine.empty()) {
     searched_ = !RunUntil([this] { return !Candidates().empty(); }, std::min(discovery(), limit));
+    // Two of one name are discovered one after the other.
+    const auto several = [this] { return !AreOne(Candidates()); };
+    if (!searched_) RunUntil(several, std::min(kOthersWithin, limit));
     return ChooseNamed();
   }
   const Duration here_within = std::min(discovery_of_one_here(), limit);
@@ -194,11 +197,7 @@ std::optional<Failure> Link::ChooseNamed() {
     machine_.name = global_.machine;  // which may appear later
     return std::nullopt;
   }
-  for (const Found& one : named) {
-    if (!SameMachine(one.machine(), named.front().machine())) {
-      return OpenChoice(named, "several machines are named " + global_.machine);
-    }
-  }
+  if (!AreOne(named)) return OpenChoice(named, "several machines are named " + global_.machine);
   machine_ = named.front().machine();
   return std::nullopt;
 }
@@ -226,12 +225,10 @@ std::optional<Failure> Link::ChooseOf(const std::vector<Found>& candidates, Purp
     failure.exit = ExitCode::kNoController;
     return failure;
   }
-  for (const Found& one : candidates) {
-    if (!SameMachine(one.machine(), candidates.front().machine())) {
-      return OpenChoice(candidates, "several machines answer in " +
-                                        NamespaceText(global_.name_space) +
-                                        ", none of them on this host");
-    }
+  if (!AreOne(candidates)) {
+    return OpenChoice(candidates, "several machines answer in " +
+                                      NamespaceText(global_.name_space) +
+                                      ", none of them on this host");
   }
   return ChooseElsewhere(candidates, purpose);
 }
@@ -276,6 +273,12 @@ std::optional<MachineIdentity> Link::MachineOfActuatorsHere() {
       qos);
   if (statuses) RunUntil([&machine] { return machine.has_value(); }, kOthersWithin);
   return machine ? machine : MachineIdentity{};
+}
+
+bool Link::AreOne(const std::vector<Found>& candidates) {
+  return std::ranges::all_of(candidates, [&](const Found& one) {
+    return SameMachine(one.machine(), candidates.front().machine());
+  });
 }
 
 std::string Link::TextOf(const std::vector<Found>& candidates) {

@@ -90,6 +90,17 @@ class Link {
   Answer<S> CallLeader(const std::string& service, const typename S::Request& request,
                        Duration timeout);
 
+  // The same by the socket of this host's controller: needs neither discovery nor a network.
+  // nullopt: it is not called so. `lost`: the exit code if it ends before its reply.
+  template <msg::Service S>
+  std::optional<Answer<S>> CallHere(const std::string& service, const typename S::Request& request,
+                                    Duration timeout, ExitCode lost);
+  // Begins it, and does not wait: on_reply runs on the loop. Null: it is not called so.
+  template <msg::Service S>
+  std::unique_ptr<transport::HostCall> BeginCallHere(
+      const std::string& service, const typename S::Request& request,
+      std::function<void(Result<typename S::Response>)> on_reply);
+
   // Chooses the machine and subscribes to its latched status. on_change gets each one, and none
   // when the controller is lost. To be called once.
   using OnStatus = std::function<void(const std::optional<msg::MachineStatus>&)>;
@@ -143,11 +154,6 @@ class Link {
 
  private:
   Link(const GlobalOptions& global, Console* console);
-  // The reply of the controller of this host; nullopt: it is not called so. `lost`: the exit code
-  // if it ends before that.
-  template <msg::Service S>
-  std::optional<Answer<S>> CallHere(const std::string& service, const typename S::Request& request,
-                                    Duration timeout, ExitCode lost);
   std::optional<std::variant<msg::Bytes, Failure>> CallHere(const std::string& service,
                                                             const msg::Bytes& request,
                                                             Duration timeout, ExitCode lost);
@@ -171,6 +177,7 @@ class Link {
   std::optional<Failure> ChooseOf(const std::vector<Found>& candidates, Purpose purpose);
   std::optional<Failure> ChooseElsewhere(const std::vector<Found>& candidates, Purpose purpose);
   std::optional<MachineIdentity> MachineOfActuatorsHere();
+  static bool AreOne(const std::vector<Found>& candidates);  // none of another machine
   static std::string TextOf(const std::vector<Found>& candidates);
   static Failure OpenChoice(const std::vector<Found>& candidates, const std::string& what);
   transport::ParticipantId Leader() const;
@@ -209,6 +216,19 @@ std::optional<Link::Answer<S>> Link::CallHere(const std::string& service,
   auto reply = transport::DecodeReply<S>(std::get<msg::Bytes>(*here));
   if (!reply) return Failure{ExitCode::kNoAnswer, reply.error()};
   return std::move(reply).value();
+}
+
+template <msg::Service S>
+std::unique_ptr<transport::HostCall> Link::BeginCallHere(
+    const std::string& service, const typename S::Request& request,
+    std::function<void(Result<typename S::Response>)> on_reply) {
+  const std::string name = HostCallsName();
+  if (name.empty()) return nullptr;
+  return transport::HostCall::Make(loop_, name, service,
+                                   transport::internal::EncodeEnvelope({}, request),
+                                   [done = std::move(on_reply)](Result<msg::Bytes> reply) {
+                                     done(transport::DecodeReply<S>(reply));
+                                   });
 }
 
 template <msg::Service S>

@@ -65,6 +65,16 @@ Result<> SwitchClient::Open() {
   transport::EventLoop& loop = node_.loop();
   timeout_ = loop.At(loop.Now() + options_.timeout,
                      [this] { EndUnknown("no answer within " + Seconds(options_.timeout)); });
+  if (options_.exited) {
+    const msg::MachineStatus& exited = *options_.exited;
+    step_ = Step::kCalled;
+    epoch_ = Epoch(exited.epoch);
+    pid_ = exited.pid;
+    number_ = CommandNumber(exited.target == target_ ? exited.switch_number : 0);
+    how_ = "has exited";
+    wait_ = loop.At(loop.Now(), [this] { Orphan(); });
+    return Ok();
+  }
   wait_ = loop.At(loop.Now() + options_.find,
                   [this] { EndUnknown("no controller found within " + Seconds(options_.find)); });
   return Ok();

@@ -49,6 +49,9 @@ class SwitchClient {
     Duration timeout = std::chrono::seconds(60);   // in total
     Duration find = std::chrono::seconds(60);      // for a controller that leads
     Duration successor = std::chrono::seconds(5);  // for another controller to lead
+    // The last status of a controller that was called in another way, and has exited before its
+    // reply: the client begins as orphaned.
+    std::optional<msg::MachineStatus> exited = std::nullopt;
   };
   // A sentence to print at once: the controller has exited, the client waits for another one.
   using OnNews = std::function<void(const std::string&)>;

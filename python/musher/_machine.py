@@ -262,14 +262,15 @@ class Machine:
 
     def _known(self) -> Tuple[str, str]:
         """Name and id of the machine that is meant, without waiting; empty: not known."""
-        if self._machine[0]:
+        if self._machine[1]:
             return self._machine
-        return _native.machine_here(self.node.namespace, self._domain)
+        here = _native.machine_here(self.node.namespace, self._domain)
+        return here if self._machine[0] in ("", here[0]) else self._machine
 
     def _meant(self) -> Tuple[str, str]:
         """Name and id of the machine that is meant. Raises musher.Failure where the choice is open."""
         known = self._known()
-        if known[0]:
+        if known[1]:
             return known
         found: List[Tuple[str, str]] = []
         with _Closing(self._watch()) as statuses:
@@ -278,17 +279,21 @@ class Machine:
                 status = statuses.take(left)
                 if status is None:
                     break
+                if not _is_of(status, known):
+                    continue
                 if not any(_is_of(status, machine) for machine in found):
                     found.append((status.machine, status.machine_id))
                 if len(found) == 1:
                     end = min(end, time.monotonic() + _OTHERS_S)
         if len(found) > 1:
             names = ", ".join(f"{name} (id {id[:8]})" if id else name for name, id in found)
-            raise Failure(_TARGET_BUSY, f"several machines answer, none of them on this host: {names}. Nothing was "
-                                        "done; Machine(machine=NAME) chooses one")
+            what, cure = ((f"several machines are named {known[0]}", "each needs a name of its own") if known[0] else
+                          ("several machines answer, none of them on this host", "Machine(machine=NAME) chooses one"))
+            raise Failure(_TARGET_BUSY, f"{what}: {names}. Nothing was done; {cure}")
         if found:
             self._machine = found[0]
-        return self._machine
+            return found[0]
+        return known
 
     def _leads(self) -> bool:
         with _Closing(self._watch()) as statuses:

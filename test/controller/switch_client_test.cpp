@@ -53,8 +53,10 @@ class SwitchClients : public TwoControllers {
   static constexpr const char* kSimHost = "sim/1";  // what simulated controllers say of theirs
 
   // `host`: the client's.
-  void Request(const std::string& target, const std::string& host = kSimHost) {
+  void Request(const std::string& target, const std::string& host = kSimHost,
+               std::optional<msg::MachineStatus> exited = std::nullopt) {
     SwitchClient::Options options;
+    options.exited = std::move(exited);
     options.leader = {"", host, kernel_.Watch()};
     client_ = SwitchClient::Make(
                   *desk_, options, target, "",
@@ -183,6 +185,20 @@ TEST_F(SwitchClients, RequestATearDownAgainFromTheSuccessor) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("TearDown"));
   KillFirst();
+  StartSecond();
+  EXPECT_EQ(End().kind, Kind::kAnswered) << end_->result.reason;
+  EXPECT_EQ(end_->result.state, "TearDown");
+  EXPECT_EQ(second_.machine().phase, Phase::kStopped);
+}
+
+TEST_F(SwitchClients, RequestATearDownAgainFromTheSuccessorOfOneThatWasCalledInAnotherWay) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const msg::MachineStatus exited = first_.process->shell().Status();
+  KillFirst();
+  Request("TearDown", kSimHost, exited);
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  EXPECT_THAT(news_[0], HasSubstr("the controller (pid " + std::to_string(exited.pid) +
+                                  ", epoch 1) has exited before it reported"));
   StartSecond();
   EXPECT_EQ(End().kind, Kind::kAnswered) << end_->result.reason;
   EXPECT_EQ(end_->result.state, "TearDown");

@@ -9,6 +9,9 @@ import unittest
 
 from robot import DEADLINE_S, SOURCE  # also sets the domain
 
+import musher  # noqa: E402
+from musher.musher_msgs.msg import MachineStatus  # noqa: E402
+
 
 class Client(unittest.TestCase):
     def setUp(self):
@@ -45,6 +48,50 @@ class Client(unittest.TestCase):
         refused = self.run_client("Active")
         self.assertEqual(refused.returncode, 1)
         self.assertIn("client.py: no controller found", refused.stderr)
+
+
+class Choice(unittest.TestCase):
+    """Machines of other hosts, which publish their statuses."""
+
+    NAMESPACE = "python_choice"
+
+    def publish(self, machine, machine_id):
+        node = musher.Node(namespace=self.NAMESPACE)
+        self.addCleanup(node.close)
+        status = MachineStatus(machine=machine, machine_id=machine_id, name_space=self.NAMESPACE,
+                               host="another boot/1", pid=7, phase="running", state="Active")
+        node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
+
+    def refusals(self, **chosen):
+        """Of each method that speaks to one machine."""
+        with musher.Machine(namespace=self.NAMESPACE, **chosen) as machine:
+            for call in (machine.status, lambda: machine.set("Active"), lambda: machine.restart("legs")):
+                with self.assertRaises(musher.Failure) as refused:
+                    call()
+                yield refused.exception
+
+    def test_of_several_machines_none_is_chosen(self):
+        self.publish("cat", "cafe0000-0000-4000-8000-000000000001")
+        self.publish("dog", "d0900000-0000-4000-8000-000000000002")
+        for refused in self.refusals():
+            self.assertEqual(refused.code, 111)  # target busy
+            self.assertIn("several machines answer, none of them on this host: ", refused.reason)
+            self.assertIn("cat (id cafe0000)", refused.reason)
+            self.assertIn("dog (id d0900000)", refused.reason)
+            self.assertIn("Machine(machine=NAME) chooses one", refused.reason)
+        with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
+            self.assertEqual(dog.status().machine, "dog")
+
+    def test_of_two_machines_of_one_name_none_is_chosen(self):
+        self.publish("cat", "cafe0000-0000-4000-8000-000000000001")
+        self.publish("dog", "d0900000-0000-4000-8000-000000000002")
+        self.publish("dog", "d0910000-0000-4000-8000-000000000003")
+        for refused in self.refusals(machine="dog"):
+            self.assertEqual(refused.code, 111)
+            self.assertIn("several machines are named dog: ", refused.reason)
+            self.assertIn("dog (id d0900000)", refused.reason)
+            self.assertIn("dog (id d0910000)", refused.reason)
+            self.assertNotIn("cat", refused.reason)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,8 @@
 
 namespace musher::testing::host_calls_test {
 
+using ::testing::HasSubstr;
+
 class CallsOfThisHost : public MachineByCli {
  protected:
   void Start(const std::string& until) {
@@ -33,6 +35,17 @@ TEST_F(CallsOfThisHost, NeedNoNetwork) {
     EXPECT_EQ(ended.exit, 0) << words[0] << ": " << ended.err;
   }
   EXPECT_NE(WithoutNetwork({"set", "LowPower"}).exit, 0) << "or the settings have no effect";
+}
+
+// It went by discovery, which takes seconds where the network is flooded or the host is busy.
+TEST_F(CallsOfThisHost, TakeTheMachineDownWithoutTheNetwork) {
+  ASSERT_NO_FATAL_FAILURE(Start("eyes: Active done"));
+  const Ended down = WithoutNetwork({"down"});
+  EXPECT_EQ(down.exit, 0) << down.err;
+  EXPECT_THAT(down.out, HasSubstr("done: the machine is in TearDown"));
+  EXPECT_THAT(down.err, HasSubstr("whether more actuators run in this namespace is not known: "));
+  EXPECT_EQ(up_->Wait().exit, 0);
+  EXPECT_TRUE(AwaitNoChildren());
 }
 
 TEST_F(CallsOfThisHost, GoToTheNextControllerOnceItLeads) {

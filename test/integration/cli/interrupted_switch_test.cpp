@@ -57,6 +57,38 @@ TEST_F(InterruptedSwitch, ExitsWithFiveAndPrintsWhatToDoWithoutASuccessor) {
   Release();
 }
 
+// Its request went by the controller's socket, which is closed by the exit.
+TEST_F(InterruptedSwitch, ATearDownIsContinuedByTheSuccessorOfTheControllerThatWasCalled) {
+  Blocks("legs", "TearDown");
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process down(Command({"down"}));
+  const auto status = AwaitStatus([](const auto& s) { return s["target"] == "TearDown"; });
+  const std::string pid = std::to_string(status["pid"].get<pid_t>());
+  kill(status["pid"].get<pid_t>(), SIGKILL);
+  ASSERT_TRUE(down.AwaitError("the controller (pid " + pid + ", epoch 1) has exited"));
+  Process next(Command({"up", config_}));
+  AwaitStatus([](const auto& s) { return s["epoch"] == 2 && s["target"] == "TearDown"; });
+  Release();
+  const Ended ended = down.Wait();
+  // The legs may have exited before the successor could ask them for the end of their TearDown.
+  EXPECT_LE(ended.exit, 1) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("the machine is in TearDown"));
+  next.Wait();
+  EXPECT_TRUE(AwaitNoChildren());
+}
+
+TEST_F(InterruptedSwitch, ATearDownExitsWithFiveAndPrintsWhatToDoWithoutASuccessor) {
+  Blocks("legs", "TearDown");
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process down(Command({"down"}));
+  const auto status = AwaitStatus([](const auto& s) { return s["target"] == "TearDown"; });
+  kill(status["pid"].get<pid_t>(), SIGKILL);
+  const Ended ended = down.Wait();
+  EXPECT_EQ(ended.exit, 5);
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("no successor within 6 s"), HasSubstr("musher up")));
+  Release();
+}
+
 // It was refused as busy while the actuator of stage 2 was on its way.
 TEST_F(InterruptedSwitch, UpRightAfterADetachedStartWaitsForTheLateActuator) {
   Does("eyes", "[state.LowPower]\nshell = \"sleep 0.3\"\n");

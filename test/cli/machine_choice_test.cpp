@@ -1,0 +1,96 @@
+// Which machine a command speaks to where several answer, and none of them is of this host: none,
+// until a person names one.
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/test/cli/program.hpp"
+#include "musher/test/support/domain.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::cli::machine_choice_test {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kCat = "cafe0000-0000-4000-8000-000000000001";
+constexpr const char* kDog = "d0900000-0000-4000-8000-000000000002";
+constexpr const char* kOtherDog = "d0900000-0000-4000-8000-000000000003";
+
+// What the controller of a machine on another host publishes of it.
+class FarController {
+ public:
+  FarController(const std::string& name_space, const std::string& machine, const std::string& id) {
+    publisher_ = transport::MakePublisher<msg::MachineInfo>(
+                     *node_, std::string(transport::kMachinesTopic), transport::kLatchedQos)
+                     .value();
+    EXPECT_TRUE(publisher_->Publish({machine, name_space, "another boot/1", 7, id}));
+  }
+
+ private:
+  transport::LinuxEventLoop loop_;
+  std::unique_ptr<transport::Node> node_ = transport::MakeDdsNode(loop_, {}).value();
+  std::unique_ptr<transport::Publisher<msg::MachineInfo>> publisher_;
+};
+
+class AMachine : public ::testing::Test {
+ protected:
+  AMachine() { setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1); }
+  ~AMachine() override { unsetenv("ROS_DOMAIN_ID"); }
+
+  FarController Far(const std::string& machine, const std::string& id) const {
+    return {name_space_, machine, id};
+  }
+  Ran Command(std::vector<std::string> words) const {
+    words.insert(words.begin(), {"--namespace", name_space_});
+    return RunProgram(words);
+  }
+
+  const std::string name_space_ = "machine_choice_test_" + std::to_string(getpid());
+};
+
+TEST_F(AMachine, IsNotChosenOfSeveralThatAnswerFromOtherHosts) {
+  const FarController cat = Far("cat", kCat);
+  const FarController dog = Far("dog", kDog);
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"set", "Active"}, {"down"}, {"plan", "Active"}}) {
+    const Ran ran = Command(words);
+    EXPECT_EQ(ran.exit, 2) << words[0];
+    EXPECT_EQ(ran.out, "") << words[0];
+    EXPECT_THAT(ran.err, AllOf(HasSubstr("several machines answer in namespace '" + name_space_ +
+                                         "', none of them on this host: "),
+                               HasSubstr("cat (id cafe0000), pid 7 of another host"),
+                               HasSubstr("dog (id d0900000), pid 7 of another host"),
+                               HasSubstr("Nothing was done; --machine NAME speaks to one of them")))
+        << words[0];
+  }
+}
+
+TEST_F(AMachine, IsNotChosenOfTwoOfTheNameThatAPersonNames) {
+  const FarController cat = Far("cat", kCat);
+  const FarController dog = Far("dog", kDog);
+  const FarController other_dog = Far("dog", kOtherDog);
+  const Ran ran = Command({"set", "Active", "--machine", "dog"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("several machines are named dog: "),
+                             HasSubstr("Nothing was done"), Not(HasSubstr("cat"))));
+}
+
+// Both of its controllers, for example during a takeover.
+TEST_F(AMachine, ThatTwoControllersAnswerForIsOne) {
+  const FarController first = Far("dog", kDog);
+  const FarController second = Far("dog", kDog);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"plan", "Active", "--timeout", "1"},
+           {"plan", "Active", "--timeout", "1", "--machine", "dog"}}) {
+    EXPECT_THAT(Command(words).err, Not(HasSubstr("several machines")));
+  }
+}
+
+}  // namespace musher::cli::machine_choice_test
