@@ -1,15 +1,26 @@
 // The controller's disk lets it down while the robot runs.
 
+#include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
+#include <sys/vfs.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
+#include "musher/base/unique_fd.hpp"
+#include "musher/test/fault_injection/host/isolation.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 
 namespace musher::testing::disk_test {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Disk : public MachineByCli {
  protected:
@@ -132,6 +143,111 @@ TEST_F(Disk, WhoseStateFolderIsReplacedHasTheJournalAndAllSmallFilesAgain) {
   EXPECT_NE(history.LineWith("the journal's file was removed while it was written"), "");
   ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
   EXPECT_NE(history.LineWith("Active → LowPower"), "");
+}
+
+// The state folder is a small disk of its own, in a mount namespace of this test.
+class SmallDisk : public Disk {
+ protected:
+  void SetUp() override {
+    before_ = UniqueFd(open("/proc/thread-self/ns/mnt", O_RDONLY | O_CLOEXEC));
+    if (geteuid() != 0 || unshare(CLONE_NEWNS) != 0) {
+      GTEST_SKIP() << "no mount namespace here: " << std::strerror(errno);
+    }
+    entered_ = true;
+    ASSERT_EQ(mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr), 0);
+    std::filesystem::create_directory(state_);
+    fault_injection::MountMemory(state_, kKilobytes);
+    std::filesystem::permissions(state_, std::filesystem::perms(0755));
+  }
+  ~SmallDisk() override {
+    KillChildren();
+    if (!entered_) return;
+    umount2(state_.c_str(), MNT_DETACH);
+    setns(before_.get(), CLONE_NEWNS);
+  }
+
+  void Fill() const {
+    const UniqueFd file(open((state_ + "/filler").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+    ASSERT_TRUE(file.valid());
+    const std::string block(4096, 'x');
+    while (write(file.get(), block.data(), block.size()) > 0) {
+    }
+    ASSERT_EQ(errno, ENOSPC);
+    struct statfs disk {};
+    ASSERT_EQ(statfs(state_.c_str(), &disk), 0);
+    ASSERT_EQ(disk.f_bavail, 0U);
+  }
+  // The power fails: nothing of the machine runs any more, and none of it could say so.
+  void CutPower() {
+    KillChildren();
+    up_.reset();
+    ASSERT_TRUE(Status().is_null());
+  }
+  // The machine has a state between SelfCheck and Protected.
+  void GiveDeActive() const {
+    ReplaceAll("\"SelfCheck\", ", "\"SelfCheck\", \"DeActive\", ");
+    ReplaceAll("times = [10000, ", "times = [10000, 5000, ");
+  }
+  static bool AllAre(const nlohmann::json& status, const std::string& state) {
+    if (status["state"] != state) return false;
+    for (const auto& [name, actuator] : status["actuators"].items()) {
+      if (actuator["state"] != state) return false;
+    }
+    return true;
+  }
+
+  static constexpr int kKilobytes = 4096;
+  const std::string state_ = folder_ / "state";
+
+ private:
+  void ReplaceAll(const std::string& words, const std::string& by) const {
+    std::string toml = ReadFile(config_);
+    for (std::size_t at = 0; (at = toml.find(words, at)) != std::string::npos; at += by.size()) {
+      toml.replace(at, words.size(), by);
+    }
+    std::ofstream(config_) << toml;
+  }
+
+  UniqueFd before_;
+  bool entered_ = false;
+};
+
+// The stop was not on disk, and the robot stood up to Active.
+TEST_F(SmallDisk, ThatIsFullKeepsAnEmergencyStopOverALossOfPower) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_NO_FATAL_FAILURE(Fill());
+  const Ended estop = Musher({"estop", "it", "smokes"});
+  EXPECT_EQ(estop.exit, 0) << estop.err;
+  EXPECT_THAT(estop.err, Not(HasSubstr("not on disk")));
+  EXPECT_EQ(Status()["emergency_stop"]["engaged"], true);
+  ASSERT_NO_FATAL_FAILURE(CutPower());
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("an emergency stop is engaged"));
+  const auto status = Status();
+  EXPECT_EQ(status["state"], "SetUp");
+  for (const auto& [name, actuator] : status["actuators"].items()) {
+    EXPECT_THAT(actuator["state"], AnyOf("SetUp", "Uninitialized")) << name;
+  }
+  EXPECT_EQ(status["emergency_stop"]["engaged"], true);
+  EXPECT_EQ(status["emergency_stop"]["reason"], "it smokes");
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 1);
+  EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
+}
+
+// What its actuators were told before is lost with them: it may not know of a stop.
+TEST_F(SmallDisk, ThatIsReadOnlyAfterALossOfPowerKeepsTheMachineInDeActive) {
+  GiveDeActive();
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_EQ(Status()["state"], "Active");
+  ASSERT_NO_FATAL_FAILURE(CutPower());
+  fault_injection::MakeReadOnly(state_, true);
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_THAT(up.out, HasSubstr("the state folder cannot be written")) << up.err;
+  const auto status = AwaitStatus([](const auto& now) { return AllAre(now, "DeActive"); });
+  EXPECT_EQ(status["state"], "DeActive");
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0) << "a person may";
 }
 
 }  // namespace musher::testing::disk_test

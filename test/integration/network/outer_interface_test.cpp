@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sched.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -13,9 +14,11 @@
 
 #include "musher/base/unique_fd.hpp"
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/transport/ros_environment.hpp"
 
 namespace musher::testing::outer_interface_test {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -122,13 +125,23 @@ class OuterInterface : public MachineByCli {
       }
       const Ended estop = Musher({"estop", "--json"});
       ASSERT_EQ(estop.exit, 0) << estop.err;
-      for (const auto& [name, actuator] : Json(estop.out)["actuators"].items()) {
+      const nlohmann::json actuators = Json(estop.out)["actuators"];
+      ASSERT_EQ(actuators.size(), 3U);
+      for (const auto& [name, actuator] : actuators.items()) {
         ASSERT_EQ(actuator["stopped"], true) << name;
       }
       ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
       ASSERT_EQ(Musher({"set", "Active"}).exit, 0);
       ASSERT_EQ(Pids(), pids_);
     } while (std::chrono::steady_clock::now() < end);
+  }
+  // By hand; from now on it has another pid.
+  void ExpectARestart(const std::string& module) {
+    const Ended restart = Musher({"restart", module});
+    EXPECT_EQ(restart.exit, 0) << restart.err;
+    AwaitStatus(AllHaveArrivedIn("Active"));
+    EXPECT_NE(Pids()[module], pids_[module]);
+    pids_ = Pids();
   }
   void ExpectNothingWasLost() const {
     EXPECT_EQ(Pids(), pids_);
@@ -137,11 +150,12 @@ class OuterInterface : public MachineByCli {
     EXPECT_EQ(down.exit, 0) << down.err;
   }
 
+  std::map<std::string, pid_t> pids_;
+
  private:
   const NetworkNamespace before_ = NetworkNamespace::Current();
   std::optional<NetworkNamespace> far_;
   std::optional<NetworkNamespace> robot_;
-  std::map<std::string, pid_t> pids_;
 };
 
 TEST_F(OuterInterface, IsLostAndComesBackWithoutAnEffectOnTheProcessesOfTheRobot) {
@@ -154,6 +168,19 @@ TEST_F(OuterInterface, IsLostAndComesBackWithoutAnEffectOnTheProcessesOfTheRobot
   AwaitFar(true);
   ExpectTheRobotObeys({});
   ExpectNothingWasLost();
+}
+
+TEST_F(OuterInterface, IsLostAndTheMachineIsTakenDownMeanwhile) {
+  Connect();
+  ASSERT_NO_FATAL_FAILURE(Start());
+  AwaitFar(true);
+  Ip({"link", "set", kOuter, "down"});
+  AwaitFar(false);
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 0) << down.err;
+  EXPECT_THAT(down.err, Not(AnyOf(HasSubstr("still run"), HasSubstr("not known"))));
+  for (const auto& [name, pid] : pids_) EXPECT_TRUE(AwaitEnd(pid)) << name;
+  EXPECT_TRUE(AwaitNoChildren());
 }
 
 TEST_F(OuterInterface, IsAbsentAtTheStartAndTheRobotObeysBeforeAndAfterItAppears) {
@@ -175,6 +202,49 @@ TEST_F(OuterInterface, GetsAnotherAddressWithoutAnEffectOnTheProcessesOfTheRobot
   Connect("10.77.0.9/24");
   ExpectTheRobotObeys({});
   ExpectNothingWasLost();
+}
+
+// A process that starts now has another address than those that reach it.
+TEST_F(OuterInterface, GetsAnotherAddressAndAModuleIsRestartedMeanwhileAndTheRobotObeys) {
+  Connect();
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Ip({"address", "flush", "dev", kOuter});
+  ExpectARestart("voice");
+  Connect("10.77.0.9/24");
+  ExpectARestart("eyes");
+  const pid_t before = pids_["legs"];
+  kill(before, SIGKILL);
+  AwaitStatus([before](const auto& now) {
+    return now["actuators"]["legs"]["pid"] != before && AllHaveArrivedIn("Active")(now);
+  });
+  pids_ = Pids();
+  ExpectTheRobotObeys({});
+  ExpectNothingWasLost();
+}
+
+TEST_F(OuterInterface, AndTheLoopbackAreGivenToARos2NodeThatTheControllerStarts) {
+  Connect();
+  for (const char* name : {"CYCLONEDDS_URI", "RMW_IMPLEMENTATION"}) unsetenv(name);
+  unsetenv("MUSHER_NAMESPACE");
+  Drop("namespace = \"" + name_space_ + "\"\n");  // where the program has its node
+  const std::string file = folder_ / "env";
+  Replace("\"eyes\"]", "\"eyes\", \"talker\"]");
+  std::ofstream(config_, std::ios::app)
+      << "[actuator.talker]\nprotocol = \"ros2_lifecycle\"\nstates = "
+         "[\"SetUp\", \"TearDown\", \"Active\", \"LowPower\"]\ntimes = [20000, 5000, 5000, "
+         "5000]\ncommand = [\"sh\", \"-c\", \"env > "
+      << file << "; exec " << BinDir() << "/managed_node talker\"]\n";
+  const Ended up = UpDetached();
+  ASSERT_EQ(up.exit, 0) << up.err << ReadFile(config_);
+  const std::string outer = transport::RosOnInterfaces({kOuter});
+  EXPECT_THAT(outer, HasSubstr(kOuter));
+  EXPECT_THAT(ReadFile(file), HasSubstr("CYCLONEDDS_URI=" + outer + "\n"));
+  EXPECT_THAT(ReadFile(file), HasSubstr("RMW_IMPLEMENTATION=rmw_cyclonedds_cpp\n"));
+  Ip({"link", "set", kOuter, "down"});
+  const Ended set = Musher({"set", "LowPower"});
+  EXPECT_EQ(set.exit, 0) << "it has obeyed over the loopback: " << set.err;
+  EXPECT_EQ(Status()["actuators"]["talker"]["state"], "LowPower");
+  EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 
 }  // namespace musher::testing::outer_interface_test

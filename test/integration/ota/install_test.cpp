@@ -106,6 +106,23 @@ TEST_F(Upgrade, ThatIsUnknownAfterItsTimeGoesBack) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
+// No world publishes /clock: what waits for it waits for ever.
+TEST_F(Upgrade, OfARobotThatUsesTheClockTopicIsTriedAndKeptOrTakenBackWithoutAClock) {
+  const std::string topic = "clock = \"topic\"\n";
+  const std::string rules = "[policy.low_power]\nmotion_ids = [0]\n";
+  std::ofstream(root_ + "/ota.toml") << "robot = \"dog\"\ntrial_s = 5\n";
+  Make("1.1.0", {.controller = topic, .policy = rules});
+  Make("1.2.0", {.set_up = "exec sleep 30", .controller = topic, .policy = rules});
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended kept = Install("1.1.0");
+  EXPECT_EQ(kept.exit, 0) << kept.err;
+  EXPECT_EQ(Where(), "Active from b");
+  const Ended back = Install("1.2.0");
+  EXPECT_EQ(back.exit, 1);
+  EXPECT_THAT(back.err, HasSubstr("it was not up within 5 s"));
+  EXPECT_EQ(Where(), "Active from b");
+}
+
 TEST_F(Upgrade, ThatIsRefusedLeavesTheMachineAsItWas) {
   Make("1.1.0", {});
   ASSERT_EQ(UpDetached().exit, 0);

@@ -31,6 +31,7 @@ class RobotWithUpgrades : public MachineFixture {
     std::string check = "exit 0";        // the program of the self-check, from the slot's bin
     std::string set_up = "exit 0";       // … and that of SetUp
     std::string name_space{};            // another one
+    std::string controller{};            // more keys of [controller]
     std::string policy{};                // more of the config
     std::size_t large_bytes = 0;         // of a file that takes its time
     std::vector<std::string> options{};  // of `musher ota bundle`
@@ -96,7 +97,8 @@ class RobotWithUpgrades : public MachineFixture {
     std::ofstream file(path);
     file << "[controller]\nname = \"dog\"\nactuators = [\"legs\", \"voice\"]\nstates = " << states
          << "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nnamespace = \"" << name_space
-         << "\"\nstate_dir = \"state\"\n";
+         << "\"\nstate_dir = \"state\"\n"
+         << content.controller;
     for (const char* actuator : {"legs", "voice"}) {
       file << "[actuator." << actuator << "]\nstates = " << states
            << "\ntimes = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\""

@@ -314,6 +314,23 @@ TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   EXPECT_TRUE(t.disk().stops.engaged.empty());
 }
 
+// A panel that is pressed for a minute pushed the stops of all others out.
+TEST_F(EmergencyStopped, ANewerStopOfOneSourceReplacesItsOwnAndNoStopOfAnother) {
+  Harness& t = In("Active");
+  t.StopAll(1000, "the door");
+  t.RunFor(Milliseconds(1));
+  for (StopId id = 1; id <= 100; ++id) Stop(t, id);
+  const auto& emergency = t.machine().emergency;
+  ASSERT_TRUE(emergency.stop);
+  EXPECT_EQ(emergency.stop->by, "the door");
+  EXPECT_EQ(emergency.stop->id, StopId(1000));
+  ASSERT_EQ(emergency.others.size(), 1U) << "the one source has one stop";
+  EXPECT_EQ(emergency.others[0].id, StopId(100)) << "its newest";
+  EXPECT_THAT(emergency.released, Not(Contains(StopId(1000))));
+  EXPECT_THAT(emergency.released, Contains(StopId(99))) << "an actuator may have latched it";
+  EXPECT_EQ(t.disk().stops.engaged.size(), 2U);
+}
+
 TEST_F(EmergencyStopped, OneReleaseEndsAHundredStopsOfOneSource) {
   Harness& t = In("Active");
   for (StopId id = 1; id <= 100; ++id) Stop(t, id);

@@ -229,6 +229,19 @@ TEST_F(OnClockTopic, TheFirstClockSampleDoesNotEndAKeep) {
   EXPECT_FALSE(policy().keep);
 }
 
+// Nothing of an upgrade waits for a world whose clock stands still, or was never received.
+TEST_F(OnClockTopic, AnUpgradeEntersAndLeavesOtaBySteadyTime) {
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kOta, true), "ok");
+  EXPECT_EQ(state(), "OTA");
+  robot().RunFor(std::chrono::hours(1));
+  EXPECT_EQ(state(), "OTA");
+  robot().On("a", "Active").ends_when_requested = true;  // it does not come back by itself
+  const RequestId leave = RequestPolicy(PolicyRequest::kOta, false);
+  robot().RunFor(std::chrono::minutes(1));
+  ASSERT_EQ(robot().calls.count(leave), 1U) << "the time limit of a step is of the steady clock";
+  EXPECT_FALSE(robot().calls.at(leave));
+}
+
 class WithoutTheRule : public Rules {};
 
 TEST_F(WithoutTheRule, NoMotionCountsAsLyingStill) {

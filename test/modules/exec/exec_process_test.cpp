@@ -15,6 +15,7 @@
 
 #include "musher/test/modules/exec/exec_peer.hpp"
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/transport/network.hpp"
 #include "musher/transport/ros_environment.hpp"
 
 namespace musher::exec::exec_process_test {
@@ -64,6 +65,22 @@ TEST(MusherExec, GivesItsCommandsTheSettingsThatARos2ProgramNeeds) {
   EXPECT_THAT(environment,
               HasSubstr(std::string("CYCLONEDDS_URI=") + transport::kRosOnLoopback + "\n"));
   EXPECT_THAT(environment, HasSubstr("RMW_IMPLEMENTATION=rmw_of_the_person\n"));
+}
+
+TEST(MusherExec, GivesItsCommandsTheInterfacesOfTheProfileLan) {
+  unsetenv("CYCLONEDDS_URI");
+  setenv("MUSHER_TRANSPORT", "lan", 1);
+  const std::string settings =
+      transport::RosOnInterfaces(transport::OuterInterfaces(TransportProfile::kLan, {}));
+  ExecPeer peer;
+  peer.Start("[state.Active]\nshell = \"env > $MUSHER_TEST/env\"\n");
+  const bool visible = peer.AwaitVisible();
+  unsetenv("MUSHER_TRANSPORT");
+  ASSERT_TRUE(visible) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  std::ifstream file(peer.folder() / "env");
+  const std::string environment{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(environment, HasSubstr("CYCLONEDDS_URI=" + settings + "\n"));
 }
 
 TEST(MusherExec, AnswersWithTheCodeAndTheReasonOfAFailingCommand) {
