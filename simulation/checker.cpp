@@ -1041,7 +1041,8 @@ void Checker::CheckCeiling(const SimulatedController& controller, bool at_rest) 
   if (waits || machine.phase != Phase::kRunning || !rank) return;
   // Without a sample, what the controller before it on this host knew last still holds.
   const auto known = level_on_.find(controller.host());
-  if (known == level_on_.end() || (!policy.battery && state_lost_)) return;
+  if (known == level_on_.end()) return;
+  if (!policy.battery && (state_lost_ || !policy.battery_silent)) return;
   const Level& level = known->second;
   const auto most = MostAt(*config_.policy->battery, level.percent, level.charging);
   if (!most || *rank <= *most) return;
@@ -1288,6 +1289,8 @@ std::string Checker::PendingActivity() const {
   const PolicyState& policy = machine.policy;
   if (ConfirmedAt(policy.lifting, {})) return "the battery is about to lift its ceiling";
   if (ConfirmedAt(policy.emptying, {}) && !policy.empty) return "it is about to be powered off";
+  const bool unknown = !policy.battery && policy.level != BatteryLevel::kFree;
+  if (unknown && !policy.battery_silent) return "the battery may be silent";
   if (machine.policy.still_since) return "it is about to go to LowPower";
   if (machine.emergency.release) return "the release of an emergency stop is being confirmed";
   if (machine.fallback.target) return "it is about to fall back to " + *machine.fallback.target;

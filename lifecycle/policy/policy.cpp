@@ -50,7 +50,7 @@ State CeilingState(const MachineConfig& config, BatteryLevel level) {
 }
 
 BatteryLevel TakingDownLevel(const MachineConfig& config, const PolicyState& policy) {
-  if (!policy.battery) return BatteryLevel::kFree;
+  if (!policy.battery) return policy.battery_silent ? policy.level : BatteryLevel::kFree;
   const BatteryLevel level = LevelAt(*config.policy->battery, *policy.battery, policy.level);
   return policy.charging ? std::min(level, BatteryLevel::kProtected) : level;
 }
@@ -61,8 +61,7 @@ std::optional<Time> ConfirmedAt(const std::optional<LevelRun>& run, Duration aft
 }
 
 std::string BatteryText(const PolicyState& policy) {
-  if (!policy.battery) return "the battery was low, and has sent no sample since";
-  return texts::BatteryText(*policy.battery, policy.charging);
+  return texts::BatteryText(policy.battery, policy.charging);
 }
 
 Error AboveCeiling(const MachineConfig& config, const PolicyState& policy, BatteryLevel level) {

@@ -27,7 +27,8 @@ std::optional<Rank> CeilingRank(BatteryLevel level);
 State CeilingState(const MachineConfig& config, BatteryLevel level);
 
 // The level that takes the machine down. It follows from the present samples; a stored level takes
-// nothing down. While the robot is being charged, the machine is not taken below Protected.
+// the machine down once the battery counts as silent: until then a sample may be on its way. While
+// the robot is being charged, the machine is not taken below Protected.
 BatteryLevel TakingDownLevel(const MachineConfig& config, const PolicyState& policy);
 
 // When samples in a row have confirmed their level by time; nullopt: they are too few.

@@ -72,8 +72,9 @@ RecordText BatteryResumed() {
   return {EventName::kBatteryResumed, "battery samples received again"};
 }
 
-std::string BatteryText(int percent, bool charging) {
-  return "the battery is at " + std::to_string(percent) + " %" +
+std::string BatteryText(std::optional<int> percent, bool charging) {
+  if (!percent) return "the battery was low, and has sent no sample since";
+  return "the battery is at " + std::to_string(*percent) + " %" +
          (charging ? ", being charged" : "");
 }
 
@@ -93,7 +94,7 @@ RecordText BatteryChanged(int percent, bool charging, std::optional<bool> charge
        {"most", names_most ? most : State()}});
 }
 
-RecordText BatterySwitchDown(int percent, bool charging, const State& target) {
+RecordText BatterySwitchDown(std::optional<int> percent, bool charging, const State& target) {
   return MakeText(EventName::kBatterySwitchDown,
                   BatteryText(percent, charging) + ": down to {target}",
                   {{"percent", percent}, {"charging", charging}, {"target", target}});

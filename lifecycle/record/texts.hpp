@@ -168,8 +168,9 @@ RecordText GivenUp(int restarts, const std::optional<std::string>& why);
 RecordText RestartedTooOften(int starts, Duration reset_after);
 
 // The policy: policy_texts.cpp.
-// "the battery is at 18 %, being charged": the beginning of sentences; it has no braces.
-std::string BatteryText(int percent, bool charging);
+// "the battery is at 18 %, being charged": the beginning of sentences; it has no braces. Without a
+// sample: that it was low.
+std::string BatteryText(std::optional<int> percent, bool charging);
 // `target`: of a request for a switch; "": another request.
 RecordText PolicyRequested(const std::string& what, const State& target);
 RecordText PolicyRefused(const std::string& what, const std::string& why);
@@ -189,7 +190,7 @@ enum class BatteryLimit {
 // `charger`: was connected (true) or disconnected; none: neither. `most`: the limit.
 RecordText BatteryChanged(int percent, bool charging, std::optional<bool> charger,
                           BatteryLimit limit, const State& most);
-RecordText BatterySwitchDown(int percent, bool charging, const State& target);
+RecordText BatterySwitchDown(std::optional<int> percent, bool charging, const State& target);
 RecordText BatterySwitchUp(int percent, bool charging, const State& target);
 RecordText LyingStill(Duration limit);
 RecordText PolicySwitchRefused(const RecordText& wanted, const std::string& why);

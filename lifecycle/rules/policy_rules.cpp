@@ -213,7 +213,8 @@ bool PolicyRules::BatteryRulesWait() const {
   const PolicyState& policy = machine_.policy;
   const bool loading =
       machine_.phase == Phase::kStarting || (machine_.phase == Phase::kRunning && !policy.loaded);
-  return loading || !policy.battery || policy.keep || machine_.state == kOta;
+  const bool known = policy.battery || policy.battery_silent;
+  return loading || !known || policy.keep || machine_.state == kOta;
 }
 
 bool PolicyRules::ApplyBatteryRule() {
@@ -226,7 +227,7 @@ bool PolicyRules::ApplyBatteryRule() {
     return false;
   }
   if (machine_.phase != Phase::kRunning) return false;
-  return TakeDown(level) || BringBack();
+  return TakeDown(level) || (machine_.policy.battery && BringBack());
 }
 
 bool PolicyRules::TakeDown(BatteryLevel level) {
@@ -236,10 +237,10 @@ bool PolicyRules::TakeDown(BatteryLevel level) {
   if (!most || !rank || *rank <= *most || target.empty()) return false;
   const auto& before = machine_.policy.stored.lowering;
   const State from = before && before->to == machine_.state ? before->from : machine_.state;
-  if (!BeginByPolicy(MakeSafetyPlan(config_, machine_, target),
-                     texts::BatterySwitchDown(machine_.policy.battery.value_or(0),
-                                              machine_.policy.charging, target),
-                     machine_.policy.level_cause)) {
+  if (!BeginByPolicy(
+          MakeSafetyPlan(config_, machine_, target),
+          texts::BatterySwitchDown(machine_.policy.battery, machine_.policy.charging, target),
+          machine_.policy.level_cause)) {
     return false;
   }
   memory_.Lower(Lowering{from, target, 0});

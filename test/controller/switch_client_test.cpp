@@ -191,7 +191,8 @@ TEST_F(SwitchClients, RequestATearDownAgainFromTheSuccessor) {
   EXPECT_EQ(second_.machine().phase, Phase::kStopped);
 }
 
-TEST_F(SwitchClients, RequestATearDownAgainFromTheSuccessorOfOneThatWasCalledInAnotherWay) {
+TEST_F(SwitchClients,
+       RequestATearDownAgainFromTheNextControllerWhereTheFirstWasCalledInAnotherWay) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   const msg::MachineStatus exited = first_.process->shell().Status();
   KillFirst();

@@ -213,7 +213,7 @@ class LockingMotor : public GoodMotor {
   void OnEmergencyStop() override {
     ++stops;
     const std::lock_guard lock(mutex_);
-    for (volatile int work = 0; work < 300'000; ++work) continue;
+    for (std::atomic<int> work = 0; work < 300'000; ++work) continue;
     GoodMotor::OnEmergencyStop();
     --stops;
   }

@@ -176,6 +176,12 @@ TEST(FoundScenario, AControllerStartsNoActuatorThatRunsOnAnotherHost) {
   EXPECT_EQ(ViolationOf(594348, {6, 7, 9, 11}), "");
 }
 
+// Its controller was killed and started again, and knew no sample: it stayed in Active.
+TEST(FoundScenario, ARobotWhoseBatteryWasLowAndIsSilentIsTakenDown) {
+  EXPECT_EQ(ViolationOf(6561, {8, 9, 10, 11, 12, 14, 23}), "");
+  EXPECT_EQ(ViolationOf(10581, {1, 2, 6, 7, 10}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");

@@ -235,7 +235,7 @@ TEST_F(SmallDisk, ThatIsFullKeepsAnEmergencyStopOverALossOfPower) {
   EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
 }
 
-// What its actuators were told before is lost with them: it may not know of a stop.
+// What its actuators have received before is lost with them: it may not know of a stop.
 TEST_F(SmallDisk, ThatIsReadOnlyAfterALossOfPowerKeepsTheMachineInDeActive) {
   GiveDeActive();
   ASSERT_NO_FATAL_FAILURE(Start());

@@ -177,6 +177,23 @@ TEST_F(BatteryRule, AStoredLowLevelDoesNotLowerAChargedRobot) {
   EXPECT_THAT(states(), ::testing::Not(Contains("LowPower")));
 }
 
+// A robot that is adopted in Active, or starts: the battery was low, and nothing says that it is
+// not.
+TEST_F(BatteryRule, AStoredLowLevelLowersARobotWhoseBatteryIsSilent) {
+  robot().disk().policy.level = BatteryLevel::kLowPower;
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(state(), "Active") << "a sample may be on its way";
+  robot().Feed(event::InputSilent{PolicyInput::kBattery});
+  robot().RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(state(), "LowPower");
+  EXPECT_TRUE(IsRecorded(texts::BatterySwitchDown(std::nullopt, false, "LowPower")));
+  robot().RunFor(std::chrono::minutes(1));
+  EXPECT_EQ(state(), "LowPower");
+  Battery(80);
+  EXPECT_EQ(state(), "Active") << "it is brought back to where it was lowered from";
+}
+
 TEST_F(BatteryRule, AJumpOverALevelMissesNothing) {
   Battery(100);
   Battery(3);
