@@ -126,6 +126,7 @@ TEST_F(Up, ASupervisorsStartFinishesATearDownThatACrashInterruptedAndStaysDown) 
   Process down(Command({"down"}));
   AwaitStatus([](const auto& s) { return s["actuators"]["voice"]["presence"] == "lost"; });
   kill(controller, SIGKILL);
+  ASSERT_TRUE(AwaitEnd(controller));
   Process again(Command({"up", config_, "--restarted"}));
   EXPECT_NE(again.LineWith("this start by a supervisor finishes that TearDown"), "");
   Release();
