@@ -129,6 +129,7 @@ enum class EventName {
   kPowerTearDownRefused,
   kBatteryJumped,
   kBatteryDoubled,
+  kBatteryLimitsStart,
 };
 
 // Names by value of EventName.
@@ -240,8 +241,9 @@ inline constexpr auto kEventNames = std::to_array<std::string_view>({
     "power_tear_down_refused",
     "battery_jumped",
     "battery_doubled",
+    "battery_limits_start",
 });
-static_assert(static_cast<std::size_t>(EventName::kBatteryDoubled) + 1 == kEventNames.size());
+static_assert(static_cast<std::size_t>(EventName::kBatteryLimitsStart) + 1 == kEventNames.size());
 
 // "switch_done"; empty: kNone.
 constexpr std::string_view NameOf(EventName event) {

@@ -58,6 +58,7 @@ enum class Refusal : std::uint8_t {
   kSwitchWaiting,
   kSwitchStartedFirst,
   kRequestedByAnother,
+  kStopAwaitsPerson,
   // A request to the policy.
   kNoPolicy,
   kNoLowPowerPolicy,
@@ -192,6 +193,9 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
     {Refusal::kRequestedByAnother, kCodeStateInvalid,
      "{state} was last requested by {client}{switch?}, and a manager does not end that: `musher "
      "set {target}` does"},
+    {Refusal::kStopAwaitsPerson, kCodeStateInvalid,
+     "no state was requested since the last emergency stop, and a manager does not switch on after "
+     "it: `musher set {target}` does"},
 
     {Refusal::kNoPolicy, kCodeUnSupport, "the config has no [policy]"},
     {Refusal::kNoLowPowerPolicy, kCodeUnSupport, "the config has no [policy.low_power]"},

@@ -1080,6 +1080,10 @@ void Checker::OnRecord(const action::Record& record) {
     case EventName::kSwitchStarted:
       if (std::exchange(lowering_begins_, false)) NoteLowering(record.of_switch->state);
       return;
+    case EventName::kBatteryLimitsStart:  // which would have led to Active
+      lowered_ = {State(kActive), TargetOf(record)};
+      lowered_on_[recording_host_] = State(kActive);
+      return;
     case EventName::kBatterySwitchUp:
       policy_up_to_.push_back(TargetOf(record));
       raised_at_ = PercentOf(record);

@@ -224,7 +224,8 @@ class Checker {
   };
   std::map<std::size_t, Level> level_on_;  // of a host: what a controller there knew last
   std::optional<int> raised_at_;           // the battery's percentage when it last decided to raise
-  std::array<bool, 2> left_{};  // the levels of Protected and LowPower; not reached again since
+  // The levels of Protected and LowPower; not reached, or not again since.
+  std::array<bool, 2> left_ = {true, true};
   std::optional<State> checked_raise_;  // before its state was seen: a lowering began in that step
   bool lowering_begins_ = false;        // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to

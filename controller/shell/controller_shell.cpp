@@ -74,7 +74,10 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   recorder_.Begin(dependencies_.wall_ns(), dependencies_.config_text);
   begin.host = dependencies_.host;
   begin.stops = Merge(begin.stops, std::exchange(stops_before_begin_, {}));
-  if (const auto& replaced = rival()) begin.stops.awaits_request |= replaced->awaits_request;
+  if (const auto& replaced = rival()) {
+    begin.stops.awaits_request |= replaced->awaits_request;
+    begin.supervised = true;  // it goes on with what that one leads, and requests nothing
+  }
   // Actuators of another host are only known by their status.
   begin.running.resize(config_.actuators.size());
   for (const ActuatorIndex i : config_.actuators.Indices()) {

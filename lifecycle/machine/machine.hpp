@@ -36,11 +36,12 @@ enum class Phase {
 std::string_view PhaseName(Phase phase);  // "idle", "starting", …
 
 struct StartUpState {
-  bool by_hand = false;             // a program drives it (MachineController's calls)
-  bool finishing = false;           // a supervisor's start, which finishes the TearDown before it
-  bool restarted = false;           // a supervisor's start, and the disk has an epoch
-  bool raised = false;              // this controller has raised its epoch, which it may do once
-  bool supervised = false;          // no person's start
+  bool by_hand = false;    // a program drives it (MachineController's calls)
+  bool finishing = false;  // a supervisor's start, which finishes the TearDown before it
+  bool restarted = false;  // a supervisor's start, and the disk has an epoch
+  bool raised = false;     // this controller has raised its epoch, which it may do once
+  // It is no person's start, or found running processes, or an emergency stop was engaged since.
+  bool requests_nothing = false;
   bool set_up = false;              // the actuators of the first stage are present, or given up
   int stage = 0;                    // up to which actuators are started
   std::vector<RequestId> requests;  // answered when all actuators are set up
@@ -145,7 +146,7 @@ inline constexpr std::tuple kFields<StartUpState> = {
     Field{"set_up", &StartUpState::set_up},
     Field{"stage", &StartUpState::stage},
     Field{"set_up_requests", &StartUpState::requests},
-    Field{"supervised", &StartUpState::supervised},
+    Field{"supervised", &StartUpState::requests_nothing},
 };
 
 template <>

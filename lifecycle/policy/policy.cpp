@@ -93,7 +93,7 @@ std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine&
   const bool loading =
       machine.phase == Phase::kStarting || (machine.phase == Phase::kRunning && !policy.loaded);
   const bool kept = policy.keep && policy.keep->state == target;
-  if (!config.policy->battery || kept || loading) return std::nullopt;
+  if (!config.policy->battery || kept || (loading && !rises)) return std::nullopt;
   // Charging keeps the machine in its state; it does not raise the ceiling.
   const BatteryLevel level = rises ? policy.level : TakingDownLevel(config, policy);
   const auto most = CeilingRank(level);

@@ -60,12 +60,15 @@ RecordText BatteryDoubled(const std::string& topic, int publishers, int lowest, 
       {{"publishers", publishers}, {"topic", topic}, {"lowest", lowest}, {"highest", highest}});
 }
 
-RecordText BatterySilent(Duration limit, std::optional<int> last) {
-  return MakeText(
-      EventName::kBatterySilent,
-      std::string("no battery sample for {limit_s} s; ") +
-          (last ? "its last value, {percent} %, stays in effect" : "its level is unknown"),
-      {{"limit_s", ToSeconds(limit)}, {"percent", last}});
+RecordText BatterySilent(Duration limit, std::optional<int> last, bool was_low) {
+  std::string effect = "its level is unknown";
+  if (last) {
+    effect = "its last value, {percent} %, stays in effect";
+  } else if (was_low) {
+    effect = "it was low before the start, which stays in effect";
+  }
+  return MakeText(EventName::kBatterySilent, "no battery sample for {limit_s} s; " + effect,
+                  {{"limit_s", ToSeconds(limit)}, {"percent", last}});
 }
 
 RecordText BatteryResumed() {
@@ -94,6 +97,13 @@ RecordText BatteryChanged(int percent, bool charging, std::optional<bool> charge
        {"most", names_most ? most : State()}});
 }
 
+RecordText BatteryLimitsStart(const std::string& limit, const State& target) {
+  return MakeText(
+      EventName::kBatteryLimitsStart,
+      "{limit}; the start ends in {target}, and goes on by itself as far as the battery allows",
+      {{"limit", limit}, {"target", target}});
+}
+
 RecordText BatterySwitchDown(std::optional<int> percent, bool charging, const State& target) {
   return MakeText(EventName::kBatterySwitchDown,
                   BatteryText(percent, charging) + ": down to {target}",
@@ -101,8 +111,7 @@ RecordText BatterySwitchDown(std::optional<int> percent, bool charging, const St
 }
 
 RecordText BatterySwitchUp(int percent, bool charging, const State& target) {
-  return MakeText(EventName::kBatterySwitchUp,
-                  BatteryText(percent, charging) + ": back to {target}",
+  return MakeText(EventName::kBatterySwitchUp, BatteryText(percent, charging) + ": up to {target}",
                   {{"percent", percent}, {"charging", charging}, {"target", target}});
 }
 

@@ -177,7 +177,8 @@ RecordText PolicyRefused(const std::string& what, const std::string& why);
 RecordText BatterySampleInvalid(int percent);
 RecordText BatteryJumped(int before, int percent);
 RecordText BatteryDoubled(const std::string& topic, int publishers, int lowest, int highest);
-RecordText BatterySilent(Duration limit, std::optional<int> last);
+// `was_low`: an earlier controller knew it as low.
+RecordText BatterySilent(Duration limit, std::optional<int> last, bool was_low = false);
 RecordText BatteryResumed();
 // What a battery sample changes for the machine.
 enum class BatteryLimit {
@@ -190,6 +191,8 @@ enum class BatteryLimit {
 // `charger`: was connected (true) or disconnected; none: neither. `most`: the limit.
 RecordText BatteryChanged(int percent, bool charging, std::optional<bool> charger,
                           BatteryLimit limit, const State& most);
+// `limit`: the message of AboveCeiling().
+RecordText BatteryLimitsStart(const std::string& limit, const State& target);
 RecordText BatterySwitchDown(std::optional<int> percent, bool charging, const State& target);
 RecordText BatterySwitchUp(int percent, bool charging, const State& target);
 RecordText LyingStill(Duration limit);

@@ -174,7 +174,8 @@ void PolicyRules::On(const event::InputSilent& silent) {
     policy.still = false;  // nothing reports that it lies still
   } else if (config_.policy->battery && !std::exchange(policy.battery_silent, true)) {
     RecordPolicy(kCodeNetError,
-                 texts::BatterySilent(config_.policy->battery->silent, policy.battery));
+                 texts::BatterySilent(config_.policy->battery->silent, policy.battery,
+                                      policy.level != BatteryLevel::kFree));
   }
 }
 

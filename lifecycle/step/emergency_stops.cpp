@@ -252,6 +252,7 @@ bool EmergencyStops::IsReleased(StopId id) const {
 void EmergencyStops::Engage(const EmergencyStop& stop) {
   Do(action::PublishEmergencyStop{stop, true});
   machine_.emergency.awaits_request = true;
+  machine_.start_up.requests_nothing = true;
   saver_.Save(Stored::kEmergencyStops);
   const RecordId recorded =
       RecordMachine(kCodeProtectedError, texts::EmergencyStopEngaged(stop.by, stop.reason),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/policy/policy.hpp"
 #include "musher/lifecycle/supervision/adoption.hpp"
 #include "musher/lifecycle/switch/plan.hpp"
 
@@ -24,10 +25,13 @@ void StartUp::Begin(const event::Begin& begin) {
   machine_.epoch = begin.epoch + 1;
   machine_.start_up.finishing = begin.stop_intent && begin.restarted;
   machine_.start_up.restarted = begin.restarted && begin.epoch > 0;
-  machine_.start_up.supervised = begin.supervised || begin.restarted;
+  machine_.start_up.requests_nothing = begin.supervised || begin.restarted;
   saver_.Save(Stored::kEpoch);
   for (const ActuatorIndex i : begin.running.Indices()) {
-    if (begin.running[i]) Of(i).process.launch = Launch::kFoundRunning;
+    if (!begin.running[i]) continue;
+    Of(i).process.launch = Launch::kFoundRunning;
+    // An earlier controller has started it: this one takes over, and begins nothing.
+    machine_.start_up.requests_nothing |= !ConfigOf(i).command.empty();
   }
   for (const ActuatorIndex i : begin.processes.Indices()) Of(i).process.pid = begin.processes[i];
   for (const RemoteActuator& remote : begin.remote) {
@@ -124,27 +128,35 @@ void StartUp::EndFirstStage() {
   if (machine_.start_up.finishing) return AdoptFrom(State(kTearDown), recorded);
   if (const auto lowest = Adoption(config_, machine_).LowestFound())
     return AdoptFrom(*lowest, recorded);
-  if (config_.ros2.started_by_manager) return WaitForManager(present, missing, recorded);
+  const bool stopped = machine_.emergency.stop.has_value();
+  const bool waits = machine_.emergency.awaits_request && machine_.start_up.requests_nothing;
+  if (config_.ros2.started_by_manager) {
+    if (!stopped && !waits) stops_.TakeRequest();
+    return WaitForManager(present, missing, recorded);
+  }
   if (machine_.start_up.by_hand) return;
   if (present == 0) {
     return Fail(missing.empty() ? "there is no actuator in stage 1" : missing.front(), recorded);
   }
-  if (machine_.emergency.stop) {
+  if (stopped) {
     return Fail(
         "an emergency stop is engaged; run `musher estop --release`, then `musher set SelfCheck` "
         "and `musher set Active`",
         recorded);
   }
-  if (machine_.emergency.awaits_request && machine_.start_up.supervised) {
-    return Fail(
-        "no state was requested since the last emergency stop; run `musher set SelfCheck` and "
-        "`musher set Active`",
-        recorded);
-  }
+  if (waits) return FailWithoutRequest(recorded);
   stops_.TakeRequest();  // the start is a person's, and begins with the first state
   if (!config_.HasState(kSelfCheck)) return Activate(recorded);
   switches_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
                   recorded);
+}
+
+// A release switches nothing on, nor does a start that was begun before.
+void StartUp::FailWithoutRequest(RecordId cause) {
+  Fail(
+      "no state was requested since the last emergency stop; run `musher set SelfCheck` and "
+      "`musher set Active`",
+      cause);
 }
 
 void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>& missing,
@@ -185,25 +197,43 @@ void StartUp::OnSwitchEnded(const EndedSwitch& ended) {
   }
 }
 
-// A machine whose emergency stop would not outlive its controller goes no higher than DeActive by
-// itself. A person may switch it to Active.
+// By itself a machine goes no higher than DeActive while its emergency stop would not outlive its
+// controller, and while its battery is, or was at last, too low for Active. A person may overrule
+// the first; from the second the battery's rule leads on.
 void StartUp::Activate(RecordId cause) {
   if (!config_.HasState(kActive)) {
     return BecomeRunning(texts::MachineUsableWithoutActive(), cause);
   }
-  const auto& unsaved = machine_.saves.unsaved;
-  const auto failed = std::ranges::find_if(
-      unsaved, [](const Unsaved& one) { return one.what == Stored::kEpoch && !one.why.empty(); });
+  // Engaged and released since the start took its request.
+  if (machine_.emergency.awaits_request && !machine_.emergency.stop) {
+    return FailWithoutRequest(cause);
+  }
+  PolicyState& policy = machine_.policy;
+  const std::string unsaved = WhyNotSaved(Stored::kEpoch);
+  const bool battery_low = policy.level != BatteryLevel::kFree;
   State target(kActive);
-  if (failed != unsaved.end()) {
-    const RecordText text = texts::StateNotWritable(failed->why);
+  if (!unsaved.empty()) {
+    const RecordText text = texts::StateNotWritable(unsaved);
     if (!config_.HasState(kDeActive)) return Fail(text.message, cause);
     cause = RecordMachine(kCodeFailed, text, cause);
     target = kDeActive;
+  } else if (battery_low) {
+    const std::string limit = AboveCeiling(config_, policy, policy.level).message;
+    if (!config_.HasState(kDeActive)) return Fail(limit, cause);
+    target = kDeActive;
+    cause = RecordMachine(kCodeOk, texts::BatteryLimitsStart(limit, target), cause);
   }
   const Plan plan = MakePlan(config_, machine_, target);
   if (plan.refusal) return Fail(plan.refusal->message, cause);
   switches_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
+  if (unsaved.empty() && battery_low) policy.withheld = Lowering{State(kActive), target, 0};
+}
+
+// Empty: it is on disk, or not known to have failed.
+std::string StartUp::WhyNotSaved(Stored what) const {
+  const auto& unsaved = machine_.saves.unsaved;
+  const auto found = std::ranges::find(unsaved, what, &Unsaved::what);
+  return found == unsaved.end() ? "" : found->why;
 }
 
 void StartUp::Fail(const std::string& why, RecordId cause) {

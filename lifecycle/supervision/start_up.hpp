@@ -32,7 +32,9 @@ class StartUp : StepPart {
   void WaitForManager(std::size_t present, const std::vector<std::string>& missing, RecordId cause);
   void AdoptFrom(const State& lowest, RecordId cause);
   bool FailOnCriticalFault();
+  void FailWithoutRequest(RecordId cause);
   void Activate(RecordId cause);
+  std::string WhyNotSaved(Stored what) const;
   void Fail(const std::string& why, RecordId cause);
   void BecomeRunning(const RecordText& text, RecordId cause);
   void AnswerSetUpRequests();

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
@@ -22,15 +23,19 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
                                       const State& target) {
   const auto& standing = machine.standing;
   const auto wanted = config.RankOf(target);
-  if (!standing || !wanted) return std::nullopt;
-  const auto allowed = config.RankOf(standing->target);
-  const auto now = config.RankOf(machine.state);
-  if (wanted <= allowed || wanted <= now) return std::nullopt;
-  const std::string which =
-      standing->number == 0 ? "" : " (switch " + ToString(standing->number) + ")";
-  return Refused<Refusal::kRequestedByAnother>(
-      standing->target, standing->by.empty() ? "a client without a name" : standing->by, which,
-      target);
+  const bool above_standing = standing && wanted && wanted > config.RankOf(standing->target) &&
+                              wanted > config.RankOf(machine.state);
+  if (above_standing) {
+    const std::string which =
+        standing->number == 0 ? "" : " (switch " + ToString(standing->number) + ")";
+    return Refused<Refusal::kRequestedByAnother>(
+        standing->target, standing->by.empty() ? "a client without a name" : standing->by, which,
+        target);
+  }
+  if (machine.emergency.awaits_request && MaySwitchOn(config, machine.state, target)) {
+    return Refused<Refusal::kStopAwaitsPerson>(target);
+  }
+  return std::nullopt;
 }
 
 void Requests::On(const event::SetStateRequested& requested) {

@@ -225,6 +225,16 @@ TEST_F(RefusedSwitches, OfAManagerAgainstTheRequestOfAPerson) {
               IsRefused(Refusal::kRequestedByAnother));
 }
 
+TEST_F(RefusedSwitches, OfAManagerAfterAnEmergencyStopThatIsReleased) {
+  Harness& t = In("Active");
+  ASSERT_TRUE(t.Set("DeActive", std::nullopt, {"/lifecycle_manager", true}).done());
+  t.StopAll(StopId(7));
+  t.Release();
+  t.RunFor(Milliseconds(100));
+  EXPECT_THAT(t.Set("Active", std::nullopt, {"/lifecycle_manager", true}),
+              IsRefused(Refusal::kStopAwaitsPerson));
+}
+
 TEST(ARequestThatAwaitsTheSetUp, IsRefusedWhenTheMachineIsTornDownFirst) {
   Harness t(MachineOf(2));
   t.On("a", "SetUp").hangs = true;

@@ -187,6 +187,7 @@ TEST_F(BatteryRule, AStoredLowLevelLowersARobotWhoseBatteryIsSilent) {
   robot().Feed(event::InputSilent{PolicyInput::kBattery});
   robot().RunFor(std::chrono::seconds(1));
   EXPECT_EQ(state(), "LowPower");
+  EXPECT_TRUE(IsRecorded(texts::BatterySilent(std::chrono::seconds(10), std::nullopt, true)));
   EXPECT_TRUE(IsRecorded(texts::BatterySwitchDown(std::nullopt, false, "LowPower")));
   robot().RunFor(std::chrono::minutes(1));
   EXPECT_EQ(state(), "LowPower");

@@ -261,6 +261,38 @@ TEST(EmergencyStopAtTheStart, EndsAStartInTheMiddleOfItsCheck) {
   EXPECT_THAT(t.log(), Not(Contains("a:Active")));
 }
 
+// The start is a request of before the stop.
+TEST(EmergencyStopAtTheStart, ThatIsReleasedDuringItsSetUpEndsIt) {
+  Harness t(Ours(2));
+  t.On("b", "SetUp").takes = Milliseconds(80);
+  t.Begin();
+  ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("a") == "SetUp"; }));
+  t.StopAll(kStop);
+  t.RunFor(Milliseconds(10));
+  t.Release();
+  t.Rest();
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_EQ(t.machine().state, "SetUp");
+  EXPECT_THAT(t.start_up()->message, HasSubstr("no state was requested since the last"));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
+TEST(EmergencyStopAtTheStart, ThatIsReleasedDuringItsSelfCheckEndsIt) {
+  Harness t(Ours(2));
+  t.On("b", "SelfCheck").takes = Milliseconds(80);
+  t.Begin();
+  ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("a") == "SelfCheck"; }));
+  t.StopAll(kStop);
+  t.RunFor(Milliseconds(10));
+  t.Release();
+  t.Rest();
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
 TEST(EmergencyStopAtTheStart, EndsAStartOnItsWayToActive) {
   Harness t(Ours(2));
   t.On("b", "Active").ends_when_requested = true;
@@ -527,8 +559,7 @@ TEST_F(EmergencyStopped, AReleasedStopKeepsAMachineDownThatIsTakenOverInItsStart
   t.Rest();
   t.Release();
   t.Rest();
-  t.supervised = true;
-  t.RestartController();
+  t.RestartController();  // by a person, who takes over a running actuator
   t.Rest();
   EXPECT_EQ(t.StateOf("a"), "SelfCheck") << "no request for Active since the stop";
   EXPECT_THAT(t.log(), Not(Contains("a:Active")));
@@ -552,13 +583,51 @@ TEST_F(EmergencyStopped, AReleasedStopLeavesAMachineInSetUpAtBootUntilAPersonSta
     EXPECT_FALSE(t.usable());
     EXPECT_THAT(t.start_up()->message, HasSubstr("no state was requested since the last"));
     EXPECT_TRUE(t.disk().stops.awaits_request);
-    t.supervised = false;
-    t.RestartController();
-    t.Rest();
-    EXPECT_EQ(t.machine().state, "Active");
-    for (const char* name : {"a", "b"}) EXPECT_EQ(t.StateOf(name), "Active");
-    EXPECT_FALSE(t.disk().stops.awaits_request) << "the next boot starts it";
+    Harness by_person(several_hosts ? MachineOf(2) : Ours(2));
+    by_person.disk() = t.disk();
+    by_person.Begin();
+    by_person.Rest();
+    EXPECT_EQ(by_person.machine().state, "Active");
+    for (const char* name : {"a", "b"}) EXPECT_EQ(by_person.StateOf(name), "Active");
+    EXPECT_FALSE(by_person.disk().stops.awaits_request) << "the next boot starts it";
   }
+}
+
+// `musher up --takeover` of the robot that waits: the actuators run, and nothing begins.
+TEST_F(EmergencyStopped, ATakeoverOfAMachineThatWaitsInSetUpRequestsNothing) {
+  Harness t(Ours(2));
+  t.disk().stops = {{}, {kStop}, true};
+  t.supervised = true;
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().state, "SetUp");
+  t.supervised = false;
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "SetUp");
+  EXPECT_THAT(t.log(), Not(Contains("a:SelfCheck")));
+  EXPECT_TRUE(t.disk().stops.awaits_request);
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
+// nav2's manager activates at boot by itself.
+TEST_F(EmergencyStopped, AReleasedStopIsNotEndedByAManagerAtBoot) {
+  MachineConfig config = Ours(2);
+  config.ros2.started_by_manager = true;
+  const Requester manager{"/lifecycle_manager", true};
+  Harness t(config);
+  t.disk().stops = {{}, {kStop}, true};
+  t.supervised = true;
+  t.Begin();
+  t.Rest();
+  EXPECT_TRUE(t.Set("SelfCheck", std::nullopt, manager).done());
+  EXPECT_THAT(t.Set("Active", std::nullopt, manager).reason,
+              HasSubstr("no state was requested since the last emergency stop"));
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_TRUE(t.Set("DeActive", std::nullopt, manager).done());
+  EXPECT_TRUE(t.Set("Active", std::nullopt, manager).done()) << "a person's request was last";
 }
 
 // Its controller was of another host, whose disk has the stop. Only what the stop holds reports it.
