@@ -22,8 +22,12 @@ def comparisons(files):
     structs = [struct for file in files for struct in file.structs]
     include = [f'#include "musher/messages/{file.path[:-len(".idl")]}.hpp"' for file in files]
     header = [MADE, "#pragma once", "#include <musher_idl.h>", "", *sorted(include),
-              '#include "musher/test/contract/wire_same.hpp"', "", "namespace musher::msg {", ""]
+              '#include "musher/test/contract/fill.hpp"', '#include "musher/test/contract/wire_same.hpp"', "", "namespace musher::msg {", ""]
     header += [f"{signature(each, names[each.dds_name])};" for each in structs if not aliased(each)]
+    bounds = {names[field.type.base]: field.type.bound for each in structs for field in each.own_fields
+              if field.type.bound}
+    header += [f"template <>\ninline constexpr std::size_t kMostItems<{name}> = {bound};"
+               for name, bound in sorted(bounds.items())]
     source = [MADE, '#include "wire_comparisons.hpp"', "", "namespace musher::msg {", ""]
     for struct in structs:
         if aliased(struct):

@@ -2,7 +2,9 @@
 // Fills every field of a message with a value that no other field has. Truth values have only two,
 // so a message is filled several times, each `round` with another bit of its number.
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -12,6 +14,10 @@
 namespace musher::msg {
 
 inline constexpr unsigned kFillRounds = 6;
+
+// The bound of the sequences that have these items; specialized by what is made from the IDL.
+template <class T>
+inline constexpr std::size_t kMostItems = 3;
 
 class Filler {
  public:
@@ -34,7 +40,7 @@ class Filler {
   void Fill(std::string& value) { value = "text " + std::to_string(Next()); }
   template <class T>
   void Fill(std::vector<T>& items) {
-    items.resize(2 + round_ % 2);
+    items.resize(std::min<std::size_t>(2 + round_ % 2, kMostItems<T>));
     for (T& item : items) Fill(item);
   }
   void Fill(std::vector<bool>& items) {
