@@ -157,7 +157,8 @@ constexpr std::chrono::days kSoon(30);
 Result<> TakeKeys(const MachineConfig& config, Console& console) {
   const transport::keys::KeyFolder folder(config.keys);
   for (const std::string& identity : KeyedIdentities(config)) {
-    const auto until = transport::keys::Check(folder, identity);
+    const auto until =
+        transport::keys::Check(folder, identity, transport::keys::KeyUse::kByAnyProcess);
     if (!until) return until.error();
     if (until.value() < std::chrono::system_clock::now() + kSoon) {
       console.PrintError(folder.Certificate(identity) + " expires on " + FormatUtc(until.value()) +

@@ -24,7 +24,8 @@ std::vector<Diagnostic> CheckKeys(const MachineConfig& config) {
   std::vector<Diagnostic> found;
   std::set<std::string> said;  // an error of the folder is that of every identity
   for (const std::string& identity : KeyedIdentities(config)) {
-    const auto until = transport::keys::Check(folder, identity);
+    const auto until =
+        transport::keys::Check(folder, identity, transport::keys::KeyUse::kByAnyProcess);
     if (until || !said.insert(until.error().message).second) continue;
     const int line = places.LineOf("security", "keys");
     found.push_back({config.file, line, line == 0 ? 0 : 1, Severity::kWarning,

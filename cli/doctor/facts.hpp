@@ -134,9 +134,10 @@ struct DoctorFacts {
   Limits limits;
   CoreFacts core;
   CpuFacts cpu;
-  std::vector<KeyFacts> keys;        // of the identities that the machine needs on this host
-  bool keys_made = true;             // the folder has what all identities share
-  std::string keys_untrusted;        // how another user can change what is in it; empty: none can
+  std::vector<KeyFacts> keys;    // of the identities that the machine needs on this host
+  bool keys_made = true;         // the folder has what all identities share
+  std::string keys_untrusted;    // how another user can change what is in it; empty: none can
+  bool keys_of_another = false;  // the folder belongs to a user who is neither this one nor root
   std::vector<Diagnostic> programs;  // CheckPrograms()
   std::vector<Diagnostic> ros;       // CheckRos()
   std::vector<ControllerFacts> controllers;

@@ -27,8 +27,11 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
   check.health = CheckStatus::kError;
   if (!facts.keys_untrusted.empty()) {
     check.reason = facts.keys_untrusted;
-    check.fix = fmt::format("sudo chown -R -h \"$USER\" {0} && chmod -R go-w {0}",
-                            ShellWord(facts.config->keys));
+    // What another user could have put there is not trusted afterwards, either.
+    const std::string path = ShellWord(facts.config->keys);
+    check.fix = facts.keys_of_another ? fmt::format("sudo chown -R -h \"$USER\" {} && ", path) : "";
+    check.fix += fmt::format("chmod -R go-w {} && musher keys init {} --force", path,
+                             ShellWord(facts.config->file));
     return check;
   }
   for (const KeyFacts& key : facts.keys) {

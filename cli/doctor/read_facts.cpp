@@ -82,13 +82,19 @@ void ReadKeys(DoctorFacts& facts) {
   auto own = CheckOwnFolder(folder.path());
   if (own) own = CheckOwnFolder(folder.CaFolder());
   if (!own) facts.keys_untrusted = own.error().message;
+  for (const std::string& path : {folder.path(), folder.CaFolder()}) {
+    struct stat info {};
+    if (stat(path.c_str(), &info) != 0) continue;
+    facts.keys_of_another |= info.st_uid != geteuid() && info.st_uid != 0;
+  }
   for (const std::string& identity : identities) {
     KeyFacts key;
     key.identity = identity;
     key.file = folder.Key(identity);
     struct stat info {};
     if (stat(key.file.c_str(), &info) == 0) key.mode = info.st_mode & 0777U;
-    const auto until = transport::keys::Check(folder, identity);
+    const auto until =
+        transport::keys::Check(folder, identity, transport::keys::KeyUse::kByAnyProcess);
     if (until) {
       key.until = until.value();
     } else {

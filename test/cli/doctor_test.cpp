@@ -265,10 +265,17 @@ const Planted kPlanted[] = {
      }},
     {"AKeyFolderThatAnotherUserCanChange", "keys", CheckStatus::kError,
      "/etc/keys belongs to user 1001, who could",
-     "sudo chown -R -h \"$USER\" /etc/keys && chmod -R go-w /etc/keys",
+     "sudo chown -R -h \"$USER\" /etc/keys && chmod -R go-w /etc/keys && musher keys init dog.toml "
+     "--force",
      [](DoctorFacts& f) {
+       f.keys_of_another = true;
        f.keys_untrusted = "/etc/keys belongs to user 1001, who could replace files in it";
        f.keys[0].error = f.keys_untrusted;
+     }},
+    {"AKeyFolderOfOursThatOthersCanWrite", "keys", CheckStatus::kError,
+     "/etc/keys is writable for its group", "chmod -R go-w /etc/keys && musher keys init",
+     [](DoctorFacts& f) {
+       f.keys_untrusted = "/etc/keys is writable for its group, who could replace files in it";
      }},
     {"ACertificateThatExpiresSoon", "keys", CheckStatus::kWarning, "within 30 days",
      "musher keys add controller", [](DoctorFacts& f) { f.keys[0].until = f.now; }},

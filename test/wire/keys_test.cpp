@@ -131,6 +131,8 @@ TEST_F(Keys, OfAnotherUserAreNotUsed) {
   ASSERT_EQ(chown(key.c_str(), kAnother, kAnother), 0);
   EXPECT_EQ(ErrorOf("legs"),
             key + " belongs to user 12345, who can read it; run `chown 0 " + key + "`");
+  EXPECT_TRUE(Check(folder_, "legs", KeyUse::kByAnyProcess))
+      << "an actuator that runs as this user is started by root";
   ASSERT_EQ(chown(key.c_str(), 0, 0), 0);
   ASSERT_EQ(chown(folder_.path().c_str(), kAnother, kAnother), 0);
   EXPECT_THAT(ErrorOf("legs"), HasSubstr(folder_.path() + " belongs to user 12345"));

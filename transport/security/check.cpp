@@ -67,7 +67,7 @@ Result<> CheckDocuments(const KeyFolder& folder, const std::string& name, X509* 
 
 }  // namespace
 
-Result<WallTime> Check(const KeyFolder& folder, const std::string& identity) {
+Result<WallTime> Check(const KeyFolder& folder, const std::string& identity, KeyUse use) {
   if (auto own = CheckOwnFolder(folder.path()); !own) return own.error();
   const auto authority = ReadCertificate(folder.IdentityCa());
   if (!authority) {
@@ -84,7 +84,7 @@ Result<WallTime> Check(const KeyFolder& folder, const std::string& identity) {
                            (broken ? " --force` replaces it" : "` creates an identity"));
   }
   X509* own = certificate.value().get();
-  const auto key = ReadKey(folder.Key(identity));
+  const auto key = ReadKey(folder.Key(identity), use == KeyUse::kByAnyProcess);
   if (!key) return key.error();
   if (X509_check_private_key(own, key.value().get()) != 1) {
     ERR_clear_error();

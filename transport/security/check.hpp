@@ -10,7 +10,12 @@
 
 namespace musher::transport::keys {
 
+// Which process uses the key. For another one, which may run as a user of its own, root may check a
+// key of that user; the process checks it again.
+enum class KeyUse { kByThisProcess, kByAnyProcess };
+
 // Until when they are valid. The error names the wrong file, what is wrong, and what to do.
-Result<WallTime> Check(const KeyFolder& folder, const std::string& identity);
+Result<WallTime> Check(const KeyFolder& folder, const std::string& identity,
+                       KeyUse use = KeyUse::kByThisProcess);
 
 }  // namespace musher::transport::keys

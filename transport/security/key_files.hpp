@@ -7,11 +7,11 @@
 
 namespace musher::transport::keys {
 
-// Refuses a key that other users can read.
 Result<std::string> ReadText(const std::string& file);
 Result<CertificatePtr> ReadCertificate(const std::string& file);
 Result<CrlPtr> ReadRevocations(const std::string& file);
-Result<KeyPtr> ReadKey(const std::string& file);
+// Refuses a key that other users can read. `of_any_user`: root reads one of whom it belongs to.
+Result<KeyPtr> ReadKey(const std::string& file, bool of_any_user = false);
 
 // Writes are atomic, and files have their final mode from the start. Replaces a file only if
 // `replace`.
