@@ -19,6 +19,7 @@
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/machine_files.hpp"
 #include "musher/cli/machine/silent_controller.hpp"
+#include "musher/cli/machine/stop_target.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/controller/client/stop_latch.hpp"
@@ -40,25 +41,20 @@ constexpr Duration kFirstTry = std::chrono::seconds(1);  // then the other proce
 constexpr Duration kSaved = std::chrono::seconds(1);     // a save takes less on a disk that works
 constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
-// Stops the machine of --machine, else the one whose controller runs here. Without a controller
-// here, actuators of this host may belong to any machine: then every machine that receives the stop
-// stops. Where nothing runs here, the machine of the files of this host is meant. It waits for no
-// discovery: without an id --machine may be a name, or the beginning of an id that is not known
-// yet.
-MachineIdentity MachineToStop(const GlobalOptions& global) {
+// It waits for no discovery: without an id --machine may be a name, or the beginning of an id that
+// is not known yet.
+MachineIdentity TargetOf(const GlobalOptions& global) {
   const int domain = transport::DomainId({}).value();
-  const auto led = OriginHere(domain, global.name_space);
-  const MachineIdentity here = led ? MachineIdentity{led->name, led->id} : MachineIdentity{};
-  if (!global.machine.empty()) {
-    const bool by_id = here.name != global.machine && BeginsIdOf(here, global.machine);
-    return by_id ? here : MachineIdentity{global.machine, ""};
+  StopBelief belief;
+  belief.word = global.machine;
+  if (const auto led = OriginHere(domain, global.name_space)) belief.led = {led->name, led->id};
+  if (belief.word.empty() && !belief.led) {
+    const std::string names = NameLock::NameOf(domain, global.name_space, "");
+    belief.runs_here =
+        NameLock::IsHeld(names + "musher/controller") || !NameLock::HeldBelow(names).empty();
+    if (!belief.runs_here) belief.of_files = MachineOfFilesHere(global);
   }
-  if (led) return here;
-  const std::string names = NameLock::NameOf(domain, global.name_space, "");
-  if (NameLock::IsHeld(names + "musher/controller") || !NameLock::HeldBelow(names).empty()) {
-    return {};
-  }
-  return MachineOfFilesHere(global).value_or(MachineIdentity{});
+  return MachineToStop(belief);
 }
 
 void Address(msg::EmergencyStop& stop, const MachineIdentity& machine) {
@@ -77,40 +73,20 @@ void HandOver(const msg::EmergencyStop& stop, const GlobalOptions& global) {
                  msg::Encode(stop));
 }
 
-// The machine of this host that --machine means by the beginning of its id; nullopt: none, or
-// several.
-std::optional<MachineIdentity> MachineByFiles(const std::string& word,
-                                              const std::vector<MachineHere>& machines) {
-  std::optional<MachineIdentity> found;
-  for (const MachineHere& one : machines) {
-    if (one.identity.name == word) return std::nullopt;
-    if (!BeginsIdOf(one.identity, word)) continue;
-    if (found && !SameMachine(*found, one.identity)) return std::nullopt;
-    found = one.identity;
-  }
-  return found;
-}
-
 // The options with which the command reaches every host of the machine: of its own config, where
 // the environment and the command line say nothing else. A person who stops a robot on it does not
-// think of a profile. Where the machine is not known, those count of which an actuator runs here:
-// the files of another one may be old. What begins an id may begin one that is not known here.
+// think of a profile.
 GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
                     const std::vector<MachineHere>& machines) {
-  GlobalOptions reach = global;
-  const bool named = !machine.name.empty() || !machine.id.empty();
-  const bool by_id = !global.machine.empty() && machine.id.empty();
+  GlobalOptions options = global;
   const auto here =
       NameLock::HeldBelow(NameLock::NameOf(transport::DomainId({}).value(), global.name_space, ""));
-  for (const MachineHere& one : machines) {
-    const bool may_be = by_id && one.identity.id.empty();
-    if (!one.lan || (!may_be && !SameMachine(one.identity, machine))) continue;
-    if (!named && !here.empty() && !one.HasOneOf(here)) continue;
-    const char* profile = std::getenv("MUSHER_TRANSPORT");  // NOLINT(concurrency-mt-unsafe)
-    if (profile == nullptr || *profile == '\0') setenv("MUSHER_TRANSPORT", "lan", /*replace=*/1);
-    if (reach.interfaces.empty()) reach.interfaces = one.interfaces;
-  }
-  return reach;
+  const StopReach reach = ReachOf(machine, global.machine, machines, here);
+  if (!reach.lan) return options;
+  const char* profile = std::getenv("MUSHER_TRANSPORT");  // NOLINT(concurrency-mt-unsafe)
+  if (profile == nullptr || *profile == '\0') setenv("MUSHER_TRANSPORT", "lan", /*replace=*/1);
+  if (options.interfaces.empty()) options.interfaces = reach.interfaces;
+  return options;
 }
 
 // Publishes the stop for a minute, unless it is released. Without the signals and the terminal of
@@ -278,7 +254,7 @@ void Choose(Link& link, const MachineIdentity& machine, const GlobalOptions& glo
 }
 
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
-  MachineIdentity machine = MachineToStop(given);
+  MachineIdentity machine = TargetOf(given);
   msg::EmergencyStop stop =
       NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
   Address(stop, machine);
