@@ -142,14 +142,15 @@ std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
   if (auto joined = Join(); !joined) return Failure{ExitCode::kUsage, joined.error()};
   chosen_ = true;
   const Duration limit = global_.timeout.value_or(std::chrono::hours(1));
+  const Duration here_within = std::min(discovery_of_one_here(), limit);
   if (!global_.machine.empty()) {
+    if (IsNamedHere() && ChooseHere(here_within)) return std::nullopt;
     searched_ = !RunUntil([this] { return !Candidates().empty(); }, std::min(discovery(), limit));
     // Two of one name are discovered one after the other.
     const auto several = [this] { return !AreOne(Candidates()); };
     if (!searched_) RunUntil(several, std::min(kOthersWithin, limit));
     return ChooseNamed();
   }
-  const Duration here_within = std::min(discovery_of_one_here(), limit);
   if (NameLock::IsHeld(ControllerName()) && ChooseHere(here_within)) return std::nullopt;
   const auto any = [this] { return !Candidates().empty(); };
   searched_ = !RunUntil(any, std::min(discovery(), limit));
@@ -189,6 +190,15 @@ bool Link::ChooseHere(Duration limit) {
   const auto origin = OriginOfProcess(LeaderHere());
   machine_ = {origin ? origin->name : "of this host", origin ? origin->id : ""};
   return true;
+}
+
+// Whether --machine names the machine whose controller runs on this host. Then it is meant, also
+// where another one of that name answers, such as a copy of this robot.
+bool Link::IsNamedHere() const {
+  const auto holder = NameLock::HolderOf(ControllerName());
+  if (!holder.trusted) return false;
+  const auto origin = OriginOfProcess(holder.pid);
+  return origin && IsNamed({origin->name, origin->id});
 }
 
 std::optional<Failure> Link::ChooseNamed() {

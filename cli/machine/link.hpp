@@ -172,6 +172,7 @@ class Link {
   bool IsNamed(const MachineIdentity& machine) const;
   bool Speaks(const MachineIdentity& machine) const;
   std::string ControllerName() const;  // that the controller of this host holds
+  bool IsNamedHere() const;
   bool ChooseHere(Duration limit);
   std::optional<Failure> ChooseNamed();
   std::optional<Failure> ChooseOf(const std::vector<Found>& candidates, Purpose purpose);

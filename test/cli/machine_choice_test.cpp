@@ -6,9 +6,13 @@
 
 #include <cstdlib>
 
+#include "musher/base/host.hpp"
+#include "musher/cli/machine/link.hpp"
+#include "musher/controller/storage/state_store.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/test/cli/program.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -80,6 +84,63 @@ TEST_F(AMachine, IsNotChosenOfTwoOfTheNameThatAPersonNames) {
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.err, AllOf(HasSubstr("several machines are named dog: "),
                              HasSubstr("Nothing was done"), Not(HasSubstr("cat"))));
+}
+
+// The controller of a machine on this host, as far as a command looks: its name, its state folder,
+// and what it publishes.
+class NearController {
+ public:
+  NearController(const std::string& name_space, const std::string& machine, const std::string& id)
+      : name_(NameLock::Acquire(
+            NameLock::NameOf(transport::TestDomain(), name_space, "musher/controller"))),
+        store_(StateStore::Open(folder_ / "state", {machine, name_space, transport::TestDomain(),
+                                                    folder_ / "robot.toml", id})) {
+    EXPECT_TRUE(name_);
+    EXPECT_TRUE(store_);
+    store_.value().SetMachineId(id);
+    EXPECT_TRUE(store_.value().SaveMachineId());
+    publisher_ = transport::MakePublisher<msg::MachineInfo>(
+                     *node_, std::string(transport::kMachinesTopic), transport::kLatchedQos)
+                     .value();
+    EXPECT_TRUE(publisher_->Publish({machine, name_space, HostId(), getpid(), id}));
+  }
+
+ private:
+  const TempFolder folder_;
+  const Result<NameLock> name_;
+  Result<StateStore> store_;
+  transport::LinuxEventLoop loop_;
+  std::unique_ptr<transport::Node> node_ = transport::MakeDdsNode(loop_, {}).value();
+  std::unique_ptr<transport::Publisher<msg::MachineInfo>> publisher_;
+};
+
+// A copy of the robot on another host, with its name: `--machine NAME` refused on the robot itself,
+// in C++ only.
+TEST_F(AMachine, OfThisHostIsMeantByItsNameBesideACopyOfItOnAnotherHost) {
+  const FarController copy = Far("dog", kOtherDog);
+  const NearController dog(name_space_, "dog", kDog);
+  for (const std::string& named : {std::string("dog"), std::string(kDog).substr(0, 8)}) {
+    GlobalOptions global;
+    global.name_space = name_space_;
+    global.machine = named;
+    const auto link = Link::Open(global);
+    ASSERT_TRUE(link) << link.error().message;
+    const auto open = link.value()->ChooseMachine();
+    EXPECT_FALSE(open) << named << ": " << open->error.message;
+    EXPECT_EQ(link.value()->machine().id, kDog) << named;
+  }
+}
+
+TEST_F(AMachine, OfAnotherHostIsMeantByItsNameBesideTheOneOfThisHost) {
+  const FarController cat = Far("cat", kCat);
+  const NearController dog(name_space_, "dog", kDog);
+  GlobalOptions global;
+  global.name_space = name_space_;
+  global.machine = "cat";
+  const auto link = Link::Open(global);
+  ASSERT_TRUE(link);
+  EXPECT_FALSE(link.value()->ChooseMachine());
+  EXPECT_EQ(link.value()->machine().id, kCat);
 }
 
 // Both of its controllers, for example during a takeover.

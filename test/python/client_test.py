@@ -44,6 +44,21 @@ class Client(unittest.TestCase):
         self.assertEqual(refused.returncode, 1)
         self.assertIn("did you mean 'LowPower'?", refused.stderr)
 
+    def test_it_is_meant_by_its_name_beside_a_copy_of_it_on_another_host(self):
+        self.musher("up", "--detach", "robot.toml")
+        self.addCleanup(self.musher, "down")
+        with musher.Machine() as machine:
+            robot = machine.status()
+        copy = musher.Node()
+        self.addCleanup(copy.close)
+        status = MachineStatus(machine=robot.machine, machine_id="d0910000-0000-4000-8000-000000000003",
+                               host="another boot/1", pid=7, phase="running", state="Active")
+        copy.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
+        with musher.Machine(machine=robot.machine) as machine:
+            self.assertEqual(machine.status().machine_id, robot.machine_id)
+            machine.set("LowPower")
+            self.assertEqual(machine.status().state, "LowPower")
+
     def test_without_a_robot_it_says_that_there_is_no_controller(self):
         refused = self.run_client("Active")
         self.assertEqual(refused.returncode, 1)
