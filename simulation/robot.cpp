@@ -421,7 +421,7 @@ void SimRobot::ReleaseEmergencyStop() {
 void SimRobot::Restart(const std::string& name) {
   SimulatedController* leading = leader();
   if (leading != nullptr && !leading->frozen) {
-    leading->shell().Restart(name, [](const Result<>&) {});
+    leading->shell().Restart(name, "", [](const Result<>&) {});
   }
 }
 

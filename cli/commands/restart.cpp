@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "musher/base/host.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
@@ -33,8 +34,8 @@ Failure WithHint(Failure failure, const std::string& actuator) {
 
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::OpenForCalls(global, &console);
-  const auto answer = link->CallLeader<msg::RestartActuator>("restart_actuator", {options.actuator},
-                                                             kRestartTimeout);
+  const auto answer = link->CallLeader<msg::RestartActuator>(
+      "restart_actuator", {options.actuator, UserAtHost()}, kRestartTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     return console.Fail(WithHint(*failure, options.actuator));
   }

@@ -100,15 +100,15 @@ Result<> ControllerServices::Open() {
     return r;
   }
   if (auto r = open(restart_actuator_, "restart_actuator",
-                    [this](const auto& request, auto reply) {
+                    [this](const auto& request, auto reply, transport::ParticipantId caller) {
                       if (const auto error = MeantForAnother(shell_, request)) {
                         return reply(AnswerTo<msg::RestartActuator>(*error));
                       }
-                      RecordRequest(request.by, "requests a restart of " + request.actuator);
-                      shell_.Restart(request.actuator, [this, reply](const Result<>& result) {
-                        shell_.PublishStatus();
-                        reply(AnswerTo<msg::RestartActuator>(result));
-                      });
+                      shell_.Restart(request.actuator, RequesterOf(request.by, caller),
+                                     [this, reply](const Result<>& result) {
+                                       shell_.PublishStatus();
+                                       reply(AnswerTo<msg::RestartActuator>(result));
+                                     });
                     });
       !r) {
     return r;
@@ -158,8 +158,9 @@ Result<> ControllerServices::Open() {
               [this](const auto& request, auto reply) { OnGetHistory(request, reply); });
 }
 
-void ControllerServices::RecordRequest(const std::string& by, const std::string& what) {
-  if (!by.empty()) shell_.Remark(kCodeOk, by.substr(0, kLongestName) + " " + what);
+std::string ControllerServices::RequesterOf(const std::string& by,
+                                            transport::ParticipantId caller) const {
+  return by.empty() ? node_.RosNodeOf(caller) : by.substr(0, kLongestName);
 }
 
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
@@ -173,14 +174,12 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
   }
   std::optional<std::string> actuator;
   if (!request.actuator.empty()) actuator = request.actuator;
-  const std::string by =
-      request.by.empty() ? node_.RosNodeOf(caller) : request.by.substr(0, kLongestName);
   shell_.SetState(State(request.target), actuator,
                   [this, reply](const SwitchResult& result) {
                     shell_.PublishStatus();
                     reply(ToMessage(result));
                   },
-                  {by});
+                  {RequesterOf(request.by, caller)});
 }
 
 void ControllerServices::OnRequestPolicy(

@@ -37,8 +37,8 @@ class ControllerServices {
   Result<> Open();
 
   using HistoryReply = transport::Server<msg::GetHistory>::Reply;
-  // Who has requested what, if the request says it.
-  void RecordRequest(const std::string& by, const std::string& what);
+  // The name that a request gives, else that of the ROS 2 node which has sent it.
+  std::string RequesterOf(const std::string& by, transport::ParticipantId caller) const;
   void OnSetState(const msg::SetState::Request& request,
                   const transport::Server<msg::SetState>::Reply& reply,
                   transport::ParticipantId caller);

@@ -186,10 +186,10 @@ void ControllerShell::AwaitSetUp(OnAnswer done) {
   Handle(event::SetUpAwaited{NewAnswer(std::move(done))});
 }
 
-void ControllerShell::Restart(const std::string& actuator, OnAnswer done) {
+void ControllerShell::Restart(const std::string& actuator, const std::string& by, OnAnswer done) {
   CheckThread();
   if (refused_) return done(*refused_);
-  Handle(event::RestartRequested{NewAnswer(std::move(done)), actuator});
+  Handle(event::RestartRequested{NewAnswer(std::move(done)), actuator, by});
 }
 
 void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done) {

@@ -38,9 +38,10 @@ RecordText BacktraceTaken(const std::string& actuator) {
   return MakeText(EventName::kBacktraceTaken, "backtrace of {actuator}:", {{"actuator", actuator}});
 }
 
-RecordText RestartRequested(const std::string& actuator) {
-  return MakeText(EventName::kRestartRequested, "restart of {actuator} requested",
-                  {{"actuator", actuator}});
+RecordText RestartRequested(const std::string& actuator, const std::string& by) {
+  return MakeText(EventName::kRestartRequested,
+                  std::string("restart of {actuator} requested") + (by.empty() ? "" : " by {by}"),
+                  {{"actuator", actuator}, {"by", by}});
 }
 
 RecordText RestartScheduled(const std::string& actuator, Duration delay, int restart, int limit) {

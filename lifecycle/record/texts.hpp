@@ -158,7 +158,8 @@ RecordText ProcessExitAssumed(std::int32_t pid);
 RecordText ProcessUnproven(const std::string& actuator, std::int32_t pid, const std::string& why);
 RecordText BacktraceStarted(const std::string& actuator, std::int32_t pid);
 RecordText BacktraceTaken(const std::string& actuator);
-RecordText RestartRequested(const std::string& actuator);
+// `by`: the person or program; "" = not known.
+RecordText RestartRequested(const std::string& actuator, const std::string& by);
 RecordText RestartScheduled(const std::string& actuator, Duration delay, int restart, int limit);
 // Faults.
 RecordText ProcessNotStarted(const std::string& why);

@@ -106,6 +106,7 @@ struct BacktraceTaken {
 struct RestartRequested {
   RequestId request = 0;
   std::string actuator;
+  std::string by{};  // the person or program; "" = not known
   friend bool operator==(const RestartRequested&, const RestartRequested&) = default;
 };
 // A heartbeat of another controller of this machine was received.
@@ -308,6 +309,7 @@ template <>
 inline constexpr std::tuple kFields<event::RestartRequested> = {
     Field{"request", &event::RestartRequested::request},
     Field{"actuator", &event::RestartRequested::actuator},
+    Field{"by", &event::RestartRequested::by},
 };
 
 template <>

@@ -212,7 +212,8 @@ void Recovery::On(const event::RestartRequested& requested) {
   known.restart.requested = true;
   known.restart.count = 0;
   known.restart.given_up = false;
-  known.cause = RecordProcess(*i, kCodeOk, texts::RestartRequested(requested.actuator));
+  known.cause =
+      RecordProcess(*i, kCodeOk, texts::RestartRequested(requested.actuator, requested.by));
   EndForRestart(*i);
 }
 

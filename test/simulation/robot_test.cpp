@@ -242,7 +242,7 @@ TEST(SimRobot, ARestartByHandOfAnActuatorOnAnotherHostIsRefusedWithTheHost) {
   robot.StartController(std::chrono::seconds(1));
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
   Result<> answer;
-  robot.leader()->shell().Restart("a", [&](const Result<>& result) { answer = result; });
+  robot.leader()->shell().Restart("a", "alice", [&](const Result<>& result) { answer = result; });
   robot.RunFor(std::chrono::seconds(5));
   EXPECT_EQ(robot.processes().CountOf("a"), 1U);
   ASSERT_FALSE(answer);

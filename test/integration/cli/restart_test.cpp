@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "musher/base/host.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 
 namespace musher::testing::restart_test {
@@ -48,6 +49,13 @@ TEST_F(Restart, ByHandEndsWhenTheActuatorIsBack) {
   EXPECT_EQ(restart.out,
             "voice is back in Active (pid " + std::to_string(Voice()["pid"].get<int>()) + ")\n");
   EXPECT_EQ(Voice()["restarts"], 0);  // those by hand do not count
+}
+
+TEST_F(Restart, ByHandIsRecordedWithThePersonWhoRequestsIt) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_EQ(Musher({"restart", "voice"}).exit, 0);
+  const std::string requested = "restart of voice requested by " + UserAtHost();
+  EXPECT_EQ(CountOf(requested, Musher({"history"}).out), 1);
 }
 
 TEST_F(Restart, ByHandExitsWithOneAndTheReasonWhenTheActuatorStaysLost) {
