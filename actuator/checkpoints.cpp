@@ -95,13 +95,14 @@ Checkpoints::Look Checkpoints::EvaluateOne(Watched& watched, const State& during
   return look;
 }
 
-// How long it waited for a CPU since the first sample of the kernel's counters.
+// How long it waited for a CPU and the disk since the first sample of the kernel's counters.
 Duration Checkpoints::WaitOf(Watched& watched, Time now) const {
   if (now - watched.last <= watched.allowance / 2) return {};
   const auto sample = sample_(now);
   if (!watched.before) watched.before = sample;
   if (!sample || !watched.before) return {};
-  return ThreadWait(*watched.before, *sample, watched.thread).value_or(Duration::zero());
+  const Wait wait = WaitOfThread({*watched.before, *sample}, watched.thread);
+  return wait.cpu + std::min(wait.disk, kLongestDiskWait);
 }
 
 std::optional<Duration> Checkpoints::Period() const {

@@ -8,11 +8,11 @@
 //
 // Each thread is watched on its own: a thread that hangs is found although others make progress.
 //
-// Only time in which the thread could have run counts: the time it waited for a CPU, according to
-// the kernel, does not. The kernel's counters are sampled once half the allowance is over. Time in
-// which this process could not check does not count either (it was stopped, or its machine was): a
-// late check counts only the quarter of the allowance after which it was due. So a hang is found
-// within five checks, however late each one is.
+// Only time in which the thread could have run counts: the time it waited for a CPU or the disk,
+// according to the kernel, does not. The kernel's counters are sampled once half the allowance is
+// over. Time in which this process could not check does not count either (it was stopped, or its
+// machine was): a late check counts only the quarter of the allowance after which it was due. So a
+// hang is found within five checks, however late each one is.
 //
 // Threads: Mark() and OnWorker() from any thread; the rest from the loop.
 
@@ -49,7 +49,7 @@ class Checkpoints {
     Health work = Health::kWell;
     State during;       // of the running callback; empty for a thread of the module
     Duration silent{};  // since the last checkpoint
-    Duration waited{};  // part of it: the thread waited for a CPU, or no check was possible
+    Duration waited{};  // part of it: it waited for a CPU or the disk, or no check was possible
   };
   Look Evaluate(Time now);
 
@@ -64,7 +64,7 @@ class Checkpoints {
     Time last{};
     Duration allowance{};
     Time looked{};                        // of the last check
-    Duration waited{};                    // for a CPU, until then
+    Duration waited{};                    // for a CPU and the disk, until then
     Duration unseen{};                    // delay of late checks, in addition to `waited`
     std::optional<ProcessSample> before;  // from when half the allowance was over
   };

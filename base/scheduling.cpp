@@ -76,13 +76,52 @@ std::optional<CpuTime> ReadCpuTime(int tasks, pid_t tid) {
   return CpuTime{Duration(ran), Duration(waited)};
 }
 
-// "<tid> (<name>) <state> ...": R, S, D, T and so on; 0 if there is no such thread. Only the name
-// may contain spaces and parentheses.
-char ReadState(int tasks, pid_t tid) {
+struct Stat {
+  char state = 0;                 // R, S, D, T and so on; 0: there is no such thread
+  std::uint64_t disk_faults = 0;  // "majflt"
+  Duration disk{};  // "delayacct_blkio_ticks"; zero: it did not wait, or is not counted
+};
+
+// "<tid> (<name>) <state> ...". Only the name may contain spaces and parentheses.
+Stat ReadStat(int tasks, pid_t tid) {
+  // Counted from the state, which is the third field of the line.
+  constexpr int kDiskFaults = 9;
+  constexpr int kDiskTicks = 39;
   const SmallFile file(tasks, tid, "stat");
   const std::size_t name_end = file.text().rfind(") ");
-  if (name_end == std::string_view::npos || name_end + 2 >= file.text().size()) return 0;
-  return file.text()[name_end + 2];
+  if (name_end == std::string_view::npos || name_end + 2 >= file.text().size()) return {};
+  std::string_view rest = file.text().substr(name_end + 2);
+  Stat stat;
+  stat.state = rest.front();
+  for (int i = 1; i <= kDiskTicks; ++i) {
+    const std::size_t space = rest.find(' ');
+    if (space == std::string_view::npos) break;
+    rest.remove_prefix(space + 1);
+    if (i != kDiskFaults && i != kDiskTicks) continue;
+    std::uint64_t number = 0;
+    std::from_chars(rest.data(), rest.data() + rest.size(), number);
+    if (i == kDiskFaults) stat.disk_faults = number;
+    if (i == kDiskTicks) {
+      const auto ticks_per_s = static_cast<std::uint64_t>(std::max(sysconf(_SC_CLK_TCK), 1L));
+      stat.disk = Milliseconds(static_cast<std::int64_t>(number * 1000 / ticks_per_s));
+    }
+  }
+  return stat;
+}
+
+char ReadState(int tasks, pid_t tid) {
+  return ReadStat(tasks, tid).state;
+}
+
+// Between two samples, in which it ran for a part of the time.
+Duration NotRunning(const ProcessSample& before, const ProcessSample& after,
+                    const ThreadSample& then, const ThreadSample& now) {
+  return std::max(after.at - before.at - (now.cpu.ran - then.cpu.ran), Duration::zero());
+}
+
+ThreadSample SampleOf(const ProcessSample& sample, pid_t tid) {
+  const auto found = sample.threads.find(tid);
+  return found == sample.threads.end() ? ThreadSample{} : found->second;
 }
 
 // The number after `key` in a file of "<key> <number>" lines.
@@ -129,16 +168,32 @@ Duration ThrottledTime(pid_t pid) {
   return throttled;
 }
 
+// "some avg10=… avg60=… avg300=… total=<us>" in the first line: the average over the CPUs that are
+// not idle, so one thread that waits on one of several CPUs counts for a part of the time.
+std::optional<Duration> DiskPressure() {
+  const std::string text = ReadFile("/proc/pressure/io");
+  constexpr std::string_view kTotal = "total=";
+  const std::size_t at = text.find(kTotal);
+  if (!text.starts_with("some ") || at == std::string::npos) return std::nullopt;
+  std::int64_t total_us = 0;
+  const char* const end = text.data() + text.size();
+  if (std::from_chars(text.data() + at + kTotal.size(), end, total_us).ec != std::errc()) {
+    return std::nullopt;
+  }
+  return std::chrono::microseconds(total_us) * std::max(sysconf(_SC_NPROCESSORS_ONLN), 1L);
+}
+
 std::optional<ProcessSample> SampleProcess(pid_t pid, Time now) {
   const Folder tasks = TasksOf(pid);
   if (!tasks) return std::nullopt;
-  ProcessSample sample{now, {}, ThrottledTime(pid)};
+  ProcessSample sample{now, {}, ThrottledTime(pid), DiskPressure()};
   while (const pid_t tid = NextTask(tasks.get())) {
     // Reads the state before the time: a thread that gets a CPU in between then counts as having
     // run.
-    const char state = ReadState(dirfd(tasks.get()), tid);
+    const Stat stat = ReadStat(dirfd(tasks.get()), tid);
     const auto cpu = ReadCpuTime(dirfd(tasks.get()), tid);
-    if (cpu && !HasEnded(state)) sample.threads[tid] = {*cpu, state == 'R'};
+    if (!cpu || HasEnded(stat.state)) continue;
+    sample.threads[tid] = {*cpu, stat.state == 'R', stat.state == 'D', stat.disk_faults, stat.disk};
   }
   if (sample.threads.empty()) return std::nullopt;
   return sample;
@@ -168,10 +223,43 @@ Duration LongestWait(const ProcessSample& before, const ProcessSample& after) {
   return longest;
 }
 
-Duration LongestWaitOfBoth(const ProcessSamples& sender, const ProcessSamples& receiver) {
-  const Duration both =
-      LongestWait(sender.before, sender.after) + LongestWait(receiver.before, receiver.after);
-  return std::min(both, sender.after.at - sender.before.at);
+std::optional<Duration> ThreadDiskWait(const ProcessSample& before, const ProcessSample& after,
+                                       pid_t tid) {
+  const auto found = after.threads.find(tid);
+  if (found == after.threads.end()) return std::nullopt;
+  const ThreadSample& now = found->second;
+  const ThreadSample then = SampleOf(before, tid);
+  const Duration most = NotRunning(before, after, then, now);
+  Duration waited = std::max(now.disk - then.disk, Duration::zero());
+  // A wait is counted at its end, if at all.
+  if (then.blocked || now.blocked || now.disk_faults > then.disk_faults) {
+    const bool limited = before.disk_pressure && after.disk_pressure;
+    waited = std::max(waited, limited ? *after.disk_pressure - *before.disk_pressure : most);
+  }
+  return std::min(waited, most);
+}
+
+Wait WaitOfThread(const ProcessSamples& samples, pid_t tid) {
+  const auto& [before, after] = samples;
+  const Duration most = NotRunning(before, after, SampleOf(before, tid), SampleOf(after, tid));
+  Wait wait;
+  wait.cpu = ThreadWait(before, after, tid).value_or(Duration::zero());
+  const Duration left = std::max(most - wait.cpu, Duration::zero());
+  wait.disk = std::min(ThreadDiskWait(before, after, tid).value_or(Duration::zero()), left);
+  return wait;
+}
+
+Wait LongestWaitOfBoth(const ProcessSamples& sender, const ProcessSamples& receiver,
+                       pid_t receiving) {
+  Wait both;
+  for (const auto& [tid, thread] : sender.after.threads) {
+    const Wait wait = WaitOfThread(sender, tid);
+    if (wait.total() > both.total()) both = wait;
+  }
+  const Duration between = sender.after.at - sender.before.at;
+  both.cpu = std::min(both.cpu + LongestWait(receiver.before, receiver.after), between);
+  both.disk = std::min(both.disk + WaitOfThread(receiver, receiving).disk, between - both.cpu);
+  return both;
 }
 
 std::optional<ProcessRunState> RunStateOf(pid_t pid) {

@@ -1,7 +1,12 @@
 #pragma once
 // The state of the threads of a process of this host, from the kernel: whether they are stopped,
-// and how long they ran and waited for a CPU. It distinguishes a silent process that got no CPU
-// from one that could run and hangs.
+// and how long they ran, waited for a CPU and waited for the disk. It distinguishes a silent
+// process that got no CPU, or no page of its own program, from one that could run and hangs.
+//
+// The kernel counts the wait for the disk for each thread only if kernel.task_delayacct is set,
+// which it is not by default. Otherwise a thread is known to have waited for the disk, but not for
+// how long: at most as long as any thread of the host did (/proc/pressure/io), and at most for the
+// time in which it did not run.
 //
 // Keeps no state and never waits; a sample reads two small files of /proc for each thread.
 //
@@ -9,6 +14,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <map>
 #include <optional>
 
@@ -28,7 +34,10 @@ std::optional<CpuTime> ThreadCpuTime(pid_t pid, pid_t tid);
 
 struct ThreadSample {
   CpuTime cpu;
-  bool runnable = false;  // runs, or waits for a CPU
+  bool runnable = false;          // runs, or waits for a CPU
+  bool blocked = false;           // sleeps uninterruptibly, as in a wait for the disk
+  std::uint64_t disk_faults = 0;  // pages that were read from the disk for it
+  Duration disk{};                // waited for the disk, where the kernel counts that; at its end
 
   friend bool operator==(const ThreadSample&, const ThreadSample&) = default;
 };
@@ -38,11 +47,18 @@ struct ProcessSample {
   Time at{};
   std::map<pid_t, ThreadSample> threads;  // by tid
   Duration throttled{};  // CPU time that the quota of its cgroup has withheld so far
+  // How long any thread of the host has waited for the disk at most; nullopt: the kernel does not
+  // count it.
+  std::optional<Duration> disk_pressure{};
 };
 
 // The CPU time that the process's cgroup quota has withheld, over all CPUs; zero if there is no
 // quota or it is not visible to us.
 Duration ThrottledTime(pid_t pid);
+
+// The upper limit of the time in which any thread of this host has waited for the disk since the
+// boot.
+std::optional<Duration> DiskPressure();
 
 // nullopt if there is no such process, or all its threads have exited.
 std::optional<ProcessSample> SampleProcess(pid_t pid, Time now);
@@ -60,16 +76,36 @@ std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSam
 // process may compute all the time and wait for each other.
 Duration LongestWait(const ProcessSample& before, const ProcessSample& after);
 
+// How long a thread waited for the disk between two samples, at most; zero for one that shows no
+// sign of it: it is blocked at neither sample, and no page was read for it. nullopt for a thread
+// that is not in `after`.
+std::optional<Duration> ThreadDiskWait(const ProcessSample& before, const ProcessSample& after,
+                                       pid_t tid);
+
+struct Wait {
+  Duration cpu{};
+  Duration disk{};
+
+  Duration total() const { return cpu + disk; }
+
+  friend bool operator==(const Wait&, const Wait&) = default;
+};
+
 // Two samples of one process.
 struct ProcessSamples {
   ProcessSample before;
   ProcessSample after;
 };
 
-// How long a message from the one process to the other may have waited for a CPU: the sum of both
-// waits, since the receiver's begins when the sender's has ended; never more than the time between
-// the samples.
-Duration LongestWaitOfBoth(const ProcessSamples& sender, const ProcessSamples& receiver);
+// Both waits of a thread, never more than the time in which it did not run.
+Wait WaitOfThread(const ProcessSamples& samples, pid_t tid);
+
+// How long a message from the one process to the other may have waited for a CPU and the disk: the
+// sum of both waits, since the receiver's begins when the sender's has ended; never more than the
+// time between the samples. Which thread of the sender sends is not known. `receiving`: the thread
+// of the receiver, whose other threads may write to the disk all the time.
+Wait LongestWaitOfBoth(const ProcessSamples& sender, const ProcessSamples& receiver,
+                       pid_t receiving);
 
 enum class ProcessRunState {
   kRunning,  // at least one thread runs or could: it sleeps, or waits for the disk

@@ -93,7 +93,10 @@ Examination KernelProbe::Examine(ActuatorIndex actuator, pid_t pid, Time now) {
   const auto theirs = SampleProcess(pid, now);
   const auto ours = SampleProcess(getpid(), now);
   if (theirs && ours) {
-    found.waited = LongestWaitOfBoth({mark->second.theirs, *theirs}, {mark->second.ours, *ours});
+    const Wait wait =
+        LongestWaitOfBoth({mark->second.theirs, *theirs}, {mark->second.ours, *ours}, gettid());
+    found.waited = wait.cpu;
+    found.on_disk = wait.disk;
   }
   return found;
 }

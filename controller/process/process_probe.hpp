@@ -44,10 +44,16 @@ class ProcessProbe {
   // or `ros2 run` is, works by its child, and so on; any other by itself.
   virtual pid_t WorkerOf(pid_t pid) { return pid; }
 
-  // Saves the current CPU waiting times, so that Examine() can measure from here. Several actuators
-  // may share a process; each has a mark of its own.
+  // How far `pid`, the process that was started for this actuator, has come with its start.
+  virtual StartProgress ProgressOf(const std::string& /*actuator*/, pid_t /*pid*/) {
+    return StartProgress::kUnknown;
+  }
+
+  // Saves the current waiting times for a CPU and the disk, so that Examine() can measure from
+  // here. Several actuators may share a process; each has a mark of its own.
   virtual void Mark(ActuatorIndex actuator, pid_t pid, Time now) = 0;
-  // The process's run state, and how long it and this process waited for a CPU since the mark.
+  // The process's run state, and how long it and this process waited for a CPU and the disk since
+  // the mark.
   virtual Examination Examine(ActuatorIndex actuator, pid_t pid, Time now) = 0;
 
   // The backtraces of its threads, as text for people; `done` runs once, with the reason if there

@@ -22,6 +22,13 @@ std::string Ms(Duration duration) {
   return std::to_string(ToMilliseconds(duration)) + " ms";
 }
 
+// Empty where it did not wait for the disk.
+std::string DiskText(Duration waited, const std::string& before) {
+  if (waited == Duration::zero()) return "";
+  const bool longer = waited > kLongestDiskWait;
+  return before + Ms(waited) + (longer ? ", of which " + Ms(kLongestDiskWait) + " count" : "");
+}
+
 }  // namespace
 
 Duration HeartbeatPeriod(const MachineConfig& config, ActuatorIndex actuator) {
@@ -120,7 +127,8 @@ void HealthMonitor::EvaluateWork(ActuatorIndex actuator, MonitoredProcess& proce
   if (heartbeat.work == Health::kStarved) {
     process.starved = now;
     return Change(actuator, process, Health::kStarved, false,
-                  silence + ", " + Ms(heartbeat.waited) + " of them waiting for a CPU", events);
+                  silence + ", " + Ms(heartbeat.waited) + " of them waiting for a CPU or the disk",
+                  events);
   }
   const bool kept_up = now - process.starved >= kStarvedFor;
   if (process.health == Health::kStarved && !kept_up) return;
@@ -170,7 +178,8 @@ std::vector<HealthEvent> HealthMonitor::Examined(ActuatorIndex actuator,
     return events;
   }
   const std::string silence = "no heartbeat for " + Ms(silent);
-  const Health health = EvaluateSilence(silent, process.limit, examination.waited);
+  const Duration waited = examination.waited + std::min(examination.on_disk, kLongestDiskWait);
+  const Health health = EvaluateSilence(silent, process.limit, waited);
   if (examination.process == Process::kStopped) {
     Change(actuator, process, Health::kHung, true, "its process is stopped; " + silence, events);
   } else if (examination.process == Process::kTraced) {
@@ -179,12 +188,16 @@ std::vector<HealthEvent> HealthMonitor::Examined(ActuatorIndex actuator,
     process.look = now + process.limit;
   } else if (health == Health::kHung) {
     Change(actuator, process, Health::kHung, true,
-           silence + ", although it waited for a CPU for only " + Ms(examination.waited), events);
+           silence + ", although it waited for a CPU for only " + Ms(examination.waited) +
+               DiskText(examination.on_disk, " and for the disk for "),
+           events);
   } else {
     process.starved = now;
     Change(actuator, process, Health::kStarved, true,
-           silence + ", " + Ms(examination.waited) + " of them waiting for a CPU", events);
-    process.look = now + std::max(process.limit - (silent - examination.waited), process.limit / 4);
+           silence + ", " + Ms(examination.waited) + " of them waiting for a CPU" +
+               DiskText(examination.on_disk, " and for the disk "),
+           events);
+    process.look = now + std::max(process.limit - (silent - waited), process.limit / 4);
   }
   return events;
 }

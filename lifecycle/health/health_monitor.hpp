@@ -8,8 +8,8 @@
 //     │                    │
 //     └── received again ──┤ silent for its limit
 //                          ▼
-//          on this host:    Examine ──▶ waited for a CPU: starved   stopped, or could run: hung
-//          on another host: others of it are received ──▶ crashed   none is ──▶ partitioned
+//          on this host:    Examine ──▶ waited for CPU or disk: starved   stopped, or could run:
+//          hung on another host: others of it are received ──▶ crashed   none is ──▶ partitioned
 //
 // The exit of a process is not handled here: the kernel reports it at once. A program of another
 // protocol without heartbeats is never evaluated, except a ROS 2 node with a checkpoint, which
@@ -41,7 +41,7 @@ struct Heartbeat {
   Health work = Health::kWell;  // of its work thread: well, starved or hung
   State during;                 // the state whose callback runs; empty for work of its own
   Duration silent{};            // since the work thread's last checkpoint
-  Duration waited{};            // of `silent`, the time that the thread waited for a CPU
+  Duration waited{};  // of `silent`, the time that the thread waited for a CPU or the disk
 };
 
 // What the kernel reports about a process of this host.
@@ -49,7 +49,8 @@ struct Examination {
   enum class Process { kRunning, kStopped, kTraced, kExited };
 
   Process process = Process::kRunning;
-  Duration waited{};  // its longest wait for a CPU since the mark, or our own
+  Duration waited{};   // the longest wait for a CPU since the mark, its and our own
+  Duration on_disk{};  // and for the disk, beside that
 };
 
 namespace health_event {

@@ -244,4 +244,12 @@ TEST_F(CheckpointsOf, AreLookedAtSeveralTimesWithinTheShortestAllowance) {
   EXPECT_EQ(points_->Period(), Milliseconds(5)) << "but never so often that it costs";
 }
 
+// It loads a model from a disk that is busy.
+TEST_F(CheckpointsOf, AThreadThatWaitsForTheDiskIsStarvedAndForLongerThanADiskIsBusyHung) {
+  kernel_.threads[kWorker].blocked = true;
+  points_->Begin("Active", now_);
+  EXPECT_EQ(After(std::chrono::seconds(9)).work, Health::kStarved);
+  EXPECT_EQ(After(std::chrono::seconds(2)).work, Health::kHung);
+}
+
 }  // namespace musher::checkpoints_test

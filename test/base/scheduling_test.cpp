@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -275,10 +276,111 @@ TEST(Waiting, OfAMessageIsThatOfItsSenderAndThenThatOfItsReceiver) {
                               {At(1000), {{7, Thread(1, 400, false)}}}};
   const ProcessSamples receiver{{At(0), {{9, Thread(0, 0, false)}}},
                                 {At(1000), {{9, Thread(1, 500, false)}}}};
-  EXPECT_EQ(LongestWaitOfBoth(sender, receiver), Milliseconds(900));
+  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9), (Wait{Milliseconds(900), {}}));
   const ProcessSamples late{{At(0), {{9, Thread(0, 0, false)}}},
                             {At(1000), {{9, Thread(1, 900, false)}}}};
-  EXPECT_EQ(LongestWaitOfBoth(sender, late), Milliseconds(1000)) << "no more than there was time";
+  EXPECT_EQ(LongestWaitOfBoth(sender, late, 9), (Wait{Milliseconds(1000), {}}))
+      << "no more than there was time";
+}
+
+// A thread that is blocked, or not; with its pages from the disk, and the kernel's count of its
+// waits.
+ThreadSample OnDisk(int ran_ms, int waited_ms, bool blocked, std::uint64_t faults = 0,
+                    int counted_ms = 0) {
+  return {{Milliseconds(ran_ms), Milliseconds(waited_ms)},
+          false,
+          blocked,
+          faults,
+          Milliseconds(counted_ms)};
+}
+ProcessSample SampleAt(int ms, const ThreadSample& thread, std::optional<int> pressure_ms) {
+  ProcessSample sample{At(ms), {{7, thread}}, {}, std::nullopt};
+  if (pressure_ms) sample.disk_pressure = Milliseconds(*pressure_ms);
+  return sample;
+}
+
+TEST(WaitingForTheDisk, IsWhatTheKernelCountsOfAThread) {
+  const auto before = SampleAt(0, OnDisk(10, 0, false, 3, 50), 5000);
+  EXPECT_EQ(ThreadDiskWait(before, SampleAt(1000, OnDisk(20, 0, false, 3, 750), 5700), 7),
+            Milliseconds(700));
+  EXPECT_EQ(ThreadDiskWait(before, SampleAt(1000, OnDisk(510, 0, false, 3, 750), 5700), 7),
+            Milliseconds(500))
+      << "no more than the time in which it did not run";
+  EXPECT_EQ(ThreadDiskWait(before, SampleAt(1000, OnDisk(20, 0, false), 5700), 8), std::nullopt);
+}
+
+TEST(WaitingForTheDisk, IsAtMostThatOfTheHostForAThreadThatIsBlockedOrHasReadPages) {
+  const auto quiet = SampleAt(0, OnDisk(10, 0, false, 3), 5000);
+  const auto blocked = SampleAt(0, OnDisk(10, 0, true, 3), 5000);
+  EXPECT_EQ(ThreadDiskWait(quiet, SampleAt(1000, OnDisk(10, 0, true, 3), 5600), 7),
+            Milliseconds(600));
+  EXPECT_EQ(ThreadDiskWait(blocked, SampleAt(1000, OnDisk(10, 0, false, 3), 5600), 7),
+            Milliseconds(600));
+  EXPECT_EQ(ThreadDiskWait(quiet, SampleAt(1000, OnDisk(10, 0, false, 4), 5600), 7),
+            Milliseconds(600));
+}
+
+TEST(WaitingForTheDisk, IsNothingForAThreadThatSleepsBesideABusyDisk) {
+  const auto before = SampleAt(0, OnDisk(10, 0, false, 3), 5000);
+  EXPECT_EQ(ThreadDiskWait(before, SampleAt(1000, OnDisk(10, 0, false, 3), 6000), 7),
+            Duration::zero());
+}
+
+// Of a camera, say: the disk has nothing to do with it.
+TEST(WaitingForTheDisk, IsNothingForAThreadThatIsBlockedInADriverBesideAnIdleDisk) {
+  const auto before = SampleAt(0, OnDisk(10, 0, true), 5000);
+  EXPECT_EQ(ThreadDiskWait(before, SampleAt(1000, OnDisk(10, 0, true), 5000), 7), Duration::zero());
+}
+
+TEST(WaitingForTheDisk, IsAllTheTimeOfABlockedThreadWhereTheKernelCountsNothing) {
+  const auto before = SampleAt(0, OnDisk(10, 0, true), std::nullopt);
+  EXPECT_EQ(ThreadDiskWait(before, SampleAt(1000, OnDisk(30, 0, true), std::nullopt), 7),
+            Milliseconds(980));
+}
+
+TEST(WaitingForTheDisk, AndForACpuAreNoMoreThanTheTimeInWhichItDidNotRun) {
+  const ProcessSamples samples{SampleAt(0, OnDisk(10, 0, true), 5000),
+                               SampleAt(1000, OnDisk(30, 742, true), 6000)};
+  EXPECT_EQ(WaitOfThread(samples, 7), (Wait{Milliseconds(742), Milliseconds(238)}));
+}
+
+// The controller's journal writes to the disk all the time, and delays no message.
+TEST(WaitingForTheDisk, OfTheReceiverIsThatOfTheThreadThatReceives) {
+  const ProcessSamples sender{SampleAt(0, OnDisk(0, 0, true), 0),
+                              SampleAt(1000, OnDisk(0, 100, true), 500)};
+  ProcessSamples receiver{SampleAt(0, OnDisk(0, 0, true), 0),
+                          SampleAt(1000, OnDisk(0, 0, true), 500)};
+  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9), (Wait{Milliseconds(100), Milliseconds(500)}));
+  for (ProcessSample* one : {&receiver.before, &receiver.after})
+    one->threads[9] = OnDisk(0, 0, true);
+  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9), (Wait{Milliseconds(100), Milliseconds(900)}))
+      << "no more than there was time";
+}
+
+// The parent of vfork() is blocked until its child ends, and no disk takes part in it.
+TEST_F(Scheduling, SeesThatAThreadIsBlocked) {
+  const Child child([] {
+    if (vfork() == 0) {  // NOLINT(clang-analyzer-security.insecureAPI.vfork)
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      while (true) pause();
+    }
+  });
+  EXPECT_TRUE(Eventually([&] {
+    const auto sample = Look(child.pid());
+    const auto thread = sample.threads.find(child.pid());
+    return thread != sample.threads.end() && thread->second.blocked;
+  }));
+}
+
+TEST_F(Scheduling, CountsThePagesThatWereReadFromTheDiskAndThePressureOfTheHost) {
+  const auto sample = Look(getpid());
+  struct rusage used {};
+  ASSERT_EQ(getrusage(RUSAGE_THREAD, &used), 0);
+  EXPECT_LE(sample.threads.at(getpid()).disk_faults, static_cast<std::uint64_t>(used.ru_majflt));
+  const auto pressure = DiskPressure();
+  if (!pressure) GTEST_SKIP() << "this kernel has no /proc/pressure/io";
+  EXPECT_GE(*pressure, Duration::zero());
+  EXPECT_EQ(sample.disk_pressure.has_value(), true);
 }
 
 }  // namespace musher::transport::scheduling_test

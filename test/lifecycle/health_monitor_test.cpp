@@ -132,6 +132,35 @@ TEST_F(Monitor, AProcessThatWaitedForACpuIsStarvedAndExaminedAgain) {
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
+// At a load of 29 beside a busy disk a healthy actuator was killed: it had waited for a CPU for
+// 742 ms only, and for the disk for the rest.
+TEST_F(Monitor, AProcessThatWaitedForACpuAndThenForTheDiskIsStarvedAndNotHung) {
+  Watch(0, true);
+  heartbeats_[0] = false;
+  kernel_.waited = Milliseconds(100);
+  kernel_.on_disk = Milliseconds(100);
+  RunFor(Milliseconds(401));
+  EXPECT_THAT(Found(), ElementsAre("mark a", "probe a", "examine a", "a starved, silent"));
+  EXPECT_THAT(how_, HasSubstr("no heartbeat for 300 ms, 100 ms of them waiting for a CPU and for "
+                              "the disk 100 ms"));
+  RunFor(Milliseconds(700));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  EXPECT_THAT(how_, HasSubstr("although it waited for a CPU for only 100 ms and for the disk for "
+                              "100 ms"));
+}
+
+// As one does in a disk that has failed: the robot must not count on it for ever.
+TEST_F(Monitor, AProcessThatWaitsForTheDiskForLongerThanADiskIsBusyHangs) {
+  Watch(0, true);
+  heartbeats_[0] = false;
+  kernel_.on_disk = std::chrono::hours(1);
+  RunFor(std::chrono::seconds(10));
+  EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
+  RunFor(std::chrono::seconds(2));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  EXPECT_THAT(how_, HasSubstr("for the disk for 3600000 ms, of which 10000 ms count"));
+}
+
 TEST_F(Monitor, AStarvedProcessStaysStarvedUntilItHasKeptUpForAWhile) {
   Watch(0, true);
   heartbeat_[0].work = Health::kStarved;
