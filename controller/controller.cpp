@@ -428,7 +428,7 @@ void Controller::Begin() {
 }
 
 // Includes the stops of the machine's other state folders: another way to start it releases none,
-// and requests nothing.
+// and requests nothing. Of what this user may not read a stop is not known to be over.
 StoredStops Controller::LoadStops() {
   StoredStops stops = store_->LoadEmergencyStops();
   const MachineOrigin machine = Origin();
@@ -442,6 +442,13 @@ StoredStops Controller::LoadStops() {
                                  : "an emergency stop is engaged in ";
     Trouble(what + other.state_dir +
             ", where this machine had its files when it was started otherwise; it holds");
+  }
+  stops.unread = FindUnreadFolders(config_.state_dir, machine, folders, stops.unread);
+  for (const UnreadFolder& unread : stops.unread) {
+    if (unread.answered) continue;
+    Trouble("this user may not read " + unread.folder + " of user " + unread.owner +
+            ", where this machine may have its files when it is started otherwise: whether an "
+            "emergency stop is engaged there is not known");
   }
   return stops;
 }

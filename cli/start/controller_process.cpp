@@ -195,7 +195,8 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   const bool decided = trial_boot_ && !trial_boot_->under_way();
   // A start that an emergency stop refuses says nothing of the version, whose trial goes on.
   const EmergencyStopState& emergency = controller_->shell().machine().emergency;
-  const bool held = !ended.usable && (emergency.stop || emergency.awaits_request);
+  const bool held = !ended.usable && (emergency.stop || emergency.awaits_request ||
+                                      emergency.Unanswered() != nullptr);
   start_held_ |= held;
   if (held && trial_boot_) trial_boot_->Hold();
   if (run_ && run_->on_trial_boot && !decided && !held) {

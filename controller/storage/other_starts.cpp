@@ -1,13 +1,19 @@
 #include "musher/controller/storage/other_starts.hpp"
 
+#include <fcntl.h>
 #include <pwd.h>
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <filesystem>
+#include <optional>
+#include <utility>
 
+#include "musher/base/checksum.hpp"
 #include "musher/base/toml/names.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/storage/state_store.hpp"
 
 namespace musher {
@@ -15,15 +21,59 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The home folder of the owner of a file; empty where it is not known.
-fs::path HomeOfOwner(const std::string& file) {
-  struct stat info {};
-  if (stat(file.c_str(), &info) != 0) return {};
+struct User {
+  std::string name;
+  fs::path home;  // empty where it is not known
+};
+
+User UserOf(uid_t uid) {
   struct passwd entry {};
   struct passwd* found = nullptr;
   std::array<char, 16 << 10> text{};
-  if (getpwuid_r(info.st_uid, &entry, text.data(), text.size(), &found) != 0) return {};
-  return found == nullptr || found->pw_dir == nullptr ? "" : found->pw_dir;
+  const bool known =
+      getpwuid_r(uid, &entry, text.data(), text.size(), &found) == 0 && found != nullptr;
+  if (!known) return {std::to_string(uid), {}};
+  return {found->pw_name, found->pw_dir == nullptr ? "" : found->pw_dir};
+}
+
+// The home folder of the owner of a file; empty where it is not known.
+fs::path HomeOfOwner(const std::string& file) {
+  struct stat info {};
+  return stat(file.c_str(), &info) == 0 ? UserOf(info.st_uid).home : fs::path();
+}
+
+bool IsClosed(const std::string& file) {
+  const UniqueFd opened(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  return !opened.valid() && errno == EACCES;
+}
+
+std::string StampOf(const std::string& path, const struct stat& info) {
+  return path + " " + std::to_string(info.st_ino) + " " + std::to_string(info.st_mtim.tv_sec) +
+         "." + std::to_string(info.st_mtim.tv_nsec) + "\n";
+}
+
+// What can be seen from outside of a folder whose stops this user may not read; nullopt: they can
+// be read, or belong to another machine, or nothing is seen of a folder.
+std::optional<UnreadFolder> UnreadIn(const std::string& folder, const MachineOrigin& machine) {
+  UnreadFolder unread{folder};
+  struct stat info {};
+  std::string stamp;
+  if (stat(folder.c_str(), &info) == 0) {
+    const std::string stops = StateStore::EmergencyStopFileIn(folder);
+    if (!IsClosed(OriginFile(folder))) {
+      const auto origin = LoadOrigin(folder);
+      if (!origin || !origin->IsOf(machine, true) || !IsClosed(stops)) return std::nullopt;
+    }
+    struct stat of_stops {};
+    if (stat(stops.c_str(), &of_stops) == 0) stamp = StampOf(stops, of_stops);
+  } else {
+    if (errno != EACCES) return std::nullopt;
+    unread.folder = fs::path(folder).parent_path();
+    if (stat(unread.folder.c_str(), &info) != 0) return std::nullopt;
+  }
+  unread.owner = UserOf(info.st_uid).name;
+  unread.mark = Fnv1a(StampOf(unread.folder, info) + stamp);
+  return unread;
 }
 
 StopId LastOf(const StoredStops& stops) {
@@ -62,6 +112,23 @@ std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
     stops.awaits_request = stops.awaits_request && !is_known(LastOf(stops));
     std::erase_if(stops.engaged, [&](const EmergencyStop& stop) { return is_known(stop.id); });
     if (!stops.engaged.empty() || stops.awaits_request) found.push_back({folder, std::move(stops)});
+  }
+  return found;
+}
+
+std::vector<UnreadFolder> FindUnreadFolders(const std::string& state_dir,
+                                            const MachineOrigin& machine,
+                                            const std::vector<std::string>& folders,
+                                            const std::vector<UnreadFolder>& known) {
+  std::vector<UnreadFolder> found;
+  for (const std::string& folder : folders) {
+    std::error_code error;
+    if (fs::equivalent(folder, state_dir, error)) continue;
+    auto unread = UnreadIn(folder, machine);
+    if (!unread || std::ranges::count(found, unread->mark, &UnreadFolder::mark) != 0) continue;
+    const auto before = std::ranges::find(known, unread->mark, &UnreadFolder::mark);
+    unread->answered = before != known.end() && before->answered;
+    found.push_back(std::move(*unread));
   }
   return found;
 }

@@ -29,12 +29,26 @@ struct StopsElsewhere {
 };
 
 // Of the folders other than `state_dir` that belong to this machine, those with a stop that `known`
-// does not know as released: it is engaged there, or was released and waits for a request. What
-// this user may not read is passed over, and a damaged file, too: it would engage a stop at each
-// start, as no release can end it.
+// does not know as released: it is engaged there, or was released and waits for a request. A
+// damaged file is passed over: it would engage a stop at each start, as no release can end it. What
+// this user may not read is passed over here, too: see FindUnreadFolders().
 std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
                                                const MachineOrigin& machine,
                                                const std::vector<std::string>& folders,
                                                const StoredStops& known);
+
+// Of the folders other than `state_dir`, those that may belong to this machine and that this user
+// may not read: a stop may be engaged there. Known of them is what can be seen from outside.
+//
+//   the folder is there                  it has the machine's name, namespace and domain: it counts
+//   the place is there, and closed       it counts, by the place: one may be in it
+//   the place cannot be seen either      no start is known to have been there: it does not count
+//
+// `known`: those that an earlier start has found. What a person has answered stays answered until
+// the folder has changed, as each start of a controller changes it.
+std::vector<UnreadFolder> FindUnreadFolders(const std::string& state_dir,
+                                            const MachineOrigin& machine,
+                                            const std::vector<std::string>& folders,
+                                            const std::vector<UnreadFolder>& known);
 
 }  // namespace musher

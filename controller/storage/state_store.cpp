@@ -78,7 +78,22 @@ std::string StopsText(const StoredStops& stops) {
   }
   for (const StopId id : stops.released) text += line("released", ToString(id));
   if (stops.awaits_request) text += "awaits request\n";
+  for (const UnreadFolder& unread : stops.unread) {
+    const std::string owner = unread.owner.empty() ? "-" : OneWord(unread.owner);
+    text += line(unread.answered ? "answered" : "unread",
+                 std::to_string(unread.mark) + " " + owner + " " + unread.folder);
+  }
   return text + "end\n";
+}
+
+// "MARK OWNER FOLDER"; nullopt: damaged.
+std::optional<UnreadFolder> UnreadFrom(const std::string& text) {
+  std::istringstream words(text);
+  UnreadFolder unread;
+  if (!(words >> unread.mark >> unread.owner) || words.get() != ' ') return std::nullopt;
+  if (!std::getline(words, unread.folder)) return std::nullopt;
+  if (unread.owner == "-") unread.owner.clear();
+  return unread;
 }
 
 // nullopt: it is damaged or cut short.
@@ -99,6 +114,12 @@ std::optional<StoredStops> StopsFrom(const std::string& text) {
       stops.engaged.push_back({StopId(id), "", ""});
     } else if (name == "released" && is_id) {
       stops.released.emplace_back(id);
+    } else if (name == "unread" || name == "answered") {
+      // What is damaged is found again, and waits for a request again.
+      if (auto unread = UnreadFrom(value)) {
+        unread->answered = name == "answered";
+        stops.unread.push_back(std::move(*unread));
+      }
     } else if (name == "by" && !stops.engaged.empty()) {
       stops.engaged.back().by = value;
     } else if (name == "reason" && !stops.engaged.empty()) {
@@ -233,8 +254,9 @@ Result<> StateStore::Replace(const std::string& path, const std::string& content
   return written;
 }
 
-// "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; "awaits request"; a
-// last line "end".
+// "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; "awaits request";
+// "unread MARK OWNER FOLDER", or "answered …" once a person has requested a state; a last line
+// "end".
 Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
   auto written = SlotFile(EmergencyStopFile()).Write(StopsText(stops));
   if (written) RememberFile(EmergencyStopFile());
@@ -257,7 +279,7 @@ StoredStops StateStore::LoadEmergencyStops() const {
 }
 
 StoredStops StateStore::ReadableStops(const std::string& dir) {
-  const auto content = SlotFile(dir + "/emergency_stop").Read();
+  const auto content = SlotFile(EmergencyStopFileIn(dir)).Read();
   return content ? StopsFrom(content->text).value_or(StoredStops{}) : StoredStops{};
 }
 

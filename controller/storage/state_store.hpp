@@ -74,6 +74,7 @@ class StateStore {
   StoredStops LoadEmergencyStops() const;
   // Those in a folder that another controller may use; none where its file cannot be read.
   static StoredStops ReadableStops(const std::string& dir);
+  static std::string EmergencyStopFileIn(const std::string& dir) { return dir + "/emergency_stop"; }
 
   // Whether the machine is to be torn down, and to stay so until a person starts it.
   Result<> SaveStopIntent(bool intended);
@@ -133,7 +134,7 @@ class StateStore {
   StateStore(std::string dir, MachineOrigin machine, UniqueFd lock);
 
   std::string EpochFile() const { return dir_ + "/epoch"; }
-  std::string EmergencyStopFile() const { return dir_ + "/emergency_stop"; }
+  std::string EmergencyStopFile() const { return EmergencyStopFileIn(dir_); }
   std::string PolicyFile() const { return dir_ + "/policy"; }
   std::string ConfigHashFile() const { return dir_ + "/config"; }
   std::string StopIntentFile() const { return dir_ + "/stop_intent"; }

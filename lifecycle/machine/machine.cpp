@@ -43,6 +43,7 @@ StoredStops StopsOf(const Machine& machine) {
                        machine.emergency.others.end());
   stops.released = machine.emergency.released;
   stops.awaits_request = machine.emergency.awaits_request;
+  stops.unread = machine.emergency.unread;
   return stops;
 }
 

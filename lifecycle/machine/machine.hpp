@@ -9,6 +9,7 @@
 //
 // Each of them leads to fenced, when another controller has taken the machine over.
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -67,6 +68,13 @@ struct EmergencyStopState {
   std::vector<StopId> released;  // the last released stops, with the ones that newer stops replaced
   std::optional<PendingRelease> release;
   bool awaits_request = false;  // since the last stop no switch up was requested for all: on disk
+  std::vector<UnreadFolder> unread{};  // whose stops are not known: on disk
+
+  // Of the folders whose stops are not known, the first that no request has answered; null: none.
+  const UnreadFolder* Unanswered() const {
+    const auto found = std::ranges::find(unread, false, &UnreadFolder::answered);
+    return found == unread.end() ? nullptr : &*found;
+  }
 
   friend bool operator==(const EmergencyStopState&, const EmergencyStopState&) = default;
 };
@@ -164,6 +172,7 @@ inline constexpr std::tuple kFields<EmergencyStopState> = {
     Field{"released_stops", &EmergencyStopState::released},
     Field{"release", &EmergencyStopState::release},
     Field{"awaits_request", &EmergencyStopState::awaits_request},
+    Field{"unread_stops", &EmergencyStopState::unread},
 };
 
 template <>

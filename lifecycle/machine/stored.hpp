@@ -1,6 +1,7 @@
 #pragma once
 // What a controller stores on disk for the next one. Plain values.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,11 +13,23 @@
 
 namespace musher {
 
+// Another state folder of the machine that the user of this controller may not read: a stop may be
+// engaged there.
+struct UnreadFolder {
+  std::string folder;
+  std::string owner{};     // its user, for people; "" = not known
+  std::uint64_t mark = 0;  // another one once a controller has begun with the folder
+  bool answered = false;   // a person has requested a state since
+
+  friend bool operator==(const UnreadFolder&, const UnreadFolder&) = default;
+};
+
 // The emergency stops that are stored for the next controller.
 struct StoredStops {
   std::vector<EmergencyStop> engaged;  // oldest first
   std::vector<StopId> released;        // with stops that newer ones replaced; the last release last
   bool awaits_request = false;         // since the last stop no switch up has been requested
+  std::vector<UnreadFolder> unread{};  // whose stops are not known
 
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
@@ -71,10 +84,19 @@ inline constexpr std::array<std::string_view, 6> kValueNames<Stored> = {
 static_assert(EndsWith(Stored::kJournal));
 
 template <>
+inline constexpr std::tuple kFields<UnreadFolder> = {
+    Field{"folder", &UnreadFolder::folder},
+    Field{"owner", &UnreadFolder::owner},
+    Field{"mark", &UnreadFolder::mark},
+    Field{"answered", &UnreadFolder::answered},
+};
+
+template <>
 inline constexpr std::tuple kFields<StoredStops> = {
     Field{"engaged", &StoredStops::engaged},
     Field{"released", &StoredStops::released},
     Field{"awaits_request", &StoredStops::awaits_request},
+    Field{"unread", &StoredStops::unread},
 };
 
 template <>

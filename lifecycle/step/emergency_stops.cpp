@@ -54,6 +54,7 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
 StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   StoredStops stops;
   stops.awaits_request = stored.awaits_request || received.awaits_request;
+  stops.unread = stored.unread;
   for (const auto* from : {&stored, &received}) {
     for (const StopId id : from->released) AddReleased(stops, id);
   }
@@ -69,6 +70,7 @@ void EmergencyStops::Begin(const event::Begin& begin) {
   const StoredStops& stops = begin.stops;
   machine_.emergency.released = stops.released;
   machine_.emergency.awaits_request = stops.awaits_request;
+  machine_.emergency.unread = stops.unread;
   PublishReleased();
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
@@ -168,12 +170,16 @@ void EmergencyStops::CheckRelease() {
 }
 
 void EmergencyStops::CheckRequested() {
-  if (!machine_.emergency.awaits_request || machine_.emergency.stop) return;
+  const EmergencyStopState& emergency = machine_.emergency;
+  if ((!emergency.awaits_request && emergency.Unanswered() == nullptr) || emergency.stop) return;
   if (std::ranges::all_of(machine_.actuators, &KnownActuator::set_again)) TakeRequest();
 }
 
 void EmergencyStops::TakeRequest() {
-  if (!std::exchange(machine_.emergency.awaits_request, false)) return;
+  EmergencyStopState& emergency = machine_.emergency;
+  if (!emergency.awaits_request && emergency.Unanswered() == nullptr) return;
+  emergency.awaits_request = false;
+  for (UnreadFolder& unread : emergency.unread) unread.answered = true;
   saver_.Save(Stored::kEmergencyStops);
 }
 

@@ -16,6 +16,13 @@ constexpr RecordId kBegun = 1;
 // already, and are discovered within a second.
 constexpr Duration kFinishingGrace = std::chrono::seconds(3);
 
+std::string StopsUnreadIn(const UnreadFolder& unread) {
+  return "whether an emergency stop is engaged in " + unread.folder +
+         " is not known: this user may not read it" +
+         (unread.owner.empty() ? "" : ", user " + unread.owner + " may") +
+         "; check the robot, then run `musher set SelfCheck` and `musher set Active`";
+}
+
 }  // namespace
 
 void StartUp::Begin(const event::Begin& begin) {
@@ -145,6 +152,10 @@ void StartUp::EndFirstStage() {
         recorded);
   }
   if (waits) return FailWithoutRequest(recorded);
+  // A person who starts it does not know of a stop that this start cannot read.
+  if (const UnreadFolder* unread = machine_.emergency.Unanswered()) {
+    return Fail(StopsUnreadIn(*unread), recorded);
+  }
   stops_.TakeRequest();  // the start is a person's, and begins with the first state
   if (!config_.HasState(kSelfCheck)) return Activate(recorded);
   switches_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},

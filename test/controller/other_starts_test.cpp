@@ -1,6 +1,7 @@
 #include "musher/controller/storage/other_starts.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -79,6 +80,107 @@ TEST_F(OtherStart, WithADamagedFileLeavesNone) {
   StopIn(by_user_, robot_);
   std::ofstream(by_user_ + "/emergency_stop") << "engaged 7";
   EXPECT_THAT(Found(), IsEmpty());
+}
+
+// A start by systemd, as root, and later one by a person who may not read its files. The stop was
+// passed over, and the robot went to Active.
+class ClosedStart : public OtherStart {
+ protected:
+  ClosedStart() {
+    fs::permissions(folder_.path(), fs::perms(0755));
+    fs::create_directory(folder_ / "service");
+    fs::permissions(folder_ / "service", fs::perms(0755));
+  }
+  ~ClosedStart() override { Close(by_service_, 0700); }
+
+  static void Close(const std::string& path, int mode = 0) {
+    std::error_code error;
+    fs::permissions(path, fs::perms(mode), error);
+  }
+  // By a user who may not read them.
+  std::vector<UnreadFolder> Unread(const std::vector<UnreadFolder>& known = {}) const {
+    const bool as_another = geteuid() == 0;
+    EXPECT_TRUE(!as_another || seteuid(65534) == 0);
+    auto unread = FindUnreadFolders(by_user_, robot_, {by_user_, by_service_, by_service_}, known);
+    EXPECT_TRUE(!as_another || seteuid(0) == 0);
+    return unread;
+  }
+  // What is known once a person has answered it.
+  static std::vector<UnreadFolder> Answered(std::vector<UnreadFolder> unread) {
+    for (UnreadFolder& one : unread) one.answered = true;
+    return unread;
+  }
+};
+
+TEST_F(ClosedStart, LeavesWhetherAStopIsEngagedOpen) {
+  EXPECT_THAT(Unread(), IsEmpty()) << "there was none";
+  StopIn(by_service_, robot_);
+  Close(by_service_);
+  const auto unread = Unread();
+  ASSERT_EQ(unread.size(), 1U) << "once, however often the place is named";
+  EXPECT_EQ(unread[0].folder, by_service_);
+  EXPECT_NE(unread[0].owner, "");
+  EXPECT_FALSE(unread[0].answered);
+}
+
+TEST_F(ClosedStart, IsAnsweredByAPersonUntilItsFolderHasChanged) {
+  StopIn(by_service_, robot_);
+  Close(by_service_);
+  const auto answered = Answered(Unread());
+  ASSERT_EQ(answered.size(), 1U);
+  EXPECT_TRUE(Unread(answered).at(0).answered) << "it does not wait at each start";
+  Close(by_service_, 0700);
+  fs::last_write_time(by_service_, fs::last_write_time(by_service_) + std::chrono::seconds(5));
+  Close(by_service_);
+  EXPECT_FALSE(Unread(answered).at(0).answered) << "a controller has run there since";
+}
+
+// As a person of its log_group sees it.
+TEST_F(ClosedStart, WithAFileOfStopsThatIsClosedLeavesItOpenToo) {
+  StopIn(by_service_, robot_);
+  Close(by_service_, 0755);
+  Close(by_service_ + "/emergency_stop");
+  const auto unread = Unread();
+  ASSERT_EQ(unread.size(), 1U);
+  EXPECT_EQ(unread[0].folder, by_service_);
+  const auto answered = Answered(unread);
+  fs::last_write_time(by_service_ + "/emergency_stop",
+                      fs::file_time_type::clock::now() + std::chrono::seconds(5));
+  EXPECT_FALSE(Unread(answered).at(0).answered) << "its stops have changed";
+}
+
+TEST_F(ClosedStart, OfAnotherMachineLeavesNothingOpen) {
+  MachineOrigin other = robot_;
+  other.file = folder_ / "moved.toml";
+  StopIn(by_service_, other);
+  Close(by_service_, 0755);
+  Close(by_service_ + "/emergency_stop");
+  EXPECT_THAT(Unread(), IsEmpty());
+}
+
+TEST_F(ClosedStart, ThatCanBeReadLeavesNothingOpen) {
+  StopIn(by_service_, robot_);
+  Close(by_service_, 0755);
+  Close(by_service_ + "/emergency_stop", 0644);
+  EXPECT_THAT(Unread(), IsEmpty());
+}
+
+TEST_F(ClosedStart, InAPlaceThatIsClosedCountsByThePlace) {
+  StopIn(by_service_, robot_);
+  Close(folder_ / "service");
+  const auto unread = Unread();
+  Close(folder_ / "service", 0755);
+  ASSERT_EQ(unread.size(), 1U);
+  EXPECT_EQ(unread[0].folder, folder_ / "service");
+}
+
+// The home folder of root is closed on every host: nothing says that a machine was started there.
+TEST_F(ClosedStart, InAPlaceThatCannotBeSeenIsNotKnownAndBlocksNoRobot) {
+  StopIn(by_service_, robot_);
+  Close(folder_.path());
+  const auto unread = Unread();
+  Close(folder_.path(), 0755);
+  EXPECT_THAT(unread, IsEmpty());
 }
 
 TEST(DefaultStateDirs, AreThoseOfThisUserOfSystemdAndOfTheOwnerOfTheConfig) {

@@ -81,6 +81,17 @@ TEST_F(Store, KeepsTheEmergencyStopsThatAreEngagedAndTheReleasedIds) {
   EXPECT_EQ(loaded, stops);
 }
 
+TEST_F(Store, KeepsTheFoldersWhoseStopsAreNotKnownAndWhatAPersonHasAnswered) {
+  StateStore store = MustOpen();
+  StoredStops stops{{}, {3}};
+  stops.unread = {{"/var/lib/musher/a robot", "root", 4711, false}, {"/other", "", 12, true}};
+  ASSERT_TRUE(store.SaveEmergencyStops(stops));
+  EXPECT_EQ(store.LoadEmergencyStops(), stops);
+  std::ofstream(dir_ + "/emergency_stop") << "unread x\nanswered 7\nunread 5 - /there\nend\n";
+  EXPECT_EQ(store.LoadEmergencyStops().unread,
+            (std::vector<UnreadFolder>{{"/there", "", 5, false}}));
+}
+
 TEST_F(Store, KeepsTheEmergencyStopsOfAFileThatALaterVersionHasWritten) {
   StateStore store = MustOpen();
   std::ofstream(dir_ + "/emergency_stop") << "released 7\na word of tomorrow\nend\n";

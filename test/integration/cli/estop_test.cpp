@@ -230,6 +230,46 @@ TEST_F(EmergencyStop, HoldsWhenTheMachineIsStartedWithAnotherStateFolder) {
   unsetenv("XDG_STATE_HOME");
 }
 
+// Root's files, of a start by systemd, are closed to the person who starts the robot by hand: the
+// stop was passed over, and the robot went to Active.
+TEST_F(EmergencyStop, OfFilesThatThisUserMayNotReadKeepsTheMachineInSetUpUntilAPersonSetsAState) {
+  namespace fs = std::filesystem;
+  const auto as_another = [](std::vector<std::string> words) {
+    words = Command(std::move(words));
+    words.insert(words.begin(),
+                 {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--"});
+    return RunToEnd(words);
+  };
+  if (geteuid() != 0 || as_another({"--version"}).exit != 0) {
+    GTEST_SKIP() << "needs root, and programs that another user may run";
+  }
+  setenv("XDG_STATE_HOME", (folder_ / "by_service").c_str(), 1);
+  Drop("state_dir = \"state\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  Estop();
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  for (const std::string& open :
+       {folder_.path(), folder_ / "by_service", folder_ / "by_service/musher"}) {
+    fs::permissions(open, fs::perms(0755));
+  }
+  Replace("[controller]\n", "[controller]\nstate_dir = \"by_hand\"\n");
+  fs::create_directory(folder_ / "by_hand");
+  ASSERT_EQ(chown((folder_ / "by_hand").c_str(), 65534, 65534), 0);
+  const std::vector<std::string> up{"up", config_, "--detach"};
+  const Ended held = as_another(up);
+  EXPECT_EQ(held.exit, 1) << held.err;
+  EXPECT_THAT(held.err, AllOf(HasSubstr("whether an emergency stop is engaged in " +
+                                        (folder_ / "by_service/musher/robot")),
+                              HasSubstr("this user may not read it")));
+  EXPECT_EQ(Json(as_another({"status", "--json"}).out)["state"], "SetUp");
+  EXPECT_EQ(as_another({"set", "SelfCheck"}).exit, 0);
+  EXPECT_EQ(as_another({"set", "Active"}).exit, 0);
+  ASSERT_EQ(as_another({"down"}).exit, 0);
+  EXPECT_EQ(as_another(up).exit, 0) << "the person has answered it";
+  EXPECT_EQ(as_another({"down"}).exit, 0);
+  unsetenv("XDG_STATE_HOME");
+}
+
 // The stop is over, but the robot was not commanded since.
 TEST_F(EmergencyStop, ThatIsReleasedKeepsAMachineWithAnotherStateFolderDownAtBoot) {
   setenv("XDG_STATE_HOME", (folder_ / "by_user").c_str(), 1);

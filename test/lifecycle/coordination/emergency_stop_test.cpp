@@ -630,6 +630,37 @@ TEST_F(EmergencyStopped, AReleasedStopIsNotEndedByAManagerAtBoot) {
   EXPECT_TRUE(t.Set("Active", std::nullopt, manager).done()) << "a person's request was last";
 }
 
+// Under systemd the robot was stopped, and a person who may not read its files there started it by
+// hand: it went to Active.
+TEST_F(EmergencyStopped, AFolderThatMayNotBeReadLeavesTheMachineInSetUpUntilAPersonSetsAState) {
+  for (const bool supervised : {false, true}) {
+    SCOPED_TRACE(supervised ? "started by a supervisor" : "started by a person");
+    Harness t(Ours(2));
+    t.disk().stops.unread = {{"/var/lib/musher/robot", "root", 7, false}, {"/old", "", 8, true}};
+    t.supervised = supervised;
+    t.Begin();
+    t.Rest();
+    EXPECT_EQ(t.machine().state, "SetUp");
+    EXPECT_FALSE(t.usable());
+    EXPECT_THAT(t.start_up()->message,
+                HasSubstr("whether an emergency stop is engaged in /var/lib/musher/robot is not "
+                          "known: this user may not read it, user root may; check the robot, then "
+                          "run `musher set SelfCheck` and `musher set Active`"));
+    t.RestartController();
+    t.Rest();
+    EXPECT_EQ(t.machine().state, "SetUp") << "a second start is no answer either";
+    EXPECT_TRUE(t.Set("SelfCheck").done());
+    EXPECT_TRUE(t.Set("Active").done());
+    EXPECT_TRUE(t.disk().stops.unread.at(0).answered);
+    Harness next(Ours(2));
+    next.disk().stops = t.disk().stops;
+    next.supervised = supervised;
+    next.Begin();
+    next.Rest();
+    EXPECT_EQ(next.machine().state, "Active") << "it is answered";
+  }
+}
+
 // Its controller was of another host, whose disk has the stop. Only what the stop holds reports it.
 TEST_F(EmergencyStopped, AReleasedStopThatThisDiskDoesNotKnowSwitchesNothingOnEither) {
   Harness& t = In("Active", Ours(2));
