@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -64,6 +65,19 @@ pid_t KernelProbe::WorkerOf(pid_t pid) {
     pid = children.front();
   }
   return pid;
+}
+
+// The name may be held by a descendant, as of a shell.
+StartProgress KernelProbe::ProgressOf(const std::string& actuator, pid_t pid) {
+  const std::string name = lock_of_(actuator);
+  const pid_t holder = NameLock::IsHeld(name) ? NameLock::HolderOf(name).pid : 0;
+  if (holder > 0 && (holder == pid || getsid(holder) == pid)) return StartProgress::kNamed;
+  const auto sample = SampleProcess(WorkerOf(pid), Time());
+  if (!sample) return StartProgress::kUnknown;
+  const bool busy = std::ranges::any_of(sample->threads, [](const auto& thread) {
+    return thread.second.runnable || thread.second.blocked;
+  });
+  return busy ? StartProgress::kBusy : StartProgress::kIdle;
 }
 
 void KernelProbe::Mark(ActuatorIndex actuator, pid_t pid, Time now) {

@@ -16,6 +16,7 @@
 #include "musher/base/scheduling.hpp"
 #include "musher/controller/process/backtrace.hpp"
 #include "musher/lifecycle/health/health_monitor.hpp"
+#include "musher/lifecycle/machine/start_progress.hpp"
 
 namespace musher {
 
@@ -76,6 +77,7 @@ class KernelProbe : public ProcessProbe {
   std::vector<pid_t> Find(const std::vector<std::string>& actuators) override;
   std::uint64_t StartTimeOf(pid_t pid) override;
   pid_t WorkerOf(pid_t pid) override;
+  StartProgress ProgressOf(const std::string& actuator, pid_t pid) override;
   void Mark(ActuatorIndex actuator, pid_t pid, Time now) override;
   Examination Examine(ActuatorIndex actuator, pid_t pid, Time now) override;
   void TakeBacktrace(pid_t pid, Duration timeout,

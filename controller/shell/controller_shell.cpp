@@ -247,13 +247,34 @@ void ControllerShell::HandleQueued() {
   while (!queue_.empty()) {
     const Event event = std::move(queue_.front());
     queue_.pop_front();
-    const Time now = dependencies_.node->loop().Now();
-    recorder_.Note(dependencies_.wall_ns(), machine_, event, now);
-    const std::vector<Action> actions = Step(config_, machine_, event, now);
-    presence_->SetAwaitsRequest(machine_.emergency.awaits_request);
-    for (const Action& action : actions) {
-      std::visit([this](const auto& a) { Do(a); }, action);
-    }
+    ExamineOverdueStarts();
+    HandleOne(event);
+  }
+}
+
+void ControllerShell::HandleOne(const Event& event) {
+  const Time now = dependencies_.node->loop().Now();
+  recorder_.Note(dependencies_.wall_ns(), machine_, event, now);
+  const std::vector<Action> actions = Step(config_, machine_, event, now);
+  presence_->SetAwaitsRequest(machine_.emergency.awaits_request);
+  for (const Action& action : actions) {
+    std::visit([this](const auto& a) { Do(a); }, action);
+  }
+}
+
+// Before the decision gives up a process that has not announced itself, it gets what the kernel
+// reports of it.
+void ControllerShell::ExamineOverdueStarts() {
+  const Phase phase = machine_.phase;
+  if (phase != Phase::kStarting && phase != Phase::kRunning && phase != Phase::kFailed) return;
+  const Time now = dependencies_.node->loop().Now();
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    const ActuatorConfig& actuator = config_.actuators[i];
+    const pid_t pid = machine_.actuators[i].process.pid;
+    if (actuator.protocol != Protocol::kMusher || pid == 0) continue;
+    if (!IsOverdue(machine_.actuators[i], now)) continue;
+    const auto progress = dependencies_.process_probe->ProgressOf(actuator.name, pid);
+    HandleOne(event::StartExamined{i, pid, progress});
   }
 }
 

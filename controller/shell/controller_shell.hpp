@@ -138,6 +138,8 @@ class ControllerShell {
   bool KeepForBegin(const Event& event);
   void Handle(const Event& event);
   void HandleQueued();
+  void HandleOne(const Event& event);
+  void ExamineOverdueStarts();
   void ArmTimer();
   RequestId NewAnswer(OnAnswer done);
   Dependencies::OnSaved OnSaved(Stored what, SaveNumber save);

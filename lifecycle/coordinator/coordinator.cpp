@@ -102,6 +102,7 @@ void Coordinator::Handle(const Event& event) {
                  [&](const event::ClockReceived& e) { rules_.On(e); },
                  [&](const event::PolicyRequested& e) { policy_requests_.On(e); },
                  [&](const event::SaveEnded& e) { saver_.On(e); },
+                 [&](const event::StartExamined& e) { start_up_.On(e); },
                  [](const event::TimePassed&) {},
              },
              event);

@@ -151,6 +151,11 @@ struct KnownActuator {
   friend bool operator==(const KnownActuator&, const KnownActuator&) = default;
 };
 
+// Whether the time of its SetUp is over, and it is not there.
+inline bool IsOverdue(const KnownActuator& known, Time now) {
+  return known.set_up_by && *known.set_up_by <= now && known.presence != Presence::kPresent;
+}
+
 }  // namespace musher
 
 namespace musher::fields {

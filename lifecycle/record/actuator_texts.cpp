@@ -23,6 +23,26 @@ EventName EventOf(Health health) {
   return EventName::kActuatorRecovered;
 }
 
+// Why a program that runs has not announced its actuator, and what to do.
+std::string WhyNotAnnounced(StartProgress progress) {
+  const std::string more_time = "give its SetUp more time in `times`";
+  const std::string wrap = "wrap it with musher-exec: command = {command}";
+  switch (progress) {
+    case StartProgress::kNamed:
+      return "it holds the name of the actuator, so it is still starting: " + more_time;
+    case StartProgress::kBusy:
+      return "it is busy, so it is probably still starting: " + more_time +
+             "; if it is not a Musher module, " + wrap;
+    case StartProgress::kIdle:
+      return "it is idle and does not hold the name of the actuator, so it is not a Musher module, "
+             "or one of another name: " +
+             wrap;
+    case StartProgress::kUnknown:
+      break;
+  }
+  return "if it is still starting, " + more_time + "; if it is not a Musher module, " + wrap;
+}
+
 }  // namespace
 
 RecordText ActuatorPresent(const std::string& actuator, const State& state, std::int32_t pid) {
@@ -119,14 +139,13 @@ RecordText NodeNotDiscovered(const std::string& node, Duration within, std::int3
 }
 
 RecordText NotAnnounced(const std::string& actuator, const std::vector<std::string>& command,
-                        Duration within, std::int32_t pid) {
+                        Duration within, std::int32_t pid, StartProgress progress) {
   std::string wrapped = R"(["musher-exec", "--")";
   for (const std::string& word : command) wrapped += ", \"" + word + "\"";
   return MakeText(EventName::kNotAnnounced,
                   "its program runs (process {pid}) but did not announce itself as actuator "
-                  "{actuator} within {within_ms} ms; if it is still starting, give its SetUp more "
-                  "time in `times`; if it is not a Musher module, wrap it with musher-exec: "
-                  "command = {command}",
+                  "{actuator} within {within_ms} ms; " +
+                      WhyNotAnnounced(progress),
                   {{"pid", pid},
                    {"actuator", actuator},
                    {"within_ms", ToMilliseconds(within)},

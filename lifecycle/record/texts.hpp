@@ -17,6 +17,7 @@
 #include "musher/lifecycle/event_name.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/start_progress.hpp"
 #include "musher/lifecycle/machine/switch_result.hpp"
 #include "musher/lifecycle/record/record_text.hpp"
 #include "musher/lifecycle/state.hpp"
@@ -129,7 +130,7 @@ RecordText SetUpFailed(std::int32_t code, const std::string& message);
 RecordText SetUpTimeout(Duration within);
 RecordText NodeNotDiscovered(const std::string& node, Duration within, std::int32_t pid);
 RecordText NotAnnounced(const std::string& actuator, const std::vector<std::string>& command,
-                        Duration within, std::int32_t pid);
+                        Duration within, std::int32_t pid, StartProgress progress);
 RecordText NotAnnouncedBeside(const std::string& actuator, const std::string& other,
                               Duration within, std::int32_t pid);
 RecordText TornDownAlone();

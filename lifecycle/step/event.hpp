@@ -9,6 +9,7 @@
 
 #include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/machine/start_progress.hpp"
 #include "musher/lifecycle/per_actuator.hpp"
 
 namespace musher {
@@ -187,6 +188,14 @@ struct SaveEnded {
   std::string why;  // of a failure
   friend bool operator==(const SaveEnded&, const SaveEnded&) = default;
 };
+// What the kernel reports of a process that has not announced itself as the actuator in time.
+struct StartExamined {
+  ActuatorIndex actuator = 0;
+  std::int32_t pid = 0;
+  StartProgress progress = StartProgress::kUnknown;
+  friend bool operator==(const StartExamined&, const StartExamined&) = default;
+};
+
 // Only time has passed.
 struct TimePassed {
   friend bool operator==(const TimePassed&, const TimePassed&) = default;
@@ -200,7 +209,7 @@ using Event = std::variant<
     event::BacktraceTaken, event::RestartRequested, event::RivalSeen, event::EmergencyStopSeen,
     event::ReleaseRequested, event::SetStateRequested, event::SetUpAwaited, event::BatterySeen,
     event::BatterySourceSilent, event::MotionSeen, event::InputSilent, event::ClockReceived,
-    event::PolicyRequested, event::SaveEnded, event::TimePassed>;
+    event::PolicyRequested, event::SaveEnded, event::TimePassed, event::StartExamined>;
 
 }  // namespace musher
 
@@ -416,5 +425,14 @@ template <>
 inline constexpr std::string_view kEventName<event::TimePassed> = "TimePassed";
 template <>
 inline constexpr std::tuple<> kFields<event::TimePassed> = {};
+
+template <>
+inline constexpr std::string_view kEventName<event::StartExamined> = "StartExamined";
+template <>
+inline constexpr std::tuple kFields<event::StartExamined> = {
+    Field{"actuator", &event::StartExamined::actuator},
+    Field{"pid", &event::StartExamined::pid},
+    Field{"progress", &event::StartExamined::progress},
+};
 
 }  // namespace musher::fields

@@ -319,26 +319,31 @@ void StartUp::AnswerSetUpRequests() {
 
 void StartUp::CheckDeadlines() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    KnownActuator& known = Of(i);
-    if (!known.set_up_by || *known.set_up_by > now_ || known.presence == Presence::kPresent) {
-      continue;
-    }
-    known.set_up_by.reset();
-    if (known.fault && known.presence != Presence::kStarting)
-      continue;  // the known fault says more
-    if (machine_.start_up.finishing)
-      continue;  // an actuator that does not run need not be torn down
-    // The reason of a failed SetUp says more as well.
-    const ActuatorReport& report = known.report;
-    const bool failed = known.fault && report.incarnation != known.process.dead &&
-                        report.state == config_.default_state && report.outcome_code != kCodeOk;
-    if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i), known.cause);
-    FallBack(i);
+    GiveUpIfOverdue(i, StartProgress::kUnknown);
   }
 }
 
+void StartUp::On(const event::StartExamined& examined) {
+  if (Of(examined.actuator).process.pid != examined.pid) return;
+  GiveUpIfOverdue(examined.actuator, examined.progress);
+}
+
+void StartUp::GiveUpIfOverdue(ActuatorIndex i, StartProgress progress) {
+  if (!IsOverdue(Of(i), now_)) return;
+  KnownActuator& known = Of(i);
+  known.set_up_by.reset();
+  if (known.fault && known.presence != Presence::kStarting) return;  // the known fault says more
+  if (machine_.start_up.finishing) return;  // an actuator that does not run need not be torn down
+  // The reason of a failed SetUp says more as well.
+  const ActuatorReport& report = known.report;
+  const bool failed = known.fault && report.incarnation != known.process.dead &&
+                      report.state == config_.default_state && report.outcome_code != kCodeOk;
+  if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i, progress), known.cause);
+  FallBack(i);
+}
+
 // Why it is not set up by its deadline.
-RecordText StartUp::NotSetUp(ActuatorIndex i) const {
+RecordText StartUp::NotSetUp(ActuatorIndex i, StartProgress progress) const {
   const ActuatorConfig& actuator = ConfigOf(i);
   const KnownActuator& known = Of(i);
   const Duration within = config_.TimeFor(i, kSetUp);
@@ -357,7 +362,7 @@ RecordText StartUp::NotSetUp(ActuatorIndex i) const {
     return texts::NotAnnouncedBeside(actuator.name, ConfigOf(other).name, within,
                                      known.process.pid);
   }
-  return texts::NotAnnounced(actuator.name, actuator.command, within, known.process.pid);
+  return texts::NotAnnounced(actuator.name, actuator.command, within, known.process.pid, progress);
 }
 
 }  // namespace musher

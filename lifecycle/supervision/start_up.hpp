@@ -18,6 +18,8 @@ class StartUp : StepPart {
 
   void Begin(const event::Begin& begin);
   void On(const event::SetUpAwaited& awaited);
+  // Gives that actuator up, if it is overdue: CheckDeadlines() does so without knowing why.
+  void On(const event::StartExamined& examined);
   // A switch has ended: of the start-up, or one by hand that makes the machine usable.
   void OnSwitchEnded(const EndedSwitch& ended);
   // Each returns whether something changed.
@@ -39,7 +41,8 @@ class StartUp : StepPart {
   void BecomeRunning(const RecordText& text, RecordId cause);
   void AnswerSetUpRequests();
   std::string FirstTrouble() const;
-  RecordText NotSetUp(ActuatorIndex i) const;
+  void GiveUpIfOverdue(ActuatorIndex i, StartProgress progress);
+  RecordText NotSetUp(ActuatorIndex i, StartProgress progress) const;
 
   Saver& saver_;
   EmergencyStops& stops_;

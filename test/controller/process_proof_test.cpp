@@ -232,4 +232,32 @@ TEST_F(StopOfThisHost, OfAnotherMachineIsIgnoredAndNoReleaseIsTaken) {
   EXPECT_EQ(Emergency().stop->by, "bob");
 }
 
+TEST(StartOfAProcess, ShowsAModuleByItsNameAndAForeignProgramByItsIdleness) {
+  transport::LinuxEventLoop loop;
+  transport::DiskWriter disk(loop);
+  ProcessSupervisor processes(loop, disk);
+  const std::string name = "start_of_a_process_" + std::to_string(getpid());
+  KernelProbe probe(loop, processes, [&](const std::string&) { return name; });
+  const auto becomes = [&](pid_t pid, StartProgress progress) {
+    const transport::LoopHandlePtr tick = loop.Every(Milliseconds(2), [] {});
+    return loop.RunUntil([&] { return probe.ProgressOf("arm", pid) == progress; },
+                         loop.Now() + std::chrono::seconds(20));
+  };
+  const Bystander foreign;
+  EXPECT_TRUE(becomes(foreign.pid(), StartProgress::kIdle));
+  {
+    const Bystander module(name);
+    EXPECT_TRUE(becomes(module.pid(), StartProgress::kNamed));
+    EXPECT_TRUE(becomes(foreign.pid(), StartProgress::kIdle)) << "another process holds it";
+  }
+  const pid_t loading = fork();
+  if (loading == 0) {
+    volatile unsigned long sum = 0;
+    while (true) sum = sum + 1;
+  }
+  EXPECT_TRUE(becomes(loading, StartProgress::kBusy));
+  kill(loading, SIGKILL);
+  waitpid(loading, nullptr, 0);
+}
+
 }  // namespace musher::process_proof_test

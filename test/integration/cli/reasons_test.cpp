@@ -39,10 +39,12 @@ TEST_F(Reasons, AProgramThatIsNoModuleIsToBeWrapped) {
   const std::string note = Status()["actuators"]["voice"]["message"];
   EXPECT_THAT(
       note,
-      AllOf(HasSubstr("its program runs (process "),
-            HasSubstr("but did not announce itself as actuator voice within 400 ms"),
-            HasSubstr("if it is still starting, give its SetUp more time"),
-            HasSubstr("command = [\"musher-exec\", \"--\", \"tail\", \"-f\", \"/dev/null\"]")));
+      AllOf(
+          HasSubstr("its program runs (process "),
+          HasSubstr("but did not announce itself as actuator voice within 400 ms"),
+          HasSubstr("it is idle and does not hold the name of the actuator, so it is not a Musher "
+                    "module, or one of another name: wrap it with musher-exec"),
+          HasSubstr("command = [\"musher-exec\", \"--\", \"tail\", \"-f\", \"/dev/null\"]")));
 }
 
 TEST_F(Reasons, StatusReportsAProgramThatExitedByItself) {

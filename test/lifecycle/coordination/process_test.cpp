@@ -261,7 +261,27 @@ TEST_F(Processes, ThatDoNotAnnounceTheirActuatorAfterARestartAreReportedSo) {
   Pass(Milliseconds(100));
   ASSERT_TRUE(Of(0).fault);
   EXPECT_THAT(Of(0).fault,
-              Is(texts::NotAnnounced("a", config_.actuators[0].command, Milliseconds(100), 800)));
+              Is(texts::NotAnnounced("a", config_.actuators[0].command, Milliseconds(100), 800,
+                                     StartProgress::kUnknown)));
+}
+
+// One sentence said of a module that loads for long and of a foreign program that it is one of
+// both.
+TEST_F(Processes, ThatDoNotAnnounceTheirActuatorAreSlowOrForeignAsTheKernelReports) {
+  for (const StartProgress progress :
+       {StartProgress::kNamed, StartProgress::kBusy, StartProgress::kIdle}) {
+    machine_ = MakeMachine(config_);
+    StartUpOurs();
+    Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+    Pass(Milliseconds(100));
+    Do(event::ProcessStarted{0, 800});
+    Do(event::StartExamined{0, 800, progress});
+    ASSERT_TRUE(Of(0).set_up_by) << "it has time left";
+    now_ = *Of(0).set_up_by;
+    Do(event::StartExamined{0, 800, progress});
+    EXPECT_THAT(Of(0).fault, Is(texts::NotAnnounced("a", config_.actuators[0].command,
+                                                    Milliseconds(100), 800, progress)));
+  }
 }
 
 // The one before ran on another host and has exited there.
