@@ -135,6 +135,8 @@ class Search {
   void InPlace(const fs::path& place) {
     if (IsClosed(place)) AddUnread(of_no_config_, place.string() + " is not read");
     for (const fs::path& folder : EntriesOf(place)) {
+      std::error_code hidden;
+      if (!fs::is_directory(folder, hidden)) continue;
       if (!IsClosed(folder)) {
         InFolder(folder);
         continue;

@@ -97,8 +97,9 @@ std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
                                                const MachineOrigin& machine,
                                                const std::vector<std::string>& folders,
                                                const StoredStops& known) {
-  const auto is_known = [&](StopId id) {
-    return id == kUnknownStop || std::ranges::count(known.released, id) != 0;
+  const auto is_released = [&](StopId id) { return std::ranges::count(known.released, id) != 0; };
+  const auto is_engaged = [&](StopId id) {
+    return std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
   };
   std::vector<StopsElsewhere> found;
   for (const std::string& folder : folders) {
@@ -109,8 +110,12 @@ std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
     if (!origin || !origin->IsOf(machine, true)) continue;
     StoredStops stops = StateStore::ReadableStops(folder);
     // Since its last stop is known here, this machine's own folder says whether it waits.
-    stops.awaits_request = stops.awaits_request && !is_known(LastOf(stops));
-    std::erase_if(stops.engaged, [&](const EmergencyStop& stop) { return is_known(stop.id); });
+    const StopId last = LastOf(stops);
+    stops.awaits_request = stops.awaits_request && (last == kUnknownStop || !is_released(last));
+    std::erase_if(stops.engaged, [&](const EmergencyStop& stop) {
+      return stop.id == kUnknownStop || is_released(stop.id);
+    });
+    std::erase_if(stops.released, is_engaged);  // what is engaged here is released here
     if (!stops.engaged.empty() || stops.awaits_request) found.push_back({folder, std::move(stops)});
   }
   return found;

@@ -138,7 +138,8 @@ void StartUp::EndFirstStage() {
   const bool stopped = machine_.emergency.stop.has_value();
   const bool waits = machine_.emergency.awaits_request && machine_.start_up.requests_nothing;
   if (config_.ros2.started_by_manager) {
-    if (!stopped && !waits) stops_.TakeRequest();
+    const bool known = machine_.emergency.Unanswered() == nullptr;
+    if (!stopped && !waits && known) stops_.TakeRequest();
     return WaitForManager(present, missing, recorded);
   }
   if (machine_.start_up.by_hand) return;

@@ -32,7 +32,9 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
         standing->target, standing->by.empty() ? "a client without a name" : standing->by, which,
         target);
   }
-  if (machine.emergency.awaits_request && MaySwitchOn(config, machine.state, target)) {
+  const EmergencyStopState& emergency = machine.emergency;
+  const bool awaits = emergency.awaits_request || emergency.Unanswered() != nullptr;
+  if (awaits && MaySwitchOn(config, machine.state, target)) {
     return Refused<Refusal::kStopAwaitsPerson>(target);
   }
   return std::nullopt;

@@ -69,6 +69,21 @@ TEST_F(OtherStart, LeavesNothingOfAReleasedStopAfterWhichAStateWasRequested) {
   EXPECT_THAT(Found(), IsEmpty());
 }
 
+// A damaged file, or a machine that was taken over from another host.
+TEST_F(OtherStart, WhoseLastStopHasNoIdLeavesThatItWaits) {
+  for (const StoredStops& waits : {StoredStops{{}, {kUnknownStop}, true}, {{}, {}, true}}) {
+    StopIn(by_user_, robot_, waits);
+    EXPECT_EQ(Found({{}, {kUnknownStop}}).size(), 1U);
+  }
+}
+
+TEST_F(OtherStart, ReleasesNoStopThatIsEngagedHere) {
+  StopIn(by_user_, robot_, {{}, {3, 7}, true});
+  const auto found = Found({{{7, "alice", "smoke"}}, {}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].stops.released, std::vector<StopId>{StopId(3)});
+}
+
 TEST_F(OtherStart, OfAnotherMachineLeavesNone) {
   MachineOrigin other = robot_;
   other.file = folder_ / "moved.toml";
