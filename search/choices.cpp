@@ -75,8 +75,10 @@ class ChoiceList {
   }
 
   void ListRelease() {
-    if (!model_.releases || !IsQuiet(world_, choices_)) return;
+    const bool is_quiet = IsQuiet(world_, choices_);
+    if (!model_.releases || (!is_quiet && !model_.releases_early)) return;
     if (!world_.released && world_.machine.emergency.stop) Free(ChoiceKind::kRelease);
+    if (!is_quiet) return;
     const bool runs = world_.machine.phase == Phase::kRunning;
     if (world_.released && world_.repeat == Repeat::kNotYet && runs) Free(ChoiceKind::kRepeat);
   }

@@ -110,7 +110,7 @@ enum class ChoiceKind : std::uint8_t {
   kEnd,           // of a process
   kEndFirst,      // a torn down actuator's process ends, and that is detected before its reply
   kSeeStop,       // the controller receives the emergency stop
-  kRelease,       // a person releases it, when nothing else is left to happen
+  kRelease,       // a person releases it, usually when nothing else is left to happen
   kRepeat,        // and then requests the same switch again
   kTime,          // to the next deadline
   kLate,          // a delayed message arrives
@@ -182,6 +182,7 @@ struct Model {
   PerActuator<ActuatorIndex> kinds;      // equal for interchangeable actuators
   std::uint64_t faults = kAllFaults;     // the kinds that are choices, a bit for each
   bool releases = false;                 // whether kRelease and kRepeat are choices
+  bool releases_early = false;           // whether kRelease is one while anything is under way
   std::vector<StableRule> stable_rules;  // of the user
   bool other_machine = false;            // whether kOtherCommand and what follows it are choices
 };

@@ -36,6 +36,18 @@ constexpr Duration kRepliedAtRest = std::chrono::seconds(12);
 // For the event loop and the network.
 constexpr Duration kPowerSlack = std::chrono::seconds(1);
 
+// What an actuator's own stop names where no permit to move has arrived.
+constexpr std::string_view kPermitKey = "[safety] permit_ms";
+// The first permit of a console counts as fresh, however long it took: 400 ms at most, and 80 ms on
+// links with faults.
+constexpr Duration kPermitSlack = Milliseconds(500);
+constexpr Duration kPermitPeriod = Milliseconds(20);  // of the checks
+
+// A step of /clock that is longer is a jump.
+constexpr Duration kLongestStep = std::chrono::seconds(10);
+// A controller has received what was published so long before, on links without faults.
+constexpr Duration kClockLag = Milliseconds(250);
+
 // The highest rank that the battery permits, without hysteresis.
 std::optional<Rank> MostAt(const BatteryPolicy& policy, int percent, bool charging) {
   if (percent <= policy.low_power_at && !charging) return BuiltInRank(kLowPower);
@@ -78,14 +90,22 @@ Checker::Checker(SimRobot& robot)
                                const action::Record& record) {
     recording_host_ = controller.host();
     NoteReasons(controller, record);
+    NoteRequest(controller, record);
+    CheckPolicyTime(controller, record);
     CheckMeant(record);
     CheckFence(controller, record);
   };
   robot_.on_power = [this] { power_due_.reset(); };
   robot_.on_battery = [this](int percent, bool charging) { OnBattery(percent, charging); };
+  robot_.on_permit = [this](Time stamp) { permits_[stamp] = robot_.network().now(); };
+  robot_.on_clock = [this](Time time) { OnClock(time); };
   robot_.on_begin = [this](const SimulatedController& controller, bool restarted) {
-    if (!restarted) accepted_tear_down_.reset();
+    if (!restarted) {
+      accepted_tear_down_.reset();
+      by_a_person_.insert(controller.serial());
+    }
     NoteWord(controller, restarted);
+    seen_[controller.serial()].began = MarkNow();
   };
   robot_.on_release_answered = [this](const SimulatedController& controller,
                                       const Result<>& released) {
@@ -116,18 +136,20 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   }
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
-  if (begun) OnBegun(name, before, report);
+  if (begun) OnBegun(name, host, before, report);
   CheckFollows(name, host, report);
   if (const ActuatorCore* core = robot_.processes().CoreOf(name, host)) {
     CheckControllerOf(name, core->controller);
+    NotePermitStops(*core);
   }
+  CheckStaysStopped(name, before, report);
   CheckStopped(name, host, before, report);
   CheckWaiting(name, host, report);
   before = report;
 }
 
 // A callback has begun.
-void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
+void Checker::OnBegun(const std::string& name, std::size_t host, const ActuatorReport& before,
                       const ActuatorReport& report) {
   const bool rises = Rises(config_, report.state, report.target);
   const std::string what = name + " begins " + report.target + " in " + report.state;
@@ -163,6 +185,7 @@ void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
     ReportViolation(Invariant::kRisesAreRecorded,
                     what + ", for which its controller has recorded no reason");
   }
+  CheckAfterRelease(name, host, before, report, sent->second);
 }
 
 // A controller knows the exit code of its own children only.
@@ -198,6 +221,7 @@ void Checker::OnStart(const SimulatedController& controller, const std::string& 
 void Checker::AfterEvent() {
   CheckPowerOff();
   if (!idle_and_stopped_.empty()) CheckPower();
+  CheckPermits();
   CheckClients();
   if (!dirty_) return;
   dirty_ = false;
@@ -238,6 +262,7 @@ void Checker::CheckController(const SimulatedController& controller) {
   CheckChange(machine, seen);
   CheckCeiling(controller, false);
   CheckQuiet(machine, seen);
+  NotePolicyTimes(controller, seen);
   CheckStaysDown(controller);
 }
 
@@ -247,8 +272,13 @@ void Checker::OnSend(const Machine& machine, const action::SendSwitch& send) {
   // The rollback of a single actuator leads back up.
   const bool back = machine.current && machine.current->rollback.under_way && machine.current->only;
   sent_commands_[{command.epoch, send.actuator, command.number}] = {
-      robot_.network().now(), command.budget, MayRise(machine, command.target), controller,
-      back || HasReason(controller, machine.state, command.target)};
+      robot_.network().now(),
+      command.budget,
+      MayRise(machine, command.target),
+      controller,
+      back || HasReason(controller, machine.state, command.target),
+      IsRequestedSinceStop(controller, send.actuator, command.target),
+      ++order_};
 }
 
 std::uint64_t Checker::SerialOf(const Machine& machine) const {
@@ -617,6 +647,7 @@ void Checker::OnStopPublished(const SimulatedController& controller,
                               const msg::EmergencyStop& stop) {
   if (stop.engaged) {
     accepted_stops_[StopId(stop.id)].insert(controller.host());
+    stopped_on_[controller.host()] = seen_[controller.serial()].stop_order = ++order_;
   } else {
     released_[StopId(stop.id)].insert(controller.host());
     released_at_ = robot_.network().now();
@@ -723,12 +754,86 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
     ReportViolation(Invariant::kReachesMeantMachine,
                     name + " has latched an emergency stop that is meant for another machine");
   }
+  if (report.emergency_stop != 0 && before.emergency_stop == 0) latched_[{name, host}] = ++order_;
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
   if (!report.busy()) idle_and_stopped_.emplace_back(name, host);
   if (before.busy() && MaySwitchOn(config_, before.state, report.state)) {
     ReportViolation(Invariant::kEmergencyStopHolds,
                     name + " has switched from " + before.state + " to " + report.state +
                         ", which may switch it on, although it has latched an emergency stop");
+  }
+}
+
+// Only the release of a stop ends it.
+void Checker::CheckStaysStopped(const std::string& name, const ActuatorReport& before,
+                                const ActuatorReport& report) {
+  const bool ended = before.emergency_stop != 0 && report.emergency_stop == 0;
+  if (!ended || released_.contains(before.emergency_stop)) return;
+  ReportViolation(Invariant::kEmergencyStopLatched,
+                  name + " is not stopped any more, although no controller has released its stop");
+}
+
+// A request that leads somewhere, after a stop: a switch begins by it, or it joins one. A person's
+// start that begins with the first state is one, too.
+void Checker::NoteRequest(const SimulatedController& controller, const action::Record& record) {
+  Seen& seen = seen_[controller.serial()];
+  const Machine& machine = controller.shell().machine();
+  const auto note = [&](const State& target) {
+    if (!machine.emergency.stop) since_stop_.push_back({++order_, record.actuator, target});
+  };
+  switch (record.event) {
+    case EventName::kSwitchRequested:
+      if (machine.current && machine.current->target == TargetOf(record)) note(TargetOf(record));
+      [[fallthrough]];
+    case EventName::kPolicyRequested:
+    case EventName::kSwitchWaiting:
+      seen.requests.insert(record.id);
+      return;
+    case EventName::kSwitchStarted: {
+      const bool starts =
+          by_a_person_.contains(controller.serial()) && !config_.RankOf(record.of_switch->state);
+      if (starts || seen.requests.contains(record.cause)) note(record.of_switch->target);
+      return;
+    }
+    default:
+      return;
+  }
+}
+
+// Whether a controller may bring an actuator to a state: it knows of no stop, or the state, or a
+// more active one, was requested since the last one. Its disk tells it of those of the controllers
+// before it on its host.
+bool Checker::IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target) {
+  std::uint64_t stopped = seen_[controller].stop_order;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const SimulatedController* one = robot_.controller(which);
+    if (one == nullptr || one->serial() != controller || state_lost_) continue;
+    stopped = std::max(stopped, stopped_on_[one->host()]);
+  }
+  const auto rank = config_.RankOf(target);
+  if (stopped == 0 || !rank || target == kError) return true;
+  return std::any_of(since_stop_.begin(), since_stop_.end(), [&](const SinceStop& one) {
+    const bool meant = !one.actuator || *one.actuator == i;
+    return one.order > stopped && meant && config_.RankOf(one.target).value_or(0) >= *rank;
+  });
+}
+
+// A callback that may switch the actuator on has begun by that command.
+void Checker::CheckAfterRelease(const std::string& name, std::size_t host,
+                                const ActuatorReport& before, const ActuatorReport& report,
+                                const SentCommand& sent) {
+  if (!MaySwitchOn(config_, report.state, report.target) || report.target == kError) return;
+  if (false_reporters_.contains(name)) return;
+  const std::string what = name + " begins " + report.target + " in " + report.state;
+  if (!sent.requested) {
+    return ReportViolation(Invariant::kReleaseSwitchesNothingOn,
+                           what + ", which was not requested since the last emergency stop");
+  }
+  const auto latched = latched_.find({name, host});
+  if (latched == latched_.end() || before.incarnation != report.incarnation) return;
+  if (sent.order < latched->second) {
+    ReportViolation(Invariant::kReleaseSwitchesNothingOn,
+                    what + ", by a command from before the emergency stop that it has latched");
   }
 }
 
@@ -758,6 +863,46 @@ void Checker::CheckPower() {
                         " has its power on although it has latched an emergency stop");
   }
 }
+
+// --- permits to move ---
+
+// A stop that an actuator has engaged by itself, as no permit has arrived. Nothing publishes it
+// before a controller does.
+void Checker::NotePermitStops(const ActuatorCore& core) {
+  constexpr std::size_t kOfPermits = 50;  // beside the panels
+  if (!config_.permit) return;
+  for (const EmergencyStop& stop : core.stops) {
+    if (stop.by != kPermitKey || engaged_.contains(stop.id)) continue;
+    OnStopEngaged(kOfPermits, stop.id);
+    OnStopWithdrawn(stop.id);
+  }
+}
+
+// An actuator is off, by its hardware, some time after the last permit that it can have.
+void Checker::CheckPermits() {
+  const Time now = robot_.network().now();
+  if (!config_.permit || now < check_permits_at_) return;
+  check_permits_at_ = now + kPermitPeriod;
+  const SimulatedProcesses& processes = robot_.processes();
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const ActuatorCore* core = processes.CoreOf(actuator.name, host);
+      if (core == nullptr || !processes.IsPowered(actuator.name, host)) continue;
+      const auto frozen = processes.FrozenUntil(actuator.name, host);
+      if (frozen && (*frozen == Time::max() || now - *frozen < kPermitSlack)) continue;
+      const auto given = permits_.find(core->permit.stamp);
+      const bool known = given != permits_.end();
+      if (known && now - given->second <= *config_.permit + kPermitSlack) continue;
+      ReportViolation(Invariant::kStopsWithoutPermit,
+                      actuator.name + " is on in " + core->report.state +
+                          (known ? ' ' + std::to_string(ToMilliseconds(now - given->second)) +
+                                       " ms after the last permit to move"
+                                 : ", and no permit to move was given"));
+    }
+  }
+}
+
+// --- a TearDown, and what each controller knows ---
 
 // An accepted TearDown continues, even if its controller ends, until a controller begins that an
 // operator has started. The operator may have started it before the TearDown: it listens for other
@@ -1146,6 +1291,7 @@ void Checker::CheckPolicyChange(const Machine& machine, const Seen& seen) {
 }
 
 void Checker::OnBattery(int percent, bool charging) {
+  battery_at_ = MarkNow();
   const auto& battery = config_.policy ? config_.policy->battery : std::nullopt;
   if (battery && percent <= battery->tear_down_at && !charging) {
     most_empty_in_a_row_ = std::max(most_empty_in_a_row_, ++empty_in_a_row_);
@@ -1250,6 +1396,90 @@ void Checker::OnPolicyReply(std::uint64_t request, const event::PolicyRequested&
   if (requested.what == PolicyRequest::kPowerOff && !power_due_ && alone) {
     power_due_ = robot_.network().now() + config_.policy->power.force_after + kPowerSlack;
   }
+}
+
+// --- by the clock that the policy follows ---
+
+// Jumps do not count; of two in a row, the second one does.
+void Checker::OnClock(Time time) {
+  const Time now = robot_.network().now();
+  const Duration step = clock_ ? time - *clock_ : Duration::zero();
+  const bool counts =
+      step > Duration::zero() && (step <= kLongestStep || clock_step_ > kLongestStep);
+  if (counts) clock_passed_ += step;
+  clock_step_ = step;
+  clock_ = time;
+  clock_samples_.emplace_back(now, clock_passed_);
+  while (clock_samples_.size() > 1 && clock_samples_[1].first <= now - kClockLag) {
+    clock_samples_.pop_front();
+  }
+}
+
+Duration Checker::PolicyTime() const {
+  const bool by_topic = config_.clock == ClockSource::kTopic;
+  return by_topic ? clock_passed_ : robot_.network().now().time_since_epoch();
+}
+
+// The last samples of /clock may be on their way to the controller.
+Checker::Mark Checker::MarkNow() const {
+  const Time now = robot_.network().now();
+  if (config_.clock == ClockSource::kSteady) return {now, now.time_since_epoch()};
+  Duration passed = clock_samples_.empty() ? Duration::zero() : clock_samples_.front().second;
+  for (const auto& [at, by_clock] : clock_samples_) {
+    if (at <= now - kClockLag) passed = by_clock;
+  }
+  return {now, passed};
+}
+
+void Checker::NotePolicyTimes(const SimulatedController& controller, Seen& seen) {
+  const Machine& machine = controller.shell().machine();
+  const bool awake = machine.state == kActive || machine.state == kProtected;
+  const auto& keep = machine.policy.keep;
+  if (!awake || keep) {
+    seen.awake.reset();
+  } else if (!seen.awake) {
+    seen.awake = MarkNow();
+  }
+  if (!keep) {
+    seen.kept.reset();
+  } else if (!seen.kept) {
+    seen.kept = MarkNow();
+    seen.kept_for_s = keep->seconds;
+  }
+}
+
+// What the policy does by time. The state before is as it was seen after the step before.
+void Checker::CheckPolicyTime(const SimulatedController& controller, const action::Record& record) {
+  const Seen& seen = seen_[controller.serial()];
+  switch (record.event) {
+    case EventName::kLyingStillSwitch:
+      return CheckWaited(controller, seen.awake, config_.policy->low_power->lying_still,
+                         "takes the machine to LowPower");
+    case EventName::kKeepEnded:
+      if (ArgumentOf(record.arguments, "reason") != "time expired") return;
+      return CheckWaited(controller, seen.kept, std::chrono::seconds(seen.kept_for_s),
+                         "ends what keeps the machine");
+    case EventName::kBatterySilent:
+      return CheckWaited(controller, battery_at_ ? battery_at_ : seen.began,
+                         config_.policy->battery->silent, "takes the battery for silent");
+    default:
+      return;
+  }
+}
+
+void Checker::CheckWaited(const SimulatedController& controller, const std::optional<Mark>& since,
+                          Duration limit, const std::string& what) {
+  const Time now = robot_.network().now();
+  // What a controller has received late, or not at all, it times by itself.
+  const Time from = since ? since->at - std::chrono::seconds(1) : now;
+  const bool late = (link_faults_until_ && *link_faults_until_ >= from) || controller.frozen ||
+                    (controller.thawed && *controller.thawed >= from);
+  if (late) return;
+  const Duration waited = since ? PolicyTime() - since->by_clock : Duration::zero();
+  if (waited + Milliseconds(1) >= limit) return;
+  ReportViolation(Invariant::kNotBeforeItsTime,
+                  "the policy " + what + " after " + std::to_string(ToMilliseconds(waited)) +
+                      " of " + std::to_string(ToMilliseconds(limit)) + " ms by its clock");
 }
 
 void Checker::OnControllersBlocked(bool state_lost) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -98,6 +99,12 @@ class Checker {
     bool may_rise = false;         // it may lead to a more active state
     std::uint64_t controller = 0;  // the serial of the controller that sent it
     bool has_reason = true;        // to lead to a more active state, among its records
+    bool requested = true;         // since the last emergency stop that its controller knows
+    std::uint64_t order = 0;       // see Checker::order_
+  };
+  struct Mark {
+    Time at{};            // of the network
+    Duration by_clock{};  // the least that the policy's clock may have shown then
   };
   struct Seen {  // of a controller
     State state;
@@ -116,6 +123,14 @@ class Checker {
     CommandNumber raise;  // the last one of the policy
     bool starts = true;
     int raised = 0;  // how often its epoch has risen
+    // Since when, by the policy's clock, it leads, the machine is in Active or Protected, and is
+    // kept.
+    std::optional<Mark> began;
+    std::optional<Mark> awake;
+    std::optional<Mark> kept;
+    std::int64_t kept_for_s = 0;
+    std::uint64_t stop_order = 0;      // when it last engaged a stop, see Checker::order_
+    std::set<RecordId> requests = {};  // its records of requests
   };
   using CommandKey =
       std::tuple<Epoch, ActuatorIndex, CommandNumber>;  // of the actuator with this index
@@ -123,7 +138,8 @@ class Checker {
   void OnReport(const std::string& name, std::size_t host, const ActuatorReport& report);
   void OnWrite(const SimulatedController& controller, const std::string& topic,
                const msg::Bytes& bytes);
-  void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
+  void OnBegun(const std::string& name, std::size_t host, const ActuatorReport& before,
+               const ActuatorReport& report);
   void CheckController(const SimulatedController& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& send);
   std::uint64_t SerialOf(const Machine& machine) const;
@@ -159,6 +175,16 @@ class Checker {
   void CheckStopsAtRest(const Machine& machine);
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
+  void CheckStaysStopped(const std::string& name, const ActuatorReport& before,
+                         const ActuatorReport& report);
+  // After a release: what was requested since the last stop.
+  void NoteRequest(const SimulatedController& controller, const action::Record& record);
+  bool IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target);
+  void CheckAfterRelease(const std::string& name, std::size_t host, const ActuatorReport& before,
+                         const ActuatorReport& report, const SentCommand& sent);
+  // Permits to move.
+  void NotePermitStops(const ActuatorCore& core);
+  void CheckPermits();
   void CheckPower();
   void CheckReleased(const SimulatedController& controller, const Result<>& released);
   void CheckStaysDown(const SimulatedController& controller);
@@ -187,6 +213,14 @@ class Checker {
   void CheckPowerOffStarted(const action::Record& record);
   void NoteLevels(const BatteryPolicy& policy, int percent);
   void CheckPowerOff();
+  // By the clock that the policy follows.
+  void OnClock(Time time);
+  Duration PolicyTime() const;
+  Mark MarkNow() const;
+  void NotePolicyTimes(const SimulatedController& controller, Seen& seen);
+  void CheckPolicyTime(const SimulatedController& controller, const action::Record& record);
+  void CheckWaited(const SimulatedController& controller, const std::optional<Mark>& since,
+                   Duration limit, const std::string& what);
   bool ByPolicy(const State& state) const;
   void NoteLowering(const State& from);
 
@@ -289,6 +323,26 @@ class Checker {
   std::optional<Time> released_at_;  // when a controller last published a release
   std::map<StopId, Time> engaged_at_;
   std::optional<Time> link_faults_until_;  // of all links; max: they are under way
+  // The order of stops, requests and commands; it grows with each.
+  std::uint64_t order_ = 0;
+  std::map<std::size_t, std::uint64_t>
+      stopped_on_;  // when a controller of that host engaged a stop
+  struct SinceStop {
+    std::uint64_t order = 0;
+    std::optional<ActuatorIndex> actuator;  // nullopt: of the machine
+    State target;
+  };
+  std::vector<SinceStop> since_stop_;    // requests that led somewhere
+  std::set<std::uint64_t> by_a_person_;  // controllers that a person has started, by serial
+  std::map<std::pair<std::string, std::size_t>, std::uint64_t> latched_;  // actuator, host: when
+  std::map<Time, Time> permits_;  // given: the stamp, by the console's clock; when
+  Time check_permits_at_{};
+  // /clock, without its jumps: so much of it has passed at each of the last samples.
+  Duration clock_passed_{};
+  Duration clock_step_{};
+  std::optional<Time> clock_;
+  std::deque<std::pair<Time, Duration>> clock_samples_;  // when
+  std::optional<Mark> battery_at_;                       // its last sample
 };
 
 }  // namespace musher::simulation

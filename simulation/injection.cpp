@@ -75,6 +75,8 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kUnnamedStop, "unnamed-stop", 0},
     {InjectionKind::kSilentBattery, "silent-battery", 0},
     {InjectionKind::kSlowDiscovery, "slow-discovery", 0},
+    {InjectionKind::kPermitFault, "permit-fault", 0},
+    {InjectionKind::kClockFault, "clock-fault", 0},
 }};
 
 // The share of process ends that are configuration errors.
@@ -111,6 +113,8 @@ constexpr double kManyStopsShare = 0.03;
 constexpr double kUnnamedStopShare = 0.05;
 constexpr double kSilentBatteryShare = 0.25;  // of those with a battery in their policy
 constexpr double kSlowDiscoveryShare = 0.15;
+constexpr double kPermitShare = 0.4;  // of those with permit_ms in their config
+constexpr double kClockShare = 0.5;   // of those with clock = "topic" and a policy
 constexpr double kThenReleased = 0.7;
 constexpr InjectionKind kOfClients[] = {
     InjectionKind::kClientSet,    InjectionKind::kClientSet,     InjectionKind::kClientStatus,
@@ -190,6 +194,8 @@ class InjectionSampler {
         pair_random_(seed * 2 + 0x70616972),
         around_random_(seed * 2 + 0x61726f75),
         late_random_(seed * 2 + 0x6c617465),
+        permit_random_(seed * 2 + 0x7065726d),
+        clock_random_(seed * 2 + 0x636c6f63),
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
   Injections Sample(bool bridges) {
@@ -213,6 +219,8 @@ class InjectionSampler {
              std::chrono::seconds(20));
     }
     AddLate();
+    AddOfPermits();
+    AddOfClock();
     return std::move(injections_);
   }
 
@@ -271,24 +279,70 @@ class InjectionSampler {
     if (battery && late_random_.Bernoulli(kSilentBatteryShare)) {
       const Injection silent =
           Insert(late_random_, InjectionKind::kSilentBattery, Milliseconds(500), seconds(20));
-      if (late_random_.Bernoulli(0.7)) InsertWithin(silent, InjectionKind::kControllerCrash);
+      if (late_random_.Bernoulli(0.7)) {
+        InsertWithin(late_random_, silent, InjectionKind::kControllerCrash);
+      }
     }
     if (!late_random_.Bernoulli(kSlowDiscoveryShare)) return;
     const Injection slow =
         Insert(late_random_, InjectionKind::kSlowDiscovery, seconds(2), seconds(20));
     for (std::uint64_t requests = 1 + late_random_.Next() % 3; requests > 0; --requests) {
-      InsertWithin(slow, kOfClients[late_random_.Next() % std::size(kOfClients)]);
+      InsertWithin(late_random_, slow, kOfClients[late_random_.Next() % std::size(kOfClients)]);
+    }
+  }
+
+  // Faults of the permits to move. In most scenarios a person then releases the stop, and switches
+  // the machine up again; in some the controller is killed meanwhile.
+  void AddOfPermits() {
+    using std::chrono::seconds;
+    if (!config_.permit || !permit_random_.Bernoulli(kPermitShare)) return;
+    for (std::uint64_t faults = 1 + permit_random_.Next() % 3; faults > 0; --faults) {
+      const Injection fault =
+          Insert(permit_random_, InjectionKind::kPermitFault, Milliseconds(20), seconds(12));
+      if (permit_random_.Bernoulli(0.3)) {
+        InsertWithin(permit_random_, fault, InjectionKind::kControllerCrash);
+      }
+      if (permit_random_.Bernoulli(0.3)) InsertWithin(permit_random_, fault, InjectionKind::kCrash);
+      if (!permit_random_.Bernoulli(kThenReleased)) continue;
+      Injection then = fault;
+      then.kind = InjectionKind::kRelease;
+      then.at += permit_random_.Between({}, fault.lasts * 2);
+      Insert(then);
+      if (permit_random_.Bernoulli(0.5)) continue;
+      then.kind = InjectionKind::kSet;
+      then.state = State(kActive);
+      then.at += permit_random_.Between(Milliseconds(1), seconds(4));
+      if (config_.HasState(kActive)) Insert(then);
+    }
+  }
+
+  // Faults of /clock, and what is timed by it meanwhile.
+  void AddOfClock() {
+    using std::chrono::seconds;
+    const bool by_topic = config_.policy && config_.clock == ClockSource::kTopic;
+    if (!by_topic || !clock_random_.Bernoulli(kClockShare)) return;
+    for (std::uint64_t faults = 1 + clock_random_.Next() % 4; faults > 0; --faults) {
+      const Injection fault =
+          Insert(clock_random_, InjectionKind::kClockFault, Milliseconds(200), seconds(20));
+      static constexpr InjectionKind kTimed[] = {
+          InjectionKind::kStillness, InjectionKind::kStillness,
+          InjectionKind::kKeep,      InjectionKind::kWakeUp,
+          InjectionKind::kSet,       InjectionKind::kLowPowerSwitch,
+          InjectionKind::kOta,       InjectionKind::kControllerCrash};
+      for (std::uint64_t timed = clock_random_.Next() % 4; timed > 0; --timed) {
+        InsertWithin(clock_random_, fault, kTimed[clock_random_.Next() % std::size(kTimed)]);
+      }
     }
   }
 
   // While another one lasts, on the same host.
-  void InsertWithin(const Injection& other, InjectionKind kind) {
+  void InsertWithin(Random& random, const Injection& other, InjectionKind kind) {
     Injection injection = other;
     injection.kind = kind;
-    injection.at += late_random_.Between({}, other.lasts);
-    injection.state = SampleState(config_, late_random_);
-    injection.lasts = SampleLogUniform(late_random_, Milliseconds(1), std::chrono::seconds(10));
-    injection.random = late_random_.Next();
+    injection.at += random.Between({}, other.lasts);
+    injection.state = SampleState(config_, random);
+    injection.lasts = SampleLogUniform(random, Milliseconds(1), std::chrono::seconds(10));
+    injection.random = random.Next();
     Insert(injection);
   }
 
@@ -475,6 +529,8 @@ class InjectionSampler {
   Random pair_random_;
   Random around_random_;
   Random late_random_;
+  Random permit_random_;
+  Random clock_random_;
   std::size_t hosts_;
   Duration at_{};
   Injections injections_;
@@ -501,6 +557,25 @@ bool IsAround(InjectionKind kind) {
 
 Injections SampleInjections(const MachineConfig& config, std::uint64_t seed, bool bridges) {
   return InjectionSampler(config, seed).Sample(bridges);
+}
+
+PermitFault PermitFaultOf(const Injection& injection) {
+  return static_cast<PermitFault>(injection.random % 4);
+}
+
+ClockFault ClockFaultOf(const Injection& injection) {
+  return static_cast<ClockFault>(injection.random % 5);
+}
+
+std::int64_t ClockRateOf(const Injection& injection) {
+  constexpr std::array<std::int64_t, 5> kRates = {100, 300, 2000, 5000, 10'000};
+  return kRates[injection.random / 8 % kRates.size()];
+}
+
+// A longer step forward than a clock makes, or back.
+Duration ClockJumpOf(const Injection& injection) {
+  const Duration by(std::chrono::seconds(11 + injection.random / 8 % 100));
+  return ClockFaultOf(injection) == ClockFault::kBack ? -by : by;
 }
 
 int BatteryOf(const Injection& injection) {

@@ -75,8 +75,12 @@ enum class InjectionKind : std::uint8_t {
   kUnnamedStop,    // a panel engages a stop without an id
   kSilentBattery,  // nothing publishes the battery; lasts
   kSlowDiscovery,  // a client on a host needs seconds to discover what it calls; lasts
+  // A scenario with one of these has a machine that needs permits to move, which a console on
+  // `host` gives, or whose policy follows /clock.
+  kPermitFault,  // the permits to move are lost or late, or the console's program ends; lasts
+  kClockFault,   // /clock pauses, jumps, or runs at another rate; lasts
 };
-inline constexpr std::size_t kInjectionKinds = 54;
+inline constexpr std::size_t kInjectionKinds = 56;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
 
@@ -109,6 +113,14 @@ Injections SampleInjections(const MachineConfig& config, std::uint64_t seed, boo
 
 // "the process of audio is killed"
 std::string Describe(const MachineConfig& config, const Injection& injection);
+
+// What happens to the permits to move, and to /clock.
+enum class PermitFault : std::uint8_t { kConsoleEnds, kLost, kLate, kCut };
+PermitFault PermitFaultOf(const Injection& injection);
+enum class ClockFault : std::uint8_t { kRate, kPause, kBack, kForward, kRestart };
+ClockFault ClockFaultOf(const Injection& injection);
+std::int64_t ClockRateOf(const Injection& injection);  // permille
+Duration ClockJumpOf(const Injection& injection);
 
 // Percentage of the battery's kinds, and whether the battery is charging.
 int BatteryOf(const Injection& injection);

@@ -10,6 +10,36 @@ std::string InMilliseconds(Duration duration) {
   return std::to_string(ToMilliseconds(duration)) + " ms";
 }
 
+std::string Describe(PermitFault fault, const std::string& actuator) {
+  switch (fault) {
+    case PermitFault::kConsoleEnds:
+      return "the console gives no permits to move";
+    case PermitFault::kLost:
+      return "permits to move are lost";
+    case PermitFault::kLate:
+      return "permits to move are late";
+    case PermitFault::kCut:
+      break;
+  }
+  return "the link from the console to " + actuator + " is cut";
+}
+
+std::string DescribeClock(const Injection& injection) {
+  const std::string lasts = " for " + InMilliseconds(injection.lasts);
+  switch (ClockFaultOf(injection)) {
+    case ClockFault::kRate:
+      return "/clock runs at " + std::to_string(ClockRateOf(injection)) + " thousandths" + lasts;
+    case ClockFault::kPause:
+      return "/clock pauses" + lasts;
+    case ClockFault::kBack:
+    case ClockFault::kForward:
+      return "/clock jumps by " + InMilliseconds(ClockJumpOf(injection));
+    case ClockFault::kRestart:
+      break;
+  }
+  return "/clock begins anew";
+}
+
 }  // namespace
 
 std::string Describe(const MachineConfig& config, const Injection& injection) {
@@ -136,6 +166,10 @@ std::string Describe(const MachineConfig& config, const Injection& injection) {
       return "nothing publishes the battery" + lasts;
     case InjectionKind::kSlowDiscovery:
       return "a client on host " + host + " needs up to 10 s to discover what it calls" + lasts;
+    case InjectionKind::kPermitFault:
+      return Describe(PermitFaultOf(injection), name) + lasts;
+    case InjectionKind::kClockFault:
+      return DescribeClock(injection);
   }
   return {};
 }

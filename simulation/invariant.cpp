@@ -65,6 +65,10 @@ std::string_view InvariantText(Invariant invariant) {
       return "after exit code 0 of `musher estop` every actuator of the machine is stopped";
     case Invariant::kNoKillForTheNetwork:
       return "no controller kills a healthy process of its host for a fault of the network";
+    case Invariant::kReleaseSwitchesNothingOn:
+      return "the release of an emergency stop switches nothing on that was not requested since";
+    case Invariant::kStopsWithoutPermit:
+      return "an actuator that needs permits to move is off permit_ms after the last one";
     case Invariant::kWithinBattery:
       return "no actuator is more active than the battery permits";
     case Invariant::kNoFlapping:
@@ -77,6 +81,8 @@ std::string_view InvariantText(Invariant invariant) {
       return "one sample of the battery powers nothing off";
     case Invariant::kRaisedAfterQuiet:
       return "the battery raises nothing within raise_after_s of a lower sample of any publisher";
+    case Invariant::kNotBeforeItsTime:
+      return "the policy ends what was requested no sooner than its time on its own clock";
     case Invariant::kSafeWithoutCritical:
       return "without a critical actuator the machine is in its on_lost state, or less active";
     case Invariant::kOnLostCoversLoss:

@@ -41,6 +41,8 @@ enum class Invariant : std::uint8_t {
   kOtherMachineNeverFences,  // no controller releases control to one of another machine
   kStopIsConfirmed,      // a program that reports the machine as stopped has stopped all actuators
   kNoKillForTheNetwork,  // no controller kills a healthy process of its host
+  kReleaseSwitchesNothingOn,  // after a release nothing rises that was not requested since the stop
+  kStopsWithoutPermit,        // an actuator that needs permits is off some time after the last one
   // Invariants of the policy.
   kWithinBattery,          // no actuator is more active than the battery permits
   kNoFlapping,             // the battery raises only what it lowered, beyond its hysteresis
@@ -48,6 +50,7 @@ enum class Invariant : std::uint8_t {
   kPowerOffInTime,         // an accepted power-off happens within its time
   kNotOffByOneSample,      // one sample of the battery powers nothing off
   kRaisedAfterQuiet,       // the battery raises nothing within raise_after_s of a lower sample
+  kNotBeforeItsTime,       // the policy ends what a person requested no sooner than by its clock
   // That a config can violate as well.
   kSafeWithoutCritical,        // without a critical actuator the machine is in its on_lost or below
   kOnLostCoversLoss,           // on_lost says what follows when an actuator is lost permanently

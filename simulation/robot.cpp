@@ -26,8 +26,10 @@ class ScriptedModule : public Module {
 constexpr Duration kListenTime = Milliseconds(1000);
 // How long the controller before it has to release control.
 constexpr Duration kReleaseTimeout = Milliseconds(1000);
-// How often the battery and the body publish their status.
+// How often the battery and the body publish their status. The body of a simulated world does so
+// often enough for a world that runs ten times as fast.
 constexpr Duration kBodyPeriod = std::chrono::seconds(1);
+constexpr Duration kWorldBodyPeriod = Milliseconds(100);
 
 msg::BmsStatus BatteryAt(int percent, bool charging) {
   msg::BmsStatus status;
@@ -206,6 +208,7 @@ void SimRobot::RebootHost(std::size_t host) {
   for (const auto& [id, program] : stop_programs_) {
     if (program->host() == host) ended.push_back(id);
   }
+  if (permits_ && permits_->host() == host) EndPermits();
   for (const StopId id : ended) {
     stop_programs_.erase(id);
     if (on_stop_withdrawn) on_stop_withdrawn(id);
@@ -375,7 +378,26 @@ std::optional<int> SimRobot::battery() const {
 void SimRobot::SetMotion(std::int32_t motion) {
   motion_.emplace();
   motion_->motion_id = motion;
+  if (on_motion) on_motion();
   PublishBody();
+}
+
+void SimRobot::StartPermits(std::size_t host) {
+  permits_ = std::make_unique<PermitConsole>(
+      network_, hosts_, layout_.prefix + "console-" + std::to_string(++consoles_), host,
+      config_.name_space, identity(), [this](Time stamp) {
+        if (on_permit) on_permit(stamp);
+      });
+}
+
+void SimRobot::EndPermits() {
+  permits_.reset();
+}
+
+void SimRobot::StartClock() {
+  clock_ = std::make_unique<WorldClock>(network_, [this](Time time) {
+    if (on_clock) on_clock(time);
+  });
 }
 
 void SimRobot::OpenBody() {
@@ -392,7 +414,9 @@ void SimRobot::OpenBody() {
     motion_publisher_ = transport::MakePublisher<msg::MotionStatus>(
                             *environment_, prefix + policy.low_power.value_or(low_power).topic)
                             .value();
-    body_timer_ = environment_->loop().Every(kBodyPeriod, [this] { PublishBody(); });
+    const bool of_world = config_.clock == ClockSource::kTopic;
+    body_timer_ = environment_->loop().Every(of_world ? kWorldBodyPeriod : kBodyPeriod,
+                                             [this] { PublishBody(); });
   }
 }
 

@@ -19,9 +19,11 @@
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/simulation/client.hpp"
+#include "musher/simulation/permit_console.hpp"
 #include "musher/simulation/simulated_controller.hpp"
 #include "musher/simulation/simulated_processes.hpp"
 #include "musher/simulation/stop_client.hpp"
+#include "musher/simulation/world_clock.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::simulation {
@@ -82,6 +84,12 @@ class SimRobot {
       on_write;
   // The battery, or another program in its place, publishes a sample.
   std::function<void(int percent, bool charging)> on_battery;
+  // A console has given a permit to move with that stamp.
+  std::function<void(Time stamp)> on_permit;
+  // A sample of /clock.
+  std::function<void(Time)> on_clock;
+  // The body lies still from now on, or moves.
+  std::function<void()> on_motion;
   // Before a controller sends a signal.
   std::function<void(const SimulatedController&, std::int32_t pid)> on_signal;
   // Before a controller is killed.
@@ -159,7 +167,14 @@ class SimRobot {
   void SetBatterySilent(bool silent) { battery_silent_ = silent; }
   std::optional<int> battery() const;  // %, as set
   void SetMotion(std::int32_t motion);
-  void ReleaseEmergencyStop();  // by the controller, for an operator
+  // A console on that host gives permits to move, instead of the one before.
+  void StartPermits(std::size_t host);
+  void EndPermits();  // its program is killed
+  const PermitConsole* permits() const { return permits_.get(); }
+  // Something publishes /clock from now on.
+  void StartClock();
+  WorldClock* clock() { return clock_.get(); }  // null: nothing publishes it
+  void ReleaseEmergencyStop();                  // by the controller, for an operator
   // An operator restarts an actuator; does not wait for it.
   void Restart(const std::string& name);
   // Requests a switch and waits; nothing when there is no controller, or no reply in time.
@@ -240,6 +255,9 @@ class SimRobot {
   std::unique_ptr<transport::Publisher<msg::BmsStatus>> other_battery_publisher_;
   std::unique_ptr<transport::Publisher<msg::MotionStatus>> motion_publisher_;
   transport::LoopHandlePtr body_timer_;
+  int consoles_ = 0;  // so far
+  std::unique_ptr<PermitConsole> permits_;
+  std::unique_ptr<WorldClock> clock_;
 };
 
 }  // namespace musher::simulation

@@ -27,6 +27,13 @@ std::uint64_t Scramble(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   return random.Next();
 }
 
+// The first injected event of that kind; null: there is none.
+const Injection* FirstOf(const Injections& injections, InjectionKind kind) {
+  const auto found = std::find_if(injections.begin(), injections.end(),
+                                  [kind](const Injection& one) { return one.kind == kind; });
+  return found == injections.end() ? nullptr : &*found;
+}
+
 constexpr const char* kMachineId = "11111111-0000-4000-8000-000000000000";
 
 // With a host for the other machine, which is not one of the robot, if there is one.
@@ -34,25 +41,27 @@ Layout LayoutOf(const MachineConfig& config, std::uint64_t seed, bool shared_pro
                 const Injections& injections) {
   Layout layout = SampleLayout(config, seed, shared_processes);
   layout.machine_id = kMachineId;
-  const bool other = std::any_of(injections.begin(), injections.end(), [](const Injection& one) {
-    return one.kind == InjectionKind::kOtherMachine;
-  });
-  if (other) layout.hosts.emplace_back("other");
+  if (FirstOf(injections, InjectionKind::kOtherMachine) != nullptr)
+    layout.hosts.emplace_back("other");
   return layout;
 }
 
-// Nothing publishes /clock in a scenario: its time is the network's. Nor does a person give permits
-// to move.
-MachineConfig ForScenario(MachineConfig config) {
-  config.clock = ClockSource::kSteady;
-  config.permit.reset();
+// Something publishes /clock where an injected event concerns it; otherwise the policy's time is
+// the network's. The same with permits to move.
+MachineConfig ForScenario(MachineConfig config, const Injections& injections) {
+  if (FirstOf(injections, InjectionKind::kClockFault) == nullptr) {
+    config.clock = ClockSource::kSteady;
+  }
+  if (FirstOf(injections, InjectionKind::kPermitFault) == nullptr) config.permit.reset();
   return config;
 }
 
 constexpr std::int32_t kLying = 0;
 constexpr std::int32_t kWalking = 303;
 constexpr int kMostBattery = 100;
-constexpr std::size_t kFirstProgram = 100;           // that engages stops, beside the panels
+constexpr std::size_t kFirstProgram = 100;  // that engages stops, beside the panels
+constexpr Duration kLatestPermit = Milliseconds(400);
+constexpr std::int64_t kRealTime = 1000;  // permille: /clock is as fast as the network's time
 constexpr Duration kWalkPeriod = Milliseconds(300);  // of the samples of a battery that jitters
 
 // After this all hosts have noticed the end of a process that no controller of its host monitors.
@@ -94,7 +103,7 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
       fault_windows_(config.actuators.size()),
       callback_runs_(config.actuators.size()),
       robot_(
-          seed, ForScenario(config),
+          seed, ForScenario(config, injections_),
           [this](const std::string& name, const State& state) { return SampleAct(name, state); },
           LayoutOf(config, seed, options.shared_processes, injections_)),
       checker_(robot_) {
@@ -221,7 +230,23 @@ void Scenario::SwitchOn() {
     if (!IsByHand(i)) continue;
     Later(random.Between(Duration::zero(), Milliseconds(50)), [this, i] { StartByHand(i); });
   }
+  const Injection* of_permits = FirstOf(injections_, InjectionKind::kPermitFault);
+  if (of_permits != nullptr) {
+    console_host_ = of_permits->host;
+    StartPermits();
+  }
+  // The first sample of /clock may be late.
+  if (robot_.config().clock == ClockSource::kTopic) {
+    Random clock(Scramble(seed_, 7, 7));
+    const bool late = clock.Bernoulli(0.5);
+    Later(late ? clock.Between({}, std::chrono::seconds(15)) : Duration::zero(),
+          [this] { robot_.StartClock(); });
+  }
   StartController();
+}
+
+void Scenario::StartPermits() {
+  if (robot_.config().permit && robot_.permits() == nullptr) robot_.StartPermits(console_host_);
 }
 
 void Scenario::StartController(bool restarted) {
@@ -263,6 +288,7 @@ void Scenario::EndFaults() {
   if (config_.policy)
     robot_.SetMotion(303);  // walking: a body that lies still goes to LowPower by itself
   robot_.EndStopPrograms();
+  RestoreWorld();
   std::fill(fault_windows_.begin(), fault_windows_.end(), FaultWindow{});
   for (const ActuatorConfig& actuator : config_.actuators) {
     robot_.processes().Misconfigure(actuator.name, false);
@@ -508,10 +534,72 @@ void Scenario::ApplyAround(const Injection& injection) {
       return Later(injection.lasts, [this, host = injection.host] {
         robot_.ClientOn(host).SetDiscoveryAtMost(Client::kUsualDiscovery);
       });
+    case InjectionKind::kPermitFault:
+      return ApplyToPermits(injection);
+    case InjectionKind::kClockFault:
+      return ApplyToClock(injection);
     default:
       Engage(injection.random / 2 % 2, 0);
       return ReleaseLater(injection);
   }
+}
+
+// Faults of one console; the next one has the links of the others.
+void Scenario::ApplyToPermits(const Injection& injection) {
+  const PermitConsole* console = robot_.permits();
+  if (console == nullptr) return;
+  const std::string& endpoint = console->endpoint();
+  LinkFaults faults;
+  switch (PermitFaultOf(injection)) {
+    case PermitFault::kConsoleEnds:
+      robot_.EndPermits();
+      return Later(injection.lasts, [this] { StartPermits(); });
+    case PermitFault::kCut: {
+      const ActuatorIndex process = robot_.layout().ProcessOf(injection.actuator);
+      const auto set = [this, endpoint, name = config_.actuators[process].name](bool blocked) {
+        robot_.hosts().SetBlocked(endpoint, name, blocked);
+      };
+      set(true);
+      return Later(injection.lasts, [set] { set(false); });
+    }
+    case PermitFault::kLost:
+      faults.loss = 0.9;
+      break;
+    case PermitFault::kLate:
+      faults.delay_max = kLatestPermit;
+      faults.reordering = 0.5;
+      faults.duplication = 0.3;
+      break;
+  }
+  robot_.network().SetFaultsOf(endpoint, faults);
+  Later(injection.lasts,
+        [this, endpoint] { robot_.network().SetFaultsOf(endpoint, LinkFaults{}); });
+}
+
+void Scenario::ApplyToClock(const Injection& injection) {
+  WorldClock* clock = robot_.clock();
+  if (clock == nullptr) return;
+  switch (ClockFaultOf(injection)) {
+    case ClockFault::kRate:
+      clock->SetRate(ClockRateOf(injection));
+      return Later(injection.lasts, [clock] { clock->SetRate(kRealTime); });
+    case ClockFault::kPause:
+      clock->SetPaused(true);
+      return Later(injection.lasts, [clock] { clock->SetPaused(false); });
+    case ClockFault::kBack:
+    case ClockFault::kForward:
+      return clock->Jump(ClockJumpOf(injection));
+    case ClockFault::kRestart:
+      return clock->Restart();
+  }
+}
+
+void Scenario::RestoreWorld() {
+  StartPermits();
+  WorldClock* clock = robot_.clock();
+  if (clock == nullptr) return;
+  clock->SetPaused(false);
+  clock->SetRate(kRealTime);
 }
 
 void Scenario::ReleaseLater(const Injection& injection) {
@@ -646,6 +734,7 @@ void Scenario::Reboot(std::size_t host, Duration lasts) {
   }
   robot_.RebootHost(host);
   Later(lasts, [this, host, had_controller] {
+    StartPermits();
     for (const ActuatorIndex i : config_.actuators.Indices()) {
       if (IsByHand(i) && robot_.layout().HostOf(i) == host) StartByHand(i);
     }

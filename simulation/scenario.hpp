@@ -125,6 +125,11 @@ class Scenario {
   void ReleaseLater(const Injection& injection);
   void SettleOtherMachine();
   void ApplyByClient(const Injection& injection);
+  void ApplyToPermits(const Injection& injection);
+  void ApplyToClock(const Injection& injection);
+  // The console gives permits again, and /clock runs.
+  void StartPermits();
+  void RestoreWorld();
   void Engage(std::size_t panel, StopId id, const std::string& by = "a person");
   void StartByHand(ActuatorIndex actuator);
   // Whether it is started by hand, in a process of its own.
@@ -154,6 +159,7 @@ class Scenario {
   Duration phase_timeout_{};  // how long an injected event waits for its phase
   Ending ending_;
   bool end_now_ = false;
+  std::size_t console_host_ = 0;  // of the console that gives permits
   PerActuator<FaultWindow> fault_windows_;
   PerActuator<std::uint64_t> callback_runs_;  // by actuator
   std::array<int, 4> network_faults_{};       // active: loss, delay, duplication, reordering

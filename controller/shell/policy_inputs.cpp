@@ -10,6 +10,8 @@ namespace {
 
 // motion_status is published ten times a second.
 constexpr Duration kMotionTimeout = std::chrono::seconds(2);
+// How exactly the time before a jump of /clock is known.
+constexpr Duration kTimeNoted = Milliseconds(100);
 
 }  // namespace
 
@@ -38,7 +40,10 @@ Result<> PolicyInputs::Open(transport::Node& node) {
   auto clock = transport::Clock::Of(config_.clock, node, [this] { OnTimeJumped(); });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  if (by_topic_) first_time_ = clock_->At(Time{}, [this] { EmitTime(); });
+  if (by_topic_) {
+    first_time_ = clock_->At(Time{}, [this] { EmitTime(); });
+    time_noted_ = clock_->Every(kTimeNoted, [this] { noted_time_ = clock_->Now(); });
+  }
   const auto topic = [this](const std::string& name) {
     return config_.name_space.empty() ? name : config_.name_space + "/" + name;
   };
@@ -64,12 +69,15 @@ Result<> PolicyInputs::Open(transport::Node& node) {
   return Ok();
 }
 
+// What has passed before the jump counts, whatever was emitted of it.
 void PolicyInputs::OnTimeJumped() {
   const Time now = clock_->Now();
+  const Time before = std::exchange(noted_time_, now);
   battery_input_.received = motion_input_.received = now;
   for (auto& [writer, source] : batteries_) source.received = now;
   if (!begun_) return;
-  emitted_time_ = now;
+  const auto emitted = std::exchange(emitted_time_, now);
+  if (emitted && before > *emitted) emit_(event::ClockReceived{before});
   emit_(event::ClockReceived{now, true});
 }
 

@@ -71,8 +71,10 @@ class PolicyInputs {
   std::uint32_t next_source_ = 0;
   std::optional<event::MotionSeen> motion_;  // the last one, emitted or to be emitted by Begin()
   std::optional<Time> emitted_time_;
+  Time noted_time_{};  // the last one, but for a moment
   std::unique_ptr<transport::Clock> clock_;
   transport::LoopHandlePtr first_time_;
+  transport::LoopHandlePtr time_noted_;
   transport::LoopHandlePtr wake_;
   std::optional<Time> wake_at_;
   Input battery_input_;

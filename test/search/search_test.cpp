@@ -126,6 +126,18 @@ TEST(ExhaustiveSearchOfAStopAndRestarts, FindsNoViolation) {
   }
 }
 
+// The same where the release crosses what is under way: a rollback, a restarted actuator's checks.
+TEST(ExhaustiveSearchOfAReleaseAtAnyPoint, FindsNoViolation) {
+  Model model(ScenarioNamed("Restarted").config, State(kActive));
+  model.releases = model.releases_early = true;
+  model.faults = OnlyFaults({ChoiceKind::kEngageStop, ChoiceKind::kCrash, ChoiceKind::kHold});
+  World root = WorldIn(model, State(kActive));
+  root.faults = root.faults_left = 2 - kFewerFaults;
+  const Searched searched = SearchAll(model, root);
+  EXPECT_FALSE(searched.fault) << ScenarioOf(model, root, searched.fault->path);
+  std::cout << searched.figures.nodes << " nodes\n";
+}
+
 // Beside another machine, or a controller that was replaced, whose messages have no identity: their
 // commands, releases and heartbeats change nothing, at any point of a switch with another fault.
 TEST(ExhaustiveSearchBesideAnotherMachine, FindsNoViolation) {

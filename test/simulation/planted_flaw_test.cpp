@@ -389,6 +389,200 @@ TEST_F(FlawOfThePolicy, FindsAControllerThatForgetsALowBatteryWhichIsSilentAfter
   ExpectFound(Invariant::kWithinBattery, "nothing publishes the battery, which was at 15 %");
 }
 
+// Its config follows /clock, and the robot lies still.
+class FlawOfThePolicysTime : public FlawOfThePolicy {
+ protected:
+  void BringUpLyingStill(Duration lying_still) {
+    MachineConfig config = Started(2);
+    LowPowerPolicy& low_power = config.policy.emplace().low_power.emplace();
+    low_power.enabled = true;
+    low_power.motion_ids = {0};
+    low_power.lying_still = lying_still;
+    config.clock = ClockSource::kTopic;
+    Make(std::move(config));
+    robot_->on_record = [this](const action::Record& record) { checker_->OnRecord(record); };
+    robot_->StartClock();
+    robot_->SetMotion(0);
+    BringUp();
+  }
+  bool IsDown() { return robot_->machine().state == kLowPower; }
+  void NextStep() {
+    robot_->ReleaseEmergencyStop();  // is refused
+  }
+};
+
+TEST_F(FlawOfThePolicysTime, APolicyWaitsItsTimeOnAClockThatPausesJumpsAndRunsSlowlyOrFast) {
+  BringUpLyingStill(std::chrono::seconds(8));
+  RunFor(std::chrono::seconds(4));
+  robot_->clock()->SetPaused(true);
+  RunFor(std::chrono::seconds(20));
+  EXPECT_FALSE(IsDown());
+  robot_->clock()->SetPaused(false);
+  robot_->clock()->Jump(std::chrono::seconds(60));
+  RunFor(std::chrono::seconds(1));
+  robot_->clock()->Restart();
+  RunFor(std::chrono::seconds(1));
+  EXPECT_FALSE(IsDown());
+  robot_->clock()->SetRate(5000);
+  EXPECT_TRUE(RunUntil([&] { return IsDown(); }, std::chrono::seconds(1)));
+  ASSERT_TRUE(robot_->Set(State(kActive)));
+  robot_->clock()->SetRate(100);
+  RunFor(std::chrono::seconds(70));
+  EXPECT_FALSE(IsDown());
+  EXPECT_TRUE(RunUntil([&] { return IsDown(); }, std::chrono::seconds(12)));
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+// Of a keep of 10 s, 6 s have passed before the world was started again.
+TEST_F(FlawOfThePolicysTime, AJumpOfTheClockNeitherEndsNorLengthensAKeep) {
+  BringUpLyingStill(std::chrono::seconds(60));
+  RunFor(std::chrono::seconds(2));
+  robot_->leader()->shell().SendPolicyRequest(
+      {0, PolicyRequest::kKeep, State(kProtected), 10, false}, [](const Result<>&) {});
+  RunFor(std::chrono::seconds(6));
+  robot_->clock()->Restart();
+  RunFor(std::chrono::seconds(3));
+  EXPECT_TRUE(policy().keep);
+  RunFor(std::chrono::seconds(3));
+  EXPECT_FALSE(policy().keep);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(FlawOfThePolicysTime, FindsAMachineThatGoesToLowPowerBeforeTheTimeOfItsClock) {
+  BringUpLyingStill(std::chrono::seconds(8));
+  ASSERT_TRUE(RunUntil([&] { return policy().still_since.has_value(); }, std::chrono::seconds(5)));
+  *policy().still_since -= std::chrono::seconds(5);
+  RunFor(std::chrono::seconds(4));
+  NextStep();
+  RunFor(std::chrono::seconds(1));
+  EXPECT_TRUE(IsDown());
+  ExpectFound(Invariant::kNotBeforeItsTime, "takes the machine to LowPower after");
+}
+
+TEST_F(FlawOfThePolicysTime, FindsAKeepThatEndsBeforeTheTimeOfItsClock) {
+  BringUpLyingStill(std::chrono::seconds(60));
+  RunFor(std::chrono::seconds(2));
+  robot_->leader()->shell().SendPolicyRequest(
+      {0, PolicyRequest::kKeep, State(kProtected), 10, false}, [](const Result<>&) {});
+  RunFor(std::chrono::seconds(4));
+  ASSERT_TRUE(policy().keep);
+  policy().keep->until -= std::chrono::seconds(9);
+  NextStep();
+  RunFor(Milliseconds(100));
+  EXPECT_FALSE(policy().keep);
+  ExpectFound(Invariant::kNotBeforeItsTime, "ends what keeps the machine after");
+}
+
+// Until its console is killed, a machine is permitted to move.
+class FlawOfPermits : public PlantedFlaw {
+ protected:
+  void BringUpWithPermits() {
+    MachineConfig config = Started(2);
+    config.permit = Milliseconds(500);
+    Make(std::move(config));
+    robot_->StartPermits(0);
+    BringUp();
+    RunFor(std::chrono::seconds(10));
+    ASSERT_FALSE(checker_->violation()) << checker_->violation()->what;
+    ASSERT_EQ(robot_->machine().state, kActive);
+  }
+};
+
+TEST_F(FlawOfPermits, AMachineStopsWithoutPermitsAndStaysStoppedUntilItIsReleasedAndSet) {
+  BringUpWithPermits();
+  robot_->EndPermits();
+  RunFor(Milliseconds(600));
+  EXPECT_NE(robot_->ReportOf("a")->emergency_stop, StopId(0));
+  robot_->StartPermits(0);
+  RunFor(std::chrono::seconds(10));
+  checker_->CheckRest(false);
+  robot_->ReleaseEmergencyStop();
+  RunFor(std::chrono::seconds(10));
+  checker_->CheckRest(false);
+  EXPECT_FALSE(robot_->processes().IsPowered("a", 0));
+  Request(State(kActive));
+  RunFor(std::chrono::seconds(1));
+  EXPECT_TRUE(robot_->processes().IsPowered("a", 0));
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(FlawOfPermits, FindsAnActuatorThatMovesOnWithoutAPermit) {
+  BringUpWithPermits();
+  for (const char* name : {"a", "b"}) CoreOf(name).permit.until += std::chrono::hours(1);
+  robot_->EndPermits();
+  RunFor(std::chrono::seconds(2));
+  ExpectFound(Invariant::kStopsWithoutPermit, "ms after the last permit to move");
+}
+
+TEST_F(FlawOfPermits, FindsAnActuatorWhoseStopEndsWhenPermitsArriveAgain) {
+  BringUpWithPermits();
+  robot_->EndPermits();
+  RunFor(std::chrono::seconds(2));
+  robot_->StartPermits(0);
+  CoreOf("a").stops.clear();
+  CoreOf("a").report.emergency_stop = 0;
+  RunFor(Milliseconds(200));
+  ExpectFound(Invariant::kEmergencyStopLatched, "a is not stopped any more");
+}
+
+// After the release of a stop an actuator is restarted.
+class FlawAfterARelease : public PlantedFlaw {
+ protected:
+  void BringUpAndRelease() {
+    MachineConfig config = Started(2);
+    config.actuators[0].restart.policy = RestartPolicy::kAlways;
+    Make(std::move(config));
+    BringUp();
+    RunFor(std::chrono::seconds(1));
+    checker_->OnStopEngaged(0, 7);
+    robot_->EngageEmergencyStop(7);
+    RunFor(std::chrono::seconds(1));
+    robot_->ReleaseEmergencyStop();
+    RunFor(std::chrono::seconds(4));
+  }
+  // The controller takes what the stop has switched off for requested again.
+  void ForgetTheStop() {
+    for (KnownActuator& known : const_cast<Machine&>(robot_->machine()).actuators) {
+      known.set_again = true;
+    }
+  }
+  void RestartA() {
+    robot_->CrashActuator("a");
+    RunFor(std::chrono::seconds(5));
+    ASSERT_TRUE(robot_->IsAlive("a"));
+  }
+};
+
+TEST_F(FlawAfterARelease, ARestartedActuatorIsSwitchedOnByARequestOnly) {
+  BringUpAndRelease();
+  RestartA();
+  EXPECT_NE(robot_->ReportOf("a")->state, kActive);
+  Request(State(kActive));
+  RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(robot_->ReportOf("a")->state, kActive);
+  RestartA();
+  EXPECT_EQ(robot_->ReportOf("a")->state, kActive);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(FlawAfterARelease, FindsARestartedActuatorThatIsSwitchedOnWithoutARequest) {
+  BringUpAndRelease();
+  ForgetTheStop();
+  RestartA();
+  ExpectFound(Invariant::kReleaseSwitchesNothingOn, "a begins Active");
+}
+
+TEST_F(FlawAfterARelease, FindsANextControllerThatSwitchesARestartedActuatorOn) {
+  BringUpAndRelease();
+  robot_->CrashController();
+  robot_->LaunchController(0, true, {}, /*restarted=*/true);
+  RunFor(std::chrono::seconds(2));
+  EXPECT_TRUE(robot_->machine().emergency.awaits_request);
+  ForgetTheStop();
+  RestartA();
+  ExpectFound(Invariant::kReleaseSwitchesNothingOn, "a begins Active");
+}
+
 TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
   Make(MachineOf(2));
   robot_->StartActuator("a");

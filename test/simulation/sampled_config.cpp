@@ -116,6 +116,16 @@ void RemoveTransitions(MachineConfig& config, std::uint64_t seed) {
   });
 }
 
+// Some robots need permits to move, and the policies of some follow /clock. Scenarios use that
+// where they have an injected event of it.
+void SamplePermitAndClock(MachineConfig& config, std::uint64_t seed) {
+  Random random(seed * 2 + 0x7065726d6974);
+  if (random.Bernoulli(0.25)) {
+    config.permit = random.Between(Milliseconds(200), Milliseconds(1000));
+  }
+  if (config.policy && random.Bernoulli(0.5)) config.clock = ClockSource::kTopic;
+}
+
 }  // namespace
 
 MachineConfig SampleConfig(std::uint64_t seed) {
@@ -147,6 +157,7 @@ MachineConfig SampleConfig(std::uint64_t seed) {
   while (config.actuators.size() < size) config.actuators.push_back(SampleActuator(config, random));
   if (config.transport == TransportProfile::kLan) StartSomeByHand(config, seed);
   RemoveTransitions(config, seed);
+  SamplePermitAndClock(config, seed);
   return config;
 }
 
