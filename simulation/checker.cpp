@@ -105,7 +105,6 @@ Checker::Checker(SimRobot& robot)
       by_a_person_.insert(controller.serial());
     }
     NoteWord(controller, restarted);
-    seen_[controller.serial()].began = MarkNow();
   };
   robot_.on_release_answered = [this](const SimulatedController& controller,
                                       const Result<>& released) {
@@ -1291,7 +1290,6 @@ void Checker::CheckPolicyChange(const Machine& machine, const Seen& seen) {
 }
 
 void Checker::OnBattery(int percent, bool charging) {
-  battery_at_ = MarkNow();
   const auto& battery = config_.policy ? config_.policy->battery : std::nullopt;
   if (battery && percent <= battery->tear_down_at && !charging) {
     most_empty_in_a_row_ = std::max(most_empty_in_a_row_, ++empty_in_a_row_);
@@ -1459,9 +1457,6 @@ void Checker::CheckPolicyTime(const SimulatedController& controller, const actio
       if (ArgumentOf(record.arguments, "reason") != "time expired") return;
       return CheckWaited(controller, seen.kept, std::chrono::seconds(seen.kept_for_s),
                          "ends what keeps the machine");
-    case EventName::kBatterySilent:
-      return CheckWaited(controller, battery_at_ ? battery_at_ : seen.began,
-                         config_.policy->battery->silent, "takes the battery for silent");
     default:
       return;
   }

@@ -123,9 +123,7 @@ class Checker {
     CommandNumber raise;  // the last one of the policy
     bool starts = true;
     int raised = 0;  // how often its epoch has risen
-    // Since when, by the policy's clock, it leads, the machine is in Active or Protected, and is
-    // kept.
-    std::optional<Mark> began;
+    // Since when, by the policy's clock, the machine is in Active or Protected, and is kept.
     std::optional<Mark> awake;
     std::optional<Mark> kept;
     std::int64_t kept_for_s = 0;
@@ -342,7 +340,6 @@ class Checker {
   Duration clock_step_{};
   std::optional<Time> clock_;
   std::deque<std::pair<Time, Duration>> clock_samples_;  // when
-  std::optional<Mark> battery_at_;                       // its last sample
 };
 
 }  // namespace musher::simulation

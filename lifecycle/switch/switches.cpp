@@ -249,6 +249,15 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
                          texts::RefusedByEmergencyStop(), false};
   }
+  // What an emergency stop has switched off waits for a request, also where the machine goes down
+  // by itself to a state above that of the actuator.
+  const bool by_itself = s.purpose == Purpose::kFallback || s.purpose == Purpose::kPolicy;
+  if (by_itself && level && MustBeSetAgain(machine_, known) &&
+      MaySwitchOn(config_, leg.from, leg.target) &&
+      RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
+    return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
+                         texts::RefusedByEmergencyStop(), false};
+  }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   // Its check that is under way ends first; the plan has included it.
   const bool in_check =

@@ -182,6 +182,12 @@ TEST(FoundScenario, ARobotWhoseBatteryWasLowAndIsSilentIsTakenDown) {
   EXPECT_EQ(ViolationOf(10581, {1, 2, 6, 7, 10}), "");
 }
 
+// After the release of a stop an actuator was lost, and the fallback switched another one up, from
+// DeActive, to which it had gone without its controller.
+TEST(FoundScenario, AFallbackAfterAReleasedStopSwitchesNothingOn) {
+  EXPECT_EQ(ViolationOf(103263, {2, 4}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");
