@@ -800,8 +800,8 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
 }
 
 // Whether a controller may bring an actuator to a state: it knows of no stop, or the state, or a
-// more active one, was requested since the last one. Its disk tells it of those of the controllers
-// before it on its host.
+// more active one, was requested since the last one. Its disk keeps those of the controllers before
+// it on its host.
 bool Checker::IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target) {
   std::uint64_t stopped = seen_[controller].stop_order;
   for (std::size_t which = 0; which < 2; ++which) {

@@ -37,7 +37,7 @@ std::string DescribeClock(const Injection& injection) {
     case ClockFault::kRestart:
       break;
   }
-  return "/clock begins anew";
+  return "/clock begins again";
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 // The /clock of a simulated world or of a recording: it runs at a rate, pauses, jumps, and begins
-// anew as another writer.
+// again from zero as another writer.
 //
 // Threads: the one of the network.
 
