@@ -773,25 +773,36 @@ void Checker::CheckStaysStopped(const std::string& name, const ActuatorReport& b
 }
 
 // A request that leads somewhere, after a stop: a switch begins by it, or it joins one. A person's
-// start that begins with the first state is one, too.
+// start that begins with the first state is one, too; so is any start once a switch up was
+// requested.
 void Checker::NoteRequest(const SimulatedController& controller, const action::Record& record) {
   Seen& seen = seen_[controller.serial()];
   const Machine& machine = controller.shell().machine();
-  const auto note = [&](const State& target) {
-    if (!machine.emergency.stop) since_stop_.push_back({++order_, record.actuator, target});
+  const auto note = [&](const State& from, const State& target) {
+    if (machine.emergency.stop) return;
+    since_stop_.push_back(
+        {++order_, record.actuator, target, SwitchesOnAgain(config_, from, target)});
   };
   switch (record.event) {
     case EventName::kSwitchRequested:
-      if (machine.current && machine.current->target == TargetOf(record)) note(TargetOf(record));
+      if (machine.current && machine.current->target == TargetOf(record)) {
+        note(machine.current->from, TargetOf(record));
+      }
       [[fallthrough]];
     case EventName::kPolicyRequested:
     case EventName::kSwitchWaiting:
       seen.requests.insert(record.id);
       return;
     case EventName::kSwitchStarted: {
+      const SwitchNote& begun = *record.of_switch;
+      const std::uint64_t stopped = LastStopOf(controller.serial());
+      const auto permits = [stopped](const SinceStop& one) {
+        return one.order > stopped && !one.actuator && one.up;
+      };
       const bool starts =
-          by_a_person_.contains(controller.serial()) && !config_.RankOf(record.of_switch->state);
-      if (starts || seen.requests.contains(record.cause)) note(record.of_switch->target);
+          !config_.RankOf(begun.state) &&
+          (by_a_person_.contains(controller.serial()) || std::ranges::any_of(since_stop_, permits));
+      if (starts || seen.requests.contains(record.cause)) note(begun.state, begun.target);
       return;
     }
     default:
@@ -799,16 +810,22 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
   }
 }
 
-// Whether a controller may bring an actuator to a state: it knows of no stop, or the state, or a
-// more active one, was requested since the last one. Its disk keeps those of the controllers before
-// it on its host.
-bool Checker::IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target) {
+// When a controller last knew a stop: its disk keeps those of the controllers before it on its
+// host. 0: none.
+std::uint64_t Checker::LastStopOf(std::uint64_t controller) {
   std::uint64_t stopped = seen_[controller].stop_order;
   for (std::size_t which = 0; which < 2; ++which) {
     const SimulatedController* one = robot_.controller(which);
     if (one == nullptr || one->serial() != controller || state_lost_) continue;
     stopped = std::max(stopped, stopped_on_[one->host()]);
   }
+  return stopped;
+}
+
+// Whether a controller may bring an actuator to a state: it knows of no stop, or the state, or a
+// more active one, was requested since the last one.
+bool Checker::IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target) {
+  const std::uint64_t stopped = LastStopOf(controller);
   const auto rank = config_.RankOf(target);
   if (stopped == 0 || !rank || target == kError) return true;
   return std::any_of(since_stop_.begin(), since_stop_.end(), [&](const SinceStop& one) {

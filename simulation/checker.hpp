@@ -178,6 +178,7 @@ class Checker {
   // After a release: what was requested since the last stop.
   void NoteRequest(const SimulatedController& controller, const action::Record& record);
   bool IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target);
+  std::uint64_t LastStopOf(std::uint64_t controller);
   void CheckAfterRelease(const std::string& name, std::size_t host, const ActuatorReport& before,
                          const ActuatorReport& report, const SentCommand& sent);
   // Permits to move.
@@ -329,6 +330,7 @@ class Checker {
     std::uint64_t order = 0;
     std::optional<ActuatorIndex> actuator;  // nullopt: of the machine
     State target;
+    bool up = false;  // or on the level: it may switch on
   };
   std::vector<SinceStop> since_stop_;    // requests that led somewhere
   std::set<std::uint64_t> by_a_person_;  // controllers that a person has started, by serial
