@@ -29,6 +29,7 @@ set(MUSHER_ALSO_PUBLIC
   behavior/skill/wait.hpp
   behavior/tree/build.hpp
   behavior/tree/models.hpp
+  behavior/tree/nav2/nodes.hpp
   behavior/tree/xml/tree_xml.hpp
   # A program that leads, commands or watches a machine, also CyberDog's.
   controller/client/stop_latch.hpp

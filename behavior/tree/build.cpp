@@ -401,6 +401,13 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
 Setup::Connection Builder::Connect(const Element& element, Board& board, const PortModel& model) {
   const Attribute* attribute = element.Find(model.name);
   if (attribute == nullptr) {
+    const auto otherwise = KeyOf(model.otherwise, model.name);
+    if (otherwise && model.direction != Direction::kText) {
+      Entry& entry = Use(board.At(*otherwise), element.at, model);
+      // A default is not misspelt: only what is set is noted.
+      if (model.direction != Direction::kIn) NoteWrite(entry, element.at);
+      return {&entry, nullptr};
+    }
     if (model.required) {
       Report(element.at, Severity::kError,
              "<" + element.name + "> needs " + PortText(model) +
@@ -412,9 +419,7 @@ Setup::Connection Builder::Connect(const Element& element, Board& board, const P
   if (model.direction == Direction::kText) return {nullptr, attribute};
   const auto key = KeyOf(attribute->value, model.name);
   if (key) {
-    Entry& entry = board.At(*key);
-    entry.declared = true;
-    Unify(entry, *attribute, model);
+    Entry& entry = Use(board.At(*key), attribute->value_at, model);
     if (model.direction != Direction::kOut) NoteRead(entry, attribute->value_at);
     if (model.direction != Direction::kIn) NoteWrite(entry, attribute->value_at);
     return {&entry, nullptr};
@@ -430,15 +435,20 @@ Setup::Connection Builder::Connect(const Element& element, Board& board, const P
   return {nullptr, attribute};
 }
 
-void Builder::Unify(Entry& entry, const Attribute& attribute, const PortModel& model) {
+Entry& Builder::Use(Entry& entry, Place place, const PortModel& model) {
+  entry.declared = true;
+  Unify(entry, place, model);
+  return entry;
+}
+
+void Builder::Unify(Entry& entry, Place place, const PortModel& model) {
   if (model.type == nullptr) return;
   // Everything that is a text or a number can be read as a text.
   if (model.direction == Direction::kIn && model.type == TypeOf<std::string>()) {
     read_as_text_.insert(&entry);
     return;
   }
-  const auto [first, is_first] =
-      types_.try_emplace(&entry, FirstUse{model.type, attribute.value_at});
+  const auto [first, is_first] = types_.try_emplace(&entry, FirstUse{model.type, place});
   if (is_first) {
     entry.type = model.type;
     return;
@@ -450,7 +460,7 @@ void Builder::Unify(Entry& entry, const Attribute& attribute, const PortModel& m
     return;
   }
   const Diagnostic at = document_.At(first->second.place, Severity::kNote, "");
-  Report(attribute.value_at, Severity::kError,
+  Report(place, Severity::kError,
          PortText(model) + " uses '" + entry.key + "', which is of type " +
              std::string(known->name) + " at " + at.file + ":" + std::to_string(at.line) + ":" +
              std::to_string(at.column));

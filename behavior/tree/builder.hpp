@@ -65,7 +65,8 @@ class Builder {
   void CheckAttributes(const Element& element, const Setup& setup);
   void UnknownNode(Place place, std::string_view id);
   std::string PlainPath(NodeId id) const;
-  void Unify(Entry& entry, const Attribute& attribute, const PortModel& model);
+  Entry& Use(Entry& entry, Place place, const PortModel& model);
+  void Unify(Entry& entry, Place place, const PortModel& model);
   NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
   Node* Keep(NodeId id, std::unique_ptr<Node> node);
   void SetConstants();

@@ -79,6 +79,10 @@ Factory::Factory() {
   AddManualSelector(*this);
 }
 
+Factory Factory::Empty() {
+  return Factory(WithoutNodes{});
+}
+
 Result<> Factory::AddAction(std::string_view name, LeafFunction function) {
   return Register(name, {NodeKind::kAction, false,
                          [function = std::move(function)](Setup&) -> std::unique_ptr<Node> {

@@ -43,10 +43,13 @@ class Factory {
     NodeKind kind = NodeKind::kAction;
     bool takes_time = false;  // may return RUNNING by itself
     Make make;
-    bool placeholder = false;  // of a model: whether it takes time is unknown
+    bool placeholder = false;   // of a model: whether it takes time is unknown
+    std::string description{};  // for people
   };
 
   Factory();
+  // One without any node.
+  static Factory Empty();
 
   // Fails where the name is taken, or can not be the name of an XML element.
   template <class N, class... Args>
@@ -87,6 +90,9 @@ class Factory {
   std::vector<PortModel> PortsOf(std::string_view name) const;
 
  private:
+  struct WithoutNodes {};
+  explicit Factory(WithoutNodes) {}
+
   template <class N>
   static constexpr NodeKind KindOf() {
     static_assert(std::is_base_of_v<Node, N>, "a node derives from Action, Condition, ...");

@@ -53,11 +53,16 @@ std::string PortXml(const PortModel& port) {
   return text + ">" + XmlEscaped(port.doc) + "</" + std::string(element) + ">\n";
 }
 
+std::string_view Does(const Factory& factory, const std::string& name) {
+  const std::string& own = factory.Find(name)->description;
+  return own.empty() ? DescriptionOf(name) : std::string_view(own);
+}
+
 std::string NodeXml(const Factory& factory, const std::string& name, NodeKind kind) {
   const std::string element(Name(kind));
   std::string inside;
   for (const PortModel& port : factory.PortsOf(name)) inside += PortXml(port);
-  const std::string_view does = DescriptionOf(name);
+  const std::string_view does = Does(factory, name);
   if (!does.empty()) {
     inside += "      <MetadataFields>\n        <Metadata description=\"" + XmlEscaped(does) +
               "\"/>\n      </MetadataFields>\n";
@@ -118,7 +123,7 @@ std::string ModelsMarkdown(const Factory& factory) {
     text += "## " + std::string(kTitles[i]) + "\n\n";
     for (const std::string& name : names) {
       text += "### `" + name + "`\n\n";
-      const std::string_view does = DescriptionOf(name);
+      const std::string_view does = Does(factory, name);
       if (!does.empty()) text += std::string(does) + "\n\n";
       const std::vector<PortModel> ports = factory.PortsOf(name);
       if (ports.empty()) continue;

@@ -40,6 +40,10 @@ struct Tick {
   std::string fault{};  // of a node that threw while it was halted
   Trace* trace = nullptr;
   Hooks* hooks = nullptr;  // mostly none
+  // Rises by 1 with each tick of the tree; by more where the tree was halted or has completed in
+  // between. A control that is reactive resets a condition in each tick: this is how it differs
+  // from one that was not ticked.
+  std::uint64_t number = 0;
 };
 
 struct Conditions;  // conditions.hpp

@@ -29,7 +29,12 @@ struct PortModel {
   const Type* type = nullptr;  // null: any
   bool required = false;
   std::string doc;          // for people
-  std::string otherwise{};  // the default value as a text; empty: there is none
+  std::string otherwise{};  // the default as a text, or an entry, as "{key}"; empty: there is none
+};
+
+// The default of a port: an entry. "=" is the entry with the name of the port.
+struct FromEntry {
+  std::string key;
 };
 
 class Builder;
@@ -57,6 +62,11 @@ class Setup {
         {std::string(name), Direction::kIn, TypeOf<T>(), false, std::string(doc), shown},
         std::move(otherwise));
   }
+  // A port that reads this entry where the XML leaves it out.
+  template <class T>
+  InPort<T> Input(std::string_view name, const FromEntry& entry, std::string_view doc = "") {
+    return MakeInput<T>(Defaulting<T>(name, Direction::kIn, entry, doc), std::nullopt);
+  }
   // A port that may be missing: its Find() is null then.
   template <class T>
   InPort<T> OptionalInput(std::string_view name, std::string_view doc = "") {
@@ -70,12 +80,17 @@ class Setup {
         Connect({std::string(name), Direction::kOut, TypeOf<T>(), false, std::string(doc)}).entry};
   }
   template <class T>
+  OutPort<T> Output(std::string_view name, const FromEntry& entry, std::string_view doc = "") {
+    return {std::string(name), Connect(Defaulting<T>(name, Direction::kOut, entry, doc)).entry};
+  }
+  template <class T>
   InOutPort<T> InOut(std::string_view name, std::string_view doc = "") {
-    const Connection connection =
-        Connect({std::string(name), Direction::kInOut, TypeOf<T>(), true, std::string(doc)});
-    std::optional<T> fixed;
-    if (connection.text != nullptr) fixed = FixedAs<T>(*connection.text);
-    return {std::string(name), connection.entry, std::move(fixed)};
+    return MakeInOut<T>(
+        {std::string(name), Direction::kInOut, TypeOf<T>(), true, std::string(doc)});
+  }
+  template <class T>
+  InOutPort<T> InOut(std::string_view name, const FromEntry& entry, std::string_view doc = "") {
+    return MakeInOut<T>(Defaulting<T>(name, Direction::kInOut, entry, doc));
   }
 
   // An entry of any type: "key" or "{key}". Null: the port is missing, which is an error.
@@ -114,6 +129,20 @@ class Setup {
     const Connection connection = Connect(std::move(model));
     if (connection.text != nullptr) otherwise = FixedAs<T>(*connection.text);
     return {name, connection.entry, std::move(otherwise)};
+  }
+  template <class T>
+  InOutPort<T> MakeInOut(PortModel model) {
+    const std::string name = model.name;
+    const Connection connection = Connect(std::move(model));
+    std::optional<T> fixed;
+    if (connection.text != nullptr) fixed = FixedAs<T>(*connection.text);
+    return {name, connection.entry, std::move(fixed)};
+  }
+  template <class T>
+  static PortModel Defaulting(std::string_view name, Direction direction, const FromEntry& entry,
+                              std::string_view doc) {
+    return {std::string(name),    direction, TypeOf<T>(), false, std::string(doc),
+            "{" + entry.key + "}"};
   }
   template <class T>
   std::optional<T> FixedAs(const Attribute& attribute) {

@@ -36,6 +36,7 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
   if (busy_) return OfOwnTree(name_, "ticks");
   const Busy busy(busy_);
   tick_.now = std::max(tick_.now, now);
+  ++tick_.number;
   tick_.woken = false;
   tick_.fault.clear();
   Node& root = *nodes_.front();
@@ -44,7 +45,10 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
   tick_.hooks = hooks.get();
   try {
     const Status status = root.Execute(tick_);
-    if (IsCompleted(status)) root.Reset(tick_);
+    if (IsCompleted(status)) {
+      root.Reset(tick_);
+      ++tick_.number;
+    }
     if (tick_.fault.empty()) return status;
     root.Reset(tick_);  // a node threw while it was halted
     return Fault(tick_.faulty, tick_.fault);
@@ -74,6 +78,7 @@ Result<> Tree::Halt(Time now) {
   if (busy_) return OfOwnTree(name_, "halts");
   const Busy busy(busy_);
   tick_.now = std::max(tick_.now, now);
+  ++tick_.number;
   tick_.fault.clear();
   nodes_.front()->Reset(tick_);
   if (tick_.fault.empty()) return Ok();

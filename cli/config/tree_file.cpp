@@ -6,6 +6,7 @@
 
 #include "musher/base/suggest.hpp"
 #include "musher/behavior/tree/models.hpp"
+#include "musher/behavior/tree/nav2/nodes.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 
 namespace musher::cli {
@@ -106,12 +107,11 @@ class Rows {
 
 }  // namespace
 
-TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::string>& models,
-                            const std::string& name) {
+TreeFile ReadTreeWithModels(const std::string& file, const TreeFileOptions& options) {
   TreeFile result;
   tree::Factory factory;
-  const std::vector<std::string> own = factory.Names();
-  for (const std::string& path : models) {
+  if (options.nav2) tree::nav2::AddForCheck(factory);
+  for (const std::string& path : options.models) {
     const tree::Reading reading = tree::ReadModelsFile(path);
     Append(result.diagnostics, reading.diagnostics);
     Append(result.diagnostics, tree::AddPlaceholders(factory, reading.document));
@@ -132,7 +132,8 @@ TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::stri
     });
   }
   result.placeholders.assign(placeholders.begin(), placeholders.end());
-  tree::Built built = tree::Build(result.document, factory, {.tree = name, .any_root = true});
+  tree::Built built =
+      tree::Build(result.document, factory, {.tree = options.tree, .any_root = true});
   Append(result.diagnostics, built.diagnostics);
   if (!HasError(result.diagnostics)) result.tree = std::move(built.tree);
   return result;

@@ -21,10 +21,14 @@ struct TreeFile {
   bool has_unknown = false;               // a node that neither Musher nor a model has
 };
 
-// The tree is `name`, or else the main one, or else the first that no other one uses; the others
-// are checked, too.
-TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::string>& models,
-                            const std::string& name = "");
+struct TreeFileOptions {
+  std::vector<std::string> models{};  // files
+  bool nav2 = false;                  // with the nodes of nav2
+  // Empty: the main tree, or else the first that no other one uses; the others are checked, too.
+  std::string tree{};
+};
+
+TreeFile ReadTreeWithModels(const std::string& file, const TreeFileOptions& options);
 
 // A node of a file, as a row of a table.
 struct FileNode {

@@ -153,6 +153,25 @@ TEST_F(TreeFileCommand, PrintsModelsThatItReadsItself) {
               HasSubstr("\n### `Sleep`\n"));
 }
 
+TEST_F(TreeFileCommand, KnowsTheNodesOfNav2OnRequest) {
+  const std::string tree = Write("nav2.xml",
+                                 "<root BTCPP_format=\"4\"><BehaviorTree ID=\"A\">"
+                                 "<PipelineSequence><RateController hz=\"1\">"
+                                 "<ComputePathToPose goal=\"{goal}\" path=\"{path}\"/>"
+                                 "</RateController><SmoothPath smoothed_path=\"{path}\"/>"
+                                 "</PipelineSequence></BehaviorTree></root>");
+  const Ran ran = RunProgram({"tree", "check", tree, "--nav2"});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_EQ(ran.out, "ok: tree A, 4 nodes in 1 tree; from models: SmoothPath\n");
+  EXPECT_THAT(RunProgram({"tree", "check", tree}).out,
+              AllOf(HasSubstr("there is no node 'PipelineSequence'"), HasSubstr("--nav2")));
+  const Ran models = RunProgram({"tree", "models", "--nav2"});
+  EXPECT_THAT(models.out, AllOf(HasSubstr("<Control ID=\"RecoveryNode\">"),
+                                Not(HasSubstr("<Control ID=\"Sequence\">"))));
+  const Ran again = RunProgram({"tree", "check", tree, "--models", Write("m.xml", models.out)});
+  EXPECT_EQ(again.exit, 0) << again.out;
+}
+
 TEST_F(TreeFileCommand, DrawsATree) {
   const Ran dot = RunProgram({"graph", patrol_});
   EXPECT_EQ(dot.exit, 0) << dot.err;

@@ -5,6 +5,7 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/behavior/tree/models.hpp"
+#include "musher/behavior/tree/nav2/nodes.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/commands/tree/tree_commands.hpp"
@@ -41,11 +42,16 @@ ExitCode ShowTreeFile(const TreeShowOptions& options, const GlobalOptions& /*glo
 
 struct TreeModelsOptions {
   std::string format = "xml";  // or "markdown"
+  bool nav2 = false;           // only the nodes of nav2
 };
 
 ExitCode PrintModels(const TreeModelsOptions& options, const GlobalOptions& /*global*/,
                      Console& console) {
-  const tree::Factory factory;
+  tree::Factory factory;
+  if (options.nav2) {
+    factory = tree::Factory::Empty();
+    tree::nav2::AddForCheck(factory);
+  }
   const std::string models =
       options.format == "markdown" ? tree::ModelsMarkdown(factory) : tree::ModelsXml(factory);
   console.Print(console.mode().json ? GraphJson(options.format, models) : models);
@@ -64,10 +70,10 @@ void AddTreeShow(Grammar& grammar, CLI::App& family) {
 }
 
 void AddTreeModels(Grammar& grammar, CLI::App& family) {
-  auto [app, options] =
-      grammar.Add("models", "Print the models of Musher's nodes, for editors such as Groot2",
-                  PrintModels, &family);
+  auto [app, options] = grammar.Add(
+      "models", "Print the models of nodes, for editors such as Groot2", PrintModels, &family);
   grammar.OneOf(app.add_option("--format", options.format, "Default xml"), {"xml", "markdown"});
+  app.add_flag("--nav2", options.nav2, "Print those of nav2's nodes instead");
 }
 
 }  // namespace

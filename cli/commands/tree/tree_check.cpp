@@ -16,8 +16,7 @@ namespace {
 
 struct TreeCheckOptions {
   std::vector<std::string> files;
-  std::vector<std::string> models;
-  std::string tree;  // empty: the main one, or each that no other one uses
+  TreeFileOptions read;
 };
 
 // "tree Patrol, 12 nodes in 2 trees; from models: BatteryOk, Move"
@@ -33,7 +32,7 @@ ExitCode CheckTrees(const TreeCheckOptions& options, const GlobalOptions& /*glob
   std::vector<Diagnostic> all;
   bool has_unknown = false;
   for (const std::string& name : options.files) {
-    const TreeFile file = ReadTreeWithModels(name, options.models, options.tree);
+    const TreeFile file = ReadTreeWithModels(name, options.read);
     has_unknown |= file.has_unknown;
     all.insert(all.end(), file.diagnostics.begin(), file.diagnostics.end());
     if (console.mode().json) continue;
@@ -47,10 +46,10 @@ ExitCode CheckTrees(const TreeCheckOptions& options, const GlobalOptions& /*glob
   }
   if (console.mode().json) {
     console.Print(CheckJson(all));
-  } else if (has_unknown && options.models.empty()) {
+  } else if (has_unknown && options.read.models.empty()) {
     console.Print(
         "note: <TreeNodesModel> of the file, or --models FILE, describes the nodes that only "
-        "your program has");
+        "your program has; --nav2 those of nav2");
   }
   return HasError(all) ? ExitCode::kUsage : ExitCode::kDone;
 }
@@ -64,13 +63,14 @@ void AddTreeCheck(Grammar& grammar, CLI::App& family) {
       ->required()
       ->type_name("");
   grammar
-      .Offer(app.add_option("--models", options.models,
+      .Offer(app.add_option("--models", options.read.models,
                             "Models of the nodes that only your program has (XML)"),
              Names::kTreeFiles)
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("FILE");
-  app.add_option("--tree", options.tree,
+  app.add_flag("--nav2", options.read.nav2, "Know the nodes of nav2");
+  app.add_option("--tree", options.read.tree,
                  "The tree that runs; default: the main tree, or each that no other one uses")
       ->type_name("ID");
 }

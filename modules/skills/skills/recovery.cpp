@@ -27,8 +27,8 @@ constexpr std::array<NamedRecovery, 5> kRecoveries = {{
 constexpr double kRecoveryMS = 0.15;
 constexpr double kRecoveryRadS = 0.6;
 constexpr double kLeaveM = 0.3;
-constexpr double kBackM = 0.4;
-constexpr double kRecoveryJumpM = 1;  // farther than any of them leads
+constexpr double kRecoveryJumpM = 1;  // farther than a short one leads
+constexpr double kOvershootM = 0.5;
 constexpr double kRecoveryLookM = 1;  // what is farther away is not near
 constexpr double kStraightRad = 0.2;
 constexpr Duration kRecoveryHeldLimit = std::chrono::seconds(1);
@@ -94,8 +94,9 @@ bool Recovery::Helps(RecoveryKind kind, Trouble trouble, bool flies) {
   return !Moves(kind) || (trouble == Trouble::kTightStart && !flies);
 }
 
-void Recovery::Begin(RecoveryKind kind) {
+void Recovery::Begin(RecoveryKind kind, const Amount& amount) {
   kind_ = kind;
+  amount_ = amount;
   cleared_.Drop();
   cleared_at_.reset();
   passed_ = held_ = {};
@@ -105,8 +106,13 @@ void Recovery::Begin(RecoveryKind kind) {
 }
 
 navigation::Velocity Recovery::Command(const std::vector<navigation::Point>& around) const {
-  if (kind_ == RecoveryKind::kBackUp) return {.x_m_s = -kRecoveryMS};
-  if (kind_ == RecoveryKind::kSpin) return {.yaw_rad_s = kRecoveryRadS};
+  if (kind_ == RecoveryKind::kBackUp) {
+    const double speed_m_s = std::clamp(amount_.speed_m_s, 0.0, kRecoveryMS);
+    return {.x_m_s = std::copysign(speed_m_s, amount_.ahead_m)};
+  }
+  if (kind_ == RecoveryKind::kSpin) {
+    return {.yaw_rad_s = std::copysign(kRecoveryRadS, amount_.turn_rad)};
+  }
   if (!turns_) return {.x_m_s = kRecoveryMS};
   const double away_rad = DirectionAway(around);
   return {.yaw_rad_s = std::clamp(2 * away_rad, -kRecoveryRadS, kRecoveryRadS)};
@@ -115,7 +121,7 @@ navigation::Velocity Recovery::Command(const std::vector<navigation::Point>& aro
 bool Recovery::IsWayCovered(double ahead_m_s) const {
   constexpr double kMarginM = 0.05, kApartM = 0.1;
   const double side_m = robot_.radius_m();
-  const double whole_m = kind_ == RecoveryKind::kBackUp ? kBackM : kLeaveM;
+  const double whole_m = kind_ == RecoveryKind::kBackUp ? std::abs(amount_.ahead_m) : kLeaveM;
   const double left_m = std::max(whole_m - moved_m_, 0.0);
   const double sign = ahead_m_s < 0 ? -1 : 1;
   const auto last = static_cast<int>(std::ceil(left_m / kApartM));
@@ -129,11 +135,11 @@ bool Recovery::IsWayCovered(double ahead_m_s) const {
 }
 
 double Recovery::share() const {
-  const double of_time = ToSeconds(passed_) / ToSeconds(RecoveryOf(kind_).longest);
-  const double of_motion = kind_ == RecoveryKind::kBackUp            ? moved_m_ / kBackM
+  const double of_time = ToSeconds(passed_) / ToSeconds(longest());
+  const double of_motion = kind_ == RecoveryKind::kBackUp ? moved_m_ / std::abs(amount_.ahead_m)
                            : kind_ == RecoveryKind::kLeaveTightStart ? moved_m_ / kLeaveM
-                           : kind_ == RecoveryKind::kSpin            ? turned_rad_ / (2 * M_PI)
-                                                                     : of_time;
+                           : kind_ == RecoveryKind::kSpin ? turned_rad_ / std::abs(amount_.turn_rad)
+                                                          : of_time;
   return std::clamp(of_motion, 0.0, 1.0);
 }
 
@@ -152,7 +158,8 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
   if (!pose || !navigation::IsFinite(*pose)) return Error{kCodeFailed, robot_.WhyNoPose()};
   if (!robot_.HasScan()) return Error{kCodeFailed, "it does not move without a scan"};
   NoteMotion(*pose);
-  if (moved_m_ > kRecoveryJumpM) return Error{kCodeFailed, "its pose has jumped"};
+  if (moved_m_ > std::max(kRecoveryJumpM, std::abs(amount_.ahead_m) + kOvershootM))
+    return Error{kCodeFailed, "its pose has jumped"};
   const auto around = SeenAround(robot_, *pose, kRecoveryLookM);
   if (kind_ == RecoveryKind::kLeaveTightStart) {
     if (around.empty() && moved_m_ == 0) {
@@ -161,8 +168,8 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
     if (around.empty() || std::abs(DirectionAway(around)) < kStraightRad) turns_ = false;
   }
   const bool over = kind_ == RecoveryKind::kLeaveTightStart ? moved_m_ >= kLeaveM
-                    : kind_ == RecoveryKind::kBackUp        ? moved_m_ >= kBackM
-                                                            : turned_rad_ >= 2 * M_PI;
+                    : kind_ == RecoveryKind::kBackUp        ? moved_m_ >= std::abs(amount_.ahead_m)
+                                                     : turned_rad_ >= std::abs(amount_.turn_rad);
   if (over) return Result<>();
   const navigation::Velocity command = Command(around);
   if (command.x_m_s != 0 && !IsWayCovered(command.x_m_s)) {
@@ -175,7 +182,7 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
   const std::string held_by = robot_.HeldBy();
   held_ = held_by.empty() ? Duration{} : held_ + step;
   if (held_ >= kRecoveryHeldLimit) return Error{kCodeFailed, held_by};
-  if (passed_ < RecoveryOf(kind_).longest) return std::nullopt;
+  if (passed_ < longest()) return std::nullopt;
   return Error{kCodeFailed,
                fmt::format("it has moved by {:.2f} m and {:.2f} rad only", moved_m_, turned_rad_)};
 }

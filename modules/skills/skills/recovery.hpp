@@ -12,6 +12,7 @@
 // one to where no scanner covers all of its way: what is not seen there may be a person. Frames and
 // units of robot.hpp.
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -42,9 +43,18 @@ class Recovery {
   // At most, of one.
   static Duration LongestOf(RecoveryKind kind);
 
+  // How far kBackUp and kSpin lead.
+  struct Amount {
+    double ahead_m = -0.4;              // of kBackUp; negative: backwards
+    double turn_rad = 2 * M_PI;         // of kSpin, to the left; negative: to the right
+    double speed_m_s = 0.15;            // of kBackUp
+    std::optional<Duration> longest{};  // nullopt: LongestOf()
+  };
+
   explicit Recovery(Robot& robot) : robot_(robot) {}
 
-  void Begin(RecoveryKind kind);
+  void Begin(RecoveryKind kind) { Begin(kind, {}); }
+  void Begin(RecoveryKind kind, const Amount& amount);
   // Nullopt: it goes on; else its end, with the reason of a failure, and the base stands.
   std::optional<Result<>> Step(Duration step);
   double share() const;  // 0 to 1
@@ -59,7 +69,10 @@ class Recovery {
   // Whether a scan covers all that the body comes to on what is left of its way.
   bool IsWayCovered(double ahead_m_s) const;
 
+  Duration longest() const { return amount_.longest.value_or(LongestOf(kind_)); }
+
   Robot& robot_;
+  Amount amount_;
   RecoveryKind kind_ = RecoveryKind::kWait;
   skill::Future<bool> cleared_;
   std::optional<Duration> cleared_at_;

@@ -1,0 +1,304 @@
+// The actions of nav2 that a robot of ours has: tasks of robot.hpp, Wait, and the selectors.
+
+#include <cmath>
+
+#include "musher/behavior/tree/nav2/register.hpp"
+
+namespace musher::tree::nav2 {
+namespace {
+
+// One task of the robot, from its start to its end. A halt cancels it.
+class TaskNode : public StatefulAction {
+ protected:
+  explicit TaskNode(Setup& setup)
+      : code_(setup.Output<std::uint16_t>("error_code_id", "of nav2's action; 0: success")),
+        error_(setup.Output<std::string>("error_msg", "why it has failed")) {
+    IgnoreServer(setup);
+  }
+
+  static void IgnoreServer(Setup& setup) {
+    static_cast<void>(setup.OptionalInput<std::string>("server_name", "ignored"));
+    static_cast<void>(setup.OptionalInput<double>("server_timeout", "ignored: ms"));
+  }
+
+  // Null: the robot has no such task.
+  virtual std::unique_ptr<Task> Begin() = 0;
+  virtual void OnEnd(const TaskEnd& /*end*/) {}
+
+  Status Poll(Time now) {
+    if (task_ == nullptr) return Finish({.error = "the robot does not have this action"});
+    const std::optional<TaskEnd> end = task_->Poll(now);
+    if (!end) return Status::kRunning;
+    task_.reset();
+    return Finish(*end);
+  }
+  void Replace() {
+    std::unique_ptr<Task> next = Begin();  // the one before is cancelled when it is replaced
+    task_ = std::move(next);
+  }
+
+ private:
+  Status OnStart(const Tick& tick) override {
+    Replace();
+    return Poll(tick.now);
+  }
+  Status OnRunning(const Tick& tick) override { return Poll(tick.now); }
+  void OnHalted(const Tick& /*tick*/) override { task_.reset(); }
+
+  Status Finish(const TaskEnd& end) {
+    code_.Set(end.error_code);
+    error_.Set(end.error);
+    OnEnd(end);
+    return end.success ? Status::kSuccess : Status::kFailure;
+  }
+
+  OutPort<std::uint16_t> code_;
+  OutPort<std::string> error_;
+  std::unique_ptr<Task> task_;
+};
+
+class ComputePathToPose : public TaskNode {
+ public:
+  ComputePathToPose(Setup& setup, Robot& robot)
+      : TaskNode(setup),
+        goal_(setup.Input<Pose>("goal", "where to")),
+        start_(setup.OptionalInput<Pose>("start", "where from; else from where the robot is")),
+        uses_start_(setup.OptionalInput<bool>("use_start", "false: `start` does not count")),
+        planner_(setup.OptionalInput<std::string>("planner_id", "name of a planner")),
+        path_(setup.Output<Path>("path", "the path; empty after a failure")),
+        robot_(robot) {}
+
+ private:
+  std::unique_ptr<Task> Begin() override {
+    std::optional<Pose> start;
+    if (start_.Find() != nullptr && uses_start_.Or(true)) start = *start_.Find();
+    return robot_.ComputePath(goal_.Get(), start, planner_.Or(""));
+  }
+  void OnEnd(const TaskEnd& end) override { path_.Set(end.success ? end.path : Path{}); }
+
+  InPort<Pose> goal_;
+  InPort<Pose> start_;
+  InPort<bool> uses_start_;
+  InPort<std::string> planner_;
+  OutPort<Path> path_;
+  Robot& robot_;
+};
+
+// A path that changes while it is followed is followed from then on.
+class FollowPath : public TaskNode {
+ public:
+  FollowPath(Setup& setup, Robot& robot)
+      : TaskNode(setup),
+        path_(setup.Input<Path>("path", "the path")),
+        controller_(setup.OptionalInput<std::string>("controller_id", "name of a controller")),
+        robot_(robot) {
+    for (const char* port : {"goal_checker_id", "progress_checker_id", "path_handler_id"}) {
+      static_cast<void>(setup.OptionalInput<std::string>(port, "ignored"));
+    }
+    static_cast<void>(
+        setup.Connect({"tracking_feedback", Direction::kOut, nullptr, false, "is not set"}));
+  }
+
+ private:
+  std::unique_ptr<Task> Begin() override {
+    seen_ = path_.entry()->sequence;
+    followed_ = path_.Get();
+    return robot_.FollowPath(followed_, controller_.Or(""));
+  }
+  // A failure to compute another path leaves the entry empty: the path before still counts.
+  Status OnRunning(const Tick& tick) override {
+    const bool was_set = path_.entry()->sequence != seen_;
+    seen_ = path_.entry()->sequence;
+    if (was_set && path_.Get() != followed_ && !path_.Get().poses.empty()) Replace();
+    return Poll(tick.now);
+  }
+
+  InPort<Path> path_;
+  InPort<std::string> controller_;
+  Robot& robot_;
+  Path followed_;
+  std::uint64_t seen_ = 0;  // of the entry
+};
+
+Duration LimitOf(const InPort<double>& seconds) {
+  const double limit_s = seconds.Get();
+  if (!(limit_s >= 0 && limit_s < 1e6)) {
+    throw PortError("port '" + seconds.name() + "' has to be from 0 to 1e6 s");
+  }
+  return FromSeconds(limit_s);
+}
+
+// Of a motion, m or rad.
+double AmountOf(const InPort<double>& port) {
+  constexpr double kMost = 100;
+  const double amount = port.Get();
+  if (!(std::abs(amount) <= kMost)) {
+    throw PortError("port '" + port.name() + "' has to be from -100 to 100");
+  }
+  return amount;
+}
+
+class Spin : public TaskNode {
+ public:
+  Spin(Setup& setup, Robot& robot)
+      : TaskNode(setup),
+        angle_rad_(setup.Input<double>("spin_dist", 1.57, "rad, to the left")),
+        limit_s_(setup.Input<double>("time_allowance", 10.0, "s; it fails after that")),
+        robot_(robot) {
+    static_cast<void>(setup.OptionalInput<bool>("is_recovery", "ignored"));
+    static_cast<void>(
+        setup.OptionalInput<bool>("disable_collision_checks", "ignored: it is always checked"));
+  }
+
+ private:
+  std::unique_ptr<Task> Begin() override {
+    return robot_.Spin(AmountOf(angle_rad_), LimitOf(limit_s_));
+  }
+
+  InPort<double> angle_rad_;
+  InPort<double> limit_s_;
+  Robot& robot_;
+};
+
+// BackUp and DriveOnHeading.
+class StraightDrive : public TaskNode {
+ public:
+  StraightDrive(Setup& setup, Robot& robot, bool backwards)
+      : TaskNode(setup),
+        distance_m_(setup.Input<double>(backwards ? "backup_dist" : "dist_to_travel", 0.15, "m")),
+        speed_m_s_(setup.Input<double>(backwards ? "backup_speed" : "speed", 0.025, "m/s")),
+        limit_s_(setup.Input<double>("time_allowance", 10.0, "s; it fails after that")),
+        robot_(robot),
+        backwards_(backwards) {
+    static_cast<void>(
+        setup.OptionalInput<bool>("disable_collision_checks", "ignored: it is always checked"));
+  }
+
+ private:
+  // The sign of the distance to back up means nothing: nav2's own trees have both.
+  std::unique_ptr<Task> Begin() override {
+    const double distance_m = AmountOf(distance_m_);
+    return robot_.Drive(backwards_ ? -std::abs(distance_m) : distance_m,
+                        std::abs(AmountOf(speed_m_s_)), LimitOf(limit_s_));
+  }
+
+  InPort<double> distance_m_;
+  InPort<double> speed_m_s_;
+  InPort<double> limit_s_;
+  Robot& robot_;
+  const bool backwards_;
+};
+
+class ClearEntireCostmap : public TaskNode {
+ public:
+  ClearEntireCostmap(Setup& setup, Robot& robot)
+      : TaskNode(setup),
+        service_(setup.OptionalInput<std::string>("service_name", "which costmap")),
+        robot_(robot) {}
+
+ private:
+  std::unique_ptr<Task> Begin() override { return robot_.ClearCostmap(service_.Or("")); }
+
+  InPort<std::string> service_;
+  Robot& robot_;
+};
+
+class Wait : public TaskNode {
+ public:
+  explicit Wait(Setup& setup)
+      : TaskNode(setup), duration_s_(setup.Input<double>("wait_duration", 1.0, "s")) {}
+
+ private:
+  class Timer : public Task {
+   public:
+    explicit Timer(Duration duration) : duration_(duration) {}
+    std::optional<TaskEnd> Poll(Time now) override {
+      if (!begin_) begin_ = now;
+      if (now - *begin_ < duration_) return std::nullopt;
+      return TaskEnd{.success = true};
+    }
+
+   private:
+    const Duration duration_;
+    std::optional<Time> begin_;
+  };
+
+  std::unique_ptr<Task> Begin() override { return std::make_unique<Timer>(LimitOf(duration_s_)); }
+
+  InPort<double> duration_s_;
+};
+
+// PlannerSelector, ...: what a topic has selected, or else the default.
+class Selector : public Action {
+ public:
+  Selector(Setup& setup, const Robot& robot, const std::string& of)
+      : default_(setup.OptionalInput<std::string>("default_" + of, "until one is selected")),
+        topic_(setup.OptionalInput<std::string>("topic_name", "where one is selected")),
+        selected_(setup.Output<std::string>("selected_" + of, "the one that is selected")),
+        robot_(robot),
+        topic_of_kind_(of + "_selector") {}
+
+ private:
+  Status Do(const Tick&) override {
+    const std::string* topic = topic_.Find();
+    std::string name = robot_.Selected(topic != nullptr ? *topic : topic_of_kind_);
+    if (name.empty()) name = default_.Or("");
+    if (name.empty()) return Status::kFailure;
+    selected_.Set(name);
+    return Status::kSuccess;
+  }
+
+  InPort<std::string> default_;
+  InPort<std::string> topic_;
+  OutPort<std::string> selected_;
+  const Robot& robot_;
+  const std::string topic_of_kind_;
+};
+
+void AddDrive(Factory& factory, Robot& robot, std::string_view name, bool backwards,
+              std::string does) {
+  if (factory.Find(name) != nullptr) return;
+  static_cast<void>(
+      factory.Register(name, {.kind = NodeKind::kAction,
+                              .takes_time = true,
+                              .make = [&robot, backwards](Setup& setup) -> std::unique_ptr<Node> {
+                                return std::make_unique<StraightDrive>(setup, robot, backwards);
+                              },
+                              .description = std::move(does)}));
+}
+
+void AddSelector(Factory& factory, Robot& robot, std::string_view name, const std::string& of) {
+  if (factory.Find(name) != nullptr) return;
+  static_cast<void>(factory.Register(
+      name, {.kind = NodeKind::kAction,
+             .make = [&robot, of](Setup& setup) -> std::unique_ptr<Node> {
+               return std::make_unique<Selector>(setup, robot, of);
+             },
+             .description = "Sets an entry to the selected one, or else to the default; FAILURE "
+                            "where there is neither."}));
+}
+
+}  // namespace
+
+void AddActionNodes(Factory& factory, Robot& robot) {
+  constexpr NodeKind kKind = NodeKind::kAction;
+  AddNode<ComputePathToPose>(factory, "ComputePathToPose", kKind, true,
+                             "Has the planner compute a path.", robot);
+  AddNode<FollowPath>(factory, "FollowPath", kKind, true,
+                      "Has the controller follow a path, and each newer one.", robot);
+  AddNode<Spin>(factory, "Spin", kKind, true, "Turns the robot on the spot.", robot);
+  AddDrive(factory, robot, "BackUp", true, "Moves the robot straight backwards.");
+  AddDrive(factory, robot, "DriveOnHeading", false, "Moves the robot straight ahead.");
+  AddNode<Wait>(factory, "Wait", kKind, true, "RUNNING until the time is over, then SUCCESS.");
+  AddNode<ClearEntireCostmap>(factory, "ClearEntireCostmap", kKind, true,
+                              "Makes planner and controller forget what the scanners have seen.",
+                              robot);
+  AddSelector(factory, robot, "PlannerSelector", "planner");
+  AddSelector(factory, robot, "ControllerSelector", "controller");
+  AddSelector(factory, robot, "SmootherSelector", "smoother");
+  AddSelector(factory, robot, "GoalCheckerSelector", "goal_checker");
+  AddSelector(factory, robot, "ProgressCheckerSelector", "progress_checker");
+  AddSelector(factory, robot, "PathHandlerSelector", "path_handler");
+}
+
+}  // namespace musher::tree::nav2

@@ -1,0 +1,260 @@
+// RateController, DistanceController, SpeedController, GoalUpdatedController: decorators that tick
+// their child now and then, and return RUNNING in between. GoalUpdater, PathLongerOnApproach,
+// SingleTrigger.
+//
+// Each begins from the start when it is idle: at first, after a halt, and after its parent has
+// completed. PathLongerOnApproach stands in reactive controls; see recent_tick.hpp.
+
+#include <algorithm>
+
+#include "musher/behavior/tree/nav2/goal_watch.hpp"
+#include "musher/behavior/tree/nav2/recent_tick.hpp"
+#include "musher/behavior/tree/nav2/register.hpp"
+
+namespace musher::tree::nav2 {
+namespace {
+
+double Positive(const InPort<double>& port) {
+  const double value = port.Get();
+  if (!(value > 0)) throw PortError("port '" + port.name() + "' has to be above 0");
+  return value;
+}
+
+double SecondsSince(Time begin, const Tick& tick) {
+  return ToSeconds(tick.now - begin);
+}
+
+class RateController : public Decorator {
+ public:
+  explicit RateController(Setup& setup)
+      : hz_(setup.Input<double>("hz", 10.0, "how often in a second it may begin its child")) {}
+
+ private:
+  Status OnTick(Tick& tick) override {
+    if (status() == Status::kIdle) since_.reset();
+    const double period_s = 1 / Positive(hz_);
+    const bool waits = since_ && !child().running() && SecondsSince(*since_, tick) < period_s;
+    if (waits) return Status::kRunning;
+    if (!since_) since_ = tick.now;
+    const Status status = TickChild(tick);
+    if (status == Status::kSuccess) since_ = tick.now;
+    return status;
+  }
+
+  InPort<double> hz_;
+  std::optional<Time> since_;  // the last success of the child, at first its begin
+};
+
+class DistanceController : public Decorator {
+ public:
+  DistanceController(Setup& setup, const Robot& robot)
+      : distance_m_(setup.Input<double>("distance", 1.0, "m that the robot travels in between")),
+        robot_(robot) {
+    IgnoreFrames(setup);
+  }
+
+  static void IgnoreFrames(Setup& setup) {
+    static_cast<void>(setup.OptionalInput<std::string>("global_frame", "ignored: the map"));
+    static_cast<void>(setup.OptionalInput<std::string>("robot_base_frame", "ignored: the robot"));
+  }
+
+ private:
+  Status OnTick(Tick& tick) override {
+    const bool begins = status() == Status::kIdle;
+    const std::optional<Pose> pose = robot_.pose();
+    if (!pose) {
+      child().Reset(tick);
+      return Status::kFailure;
+    }
+    if (begins) begin_ = *pose;
+    const bool near = Distance(begin_, *pose) < distance_m_.Get();
+    if (!begins && near && !child().running()) return Status::kRunning;
+    const Status status = TickChild(tick);
+    if (status == Status::kSuccess) begin_ = *pose;
+    return status;
+  }
+
+  InPort<double> distance_m_;
+  const Robot& robot_;
+  Pose begin_;
+};
+
+class SpeedController : public Decorator {
+ public:
+  SpeedController(Setup& setup, const Robot& robot)
+      : min_rate_hz_(setup.Input<double>("min_rate", 0.1, "Hz, up to min_speed")),
+        max_rate_hz_(setup.Input<double>("max_rate", 1.0, "Hz, from max_speed on")),
+        min_speed_m_s_(setup.Input<double>("min_speed", 0.0, "m/s")),
+        max_speed_m_s_(setup.Input<double>("max_speed", 0.5, "m/s")),
+        goals_(setup),
+        robot_(robot) {
+    static_cast<void>(setup.OptionalInput<double>("filter_duration", "ignored: s"));
+  }
+
+ private:
+  Status OnTick(Tick& tick) override {
+    const bool has_new_goal = goals_.HasChanged();
+    const bool begins = status() == Status::kIdle || has_new_goal;
+    if (begins) {
+      since_ = tick.now;
+      period_s_ = 1 / Positive(max_rate_hz_);
+    }
+    const bool is_over = SecondsSince(since_, tick) >= period_s_;
+    if (!begins && !is_over && !child().running()) return Status::kRunning;
+    if (is_over) {
+      since_ = tick.now;
+      period_s_ = 1 / RateHz();
+    }
+    return TickChild(tick);
+  }
+
+  double RateHz() const {
+    const double least_hz = Positive(min_rate_hz_);
+    const double most_hz = Positive(max_rate_hz_);
+    const double from = min_speed_m_s_.Get();
+    const double to = max_speed_m_s_.Get();
+    if (least_hz > most_hz) throw PortError("min_rate is above max_rate");
+    if (!(from < to)) throw PortError("min_speed is not below max_speed");
+    const double share = std::clamp((robot_.speed_m_s() - from) / (to - from), 0.0, 1.0);
+    return least_hz + share * (most_hz - least_hz);
+  }
+
+  InPort<double> min_rate_hz_;
+  InPort<double> max_rate_hz_;
+  InPort<double> min_speed_m_s_;
+  InPort<double> max_speed_m_s_;
+  GoalWatch goals_;
+  const Robot& robot_;
+  Time since_{};
+  double period_s_ = 0;
+};
+
+class GoalUpdatedController : public Decorator {
+ public:
+  explicit GoalUpdatedController(Setup& setup) : goals_(setup) {}
+
+ private:
+  Status OnTick(Tick& tick) override {
+    const bool has_new_goal = goals_.HasChanged();
+    const bool begins = status() == Status::kIdle || has_new_goal;
+    return begins || child().running() ? TickChild(tick) : Status::kRunning;
+  }
+
+  GoalWatch goals_;
+};
+
+class GoalUpdater : public Decorator {
+ public:
+  GoalUpdater(Setup& setup, const Robot& robot)
+      : goal_(setup.OptionalInput<Pose>("input_goal", "the goal as it was commanded")),
+        goals_(setup.OptionalInput<Goals>("input_goals", "the same of several")),
+        output_goal_(setup.Output<Pose>("output_goal", "the goal that came last")),
+        output_goals_(setup.Output<Goals>("output_goals", "the same of several")),
+        robot_(robot) {}
+
+ private:
+  Status OnTick(Tick& tick) override {
+    const std::optional<Pose> one = robot_.goal_update();
+    const Pose* goal = goal_.Find();
+    if (one && (goal == nullptr || one->stamp >= goal->stamp)) {
+      output_goal_.Set(*one);
+    } else if (goal != nullptr) {
+      output_goal_.Set(*goal);
+    }
+    const std::optional<Goals> several = robot_.goals_update();
+    const Goals* goals = goals_.Find();
+    if (several && (goals == nullptr || StampOf(*several) >= StampOf(*goals))) {
+      output_goals_.Set(*several);
+    } else if (goals != nullptr) {
+      output_goals_.Set(*goals);
+    }
+    return TickChild(tick);
+  }
+
+  static Time StampOf(const Goals& goals) {
+    return goals.poses.empty() ? Time{} : goals.poses.front().stamp;
+  }
+
+  InPort<Pose> goal_;
+  InPort<Goals> goals_;
+  OutPort<Pose> output_goal_;
+  OutPort<Goals> output_goals_;
+  const Robot& robot_;
+};
+
+// The child is ticked once the path to the same goal has become much longer, and this goal is near.
+class PathLongerOnApproach : public Decorator {
+ public:
+  explicit PathLongerOnApproach(Setup& setup)
+      : path_(setup.Input<Path>("path", "the path that is followed")),
+        near_m_(setup.Input<double>("prox_len", 3.0, "m of the path before: the goal is near")),
+        factor_(setup.Input<double>("length_factor", 2.0, "how many times longer it has become")) {}
+
+ private:
+  Status OnTick(Tick& tick) override {
+    const Path* path = path_.Find();
+    const Path present = path != nullptr ? *path : Path{};
+    if (recent_.Begins(tick, status())) before_ = present;
+    if (!child().running() && !IsLonger(present)) {
+      before_ = present;
+      return Status::kSuccess;
+    }
+    const Status status = TickChild(tick);
+    if (IsCompleted(status)) before_ = present;
+    return status;
+  }
+
+  bool IsLonger(const Path& present) const {
+    if (present.poses.empty() || before_.poses.empty() || present == before_) return false;
+    if (Distance(present.poses.back(), before_.poses.back()) > 0) return false;
+    const double length_m = LengthOf(before_);
+    return length_m < near_m_.Get() && LengthOf(present) > factor_.Get() * length_m;
+  }
+
+  InPort<Path> path_;
+  InPort<double> near_m_;
+  InPort<double> factor_;
+  RecentTick recent_;
+  Path before_;
+};
+
+class SingleTrigger : public Decorator {
+ private:
+  Status OnTick(Tick& tick) override {
+    if (status() == Status::kIdle) done_ = false;
+    if (done_) return Status::kFailure;
+    const Status status = TickChild(tick);
+    done_ = IsCompleted(status);
+    return status;
+  }
+
+  bool done_ = false;
+};
+
+}  // namespace
+
+void AddDecoratorNodes(Factory& factory, Robot& robot) {
+  constexpr NodeKind kKind = NodeKind::kDecorator;
+  AddNode<RateController>(factory, "RateController", kKind, true,
+                          "Begins its child so often in a second; RUNNING in between.");
+  AddNode<DistanceController>(factory, "DistanceController", kKind, true,
+                              "Begins its child each time the robot has travelled so far; RUNNING "
+                              "in between.",
+                              robot);
+  AddNode<SpeedController>(factory, "SpeedController", kKind, true,
+                           "Begins its child the more often, the faster the robot is; RUNNING in "
+                           "between.",
+                           robot);
+  AddNode<GoalUpdatedController>(factory, "GoalUpdatedController", kKind, true,
+                                 "Begins its child at first and when the goal has changed; "
+                                 "RUNNING in between.");
+  AddNode<GoalUpdater>(factory, "GoalUpdater", kKind, false,
+                       "Passes the goal on, or a newer one that has come on a topic.", robot);
+  AddNode<PathLongerOnApproach>(factory, "PathLongerOnApproach", kKind, false,
+                                "Ticks its child where the path has become much longer near the "
+                                "goal; else SUCCESS.");
+  AddNode<SingleTrigger>(factory, "SingleTrigger", kKind, false,
+                         "Ticks its child until it has ended once; FAILURE from then on.");
+}
+
+}  // namespace musher::tree::nav2

@@ -1,0 +1,163 @@
+// Nodes of nav2 that only have a model: their servers are not on our robots.
+
+#include <array>
+#include <sstream>
+
+#include "musher/behavior/tree/models.hpp"
+#include "musher/behavior/tree/nav2/register.hpp"
+
+namespace musher::tree::nav2 {
+namespace {
+
+struct NodeModel {
+  std::string_view kind;
+  std::string_view id;
+  std::string_view inputs;
+  std::string_view outputs;
+};
+
+constexpr std::string_view kErrors = "error_code_id error_msg";
+constexpr std::string_view kServer = "server_name server_timeout";
+
+constexpr std::array kNodeModels = {
+    NodeModel{"Action", "AppendGoalPoseToGoals", "goal_pose input_goals", "output_goals"},
+    NodeModel{"Action", "AssistedTeleop", "time_allowance is_recovery server_name server_timeout",
+              kErrors},
+    NodeModel{"Action", "CancelAssistedTeleop", kServer, ""},
+    NodeModel{"Action", "CancelBackUp", kServer, ""},
+    NodeModel{"Action", "CancelComputeAndTrackRoute", kServer, ""},
+    NodeModel{"Action", "CancelControl", kServer, ""},
+    NodeModel{"Action", "CancelDriveOnHeading", kServer, ""},
+    NodeModel{"Action", "CancelFollowObject", kServer, ""},
+    NodeModel{"Action", "CancelSpin", kServer, ""},
+    NodeModel{"Action", "CancelWait", kServer, ""},
+    NodeModel{"Action", "ClearCostmapAroundPose", "service_name server_timeout pose reset_distance",
+              ""},
+    NodeModel{"Action", "ClearCostmapAroundRobot", "service_name server_timeout reset_distance",
+              ""},
+    NodeModel{"Action", "ClearCostmapExceptRegion", "service_name server_timeout reset_distance",
+              ""},
+    NodeModel{"Action", "ComputeAndTrackRoute",
+              "start_id goal_id start goal use_start use_poses server_name server_timeout",
+              "execution_time error_code_id error_msg last_node_id next_node_id current_edge_id "
+              "route path rerouted"},
+    NodeModel{"Action", "ComputePathThroughPoses",
+              "goals start planner_id server_name server_timeout",
+              "path last_reached_index error_code_id error_msg"},
+    NodeModel{"Action", "ComputeRoute",
+              "start_id goal_id start goal use_start use_poses server_name server_timeout",
+              "planning_time path route error_code_id error_msg"},
+    NodeModel{"Action", "ConcatenatePaths", "input_path1 input_path2", "output_path"},
+    NodeModel{"Action", "DockRobot",
+              "dock_id dock_pose dock_type max_staging_time navigate_to_staging_pose use_dock_id "
+              "server_name server_timeout",
+              "error_code_id error_msg num_retries success"},
+    NodeModel{"Action", "ExtractRouteNodesAsGoals", "route", "goals"},
+    NodeModel{"Action", "FollowObject",
+              "pose_topic max_duration tracked_frame server_name server_timeout", kErrors},
+    NodeModel{"Action", "GetCurrentPose", "global_frame robot_base_frame", "current_pose"},
+    NodeModel{"Action", "GetNextFewGoals", "num_goals input_goals", "output_goals"},
+    NodeModel{"Action", "GetPoseFromPath", "path index", "pose"},
+    NodeModel{"Action", "NavigateThroughPoses", "goals behavior_tree server_name server_timeout",
+              kErrors},
+    NodeModel{"Action", "NavigateToPose", "goal behavior_tree server_name server_timeout", kErrors},
+    NodeModel{"Action", "ReinitializeGlobalLocalization", "service_name server_timeout", ""},
+    NodeModel{"Action", "RemoveInCollisionGoals",
+              "service_name server_timeout input_goals use_footprint cost_threshold "
+              "consider_unknown_as_obstacle input_waypoint_statuses",
+              "output_goals output_waypoint_statuses"},
+    NodeModel{"Action", "RemovePassedGoals",
+              "input_goals radius robot_base_frame global_frame input_waypoint_statuses",
+              "output_goals output_waypoint_statuses"},
+    NodeModel{"Action", "SmoothPath",
+              "smoother_id unsmoothed_path max_smoothing_duration check_for_collisions server_name "
+              "server_timeout",
+              "smoothed_path smoothing_duration was_completed error_code_id error_msg"},
+    NodeModel{"Action", "TruncatePath", "distance input_path", "output_path"},
+    NodeModel{"Action", "TruncatePathLocal",
+              "input_path distance_forward distance_backward robot_frame transform_tolerance pose "
+              "angular_distance_weight max_robot_pose_search_dist",
+              "output_path"},
+    NodeModel{"Action", "UndockRobot", "dock_type max_undocking_time server_name server_timeout",
+              "error_code_id error_msg success"},
+    NodeModel{"Action", "ValidatePath",
+              "server_timeout path max_cost consider_unknown_as_obstacle layer_name footprint "
+              "check_full_path",
+              "collision_poses"},
+    NodeModel{"Condition", "IsBatteryCharging", "battery_topic", ""},
+    NodeModel{"Condition", "IsBatteryLow", "min_battery battery_topic is_voltage", ""},
+    NodeModel{"Condition", "IsGoalNearby",
+              "path proximity_threshold max_robot_pose_search_dist global_frame robot_base_frame",
+              ""},
+    NodeModel{"Condition", "IsPathValid",
+              "path server_timeout max_cost consider_unknown_as_obstacle layer_name footprint", ""},
+    NodeModel{"Condition", "IsStopped", "velocity_threshold duration_stopped", ""},
+    NodeModel{"Condition", "IsStuck", "", ""},
+    NodeModel{"Condition", "IsWithinPathTrackingBounds",
+              "max_error_left max_error_right max_error_heading tracking_feedback", ""},
+    NodeModel{"Condition", "TransformAvailable", "child parent", ""},
+    NodeModel{"Condition", "WouldARouteRecoveryHelp", "error_code error_codes_to_check", ""},
+    NodeModel{"Condition", "WouldASmootherRecoveryHelp", "error_code error_codes_to_check", ""},
+    NodeModel{"Control", "NonblockingSequence", "", ""},
+    NodeModel{"Control", "PauseResumeController", "pause_service_name resume_service_name", ""},
+    NodeModel{"Control", "PersistentSequence", "current_child_idx", ""},
+};
+
+Element ElementOf(std::string_view name, std::string_view attribute, std::string value) {
+  Element element;
+  element.name = name;
+  element.attributes.push_back({std::string(attribute), std::move(value), {}, {}});
+  return element;
+}
+
+// Each input may be missing: the servers have defaults.
+void AddPorts(Element& node, std::string_view element, std::string_view names) {
+  std::istringstream words{std::string(names)};
+  for (std::string name; words >> name;) {
+    Element port = ElementOf(element, "name", name);
+    port.attributes.push_back({"default", "", {}, {}});
+    node.children.push_back(std::move(port));
+  }
+}
+
+class NoRobot : public Robot {
+ public:
+  std::optional<Pose> pose() const override { return std::nullopt; }
+  double speed_m_s() const override { return 0; }
+  std::unique_ptr<Task> ComputePath(const Pose&, const std::optional<Pose>&,
+                                    const std::string&) override {
+    return nullptr;
+  }
+  std::unique_ptr<Task> FollowPath(const Path&, const std::string&) override { return nullptr; }
+  std::unique_ptr<Task> Spin(double, Duration) override { return nullptr; }
+  std::unique_ptr<Task> Drive(double, double, Duration) override { return nullptr; }
+  std::unique_ptr<Task> ClearCostmap(const std::string&) override { return nullptr; }
+};
+
+}  // namespace
+
+void AddModels(Factory& factory) {
+  Document document;
+  for (const NodeModel& model : kNodeModels) {
+    Element node = ElementOf(model.kind, "ID", std::string(model.id));
+    AddPorts(node, "input_port", model.inputs);
+    AddPorts(node, "output_port", model.outputs);
+    document.models.push_back(std::move(node));
+  }
+  static_cast<void>(AddPlaceholders(factory, document));
+}
+
+void AddNodes(Factory& factory, Robot& robot) {
+  AddControlNodes(factory);
+  AddDecoratorNodes(factory, robot);
+  AddConditionNodes(factory, robot);
+  AddActionNodes(factory, robot);
+  AddModels(factory);
+}
+
+void AddForCheck(Factory& factory) {
+  static NoRobot robot;
+  AddNodes(factory, robot);
+}
+
+}  // namespace musher::tree::nav2

@@ -1,0 +1,169 @@
+// The actions of nav2 on a robot that a test scripts, and a whole tree of the shape of nav2's own.
+
+#include "musher/test/behavior/tree/nav2/fake_robot.hpp"
+
+namespace musher::tree::nav2::actions_test {
+
+using testing::HasSubstr;
+
+using AComputePathToPose = Nav2Tree;
+TEST_F(AComputePathToPose, GivesThePathAndTheCode) {
+  Make(
+      "<ComputePathToPose goal=\"{goal}\" start=\"{start}\" path=\"{path}\" planner_id=\"grid\" "
+      "error_code_id=\"{code}\" error_msg=\"{why}\" server_name=\"x\" server_timeout=\"10\"/>");
+  Put("goal", Pose{.x_m = 4});
+  EXPECT_EQ(Next(), "R ");
+  EXPECT_EQ(robot.Take(), "plan to 4 by grid; ");
+  robot.ends["plan"] = {.success = true, .path = Straight(4)};
+  EXPECT_EQ(Next(), "S ");
+  EXPECT_EQ(tree->board().Get<Path>("path").value(), Straight(4));
+  EXPECT_EQ(tree->board().Get<int>("code").value(), 0);
+  Put("start", Pose{.x_m = 1});
+  robot.ends["plan"] = {.error_code = kNoValidPath, .error = "walled in", .path = Straight(9)};
+  EXPECT_EQ(Next(), "F ");
+  EXPECT_EQ(robot.Take(), "plan to 4 from 1 by grid; ");
+  EXPECT_EQ(tree->board().Get<Path>("path").value(), Path{});
+  EXPECT_EQ(tree->board().Get<int>("code").value(), 208);
+  EXPECT_EQ(tree->board().Get<std::string>("why").value(), "walled in");
+}
+TEST_F(AComputePathToPose, PlansFromTheRobotWhereUseStartIsFalse) {
+  Make("<ComputePathToPose goal=\"1;2;0\" start=\"5;0;0\" use_start=\"false\"/>");
+  EXPECT_EQ(Next(), "R ");
+  EXPECT_EQ(robot.Take(), "plan to 1; ");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(robot.Take(), "plan! ") << "a halt cancels it";
+}
+
+using AFollowPath = Nav2Tree;
+TEST_F(AFollowPath, TakesANewerPathWithoutAStop) {
+  Make("<FollowPath path=\"{path}\" controller_id=\"dwb\"/>");
+  Put("path", Straight(4));
+  EXPECT_EQ(Next(), "R ");
+  Put("path", Straight(4));
+  EXPECT_EQ(Next(), "R ") << "the same again";
+  EXPECT_EQ(robot.Take(), "follow 4 m by dwb; ");
+  Put("path", Straight(3));
+  EXPECT_EQ(Next(), "R ");
+  EXPECT_EQ(robot.Take(), "follow 3 m by dwb; follow! ") << "the new one begins first";
+  Put("path", Path{});
+  EXPECT_EQ(Next(), "R ") << "no path was found: the one before counts";
+  EXPECT_EQ(robot.Take(), "");
+  robot.ends["follow"] = {.success = true};
+  EXPECT_EQ(Next(), "S ");
+  EXPECT_EQ(robot.Take(), "");
+}
+
+using Motions = Nav2Tree;
+TEST_F(Motions, HaveTheAmountsOfTheirPorts) {
+  Make(
+      "<Sequence><Spin spin_dist=\"-1.57\" is_recovery=\"true\"/>"
+      "<BackUp backup_dist=\"-0.3\" backup_speed=\"0.05\"/>"
+      "<BackUp backup_dist=\"0.3\" backup_speed=\"0.05\" time_allowance=\"4\"/>"
+      "<DriveOnHeading dist_to_travel=\"0.2\" speed=\"0.02\" time_allowance=\"100\"/>"
+      "<ClearEntireCostmap service_name=\"global\"/><Spin/><BackUp/></Sequence>");
+  for (const char* task : {"spin", "drive", "clear"}) robot.ends[task] = {.success = true};
+  EXPECT_EQ(Next(), "S ");
+  EXPECT_EQ(
+      robot.Take(),
+      "spin -1.57 in 10; drive -0.3 at 0.05 in 10; drive -0.3 at 0.05 in 4; "
+      "drive 0.2 at 0.02 in 100; clear global; spin 1.57 in 10; drive -0.15 at 0.025 in 10; ");
+}
+TEST_F(Motions, FailWhereTheRobotHasNone) {
+  robot.has_tasks = false;
+  Make("<Spin error_msg=\"{why}\"/>");
+  EXPECT_EQ(Next(), "F ");
+  EXPECT_EQ(tree->board().Get<std::string>("why").value(), "the robot does not have this action");
+}
+TEST_F(Motions, RefuseALimitThatIsNoTimeAndADistanceThatIsNone) {
+  for (const char* amount : {"nan", "1e9", "-inf"}) {
+    Make("<BackUp backup_dist=\"" + std::string(amount) + "\"/>");
+    EXPECT_EQ(Next(), "! ");
+    EXPECT_THAT(fault, HasSubstr("port 'backup_dist' has to be from -100 to 100"));
+  }
+  Make("<Spin time_allowance=\"-1\"/>");
+  EXPECT_EQ(Next(), "! ");
+  EXPECT_THAT(fault, HasSubstr("port 'time_allowance' has to be from 0 to 1e6 s"));
+}
+TEST_F(Motions, WaitForItsTime) {
+  Make("<Wait wait_duration=\"0.5\" error_code_id=\"{code}\"/>");
+  EXPECT_EQ(TickAt(100), "R ");
+  EXPECT_EQ(TickAt(599), "R ");
+  EXPECT_EQ(TickAt(600), "S ");
+  EXPECT_EQ(TickAt(700), "R ");
+}
+
+using Selectors = Nav2Tree;
+TEST_F(Selectors, GiveWhatWasSelectedOrElseTheDefault) {
+  Make("<PlannerSelector selected_planner=\"{p}\" default_planner=\"grid\" topic_name=\"t\"/>");
+  EXPECT_EQ(Next(), "S ");
+  EXPECT_EQ(tree->board().Get<std::string>("p").value(), "grid");
+  robot.selected["t"] = "theta";
+  EXPECT_EQ(Next(), "S ");
+  EXPECT_EQ(tree->board().Get<std::string>("p").value(), "theta");
+  Make("<ControllerSelector selected_controller=\"{c}\"/>");
+  EXPECT_EQ(Next(), "F ");
+  robot.selected["controller_selector"] = "dwb";
+  EXPECT_EQ(Next(), "S ");
+}
+
+// Plans once a second and follows the path; each has a recovery of its own, and all recoveries
+// stand in a RoundRobin that a new goal ends.
+const std::string kNavigation =
+    "<RecoveryNode number_of_retries=\"6\"><PipelineSequence>"
+    "<PlannerSelector selected_planner=\"{planner}\" default_planner=\"grid\"/>"
+    "<RateController hz=\"1\"><RecoveryNode number_of_retries=\"1\">"
+    "<ComputePathToPose goal=\"{goal}\" path=\"{path}\" planner_id=\"{planner}\" "
+    "error_code_id=\"{plan_code}\"/>"
+    "<Sequence><WouldAPlannerRecoveryHelp error_code=\"{plan_code}\"/>"
+    "<ClearEntireCostmap service_name=\"global\"/></Sequence></RecoveryNode></RateController>"
+    "<RecoveryNode number_of_retries=\"1\">"
+    "<FollowPath path=\"{path}\" error_code_id=\"{follow_code}\"/>"
+    "<Sequence><WouldAControllerRecoveryHelp error_code=\"{follow_code}\"/>"
+    "<ClearEntireCostmap service_name=\"local\"/></Sequence></RecoveryNode></PipelineSequence>"
+    "<Sequence><Fallback><WouldAControllerRecoveryHelp error_code=\"{follow_code}\"/>"
+    "<WouldAPlannerRecoveryHelp error_code=\"{plan_code}\"/></Fallback>"
+    "<ReactiveFallback><GoalUpdated/><RoundRobin>"
+    "<Sequence><ClearEntireCostmap service_name=\"local\"/>"
+    "<ClearEntireCostmap service_name=\"global\"/></Sequence>"
+    "<Spin/><Wait wait_duration=\"5\"/><BackUp backup_dist=\"0.3\" backup_speed=\"0.05\"/>"
+    "</RoundRobin></ReactiveFallback></Sequence></RecoveryNode>";
+
+struct ANavigation : Nav2Tree {
+  ANavigation() {
+    Make(kNavigation);
+    EXPECT_TRUE(tree->board().Set("goal", Pose{.x_m = 9}));
+    robot.ends["plan"] = {.success = true, .path = Straight(9)};
+    robot.ends["clear"] = {.success = true};
+  }
+};
+TEST_F(ANavigation, PlansOnceASecondAndFollows) {
+  EXPECT_EQ(TickAt(0), "R ");
+  EXPECT_EQ(robot.Take(), "plan to 9 by grid; follow 9 m; ");
+  EXPECT_EQ(TickAt(990), "R ");
+  EXPECT_EQ(robot.Take(), "");
+  robot.ends["plan"].path = Straight(8);
+  EXPECT_EQ(TickAt(1000), "R ");
+  EXPECT_EQ(robot.Take(), "plan to 9 by grid; follow 8 m; follow! ");
+  robot.ends["follow"] = {.success = true};
+  EXPECT_EQ(TickAt(1100), "S ");
+}
+TEST_F(ANavigation, RecoversStepByStepAndEndsARecoveryForANewGoal) {
+  robot.ends["follow"] = {.error_code = kPatienceExceeded};
+  EXPECT_EQ(TickAt(0), "R ");
+  EXPECT_EQ(robot.Take(),
+            "plan to 9 by grid; follow 9 m; clear local; follow 9 m; "  // its own recovery
+            "clear local; clear global; "                               // the first of all
+            "plan to 9 by grid; follow 9 m; clear local; follow 9 m; "
+            "spin 1.57 in 10; ");
+  EXPECT_EQ(TickAt(100), "R ");
+  Put("goal", Pose{.x_m = 5});
+  EXPECT_EQ(TickAt(200), "R ") << "a new attempt, and the next recovery";
+  EXPECT_THAT(robot.Take(), testing::StartsWith("spin! plan to 5 by grid; "));
+}
+TEST_F(ANavigation, GivesUpWhereNoRecoveryHelps) {
+  robot.ends["plan"] = {.error_code = 204};  // the goal is outside the map
+  EXPECT_EQ(TickAt(0), "F ");
+  EXPECT_EQ(robot.Take(), "plan to 9 by grid; ");
+}
+
+}  // namespace musher::tree::nav2::actions_test

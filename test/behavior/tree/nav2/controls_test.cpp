@@ -1,0 +1,142 @@
+// RecoveryNode, PipelineSequence and RoundRobin, tick by tick, as nav2 documents them.
+// "a^" is a's first tick, "a" a further one, "a!" its halt.
+
+#include "musher/test/behavior/tree/nav2/fake_robot.hpp"
+
+namespace musher::tree::nav2::controls_test {
+
+std::string Control(const std::string& name, const std::string& a, const std::string& b,
+                    const std::string& c = "") {
+  return "<" + name + ">" + SayXml("a", a) + SayXml("b", b) + (c.empty() ? "" : SayXml("c", c)) +
+         "</" + name.substr(0, name.find(' ')) + ">";
+}
+
+using APipelineSequence = Nav2Tree;
+TEST_F(APipelineSequence, TicksTheChildrenBeforeThePresentOneAgain) {
+  // The example of the documentation: A runs; succeeds; runs beside B and C; is halted at the end.
+  Make(Control("PipelineSequence", "RSRR", "RSS", "RS"));
+  EXPECT_EQ(NextTicks(4),
+            "R a^ \n"
+            "R a b^ \n"
+            "R a^ b c^ \n"
+            "S a b^ c a! \n");
+}
+TEST_F(APipelineSequence, DoesNotPassAChildThatRunsBeforeItHasSucceededOnce) {
+  Make(Control("PipelineSequence", "RRS", "S", "S"));
+  EXPECT_EQ(NextTicks(3), "R a^ \nR a \nS a b^ c^ \n");
+}
+TEST_F(APipelineSequence, FailsWithAnyChildAndHaltsTheOthers) {
+  Make(Control("PipelineSequence", "SF", "R"));
+  EXPECT_EQ(NextTicks(2), "R a^ b^ \nF a^ b! \n");
+  Make(Control("PipelineSequence", "SR", "RF"));
+  EXPECT_EQ(NextTicks(2), "R a^ b^ \nF a^ b a! \n");
+}
+TEST_F(APipelineSequence, BeginsWithItsFirstChildAfterAHalt) {
+  Make(Control("PipelineSequence", "SR", "R"));
+  EXPECT_EQ(NextTicks(2), "R a^ b^ \nR a^ b \n");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(Take(), "a! b! ");
+  EXPECT_EQ(NextTicks(2), "R a^ b^ \nR a^ b \n") << "a succeeds, then runs";
+}
+TEST_F(APipelineSequence, PassesOverSkippedChildrenAndIsSkippedWhereAllAre) {
+  Make(Control("PipelineSequence", "-", "S", "-"));
+  EXPECT_EQ(Next(), "S a^ b^ c^ ");
+  Make(Control("PipelineSequence", "-", "-"));
+  EXPECT_EQ(Next(), "- a^ b^ ");
+}
+
+using ARecoveryNode = Nav2Tree;
+TEST_F(ARecoveryNode, SucceedsWithItsFirstChildAndDoesNotTickTheSecond) {
+  Make(Control("RecoveryNode", "RS", "S"));
+  EXPECT_EQ(NextTicks(2), "R a^ \nS a \n");
+}
+TEST_F(ARecoveryNode, TicksTheFirstChildAgainAfterARecovery) {
+  Make(Control("RecoveryNode", "FRS", "RS"));
+  EXPECT_EQ(NextTicks(3), "R a^ b^ \nR b a^ \nS a \n");
+}
+TEST_F(ARecoveryNode, FailsWhereTheRecoveryFails) {
+  Make(Control("RecoveryNode number_of_retries=\"5\"", "F", "RF"));
+  EXPECT_EQ(NextTicks(2), "R a^ b^ \nF b \n");
+}
+TEST_F(ARecoveryNode, RecoversSoManyTimesAndHasOneMoreAttempt) {
+  Make(Control("RecoveryNode", "F", "S"));
+  EXPECT_EQ(Next(), "F a^ b^ a^ ");
+  Make(Control("RecoveryNode number_of_retries=\"3\"", "F", "S"));
+  EXPECT_EQ(Next(), "F a^ b^ a^ b^ a^ b^ a^ ");
+  EXPECT_EQ(Next(), "F a^ b^ a^ b^ a^ b^ a^ ") << "each run counts from 0";
+  Make(Control("RecoveryNode number_of_retries=\"0\"", "F", "S"));
+  EXPECT_EQ(Next(), "F a^ ");
+}
+TEST_F(ARecoveryNode, CountsAnewAfterAHalt) {
+  Make(Control("RecoveryNode number_of_retries=\"1\"", "FR", "S"));
+  EXPECT_EQ(Next(), "R a^ b^ a^ ");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(Take(), "a! ");
+  EXPECT_EQ(Next(), "R a^ b^ a^ ") << "its one recovery is there again";
+}
+TEST_F(ARecoveryNode, HaltsTheRecoveryThatRuns) {
+  Make(Control("RecoveryNode", "F", "R"));
+  EXPECT_EQ(Next(), "R a^ b^ ");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(Take(), "b! ");
+}
+TEST_F(ARecoveryNode, IsSkippedWithItsFirstChildAndFailsWhereTheRecoveryIsSkipped) {
+  Make(Control("RecoveryNode", "-", "S"));
+  EXPECT_EQ(Next(), "- a^ ");
+  Make(Control("RecoveryNode", "F", "-"));
+  EXPECT_EQ(Next(), "F a^ b^ ");
+}
+TEST_F(ARecoveryNode, NeedsTwoChildren) {
+  EXPECT_THAT(Findings(Main("<RecoveryNode><AlwaysSuccess/></RecoveryNode>"), factory),
+              testing::HasSubstr("node 'RecoveryNode' has 1 child; expected 2"));
+}
+
+using ARoundRobin = Nav2Tree;
+TEST_F(ARoundRobin, GoesOnBehindTheChildThatHasSucceeded) {
+  // The example of the documentation, with the way back to the first child.
+  Make("<KeepRunningUntilFailure>" + Control("RoundRobin wrap_around=\"true\"", "RFR", "RS", "RF") +
+       "</KeepRunningUntilFailure>");
+  EXPECT_EQ(NextTicks(5),
+            "R a^ \n"
+            "R a b^ \n"
+            "R b \n"
+            "R c^ \n"
+            "R c a^ \n");
+}
+TEST_F(ARoundRobin, FailsWhereAllChildrenHaveFailedAndBeginsAnew) {
+  Make(Control("RoundRobin wrap_around=\"true\"", "F", "F"));
+  EXPECT_EQ(NextTicks(2), "F a^ b^ \nF a^ b^ \n");
+}
+TEST_F(ARoundRobin, CountsFailuresSinceTheLastSuccess) {
+  Make(Control("RoundRobin wrap_around=\"true\"", "FF", "SF", "F"));
+  EXPECT_EQ(Next(), "S a^ b^ ");
+  EXPECT_EQ(Next(), "F c^ a^ b^ ");
+}
+TEST_F(ARoundRobin, FailsBehindItsLastChildWhereItDoesNotWrapAround) {
+  Make(Control("RoundRobin", "S", "S"));
+  EXPECT_EQ(NextTicks(4), "S a^ \nS b^ \nF \nS a^ \n");
+  Make(Control("RoundRobin", "S", "F"));
+  EXPECT_EQ(NextTicks(3), "S a^ \nF b^ \nS a^ \n");
+}
+TEST_F(ARoundRobin, BeginsWithItsFirstChildAfterAHalt) {
+  Make(Control("RoundRobin", "F", "R"));
+  EXPECT_EQ(Next(), "R a^ b^ ");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(Take(), "b! ");
+  EXPECT_EQ(Next(), "R a^ b^ ");
+}
+TEST_F(ARoundRobin, IsSkippedWhereAllChildrenAre) {
+  Make(Control("RoundRobin", "-", "-"));
+  EXPECT_EQ(Next(), "- a^ b^ ");
+  Make(Control("RoundRobin", "-", "F"));
+  EXPECT_EQ(Next(), "F a^ b^ ");
+}
+
+// Each recovery once, in order, as in the trees of nav2.
+TEST_F(ARoundRobin, GivesARecoveryNodeOneRecoveryAtATime) {
+  Make("<RecoveryNode number_of_retries=\"6\">" + SayXml("go", "F") +
+       Control("RoundRobin", "S", "S", "F") + "</RecoveryNode>");
+  EXPECT_EQ(Next(), "F go^ a^ go^ b^ go^ c^ ");
+}
+
+}  // namespace musher::tree::nav2::controls_test

@@ -1,0 +1,118 @@
+#pragma once
+// A robot for the nodes of nav2: a test places it, and ends its tasks. It logs what begins ("spin
+// 1.57") and what is cancelled ("spin!").
+
+#include <map>
+
+#include "musher/behavior/tree/nav2/nodes.hpp"
+#include "musher/test/behavior/tree/trees.hpp"
+
+namespace musher::tree::nav2 {
+
+class FakeRobot : public Robot {
+ public:
+  std::optional<Pose> at = Pose{};
+  double speed = 0;
+  std::optional<Pose> new_goal;
+  std::optional<Goals> new_goals;
+  std::map<std::string, std::string, std::less<>> selected;
+  // The end of each task of this name, at its next poll. None: it goes on.
+  std::map<std::string, TaskEnd, std::less<>> ends;
+  bool has_tasks = true;
+  std::string log;
+
+  std::string Take() { return std::exchange(log, ""); }
+
+  std::optional<Pose> pose() const override { return at; }
+  double speed_m_s() const override { return speed; }
+  std::optional<Pose> goal_update() const override { return new_goal; }
+  std::optional<Goals> goals_update() const override { return new_goals; }
+  std::string Selected(std::string_view topic) const override {
+    const auto found = selected.find(topic);
+    return found == selected.end() ? "" : found->second;
+  }
+  std::unique_ptr<Task> ComputePath(const Pose& goal, const std::optional<Pose>& start,
+                                    const std::string& planner) override {
+    const std::string from = start ? " from " + NumberText(start->x_m) : "";
+    return Begin("plan",
+                 " to " + NumberText(goal.x_m) + from + (planner.empty() ? "" : " by " + planner));
+  }
+  std::unique_ptr<Task> FollowPath(const Path& path, const std::string& controller) override {
+    return Begin("follow", " " + NumberText(LengthOf(path)) + " m" +
+                               (controller.empty() ? "" : " by " + controller));
+  }
+  std::unique_ptr<Task> Spin(double angle_rad, Duration limit) override {
+    return Begin("spin", " " + NumberText(angle_rad) + " in " + NumberText(ToSeconds(limit)));
+  }
+  std::unique_ptr<Task> Drive(double distance_m, double speed_m_s, Duration limit) override {
+    return Begin("drive", " " + NumberText(distance_m) + " at " + NumberText(speed_m_s) + " in " +
+                              NumberText(ToSeconds(limit)));
+  }
+  std::unique_ptr<Task> ClearCostmap(const std::string& service) override {
+    return Begin("clear", " " + service);
+  }
+
+ private:
+  class FakeTask : public Task {
+   public:
+    FakeTask(FakeRobot& robot, std::string name) : robot_(robot), name_(std::move(name)) {}
+    ~FakeTask() override {
+      if (!ended_) robot_.log += name_ + "! ";
+    }
+    std::optional<TaskEnd> Poll(Time /*now*/) override {
+      const auto found = robot_.ends.find(name_);
+      if (found == robot_.ends.end()) return std::nullopt;
+      ended_ = true;
+      return found->second;
+    }
+
+   private:
+    FakeRobot& robot_;
+    const std::string name_;
+    bool ended_ = false;
+  };
+
+  std::unique_ptr<Task> Begin(const std::string& name, const std::string& how) {
+    if (!has_tasks) return nullptr;
+    log += name + how + "; ";
+    return std::make_unique<FakeTask>(*this, name);
+  }
+};
+
+// A tree with the nodes of nav2 and Say (trees.hpp).
+struct Nav2Tree : testing::Test, Logged {
+  Nav2Tree() { AddNodes(factory, robot); }
+
+  void Make(const std::string& content) { tree = MakeTree(Main(content), factory); }
+  // One tick: its letter, then what the Says have logged.
+  std::string TickAt(std::int64_t ms) {
+    const Result<Status> result = tree->TickExactlyOnce(At(ms));
+    fault = result ? "" : result.error().message;
+    return std::string(1, Letter(result)) + " " + Take();
+  }
+  std::string Next() { return TickAt(now_ms += 10); }
+  // `times` ticks, a line for each.
+  std::string NextTicks(int times) {
+    std::string lines;
+    for (int i = 0; i < times; ++i) lines += Next() + "\n";
+    return lines;
+  }
+  template <class T>
+  void Put(const std::string& key, const T& value) {
+    ASSERT_TRUE(tree->board().Set(key, value));
+  }
+
+  FakeRobot robot;
+  std::unique_ptr<Tree> tree;
+  std::string fault;
+  std::int64_t now_ms = 0;
+};
+
+inline std::string SayXml(const std::string& name, const std::string& does) {
+  return "<Say name=\"" + name + "\" does=\"" + does + "\"/>";
+}
+inline Path Straight(double length_m) {
+  return {{Pose{}, Pose{.x_m = length_m}}};
+}
+
+}  // namespace musher::tree::nav2

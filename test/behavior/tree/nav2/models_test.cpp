@@ -1,0 +1,84 @@
+// The models of nav2's nodes: for editors, for a check without a robot, and as a page.
+
+#include <fstream>
+
+#include "musher/behavior/tree/models.hpp"
+#include "musher/test/behavior/tree/nav2/fake_robot.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::tree::nav2::models_test {
+
+using testing::HasSubstr;
+
+Factory ForCheck() {
+  Factory factory;
+  AddForCheck(factory);
+  return factory;
+}
+
+TEST(Nav2Models, HaveADefaultForWhatIsReadFromAnEntry) {
+  EXPECT_THAT(
+      ModelsXml(ForCheck()),
+      HasSubstr("<Condition ID=\"GoalUpdated\">\n"
+                "      <input_port name=\"goal\" default=\"{goal}\">the goal</input_port>"));
+}
+TEST(Nav2Models, DescribeEachNodeThatRuns) {
+  const Factory factory = ForCheck();
+  for (const std::string& name : factory.Names()) {
+    const Factory::Registered& node = *factory.Find(name);
+    EXPECT_TRUE(node.placeholder || DescriptionOf(name) != "" || node.description != "") << name;
+  }
+}
+TEST(Nav2Models, CheckATreeWithNodesThatNoRobotHas) {
+  const std::string tree =
+      "<PipelineSequence><RateController hz=\"1\"><Sequence>"
+      "<ComputePathThroughPoses goals=\"{goals}\" path=\"{raw}\"/>"
+      "<SmoothPath unsmoothed_path=\"{raw}\" smoothed_path=\"{path}\"/></Sequence></RateController>"
+      "<FollowPath path=\"{path}\" tracking_feedback=\"{f}\"/></PipelineSequence>";
+  EXPECT_EQ(Findings(Main(tree), ForCheck()), "");
+  EXPECT_THAT(Findings(Main("<ComputePathThroughPoses goal=\"{goals}\"/>"), ForCheck()),
+              HasSubstr("<ComputePathThroughPoses> has no port 'goal'; did you mean 'goals'?"));
+  EXPECT_THAT(Findings(Main("<RateController hz=\"often\"><Wait/></RateController>"), ForCheck()),
+              HasSubstr("port 'hz': 'often' is not valid: expected number"));
+  EXPECT_THAT(Findings(Main("<GoalReached goal=\"1;2\"/>"), ForCheck()),
+              HasSubstr("'1;2' is not valid: expected pose, as 'x;y;yaw'"));
+}
+TEST(Nav2Models, FindAPathWhereAPoseIsExpected) {
+  EXPECT_THAT(Findings(Main("<Sequence><ComputePathToPose goal=\"{goal}\" path=\"{path}\"/>"
+                            "<FollowPath path=\"{goal}\"/></Sequence>"),
+                       ForCheck()),
+              HasSubstr("uses 'goal', which is of type pose"));
+}
+TEST(Nav2Models, FailInATickWhereNoRobotHasTheNode) {
+  FakeRobot robot;
+  Factory factory;
+  AddNodes(factory, robot);
+  const auto tree = MakeTree(Main("<SmoothPath/>"), factory);
+  EXPECT_THAT(tree->TickOnce(At(0)).error().message, HasSubstr("placeholder of a model"));
+}
+TEST(Nav2Models, DoNotReplaceANodeOfTheProgram) {
+  Factory factory;
+  ASSERT_TRUE(factory.AddAction("Wait", [](const Tick&) { return Status::kFailure; }));
+  AddForCheck(factory);
+  EXPECT_EQ(Letter(MakeTree(Main("<Wait/>"), factory)->TickOnce(At(0))), 'F');
+}
+
+TEST(Nav2Reference, IsThatOfTheNodes) {
+  const std::string path = SourceDir() + "/docs/nav2-nodes.md";
+  const std::string begin = "<!-- generated -->\n\n";
+  std::ifstream file(path);
+  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::size_t at = text.find(begin);
+  ASSERT_NE(at, std::string::npos);
+  Factory factory = Factory::Empty();
+  AddForCheck(factory);
+  const std::string expected = text.substr(0, at) + begin + ModelsMarkdown(factory);
+  if (std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
+    std::ofstream(path) << expected;
+    text = expected;
+  }
+  EXPECT_EQ(text, expected) << "docs/nav2-nodes.md is old: run this test with "
+                               "MUSHER_UPDATE_GOLDEN=1";
+}
+
+}  // namespace musher::tree::nav2::models_test
