@@ -28,6 +28,7 @@ set(MUSHER_ALSO_PUBLIC
   behavior/skill/toml/snapshot_toml.hpp
   behavior/skill/wait.hpp
   behavior/tree/build.hpp
+  behavior/tree/json/json_fields.hpp
   behavior/tree/models.hpp
   behavior/tree/nav2/nodes.hpp
   behavior/tree/xml/tree_xml.hpp

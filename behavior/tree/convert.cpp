@@ -16,6 +16,13 @@ std::string_view Name(Status status) {
   return kStatusNames[static_cast<std::size_t>(status)];
 }
 
+std::optional<std::string_view> JsonIn(std::string_view text) {
+  constexpr std::string_view kBegin = "json:";
+  const std::string_view trimmed = Trimmed(text);
+  if (!trimmed.starts_with(kBegin)) return std::nullopt;
+  return trimmed.substr(kBegin.size());
+}
+
 std::string_view Trimmed(std::string_view text) {
   constexpr std::string_view kSpaces = " \t\r\n";
   const std::size_t begin = text.find_first_not_of(kSpaces);

@@ -7,12 +7,14 @@
 //     static musher::Result<Pose> FromText(std::string_view text);
 //   };
 //
-// beside the type. A type without it passes between nodes, but has no text.
+// beside the type. A type without it passes between nodes, but has no text. A type may also have
+// JSON, by FromJson and ToJson, which json/json_fields.hpp makes: then "json:{...}" is a value.
 
 #include <charconv>
 #include <concepts>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -30,6 +32,15 @@ template <class T>
 concept HasText = requires(std::string_view text) {
   { Convert<T>::FromText(text) } -> std::same_as<Result<T>>;
 };
+
+template <class T>
+concept HasJson = requires(std::string_view json, const T& value) {
+  { Convert<T>::FromJson(json) } -> std::same_as<Result<T>>;
+  { Convert<T>::ToJson(value) } -> std::same_as<std::string>;
+};
+
+// The text behind "json:"; nothing: it has no such beginning.
+std::optional<std::string_view> JsonIn(std::string_view text);
 
 template <class T>
 concept Numeric = std::is_arithmetic_v<T> || std::is_enum_v<T>;

@@ -150,6 +150,15 @@ class Setup {
       const auto known = enums_.find(attribute.value);
       if (known != enums_.end() && Fits<T>(known->second)) return static_cast<T>(known->second);
     }
+    if constexpr (HasJson<T>) {
+      if (const auto json = JsonIn(attribute.value)) {
+        Result<T> value = Convert<T>::FromJson(*json);
+        if (value) return std::move(value).value();
+        Report(attribute.name, Severity::kError,
+               "port '" + attribute.name + "': " + value.error().message);
+        return std::nullopt;
+      }
+    }
     if constexpr (HasText<T>) {
       Result<T> value = Convert<T>::FromText(attribute.value);
       if (value) return std::move(value).value();
@@ -165,7 +174,7 @@ class Setup {
       Report(attribute.name, Severity::kError,
              "port '" + attribute.name + "' has a type that no text can be converted to (" +
                  std::string(TypeOf<T>()->name) + "): expected an entry, such as \"{" +
-                 attribute.name + "}\"");
+                 attribute.name + "}\"" + (HasJson<T> ? ", or JSON, such as json:{...}" : ""));
     }
     return std::nullopt;
   }

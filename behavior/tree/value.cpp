@@ -5,6 +5,10 @@
 namespace musher::tree {
 namespace {
 
+std::string JsonExpected(const Type& type) {
+  return std::string(type.name) + " as JSON, such as json:{...}";
+}
+
 constexpr double kWholeNumbers = 0x1p63;  // below it a number may be a 64-bit integer
 
 }  // namespace
@@ -34,8 +38,14 @@ std::string Value::Shown() const {
   if (const auto* text = Text()) return "'" + *text + "'";
   if (const auto* truth = As<bool>()) return *truth ? "true" : "false";
   if (const auto* status = As<Status>()) return std::string(Name(*status));
+  if (const auto json = Json()) return *json;
   double number = 0;
   return ToNumber(number) ? NumberText(number) : std::string(type_->name);
+}
+
+std::optional<std::string> Value::Json() const {
+  if (type_ == nullptr || type_->to_json == nullptr) return std::nullopt;
+  return type_->to_json(room_);
 }
 
 Result<> Value::SetAs(const Type& type, const Value& other) {
@@ -76,12 +86,14 @@ Result<> Value::SetTextAs(const Type& type, std::string_view text) {
     SetText(text);
     return Ok();
   }
-  if (type.from_text == nullptr) {
+  const auto json = type.from_json == nullptr ? std::nullopt : JsonIn(text);
+  if (type.from_text == nullptr && !json) {
+    if (type.from_json != nullptr) return NoValue(text, JsonExpected(type));
     return Error{kCodeFailed, "type " + std::string(type.name) +
                                   " has no conversion from a text (Convert<T>::FromText)"};
   }
   Value made;
-  Result<> read = type.from_text(made.room_, text);
+  Result<> read = json ? type.from_json(made.room_, *json) : type.from_text(made.room_, text);
   if (!read) return read;
   made.type_ = &type;
   *this = made;

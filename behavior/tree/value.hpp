@@ -24,6 +24,8 @@ struct Type {
   bool (*to_number)(const void* value, double& number) = nullptr;
   bool (*from_number)(void* room, double number) = nullptr;  // into raw room; false: does not fit
   Result<> (*from_text)(void* room, std::string_view text) = nullptr;
+  Result<> (*from_json)(void* room, std::string_view json) = nullptr;
+  std::string (*to_json)(const void* value) = nullptr;
 };
 
 // A whole number within T, or any for a floating-point type.
@@ -115,6 +117,15 @@ constexpr Type MakeType() {
       return Ok();
     };
   }
+  if constexpr (HasJson<T>) {
+    type.from_json = [](void* room, std::string_view json) -> Result<> {
+      Result<T> value = Convert<T>::FromJson(json);
+      if (!value) return value.error();
+      In::Make(room, std::move(value).value());
+      return Ok();
+    };
+    type.to_json = [](const void* value) { return Convert<T>::ToJson(In::At(value)); };
+  }
   return type;
 }
 
@@ -169,6 +180,8 @@ class Value {
 
   // This value as a text for people; a value without one gives its type.
   std::string Shown() const;
+  // As JSON. Nothing: its type has none.
+  std::optional<std::string> Json() const;
 
   // Becomes `other` as a value of `type`: a number or text is converted, the same type is copied.
   Result<> SetAs(const Type& type, const Value& other);
