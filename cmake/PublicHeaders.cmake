@@ -27,6 +27,7 @@ set(MUSHER_ALSO_PUBLIC
   behavior/skill/toml/skills_toml.hpp
   behavior/skill/toml/snapshot_toml.hpp
   behavior/skill/wait.hpp
+  behavior/tree/btcpp.hpp
   behavior/tree/build.hpp
   behavior/tree/json/json_fields.hpp
   behavior/tree/models.hpp

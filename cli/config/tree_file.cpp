@@ -5,6 +5,7 @@
 #include <set>
 
 #include "musher/base/suggest.hpp"
+#include "musher/behavior/tree/btcpp.hpp"
 #include "musher/behavior/tree/models.hpp"
 #include "musher/behavior/tree/nav2/nodes.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
@@ -135,6 +136,9 @@ TreeFile ReadTreeWithModels(const std::string& file, const TreeFileOptions& opti
   tree::Built built =
       tree::Build(result.document, factory, {.tree = options.tree, .any_root = true});
   Append(result.diagnostics, built.diagnostics);
+  if (!options.as.empty()) {
+    Append(result.diagnostics, tree::DifferencesToBtcpp(result.document, factory));
+  }
   if (!HasError(result.diagnostics)) result.tree = std::move(built.tree);
   return result;
 }

@@ -24,6 +24,7 @@ struct TreeFile {
 struct TreeFileOptions {
   std::vector<std::string> models{};  // files
   bool nav2 = false;                  // with the nodes of nav2
+  std::string as{};                   // "btcpp-4.10": also what that does differently
   // Empty: the main tree, or else the first that no other one uses; the others are checked, too.
   std::string tree{};
 };

@@ -153,6 +153,22 @@ TEST_F(TreeFileCommand, PrintsModelsThatItReadsItself) {
               HasSubstr("\n### `Sleep`\n"));
 }
 
+TEST_F(TreeFileCommand, WarnsOfWhatBehaviorTreeCppDoesDifferently) {
+  const std::string tree =
+      Write("mine.xml",
+            "<root BTCPP_format=\"4\"><BehaviorTree ID=\"A\">\n<Finally><AlwaysSuccess/>"
+            "<AlwaysSuccess/></Finally></BehaviorTree></root>");
+  EXPECT_THAT(RunProgram({"tree", "check", tree}).out, Not(HasSubstr("warning")));
+  const Ran ran = RunProgram({"tree", "check", tree, "--as", "btcpp-4.10"});
+  EXPECT_EQ(ran.exit, 0);
+  EXPECT_THAT(ran.out, HasSubstr(tree + ":2:1: warning: BehaviorTree.CPP 4.10 waits for the second "
+                                        "child, with sleeps, in a halt; here it is ticked once"));
+  EXPECT_EQ(RunProgram({"tree", "check", tree, "--as", "btcpp-3"}).exit, 2);
+  const auto json = Json(RunProgram({"--json", "tree", "check", tree, "--as", "btcpp-4.10"}).out);
+  EXPECT_EQ(json["valid"], true);
+  EXPECT_EQ(json["diagnostics"][0]["severity"], "warning") << json;
+}
+
 TEST_F(TreeFileCommand, KnowsTheNodesOfNav2OnRequest) {
   const std::string tree = Write("nav2.xml",
                                  "<root BTCPP_format=\"4\"><BehaviorTree ID=\"A\">"

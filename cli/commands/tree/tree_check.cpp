@@ -14,6 +14,8 @@
 namespace musher::cli {
 namespace {
 
+constexpr const char* kBtcpp = "btcpp-4.10";
+
 struct TreeCheckOptions {
   std::vector<std::string> files;
   TreeFileOptions read;
@@ -69,6 +71,9 @@ void AddTreeCheck(Grammar& grammar, CLI::App& family) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("FILE");
+  grammar.OneOf(
+      app.add_option("--as", options.read.as, "Also warn of what another engine does differently"),
+      {kBtcpp});
   app.add_flag("--nav2", options.read.nav2, "Know the nodes of nav2");
   app.add_option("--tree", options.read.tree,
                  "The tree that runs; default: the main tree, or each that no other one uses")
