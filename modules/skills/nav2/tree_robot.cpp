@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "musher/modules/skills/skills/recovery.hpp"
+#include "musher/modules/skills/skills/travel.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::skills {
@@ -184,7 +185,8 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::FollowPath(const tree::nav2::Path& 
   navigation::Path poses;
   for (const tree::nav2::Pose& pose : path.poses) poses.push_back(FromTree(pose));
   const bool can = robot_.HasController() && !poses.empty();
-  return std::make_unique<DriveTask>(can ? robot_.FollowPath(poses) : nullptr);
+  // It was planned while the robot moved on: what lies behind the robot is left out.
+  return std::make_unique<DriveTask>(can ? robot_.FollowPath(FromHere(robot_, poses)) : nullptr);
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration limit) {

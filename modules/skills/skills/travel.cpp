@@ -52,6 +52,35 @@ bool Stands(const Robot& robot) {
          std::abs(velocity.yaw_rad_s) < kStandingRadPerS;
 }
 
+navigation::Path FromHere(const Robot& robot, const navigation::Path& path) {
+  constexpr double kLookedAtM = 2;  // from the begin of the path
+  constexpr double kNearM = 0.3;    // to the path: the robot is on it
+  const auto pose = robot.pose();
+  if (!pose || Stands(robot)) return path;
+  std::size_t next = 0;  // the first point that is before the robot
+  double nearest_m = kNearM, begin_m = 0;
+  for (std::size_t i = 1; i < path.size() && begin_m < kLookedAtM; ++i) {
+    const navigation::Point &from = path[i - 1].at, &to = path[i].at;
+    const double length = navigation::Distance(from, to);
+    begin_m += length;
+    if (length == 0) continue;
+    const double along = ((pose->at.x_m - from.x_m) * (to.x_m - from.x_m) +
+                          (pose->at.y_m - from.y_m) * (to.y_m - from.y_m) +
+                          (pose->at.z_m - from.z_m) * (to.z_m - from.z_m)) /
+                         (length * length);
+    const navigation::Point on = navigation::Between(from, to, std::clamp(along, 0.0, 1.0));
+    const double off_m =
+        robot.flies() ? navigation::Distance(pose->at, on) : FlatApart(pose->at, on);
+    if (off_m >= nearest_m) continue;
+    nearest_m = off_m;
+    next = i;
+  }
+  if (next == 0) return path;
+  navigation::Path rest{*pose};
+  rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
+  return rest;
+}
+
 std::string LengthText(double length_m) {
   return std::abs(length_m) < 1e6 ? fmt::format("{:.1f}", length_m)
                                   : fmt::format("{:.3g}", length_m);
@@ -159,7 +188,7 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
 }
 
 void Travel::Begin(const navigation::Path& path) {
-  path_ = FromHere(path);
+  path_ = FromHere(robot_, path);
   length_m_ = LengthOf(path_);
   driven_ = {};
   drive_missing_ = {};
@@ -167,34 +196,6 @@ void Travel::Begin(const navigation::Path& path) {
   std::unique_ptr<skills::Drive> drive = robot_.FollowPath(path_);
   drive_ = std::move(drive);
   given_up_.reset();
-}
-
-navigation::Path Travel::FromHere(const navigation::Path& path) const {
-  constexpr double kLookedAtM = 2;  // from the begin of the path
-  constexpr double kNearM = 0.3;    // to the path: the robot is on it
-  const auto pose = robot_.pose();
-  if (!pose || Stands(robot_)) return path;
-  std::size_t next = 0;  // the first point that is before the robot
-  double nearest_m = kNearM, begin_m = 0;
-  for (std::size_t i = 1; i < path.size() && begin_m < kLookedAtM; ++i) {
-    const navigation::Point &from = path[i - 1].at, &to = path[i].at;
-    const double length = navigation::Distance(from, to);
-    begin_m += length;
-    if (length == 0) continue;
-    const double along = ((pose->at.x_m - from.x_m) * (to.x_m - from.x_m) +
-                          (pose->at.y_m - from.y_m) * (to.y_m - from.y_m) +
-                          (pose->at.z_m - from.z_m) * (to.z_m - from.z_m)) /
-                         (length * length);
-    const double off_m =
-        Apart(pose->at, navigation::Between(from, to, std::clamp(along, 0.0, 1.0)));
-    if (off_m >= nearest_m) continue;
-    nearest_m = off_m;
-    next = i;
-  }
-  if (next == 0) return path;
-  navigation::Path rest{*pose};
-  rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
-  return rest;
 }
 
 TravelStep Travel::Drive(Duration step) {

@@ -36,6 +36,8 @@ inline constexpr double kStandingMPerS = 0.05;
 inline constexpr double kStandingRadPerS = 0.05;
 
 bool Stands(const Robot& robot);
+// The path without what lies behind the robot, which moves.
+navigation::Path FromHere(const Robot& robot, const navigation::Path& path);
 
 // "4.2", or "1.41e+308": a request may have any number.
 std::string LengthText(double length_m);
@@ -117,7 +119,6 @@ class Travel {
  private:
   TravelStep PlanEnd(const navigation::Pose& goal);
   TravelStep DriveEnd();
-  navigation::Path FromHere(const navigation::Path& path) const;
   // What is left of the last path, from where the robot is.
   navigation::Path Rest(const navigation::Pose& pose) const;
 

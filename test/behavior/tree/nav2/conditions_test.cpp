@@ -22,7 +22,7 @@ TEST_F(AGoalUpdated, DoesNotCountAChangeBeforeItBegins) {
   Put("goal", Pose{.x_m = 2});
   EXPECT_EQ(NextTicks(2), "R a^ \nS a b^ \n");
 }
-TEST_F(AGoalUpdated, BeginsAnewAfterTheEndOfTheTreeAndAfterAHalt) {
+TEST_F(AGoalUpdated, BeginsAgainAfterTheEndOfTheTreeAndAfterAHalt) {
   Make("<GoalUpdated/>");
   Put("goal", Pose{.x_m = 1});
   EXPECT_EQ(Next(), "F ");
@@ -72,7 +72,7 @@ TEST_F(Conditions, TimeExpiredSucceedsEachTimeSoManySecondsHavePassed) {
   EXPECT_EQ(TickAt(1499), "R a ");
   EXPECT_EQ(TickAt(1500), "S a! ");
 }
-TEST_F(Conditions, PathExpiringTimerBeginsAnewWithANewPath) {
+TEST_F(Conditions, PathExpiringTimerBeginsAgainWithANewPath) {
   Make("<PathExpiringTimer seconds=\"1\" path=\"{path}\"/>");
   Put("path", Straight(1));
   EXPECT_EQ(TickAt(0), "F ");

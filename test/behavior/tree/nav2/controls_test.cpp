@@ -67,7 +67,7 @@ TEST_F(ARecoveryNode, RecoversSoManyTimesAndHasOneMoreAttempt) {
   Make(Control("RecoveryNode number_of_retries=\"0\"", "F", "S"));
   EXPECT_EQ(Next(), "F a^ ");
 }
-TEST_F(ARecoveryNode, CountsAnewAfterAHalt) {
+TEST_F(ARecoveryNode, CountsAgainAfterAHalt) {
   Make(Control("RecoveryNode number_of_retries=\"1\"", "FR", "S"));
   EXPECT_EQ(Next(), "R a^ b^ a^ ");
   ASSERT_TRUE(tree->Halt(At(now_ms)));
@@ -103,7 +103,7 @@ TEST_F(ARoundRobin, GoesOnBehindTheChildThatHasSucceeded) {
             "R c^ \n"
             "R c a^ \n");
 }
-TEST_F(ARoundRobin, FailsWhereAllChildrenHaveFailedAndBeginsAnew) {
+TEST_F(ARoundRobin, FailsWhereAllChildrenHaveFailedAndBeginsAgain) {
   Make(Control("RoundRobin wrap_around=\"true\"", "F", "F"));
   EXPECT_EQ(NextTicks(2), "F a^ b^ \nF a^ b^ \n");
 }

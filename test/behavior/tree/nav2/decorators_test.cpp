@@ -33,7 +33,7 @@ TEST_F(ARateController, TicksAChildThatRunsInEachTickAndCountsFromItsEnd) {
   EXPECT_EQ(TickAt(150), "R b ");
   EXPECT_EQ(TickAt(160), "R a^ b ");
 }
-TEST_F(ARateController, BeginsAnewAfterAHaltAndFailsWithItsChild) {
+TEST_F(ARateController, BeginsAgainAfterAHaltAndFailsWithItsChild) {
   Make(InPipeline("RateController hz=\"1\"", "SF"));
   EXPECT_EQ(TickAt(0), "R a^ b^ ");
   ASSERT_TRUE(tree->Halt(At(10)));
