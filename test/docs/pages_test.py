@@ -98,7 +98,7 @@ def unknown_words(words: List[str], options: Dict[str, Set[str]]) -> List[str]:
     wrong = []
     names = {name.split(" ", 1)[1] for name in options if " " in name}
     for word in words:
-        if re.fullmatch(r"--[a-z][a-z-]*(=.*)?", word):
+        if re.fullmatch(r"--[a-z][a-z0-9-]*(=.*)?", word):
             if word.split("=")[0] not in allowed:
                 wrong.append(f"`{line}` has no {word}")
         elif f"{line} {word}" in options:

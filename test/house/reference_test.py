@@ -25,14 +25,14 @@ def read(path):
 
 
 def options_in(text):
-    return set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", text))
+    return set(re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text))
 
 
 class Help:
     """The options and commands in the help that a program prints."""
 
     def __init__(self, program, text):
-        self.options = set(re.findall(r"^  (?:-\w,)?(--[a-z][a-z-]*)", text, re.M))
+        self.options = set(re.findall(r"^  (?:-\w,)?(--[a-z][a-z0-9-]*)", text, re.M))
         listed = re.search(r"^Subcommands:\n((?:  .*\n)*)", text, re.M)
         self.commands = re.findall(r"^  ([a-z][a-z-]*)", listed[1] if listed else "", re.M)
         self.commands += re.findall(rf"`{program} ([a-z][a-z-]*)\b", text)  # a command line of its own
