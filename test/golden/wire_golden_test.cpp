@@ -14,6 +14,7 @@
 
 #include "musher/base/version.hpp"
 #include "musher/messages/interfaces.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/contract/fill.hpp"
 #include "musher/test/support/paths.hpp"
 
@@ -72,20 +73,31 @@ struct Ours {
   std::map<std::string, Coding> codings;
 };
 
+fs::path Folder() {
+  return fs::path(SourceDir()) / "test" / "golden" / "wire";
+}
+
+// The digits of each message in a file.
+std::map<std::string, std::string> Recorded(const fs::path& path) {
+  std::map<std::string, std::string> recorded;
+  std::ifstream file(path);
+  for (std::string name, digits; file >> name >> digits;) recorded[name] = digits;
+  return recorded;
+}
+
 TEST(WireCompatibility, EveryMessageOfEveryVersionIsReadAndOnlyGrowsAtItsEnd) {
-  const fs::path folder = fs::path(SourceDir()) / "test" / "golden" / "wire";
   Ours ours;
   VisitInterfaces(ours);
   const auto& now = ours.codings;
-  if (std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr) {
-    std::ofstream file(folder / (std::string(Version()) + ".txt"));
+  const fs::path version = Folder() / (std::string(Version()) + ".txt");
+  if (std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr && !fs::exists(version)) {
+    std::ofstream file(version);
     for (const auto& [name, coding] : now) file << name << " " << coding.bytes << "\n";
   }
   int versions = 0;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    SCOPED_TRACE("as version " + entry.path().stem().string() + " sent it");
-    std::ifstream file(entry.path());
-    for (std::string name, digits; file >> name >> digits;) {
+  for (const auto& entry : fs::directory_iterator(Folder())) {
+    SCOPED_TRACE("as in " + entry.path().filename().string());
+    for (const auto& [name, digits] : Recorded(entry.path())) {
       const auto coding = now.find(name);
       ASSERT_NE(coding, now.end()) << name << " was removed";
       EXPECT_TRUE(coding->second.bytes.starts_with(digits)) << name << " begins differently";
@@ -93,7 +105,44 @@ TEST(WireCompatibility, EveryMessageOfEveryVersionIsReadAndOnlyGrowsAtItsEnd) {
     }
     ++versions;
   }
-  EXPECT_GE(versions, 1);
+  EXPECT_GE(versions, 2);
+}
+
+// A field that was appended since the last version is in no file of a version: its place and its
+// type could change without a word.
+TEST(WireCompatibility, EveryFieldIsRecordedAlsoBetweenTwoVersions) {
+  Ours ours;
+  VisitInterfaces(ours);
+  const fs::path present = Folder() / "present.txt";
+  if (std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr) {
+    std::ofstream file(present);
+    for (const auto& [name, coding] : ours.codings) file << name << " " << coding.bytes << "\n";
+  }
+  const auto recorded = Recorded(present);
+  EXPECT_EQ(recorded.size(), ours.codings.size());
+  for (const auto& [name, coding] : ours.codings) {
+    const auto found = recorded.find(name);
+    ASSERT_NE(found, recorded.end()) << name << " is new: MUSHER_UPDATE_GOLDEN=1 records it";
+    EXPECT_EQ(found->second, coding.bytes)
+        << name << ": if only fields were appended, MUSHER_UPDATE_GOLDEN=1 records them";
+  }
+}
+
+TEST(WireCompatibility, AControllerThatDoesNotSendWhetherItAwaitsARequestAwaitsNone) {
+  const std::string name(ControllerHeartbeat::kTypeName);
+  const std::string old = Recorded(Folder() / "0.2.0.txt")[name];
+  const std::string present = Recorded(Folder() / "present.txt")[name];
+  ASSERT_TRUE(present.starts_with(old)) << present;
+  ASSERT_GT(present.size(), old.size());
+  const auto from_old = Decode<ControllerHeartbeat>(FromDigits(old));
+  ASSERT_TRUE(from_old);
+  EXPECT_NE(from_old->participant, 0U) << "the field before it";
+  EXPECT_FALSE(from_old->awaits_request);
+  for (const char* last : {"00", "01"}) {
+    const auto read = Decode<ControllerHeartbeat>(FromDigits(old + last));
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->awaits_request, last == std::string("01"));
+  }
 }
 
 }  // namespace musher::msg::wire_golden_test
