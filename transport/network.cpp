@@ -86,13 +86,9 @@ bool IsDevice(const NetworkInterface& one) {
   return own && one.ethernet && !one.loopback;
 }
 
-const NetworkInterface* VirtualOfAContainer(const std::vector<NetworkInterface>& present) {
-  const NetworkInterface* best = nullptr;
-  for (const NetworkInterface& one : present) {
-    if (one.loopback || !IsUsable(one) || one.kind == "bridge") continue;
-    if (best == nullptr || (one.multicast && !best->multicast)) best = &one;
-  }
-  return best;
+// Of a container or a virtual machine. Not a tunnel, whose other end is a VPN.
+bool IsOfAContainer(const NetworkInterface& one) {
+  return one.ethernet && !one.loopback && one.kind != "bridge" && one.kind != "dummy";
 }
 
 std::string Obstacle(const NetworkInterface& one) {
@@ -164,21 +160,21 @@ std::vector<InterfaceUse> ChooseInterfaces(const std::vector<NetworkInterface>& 
                                            const std::vector<std::string>& configured) {
   if (!configured.empty()) return ChooseConfigured(present, configured);
   const bool has_device = std::ranges::any_of(present, IsDevice);
-  const NetworkInterface* instead = has_device ? nullptr : VirtualOfAContainer(present);
   std::vector<InterfaceUse> uses;
   std::size_t chosen = 0;
   for (const NetworkInterface& one : present) {
     if (one.loopback) continue;
     InterfaceUse use{one.name, false, Obstacle(one)};
-    if (!IsDevice(one) && &one != instead) {
+    const bool instead = !has_device && IsOfAContainer(one);
+    if (!IsDevice(one) && !instead) {
       use.reason =
           (one.kind.empty() ? "it is no ethernet or wifi" : "it is virtual (" + one.kind + ")") +
           "; [transport] interfaces can name it";
     } else if (IsUsable(one)) {
       use.used = chosen++ < kMostOuterInterfaces;
-      use.reason = !use.used         ? "Cyclone uses at most 3 beside the loopback"
-                   : &one == instead ? "this host has no ethernet or wifi device"
-                                     : "an ethernet or wifi device that is up";
+      use.reason = !use.used ? "Cyclone uses at most 3 beside the loopback"
+                   : instead ? "this host has no ethernet or wifi device"
+                             : "an ethernet or wifi device that is up";
     }
     uses.push_back(std::move(use));
   }

@@ -38,7 +38,8 @@ struct InterfaceUse {
 
 // The outer interfaces of the profile lan: `configured`, by the config and in its order. Without
 // any: ethernet and wifi devices that are up with an IPv4 address; on a host without any such
-// device (a container), the first virtual interface that is up with an address and no bridge.
+// device (a container), virtual ethernets that are up with an address, but no bridge. Never a
+// tunnel: its network is not the robot's.
 //
 // A pure function; each interface but the loopback, and each configured name, has an entry.
 std::vector<InterfaceUse> ChooseInterfaces(const std::vector<NetworkInterface>& present,

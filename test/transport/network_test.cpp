@@ -30,7 +30,7 @@ NetworkInterface Virtual(const std::string& name, const std::string& kind) {
 }
 NetworkInterface Tunnel(const std::string& name) {
   NetworkInterface one = Virtual(name, "tun");
-  one.ethernet = one.multicast = false;
+  one.ethernet = false;  // with multicast, as the kernel makes it
   return one;
 }
 NetworkInterface Can(const std::string& name) {
@@ -84,6 +84,15 @@ const Host kHosts[] = {
      {"a", "b", "c"}},
     {"AContainer", {kLoopback, Virtual("eth0", "veth")}, {}, {"eth0"}},
     {"AContainerWithATunnel", {kLoopback, Tunnel("tun0"), Virtual("eth0", "veth")}, {}, {"eth0"}},
+    {"AContainerWithTwoNetworks",
+     {kLoopback, Virtual("eth0", "veth"), Virtual("eth1", "veth")},
+     {},
+     {"eth0", "eth1"}},
+    {"AContainerWithAnEmptyInterface",
+     {kLoopback, Virtual("dummy0", "dummy"), Virtual("eth0", "macvlan")},
+     {},
+     {"eth0"}},
+    {"AHostWithATunnelOnly", {kLoopback, Tunnel("tun0")}, {}, {}},
     {"AHostOfContainersOnly", {kLoopback, Virtual("docker0", "bridge")}, {}, {}},
     {"NoNetwork", {kLoopback}, {}, {}},
     {"AVpnThatIsConfigured",

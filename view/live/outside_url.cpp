@@ -1,15 +1,19 @@
 #include "musher/view/live/outside_url.hpp"
 
+#include <algorithm>
+
 #include "musher/view/http/access.hpp"
 
 namespace musher::view {
 namespace {
 
 std::string OutsideAddress(const std::vector<transport::NetworkInterface>& interfaces) {
+  const auto uses = transport::ChooseInterfaces(interfaces, {});
   std::string any;
   for (const transport::NetworkInterface& one : interfaces) {
     if (one.loopback || !one.up || one.addresses.empty()) continue;
-    if (one.ethernet && one.kind.empty()) return one.addresses.front();
+    const auto use = std::ranges::find(uses, one.name, &transport::InterfaceUse::name);
+    if (use->used) return one.addresses.front();
     if (any.empty()) any = one.addresses.front();
   }
   return any;

@@ -9,8 +9,8 @@
 
 namespace musher::view {
 
-// "http://192.168.1.7:8765"; of a page that listens on all addresses that of an ethernet or wifi
-// device that is up, else of any interface. Empty: only this host can connect.
+// "http://192.168.1.7:8765"; of a page that listens on all addresses that of the first interface
+// to other hosts (ChooseInterfaces()), else of any. Empty: only this host can connect.
 std::string OutsideUrl(const std::string& bind,
                        const std::vector<transport::NetworkInterface>& interfaces,
                        std::uint16_t port);

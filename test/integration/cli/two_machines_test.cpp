@@ -1,17 +1,12 @@
 // Two machines in one domain and namespace, each on a host of its own: two network and pid
 // namespaces of this computer, with a link between them. Neither fences, drives or ends the other.
 
-#include <fcntl.h>
-#include <sched.h>
-
 #include <algorithm>
-#include <functional>
-#include <future>
 #include <memory>
 
-#include "musher/base/unique_fd.hpp"
 #include "musher/test/fault_injection/host/isolation.hpp"
 #include "musher/test/fault_injection/host/link.hpp"
+#include "musher/test/integration/cli/host.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 
 namespace musher::testing::two_machines_test {
@@ -23,47 +18,6 @@ using ::testing::Not;
 constexpr const char* kDds =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"link\"/></Interfaces>"
     "</General></Domain></CycloneDDS>";
-
-// A host: a process that holds its namespaces.
-class Host {
- public:
-  Host()
-      : holder_({"unshare", "--net", "--pid", "--fork", "--kill-child", "--mount-proc", "sh", "-c",
-                 "echo $(awk '/^NSpid/ {print}' /proc/self/status); exec tail -f /dev/null"}) {
-    up_ = holder_.LineWith("NSpid") != "";
-    const std::string pid = std::to_string(holder_.pid());
-    std::ifstream("/proc/" + pid + "/task/" + pid + "/children") >> init_;
-  }
-  bool up() const { return up_ && init_ != 0; }
-  pid_t init() const { return init_; }
-
-  // On a thread of its own, which enters the network namespace.
-  void InNetwork(const std::function<void()>& work) const {
-    std::async(std::launch::async, [&] {
-      const std::string path = "/proc/" + std::to_string(init_) + "/ns/net";
-      const UniqueFd network(open(path.c_str(), O_RDONLY | O_CLOEXEC));
-      ASSERT_EQ(setns(network.get(), CLONE_NEWNET), 0);
-      work();
-    }).get();
-  }
-
-  std::vector<std::string> Here(std::vector<std::string> words) const {
-    words.insert(words.begin(), {"nsenter", "--target", std::to_string(init_), "--net", "--pid",
-                                 "--mount", "--root", "--wd", "--"});
-    return words;
-  }
-  Ended Do(std::vector<std::string> words) const { return RunToEnd(Here(std::move(words))); }
-  Ended Run(std::vector<std::string> words) const { return Do(Command(std::move(words))); }
-  nlohmann::json Status() const {
-    const Ended status = Run({"status", "--json"});
-    return status.exit == 0 ? Json(status.out) : nlohmann::json();
-  }
-
- private:
-  Process holder_;
-  pid_t init_ = 0;
-  bool up_ = false;
-};
 
 class TwoMachines : public MachineByCli {
  protected:

@@ -27,6 +27,14 @@ TEST(OutsideUrl, IsThatOfADeviceThatAPhoneCanReach) {
   EXPECT_EQ(OutsideUrl("0.0.0.0", {loopback, down}, 80), "");
 }
 
+TEST(OutsideUrl, IsOfTheNetworkOfAContainerAndNotOfABridgeBesideIt) {
+  NetworkInterface bridge = Interface("docker0", "172.17.0.1");
+  bridge.kind = "bridge";
+  NetworkInterface container = Interface("eth0", "192.168.1.8");
+  container.kind = "veth";
+  EXPECT_EQ(OutsideUrl("0.0.0.0", {bridge, container}, 80), "http://192.168.1.8:80");
+}
+
 TEST(OutsideUrl, IsTheAddressOnWhichThePageListens) {
   EXPECT_EQ(OutsideUrl("10.0.0.9", {}, 8765), "http://10.0.0.9:8765");
   EXPECT_EQ(OutsideUrl("fd00::7", {}, 8765), "http://[fd00::7]:8765");
