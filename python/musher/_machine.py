@@ -139,7 +139,7 @@ class Machine:
                 raise TypeError(f"a state and an actuator are names, not {given!r}")
         mailbox = _native.Mailbox()
         switch = _native.Switch(self._native(), state, actuator, by or default_by(), timeout_s,
-                                min(self._find_s, timeout_s), mailbox, *self._meant())
+                                min(self._find_s, timeout_s), mailbox, *self._meant(acts=True))
         try:
             while True:
                 item = mailbox.pop(None)
@@ -172,7 +172,8 @@ class Machine:
         """Starts an actuator's process again; returns when it is back where the machine is. Raises musher.Failure
         if it is not, also if the controller that was called exits meanwhile."""
         mailbox = _native.Mailbox()
-        call = _native.Restart(self._native(), actuator, by or default_by(), timeout_s, mailbox, *self._meant())
+        call = _native.Restart(self._native(), actuator, by or default_by(), timeout_s, mailbox,
+                               *self._meant(acts=True))
         try:
             item = mailbox.pop(min(self._find_s, timeout_s))
             if item is None and not call.found():
@@ -219,7 +220,7 @@ class Machine:
     def release_estop(self, by: str = "") -> None:
         """Releases the emergency stop; changes no state."""
         reply = self._call("release_emergency_stop", ReleaseEmergencyStop,
-                           ReleaseEmergencyStop.Request(by or default_by()))
+                           ReleaseEmergencyStop.Request(by or default_by()), acts=True)
         if reply.code != 0:
             raise Failure(reply.code, reply.reason)
         self._drop_stops()
@@ -267,8 +268,9 @@ class Machine:
         here = _native.machine_here(self.node.namespace, self._domain)
         return here if self._machine[0] in ("", here[0]) else self._machine
 
-    def _meant(self) -> Tuple[str, str]:
-        """Name and id of the machine that is meant. Raises musher.Failure where the choice is open."""
+    def _meant(self, acts: bool = False) -> Tuple[str, str]:
+        """Name and id of the machine that is meant. Raises musher.Failure where the choice is open. `acts`: also
+        where this host has a machine that does not run: a robot that is down does not steer the one beside it."""
         known = self._known()
         if known[1]:
             return known
@@ -290,20 +292,25 @@ class Machine:
             what, cure = ((f"several machines are named {known[0]}", "each needs a name of its own") if known[0] else
                           ("several machines answer, none of them on this host", "Machine(machine=NAME) chooses one"))
             raise Failure(_TARGET_BUSY, f"{what}: {names}. Nothing was done; {cure}")
-        if found:
+        if not found:
+            return known
+        here = [] if known[0] else _native.machines_here(self.node.namespace, self._domain)
+        if not here or any(_is_one(found[0], machine) for machine in here):
             self._machine = found[0]
-            return found[0]
-        return known
+        elif acts:
+            raise Failure(_NET_ERROR, f"the machine of this host, {here[0][0]}, does not run; found {found[0][0]}. "
+                                      "Nothing was done; Machine(machine=NAME) speaks to another machine")
+        return found[0]
 
     def _leads(self) -> bool:
         with _Closing(self._watch()) as statuses:
             return self._next(statuses, self._known(), self._find_s) is not None
 
-    def _call(self, name: str, service: Any, request: Any, timeout_s: float = 5.0) -> Any:
+    def _call(self, name: str, service: Any, request: Any, timeout_s: float = 5.0, acts: bool = False) -> Any:
         with _Closing(self.node.client("/" + _native.machine_service(self.node.namespace, name), service)) as client:
             if not client.wait_until_ready(self._find_s):
                 raise self._not_found()
-            request.machine, request.machine_id = self._meant()
+            request.machine, request.machine_id = self._meant(acts)
             return client.call(request, timeout_s)
 
     def _not_found(self, what: str = "no controller") -> Failure:
@@ -313,9 +320,12 @@ class Machine:
 
 
 def _is_of(status: MachineStatus, machine: Tuple[str, str]) -> bool:
+    return _is_one((status.machine, status.machine_id), machine)
+
+
+def _is_one(one: Tuple[str, str], other: Tuple[str, str]) -> bool:
     """As SameMachine() in lifecycle/machine/machine_identity.hpp: what is empty is not known."""
-    theirs = (status.machine, status.machine_id)
-    return all(not a or not b or a == b for a, b in zip(machine, theirs))
+    return all(not a or not b or a == b for a, b in zip(one, other))
 
 
 class _Closing:

@@ -158,11 +158,28 @@ std::pair<std::string, std::string> FindMachineHere(const std::string& name_spac
   return {origin->name, origin->id};
 }
 
+// (name, id) of each machine that has files or processes on this host.
+std::vector<std::pair<std::string, std::string>> FindMachinesHere(const std::string& name_space,
+                                                                  std::optional<int> domain) {
+  std::vector<std::pair<std::string, std::string>> found;
+  transport::DdsOptions options;
+  options.domain_id = domain;
+  const auto id = transport::DomainId(options);
+  if (!id) return found;
+  const auto machines = WithoutGil([&] { return MachinesHere(id.value(), name_space); });
+  for (const MachineHere& machine : machines) {
+    if (machine.identity.name.empty()) continue;
+    found.emplace_back(machine.identity.name, machine.identity.id);
+  }
+  return found;
+}
+
 }  // namespace
 
 void AddClient(py::module_& native) {
   native.def("read_machine", &ReadMachine);
   native.def("machine_here", &FindMachineHere);
+  native.def("machines_here", &FindMachinesHere);
   native.def("machine_service", &transport::MachineService);
   native.def("machine_status_topic", &transport::MachineStatusTopic);
   py::class_<Switch>(native, "Switch")

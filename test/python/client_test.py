@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 from robot import DEADLINE_S, SOURCE  # also sets the domain
 
@@ -107,6 +108,27 @@ class Choice(unittest.TestCase):
             self.assertIn("dog (id d0900000)", refused.reason)
             self.assertIn("dog (id d0910000)", refused.reason)
             self.assertNotIn("cat", refused.reason)
+
+    def test_where_the_machine_of_this_host_does_not_run_no_other_one_is_driven(self):
+        folder = tempfile.mkdtemp(prefix="musher-python-")
+        self.addCleanup(shutil.rmtree, folder)
+        state = os.path.join(folder, "musher", f"cat@{self.NAMESPACE}")
+        os.makedirs(state)
+        with open(os.path.join(state, "machine"), "w", encoding="utf-8") as file:
+            file.write(f"name cat\nnamespace {self.NAMESPACE}\ndomain {os.environ['ROS_DOMAIN_ID']}\n"
+                       f"file {folder}/robot.toml\nid cafe0000-0000-4000-8000-000000000001\n")
+        self.publish("dog", "d0900000-0000-4000-8000-000000000002")
+        with mock.patch.dict(os.environ, {"XDG_STATE_HOME": folder}):
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine.status().machine, "dog", "looking is free")
+                for call in (lambda: machine.set("Active"), lambda: machine.restart("legs"),
+                             lambda: machine.set("Active", "legs")):
+                    with self.assertRaises(musher.Failure) as refused:
+                        call()
+                    self.assertIn("the machine of this host, cat, does not run; found dog. Nothing was done",
+                                  refused.exception.reason)
+        with musher.Machine(namespace=self.NAMESPACE) as machine:
+            self.assertEqual(machine._meant(acts=True)[0], "dog", "a host without files of a machine")
 
 
 if __name__ == "__main__":
