@@ -3,8 +3,9 @@
 import dataclasses
 import datetime
 import os
+import threading
 import time
-from typing import Any, Iterator, List, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from musher import _native
 from musher._errors import Failure
@@ -21,6 +22,7 @@ _TARGET_BUSY = 111
 _LOOK_S = 0.1  # between two looks at the processes of this host
 _STOPS_KEPT = 8
 _OTHERS_S = 0.3  # machines of other hosts are found one after the other
+_SEARCH_S = 1.0  # for the controller of this host, before a stop goes to each machine
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,7 +85,8 @@ class Machine:
             machine = machine or name
         self._config = path
         self._domain = domain
-        self._machine = (machine, "")  # name and id; empty: not chosen
+        self._name = machine  # that the caller gave, else of the only machine that answered; empty: none has
+        self._found = ("", "")  # name and id of the machine that answered last; a new start may have another id
         self._stops: List[_native.Stop] = []  # that are published
         self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity)
         self._status_topic = "/" + _native.machine_status_topic(self.node.namespace)
@@ -91,31 +94,37 @@ class Machine:
 
     def status(self) -> MachineStatus:
         """Raises musher.Failure if no controller is found."""
+        end = time.monotonic() + self._find_s
         with _Closing(self._watch()) as statuses:
-            found = self._next(statuses, self._meant(), self._find_s)
+            meant, chosen = self._choose(statuses, self._find_s)
+            left = end - time.monotonic() if chosen is None else 0.0
+            found = self._next(statuses, meant, max(left, 0.0)) or chosen
         if found is None:
             raise self._not_found()
         return found
 
     def watch(self) -> Iterator[MachineStatus]:
         """Each new status of the machine, the present one first."""
-        meant = self._meant()
         with _Closing(self._watch()) as statuses:
+            meant, status = self._choose(statuses, self._find_s)
+            if status is not None and self._name:
+                meant = (self._name, "")  # also once it is started again with another id
             while True:
-                status = self._next(statuses, meant, None)
                 if status is not None:
                     yield status
+                status = self._next(statuses, meant, None)
 
     def wait_until(self, condition: Any, timeout_s: float = 60.0) -> MachineStatus:
         """The first status for which condition(status) holds; or pass the name of a state that it is in."""
         end = time.monotonic() + timeout_s
         holds = (lambda status: status.state == condition) if isinstance(condition, str) else condition
         last: Optional[MachineStatus] = None
-        meant = self._meant()
         with _Closing(self._watch()) as statuses:
+            meant, status = self._choose(statuses, min(self._find_s, timeout_s))
             while True:
                 left = end - time.monotonic()
-                status = self._next(statuses, meant, left) if left > 0 else None
+                if status is None and left > 0:
+                    status = self._next(statuses, meant, left)
                 if status is None:
                     if last is None:
                         raise self._not_found()
@@ -123,6 +132,7 @@ class Machine:
                 last = status
                 if holds(status):
                     return status
+                status = None
 
     def set(self, state: str, actuator: str = "", *, timeout_s: float = 60.0, by: str = "") -> Outcome:
         """Switches the machine, or one actuator, and waits for the outcome, also if the controller that was
@@ -193,7 +203,7 @@ class Machine:
         raises musher.Failure if one has not confirmed it in time, or if the machine may have more of them. The stop
         stays engaged in any case, and reaches actuators that join until this machine is closed."""
         end = time.monotonic() + timeout_s
-        meant = self._known()  # a stop waits for no discovery
+        meant = self._to_stop()
         with _Closing(self._watch()) as statuses:
             stop = _native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED, *meant,
                                 self._domain, self._config)
@@ -262,45 +272,72 @@ class Machine:
                 newest = status
 
     def _known(self) -> Tuple[str, str]:
-        """Name and id of the machine that is meant, without waiting; empty: not known."""
-        if self._machine[1]:
-            return self._machine
+        """Name and id of the machine that is meant, without discovery; empty: not known."""
         here = _native.machine_here(self.node.namespace, self._domain)
-        return here if self._machine[0] in ("", here[0]) else self._machine
+        return here if self._name in ("", here[0]) else (self._name, "")
 
-    def _meant(self, acts: bool = False) -> Tuple[str, str]:
-        """Name and id of the machine that is meant. Raises musher.Failure where the choice is open. `acts`: also
-        where this host has a machine that does not run: a robot that is down does not steer the one beside it."""
+    def _to_stop(self) -> Tuple[str, str]:
+        """The same for a stop, which goes to each machine that may be meant before anything can hold it up: to every
+        id of a name, and to each machine of the namespace where a process hangs the search for the one here."""
+        if self._name:
+            return self._name, ""
+        found: List[Tuple[str, str]] = []
+        search = threading.Thread(target=lambda: found.append(self._known()), daemon=True)
+        search.start()
+        search.join(_SEARCH_S)
+        return found[0] if found else ("", "")
+
+    def _choose(self, statuses: "Subscription[MachineStatus]",
+                within_s: float) -> Tuple[Tuple[str, str], Optional[MachineStatus]]:
+        """Name and id of the machine that is meant, and the newest status of it that was taken meanwhile. Raises
+        musher.Failure where the choice is open."""
         known = self._known()
         if known[1]:
-            return known
-        found: List[Tuple[str, str]] = []
-        with _Closing(self._watch()) as statuses:
-            end = time.monotonic() + self._find_s
-            while (left := end - time.monotonic()) > 0:
-                status = statuses.take(left)
-                if status is None:
-                    break
-                if not _is_of(status, known):
-                    continue
-                if not any(_is_of(status, machine) for machine in found):
-                    found.append((status.machine, status.machine_id))
-                if len(found) == 1:
-                    end = min(end, time.monotonic() + _OTHERS_S)
+            return known, None
+        found: Dict[Tuple[str, str], MachineStatus] = {}
+        end = time.monotonic() + within_s
+        while (left := end - time.monotonic()) > 0:
+            status = statuses.take(left)
+            if status is None:
+                break
+            if not _is_of(status, known):
+                continue
+            machine = (status.machine, status.machine_id)
+            if machine == self._found:  # it answers as before
+                return machine, status
+            found[next((one for one in found if _is_of(status, one)), machine)] = status
+            if len(found) == 1:
+                end = min(end, time.monotonic() + _OTHERS_S)
         if len(found) > 1:
             names = ", ".join(f"{name} (id {id[:8]})" if id else name for name, id in found)
             what, cure = ((f"several machines are named {known[0]}", "each needs a name of its own") if known[0] else
                           ("several machines answer, none of them on this host", "Machine(machine=NAME) chooses one"))
             raise Failure(_TARGET_BUSY, f"{what}: {names}. Nothing was done; {cure}")
-        if not found:
-            return known
-        here = [] if known[0] else _native.machines_here(self.node.namespace, self._domain)
-        if not here or any(_is_one(found[0], machine) for machine in here):
-            self._machine = found[0]
-        elif acts:
-            raise Failure(_NET_ERROR, f"the machine of this host, {here[0][0]}, does not run; found {found[0][0]}. "
+        for machine, status in found.items():
+            self._found = machine
+            if not self._is_beside(machine):
+                self._name = machine[0]
+            return machine, status
+        return known, None
+
+    def _meant(self, acts: bool = False) -> Tuple[str, str]:
+        """Name and id of the machine that is meant. Raises musher.Failure if it does not answer, or where the choice
+        is open. `acts`: also where this host has a machine that does not run: a robot that is down does not steer the
+        one beside it."""
+        with _Closing(self._watch()) as statuses:
+            meant, status = self._choose(statuses, self._find_s)
+        if not meant[1] and status is None:
+            raise self._not_found()
+        if acts and self._is_beside(meant):
+            own = _native.machines_here(self.node.namespace, self._domain)[0][0]
+            raise Failure(_NET_ERROR, f"the machine of this host, {own}, does not run; found {meant[0]}. "
                                       "Nothing was done; Machine(machine=NAME) speaks to another machine")
-        return found[0]
+        return meant
+
+    def _is_beside(self, machine: Tuple[str, str]) -> bool:
+        """Whether it was found without a name, and this host has machines of which it is none."""
+        here = [] if self._name else _native.machines_here(self.node.namespace, self._domain)
+        return bool(here) and not any(_is_one(machine, one) for one in here)
 
     def _leads(self) -> bool:
         with _Closing(self._watch()) as statuses:
@@ -308,9 +345,9 @@ class Machine:
 
     def _call(self, name: str, service: Any, request: Any, timeout_s: float = 5.0, acts: bool = False) -> Any:
         with _Closing(self.node.client("/" + _native.machine_service(self.node.namespace, name), service)) as client:
+            request.machine, request.machine_id = self._meant(acts)
             if not client.wait_until_ready(self._find_s):
                 raise self._not_found()
-            request.machine, request.machine_id = self._meant(acts)
             return client.call(request, timeout_s)
 
     def _not_found(self, what: str = "no controller") -> Failure:

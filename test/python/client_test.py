@@ -5,13 +5,15 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from unittest import mock
 
 from robot import DEADLINE_S, SOURCE  # also sets the domain
 
 import musher  # noqa: E402
-from musher.musher_msgs.msg import MachineStatus  # noqa: E402
+from musher import _machine  # noqa: E402
+from musher.musher_msgs.msg import EmergencyStop, MachineStatus  # noqa: E402
 
 
 class Client(unittest.TestCase):
@@ -63,7 +65,7 @@ class Client(unittest.TestCase):
     def test_without_a_robot_it_says_that_there_is_no_controller(self):
         refused = self.run_client("Active")
         self.assertEqual(refused.returncode, 1)
-        self.assertIn("client.py: no controller found", refused.stderr)
+        self.assertIn("client.py: no controller in the default namespace", refused.stderr)
 
 
 class Choice(unittest.TestCase):
@@ -77,6 +79,7 @@ class Choice(unittest.TestCase):
         status = MachineStatus(machine=machine, machine_id=machine_id, name_space=self.NAMESPACE,
                                host="another boot/1", pid=7, phase="running", state="Active")
         node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
+        return node
 
     def refusals(self, **chosen):
         """Of each method that speaks to one machine."""
@@ -129,6 +132,63 @@ class Choice(unittest.TestCase):
                                   refused.exception.reason)
         with musher.Machine(namespace=self.NAMESPACE) as machine:
             self.assertEqual(machine._meant(acts=True)[0], "dog", "a host without files of a machine")
+
+    # It was bound to the first id: a robot that systemd starts instead of a person has another one.
+    def test_a_machine_that_is_started_again_with_another_id_is_the_same_by_its_name(self):
+        for chosen in ({"machine": "dog"}, {}):
+            first = self.publish("dog", "d0900000-0000-4000-8000-000000000002")
+            with musher.Machine(namespace=self.NAMESPACE, **chosen) as dog:
+                self.assertEqual(dog.status().machine_id[:4], "d090")
+                followed = dog.watch()
+                self.assertEqual(next(followed).machine_id[:4], "d090")
+                first.close()
+                second = self.publish("dog", "d0910000-0000-4000-8000-000000000003")
+                self.assertEqual(next(followed).machine_id[:4], "d091")
+                self.assertEqual(dog.status().machine_id[:4], "d091")
+                second.close()
+
+    def stop_of(self, machine):
+        """The stop that it publishes."""
+        node = musher.Node(namespace=self.NAMESPACE)
+        self.addCleanup(node.close)
+        stops = node.subscribe("musher/emergency_stop", EmergencyStop, latched=True)
+        with self.assertRaises(musher.Failure):
+            machine.estop("smoke", timeout_s=0.1)  # no actuator is there
+        return stops.take(DEADLINE_S)
+
+    def test_a_stop_goes_to_each_id_of_the_name_whatever_was_found_before(self):
+        self.publish("dog", "d0900000-0000-4000-8000-000000000002")
+        for chosen in ({"machine": "dog"}, {}):
+            with musher.Machine(namespace=self.NAMESPACE, **chosen) as dog:
+                dog.status()
+                stop = self.stop_of(dog)
+                self.assertEqual((stop.machine, stop.machine_id), ("dog", ""))
+
+    def test_a_stop_waits_for_no_search_of_the_processes_of_this_host(self):
+        hangs = mock.patch.object(_machine._native, "machine_here", lambda *_: time.sleep(2 * DEADLINE_S))
+        with hangs, musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
+            self.assertEqual(self.stop_of(dog).machine, "dog")
+        with hangs, musher.Machine(namespace=self.NAMESPACE) as any_machine:
+            self.assertEqual(self.stop_of(any_machine).machine, "")
+
+    # Each looked for it twice, one after the other.
+    def test_a_machine_that_is_not_up_is_looked_for_once(self):
+        with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
+            dog._find_s = 3.0
+            for call in (dog.status, lambda: dog.set("Active"), lambda: dog.restart("legs"), dog.release_estop):
+                begin = time.monotonic()
+                with self.assertRaises(musher.Failure) as refused:
+                    call()
+                self.assertLess(time.monotonic() - begin, 5.0)
+                self.assertEqual(refused.exception.code, 105)
+
+    # The time was over before the first status of the machine that it had found was looked at.
+    def test_a_state_is_awaited_while_machines_are_looked_for(self):
+        self.publish("dog", "d0900000-0000-4000-8000-000000000002")
+        with mock.patch.object(_machine, "_OTHERS_S", 10.0):
+            with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
+                dog._find_s = 10.0
+                self.assertEqual(dog.wait_until("Active", timeout_s=2.0).machine, "dog")
 
 
 if __name__ == "__main__":
