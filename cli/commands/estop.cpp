@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 
 #include "musher/base/host.hpp"
@@ -38,6 +39,7 @@ struct EstopOptions {
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
 constexpr Duration kLanStopTimeout = std::chrono::seconds(10);  // a bad link delays discovery
 constexpr Duration kFirstTry = std::chrono::seconds(1);  // then the other process publishes, too
+constexpr Duration kOthersWithin = Milliseconds(300);    // after the first machine that is meant
 constexpr Duration kSaved = std::chrono::seconds(1);     // a save takes less on a disk that works
 constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
@@ -89,15 +91,27 @@ GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
   return options;
 }
 
+// A stop, and for whom it is.
+struct Stop {
+  msg::EmergencyStop message;
+  std::string id_begins;               // --machine; empty: not given
+  std::vector<MachineIdentity> by_id;  // of this host, whose id begins so
+
+  Result<std::unique_ptr<StopLatch>> Publish(transport::Node& node,
+                                             const GlobalOptions& global) const {
+    auto latch = StopLatch::Begin(node, global.name_space, message, !global.keys.empty());
+    if (latch && !id_begins.empty()) latch.value()->AddBeginningOfId(id_begins, by_id);
+    return latch;
+  }
+};
+
 // Publishes the stop for a minute, unless it is released. Without the signals and the terminal of
 // the command.
-[[noreturn]] void PublishForAMinute(const GlobalOptions& global, const msg::EmergencyStop& stop) {
+[[noreturn]] void PublishForAMinute(const GlobalOptions& global, const Stop& stop) {
   const auto link = Link::Open(global);
   if (!link) _exit(1);
-  const auto latch =
-      StopLatch::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
+  const auto latch = stop.Publish(link.value()->node(), global);
   if (!latch) _exit(1);
-  if (stop.machine_id.empty()) latch.value()->AddBeginningOfId(global.machine);
   link.value()->RunUntil([&] { return latch.value()->withdrawn(); }, kKeptPublished);
   _exit(0);
 }
@@ -108,7 +122,7 @@ class DetachedPublisher {
  public:
   // To be called before the process has a second thread. `timeout`: after which it publishes
   // unless it was cancelled.
-  DetachedPublisher(const GlobalOptions& global, const msg::EmergencyStop& stop,
+  DetachedPublisher(const GlobalOptions& global, const Stop& stop,
                     std::optional<Duration> timeout = std::nullopt) {
     int ends[2] = {-1, -1};
     if (pipe2(ends, O_CLOEXEC) != 0) return;
@@ -139,7 +153,7 @@ class DetachedPublisher {
 
  private:
   [[noreturn]] static void Wait(int fd, std::optional<Duration> timeout,
-                                const GlobalOptions& global, const msg::EmergencyStop& stop) {
+                                const GlobalOptions& global, const Stop& stop) {
     setsid();
     const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
@@ -185,8 +199,15 @@ class Confirmation {
     link_.RunUntil([this] { return Report().not_on_disk.empty(); }, kSaved);
   }
 
+  // Another machine that is meant is discovered after the first one.
+  void AwaitOthers(Duration timeout) {
+    if (!Report().controller) return;
+    link_.RunUntil([] { return false; },
+                   std::min(kOthersWithin, begun_ + timeout - link_.loop().Now()));
+  }
+
   void Await(Duration timeout) {
-    const Time end = link_.loop().Now() + timeout;
+    const Time end = begun_ + timeout;
     const auto left = [&] { return end - link_.loop().Now(); };
     const auto led = [this] {
       return latch_.withdrawn() || (Report().controller && Report().settled());
@@ -221,6 +242,7 @@ class Confirmation {
   Link& link_;
   const StopLatch& latch_;
   const StopScope scope_;
+  const Time begun_ = link_.loop().Now();
 };
 
 // Prints why the stop is not complete. It stays published for a minute, unless it was released.
@@ -246,34 +268,68 @@ ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatc
 }
 
 // Follows the machine whose controller --machine means. Where it means several, each of them is
-// stopped, and the report names them: a stop that asks first would leave them moving.
+// stopped, one is followed, and the report names them: a stop that asks first would leave them
+// moving.
 void Choose(Link& link, const MachineIdentity& machine, const GlobalOptions& global) {
   const bool open = !global.machine.empty() && machine.id.empty();
-  if (!open) return link.Choose(machine);
-  if (link.ChooseMachine()) link.Choose();
+  if (open) return link.ChooseOnceFound();
+  link.Choose(machine);
+}
+
+// What a search of this host finds: the machine that is meant, and what it has of any.
+struct Found {
+  MachineIdentity machine;
+  std::vector<MachineHere> machines;
+};
+
+// Reads the disk and other processes, and one that hangs may hold it up. Before that the controller
+// of this host has the stop, and after kFirstTry another process publishes it: to each machine that
+// may be meant, as far as is known then.
+Found SearchMeanwhile(Stop& stop, const GlobalOptions& global) {
+  const auto begun = std::chrono::steady_clock::now();
+  Address(stop.message, {global.machine, ""});
+  HandOver(stop.message, global);
+  std::optional<DetachedPublisher> meanwhile(std::in_place, global, stop, kFirstTry);
+  Found found{TargetOf(global), {}};
+  const bool by_id = BeginsIdOf(found.machine, global.machine);
+  if (by_id) {
+    msg::EmergencyStop here = stop.message;
+    Address(here, found.machine);
+    HandOver(here, global);
+    stop.by_id = {found.machine};
+  }
+  if (global.machine.empty()) {
+    // After a search that hung it is for each machine: another one may have received it.
+    const bool published = std::chrono::steady_clock::now() - begun >= kFirstTry;
+    if (published) found.machine = {};
+    Address(stop.message, found.machine);
+  }
+  if (by_id || global.machine.empty()) {
+    meanwhile->Cancel();
+    meanwhile.emplace(global, stop, kFirstTry);
+  }
+  found.machines = MachinesHere(transport::DomainId({}).value(), global.name_space);
+  meanwhile->Cancel();
+  for (const MachineHere& one : found.machines) {
+    if (BeginsIdOf(one.identity, global.machine)) stop.by_id.push_back(one.identity);
+  }
+  if (found.machine.id.empty()) {
+    found.machine = MachineByFiles(global.machine, found.machines).value_or(found.machine);
+  }
+  return found;
 }
 
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
-  MachineIdentity machine = TargetOf(given);
-  msg::EmergencyStop stop =
-      NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
-  Address(stop, machine);
-  HandOver(stop, given);
-  // The search reads the disk and other processes, and one that hangs may hold it up.
-  DetachedPublisher meanwhile(given, stop, kFirstTry);
-  const std::vector<MachineHere> machines =
-      MachinesHere(transport::DomainId({}).value(), given.name_space);
-  meanwhile.Cancel();
-  if (machine.id.empty()) machine = MachineByFiles(given.machine, machines).value_or(machine);
-  Address(stop, machine);
+  Stop stop;
+  stop.message = NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
+  stop.id_begins = given.machine;
+  const auto [machine, machines] = SearchMeanwhile(stop, given);
   const GlobalOptions global = Reach(given, machine, machines);
   DetachedPublisher detached(global, stop);
   const auto link = Link::Open(global, &console);
   if (!link) return console.Fail(link.error());
-  const auto latch =
-      StopLatch::Begin(link.value()->node(), global.name_space, stop, !global.keys.empty());
+  const auto latch = stop.Publish(link.value()->node(), global);
   if (!latch) return console.Fail(latch.error());
-  if (machine.id.empty()) latch.value()->AddBeginningOfId(global.machine);
   const auto second_try = link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] {
     if (!latch.value()->withdrawn()) detached.Begin();
   });
@@ -282,7 +338,9 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console
     return console.Fail(followed.error());
   }
   Confirmation confirmation(*link.value(), *latch.value(), global, machines);
-  confirmation.Await(global.timeout.value_or(confirmation.DefaultTimeout()));
+  const Duration timeout = global.timeout.value_or(confirmation.DefaultTimeout());
+  confirmation.Await(timeout);
+  if (!global.machine.empty() && machine.id.empty()) confirmation.AwaitOthers(timeout);
   confirmation.AwaitSaved();
   EstopReport report = confirmation.Report();
   if (const pid_t silent = report.controller ? 0 : link.value()->LeaderHere(); silent != 0) {

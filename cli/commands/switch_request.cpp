@@ -17,6 +17,7 @@
 #include "musher/cli/render/text.hpp"
 #include "musher/controller/client/switch_client.hpp"
 #include "musher/lifecycle/state.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
 namespace {
@@ -27,6 +28,7 @@ constexpr Duration kControllerEnd = std::chrono::seconds(7);
 // Longer than a service manager takes to start another controller, including its listening time.
 constexpr Duration kSuccessor = std::chrono::seconds(6);
 constexpr Duration kSecuredSuccessor = std::chrono::seconds(12);
+constexpr Duration kLastStatus = Milliseconds(200);  // of a controller that has exited
 // Between two looks at the names that processes of this host hold.
 constexpr Duration kLookAgain = Milliseconds(20);
 
@@ -156,14 +158,25 @@ class SwitchCommand {
       return;
     }
     const Error& error = reply.error();
-    const bool exited = error.code == kCodeNetError;  // else the request was not taken
-    if (exited || error.code == kCodeUnSupport) {
-      std::optional<msg::MachineStatus> last;
-      if (exited) last = link_->last_leader() ? link_->last_leader() : here_;
-      const auto joined = link_->Join();
-      const auto requested = joined ? RequestByNetwork(last) : joined;
-      if (requested) return;
+    if (error.code == kCodeNetError) {
+      // It has exited. Its last status, with the outcome, may arrive after that.
+      last_status_ = link_->loop().At(link_->loop().Now() + kLastStatus, [this, error] {
+        RequestAgain(error, link_->last_leader() ? link_->last_leader() : here_);
+      });
+    } else if (error.code == kCodeUnSupport) {
+      RequestAgain(error, std::nullopt);  // the request was not taken
+    } else {
+      FailUnknown(error);
     }
+  }
+
+  void RequestAgain(const Error& error, std::optional<msg::MachineStatus> exited) {
+    const auto joined = link_->Join();
+    const auto requested = joined ? RequestByNetwork(std::move(exited)) : joined;
+    if (!requested) FailUnknown(error);
+  }
+
+  void FailUnknown(const Error& error) {
     failure_ = Failure{ExitCode::kUnknownEnd,
                        {error.code, "the controller: " + error.message +
                                         "; `musher up` with the same config takes control of what "
@@ -174,6 +187,7 @@ class SwitchCommand {
   std::optional<Failure> Follow() {
     auto followed = link_->Join();
     if (!followed) return NotFollowed(followed.error());
+    joined_ = link_->loop().Now();
     if (const auto open = link_->ChooseMachine(Link::Purpose::kAct)) return open;
     followed = link_->FollowStatus([this](const auto& status) { progress_.Show(status); });
     if (!followed) return NotFollowed(followed.error());
@@ -233,12 +247,17 @@ class SwitchCommand {
     return ExitCodeOfRefusal(result.outcome == "refused" ? result.code : kCodeFailed);
   }
 
-  // The machine may have been down before every actuator here was discovered.
+  // The machine may have been down before every actuator was discovered: those of this host hold
+  // their names, others need the time of a discovery.
   bool IsAnyLeftBehind() {
     if (!running_) {
       console_.PrintError("whether more actuators run in this namespace is not known: " +
                           not_followed_);
       return false;
+    }
+    const auto profile = transport::Profile({});
+    if (!profile || profile.value() == TransportProfile::kLan) {
+      link_->RunUntil([] { return false; }, joined_ + link_->discovery() - link_->loop().Now());
     }
     const auto tick = link_->loop().Every(kLookAgain, [] {});
     link_->RunUntil(
@@ -261,10 +280,12 @@ class SwitchCommand {
   SwitchProgress progress_;
   std::unique_ptr<RunningActuators> running_;
   std::string not_followed_;                // why `running_` is null
+  Time joined_{};                           // the domain
   std::optional<msg::MachineStatus> here_;  // of the controller that is called by its socket
   std::optional<SwitchEnd> end_;
   std::optional<Failure> failure_;
   std::unique_ptr<SwitchClient> client_;
+  transport::LoopHandlePtr last_status_;
   std::unique_ptr<transport::HostCall> call_;  // last: its callback uses all of the above
 };
 

@@ -65,6 +65,7 @@ Result<> Link::Join() {
       *node_, std::string(transport::kMachinesTopic),
       [this](const msg::MachineInfo& machine, const transport::SampleInfo& info) {
         machines_[info.writer] = {machine, info.participant};
+        TakeNamed();
       },
       transport::kLatchedFromManyQos, std::move(events));
   if (!infos) return infos.error();
@@ -116,6 +117,10 @@ Result<> Link::FollowStatus(OnStatus on_change) {
   if (auto joined = Join(); !joined) return joined.error();
   if (const auto failure = ChooseMachine()) return failure->error;
   on_status_ = std::move(on_change);
+  return Follow();
+}
+
+Result<> Link::Follow() {
   LeaderWatch::Options leader{global_.name_space, HostId(), WatchByPidfd(loop_)};
   leader.machine = machine_;
   const auto take = [this](const msg::MachineStatus& last, bool leads) {
@@ -135,6 +140,25 @@ Result<> Link::FollowStatus(OnStatus on_change) {
 void Link::Choose(MachineIdentity machine) {
   machine_ = std::move(machine);
   chosen_ = true;
+}
+
+void Link::ChooseOnceFound() {
+  machine_ = {global_.machine, ""};
+  chosen_ = true;
+  open_ = true;
+  TakeNamed();
+}
+
+// Once one is discovered. By its name it is followed already.
+void Link::TakeNamed() {
+  const std::vector<Found> named = open_ ? Candidates() : std::vector<Found>();
+  if (named.empty()) return;
+  open_ = false;
+  if (named.front().info.machine == global_.machine) return;
+  machine_ = named.front().machine();
+  if (!leader_) return;
+  // Not inside the callback of the subscription that has discovered it.
+  follow_ = loop_.At(loop_.Now(), [this] { static_cast<void>(Follow()); });
 }
 
 std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
@@ -193,18 +217,17 @@ bool Link::ChooseHere(Duration limit) {
 }
 
 // Whether --machine names the machine whose controller runs on this host. Then it is meant, also
-// where another one of that name answers, such as a copy of this robot.
+// where another one of that name answers, such as a copy of this robot. By the files of that
+// controller, which take no discovery.
 bool Link::IsNamedHere() const {
-  const auto holder = NameLock::HolderOf(ControllerName());
-  if (!holder.trusted) return false;
-  const auto origin = OriginOfProcess(holder.pid);
-  return origin && IsNamed({origin->name, origin->id});
+  const auto here = OriginHere(transport::DomainId({}).value(), global_.name_space);
+  return here && IsNamed({here->name, here->id});
 }
 
 std::optional<Failure> Link::ChooseNamed() {
   std::vector<Found> named = Candidates();
   if (named.empty()) {
-    machine_.name = global_.machine;  // which may appear later
+    ChooseOnceFound();
     return std::nullopt;
   }
   if (!AreOne(named)) return OpenChoice(named, "several machines are named " + global_.machine);
@@ -323,7 +346,7 @@ bool Link::IsNamed(const MachineIdentity& machine) const {
 }
 
 bool Link::Speaks(const MachineIdentity& machine) const {
-  return SameMachine(machine_, machine);
+  return open_ ? IsNamed(machine) : SameMachine(machine_, machine);
 }
 
 transport::ParticipantId Link::Leader() const {

@@ -74,6 +74,8 @@ class Link {
   Failure NotHere(const MachineIdentity& here, const std::string& others) const;
   // Speaks to every machine of the namespace, or to `machine`, without waiting.
   void Choose(MachineIdentity machine = {});
+  // Speaks to a machine that --machine means, once its controller is discovered. Waits for none.
+  void ChooseOnceFound();
   // What is known of it; empty: nothing was found.
   const MachineIdentity& machine() const { return machine_; }
 
@@ -175,6 +177,8 @@ class Link {
   bool IsNamedHere() const;
   bool ChooseHere(Duration limit);
   std::optional<Failure> ChooseNamed();
+  void TakeNamed();
+  Result<> Follow();
   std::optional<Failure> ChooseOf(const std::vector<Found>& candidates, Purpose purpose);
   std::optional<Failure> ChooseElsewhere(const std::vector<Found>& candidates, Purpose purpose);
   std::optional<MachineIdentity> MachineOfActuatorsHere();
@@ -197,13 +201,15 @@ class Link {
   std::map<transport::EndpointId, Found> machines_;  // by their writer
   MachineIdentity machine_;                          // that was chosen
   bool chosen_ = false;                              // or searched for, in vain
-  bool searched_ = false;                            // … and no controller of it was discovered
+  bool open_ = false;      // nothing but the word of --machine is known of it yet
+  bool searched_ = false;  // … and no controller of it was discovered
   std::optional<msg::MachineStatus> status_;
   std::optional<msg::MachineStatus> last_leader_;
   OnStatus on_status_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Subscription> machine_infos_;
   std::unique_ptr<LeaderWatch> leader_;  // of FollowStatus()
+  transport::LoopHandlePtr follow_;      // … again, once its machine is found
 };
 
 template <msg::Service S>

@@ -40,8 +40,10 @@ struct StopReach {
 };
 
 // By what this host has of `machine`. Where that is not known, those machines count of which an
-// actuator runs here: the files of another one may be old. A word that begins an id may begin one
-// that is not known here. `running_here`: the names of the processes that run here.
+// actuator runs here: the files of another one may be old. A word that may begin
+// an id may begin that of a machine whose config is known here without its id: it may have other
+// hosts, but is not confined to their interfaces. `running_here`: the names of the processes that
+// run here.
 StopReach ReachOf(const MachineIdentity& machine, const std::string& word,
                   const std::vector<MachineHere>& machines,
                   const std::vector<std::string>& running_here);

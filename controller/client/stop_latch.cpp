@@ -147,6 +147,11 @@ bool StopLatch::IsMeant(const MachineIdentity& machine) const {
 }
 
 // Also where several ids begin so: no other answer is safe.
+void StopLatch::AddBeginningOfId(std::string beginning, const std::vector<MachineIdentity>& known) {
+  id_begins_ = std::move(beginning);
+  for (const MachineIdentity& machine : known) MeetById(machine);
+}
+
 void StopLatch::MeetById(const MachineIdentity& machine) {
   const bool is_new = BeginsIdOf(machine, id_begins_) && !IsIn(by_id_, machine);
   if (!is_new || !stops_ || by_id_.size() >= kMostMachines) return;
@@ -307,7 +312,12 @@ std::string StopLatch::WhyUnknown(const StopView& view) const {
       if (!unknown.ends_with('(')) unknown += ", ";
       unknown += MachineText(machine).substr(0, kLongestUnknownMachine);
     }
-    return unknown + "); `musher estop --machine NAME` stops one of them and confirms that";
+    const auto has_name_of_another = [&several](const MachineIdentity& machine) {
+      return std::ranges::count(several, machine.name, &MachineIdentity::name) > 1;
+    };
+    const bool by_id = std::ranges::any_of(several, has_name_of_another);
+    return unknown + "); `musher estop --machine " + (by_id ? "ID" : "NAME") +
+           "` stops one of them and confirms that";
   }
   if (view.controller) return "";
   if (view.has_controller) return "the controller does not answer";

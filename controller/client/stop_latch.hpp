@@ -108,9 +108,10 @@ class StopLatch {
                                                   bool with_keys = false,
                                                   std::function<void()> on_change = {});
 
-  // The stop is also for each machine whose id begins so: published to it as soon as anything of it
-  // is received. For a word that a person gives as the name of a machine, and that may be that.
-  void AddBeginningOfId(std::string beginning) { id_begins_ = std::move(beginning); }
+  // The stop is also for each machine whose id begins so: published at once to those that are
+  // `known`, to others as soon as anything of them is received. For a word that a person gives as
+  // the name of a machine, and that may be that.
+  void AddBeginningOfId(std::string beginning, const std::vector<MachineIdentity>& known = {});
 
   // The actuators whose status was received, and those that the controller's status lists as
   // present, in its order. `expected`: names of actuators that run, whether or not their status was

@@ -11,7 +11,7 @@
 namespace musher {
 namespace {
 
-// A reply may still arrive after the exit of the controller is noticed.
+// A reply, or the last status, may still arrive after the exit of the controller is noticed.
 constexpr Duration kGrace = Milliseconds(200);
 // A successor replies once it has discovered the actuators.
 constexpr Duration kReplyTimeout = std::chrono::seconds(10);
@@ -71,8 +71,10 @@ Result<> SwitchClient::Open() {
     epoch_ = Epoch(exited.epoch);
     pid_ = exited.pid;
     number_ = CommandNumber(exited.target == target_ ? exited.switch_number : 0);
+    called_ = transport::ParticipantId(exited.participant);
+    if (exited.phase == kStopped) stopped_ = exited;
     how_ = "has exited";
-    wait_ = loop.At(loop.Now(), [this] { Orphan(); });
+    wait_ = loop.At(loop.Now() + (stopped_ ? Duration{} : kGrace), [this] { Orphan(); });
     return Ok();
   }
   wait_ = loop.At(loop.Now() + options_.find,
@@ -86,7 +88,7 @@ void SwitchClient::OnStatus(const msg::MachineStatus& status) {
       before_ = CommandNumber(status.switch_number);
       return Call(status);
     case Step::kCalled:
-      if (status.phase == kStopped && watch_->participant() == called_) stopped_ = status;
+      TakeStopped(status);
       if (wait_) return;  // it is known to have ended
       epoch_ = Epoch(status.epoch);
       if (status.target == target_) number_ = CommandNumber(status.switch_number);
@@ -97,6 +99,11 @@ void SwitchClient::OnStatus(const msg::MachineStatus& status) {
     case Step::kEnded:
       return;
   }
+}
+
+// The last status of the controller that was called, which ends with its machine.
+void SwitchClient::TakeStopped(const msg::MachineStatus& status) {
+  if (status.phase == kStopped && watch_->participant() == called_) stopped_ = status;
 }
 
 void SwitchClient::Call(const msg::MachineStatus& leader) {
@@ -150,8 +157,9 @@ std::string SwitchClient::Lost() const {
          how_ + " " + during;
 }
 
-void SwitchClient::OnLeaderEnd(const msg::MachineStatus&, const std::string& how) {
+void SwitchClient::OnLeaderEnd(const msg::MachineStatus& leader, const std::string& how) {
   transport::EventLoop& loop = node_.loop();
+  if (step_ == Step::kCalled) TakeStopped(leader);
   if (step_ == Step::kCalled && !wait_) {
     how_ = how;
     wait_ = loop.At(loop.Now() + kGrace, [this] { Orphan(); });

@@ -50,7 +50,8 @@ class SwitchClient {
     Duration find = std::chrono::seconds(60);      // for a controller that leads
     Duration successor = std::chrono::seconds(5);  // for another controller to lead
     // The last status of a controller that was called in another way, and has exited before its
-    // reply: the client begins as orphaned.
+    // reply: the client begins as orphaned, unless that says that the machine is stopped, or a
+    // status of the same participant does so at once.
     std::optional<msg::MachineStatus> exited = std::nullopt;
   };
   // A sentence to print at once: the controller has exited, the client waits for another one.
@@ -75,6 +76,7 @@ class SwitchClient {
                OnNews on_news, OnEnd on_end);
   Result<> Open();
   void OnStatus(const msg::MachineStatus& status);
+  void TakeStopped(const msg::MachineStatus& status);
   void OnLeaderEnd(const msg::MachineStatus& leader, const std::string& how);
   void Call(const msg::MachineStatus& leader);
   void Orphan();

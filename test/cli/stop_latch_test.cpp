@@ -13,6 +13,7 @@
 
 namespace musher::cli::stop_latch_test {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -296,7 +297,18 @@ TEST_F(Stop, ThatDoesNotNameItsMachineIsNotConfirmedBesideASecondMachine) {
   network_.RunFor(std::chrono::seconds(1));
   const EstopReport report = latch_->Report(StopView{});
   EXPECT_FALSE(report.complete());
-  EXPECT_THAT(report.unknown, HasSubstr("several machines have received the stop (dog, cat)"));
+  EXPECT_THAT(report.unknown, HasSubstr("several machines have received the stop (dog, cat); "
+                                        "`musher estop --machine NAME` stops one of them"));
+}
+
+// It advised to stop one of them by the name that both have.
+TEST_F(Stop, OfTwoMachinesOfOneNameIsConfirmedByAnIdAlone) {
+  Engage();
+  legs_->BelongTo("dog", "5982c7ee-dog");
+  eyes_->BelongTo("dog", "5984a000-dog");
+  AfterASecond();
+  EXPECT_THAT(latch_->Report(StopView{}).unknown,
+              AllOf(HasSubstr("dog (id 5982c7ee)"), HasSubstr("`musher estop --machine ID`")));
 }
 
 // A command line that ended before left the robot with "voice had latched it" for a reason.
@@ -425,6 +437,21 @@ TEST_F(StopById, StopsEachMachineWhoseIdBeginsSoAndNamesThem) {
   EXPECT_THAT(latch_->Report(StopView{}).unknown,
               HasSubstr("several machines have received the stop (dog (id 5982c7ee), cat (id "
                         "5982a000))"));
+}
+
+TEST_F(StopById, ReachesAKnownMachineBeforeAnythingOfItIsReceived) {
+  std::vector<std::string> ids;
+  const auto stops = transport::MakeSubscription<msg::EmergencyStop>(
+                         *dog_, transport::EmergencyStopTopic("pack"),
+                         [&ids](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
+                           ids.push_back(stop.machine_id);
+                         },
+                         transport::kLatchedFromManyQos)
+                         .value();
+  latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke", "5982", ""}).value();
+  latch_->AddBeginningOfId("5982", {{"dog", "5982c7ee-dog"}});
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(ids, ElementsAre("", "5982c7ee-dog"));
 }
 
 TEST_F(StopById, NeedsFourCharactersOfAnIdAndStopsAMachineOfThatName) {

@@ -124,6 +124,16 @@ TEST(StopReach, IsTheNetworkOfAMachineWithoutAnIdForAWordThatMayBeginIt) {
       << "it has another id and another name";
 }
 
+// The robot.toml of the working directory is of another machine.
+TEST(StopReach, IsNotConfinedToTheInterfacesOfAMachineThatOnlyMayBeMeant) {
+  EXPECT_THAT(ReachOf({"5982c7ee", ""}, "5982c7ee", {Lan({"dog", ""})}, {}).interfaces,
+              ::testing::IsEmpty());
+  EXPECT_EQ(ReachOf({"robot17", ""}, "robot17", {Lan({"cat", ""})}, {}), StopReach{})
+      << "no id begins so";
+  EXPECT_FALSE(ReachOf({"cafe", ""}, "cafe", {Local({"cafe", ""}), Lan({"dog", ""})}, {}).lan)
+      << "it is a name";
+}
+
 TEST(StopReach, IsThisHostOfNoMachine) {
   EXPECT_EQ(ReachOf({}, "", {}, {}), StopReach{});
   EXPECT_EQ(ReachOf(kDog, "", {}, {"legs"}), StopReach{});

@@ -206,6 +206,41 @@ TEST_F(SwitchClients,
   EXPECT_EQ(second_.machine().phase, Phase::kStopped);
 }
 
+// It waited for a successor, and ended with an unknown outcome.
+TEST_F(SwitchClients, TakeTheLastStatusOfAControllerThatWasCalledInAnotherWayForItsAnswer) {
+  msg::MachineStatus exited;
+  exited.epoch = 3;
+  exited.pid = 4711;
+  exited.host = kSimHost;
+  exited.phase = "stopped";
+  exited.state = "TearDown";
+  exited.switch_number = 5;
+  Request("TearDown", kSimHost, exited);
+  EXPECT_EQ(End(std::chrono::seconds(1)).kind, Kind::kReported);
+  EXPECT_EQ(end_->result.outcome, "done");
+  EXPECT_EQ(end_->result.switch_number, 5U);
+  EXPECT_THAT(news_, IsEmpty());
+}
+
+TEST_F(SwitchClients, TakeTheStatusThatArrivesAfterTheExitOfAControllerThatWasCalledInAnotherWay) {
+  const auto node = network_.MakeNode("first");
+  const auto statuses = transport::MakePublisher<msg::MachineStatus>(
+      *node, transport::MachineStatusTopic(""), transport::kLatchedQos);
+  msg::MachineStatus status;
+  status.epoch = 3;
+  status.pid = 4711;
+  status.host = kSimHost;
+  status.phase = "stopping";
+  status.participant = node->participant().value();
+  Request("TearDown", kSimHost, status);
+  status.phase = "stopped";
+  status.state = "TearDown";
+  ASSERT_TRUE(statuses.value()->Publish(status));
+  EXPECT_EQ(End(std::chrono::seconds(1)).kind, Kind::kReported);
+  EXPECT_EQ(end_->result.outcome, "done");
+  EXPECT_THAT(news_, IsEmpty());
+}
+
 TEST_F(SwitchClients, GetInterruptedForARequestThatNeverArrivedAndItIsNotRunLater) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   Request("LowPower");

@@ -1,10 +1,17 @@
 // Emergency stops by hand, with a controller and without one.
 
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
 
+#include <atomic>
+
+#include "musher/base/unique_fd.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/dds/node_thread.hpp"
@@ -15,6 +22,143 @@ namespace musher::testing::estop_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+
+// A robot of another host, with one actuator.
+class FarRobot {
+ public:
+  // `appears_after`: so long after it has received a stop it is discovered; nullopt: at once.
+  FarRobot(std::string name_space, std::string machine, std::string id, std::string actuator,
+           std::optional<Duration> appears_after = std::nullopt)
+      : name_space_(std::move(name_space)),
+        machine_{std::move(machine), std::move(id)},
+        actuator_(std::move(actuator)) {
+    thread_->RunOnLoop([&] {
+      stops_ = transport::SubscribeToStops(thread_->node(), name_space_,
+                                           [this, appears_after](const auto& stop, const auto&) {
+                                             transport::EventLoop& loop = thread_->node().loop();
+                                             if (appears_after && !appears_) {
+                                               appears_ = loop.At(loop.Now() + *appears_after,
+                                                                  [this] { Appear(); });
+                                             }
+                                             OnStop(stop);
+                                           })
+                   .value();
+      if (!appears_after) Appear();
+    });
+  }
+  ~FarRobot() {
+    thread_->RunOnLoop([this] {
+      appears_ = nullptr;
+      stops_ = nullptr;
+      infos_ = nullptr;
+      heartbeats_ = nullptr;
+      controllers_ = nullptr;
+      actuators_ = nullptr;
+    });
+  }
+  FarRobot(const FarRobot&) = delete;
+  FarRobot& operator=(const FarRobot&) = delete;
+
+  bool stopped() const { return stopped_; }
+
+ private:
+  template <class Message>
+  std::unique_ptr<transport::Publisher<Message>> Publish(const std::string& topic,
+                                                         const Message& message) {
+    auto publisher =
+        transport::MakePublisher<Message>(thread_->node(), topic, transport::kLatchedQos).value();
+    EXPECT_TRUE(publisher->Publish(message));
+    return publisher;
+  }
+  void Appear() {
+    const std::uint64_t participant = thread_->node().participant().value();
+    msg::ControllerHeartbeat heartbeat;
+    heartbeat.machine = machine_.name;
+    heartbeat.machine_id = machine_.id;
+    heartbeat.epoch = 1;
+    heartbeat.host = kFar;
+    heartbeat.pid = 7;
+    heartbeat.participant = participant;
+    heartbeat.period_ns = Duration(std::chrono::seconds(10)).count();
+    heartbeats_ = Publish(transport::ControllerHeartbeatTopic(name_space_), heartbeat);
+    actuator_status_.name = actuator_;
+    actuator_status_.machine = machine_.name;
+    actuator_status_.machine_id = machine_.id;
+    actuator_status_.host = kFar;
+    actuator_status_.participant = participant;
+    actuators_ = Publish(transport::ActuatorStatusTopic(name_space_), actuator_status_);
+    status_.machine = machine_.name;
+    status_.machine_id = machine_.id;
+    status_.name_space = name_space_;
+    status_.host = kFar;
+    status_.pid = 7;
+    status_.epoch = 1;
+    status_.participant = participant;
+    msg::ActuatorInfo& actuator = status_.actuators.emplace_back();
+    actuator.name = actuator_;
+    actuator.presence = "present";
+    actuator.health = "well";
+    actuator.protocol = "musher";
+    controllers_ = Publish(transport::MachineStatusTopic(name_space_), status_);
+    infos_ = Publish(std::string(transport::kMachinesTopic),
+                     msg::MachineInfo{machine_.name, name_space_, kFar, 7, machine_.id});
+  }
+  void OnStop(const msg::EmergencyStop& stop) {
+    if (!SameMachine(machine_, {stop.machine, stop.machine_id})) return;
+    stopped_ = true;
+    if (!actuators_) return;
+    actuator_status_.emergency_stop = stop.id;
+    status_.emergency_stop = true;
+    status_.emergency_stop_by = stop.by;
+    status_.emergency_stop_reason = stop.reason;
+    EXPECT_TRUE(actuators_->Publish(actuator_status_));
+    EXPECT_TRUE(controllers_->Publish(status_));
+  }
+
+  static constexpr const char* kFar = "another boot/1";
+  const std::string name_space_;
+  const MachineIdentity machine_;
+  const std::string actuator_;
+  std::atomic<bool> stopped_ = false;
+  msg::ActuatorStatus actuator_status_;
+  msg::MachineStatus status_;
+  const std::shared_ptr<transport::NodeThread> thread_ = transport::NodeThread::Start({}).value();
+  transport::LoopHandlePtr appears_;
+  std::unique_ptr<transport::Subscription> stops_;
+  std::unique_ptr<transport::Publisher<msg::MachineInfo>> infos_;
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
+  std::unique_ptr<transport::Publisher<msg::MachineStatus>> controllers_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> actuators_;
+};
+
+// A descriptor of this process on a file system that does not answer, as on a network file system
+// whose server is lost: each process that looks at it waits.
+class HungDescriptor {
+ public:
+  explicit HungDescriptor(std::string folder)
+      : folder_(std::move(folder)), server_(open("/dev/fuse", O_RDWR | O_CLOEXEC)) {
+    std::filesystem::create_directory(folder_);
+    const std::string options =
+        "fd=" + std::to_string(server_.get()) + ",rootmode=40000,user_id=0,group_id=0";
+    mounted_ = server_.valid() && mount("hung", folder_.c_str(), "fuse", 0, options.c_str()) == 0;
+    if (mounted_) file_ = UniqueFd(open(folder_.c_str(), O_PATH | O_CLOEXEC));
+  }
+  ~HungDescriptor() {
+    server_ = {};
+    file_ = {};
+    if (mounted_) umount2(folder_.c_str(), MNT_DETACH);
+  }
+  HungDescriptor(const HungDescriptor&) = delete;
+  HungDescriptor& operator=(const HungDescriptor&) = delete;
+
+  bool valid() const { return file_.valid(); }
+
+ private:
+  const std::string folder_;
+  UniqueFd server_;
+  bool mounted_ = false;
+  UniqueFd file_;
+};
 
 class EmergencyStop : public MachineByCli {
  protected:
@@ -327,6 +471,87 @@ TEST_F(EmergencyStop, ReachesTheMachineWhoseIdBeginsSoWithoutAController) {
   const Ended estop = Musher({"estop", "smoke", "--machine", id.substr(0, 8)});
   EXPECT_EQ(estop.exit, 0) << estop.err;
   ExpectLatchedByAll(true);
+}
+
+// The search of the processes of this host came first.
+TEST_F(EmergencyStop, GoesOutBeforeASearchThatADescriptorOfAnotherProcessHoldsUp) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string id = IdOf(folder_ / "state").substr(0, 8);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"estop", "--machine", "robot"}, {"estop"}, {"estop", "--machine", id}}) {
+    std::optional<HungDescriptor> hung(std::in_place, folder_ / "hung");
+    if (!hung->valid()) GTEST_SKIP() << "a file system that hangs needs root and /dev/fuse";
+    Process estop(Command(words));
+    ExpectLatchedByAll(true);
+    hung.reset();
+    EXPECT_EQ(estop.Wait().exit, 0) << words.back();
+    ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+    ExpectLatchedByAll(false);
+  }
+}
+
+// Where the command is typed in the folder of an unrelated robot, it was taken for the named one.
+TEST_F(EmergencyStop, ByNameIsCompleteInTheFolderOfAnotherMachineOfTheProfileLan) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  LoseController();
+  OtherRobot("cat", name_space_, folder_ / "cat_state");
+  std::ofstream(folder_ / "other/robot.toml", std::ios::app)
+      << "[transport]\nprofile = \"lan\"\ninterfaces = [\"tether0\"]\n";
+  const auto estop_in_folder = [this](const std::string& machine) {
+    return RunToEnd({"sh", "-c",
+                     "cd " + (folder_ / "other") + " && exec " + BinDir() +
+                         "/musher estop --timeout 3 --machine " + machine});
+  };
+  const Ended by_name = estop_in_folder("robot");
+  EXPECT_EQ(by_name.exit, 0) << by_name.out << by_name.err;
+  const Ended by_id = estop_in_folder("0000beef");
+  EXPECT_THAT(by_id.err, Not(HasSubstr("tether0"))) << "it may be cat, or another one";
+}
+
+TEST_F(EmergencyStop, OfANameThatTwoMachinesHaveStopsBothAndReportsNoOtherOne) {
+  const FarRobot cat(name_space_, "cat", "cafe0000-0000-4000-8000-000000000001", "tail");
+  const FarRobot dog(name_space_, "dog", "d0900000-0000-4000-8000-000000000002", "legs");
+  const FarRobot other_dog(name_space_, "dog", "d0910000-0000-4000-8000-000000000003", "arms");
+  const Ended estop = Musher({"estop", "--machine", "dog"});
+  EXPECT_EQ(estop.exit, 1) << estop.out << estop.err;
+  EXPECT_THAT(estop.err, AllOf(HasSubstr("several machines have received the stop"),
+                               HasSubstr("dog (id d0900000)"), HasSubstr("dog (id d0910000)"),
+                               HasSubstr("--machine ID"), Not(HasSubstr("tail"))));
+  EXPECT_THAT(estop.out, Not(HasSubstr("tail")));
+  EXPECT_TRUE(dog.stopped() && other_dog.stopped());
+  EXPECT_FALSE(cat.stopped());
+}
+
+// Its controller was not followed, so the stop was not confirmed.
+TEST_F(EmergencyStop, ByTheBeginningOfAnIdIsConfirmedByAMachineThatIsDiscoveredLate) {
+  const FarRobot dog(name_space_, "dog", "5982c7ee-0000-4000-8000-000000000002", "legs",
+                     Milliseconds(3000));
+  const Ended estop = Musher({"--transport", "lan", "estop", "--machine", "5982"});
+  EXPECT_EQ(estop.exit, 0) << estop.out << estop.err;
+  EXPECT_TRUE(dog.stopped());
+}
+
+// Only the machine of this host had it.
+TEST_F(EmergencyStop, ReachesEachMachineThatIsMeantAlsoWhereOneOfThemRunsHere) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string id = IdOf(folder_ / "state").substr(0, 4);
+  const FarRobot named(name_space_, id, "cafe0000-0000-4000-8000-000000000001", "tail");
+  const FarRobot begins_so(name_space_, "dog", id + "0000-0000-4000-8000-000000000002", "head");
+  const Ended estop = Musher({"estop", "--machine", id});
+  EXPECT_EQ(estop.exit, 1) << estop.out << estop.err;
+  EXPECT_THAT(estop.err, HasSubstr("several machines have received the stop"));
+  EXPECT_TRUE(named.stopped());
+  EXPECT_TRUE(begins_so.stopped());
+  ExpectLatchedByAll(true);
+}
+
+// Two machines of one name were refused, and each command waited for the second one.
+TEST_F(EmergencyStop, OfTwoMachinesOfANameACommandSpeaksToTheOneOfItsHost) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const FarRobot other(name_space_, "robot", "cafe0000-0000-4000-8000-000000000001", "tail");
+  const Ended set = Musher({"set", "Active", "--machine", "robot"});
+  EXPECT_EQ(set.exit, 0) << set.err;
+  EXPECT_EQ(Status()["state"], "Active");
 }
 
 TEST_F(EmergencyStop, IsReleasedByHandWhichChangesNoState) {

@@ -206,12 +206,21 @@ class MachineOnTwoHosts : public MachineByCli {
       fault_injection::BringUp("lo");
       link_ = std::make_unique<fault_injection::Link>(far_->init());
     });
-    const std::string legs = folder_ / "legs.toml";
-    Drop("command = [\"musher-exec\", \"" + legs + "\"]\n");
     Replace("[controller]\n",
             "[transport]\nprofile = \"lan\"\ninterfaces = [\"link\"]\n[controller]\n");
-    legs_ = std::make_unique<Process>(
-        far_->Here({BinDir() + "/musher-exec", legs, "--config", config_, "--actuator", "legs"}));
+    Start();
+  }
+  virtual void Start() {
+    Drop("command = [\"musher-exec\", \"" + (folder_ / "legs.toml") + "\"]\n");
+    legs_ = StartFar("legs", config_);
+    Up();
+  }
+  std::unique_ptr<Process> StartFar(const std::string& actuator, const std::string& config) const {
+    return std::make_unique<Process>(
+        far_->Here({BinDir() + "/musher-exec", folder_ / (actuator + ".toml"), "--config", config,
+                    "--actuator", actuator}));
+  }
+  void Up() {
     const Ended up = robot_->Run({"up", config_, "--detach"});
     ASSERT_EQ(up.exit, 0) << up.err;
     ASSERT_TRUE(Until([this] { return AllHaveArrivedIn("Active")(robot_->Status()); }));
@@ -245,6 +254,29 @@ TEST_F(MachineOnTwoHosts, IsNotReportedAsStoppedWhileTheLinkToOneIsCut) {
   const Ended stop = robot_->Run({"estop", "--timeout", "5"});
   EXPECT_EQ(stop.exit, 1) << stop.out << stop.err;
   EXPECT_THAT(stop.err, HasSubstr("stop not confirmed: legs"));
+}
+
+// The TearDown was over before the other host was discovered, and the exit code was 0.
+class MachineOfOneHostOfTwo : public MachineOnTwoHosts {
+ protected:
+  void Start() override { Up(); }
+};
+
+TEST_F(MachineOfOneHostOfTwo, IsNotDownWhileAnActuatorOfAnEarlierConfigRunsOnTheOther) {
+  std::string earlier = ReadFile(config_);
+  for (std::size_t at = 0; (at = earlier.find("voice", at)) != std::string::npos;) {
+    earlier.replace(at, 5, "tail");
+  }
+  std::ofstream(folder_ / "earlier.toml") << earlier;
+  Does("tail", "[state.OTA]\nrun = [\"true\"]\n");
+  const auto tail = StartFar("tail", folder_ / "earlier.toml");
+  const std::string name = name_space_ + "/tail$";  // that it holds on its host
+  ASSERT_TRUE(Until([&] { return far_->Do({"grep", "-q", name, "/proc/net/unix"}).exit == 0; }));
+  const fault_injection::LinkImpairment slow{.delay = Milliseconds(150)};
+  link_->Set(slow, slow, 1);
+  const Ended down = robot_->Run({"down", "--transport", "lan"});
+  EXPECT_EQ(down.exit, 1) << down.out << down.err;
+  EXPECT_THAT(down.err, HasSubstr("tail"));
 }
 
 }  // namespace musher::testing::two_machines_test
