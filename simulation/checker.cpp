@@ -783,6 +783,14 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
     since_stop_.push_back(
         {++order_, record.actuator, target, SwitchesOnAgain(config_, from, target)});
   };
+  // A start may lead up if it is a person's, or a switch up was requested since the last stop.
+  const auto may_start = [&] {
+    const std::uint64_t stopped = LastStopOf(controller.serial());
+    return by_a_person_.contains(controller.serial()) ||
+           std::ranges::any_of(since_stop_, [stopped](const SinceStop& one) {
+             return one.order > stopped && !one.actuator && one.up;
+           });
+  };
   switch (record.event) {
     case EventName::kSwitchRequested:
       if (machine.current && machine.current->target == TargetOf(record)) {
@@ -793,15 +801,12 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
     case EventName::kSwitchWaiting:
       seen.requests.insert(record.id);
       return;
+    case EventName::kBatteryLimitsStart:  // the start leads to Active, once the battery allows it
+      if (may_start()) note(machine.state, State(kActive));
+      return;
     case EventName::kSwitchStarted: {
-      const SwitchNote& begun = *record.of_switch;
-      const std::uint64_t stopped = LastStopOf(controller.serial());
-      const auto permits = [stopped](const SinceStop& one) {
-        return one.order > stopped && !one.actuator && one.up;
-      };
-      const bool starts =
-          !config_.RankOf(begun.state) &&
-          (by_a_person_.contains(controller.serial()) || std::ranges::any_of(since_stop_, permits));
+      const action::SwitchNote& begun = *record.of_switch;
+      const bool starts = !config_.RankOf(begun.state) && may_start();
       if (starts || seen.requests.contains(record.cause)) note(begun.state, begun.target);
       return;
     }

@@ -364,7 +364,8 @@ State Switches::WayBack(const Leg& leg) const {
   const bool above = from && (place ? *from > *place : target && *from > *target);
   if (above) {
     const bool lists = place && ConfigOf(leg.actuator).Lists(machine_.state);
-    return lists ? machine_.state : leg.target;
+    if (lists) return machine_.state;
+    return target && *target < *from ? leg.target : leg.from;
   }
   if (from) return leg.from;
   const bool to_machine = config_.RankOf(machine_.state) && machine_.state != kError;

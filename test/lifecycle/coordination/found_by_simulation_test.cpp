@@ -147,6 +147,21 @@ TEST_F(FoundBySimulation, ARollbackTakesNoActuatorHigherThanTheSwitchHad) {
   EXPECT_THAT(t.log(), Not(Contains("a:DeActive")));
 }
 
+// It stood above the machine, and was brought to the target of the switch up that had failed.
+TEST_F(FoundBySimulation, ARollbackLeavesAnActuatorThatCouldNotComeDownWhereItWas) {
+  MachineConfig config = Ours(2);
+  Unlist(config, "a", "LowPower");
+  Harness& t = In("DeActive", config);
+  t.Set("LowPower");
+  ASSERT_EQ(t.StateOf("a"), "DeActive");
+  t.On("b", "Protected").code = 5001;
+  t.On("b", "Protected").takes = Milliseconds(50);
+  EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kUndone);
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "LowPower");
+  EXPECT_EQ(t.StateOf("a"), "DeActive");
+}
+
 TEST_F(FoundBySimulation, ACheckThatHangsAfterItsSwitchWasSupersededIsRecorded) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "a").critical = true;
