@@ -340,7 +340,8 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console
   Confirmation confirmation(*link.value(), *latch.value(), global, machines);
   const Duration timeout = global.timeout.value_or(confirmation.DefaultTimeout());
   confirmation.Await(timeout);
-  if (!global.machine.empty() && machine.id.empty()) confirmation.AwaitOthers(timeout);
+  // No two machines have the same whole id.
+  if (!global.machine.empty() && machine.id != global.machine) confirmation.AwaitOthers(timeout);
   confirmation.AwaitSaved();
   EstopReport report = confirmation.Report();
   if (const pid_t silent = report.controller ? 0 : link.value()->LeaderHere(); silent != 0) {

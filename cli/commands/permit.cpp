@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "musher/base/host.hpp"
 #include "musher/cli/commands/commands.hpp"
@@ -17,6 +18,8 @@ namespace musher::cli {
 namespace {
 
 constexpr Duration kPeriod = Milliseconds(50);  // a quarter of the shortest permit_ms
+// Actuators of one process have one reader, and some do not answer.
+constexpr Duration kAnnouncedWithin = std::chrono::seconds(1);
 
 // Says when the machine is stopped, and when that is over.
 class StopReport {
@@ -97,6 +100,10 @@ ExitCode GivePermits(const GlobalOptions& global, Console& console) {
   };
   give();
   const auto timer = link.loop().Every(kPeriod, give);
+  // It is said once they arrive: a stop that is released before that is followed by the next one.
+  const auto present =
+      std::ranges::count(machine.actuators, "present", &msg::ActuatorInfo::presence);
+  link.RunUntil([&] { return publisher.value()->MatchedReaders() >= present; }, kAnnouncedWithin);
   Announce(machine, console);
   announced = true;
   stops.Note(machine);

@@ -130,8 +130,19 @@ TEST_F(WrongKeys, InAFolderThatOthersCanChangeAreRefusedAndDoctorSaysSo) {
 TEST_F(WrongKeys, OfAnotherUserAreRefused) {
   if (geteuid() != 0) GTEST_SKIP() << "only root gives a file away";
   const std::string key = keys_ + "/voice.key";
+  const std::string why = key + " belongs to user 12345, who can read it";
   ASSERT_EQ(chown(key.c_str(), 12345, 12345), 0);
-  ExpectRefusal(key + " belongs to user 12345, who can read it");
+  const Ended started = Musher({"up", config_, "--detach"});
+  EXPECT_EQ(started.exit, 0) << "its process may run as that user: " << started.err;
+  const auto status =
+      AwaitStatus([](const auto& s) { return s["actuators"]["voice"]["degraded"]; });
+  EXPECT_THAT(status["actuators"]["voice"]["message"].get<std::string>(), HasSubstr(why));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  const std::string own = keys_ + "/controller.key";
+  ASSERT_EQ(chown(own.c_str(), 12345, 12345), 0);
+  const Ended up = UpDetached();
+  EXPECT_NE(up.exit, 0);
+  EXPECT_THAT(up.err, HasSubstr(own + " belongs to user 12345, who can read it"));
 }
 
 TEST_F(WrongKeys, ThatAreMissingAreReported) {
