@@ -59,7 +59,8 @@ std::vector<const Document::Tree*> RootsFirst(const Document& document) {
   for (const Document::Tree& tree : document.trees) NoteSubtrees(tree.content, used);
   std::vector<const Document::Tree*> trees;
   for (const Document::Tree& tree : document.trees) trees.push_back(&tree);
-  std::ranges::stable_partition(trees, [&](const auto* tree) { return !used.contains(tree->id); });
+  std::stable_partition(trees.begin(), trees.end(),
+                        [&](const auto* tree) { return !used.contains(tree->id); });
   return trees;
 }
 
@@ -113,10 +114,11 @@ void Builder::NoteUnset(const Element& element, const std::string& port) {
 std::vector<Diagnostic> Builder::Take() && {
   std::vector<std::string> names = factory_.Names();
   names.emplace_back("SubTree");
-  for (const auto& [id, places] : unknown_) {
-    const bool modelled = std::ranges::any_of(document_.models, [&id](const Element& model) {
+  for (const auto& unknown : unknown_) {
+    const auto& [id, places] = unknown;
+    const bool modelled = std::ranges::any_of(document_.models, [&unknown](const Element& model) {
       const Attribute* attribute = model.Find("ID");
-      return attribute != nullptr && attribute->value == id;
+      return attribute != nullptr && attribute->value == unknown.first;
     });
     Report(*places.begin(), Severity::kError,
            "there is no node " + Quoted(id) + DidYouMean(id, names) +

@@ -188,7 +188,7 @@ class SwitchCommand {
     auto followed = link_->Join();
     if (!followed) return NotFollowed(followed.error());
     joined_ = link_->loop().Now();
-    if (const auto open = link_->ChooseMachine(Link::Purpose::kAct)) return open;
+    if (auto open = link_->ChooseMachine(Link::Purpose::kAct)) return open;
     followed = link_->FollowStatus([this](const auto& status) { progress_.Show(status); });
     if (!followed) return NotFollowed(followed.error());
     if (progress_.on()) limits_.Request(target_, actuator_);

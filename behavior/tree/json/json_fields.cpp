@@ -61,7 +61,7 @@ JsonReader::JsonReader(std::string_view json) : state_(std::make_unique<State>()
 
 JsonReader::~JsonReader() = default;
 
-void JsonReader::Fail(std::string why) {
+void JsonReader::Fail(const std::string& why) {
   if (!error_.empty()) return;
   const std::string path = state_->Path();
   error_ = path.empty() ? "the JSON " + why : "the JSON field '" + path + "' " + why;

@@ -96,7 +96,7 @@ class JsonReader {
   bool ReadNumber(double& value);
   bool ReadWhole(std::int64_t& value);
   void Expect(std::string_view what);
-  void Fail(std::string why);
+  void Fail(const std::string& why);
 
   struct State;
   std::unique_ptr<State> state_;

@@ -4,7 +4,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "musher/behavior/tree/nav2/nodes.hpp"
 
@@ -13,7 +12,7 @@ namespace musher::tree::nav2 {
 // `takes_time`: it may return RUNNING by itself.
 template <class N, class... Args>
 void AddNode(Factory& factory, std::string_view name, NodeKind kind, bool takes_time,
-             std::string does, Args&... args) {
+             const std::string& does, Args&... args) {
   if (factory.Find(name) != nullptr) return;
   static_cast<void>(
       factory.Register(name, {.kind = kind,
@@ -25,7 +24,7 @@ void AddNode(Factory& factory, std::string_view name, NodeKind kind, bool takes_
                                   return std::make_unique<N>(args...);
                                 }
                               },
-                              .description = std::move(does)}));
+                              .description = does}));
 }
 
 void AddControlNodes(Factory& factory);

@@ -277,8 +277,9 @@ std::vector<navigation::Point> Travel::InTheWay(double ahead_m) const {
   for (std::size_t i = 1; i < rest.size() && ahead_m > 0; ++i) {
     const navigation::Point &from = rest[i - 1].at, &to = rest[i].at;
     const double length_m = FlatApart(from, to), gone_m = std::min(length_m, ahead_m);
-    for (double at_m = 0; at_m < gone_m; at_m += kStepM) {
-      places.push_back(navigation::Between(from, to, at_m / length_m));
+    const int steps = static_cast<int>(std::ceil(gone_m / kStepM));
+    for (int step = 0; step < steps; ++step) {
+      places.push_back(navigation::Between(from, to, step * kStepM / length_m));
     }
     ahead_m -= length_m;
   }
