@@ -321,7 +321,8 @@ TEST_F(TheLaunchedLidar, IsStartedByTheControllerWhenItsLaunchFileEnds) {
   });
   EXPECT_EQ(status["state"], "Active");
   EXPECT_THAT(Events(), Contains("controller_server: on_deactivate"));
-  EXPECT_EQ(Musher({"down"}).exit, 0);
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 0) << down.out << down.err;
 }
 
 TEST_F(TheStack, IsOneManagedNodeOfNav2sManagerThatStartsResetsAndShutsItDown) {
