@@ -360,9 +360,11 @@ TEST(WaitingForTheDisk, OfTheReceiverIsThatOfTheThreadThatReceives) {
 // The parent of vfork() is blocked until its child ends, and no disk takes part in it.
 TEST_F(Scheduling, SeesThatAThreadIsBlocked) {
   const Child child([] {
+    const pid_t parent = getpid();
     if (vfork() == 0) {  // NOLINT(clang-analyzer-security.insecureAPI.vfork)
       prctl(PR_SET_PDEATHSIG, SIGKILL);
-      while (true) pause();
+      while (getppid() == parent) pause();  // it may have been killed before
+      _exit(0);
     }
   });
   EXPECT_TRUE(Eventually([&] {
