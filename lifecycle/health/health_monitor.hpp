@@ -8,8 +8,8 @@
 //     │                    │
 //     └── received again ──┤ silent for its limit
 //                          ▼
-//          on this host:    Examine ──▶ waited for CPU or disk: starved   stopped, or could run:
-//          hung on another host: others of it are received ──▶ crashed   none is ──▶ partitioned
+//          on this host:    Examine ──▶ waited for CPU or disk: starved   else, or stopped: hung
+//          on another host: others of it are received ──▶ crashed   none is ──▶ partitioned
 //
 // The exit of a process is not handled here: the kernel reports it at once. A program of another
 // protocol without heartbeats is never evaluated, except a ROS 2 node with a checkpoint, which
