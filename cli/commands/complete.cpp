@@ -105,7 +105,7 @@ Words Capabilities(Link& link) {
 Words Commands(const CompleteOptions& options, GlobalOptions global) {
   if (options.application.empty()) return {};
   global.timeout = kFind;
-  const auto link = Link::Open(global);
+  const auto link = Link::OpenAtOnce(global);
   if (!link) return {};
   const auto answer = QueryBehavior(*link.value(), global, options.application, {"", 0});
   const auto* report = std::get_if<msg::GetBehavior::Response>(&answer);
@@ -161,7 +161,7 @@ Words OfMachine(const GlobalOptions& global, Names names) {
 // The skills that are offered, their actuators, or the keys of the skill on the line.
 std::vector<CompleteOptions::Word> SkillWords(const CompleteOptions& options,
                                               const GlobalOptions& global) {
-  const auto link = Link::Open(global);
+  const auto link = Link::OpenAtOnce(global);
   if (!link) return {};
   const auto offers = SkillOffers::Begin(*link.value(), global);
   if (!offers) return {};
@@ -186,7 +186,7 @@ std::vector<CompleteOptions::Word> SkillWords(const CompleteOptions& options,
 
 // With their types.
 std::vector<CompleteOptions::Word> TopicWords(const GlobalOptions& global) {
-  const auto link = Link::Open(global);
+  const auto link = Link::OpenAtOnce(global);
   if (!link) return {};
   const auto topics = Topics::Begin(*link.value());
   if (!topics) return {};

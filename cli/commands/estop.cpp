@@ -108,7 +108,7 @@ struct Stop {
 // Publishes the stop for a minute, unless it is released. Without the signals and the terminal of
 // the command.
 [[noreturn]] void PublishForAMinute(const GlobalOptions& global, const Stop& stop) {
-  const auto link = Link::Open(global);
+  const auto link = Link::OpenAtOnce(global);
   if (!link) _exit(1);
   const auto latch = stop.Publish(link.value()->node(), global);
   if (!latch) _exit(1);
@@ -204,6 +204,12 @@ class Confirmation {
     if (!Report().controller) return;
     link_.RunUntil([] { return false; },
                    std::min(kOthersWithin, begun_ + timeout - link_.loop().Now()));
+  }
+
+  // Whether anything of the machine is found within the time for discovery, or runs here.
+  bool AwaitAny(Duration timeout) {
+    const auto any = [this] { return Report().found() || HasController(); };
+    return link_.RunUntil(any, std::min(link_.discovery(), timeout)) || link_.interrupted();
   }
 
   void Await(Duration timeout) {
@@ -319,47 +325,99 @@ Found SearchMeanwhile(Stop& stop, const GlobalOptions& global) {
   return found;
 }
 
-ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
-  Stop stop;
-  stop.message = NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
-  stop.id_begins = given.machine;
-  const auto [machine, machines] = SearchMeanwhile(stop, given);
-  const GlobalOptions global = Reach(given, machine, machines);
-  DetachedPublisher detached(global, stop);
-  const auto link = Link::Open(global, &console);
-  if (!link) return console.Fail(link.error());
-  const auto latch = stop.Publish(link.value()->node(), global);
-  if (!latch) return console.Fail(latch.error());
-  const auto second_try = link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] {
-    if (!latch.value()->withdrawn()) detached.Begin();
-  });
-  Choose(*link.value(), machine, global);
-  if (const auto followed = link.value()->FollowStatus({}); !followed) {
-    return console.Fail(followed.error());
+// One try to stop the machine, by the networks of `global`.
+class Attempt {
+ public:
+  Attempt(const Stop& stop, const Found& found, GlobalOptions global)
+      : stop_(stop), found_(found), global_(std::move(global)), detached_(global_, stop) {}
+  Attempt(const Attempt&) = delete;
+  Attempt& operator=(const Attempt&) = delete;
+
+  // Publishes the stop until it is confirmed, at most for `timeout`. Not `last`: it ends once the
+  // time for discovery is over and nothing is found. nullopt: then; its process publishes on.
+  std::optional<ExitCode> Run(std::optional<Duration> timeout, bool last, Console& console) {
+    const auto link = Link::OpenAtOnce(global_, &console);
+    if (!link) return console.Fail(link.error());
+    const auto latch = stop_.Publish(link.value()->node(), global_);
+    if (!latch) return console.Fail(latch.error());
+    const auto second_try = link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] {
+      if (!latch.value()->withdrawn()) detached_.Begin();
+    });
+    Choose(*link.value(), found_.machine, global_);
+    if (const auto followed = link.value()->FollowStatus({}); !followed) {
+      return console.Fail(followed.error());
+    }
+    Confirmation confirmation(*link.value(), *latch.value(), global_, found_.machines);
+    const Duration limit = timeout.value_or(confirmation.DefaultTimeout());
+    if (!last && !confirmation.AwaitAny(limit)) {
+      detached_.Begin();
+      return std::nullopt;
+    }
+    confirmation.Await(limit);
+    // No two machines have the same whole id.
+    const bool may_be_several = !global_.machine.empty() && found_.machine.id != global_.machine;
+    if (may_be_several) confirmation.AwaitOthers(limit);
+    confirmation.AwaitSaved();
+    return Conclude(confirmation.Report(), *link.value(), *latch.value(), console);
   }
-  Confirmation confirmation(*link.value(), *latch.value(), global, machines);
-  const Duration timeout = global.timeout.value_or(confirmation.DefaultTimeout());
-  confirmation.Await(timeout);
-  // No two machines have the same whole id.
-  if (!global.machine.empty() && machine.id != global.machine) confirmation.AwaitOthers(timeout);
-  confirmation.AwaitSaved();
-  EstopReport report = confirmation.Report();
-  if (const pid_t silent = report.controller ? 0 : link.value()->LeaderHere(); silent != 0) {
-    report.silent_controller = WhySilent(ExamineSilent(silent, global), global);
-  }
-  if (report.found()) {
-    console.Print(console.mode().json ? EstopJson(report)
-                                      : EstopText(report, console.mode().colour));
-  }
-  if (report.found() && report.complete()) {
-    detached.Cancel();
+
+  void Cancel() { detached_.Cancel(); }
+
+ private:
+  ExitCode Conclude(EstopReport report, const Link& link, const StopLatch& latch,
+                    Console& console) {
+    if (const pid_t silent = report.controller ? 0 : link.LeaderHere(); silent != 0) {
+      report.silent_controller = WhySilent(ExamineSilent(silent, global_), global_);
+    }
+    if (report.found()) {
+      console.Print(console.mode().json ? EstopJson(report)
+                                        : EstopText(report, console.mode().colour));
+    }
+    if (!report.found() || !report.complete()) {
+      return NotComplete(report, link, latch, detached_, console);
+    }
     if (!report.not_on_disk.empty()) {
       console.PrintError("not on disk: " + report.not_on_disk +
                          "; the stop is lost if the controller and the actuators end");
     }
     return ExitCode::kDone;
   }
-  return NotComplete(report, *link.value(), *latch.value(), detached, console);
+
+  const Stop& stop_;
+  const Found& found_;
+  const GlobalOptions global_;
+  DetachedPublisher detached_;  // before the process has a second thread: before a link
+};
+
+// By all networks at once, then by each one alone, which reaches a robot that has lost one of them
+// (see Link); by all again if none did.
+ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
+  Stop stop;
+  stop.message = NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
+  stop.id_begins = given.machine;
+  const Found found = SearchMeanwhile(stop, given);
+  const GlobalOptions global = Reach(given, found.machine, found.machines);
+  const Time begun = std::chrono::steady_clock::now();
+  std::vector<GlobalOptions> tries = {global};
+  for (const std::string& network : Link::SeparateNetworks(global)) {
+    tries.push_back(global);
+    tries.back().interfaces = {network};
+  }
+  if (tries.size() > 1) tries.push_back(global);
+  std::vector<std::unique_ptr<Attempt>> attempts;
+  for (const GlobalOptions& one : tries) {
+    const bool last = &one == &tries.back();
+    std::optional<Duration> timeout = global.timeout;
+    if (timeout) *timeout -= std::chrono::steady_clock::now() - begun;
+    attempts.push_back(std::make_unique<Attempt>(stop, found, one));
+    const auto exit = attempts.back()->Run(timeout, last, console);
+    if (!exit) continue;
+    if (*exit == ExitCode::kDone) {
+      for (const auto& attempt : attempts) attempt->Cancel();
+    }
+    return *exit;
+  }
+  return ExitCode::kNotDone;
 }
 
 ExitCode Release(const GlobalOptions& global, Console& console) {

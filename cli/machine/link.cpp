@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 
 #include "musher/base/host.hpp"
@@ -15,6 +16,7 @@
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/network.hpp"
 
 namespace musher::cli {
 namespace {
@@ -42,16 +44,64 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global, Console* c
   return link;
 }
 
+Result<std::unique_ptr<Link>> Link::OpenAtOnce(const GlobalOptions& global, Console* console) {
+  std::unique_ptr<Link> link(new Link(global, console));
+  if (auto joined = link->JoinBy(global.interfaces); !joined) return joined.error();
+  return link;
+}
+
 std::unique_ptr<Link> Link::OpenForCalls(const GlobalOptions& global, Console* console) {
   return std::unique_ptr<Link>(new Link(global, console));
 }
 
+// The user's own settings of Cyclone name their interfaces themselves.
+std::vector<std::string> Link::SeparateNetworks(const GlobalOptions& global) {
+  const char* settings = std::getenv("CYCLONEDDS_URI");  // NOLINT(concurrency-mt-unsafe)
+  const auto profile = transport::Profile({});
+  if (!profile || (settings != nullptr && *settings != '\0')) return {};
+  auto networks = transport::OuterInterfaces(profile.value(), global.interfaces);
+  if (networks.size() < 2) networks.clear();
+  return networks;
+}
+
 Result<> Link::Join() {
   if (node_) return Ok();
+  if (auto joined = JoinBy(global_.interfaces); !joined) return joined;
+  const bool here = global_.machine.empty() && NameLock::IsHeld(ControllerName());
+  return here ? Ok() : JoinByEachNetwork();
+}
+
+// By one after the other, until a machine is discovered that may be meant; by all if none is.
+Result<> Link::JoinByEachNetwork() {
+  const std::vector<std::string> networks = SeparateNetworks(global_);
+  if (networks.empty()) return Ok();
+  const Time end = loop_.Now() + global_.timeout.value_or(std::chrono::hours(1));
+  const auto met = [&] {
+    return RunUntil([this] { return !Candidates().empty(); },
+                    std::min(discovery(), end - loop_.Now()));
+  };
+  if (met()) return Ok();
+  for (const std::string& network : networks) {
+    if (interrupted_ || loop_.Now() >= end) break;
+    Leave();
+    if (auto joined = JoinBy({network}); !joined) return joined;
+    if (met()) return Ok();
+  }
+  Leave();
+  return JoinBy(global_.interfaces);
+}
+
+void Link::Leave() {
+  machine_infos_.reset();
+  node_.reset();
+  machines_.clear();
+}
+
+Result<> Link::JoinBy(const std::vector<std::string>& interfaces) {
   transport::DdsOptions options;
   options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.hidden = true;
-  options.interfaces = global_.interfaces;
+  options.interfaces = interfaces;
   if (!global_.keys.empty()) {
     options.credentials =
         transport::Credentials{std::filesystem::absolute(global_.keys), global_.identity};

@@ -5,6 +5,9 @@
 //   Open() ── Call() ──▶ the reply
 //                 └──▶ a Failure: no controller, no reply in time, interrupted, or a bad network
 //
+// On a host with several outer networks Cyclone sends to a process by one of them, and keeps it
+// while it is down. So where nothing is discovered, the link joins by each network alone.
+//
 // Threads: one; Call() runs the loop until the reply arrives. Ctrl-C ends a Call(), not the
 // program.
 
@@ -57,9 +60,14 @@ class Link {
   }
 
   // `console`, which must outlive it, gets a line while the link waits for a controller that is
-  // short of CPU time.
+  // short of CPU time. With several outer networks it waits until a controller is discovered.
   static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global,
                                             Console* console = nullptr);
+  // The same without that wait, by the networks of `global`.
+  static Result<std::unique_ptr<Link>> OpenAtOnce(const GlobalOptions& global,
+                                                  Console* console = nullptr);
+  // The outer networks each of which a link may join by alone; none: there are less than two.
+  static std::vector<std::string> SeparateNetworks(const GlobalOptions& global);
   // The same for a command that only uses Call(): it joins the domain once a call needs it.
   static std::unique_ptr<Link> OpenForCalls(const GlobalOptions& global,
                                             Console* console = nullptr);
@@ -170,6 +178,9 @@ class Link {
 
     MachineIdentity machine() const { return {info.machine, info.machine_id}; }
   };
+  Result<> JoinBy(const std::vector<std::string>& interfaces);
+  void Leave();
+  Result<> JoinByEachNetwork();
   std::vector<Found> Candidates() const;
   bool IsNamed(const MachineIdentity& machine) const;
   bool Speaks(const MachineIdentity& machine) const;

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "musher/base/host.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 #include "musher/test/support/refusals.hpp"
 
@@ -82,6 +83,65 @@ TEST_F(Takeover, EndsAControllerThatLeadsFromAnotherFolder) {
   EXPECT_EQ(first_->Wait().exit, 1);
   ExpectAdopted();
   EXPECT_EQ(Musher({"up", config_}).exit, 2);  // the name is the second's now
+}
+
+// That controller has ended before it could say so; its folder says it.
+TEST_F(Takeover, FromAnotherFolderHoldsTheStopThatIsEngagedThere) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_EQ(Musher({"estop", "it", "smokes"}).exit, 0);
+  MoveToOtherFolder();
+  TakeOver(config_);
+  EXPECT_THAT(ReadFile(folder_ / "other/controller.log"),
+              HasSubstr("an emergency stop is engaged in " + (folder_ / "state")));
+  EXPECT_EQ(Status()["emergency_stop"]["reason"], "it smokes");
+  EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 1);
+  EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+}
+
+TEST_F(Takeover, FromAnotherFolderSwitchesNothingOnAfterTheStopThatWasReleasedThere) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_EQ(Musher({"estop"}).exit, 0);
+  ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+  MoveToOtherFolder();
+  ASSERT_EQ(TakeOver(config_).exit, 0);
+  EXPECT_THAT(
+      ReadFile(folder_ / "other/controller.log"),
+      HasSubstr("no state was requested since the last emergency stop in " + (folder_ / "state")));
+  const pid_t legs = before_["actuators"]["legs"]["pid"];
+  kill(legs, SIGKILL);
+  const auto restarted = AwaitStatus([legs](const nlohmann::json& status) {
+    const nlohmann::json& now = status["actuators"]["legs"];
+    return now["pid"] != legs && AllHaveArrived(status);
+  });
+  EXPECT_EQ(restarted["actuators"]["legs"]["state"], "SelfCheck") << restarted;
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  EXPECT_EQ(Status()["actuators"]["legs"]["state"], "Active");
+}
+
+// A process of another user holds the name of the controller: it is neither trusted nor signalled.
+TEST_F(Takeover, OfANameThatAnotherUserHoldsLeadsBesideThatProcess) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  const std::string name =
+      NameLock::NameOf(transport::TestDomain(), name_space_, "musher/controller");
+  Process holder({"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "python3", "-c",
+                  "import socket; s = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM); "
+                  "s.bind('\\0musher/" +
+                      name + "'); print('holds', flush=True); \nwhile True: s.recv(99)"});
+  if (holder.LineWith("holds") == "") GTEST_SKIP() << "no python3 for another user here";
+  const Ended plain = Musher({"up", config_, "--detach"});
+  EXPECT_EQ(plain.exit, 2);
+  EXPECT_THAT(plain.err, AllOf(HasRefusal(Refusal::kNameHeld), HasSubstr("of user 65534")));
+  const Ended taken = TakeOver(config_);
+  EXPECT_EQ(taken.exit, 0) << taken.err;
+  AwaitStatus(AllHaveArrivedIn("Active"));
+  EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  const Ended stop = Musher({"estop"});
+  EXPECT_EQ(stop.exit, 0) << stop.err;
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 0) << down.err;
+  EXPECT_EQ(kill(holder.pid(), 0), 0) << "it was not signalled";
 }
 
 // Both are called robot.toml, as every example is, in one namespace and one domain.

@@ -24,6 +24,12 @@ class Adopted : public MixedMachine {
     EXPECT_THAT(Started("arm"), ElementsAre(pids_[1]));
     for (const pid_t pid : pids_) EXPECT_TRUE(Runs(pid)) << pid;
   }
+  void RemoveTheArm() const {
+    std::string toml = ReadFile(config_);
+    toml.replace(toml.find("[\"planner\", \"arm\"]"), 18, "[\"planner\"]");
+    toml.erase(toml.find("[actuator.arm]"));
+    std::ofstream(config_) << toml;
+  }
   void ExpectDownEndsAll() const {
     const Ended down = Musher({"down"});
     EXPECT_EQ(down.exit, 0) << down.out << down.err;
@@ -103,14 +109,23 @@ TEST_F(Adopted, UnlessTheShellHasExitedThenItsRemainsAreKilledBeforeTheNextStart
 TEST_F(Adopted, UnlessTheConfigDoesNotListThemThenTheyAreStopped) {
   ASSERT_NO_FATAL_FAILURE(Start());
   KillController();
-  std::string toml = ReadFile(config_);
-  toml.replace(toml.find("[\"planner\", \"arm\"]"), 18, "[\"planner\"]");
-  toml.erase(toml.find("[actuator.arm]"));
-  std::ofstream(config_) << toml;
+  RemoveTheArm();
   ASSERT_EQ(UpDetached().exit, 0);
   EXPECT_TRUE(AwaitEnd(pids_[1]));
   EXPECT_THAT(Musher({"history"}).out, HasSubstr("arm (pid " + std::to_string(pids_[1]) +
                                                  ") was started by an earlier controller, and "));
+  ExpectDownEndsAll();
+}
+
+// The list of processes is in the folder of the controller that is replaced.
+TEST_F(Adopted, ByATakeoverFromAnotherFolderWhichStopsTheOneThatItDoesNotList) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  RemoveTheArm();
+  Replace("state_dir = \"state\"", "state_dir = \"other\"");
+  const Ended up = Musher({"up", config_, "--takeover", "--detach"});
+  ASSERT_EQ(up.exit, 0) << up.out << up.err;
+  EXPECT_TRUE(AwaitEnd(pids_[1]));
+  EXPECT_THAT(Started("planner"), ElementsAre(pids_[0]));
   ExpectDownEndsAll();
 }
 
