@@ -107,8 +107,9 @@ struct Stop {
 
 // Publishes the stop for a minute, unless it is released. Without the signals and the terminal of
 // the command.
-[[noreturn]] void PublishForAMinute(const GlobalOptions& global, const Stop& stop) {
-  const auto link = Link::OpenAtOnce(global);
+[[noreturn]] void PublishForAMinute(const GlobalOptions& global, const std::string& network,
+                                    const Stop& stop) {
+  const auto link = Link::OpenAtOnce(global, nullptr, network);
   if (!link) _exit(1);
   const auto latch = stop.Publish(link.value()->node(), global);
   if (!latch) _exit(1);
@@ -121,9 +122,10 @@ struct Stop {
 class DetachedPublisher {
  public:
   // To be called before the process has a second thread. `timeout`: after which it publishes
-  // unless it was cancelled.
+  // unless it was cancelled. `network`: by it alone; empty: by all.
   DetachedPublisher(const GlobalOptions& global, const Stop& stop,
-                    std::optional<Duration> timeout = std::nullopt) {
+                    std::optional<Duration> timeout = std::nullopt,
+                    const std::string& network = {}) {
     int ends[2] = {-1, -1};
     if (pipe2(ends, O_CLOEXEC) != 0) return;
     UniqueFd read_end(ends[0]);
@@ -131,7 +133,7 @@ class DetachedPublisher {
     pid_ = fork();
     if (pid_ == 0) {
       write_end = {};
-      Wait(read_end.get(), timeout, global, stop);
+      Wait(read_end.get(), timeout, global, network, stop);
     }
     if (pid_ > 0) pipe_ = std::move(write_end);
   }
@@ -153,7 +155,8 @@ class DetachedPublisher {
 
  private:
   [[noreturn]] static void Wait(int fd, std::optional<Duration> timeout,
-                                const GlobalOptions& global, const Stop& stop) {
+                                const GlobalOptions& global, const std::string& network,
+                                const Stop& stop) {
     setsid();
     const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
@@ -161,14 +164,14 @@ class DetachedPublisher {
     const int wait_ms = timeout ? static_cast<int>(ToMilliseconds(*timeout)) : -1;
     while (poll(&asked, 1, wait_ms) < 0 && errno == EINTR) {
     }
-    if (asked.revents == 0) PublishForAMinute(global, stop);
+    if (asked.revents == 0) PublishForAMinute(global, network, stop);
     char word = 0;
     ssize_t size = 0;
     do {
       size = read(fd, &word, 1);
     } while (size < 0 && errno == EINTR);
     if (size == 1 && word == 'c') _exit(0);
-    PublishForAMinute(global, stop);
+    PublishForAMinute(global, network, stop);
   }
   void Send(char word) {
     if (!pipe_.valid() || begun_) return;
@@ -206,10 +209,14 @@ class Confirmation {
                    std::min(kOthersWithin, begun_ + timeout - link_.loop().Now()));
   }
 
-  // Whether anything of the machine is found within the time for discovery, or runs here.
-  bool AwaitAny(Duration timeout) {
-    const auto any = [this] { return Report().found() || HasController(); };
-    return link_.RunUntil(any, std::min(link_.discovery(), timeout)) || link_.interrupted();
+  // Whether every actuator confirms the stop within `timeout`.
+  bool AwaitComplete(Duration timeout) {
+    return link_.RunUntil(
+        [this] {
+          const EstopReport report = Report();
+          return report.found() && report.complete() && report.settled();
+        },
+        timeout);
   }
 
   void Await(Duration timeout) {
@@ -325,18 +332,22 @@ Found SearchMeanwhile(Stop& stop, const GlobalOptions& global) {
   return found;
 }
 
-// One try to stop the machine, by the networks of `global`.
+// One try to stop the machine: by `network` alone, or by all.
 class Attempt {
  public:
-  Attempt(const Stop& stop, const Found& found, GlobalOptions global)
-      : stop_(stop), found_(found), global_(std::move(global)), detached_(global_, stop) {}
+  Attempt(const Stop& stop, const Found& found, const GlobalOptions& global, std::string network)
+      : stop_(stop),
+        found_(found),
+        global_(global),
+        network_(std::move(network)),
+        detached_(global, stop, std::nullopt, network_) {}
   Attempt(const Attempt&) = delete;
   Attempt& operator=(const Attempt&) = delete;
 
-  // Publishes the stop until it is confirmed, at most for `timeout`. Not `last`: it ends once the
-  // time for discovery is over and nothing is found. nullopt: then; its process publishes on.
+  // Publishes the stop until it is confirmed, at most for `timeout`. nullopt: it is not the `last`
+  // one, and is not confirmed within twice the time for discovery; its process publishes on.
   std::optional<ExitCode> Run(std::optional<Duration> timeout, bool last, Console& console) {
-    const auto link = Link::OpenAtOnce(global_, &console);
+    const auto link = Link::OpenAtOnce(global_, &console, network_);
     if (!link) return console.Fail(link.error());
     const auto latch = stop_.Publish(link.value()->node(), global_);
     if (!latch) return console.Fail(latch.error());
@@ -349,11 +360,13 @@ class Attempt {
     }
     Confirmation confirmation(*link.value(), *latch.value(), global_, found_.machines);
     const Duration limit = timeout.value_or(confirmation.DefaultTimeout());
-    if (!last && !confirmation.AwaitAny(limit)) {
-      detached_.Begin();
-      return std::nullopt;
+    if (last) {
+      confirmation.Await(limit);
+    } else if (!confirmation.AwaitComplete(std::min(limit, 2 * link.value()->discovery()))) {
+      confirmed_ = Confirmed(confirmation.Report());
+      const bool over = link.value()->interrupted() || latch.value()->withdrawn();
+      if (!over) return std::nullopt;
     }
-    confirmation.Await(limit);
     // No two machines have the same whole id.
     const bool may_be_several = !global_.machine.empty() && found_.machine.id != global_.machine;
     if (may_be_several) confirmation.AwaitOthers(limit);
@@ -361,9 +374,16 @@ class Attempt {
     return Conclude(confirmation.Report(), *link.value(), *latch.value(), console);
   }
 
+  const std::string& network() const { return network_; }
+  // How many have confirmed the stop, the controller included.
+  std::ptrdiff_t confirmed() const { return confirmed_; }
   void Cancel() { detached_.Cancel(); }
 
  private:
+  static std::ptrdiff_t Confirmed(const EstopReport& report) {
+    return std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped) +
+           (report.controller_latched ? 1 : 0);
+  }
   ExitCode Conclude(EstopReport report, const Link& link, const StopLatch& latch,
                     Console& console) {
     if (const pid_t silent = report.controller ? 0 : link.LeaderHere(); silent != 0) {
@@ -385,12 +405,14 @@ class Attempt {
 
   const Stop& stop_;
   const Found& found_;
-  const GlobalOptions global_;
+  const GlobalOptions& global_;
+  const std::string network_;   // empty: all
   DetachedPublisher detached_;  // before the process has a second thread: before a link
+  std::ptrdiff_t confirmed_ = 0;
 };
 
 // By all networks at once, then by each one alone, which reaches a robot that has lost one of them
-// (see Link); by all again if none did.
+// (see Link); last, for the time that is left, by the way on which most have confirmed the stop.
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
   Stop stop;
   stop.message = NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
@@ -398,26 +420,29 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console
   const Found found = SearchMeanwhile(stop, given);
   const GlobalOptions global = Reach(given, found.machine, found.machines);
   const Time begun = std::chrono::steady_clock::now();
-  std::vector<GlobalOptions> tries = {global};
-  for (const std::string& network : Link::SeparateNetworks(global)) {
-    tries.push_back(global);
-    tries.back().interfaces = {network};
-  }
-  if (tries.size() > 1) tries.push_back(global);
   std::vector<std::unique_ptr<Attempt>> attempts;
-  for (const GlobalOptions& one : tries) {
-    const bool last = &one == &tries.back();
+  const auto run = [&](const std::string& network, bool last) {
     std::optional<Duration> timeout = global.timeout;
     if (timeout) *timeout -= std::chrono::steady_clock::now() - begun;
-    attempts.push_back(std::make_unique<Attempt>(stop, found, one));
+    attempts.push_back(std::make_unique<Attempt>(stop, found, global, network));
     const auto exit = attempts.back()->Run(timeout, last, console);
-    if (!exit) continue;
-    if (*exit == ExitCode::kDone) {
-      for (const auto& attempt : attempts) attempt->Cancel();
-    }
-    return *exit;
+    if (exit != ExitCode::kDone) return exit;
+    for (const auto& attempt : attempts) attempt->Cancel();
+    return exit;
+  };
+  std::vector<std::string> networks = Link::SeparateNetworks(global);
+  if (!networks.empty()) networks.insert(networks.begin(), std::string());
+  for (const std::string& network : networks) {
+    if (const auto exit = run(network, /*last=*/false)) return *exit;
   }
-  return ExitCode::kNotDone;
+  std::string best;
+  std::ptrdiff_t most = 0;
+  for (const auto& attempt : attempts) {
+    if (attempt->confirmed() <= most) continue;
+    most = attempt->confirmed();
+    best = attempt->network();
+  }
+  return *run(best, /*last=*/true);
 }
 
 ExitCode Release(const GlobalOptions& global, Console& console) {

@@ -44,9 +44,10 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global, Console* c
   return link;
 }
 
-Result<std::unique_ptr<Link>> Link::OpenAtOnce(const GlobalOptions& global, Console* console) {
+Result<std::unique_ptr<Link>> Link::OpenAtOnce(const GlobalOptions& global, Console* console,
+                                               const std::string& network) {
   std::unique_ptr<Link> link(new Link(global, console));
-  if (auto joined = link->JoinBy(global.interfaces); !joined) return joined.error();
+  if (auto joined = link->JoinBy(network); !joined) return joined.error();
   return link;
 }
 
@@ -66,29 +67,41 @@ std::vector<std::string> Link::SeparateNetworks(const GlobalOptions& global) {
 
 Result<> Link::Join() {
   if (node_) return Ok();
-  if (auto joined = JoinBy(global_.interfaces); !joined) return joined;
+  if (auto joined = JoinBy({}); !joined) return joined;
   const bool here = global_.machine.empty() && NameLock::IsHeld(ControllerName());
   return here ? Ok() : JoinByEachNetwork();
 }
 
-// By one after the other, until a machine is discovered that may be meant; by all if none is.
+// By one after the other, until a machine answers that may be meant; by all if none does.
 Result<> Link::JoinByEachNetwork() {
   const std::vector<std::string> networks = SeparateNetworks(global_);
   if (networks.empty()) return Ok();
   const Time end = loop_.Now() + global_.timeout.value_or(std::chrono::hours(1));
-  const auto met = [&] {
-    return RunUntil([this] { return !Candidates().empty(); },
-                    std::min(discovery(), end - loop_.Now()));
-  };
+  const auto met = [&] { return IsAnsweredWithin(std::min(discovery(), end - loop_.Now())); };
   if (met()) return Ok();
   for (const std::string& network : networks) {
     if (interrupted_ || loop_.Now() >= end) break;
     Leave();
-    if (auto joined = JoinBy({network}); !joined) return joined;
+    if (auto joined = JoinBy(network); !joined) return joined;
     if (met()) return Ok();
   }
   Leave();
-  return JoinBy(global_.interfaces);
+  return JoinBy({});
+}
+
+// That it is discovered shows only that its samples arrive here.
+bool Link::IsAnsweredWithin(Duration limit) {
+  const Time end = loop_.Now() + limit;
+  if (!RunUntil([this] { return !Candidates().empty(); }, limit)) return false;
+  const auto client = transport::MakeClient<msg::GetStatus>(
+      *node_, transport::MachineService(global_.name_space, "get_status"));
+  if (!client) return false;
+  bool answered = false;
+  for (const Found& one : Candidates()) {
+    client.value()->Call(
+        {}, limit, [&answered](const auto& reply) { answered |= reply.ok(); }, one.participant);
+  }
+  return RunUntil([&answered] { return answered; }, end - loop_.Now());
 }
 
 void Link::Leave() {
@@ -97,11 +110,13 @@ void Link::Leave() {
   machines_.clear();
 }
 
-Result<> Link::JoinBy(const std::vector<std::string>& interfaces) {
+// Empty: by all networks.
+Result<> Link::JoinBy(const std::string& network) {
   transport::DdsOptions options;
   options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.hidden = true;
-  options.interfaces = interfaces;
+  options.interfaces = network.empty() ? global_.interfaces : std::vector{network};
+  options.own_networks_only = !network.empty();
   if (!global_.keys.empty()) {
     options.credentials =
         transport::Credentials{std::filesystem::absolute(global_.keys), global_.identity};

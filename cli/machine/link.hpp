@@ -63,9 +63,10 @@ class Link {
   // short of CPU time. With several outer networks it waits until a controller is discovered.
   static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global,
                                             Console* console = nullptr);
-  // The same without that wait, by the networks of `global`.
+  // The same without that wait, by all networks, or by `network` alone.
   static Result<std::unique_ptr<Link>> OpenAtOnce(const GlobalOptions& global,
-                                                  Console* console = nullptr);
+                                                  Console* console = nullptr,
+                                                  const std::string& network = {});
   // The outer networks each of which a link may join by alone; none: there are less than two.
   static std::vector<std::string> SeparateNetworks(const GlobalOptions& global);
   // The same for a command that only uses Call(): it joins the domain once a call needs it.
@@ -178,9 +179,10 @@ class Link {
 
     MachineIdentity machine() const { return {info.machine, info.machine_id}; }
   };
-  Result<> JoinBy(const std::vector<std::string>& interfaces);
+  Result<> JoinBy(const std::string& network);
   void Leave();
   Result<> JoinByEachNetwork();
+  bool IsAnsweredWithin(Duration limit);
   std::vector<Found> Candidates() const;
   bool IsNamed(const MachineIdentity& machine) const;
   bool Speaks(const MachineIdentity& machine) const;

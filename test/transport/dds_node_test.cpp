@@ -233,6 +233,16 @@ TEST(Settings, KeepOneHostOnLoopbackInEveryProfileAndLetItsProcessesBeMany) {
   }
 }
 
+TEST(Settings, OfAProcessThatUsesOneNetworkAloneSendToNoAddressOfAnother) {
+  const std::vector<std::string> outer = {"wlan0"};
+  const auto xml = [&outer](bool own_networks_only) {
+    return dds::SettingsXml(TransportProfile::kLan, {}, DiscoveryTiming::kCombined, false, outer,
+                            own_networks_only);
+  };
+  EXPECT_THAT(xml(true), HasSubstr("<DontRoute>true</DontRoute>"));
+  EXPECT_THAT(xml(false), Not(HasSubstr("DontRoute")));
+}
+
 TEST(Settings, DiscoverByMulticastAndReadPicturesByUnicast) {
   for (const auto profile : {TransportProfile::kLocal, TransportProfile::kLan}) {
     EXPECT_THAT(dds::SettingsXml(profile, {}), Not(HasSubstr("AllowMulticast")));

@@ -265,7 +265,8 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   auto participant = dds::OpenParticipant(
       domain_id.value(),
       own_settings ? ""
-                   : dds::SettingsXml(profile.value(), options.lease, discovery, unicast, outer),
+                   : dds::SettingsXml(profile.value(), options.lease, discovery, unicast, outer,
+                                      options.own_networks_only),
       options.credentials, ChosenDistro(options.ros_distro), PeerName(options));
   if (!participant) return participant.error();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value(),

@@ -41,6 +41,9 @@ struct DdsOptions {
   // Of the profile lan: the interfaces to other hosts, at most kMostOuterInterfaces; none: see
   // ChooseInterfaces(). Processes of this host use the loopback in any case.
   std::vector<std::string> interfaces = {};
+  // Of the profile lan: sends to an address only if it is of the network of one of its interfaces.
+  // Otherwise Cyclone may choose an address of another network, and leaves the way to the kernel.
+  bool own_networks_only = false;
   // The process is a controller: it has to reach the actuators of its host at any address.
   bool controller = false;
   // The lease: a process that is silent for longer counts as lost; none: the profile's.

@@ -93,8 +93,10 @@ std::string LocalXml(Duration lease, DiscoveryTiming discovery, bool unicast) {
 // Links that lose packets: losses are detected and repaired within tens of milliseconds. Cyclone
 // prefers the loopback where both processes have it, so a link that is lost concerns other hosts
 // only.
-std::string LanXml(Duration lease, bool unicast, const std::vector<std::string>& outer) {
-  return Element("General", Multicast(unicast) + InterfacesXml(outer)) + Discovery(lease) +
+std::string LanXml(Duration lease, bool unicast, const std::vector<std::string>& outer,
+                   bool own_networks_only) {
+  const std::string route = own_networks_only ? Element("DontRoute", "true") : "";
+  return Element("General", Multicast(unicast) + route + InterfacesXml(outer)) + Discovery(lease) +
          Element("Internal",
                  "<HeartbeatInterval min=\"2ms\" minsched=\"5ms\" max=\"8s\">10ms"
                  "</HeartbeatInterval>" +
@@ -116,11 +118,11 @@ Result<TransportProfile> ChosenProfile(TransportProfile configured) {
 
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
                         DiscoveryTiming discovery, bool unicast,
-                        const std::vector<std::string>& outer) {
+                        const std::vector<std::string>& outer, bool own_networks_only) {
   const std::string domain =
       profile == TransportProfile::kLocal
           ? LocalXml(lease.value_or(std::chrono::seconds(10)), discovery, unicast)
-          : LanXml(lease.value_or(std::chrono::seconds(2)), unicast, outer);
+          : LanXml(lease.value_or(std::chrono::seconds(2)), unicast, outer, own_networks_only);
   return Element("CycloneDDS", Element("Domain", domain));
 }
 

@@ -19,9 +19,11 @@ inline constexpr std::int64_t kReceiveBufferBytes = 4 << 20;
 Result<TransportProfile> ChosenProfile(TransportProfile configured);
 
 // The XML for a profile. `lease`: a process that is silent for longer is lost; none: 10 s local, 2
-// s lan. For `unicast` see DdsOptions. `outer`: interfaces to other hosts, beside the loopback.
+// s lan. For `unicast` and `own_networks_only` see DdsOptions. `outer`: interfaces to other hosts,
+// beside the loopback.
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
                         DiscoveryTiming discovery = DiscoveryTiming::kCombined,
-                        bool unicast = false, const std::vector<std::string>& outer = {});
+                        bool unicast = false, const std::vector<std::string>& outer = {},
+                        bool own_networks_only = false);
 
 }  // namespace musher::transport::dds
