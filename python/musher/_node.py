@@ -126,9 +126,11 @@ class Subscription(Endpoint, Generic[M]):
         if not self._own_mailbox:
             raise Failure(_CLOSED, "this subscription has a handler, which gets its messages")
         self._open()
+        end = None if timeout_s is None else time.monotonic() + timeout_s
+        left = timeout_s
         while True:
             try:
-                item = self._mailbox.pop(timeout_s)
+                item = self._mailbox.pop(left)
             except StopIteration:
                 raise Failure(_CLOSED, "this subscription is closed") from None
             if item is None:
@@ -136,6 +138,7 @@ class Subscription(Endpoint, Generic[M]):
             message = self._decode(item)
             if message is not None:
                 return message
+            left = None if end is None else max(end - time.monotonic(), 0.0)
 
     def __iter__(self) -> Iterator[M]:
         while not self._closed:

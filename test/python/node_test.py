@@ -1,9 +1,11 @@
 """Topics, services and actions between two nodes of a process."""
 
 import threading
+import time
 import unittest
 
 import musher
+from musher._message import Message
 from musher.example_interfaces.action import Fibonacci
 from musher.std_msgs.msg import String
 from musher.std_srvs.srv import Trigger
@@ -50,6 +52,37 @@ class Nodes(unittest.TestCase):
         for message in subscription:
             self.assertEqual(message, String("one"))
             subscription.close()
+
+    # Each of them started the timeout again.
+    def test_malformed_messages_do_not_prolong_the_wait_for_one(self):
+        class Number(Message):
+            """Of another type than the topic says."""
+
+            __slots__ = ("data",)
+            _dds_type = String._dds_type
+            _fields = (("data", "uint8", 0, None),)
+
+            def __init__(self):
+                self.data = 7
+
+        subscription = self.there.subscribe("chat", String, latched=True)
+        publisher = self.here.publisher("chat", Number, latched=True)
+        ended = threading.Event()
+
+        def publish():
+            for _ in range(60):
+                publisher.publish(Number())
+                if ended.wait(0.05):
+                    return
+
+        publishing = threading.Thread(target=publish)
+        publishing.start()
+        begin = time.monotonic()
+        self.assertIsNone(subscription.take(0.3))
+        self.assertLess(time.monotonic() - begin, 1.0)
+        ended.set()
+        publishing.join(DEADLINE_S)
+        self.assertGreater(subscription.malformed, 0)
 
     def test_a_service_replies_and_a_bad_handler_leaves_its_client_to_the_timeout(self):
         self.there.serve("good", Trigger, lambda request: Trigger.Response(True, "fine"))
