@@ -15,7 +15,6 @@ from musher.musher_msgs.msg import HistoryEntry, MachineStatus
 from musher.musher_msgs.srv import (GetHistory, GetPlan, ReleaseEmergencyStop, RestartActuator, SetState)
 
 _NEWS, _END = range(2)  # as in native/client.cpp
-_STOPPED = 1  # key of the items of an emergency stop beside those of the status
 _TIMEOUT = 107  # Robot (100) + TIMEOUT
 _NET_ERROR = 105
 _TARGET_BUSY = 111
@@ -200,29 +199,32 @@ class Machine:
 
     def estop(self, reason: str = "", *, timeout_s: float = 2.0, by: str = "") -> List[str]:
         """Engages the emergency stop, with or without a controller. Returns the actuators that have stopped;
-        raises musher.Failure if one has not confirmed it in time, or if the machine may have more of them. The stop
-        stays engaged in any case, and reaches actuators that join until this machine is closed."""
+        raises musher.Failure if one of them or the controller has not confirmed it in time, or if the machine may have
+        more of them. The stop stays engaged in any case, and reaches actuators that join until this machine is
+        closed."""
         end = time.monotonic() + timeout_s
         meant = self._to_stop()
-        with _Closing(self._watch()) as statuses:
-            stop = _native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED, *meant,
-                                self._domain, self._config)
-            self._stops = [*self._stops[-_STOPS_KEPT + 1:], stop]
-            status: Optional[bytes] = None
-            while True:
-                over, actuators, unknown = stop.report(status)
-                left = end - time.monotonic()
-                if (over and actuators) or left <= 0:
-                    break
-                item = statuses._mailbox.pop(min(left, _LOOK_S))  # of the machine, or of an actuator
-                if item is not None and item.key != _STOPPED:
-                    new = statuses._decode(item)
-                    status = new.to_bytes() if new is not None and _is_of(new, meant) else status
+        mailbox = _native.Mailbox()
+        stop = _native.Stop(self._native(), by or default_by(), reason, mailbox, *meant, self._domain, self._config)
+        self._stops = [*self._stops[-_STOPS_KEPT + 1:], stop]
+        since: Optional[float] = None  # each actuator that is known has stopped
+        while True:
+            over, led, actuators, unknown = stop.report()
+            now = time.monotonic()
+            since = (now if since is None else since) if over and actuators else None
+            others_s = 0.0 if meant[1] else _OTHERS_S  # no two machines have one id
+            until = end if since is None else min(end, since + others_s)
+            if now >= until:
+                break
+            mailbox.pop(min(until - now, _LOOK_S))
         missing = [f"{name} ({trouble})" if trouble else name for name, stopped, _, trouble in actuators if not stopped]
         if missing:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
-        if not actuators:
+        if not actuators and not (unknown and stop.searches()):
             raise self._not_found("no actuator")
+        if not over and not unknown:
+            unknown = ("not confirmed by the controller" if led else
+                       f"in {timeout_s} s without a controller not every actuator may have been found")
         if unknown:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but {unknown}")
         return [name for name, _, _, _ in actuators]

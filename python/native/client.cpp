@@ -1,5 +1,11 @@
 #include "musher/python/native/client.hpp"
 
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
 #include "musher/base/host.hpp"
 #include "musher/controller/client/leader_call.hpp"
 #include "musher/controller/client/stop_latch.hpp"
@@ -79,24 +85,87 @@ class Restart : public OnLoop<LeaderCall<msg::RestartActuator>> {
   }
 };
 
-// An emergency stop that is published as long as this exists, unless it is released.
-class Stop : public OnLoop<StopLatch> {
+// What an emergency stop needs on the loop.
+struct EngagedStop {
+  transport::Node& node;
+  LeaderWatch::Options of_leader;
+  std::function<void()> on_change;
+  std::unique_ptr<StopLatch> latch;
+  std::unique_ptr<LeaderWatch> leader;  // null: the status of a controller is not received
+
+  // Where it may not be received, the stop holds and is not confirmed by a controller.
+  void Follow(const MachineIdentity& machine) {
+    leader = nullptr;
+    of_leader.machine = machine;
+    auto watch = LeaderWatch::Make(
+        node, of_leader, [this](const msg::MachineStatus&) { on_change(); },
+        [this](const msg::MachineStatus&, const std::string&) { on_change(); });
+    if (watch) leader = std::move(watch).value();
+  }
+};
+
+// The search for the machines of this host. It reads the disk and other processes, and one that
+// hangs may hold it up for ever: it has a thread of its own, which an emergency stop does not wait
+// for.
+class MachineSearch {
  public:
-  // An item of `key` goes into the mailbox when the report has changed. `config`: the machine's, if
-  // the program knows it.
+  // `on_end` runs on that thread.
+  static std::shared_ptr<MachineSearch> Begin(StopScope scope, std::vector<std::string> configs,
+                                              std::function<void()> on_end) {
+    auto search = std::make_shared<MachineSearch>();
+    auto run = [search, scope = std::move(scope), configs = std::move(configs),
+                on_end = std::move(on_end)] {
+      try {
+        std::vector<MachineHere> found = MachinesHere(scope.domain_id, scope.name_space, configs);
+        const std::lock_guard lock(search->mutex_);
+        search->found_ = std::move(found);
+      } catch (const std::exception&) {
+        return;  // what this host has is not known
+      }
+      on_end();
+    };
+    try {
+      std::thread(run).detach();
+    } catch (const std::system_error&) {
+      WithoutGil(run);  // no thread is left
+    }
+    return search;
+  }
+  // Nullopt: it goes on.
+  std::optional<std::vector<MachineHere>> found() const {
+    const std::lock_guard lock(mutex_);
+    return found_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::optional<std::vector<MachineHere>> found_;  // guarded by it
+};
+
+// An emergency stop that is published as long as this exists, unless it is released.
+class Stop : public OnLoop<EngagedStop> {
+ public:
+  // An item goes into the mailbox when the report has changed. `config`: the machine's, if the
+  // program knows it.
   Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
-       const MailboxPtr& mailbox, std::int64_t key, const std::string& machine,
-       const std::string& machine_id, std::optional<int> domain, const std::string& config)
-      : OnLoop(node, [&](transport::Node& on) {
+       const MailboxPtr& mailbox, const std::string& machine, const std::string& machine_id,
+       std::optional<int> domain, const std::string& config)
+      : OnLoop(node, [&](transport::Node& on) -> Result<std::unique_ptr<EngagedStop>> {
           msg::EmergencyStop stop = NewEmergencyStop(by, reason);
           stop.machine = machine;
           stop.machine_id = machine_id;
-          return StopLatch::Begin(on, node->name_space, stop,
-                                  node->thread->credentials().has_value(), [mailbox, key] {
-                                    Item item;
-                                    item.key = key;
-                                    mailbox->PushLatest(std::move(item));
-                                  });
+          const auto on_change = [mailbox] { mailbox->PushLatest({}); };
+          auto latch = StopLatch::Begin(on, node->name_space, stop,
+                                        node->thread->credentials().has_value(), on_change);
+          if (!latch) return latch.error();
+          auto engaged = std::make_unique<EngagedStop>(
+              EngagedStop{on,
+                          {node->name_space, HostId(), WatchByPidfd(on.loop())},
+                          on_change,
+                          std::move(latch).value(),
+                          nullptr});
+          engaged->Follow({machine, machine_id});
+          return engaged;
         }) {
     transport::DdsOptions options;
     options.domain_id = domain;
@@ -106,36 +175,43 @@ class Stop : public OnLoop<StopLatch> {
     scope_.lan = !profile || profile.value() == TransportProfile::kLan;
     std::vector<std::string> configs;
     if (!config.empty()) configs.push_back(config);
-    scope_.machines =
-        WithoutGil([&] { return MachinesHere(scope_.domain_id, scope_.name_space, configs); });
+    search_ =
+        MachineSearch::Begin(scope_, std::move(configs), [mailbox] { mailbox->PushLatest({}); });
   }
 
-  // Which actuators are stopped: (there is nothing to wait for any more, [(name, stopped, after_s,
-  // trouble)], why there may be more of them, else "").
+  // Which actuators are stopped: (there is nothing to wait for any more, a controller leads,
+  // [(name, stopped, after_s, trouble)], why there may be more of them, else "").
   using Actuators = std::vector<std::tuple<std::string, bool, double, std::string>>;
-  std::tuple<bool, Actuators, std::string> Report(const std::optional<py::bytes>& machine_status) {
-    std::optional<msg::MachineStatus> status;
-    if (machine_status) {
-      const std::string_view bytes = *machine_status;
-      status = msg::Decode<msg::MachineStatus>(std::as_bytes(std::span(bytes)));
+  std::tuple<bool, bool, Actuators, std::string> Report() {
+    if (auto found = search_ ? search_->found() : std::nullopt) {
+      scope_.machines = *std::move(found);
+      search_ = nullptr;
     }
     EstopReport report;
     bool over = false;
-    Run([&](StopLatch& latch) {
-      report = latch.Report(ViewFromHere(scope_, status));
-      over = latch.IsOver(report);
+    Run([&](EngagedStop& stop) {
+      report = stop.latch->Report(
+          ViewFromHere(scope_, stop.leader ? stop.leader->leader() : std::nullopt));
+      over = stop.latch->IsOver(report);
     });
+    // A controller has all of its actuators in its status.
+    if (search_ && !report.controller) {
+      over = false;
+      report.unknown = "this host is still being searched";
+    }
     Actuators actuators;
-    if (!report.found()) return {over, {}, report.unknown};
+    if (!report.found()) return {over, report.controller, {}, report.unknown};
     for (const EstopReport::Actuator& one : report.actuators) {
       actuators.emplace_back(one.name, one.stopped,
                              std::chrono::duration<double>(one.after).count(), one.trouble);
     }
-    return {over, std::move(actuators), report.unknown};
+    return {over, report.controller, std::move(actuators), report.unknown};
   }
+  bool Searches() const { return search_ != nullptr; }
 
  private:
   StopScope scope_;
+  std::shared_ptr<MachineSearch> search_;  // null: it has ended
 };
 
 // (namespace, name) of a valid config.
@@ -193,9 +269,10 @@ void AddClient(py::module_& native) {
       .def("close", &Restart::Close);
   py::class_<Stop>(native, "Stop")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
-                    std::int64_t, const std::string&, const std::string&, std::optional<int>,
+                    const std::string&, const std::string&, std::optional<int>,
                     const std::string&>())
       .def("report", &Stop::Report)
+      .def("searches", &Stop::Searches)
       .def("close", &Stop::Close);
 }
 

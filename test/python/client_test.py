@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 from unittest import mock
@@ -13,7 +14,10 @@ from robot import DEADLINE_S, SOURCE  # also sets the domain
 
 import musher  # noqa: E402
 from musher import _machine  # noqa: E402
-from musher.musher_msgs.msg import EmergencyStop, MachineStatus  # noqa: E402
+from musher.musher_msgs.msg import ActuatorInfo, ActuatorStatus, EmergencyStop, MachineStatus  # noqa: E402
+
+DOG = "d0900000-0000-4000-8000-000000000002"
+SECOND_DOG = "d0910000-0000-4000-8000-000000000003"
 
 
 class Client(unittest.TestCase):
@@ -189,6 +193,90 @@ class Choice(unittest.TestCase):
             with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
                 dog._find_s = 10.0
                 self.assertEqual(dog.wait_until("Active", timeout_s=2.0).machine, "dog")
+
+
+# Opens a file so that no other process can until the input of this one ends.
+HOLD_FILE = """import fcntl, signal, sys
+signal.signal(signal.SIGIO, signal.SIG_IGN)
+file = open(sys.argv[1])
+fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_WRLCK)
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+
+class Stops(unittest.TestCase):
+    """What has to be confirmed before an emergency stop is reported as done."""
+
+    NAMESPACE = "python_stops"
+
+    def node(self):
+        node = musher.Node(namespace=self.NAMESPACE)
+        self.addCleanup(node.close)
+        return node
+
+    def publish(self, node, machine_id, latched):
+        """The statuses of dog's controller and of its only actuator, which is stopped."""
+        legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
+        status = MachineStatus(machine="dog", machine_id=machine_id, name_space=self.NAMESPACE, host="another boot/1",
+                               pid=7, phase="running", state="Active", actuators=[legs], emergency_stop=latched,
+                               emergency_stop_by="anna" if latched else "")
+        node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
+        node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
+            ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=machine_id))
+
+    def dog(self):
+        machine = musher.Machine(namespace=self.NAMESPACE, machine="dog")
+        self.addCleanup(machine.close)
+        return machine
+
+    # It was, at the end of the time: a controller that hangs starts actuators that are not stopped.
+    def test_a_stop_that_the_controller_has_not_latched_is_not_confirmed(self):
+        self.publish(self.node(), DOG, latched=False)
+        with self.assertRaises(musher.Failure) as failed:
+            self.dog().estop("smoke", timeout_s=1.0)
+        self.assertEqual(failed.exception.code, 107)  # timeout
+        self.assertEqual(failed.exception.reason,
+                         "the emergency stop is engaged, but not confirmed by the controller")
+
+    def test_a_stop_that_all_have_latched_is_confirmed_before_its_time_is_over(self):
+        self.publish(self.node(), DOG, latched=True)
+        begin = time.monotonic()
+        self.assertEqual(self.dog().estop("smoke", timeout_s=DEADLINE_S), ["legs"])
+        self.assertLess(time.monotonic() - begin, DEADLINE_S / 2)
+
+    def test_a_second_machine_of_the_name_that_is_found_later_is_named(self):
+        self.publish(self.node(), DOG, latched=True)
+        second = self.node()
+        later = threading.Timer(0.1, lambda: self.publish(second, SECOND_DOG, latched=True))
+        second.subscribe("musher/emergency_stop", EmergencyStop, lambda stop: later.start(), latched=True)
+        with self.assertRaises(musher.Failure) as failed:
+            self.dog().estop("smoke", timeout_s=1.0)
+        later.join(DEADLINE_S)
+        self.assertIn("several machines have received the stop (dog (id d0900000), dog (id d0910000))",
+                      failed.exception.reason)
+
+    def test_a_stop_ends_in_time_while_a_file_of_this_host_does_not_open(self):
+        folder = tempfile.mkdtemp(prefix="musher-python-")
+        self.addCleanup(shutil.rmtree, folder)
+        state = os.path.join(folder, "musher", f"dog@{self.NAMESPACE}")
+        os.makedirs(state)
+        origin = os.path.join(state, "machine")
+        with open(origin, "w", encoding="utf-8") as file:
+            file.write("name dog\n")
+        holder = subprocess.Popen([sys.executable, "-c", HOLD_FILE, origin], text=True, stdin=subprocess.PIPE,
+                                  stdout=subprocess.PIPE)
+        self.addCleanup(holder.communicate)
+        self.assertEqual(holder.stdout.readline(), "held\n")
+        node = self.node()
+        node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
+            ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=DOG))
+        begin = time.monotonic()
+        with mock.patch.dict(os.environ, {"XDG_STATE_HOME": folder}), self.assertRaises(musher.Failure) as failed:
+            self.dog().estop("smoke", timeout_s=1.0)
+        self.assertLess(time.monotonic() - begin, 10.0)
+        self.assertEqual(failed.exception.reason,
+                         "the emergency stop is engaged, but this host is still being searched")
 
 
 if __name__ == "__main__":
