@@ -2,10 +2,12 @@
 
 import dataclasses
 import datetime
+import errno
 import os
+import select
 import threading
 import time
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Set, Tuple
 
 from musher import _native
 from musher._errors import Failure
@@ -127,6 +129,9 @@ class Machine:
                 if status is None:
                     if last is None:
                         raise self._not_found()
+                    if _has_ended(last):
+                        raise Failure(_NET_ERROR, f"after {timeout_s} s no controller leads: that of {last.machine} "
+                                                  f"(pid {last.pid}) has exited, it was in {last.state}")
                     raise Failure(_TIMEOUT, f"after {timeout_s} s the machine is in {last.state} ({last.phase})")
                 last = status
                 if holds(status):
@@ -257,8 +262,9 @@ class Machine:
         assert self.node._native is not None
         return self.node._native
 
-    def _watch(self) -> "Subscription[MachineStatus]":
-        return self.node.subscribe(self._status_topic, MachineStatus, latched=True, depth=0)
+    def _watch(self) -> "_Statuses":
+        self.node._check(self._status_topic)
+        return _Statuses(self.node, self._status_topic)
 
     def _next(self, statuses: "Subscription[MachineStatus]", meant: Tuple[str, str],
               timeout_s: Optional[float]) -> Optional[MachineStatus]:
@@ -356,6 +362,41 @@ class Machine:
         place = f"namespace '{self.node.namespace}'" if self.node.namespace else "the default namespace"
         return Failure(_NET_ERROR, f"{what} in {place}; is the machine up "
                                    "(`musher up robot.toml`), and are namespace and ROS_DOMAIN_ID right?")
+
+
+class _Statuses(Subscription[MachineStatus]):
+    """Of controllers. One that a bridge, a router or a replayed recording repeats does not count, nor does what a
+    process of this host had published before it was killed."""
+
+    def __init__(self, node: Node, topic: str) -> None:
+        super().__init__(node, topic, MachineStatus, None, reliable=True, latched=True, depth=0)
+        self._senders: Set[int] = set()  # participants that have run while this exists
+
+    def _decode(self, item: _native.Item) -> Optional[MachineStatus]:
+        status = super()._decode(item)
+        if status is None or status.participant not in (0, item.token):
+            return None
+        if item.token not in self._senders:
+            if _has_ended(status):
+                return None
+            self._senders.add(item.token)
+        return status
+
+
+def _has_ended(status: MachineStatus) -> bool:
+    """Whether it is of a controller of this host whose process has exited."""
+    if not status.host or status.host != _native.host_id():
+        return False
+    try:
+        process = os.pidfd_open(status.pid)
+    except OSError as error:
+        return error.errno == errno.ESRCH
+    try:
+        exited = select.poll()
+        exited.register(process, select.POLLIN)
+        return bool(exited.poll(0))
+    finally:
+        os.close(process)
 
 
 def _is_of(status: MachineStatus, machine: Tuple[str, str]) -> bool:

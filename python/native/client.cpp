@@ -221,14 +221,20 @@ std::pair<std::string, std::string> ReadMachine(const std::string& file) {
   return {config.value().name_space, config.value().name};
 }
 
-// (name, id) of the machine whose controller runs on this host; empty: none.
+std::optional<int> DomainOf(std::optional<int> domain) {
+  transport::DdsOptions options;
+  options.domain_id = domain;
+  const auto id = transport::DomainId(options);
+  return id ? std::optional(id.value()) : std::nullopt;
+}
+
+// (name, id) of the machine whose controller runs on this host; empty: none, or one of another
+// user.
 std::pair<std::string, std::string> FindMachineHere(const std::string& name_space,
                                                     std::optional<int> domain) {
   const auto origin = WithoutGil([&]() -> std::optional<MachineOrigin> {
-    transport::DdsOptions options;
-    options.domain_id = domain;
-    const auto id = transport::DomainId(options);
-    return id ? OriginHere(id.value(), name_space) : std::nullopt;
+    const auto id = DomainOf(domain);
+    return id ? OriginHere(*id, name_space) : std::nullopt;
   });
   if (!origin) return {};
   return {origin->name, origin->id};
@@ -238,11 +244,9 @@ std::pair<std::string, std::string> FindMachineHere(const std::string& name_spac
 std::vector<std::pair<std::string, std::string>> FindMachinesHere(const std::string& name_space,
                                                                   std::optional<int> domain) {
   std::vector<std::pair<std::string, std::string>> found;
-  transport::DdsOptions options;
-  options.domain_id = domain;
-  const auto id = transport::DomainId(options);
+  const auto id = DomainOf(domain);
   if (!id) return found;
-  const auto machines = WithoutGil([&] { return MachinesHere(id.value(), name_space); });
+  const auto machines = WithoutGil([&] { return MachinesHere(*id, name_space); });
   for (const MachineHere& machine : machines) {
     if (machine.identity.name.empty()) continue;
     found.emplace_back(machine.identity.name, machine.identity.id);
@@ -256,6 +260,7 @@ void AddClient(py::module_& native) {
   native.def("read_machine", &ReadMachine);
   native.def("machine_here", &FindMachineHere);
   native.def("machines_here", &FindMachinesHere);
+  native.def("host_id", &HostId);
   native.def("machine_service", &transport::MachineService);
   native.def("machine_status_topic", &transport::MachineStatusTopic);
   py::class_<Switch>(native, "Switch")

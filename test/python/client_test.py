@@ -77,11 +77,11 @@ class Choice(unittest.TestCase):
 
     NAMESPACE = "python_choice"
 
-    def publish(self, machine, machine_id):
+    def publish(self, machine, machine_id, **more):
         node = musher.Node(namespace=self.NAMESPACE)
         self.addCleanup(node.close)
-        status = MachineStatus(machine=machine, machine_id=machine_id, name_space=self.NAMESPACE,
-                               host="another boot/1", pid=7, phase="running", state="Active")
+        status = MachineStatus(**{"machine": machine, "machine_id": machine_id, "name_space": self.NAMESPACE,
+                                  "host": "another boot/1", "pid": 7, "phase": "running", "state": "Active", **more})
         node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
         return node
 
@@ -193,6 +193,35 @@ class Choice(unittest.TestCase):
             with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
                 dog._find_s = 10.0
                 self.assertEqual(dog.wait_until("Active", timeout_s=2.0).machine, "dog")
+
+    def assert_no_controller(self, **chosen):
+        with musher.Machine(namespace=self.NAMESPACE, **chosen) as machine:
+            for call in (machine.status, lambda: machine.wait_until("Active", timeout_s=0.5)):
+                with self.assertRaisesRegex(musher.Failure, "no controller in namespace 'python_choice'"):
+                    call()
+
+    def test_a_status_that_another_participant_repeats_is_none(self):
+        self.publish("dog", DOG, participant=12345)
+        self.assert_no_controller()
+        self.assert_no_controller(machine="dog")
+
+    def test_a_status_of_a_process_of_this_host_that_has_exited_is_none(self):
+        with subprocess.Popen(["true"]) as ended:
+            pass
+        self.publish("dog", DOG, host=_machine._native.host_id(), pid=ended.pid)
+        self.assert_no_controller()
+
+    def test_a_controller_that_exits_while_a_state_is_awaited_is_named(self):
+        with subprocess.Popen(["sleep", "60"]) as controller:
+            self.publish("dog", DOG, host=_machine._native.host_id(), pid=controller.pid, state="SetUp")
+
+            def is_active(status):
+                controller.kill()
+                return status.state == "Active"
+
+            with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
+                with self.assertRaisesRegex(musher.Failure, "no controller leads: that of dog .* was in SetUp"):
+                    dog.wait_until(is_active, timeout_s=1.0)
 
 
 # Opens a file so that no other process can until the input of this one ends.
