@@ -7,7 +7,7 @@ import os
 import select
 import threading
 import time
-from typing import Any, Dict, Iterator, List, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple
 
 from musher import _native
 from musher._errors import Failure
@@ -116,27 +116,34 @@ class Machine:
                 status = self._next(statuses, meant, None)
 
     def wait_until(self, condition: Any, timeout_s: float = 60.0) -> MachineStatus:
-        """The first status for which condition(status) holds; or pass the name of a state that it is in."""
+        """The first status for which condition(status) holds; or pass the name of a state that it is in. Where this
+        host has a machine that does not run, it waits for that one, and not for another one that answers."""
         end = time.monotonic() + timeout_s
         holds = (lambda status: status.state == condition) if isinstance(condition, str) else condition
         last: Optional[MachineStatus] = None
+        meant = ("", "")
         with _Closing(self._watch()) as statuses:
+            statuses.accepts = lambda status: meant[0] != "" or not self._is_beside(status)
             meant, status = self._choose(statuses, min(self._find_s, timeout_s))
             while True:
                 left = end - time.monotonic()
                 if status is None and left > 0:
                     status = self._next(statuses, meant, left)
                 if status is None:
-                    if last is None:
-                        raise self._not_found()
-                    if _has_ended(last):
-                        raise Failure(_NET_ERROR, f"after {timeout_s} s no controller leads: that of {last.machine} "
-                                                  f"(pid {last.pid}) has exited, it was in {last.state}")
-                    raise Failure(_TIMEOUT, f"after {timeout_s} s the machine is in {last.state} ({last.phase})")
+                    break
+                if not meant[0]:
+                    meant = (status.machine, "")  # the first that answers
                 last = status
                 if holds(status):
                     return status
                 status = None
+            beside = statuses.refused
+        if last is None:
+            raise self._not_here(beside) if beside is not None else self._not_found()
+        if _has_ended(last):
+            raise Failure(_NET_ERROR, f"after {timeout_s} s no controller leads: that of {last.machine} "
+                                      f"(pid {last.pid}) has exited, it was in {last.state}")
+        raise Failure(_TIMEOUT, f"after {timeout_s} s the machine is in {last.state} ({last.phase})")
 
     def set(self, state: str, actuator: str = "", *, timeout_s: float = 60.0, by: str = "") -> Outcome:
         """Switches the machine, or one actuator, and waits for the outcome, also if the controller that was
@@ -323,7 +330,7 @@ class Machine:
             raise Failure(_TARGET_BUSY, f"{what}: {names}. Nothing was done; {cure}")
         for machine, status in found.items():
             self._found = machine
-            if not self._is_beside(machine):
+            if not self._is_beside(status):
                 self._name = machine[0]
             return machine, status
         return known, None
@@ -336,16 +343,20 @@ class Machine:
             meant, status = self._choose(statuses, self._find_s)
         if not meant[1] and status is None:
             raise self._not_found()
-        if acts and self._is_beside(meant):
-            own = _native.machines_here(self.node.namespace, self._domain)[0][0]
-            raise Failure(_NET_ERROR, f"the machine of this host, {own}, does not run; found {meant[0]}. "
-                                      "Nothing was done; Machine(machine=NAME) speaks to another machine")
+        if acts and status is not None and self._is_beside(status):
+            raise self._not_here(status)
         return meant
 
-    def _is_beside(self, machine: Tuple[str, str]) -> bool:
-        """Whether it was found without a name, and this host has machines of which it is none."""
+    def _is_beside(self, status: MachineStatus) -> bool:
+        """Whether no name was given, and this host has machines of which it is none."""
         here = [] if self._name else _native.machines_here(self.node.namespace, self._domain)
-        return bool(here) and not any(_is_one(machine, one) for one in here)
+        return bool(here) and not any(_is_of(status, one) for one in here)
+
+    def _not_here(self, beside: MachineStatus) -> Failure:
+        here = _native.machines_here(self.node.namespace, self._domain)
+        own = f"the machine of this host, {here[0][0]}," if here else "the machine of this host"
+        return Failure(_NET_ERROR, f"{own} does not run; found {beside.machine}. "
+                                   "Nothing was done; Machine(machine=NAME) speaks to another machine")
 
     def _leads(self) -> bool:
         with _Closing(self._watch()) as statuses:
@@ -371,6 +382,8 @@ class _Statuses(Subscription[MachineStatus]):
     def __init__(self, node: Node, topic: str) -> None:
         super().__init__(node, topic, MachineStatus, None, reliable=True, latched=True, depth=0)
         self._senders: Set[int] = set()  # participants that have run while this exists
+        self.accepts: Callable[[MachineStatus], bool] = lambda status: True
+        self.refused: Optional[MachineStatus] = None  # the last one that it does not accept
 
     def _decode(self, item: _native.Item) -> Optional[MachineStatus]:
         status = super()._decode(item)
@@ -380,7 +393,10 @@ class _Statuses(Subscription[MachineStatus]):
             if _has_ended(status):
                 return None
             self._senders.add(item.token)
-        return status
+        if self.accepts(status):
+            return status
+        self.refused = status
+        return None
 
 
 def _has_ended(status: MachineStatus) -> bool:

@@ -116,26 +116,43 @@ class Choice(unittest.TestCase):
             self.assertIn("dog (id d0910000)", refused.reason)
             self.assertNotIn("cat", refused.reason)
 
-    def test_where_the_machine_of_this_host_does_not_run_no_other_one_is_driven(self):
-        folder = tempfile.mkdtemp(prefix="musher-python-")
-        self.addCleanup(shutil.rmtree, folder)
-        state = os.path.join(folder, "musher", f"cat@{self.NAMESPACE}")
+    def files_of_cat(self):
+        """A place with the state folder of cat, which does not run."""
+        place = tempfile.mkdtemp(prefix="musher-python-")
+        self.addCleanup(shutil.rmtree, place)
+        state = os.path.join(place, "musher", f"cat@{self.NAMESPACE}")
         os.makedirs(state)
         with open(os.path.join(state, "machine"), "w", encoding="utf-8") as file:
             file.write(f"name cat\nnamespace {self.NAMESPACE}\ndomain {os.environ['ROS_DOMAIN_ID']}\n"
-                       f"file {folder}/robot.toml\nid cafe0000-0000-4000-8000-000000000001\n")
+                       f"file {place}/robot.toml\nid cafe0000-0000-4000-8000-000000000001\n")
+        return mock.patch.dict(os.environ, {"XDG_STATE_HOME": place})
+
+    def test_where_the_machine_of_this_host_does_not_run_no_other_one_is_driven(self):
         self.publish("dog", "d0900000-0000-4000-8000-000000000002")
-        with mock.patch.dict(os.environ, {"XDG_STATE_HOME": folder}):
-            with musher.Machine(namespace=self.NAMESPACE) as machine:
-                self.assertEqual(machine.status().machine, "dog", "looking is free")
-                for call in (lambda: machine.set("Active"), lambda: machine.restart("legs"),
-                             lambda: machine.set("Active", "legs")):
-                    with self.assertRaises(musher.Failure) as refused:
-                        call()
-                    self.assertIn("the machine of this host, cat, does not run; found dog. Nothing was done",
-                                  refused.exception.reason)
+        with self.files_of_cat(), musher.Machine(namespace=self.NAMESPACE) as machine:
+            self.assertEqual(machine.status().machine, "dog", "looking is free")
+            for call in (lambda: machine.set("Active"), lambda: machine.restart("legs"),
+                         lambda: machine.set("Active", "legs")):
+                with self.assertRaises(musher.Failure) as refused:
+                    call()
+                self.assertIn("the machine of this host, cat, does not run; found dog. Nothing was done",
+                              refused.exception.reason)
         with musher.Machine(namespace=self.NAMESPACE) as machine:
             self.assertEqual(machine._meant(acts=True)[0], "dog", "a host without files of a machine")
+
+    # It returned the status of the other one: the robot that was awaited had not even started.
+    def test_where_the_machine_of_this_host_does_not_run_no_other_one_is_awaited(self):
+        self.publish("dog", DOG)
+        with self.files_of_cat(), musher.Machine(namespace=self.NAMESPACE) as machine:
+            machine.status()
+            with self.assertRaisesRegex(musher.Failure, "the machine of this host, cat, does not run; found dog"):
+                machine.wait_until("Active", timeout_s=0.5)
+            waited = []
+            waiting = threading.Thread(target=lambda: waited.append(machine.wait_until("Active", DEADLINE_S)))
+            waiting.start()
+            self.publish("cat", "cafe0000-0000-4000-8000-000000000001")
+            waiting.join(DEADLINE_S)
+            self.assertEqual([status.machine for status in waited], ["cat"])
 
     # It was bound to the first id: a robot that systemd starts instead of a person has another one.
     def test_a_machine_that_is_started_again_with_another_id_is_the_same_by_its_name(self):
