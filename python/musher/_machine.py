@@ -139,7 +139,7 @@ class Machine:
                 status = None
             beside = statuses.refused
         if last is None:
-            raise self._not_here(beside) if beside is not None else self._not_found()
+            raise self._not_found(beside)
         if _has_ended(last):
             raise Failure(_NET_ERROR, f"after {timeout_s} s no controller leads: that of {last.machine} "
                                       f"(pid {last.pid}) has exited, it was in {last.state}")
@@ -233,7 +233,7 @@ class Machine:
         if missing:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
         if not actuators and not (unknown and stop.searches()):
-            raise self._not_found("no actuator")
+            raise self._nothing("no actuator")
         if not over and not unknown:
             unknown = ("not confirmed by the controller" if led else
                        f"in {timeout_s} s without a controller not every actuator may have been found")
@@ -271,7 +271,9 @@ class Machine:
 
     def _watch(self) -> "_Statuses":
         self.node._check(self._status_topic)
-        return _Statuses(self.node, self._status_topic)
+        statuses = _Statuses(self.node, self._status_topic)
+        statuses.accepts = lambda status: not self._is_elsewhere(status)
+        return statuses
 
     def _next(self, statuses: "Subscription[MachineStatus]", meant: Tuple[str, str],
               timeout_s: Optional[float]) -> Optional[MachineStatus]:
@@ -325,8 +327,9 @@ class Machine:
                 end = min(end, time.monotonic() + _OTHERS_S)
         if len(found) > 1:
             names = ", ".join(f"{name} (id {id[:8]})" if id else name for name, id in found)
+            of_hosts = "" if any(map(_is_of_this_boot, found.values())) else ", none of them on this host"
             what, cure = ((f"several machines are named {known[0]}", "each needs a name of its own") if known[0] else
-                          ("several machines answer, none of them on this host", "Machine(machine=NAME) chooses one"))
+                          ("several machines answer" + of_hosts, "Machine(machine=NAME) chooses one"))
             raise Failure(_TARGET_BUSY, f"{what}: {names}. Nothing was done; {cure}")
         for machine, status in found.items():
             self._found = machine
@@ -349,8 +352,20 @@ class Machine:
 
     def _is_beside(self, status: MachineStatus) -> bool:
         """Whether no name was given, and this host has machines of which it is none."""
+        if self._is_elsewhere(status):
+            return True
+        if _is_of_this_boot(status):
+            return False
         here = [] if self._name else _native.machines_here(self.node.namespace, self._domain)
         return bool(here) and not any(_is_of(status, one) for one in here)
+
+    def _is_elsewhere(self, status: MachineStatus) -> bool:
+        """Whether no name was given, and a controller of this host leads, of which it is none. Of one of another user,
+        or container, only the computer is known."""
+        return not self._name and self._leads_here() and not _is_of_this_boot(status)
+
+    def _leads_here(self) -> bool:
+        return _native.leads_here(self.node.namespace, self._domain)
 
     def _not_here(self, beside: MachineStatus) -> Failure:
         here = _native.machines_here(self.node.namespace, self._domain)
@@ -369,7 +384,17 @@ class Machine:
                 raise self._not_found()
             return client.call(request, timeout_s)
 
-    def _not_found(self, what: str = "no controller") -> Failure:
+    def _not_found(self, beside: Optional[MachineStatus] = None) -> Failure:
+        """Why no controller answers. `beside`: of another machine, which does."""
+        return self._silent() or (self._nothing("no controller") if beside is None else self._not_here(beside))
+
+    def _silent(self) -> Optional[Failure]:
+        """The controller that is meant leads on this host, but was not found."""
+        if self._name or not self._leads_here():
+            return None
+        return Failure(_NET_ERROR, "a controller of this host leads, but does not answer; `sudo musher status` says why")
+
+    def _nothing(self, what: str) -> Failure:
         place = f"namespace '{self.node.namespace}'" if self.node.namespace else "the default namespace"
         return Failure(_NET_ERROR, f"{what} in {place}; is the machine up "
                                    "(`musher up robot.toml`), and are namespace and ROS_DOMAIN_ID right?")
@@ -397,6 +422,12 @@ class _Statuses(Subscription[MachineStatus]):
             return status
         self.refused = status
         return None
+
+
+def _is_of_this_boot(status: MachineStatus) -> bool:
+    """Whether its controller runs on this computer, perhaps in a container."""
+    boot = _native.host_id().partition("/")[0]
+    return boot != "" and status.host.startswith(boot + "/")
 
 
 def _has_ended(status: MachineStatus) -> bool:

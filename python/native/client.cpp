@@ -240,6 +240,20 @@ std::pair<std::string, std::string> FindMachineHere(const std::string& name_spac
   return {origin->name, origin->id};
 }
 
+// The name that the controller of this host holds.
+std::optional<std::string> ControllerName(const std::string& name_space,
+                                          std::optional<int> domain) {
+  const auto id = DomainOf(domain);
+  if (!id) return std::nullopt;
+  return NameLock::NameOf(*id, name_space, "musher/controller");
+}
+
+// Whether a controller of this host leads, also one of another user. It inspects no process.
+bool LeadsHere(const std::string& name_space, std::optional<int> domain) {
+  const auto name = ControllerName(name_space, domain);
+  return name && NameLock::IsHeld(*name);
+}
+
 // (name, id) of each machine that has files or processes on this host.
 std::vector<std::pair<std::string, std::string>> FindMachinesHere(const std::string& name_space,
                                                                   std::optional<int> domain) {
@@ -261,6 +275,7 @@ void AddClient(py::module_& native) {
   native.def("machine_here", &FindMachineHere);
   native.def("machines_here", &FindMachinesHere);
   native.def("host_id", &HostId);
+  native.def("leads_here", &LeadsHere);
   native.def("machine_service", &transport::MachineService);
   native.def("machine_status_topic", &transport::MachineStatusTopic);
   py::class_<Switch>(native, "Switch")

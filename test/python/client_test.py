@@ -154,6 +154,40 @@ class Choice(unittest.TestCase):
             waiting.join(DEADLINE_S)
             self.assertEqual([status.machine for status in waited], ["cat"])
 
+    def led_by_another_user(self):
+        """Its processes and files cannot be read."""
+        hidden = mock.patch.object(_machine._native, "machine_here", lambda *_: ("", ""))
+        leads = mock.patch.object(_machine._native, "leads_here", lambda *_: True)
+        for patch in (hidden, leads):
+            patch.start()
+            self.addCleanup(patch.stop)
+
+    # The other one was driven, or none: both had answered, and neither counted as of this host.
+    def test_the_machine_of_a_controller_of_another_user_of_this_host_is_the_one_that_is_meant(self):
+        self.publish("fox", "f0c50000-0000-4000-8000-000000000001")
+        self.publish("dog", DOG, host=_machine._native.host_id(), pid=os.getpid())
+        self.led_by_another_user()
+        with self.files_of_cat():  # older ones, of this user
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine.status().machine, "dog")
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine._meant(acts=True), ("dog", DOG))
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine.wait_until("Active", DEADLINE_S).machine, "dog")
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(next(machine.watch()).machine, "dog")
+
+    def test_while_a_controller_of_another_user_of_this_host_is_silent_no_other_one_is_meant(self):
+        self.publish("fox", "f0c50000-0000-4000-8000-000000000001")
+        self.led_by_another_user()
+        with musher.Machine(namespace=self.NAMESPACE) as machine:
+            for call in (machine.status, lambda: machine.set("Active"), lambda: machine.restart("legs"),
+                         lambda: machine.wait_until("Active", timeout_s=0.5)):
+                with self.assertRaisesRegex(musher.Failure, "a controller of this host leads, but does not answer"):
+                    call()
+        with musher.Machine(namespace=self.NAMESPACE, machine="fox") as fox:
+            self.assertEqual(fox.status().machine, "fox")
+
     # It was bound to the first id: a robot that systemd starts instead of a person has another one.
     def test_a_machine_that_is_started_again_with_another_id_is_the_same_by_its_name(self):
         for chosen in ({"machine": "dog"}, {}):
