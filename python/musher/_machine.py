@@ -7,7 +7,7 @@ import os
 import select
 import threading
 import time
-from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple, TypeVar
 
 from musher import _native
 from musher._errors import Failure
@@ -16,6 +16,7 @@ from musher._node import Node, Subscription, default_by
 from musher.musher_msgs.msg import HistoryEntry, MachineStatus
 from musher.musher_msgs.srv import (GetHistory, GetPlan, ReleaseEmergencyStop, RestartActuator, SetState)
 
+T = TypeVar("T")
 _NEWS, _END = range(2)  # as in native/client.cpp
 _TIMEOUT = 107  # Robot (100) + TIMEOUT
 _NET_ERROR = 105
@@ -170,7 +171,7 @@ class Machine:
             switch.close()
         response = item.decode(codec_of(SetState.Response), False)
         if response.outcome == "" and not self._leads():
-            raise Failure(_NET_ERROR, response.reason or self._not_found().reason)
+            raise self._silent() or Failure(_NET_ERROR, response.reason or self._not_found().reason)
         return Outcome(response.outcome, response.state, response.code, response.reason, response.switch_number,
                        list(response.degraded),
                        [ActuatorOutcome(one.name, one.outcome, one.code, one.message, one.duration_ms, one.state)
@@ -197,7 +198,7 @@ class Machine:
                                *self._meant(acts=True))
         try:
             item = mailbox.pop(min(self._find_s, timeout_s))
-            if item is None and not call.found():
+            if (item is None or item.text) and not call.found():
                 raise self._not_found()
             while item is None:
                 item = mailbox.pop(None)
@@ -233,7 +234,8 @@ class Machine:
         if missing:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
         if not actuators and not (unknown and stop.searches()):
-            raise self._nothing("no actuator")
+            silent = None if led else _found_within(_SEARCH_S, self._silent)
+            raise silent or self._nothing("no actuator")
         if not over and not unknown:
             unknown = ("not confirmed by the controller" if led else
                        f"in {timeout_s} s without a controller not every actuator may have been found")
@@ -298,11 +300,16 @@ class Machine:
         id of a name, and to each machine of the namespace where a process hangs the search for the one here."""
         if self._name:
             return self._name, ""
-        found: List[Tuple[str, str]] = []
-        search = threading.Thread(target=lambda: found.append(self._known()), daemon=True)
-        search.start()
-        search.join(_SEARCH_S)
-        return found[0] if found else ("", "")
+        return _found_within(_SEARCH_S, self._machine_here) or ("", "")
+
+    def _machine_here(self) -> Tuple[str, str]:
+        """The machine whose controller runs here; where nothing runs here, the only one with files on this host."""
+        known = self._known()
+        if known != ("", "") or _native.runs_here(self.node.namespace, self._domain):
+            return known
+        here = _native.machines_here(self.node.namespace, self._domain)
+        only = next((one for one in here if one[1]), here[0] if here else ("", ""))
+        return only if all(_is_one(one, only) for one in here) else ("", "")
 
     def _choose(self, statuses: "Subscription[MachineStatus]",
                 within_s: float) -> Tuple[Tuple[str, str], Optional[MachineStatus]]:
@@ -390,7 +397,14 @@ class Machine:
 
     def _silent(self) -> Optional[Failure]:
         """The controller that is meant leads on this host, but was not found."""
-        if self._name or not self._leads_here():
+        if not self._leads_here():
+            return None
+        name, id = self._known()
+        if id:
+            pid = _native.leader_here(self.node.namespace, self._domain)
+            return Failure(_NET_ERROR, f"the controller of {name} (pid {pid}) leads on this host, but does not answer; "
+                                       "`musher status` says why")
+        if self._name:
             return None
         return Failure(_NET_ERROR, "a controller of this host leads, but does not answer; `sudo musher status` says why")
 
@@ -444,6 +458,18 @@ def _has_ended(status: MachineStatus) -> bool:
         return bool(exited.poll(0))
     finally:
         os.close(process)
+
+
+def _found_within(time_s: float, search: Callable[[], Optional[T]]) -> Optional[T]:
+    """What a search finds in this time. One that inspects other processes is held up for ever by one that hangs."""
+    found: List[Optional[T]] = []
+    thread = threading.Thread(target=lambda: found.append(search()), daemon=True)
+    try:
+        thread.start()
+    except RuntimeError:  # no thread is left
+        return None
+    thread.join(time_s)
+    return found[0] if found else None
 
 
 def _is_of(status: MachineStatus, machine: Tuple[str, str]) -> bool:

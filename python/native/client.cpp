@@ -254,6 +254,19 @@ bool LeadsHere(const std::string& name_space, std::optional<int> domain) {
   return name && NameLock::IsHeld(*name);
 }
 
+// The process of that controller; 0: none, or one of another user.
+pid_t LeaderHere(const std::string& name_space, std::optional<int> domain) {
+  const auto name = ControllerName(name_space, domain);
+  return name ? WithoutGil([&] { return NameLock::HolderOf(*name).pid; }) : 0;
+}
+
+// Whether a controller or an actuator of any machine runs on this host.
+bool RunsHere(const std::string& name_space, std::optional<int> domain) {
+  const auto id = DomainOf(domain);
+  return LeadsHere(name_space, domain) ||
+         (id && !NameLock::HeldBelow(NameLock::NameOf(*id, name_space, "")).empty());
+}
+
 // (name, id) of each machine that has files or processes on this host.
 std::vector<std::pair<std::string, std::string>> FindMachinesHere(const std::string& name_space,
                                                                   std::optional<int> domain) {
@@ -276,6 +289,8 @@ void AddClient(py::module_& native) {
   native.def("machines_here", &FindMachinesHere);
   native.def("host_id", &HostId);
   native.def("leads_here", &LeadsHere);
+  native.def("leader_here", &LeaderHere);
+  native.def("runs_here", &RunsHere);
   native.def("machine_service", &transport::MachineService);
   native.def("machine_status_topic", &transport::MachineStatusTopic);
   py::class_<Switch>(native, "Switch")

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -65,6 +66,20 @@ class Client(unittest.TestCase):
             self.assertEqual(machine.status().machine_id, robot.machine_id)
             machine.set("LowPower")
             self.assertEqual(machine.status().state, "LowPower")
+
+    def test_a_controller_that_is_stopped_is_named(self):
+        self.musher("up", "--detach", "robot.toml")
+        self.addCleanup(self.musher, "down")
+        with musher.Machine() as machine:
+            pid = machine.status().pid
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
+        silent = rf"the controller of \w+ \(pid {pid}\) leads on this host, but does not answer"
+        with musher.Machine() as machine:
+            for call in (machine.status, lambda: machine.set("LowPower", timeout_s=1.0),
+                         lambda: machine.restart("gripper", timeout_s=1.0)):
+                with self.assertRaisesRegex(musher.Failure, silent):
+                    call()
 
     def test_without_a_robot_it_says_that_there_is_no_controller(self):
         refused = self.run_client("Active")
@@ -225,6 +240,12 @@ class Choice(unittest.TestCase):
             self.assertEqual(self.stop_of(dog).machine, "dog")
         with hangs, musher.Machine(namespace=self.NAMESPACE) as any_machine:
             self.assertEqual(self.stop_of(any_machine).machine, "")
+
+    # Each machine of the namespace was stopped.
+    def test_a_stop_on_a_host_where_nothing_runs_goes_to_the_machine_of_its_files(self):
+        self.publish("dog", DOG)
+        with self.files_of_cat(), musher.Machine(namespace=self.NAMESPACE) as machine:
+            self.assertEqual(self.stop_of(machine).machine, "cat")
 
     # Each looked for it twice, one after the other.
     def test_a_machine_that_is_not_up_is_looked_for_once(self):
