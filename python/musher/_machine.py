@@ -1,5 +1,6 @@
 """A client of a machine: what `musher status`, `set`, `plan`, `history`, `watch` and `estop` do."""
 
+import contextlib
 import dataclasses
 import datetime
 import errno
@@ -23,6 +24,7 @@ _NET_ERROR = 105
 _TARGET_BUSY = 111
 _LOOK_S = 0.1  # between two looks at the processes of this host
 _STOPS_KEPT = 8
+_SHORTEST_ID = 4  # characters of an id that a person gives
 _OTHERS_S = 0.3  # machines of other hosts are found one after the other
 _SEARCH_S = 1.0  # for the controller of this host, before a stop goes to each machine
 
@@ -74,8 +76,9 @@ class Machine:
             machine.set("Active")
 
     `config`: its state config, which has the namespace; or pass the namespace itself. The defaults are those of
-    the `musher` program: $MUSHER_NAMESPACE, $ROS_DOMAIN_ID, $MUSHER_KEYS. It is the machine of that config, or of
-    the name `machine`; without either, the one whose controller runs on this host, else the only one that answers.
+    the `musher` program: $MUSHER_NAMESPACE, $MUSHER_MACHINE, $ROS_DOMAIN_ID, $MUSHER_KEYS. `machine`: its name, or the
+    first characters of its id, at least 4. It is that machine, else the one of the config, else that of the
+    environment; without either, the one whose controller runs on this host, else the only one that answers.
     """
 
     def __init__(self, config: "str | os.PathLike[str]" = "", *, namespace: Optional[str] = None,
@@ -87,7 +90,8 @@ class Machine:
             machine = machine or name
         self._config = path
         self._domain = domain
-        self._name = machine  # that the caller gave, else of the only machine that answered; empty: none has
+        # That the caller gave, or the beginning of an id, else of the only machine that answered; empty: none has.
+        self._name = machine or os.environ.get("MUSHER_MACHINE", "")
         self._found = ("", "")  # name and id of the machine that answered last; a new start may have another id
         self._stops: List[_native.Stop] = []  # that are published
         self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity)
@@ -218,18 +222,15 @@ class Machine:
         end = time.monotonic() + timeout_s
         meant = self._to_stop()
         mailbox = _native.Mailbox()
-        stop = _native.Stop(self._native(), by or default_by(), reason, mailbox, *meant, self._domain, self._config)
+        stop = _native.Stop(self._native(), by or default_by(), reason, mailbox, *meant, self._domain, self._config,
+                            self._name)
         self._stops = [*self._stops[-_STOPS_KEPT + 1:], stop]
-        since: Optional[float] = None  # each actuator that is known has stopped
-        while True:
-            over, led, actuators, unknown = stop.report()
-            now = time.monotonic()
-            since = (now if since is None else since) if over and actuators else None
-            others_s = 0.0 if meant[1] else _OTHERS_S  # no two machines have one id
-            until = end if since is None else min(end, since + others_s)
-            if now >= until:
-                break
-            mailbox.pop(min(until - now, _LOOK_S))
+        with contextlib.ExitStack() as opened:
+            statuses: Optional[_Statuses] = None  # of the machine whose id begins with the given word
+            if _may_begin_id(self._name):
+                with contextlib.suppress(Failure):  # the stop is published without it
+                    statuses = opened.enter_context(_Closing(self._watch()))
+            over, led, actuators, unknown = self._await_stop(stop, mailbox, statuses, end, not meant[1])
         missing = [f"{name} ({trouble})" if trouble else name for name, stopped, _, trouble in actuators if not stopped]
         if missing:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
@@ -242,6 +243,23 @@ class Machine:
         if unknown:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but {unknown}")
         return [name for name, _, _, _ in actuators]
+
+    def _await_stop(self, stop: _native.Stop, mailbox: _native.Mailbox, statuses: "Optional[_Statuses]", end: float,
+                    others: bool) -> Tuple[bool, bool, List[Tuple[str, bool, float, str]], str]:
+        """Its report once it is over. `others`: other machines may be meant, too, and are found after the first."""
+        since: Optional[float] = None  # each actuator that is known has stopped
+        while True:
+            status = statuses.take(0.0) if statuses is not None else None
+            if status is not None and status.machine != self._name and _begins_id(status, self._name):
+                stop.follow(status.machine, status.machine_id)
+                statuses = None
+            report = over, _, actuators, _ = stop.report()
+            now = time.monotonic()
+            since = (now if since is None else since) if over and actuators else None
+            until = end if since is None else min(end, since + (_OTHERS_S if others else 0.0))
+            if now >= until:
+                return report
+            mailbox.pop(min(until - now, _LOOK_S))
 
     def release_estop(self, by: str = "") -> None:
         """Releases the emergency stop; changes no state."""
@@ -293,7 +311,8 @@ class Machine:
     def _known(self) -> Tuple[str, str]:
         """Name and id of the machine that is meant, without discovery; empty: not known."""
         here = _native.machine_here(self.node.namespace, self._domain)
-        return here if self._name in ("", here[0]) else (self._name, "")
+        by_id = len(self._name) >= _SHORTEST_ID and here[1].startswith(self._name)
+        return here if by_id or self._name in ("", here[0]) else (self._name, "")
 
     def _to_stop(self) -> Tuple[str, str]:
         """The same for a stop, which goes to each machine that may be meant before anything can hold it up: to every
@@ -329,18 +348,19 @@ class Machine:
             machine = (status.machine, status.machine_id)
             if machine == self._found:  # it answers as before
                 return machine, status
-            found[next((one for one in found if _is_of(status, one)), machine)] = status
+            found[next((one for one in found if _is_one(machine, one)), machine)] = status
             if len(found) == 1:
                 end = min(end, time.monotonic() + _OTHERS_S)
         if len(found) > 1:
             names = ", ".join(f"{name} (id {id[:8]})" if id else name for name, id in found)
             of_hosts = "" if any(map(_is_of_this_boot, found.values())) else ", none of them on this host"
-            what, cure = ((f"several machines are named {known[0]}", "each needs a name of its own") if known[0] else
+            what, cure = ((f"several machines are named {known[0]}",
+                           "Machine(machine=ID) chooses one by the first characters of its id") if known[0] else
                           ("several machines answer" + of_hosts, "Machine(machine=NAME) chooses one"))
             raise Failure(_TARGET_BUSY, f"{what}: {names}. Nothing was done; {cure}")
         for machine, status in found.items():
             self._found = machine
-            if not self._is_beside(status):
+            if not self._name and not self._is_beside(status):
                 self._name = machine[0]
             return machine, status
         return known, None
@@ -364,7 +384,7 @@ class Machine:
         if _is_of_this_boot(status):
             return False
         here = [] if self._name else _native.machines_here(self.node.namespace, self._domain)
-        return bool(here) and not any(_is_of(status, one) for one in here)
+        return bool(here) and not any(_is_one((status.machine, status.machine_id), one) for one in here)
 
     def _is_elsewhere(self, status: MachineStatus) -> bool:
         """Whether no name was given, and a controller of this host leads, of which it is none. Of one of another user,
@@ -406,7 +426,8 @@ class Machine:
                                        "`musher status` says why")
         if self._name:
             return None
-        return Failure(_NET_ERROR, "a controller of this host leads, but does not answer; `sudo musher status` says why")
+        return Failure(_NET_ERROR, "a controller of this host leads, but does not answer; "
+                                   "`sudo musher status` says why")
 
     def _nothing(self, what: str) -> Failure:
         place = f"namespace '{self.node.namespace}'" if self.node.namespace else "the default namespace"
@@ -473,7 +494,18 @@ def _found_within(time_s: float, search: Callable[[], Optional[T]]) -> Optional[
 
 
 def _is_of(status: MachineStatus, machine: Tuple[str, str]) -> bool:
-    return _is_one((status.machine, status.machine_id), machine)
+    """Without an id the name may be the beginning of one."""
+    by_id = not machine[1] and _begins_id(status, machine[0])
+    return by_id or _is_one((status.machine, status.machine_id), machine)
+
+
+def _begins_id(status: MachineStatus, word: str) -> bool:
+    """As BeginsIdOf() in lifecycle/machine/machine_identity.hpp."""
+    return len(word) >= _SHORTEST_ID and status.machine_id.startswith(word)
+
+
+def _may_begin_id(word: str) -> bool:
+    return len(word) >= _SHORTEST_ID and not set(word) - set("0123456789abcdef-")
 
 
 def _is_one(one: Tuple[str, str], other: Tuple[str, str]) -> bool:

@@ -146,27 +146,31 @@ class MachineSearch {
 class Stop : public OnLoop<EngagedStop> {
  public:
   // An item goes into the mailbox when the report has changed. `config`: the machine's, if the
-  // program knows it.
+  // program knows it. `word`: the name that was given, which may be the beginning of an id; may be
+  // empty.
   Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
        const MailboxPtr& mailbox, const std::string& machine, const std::string& machine_id,
-       std::optional<int> domain, const std::string& config)
-      : OnLoop(node, [&](transport::Node& on) -> Result<std::unique_ptr<EngagedStop>> {
-          msg::EmergencyStop stop = NewEmergencyStop(by, reason);
-          stop.machine = machine;
-          stop.machine_id = machine_id;
-          const auto on_change = [mailbox] { mailbox->PushLatest({}); };
-          auto latch = StopLatch::Begin(on, node->name_space, stop,
-                                        node->thread->credentials().has_value(), on_change);
-          if (!latch) return latch.error();
-          auto engaged = std::make_unique<EngagedStop>(
-              EngagedStop{on,
-                          {node->name_space, HostId(), WatchByPidfd(on.loop())},
-                          on_change,
-                          std::move(latch).value(),
-                          nullptr});
-          engaged->Follow({machine, machine_id});
-          return engaged;
-        }) {
+       std::optional<int> domain, const std::string& config, const std::string& word)
+      : OnLoop(node,
+               [&](transport::Node& on) -> Result<std::unique_ptr<EngagedStop>> {
+                 msg::EmergencyStop stop = NewEmergencyStop(by, reason);
+                 stop.machine = machine;
+                 stop.machine_id = machine_id;
+                 const auto on_change = [mailbox] { mailbox->PushLatest({}); };
+                 auto latch = StopLatch::Begin(on, node->name_space, stop,
+                                               node->thread->credentials().has_value(), on_change);
+                 if (!latch) return latch.error();
+                 if (!word.empty()) latch.value()->AddBeginningOfId(word);
+                 auto engaged = std::make_unique<EngagedStop>(
+                     EngagedStop{on,
+                                 {node->name_space, HostId(), WatchByPidfd(on.loop())},
+                                 on_change,
+                                 std::move(latch).value(),
+                                 nullptr});
+                 engaged->Follow({machine, machine_id});
+                 return engaged;
+               }),
+        word_(word) {
     transport::DdsOptions options;
     options.domain_id = domain;
     const auto id = transport::DomainId(options);
@@ -186,6 +190,7 @@ class Stop : public OnLoop<EngagedStop> {
     if (auto found = search_ ? search_->found() : std::nullopt) {
       scope_.machines = *std::move(found);
       search_ = nullptr;
+      StopByFiles();
     }
     EstopReport report;
     bool over = false;
@@ -208,8 +213,23 @@ class Stop : public OnLoop<EngagedStop> {
     return {over, report.controller, std::move(actuators), report.unknown};
   }
   bool Searches() const { return search_ != nullptr; }
+  // The controller of this machine confirms it, where only the beginning of its id was given.
+  void Follow(const std::string& machine, const std::string& machine_id) {
+    Run([&](EngagedStop& stop) { stop.Follow({machine, machine_id}); });
+  }
 
  private:
+  // Those of this host whose id begins with the given word.
+  void StopByFiles() {
+    std::vector<MachineIdentity> by_id;
+    for (const MachineHere& machine : scope_.machines) {
+      if (BeginsIdOf(machine.identity, word_)) by_id.push_back(machine.identity);
+    }
+    if (by_id.empty()) return;
+    Run([&](EngagedStop& stop) { stop.latch->AddBeginningOfId(word_, by_id); });
+  }
+
+  const std::string word_;
   StopScope scope_;
   std::shared_ptr<MachineSearch> search_;  // null: it has ended
 };
@@ -304,9 +324,10 @@ void AddClient(py::module_& native) {
       .def("close", &Restart::Close);
   py::class_<Stop>(native, "Stop")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
-                    const std::string&, const std::string&, std::optional<int>,
+                    const std::string&, const std::string&, std::optional<int>, const std::string&,
                     const std::string&>())
       .def("report", &Stop::Report)
+      .def("follow", &Stop::Follow)
       .def("searches", &Stop::Searches)
       .def("close", &Stop::Close);
 }

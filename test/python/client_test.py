@@ -203,6 +203,26 @@ class Choice(unittest.TestCase):
         with musher.Machine(namespace=self.NAMESPACE, machine="fox") as fox:
             self.assertEqual(fox.status().machine, "fox")
 
+    def test_the_environment_names_the_machine_where_the_program_names_none(self):
+        self.publish("cat", "cafe0000-0000-4000-8000-000000000001")
+        self.publish("dog", DOG)
+        with mock.patch.dict(os.environ, {"MUSHER_MACHINE": "dog"}):
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine.status().machine, "dog")
+            with musher.Machine(namespace=self.NAMESPACE, machine="cat") as machine:
+                self.assertEqual(machine.status().machine, "cat")
+
+    def test_the_first_characters_of_its_id_choose_one_of_two_machines_of_a_name(self):
+        self.publish("dog", DOG)
+        self.publish("dog", SECOND_DOG)
+        with musher.Machine(namespace=self.NAMESPACE, machine="d091") as second:
+            self.assertEqual(second.status().machine_id, SECOND_DOG)
+            self.assertEqual(second._meant(acts=True), ("dog", SECOND_DOG))
+            self.assertEqual(second.wait_until("Active", DEADLINE_S).machine_id, SECOND_DOG)
+            self.assertEqual(next(second.watch()).machine_id, SECOND_DOG)
+        for refused in self.refusals(machine="d09"):
+            self.assertEqual(refused.code, 105, "too short for an id")
+
     # It was bound to the first id: a robot that systemd starts instead of a person has another one.
     def test_a_machine_that_is_started_again_with_another_id_is_the_same_by_its_name(self):
         for chosen in ({"machine": "dog"}, {}):
@@ -356,6 +376,16 @@ class Stops(unittest.TestCase):
         later.join(DEADLINE_S)
         self.assertIn("several machines have received the stop (dog (id d0900000), dog (id d0910000))",
                       failed.exception.reason)
+
+    def test_a_stop_goes_to_the_machine_whose_id_begins_so_and_its_controller_confirms_it(self):
+        self.publish(self.node(), DOG, latched=False)
+        self.publish(self.node(), SECOND_DOG, latched=True)
+        stops = self.node().subscribe("musher/emergency_stop", EmergencyStop, latched=True)
+        with musher.Machine(namespace=self.NAMESPACE, machine="d091") as second:
+            self.assertEqual(second.estop("smoke", timeout_s=DEADLINE_S), ["legs"])
+            self.assertEqual(stops.take(DEADLINE_S).machine, "d091", "it may also be a name")
+            by_id = stops.take(DEADLINE_S)
+            self.assertEqual((by_id.machine, by_id.machine_id), ("dog", SECOND_DOG))
 
     def test_a_stop_ends_in_time_while_a_file_of_this_host_does_not_open(self):
         folder = tempfile.mkdtemp(prefix="musher-python-")
