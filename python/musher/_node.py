@@ -6,7 +6,6 @@ Python thread, one at a time. A subscription without a handler is an iterator in
 
 import atexit
 import collections
-import getpass
 import os
 import threading
 import time
@@ -27,10 +26,22 @@ def default_by() -> str:
     """"anna@robot (show.py)": who requests something, for the machine's history."""
     import sys
     program = os.path.basename(sys.argv[0]) if sys.argv and sys.argv[0] else "python"
+    return f"{_user()}@{os.uname().nodename} ({program})"
+
+
+def _user() -> str:
+    """Of this process. Not by the user database, which may be on a server that does not answer: an emergency stop has
+    this name, too."""
+    named = next(filter(None, map(os.environ.get, ("LOGNAME", "USER", "LNAME", "USERNAME"))), "")
+    if named:
+        return named
+    number = str(os.getuid())
     try:
-        return f"{getpass.getuser()}@{os.uname().nodename} ({program})"
-    except (OSError, KeyError, ImportError):
-        return program
+        with open("/etc/passwd", encoding="utf-8", errors="replace") as users:
+            of_this = (line.split(":") for line in users)
+            return next((fields[0] for fields in of_this if len(fields) > 2 and fields[2] == number), number)
+    except OSError:
+        return number
 
 
 class Endpoint:
