@@ -1,5 +1,7 @@
 #include "musher/python/native/client.hpp"
 
+#include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -116,14 +118,16 @@ class MachineSearch {
     auto run = [search, scope = std::move(scope), configs = std::move(configs),
                 on_end = std::move(on_end)] {
       try {
-        std::vector<MachineHere> found = MachinesHere(scope.domain_id, scope.name_space, configs);
+        auto found = MachinesHere(scope.domain_id, scope.name_space, configs);
         const std::lock_guard lock(search->mutex_);
         search->found_ = std::move(found);
       } catch (const std::exception&) {
-        return;  // what this host has is not known
+        // What this host has stays unknown.
       }
       on_end();
+      Count(-1);
     };
+    Count(1);
     try {
       std::thread(run).detach();
     } catch (const std::system_error&) {
@@ -137,7 +141,31 @@ class MachineSearch {
     return found_;
   }
 
+  // Before the program ends, and with it what a search uses: waits for them, not long for one that
+  // hangs.
+  static void AwaitAll() {
+    Running& running = AllRunning();
+    std::unique_lock lock(running.mutex);
+    running.changed.wait_for(lock, std::chrono::seconds(1), [&] { return running.count == 0; });
+  }
+
  private:
+  struct Running {
+    std::mutex mutex;
+    std::condition_variable changed;
+    int count = 0;
+  };
+  static Running& AllRunning() {
+    static Running& running = *std::make_unique<Running>().release();  // outlives each search
+    return running;
+  }
+  static void Count(int change) {
+    Running& running = AllRunning();
+    const std::lock_guard lock(running.mutex);
+    running.count += change;
+    running.changed.notify_all();
+  }
+
   mutable std::mutex mutex_;
   std::optional<std::vector<MachineHere>> found_;  // guarded by it
 };
@@ -304,6 +332,8 @@ std::vector<std::pair<std::string, std::string>> FindMachinesHere(const std::str
 }  // namespace
 
 void AddClient(py::module_& native) {
+  py::module_::import("atexit").attr("register")(
+      py::cpp_function([] { WithoutGil([] { MachineSearch::AwaitAll(); }); }));
   native.def("read_machine", &ReadMachine);
   native.def("machine_here", &FindMachineHere);
   native.def("machines_here", &FindMachinesHere);
