@@ -352,6 +352,8 @@ class Machine:
             if len(found) == 1:
                 end = min(end, time.monotonic() + _OTHERS_S)
         if len(found) > 1:
+            found = {one: status for one, status in found.items() if not self._is_beside(status)} or found
+        if len(found) > 1:
             names = ", ".join(f"{name} (id {id[:8]})" if id else name for name, id in found)
             of_hosts = "" if any(map(_is_of_this_boot, found.values())) else ", none of them on this host"
             what, cure = ((f"several machines are named {known[0]}",

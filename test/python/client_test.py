@@ -169,6 +169,12 @@ class Choice(unittest.TestCase):
             waiting.join(DEADLINE_S)
             self.assertEqual([status.machine for status in waited], ["cat"])
 
+    def test_the_machine_of_the_files_of_this_host_is_meant_where_another_one_answers_too(self):
+        self.publish("cat", "cafe0000-0000-4000-8000-000000000001")
+        self.publish("dog", DOG)
+        with self.files_of_cat(), musher.Machine(namespace=self.NAMESPACE) as machine:
+            self.assertEqual(machine._meant(acts=True)[0], "cat")
+
     def led_by_another_user(self):
         """Its processes and files cannot be read."""
         hidden = mock.patch.object(_machine._native, "machine_here", lambda *_: ("", ""))
@@ -336,11 +342,11 @@ class Stops(unittest.TestCase):
         self.addCleanup(node.close)
         return node
 
-    def publish(self, node, machine_id, latched):
+    def publish(self, node, machine_id, latched, host="another boot/1", pid=7):
         """The statuses of dog's controller and of its only actuator, which is stopped."""
         legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
-        status = MachineStatus(machine="dog", machine_id=machine_id, name_space=self.NAMESPACE, host="another boot/1",
-                               pid=7, phase="running", state="Active", actuators=[legs], emergency_stop=latched,
+        status = MachineStatus(machine="dog", machine_id=machine_id, name_space=self.NAMESPACE, host=host, pid=pid,
+                               phase="running", state="Active", actuators=[legs], emergency_stop=latched,
                                emergency_stop_by="anna" if latched else "")
         node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
         node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
@@ -365,6 +371,12 @@ class Stops(unittest.TestCase):
         begin = time.monotonic()
         self.assertEqual(self.dog().estop("smoke", timeout_s=DEADLINE_S), ["legs"])
         self.assertLess(time.monotonic() - begin, DEADLINE_S / 2)
+
+    def test_a_controller_that_was_killed_before_need_not_confirm_it(self):
+        with subprocess.Popen(["true"]) as ended:
+            pass
+        self.publish(self.node(), DOG, latched=False, host=_machine._native.host_id(), pid=ended.pid)
+        self.assertEqual(self.dog().estop("smoke", timeout_s=DEADLINE_S), ["legs"])
 
     def test_a_second_machine_of_the_name_that_is_found_later_is_named(self):
         self.publish(self.node(), DOG, latched=True)
