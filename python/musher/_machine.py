@@ -1,11 +1,14 @@
 """A client of a machine: what `musher status`, `set`, `plan`, `history`, `watch` and `estop` do."""
 
+import contextlib
 import dataclasses
 import datetime
+import errno
 import os
+import select
 import threading
 import time
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple, TypeVar
 
 from musher import _native
 from musher._errors import Failure
@@ -14,13 +17,14 @@ from musher._node import Node, Subscription, default_by
 from musher.musher_msgs.msg import HistoryEntry, MachineStatus
 from musher.musher_msgs.srv import (GetHistory, GetPlan, ReleaseEmergencyStop, RestartActuator, SetState)
 
+T = TypeVar("T")
 _NEWS, _END = range(2)  # as in native/client.cpp
-_STOPPED = 1  # key of the items of an emergency stop beside those of the status
 _TIMEOUT = 107  # Robot (100) + TIMEOUT
 _NET_ERROR = 105
 _TARGET_BUSY = 111
 _LOOK_S = 0.1  # between two looks at the processes of this host
 _STOPS_KEPT = 8
+_SHORTEST_ID = 4  # characters of an id that a person gives
 _OTHERS_S = 0.3  # machines of other hosts are found one after the other
 _SEARCH_S = 1.0  # for the controller of this host, before a stop goes to each machine
 
@@ -72,8 +76,9 @@ class Machine:
             machine.set("Active")
 
     `config`: its state config, which has the namespace; or pass the namespace itself. The defaults are those of
-    the `musher` program: $MUSHER_NAMESPACE, $ROS_DOMAIN_ID, $MUSHER_KEYS. It is the machine of that config, or of
-    the name `machine`; without either, the one whose controller runs on this host, else the only one that answers.
+    the `musher` program: $MUSHER_NAMESPACE, $MUSHER_MACHINE, $ROS_DOMAIN_ID, $MUSHER_KEYS. `machine`: its name, or the
+    first characters of its id, at least 4. It is that machine, else the one of the config, else that of the
+    environment; without either, the one whose controller runs on this host, else the only one that answers.
     """
 
     def __init__(self, config: "str | os.PathLike[str]" = "", *, namespace: Optional[str] = None,
@@ -85,7 +90,8 @@ class Machine:
             machine = machine or name
         self._config = path
         self._domain = domain
-        self._name = machine  # that the caller gave, else of the only machine that answered; empty: none has
+        # That the caller gave, or the beginning of an id, else of the only machine that answered; empty: none has.
+        self._name = machine or os.environ.get("MUSHER_MACHINE", "")
         self._found = ("", "")  # name and id of the machine that answered last; a new start may have another id
         self._stops: List[_native.Stop] = []  # that are published
         self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity)
@@ -115,24 +121,34 @@ class Machine:
                 status = self._next(statuses, meant, None)
 
     def wait_until(self, condition: Any, timeout_s: float = 60.0) -> MachineStatus:
-        """The first status for which condition(status) holds; or pass the name of a state that it is in."""
+        """The first status for which condition(status) holds; or pass the name of a state that it is in. Where this
+        host has a machine that does not run, it waits for that one, and not for another one that answers."""
         end = time.monotonic() + timeout_s
         holds = (lambda status: status.state == condition) if isinstance(condition, str) else condition
         last: Optional[MachineStatus] = None
+        meant = ("", "")
         with _Closing(self._watch()) as statuses:
+            statuses.accepts = lambda status: meant[0] != "" or not self._is_beside(status)
             meant, status = self._choose(statuses, min(self._find_s, timeout_s))
             while True:
                 left = end - time.monotonic()
                 if status is None and left > 0:
                     status = self._next(statuses, meant, left)
                 if status is None:
-                    if last is None:
-                        raise self._not_found()
-                    raise Failure(_TIMEOUT, f"after {timeout_s} s the machine is in {last.state} ({last.phase})")
+                    break
+                if not meant[0]:
+                    meant = (status.machine, "")  # the first that answers
                 last = status
                 if holds(status):
                     return status
                 status = None
+            beside = statuses.refused
+        if last is None:
+            raise self._not_found(beside)
+        if _has_ended(last):
+            raise Failure(_NET_ERROR, f"after {timeout_s} s no controller leads: that of {last.machine} "
+                                      f"(pid {last.pid}) has exited, it was in {last.state}")
+        raise Failure(_TIMEOUT, f"after {timeout_s} s the machine is in {last.state} ({last.phase})")
 
     def set(self, state: str, actuator: str = "", *, timeout_s: float = 60.0, by: str = "") -> Outcome:
         """Switches the machine, or one actuator, and waits for the outcome, also if the controller that was
@@ -159,7 +175,7 @@ class Machine:
             switch.close()
         response = item.decode(codec_of(SetState.Response), False)
         if response.outcome == "" and not self._leads():
-            raise Failure(_NET_ERROR, response.reason or self._not_found().reason)
+            raise self._silent() or Failure(_NET_ERROR, response.reason or self._not_found().reason)
         return Outcome(response.outcome, response.state, response.code, response.reason, response.switch_number,
                        list(response.degraded),
                        [ActuatorOutcome(one.name, one.outcome, one.code, one.message, one.duration_ms, one.state)
@@ -186,7 +202,7 @@ class Machine:
                                *self._meant(acts=True))
         try:
             item = mailbox.pop(min(self._find_s, timeout_s))
-            if item is None and not call.found():
+            if (item is None or item.text) and not call.found():
                 raise self._not_found()
             while item is None:
                 item = mailbox.pop(None)
@@ -200,32 +216,50 @@ class Machine:
 
     def estop(self, reason: str = "", *, timeout_s: float = 2.0, by: str = "") -> List[str]:
         """Engages the emergency stop, with or without a controller. Returns the actuators that have stopped;
-        raises musher.Failure if one has not confirmed it in time, or if the machine may have more of them. The stop
-        stays engaged in any case, and reaches actuators that join until this machine is closed."""
+        raises musher.Failure if one of them or the controller has not confirmed it in time, or if the machine may have
+        more of them. The stop stays engaged in any case, and reaches actuators that join until this machine is
+        closed."""
         end = time.monotonic() + timeout_s
         meant = self._to_stop()
-        with _Closing(self._watch()) as statuses:
-            stop = _native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED, *meant,
-                                self._domain, self._config)
-            self._stops = [*self._stops[-_STOPS_KEPT + 1:], stop]
-            status: Optional[bytes] = None
-            while True:
-                over, actuators, unknown = stop.report(status)
-                left = end - time.monotonic()
-                if (over and actuators) or left <= 0:
-                    break
-                item = statuses._mailbox.pop(min(left, _LOOK_S))  # of the machine, or of an actuator
-                if item is not None and item.key != _STOPPED:
-                    new = statuses._decode(item)
-                    status = new.to_bytes() if new is not None and _is_of(new, meant) else status
+        mailbox = _native.Mailbox()
+        stop = _native.Stop(self._native(), by or default_by(), reason, mailbox, *meant, self._domain, self._config,
+                            self._name)
+        self._stops = [*self._stops[-_STOPS_KEPT + 1:], stop]
+        with contextlib.ExitStack() as opened:
+            statuses: Optional[_Statuses] = None  # of the machine whose id begins with the given word
+            if _may_begin_id(self._name):
+                with contextlib.suppress(Failure):  # the stop is published without it
+                    statuses = opened.enter_context(_Closing(self._watch()))
+            over, led, actuators, unknown = self._await_stop(stop, mailbox, statuses, end, not meant[1])
         missing = [f"{name} ({trouble})" if trouble else name for name, stopped, _, trouble in actuators if not stopped]
         if missing:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
-        if not actuators:
-            raise self._not_found("no actuator")
+        if not actuators and not (unknown and stop.searches()):
+            silent = None if led else _found_within(_SEARCH_S, self._silent)
+            raise silent or self._nothing("no actuator")
+        if not over and not unknown:
+            unknown = ("not confirmed by the controller" if led else
+                       f"in {timeout_s} s without a controller not every actuator may have been found")
         if unknown:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but {unknown}")
         return [name for name, _, _, _ in actuators]
+
+    def _await_stop(self, stop: _native.Stop, mailbox: _native.Mailbox, statuses: "Optional[_Statuses]", end: float,
+                    others: bool) -> Tuple[bool, bool, List[Tuple[str, bool, float, str]], str]:
+        """Its report once it is over. `others`: other machines may be meant, too, and are found after the first."""
+        since: Optional[float] = None  # each actuator that is known has stopped
+        while True:
+            status = statuses.take(0.0) if statuses is not None else None
+            if status is not None and status.machine != self._name and _begins_id(status, self._name):
+                stop.follow(status.machine, status.machine_id)
+                statuses = None
+            report = over, _, actuators, _ = stop.report()
+            now = time.monotonic()
+            since = (now if since is None else since) if over and actuators else None
+            until = end if since is None else min(end, since + (_OTHERS_S if others else 0.0))
+            if now >= until:
+                return report
+            mailbox.pop(min(until - now, _LOOK_S))
 
     def release_estop(self, by: str = "") -> None:
         """Releases the emergency stop; changes no state."""
@@ -255,8 +289,11 @@ class Machine:
         assert self.node._native is not None
         return self.node._native
 
-    def _watch(self) -> "Subscription[MachineStatus]":
-        return self.node.subscribe(self._status_topic, MachineStatus, latched=True, depth=0)
+    def _watch(self) -> "_Statuses":
+        self.node._check(self._status_topic)
+        statuses = _Statuses(self.node, self._status_topic)
+        statuses.accepts = lambda status: not self._is_elsewhere(status)
+        return statuses
 
     def _next(self, statuses: "Subscription[MachineStatus]", meant: Tuple[str, str],
               timeout_s: Optional[float]) -> Optional[MachineStatus]:
@@ -274,18 +311,24 @@ class Machine:
     def _known(self) -> Tuple[str, str]:
         """Name and id of the machine that is meant, without discovery; empty: not known."""
         here = _native.machine_here(self.node.namespace, self._domain)
-        return here if self._name in ("", here[0]) else (self._name, "")
+        by_id = len(self._name) >= _SHORTEST_ID and here[1].startswith(self._name)
+        return here if by_id or self._name in ("", here[0]) else (self._name, "")
 
     def _to_stop(self) -> Tuple[str, str]:
         """The same for a stop, which goes to each machine that may be meant before anything can hold it up: to every
         id of a name, and to each machine of the namespace where a process hangs the search for the one here."""
         if self._name:
             return self._name, ""
-        found: List[Tuple[str, str]] = []
-        search = threading.Thread(target=lambda: found.append(self._known()), daemon=True)
-        search.start()
-        search.join(_SEARCH_S)
-        return found[0] if found else ("", "")
+        return _found_within(_SEARCH_S, self._machine_here) or ("", "")
+
+    def _machine_here(self) -> Tuple[str, str]:
+        """The machine whose controller runs here; where nothing runs here, the only one with files on this host."""
+        known = self._known()
+        if known != ("", "") or _native.runs_here(self.node.namespace, self._domain):
+            return known
+        here = _native.machines_here(self.node.namespace, self._domain)
+        only = next((one for one in here if one[1]), here[0] if here else ("", ""))
+        return only if all(_is_one(one, only) for one in here) else ("", "")
 
     def _choose(self, statuses: "Subscription[MachineStatus]",
                 within_s: float) -> Tuple[Tuple[str, str], Optional[MachineStatus]]:
@@ -305,17 +348,21 @@ class Machine:
             machine = (status.machine, status.machine_id)
             if machine == self._found:  # it answers as before
                 return machine, status
-            found[next((one for one in found if _is_of(status, one)), machine)] = status
+            found[next((one for one in found if _is_one(machine, one)), machine)] = status
             if len(found) == 1:
                 end = min(end, time.monotonic() + _OTHERS_S)
         if len(found) > 1:
+            found = {one: status for one, status in found.items() if not self._is_beside(status)} or found
+        if len(found) > 1:
             names = ", ".join(f"{name} (id {id[:8]})" if id else name for name, id in found)
-            what, cure = ((f"several machines are named {known[0]}", "each needs a name of its own") if known[0] else
-                          ("several machines answer, none of them on this host", "Machine(machine=NAME) chooses one"))
+            of_hosts = "" if any(map(_is_of_this_boot, found.values())) else ", none of them on this host"
+            what, cure = ((f"several machines are named {known[0]}",
+                           "Machine(machine=ID) chooses one by the first characters of its id") if known[0] else
+                          ("several machines answer" + of_hosts, "Machine(machine=NAME) chooses one"))
             raise Failure(_TARGET_BUSY, f"{what}: {names}. Nothing was done; {cure}")
         for machine, status in found.items():
             self._found = machine
-            if not self._is_beside(machine):
+            if not self._name and not self._is_beside(status):
                 self._name = machine[0]
             return machine, status
         return known, None
@@ -328,16 +375,32 @@ class Machine:
             meant, status = self._choose(statuses, self._find_s)
         if not meant[1] and status is None:
             raise self._not_found()
-        if acts and self._is_beside(meant):
-            own = _native.machines_here(self.node.namespace, self._domain)[0][0]
-            raise Failure(_NET_ERROR, f"the machine of this host, {own}, does not run; found {meant[0]}. "
-                                      "Nothing was done; Machine(machine=NAME) speaks to another machine")
+        if acts and status is not None and self._is_beside(status):
+            raise self._not_here(status)
         return meant
 
-    def _is_beside(self, machine: Tuple[str, str]) -> bool:
-        """Whether it was found without a name, and this host has machines of which it is none."""
+    def _is_beside(self, status: MachineStatus) -> bool:
+        """Whether no name was given, and this host has machines of which it is none."""
+        if self._is_elsewhere(status):
+            return True
+        if _is_of_this_boot(status):
+            return False
         here = [] if self._name else _native.machines_here(self.node.namespace, self._domain)
-        return bool(here) and not any(_is_one(machine, one) for one in here)
+        return bool(here) and not any(_is_one((status.machine, status.machine_id), one) for one in here)
+
+    def _is_elsewhere(self, status: MachineStatus) -> bool:
+        """Whether no name was given, and a controller of this host leads, of which it is none. Of one of another user,
+        or container, only the computer is known."""
+        return not self._name and self._leads_here() and not _is_of_this_boot(status)
+
+    def _leads_here(self) -> bool:
+        return _native.leads_here(self.node.namespace, self._domain)
+
+    def _not_here(self, beside: MachineStatus) -> Failure:
+        here = _native.machines_here(self.node.namespace, self._domain)
+        own = f"the machine of this host, {here[0][0]}," if here else "the machine of this host"
+        return Failure(_NET_ERROR, f"{own} does not run; found {beside.machine}. "
+                                   "Nothing was done; Machine(machine=NAME) speaks to another machine")
 
     def _leads(self) -> bool:
         with _Closing(self._watch()) as statuses:
@@ -350,14 +413,101 @@ class Machine:
                 raise self._not_found()
             return client.call(request, timeout_s)
 
-    def _not_found(self, what: str = "no controller") -> Failure:
+    def _not_found(self, beside: Optional[MachineStatus] = None) -> Failure:
+        """Why no controller answers. `beside`: of another machine, which does."""
+        return self._silent() or (self._nothing("no controller") if beside is None else self._not_here(beside))
+
+    def _silent(self) -> Optional[Failure]:
+        """The controller that is meant leads on this host, but was not found."""
+        if not self._leads_here():
+            return None
+        name, id = self._known()
+        if id:
+            pid = _native.leader_here(self.node.namespace, self._domain)
+            return Failure(_NET_ERROR, f"the controller of {name} (pid {pid}) leads on this host, but does not answer; "
+                                       "`musher status` says why")
+        if self._name:
+            return None
+        return Failure(_NET_ERROR, "a controller of this host leads, but does not answer; "
+                                   "`sudo musher status` says why")
+
+    def _nothing(self, what: str) -> Failure:
         place = f"namespace '{self.node.namespace}'" if self.node.namespace else "the default namespace"
         return Failure(_NET_ERROR, f"{what} in {place}; is the machine up "
                                    "(`musher up robot.toml`), and are namespace and ROS_DOMAIN_ID right?")
 
 
+class _Statuses(Subscription[MachineStatus]):
+    """Of controllers. One that a bridge, a router or a replayed recording repeats does not count, nor does what a
+    process of this host had published before it was killed."""
+
+    def __init__(self, node: Node, topic: str) -> None:
+        super().__init__(node, topic, MachineStatus, None, reliable=True, latched=True, depth=0)
+        self._senders: Set[int] = set()  # participants that have run while this exists
+        self.accepts: Callable[[MachineStatus], bool] = lambda status: True
+        self.refused: Optional[MachineStatus] = None  # the last one that it does not accept
+
+    def _decode(self, item: _native.Item) -> Optional[MachineStatus]:
+        status = super()._decode(item)
+        if status is None or status.participant not in (0, item.token):
+            return None
+        if item.token not in self._senders:
+            if _has_ended(status):
+                return None
+            self._senders.add(item.token)
+        if self.accepts(status):
+            return status
+        self.refused = status
+        return None
+
+
+def _is_of_this_boot(status: MachineStatus) -> bool:
+    """Whether its controller runs on this computer, perhaps in a container."""
+    boot = _native.host_id().partition("/")[0]
+    return boot != "" and status.host.startswith(boot + "/")
+
+
+def _has_ended(status: MachineStatus) -> bool:
+    """Whether it is of a controller of this host whose process has exited."""
+    if not status.host or status.host != _native.host_id():
+        return False
+    try:
+        process = os.pidfd_open(status.pid)
+    except OSError as error:
+        return error.errno == errno.ESRCH
+    try:
+        exited = select.poll()
+        exited.register(process, select.POLLIN)
+        return bool(exited.poll(0))
+    finally:
+        os.close(process)
+
+
+def _found_within(time_s: float, search: Callable[[], Optional[T]]) -> Optional[T]:
+    """What a search finds in this time. One that inspects other processes is held up for ever by one that hangs."""
+    found: List[Optional[T]] = []
+    thread = threading.Thread(target=lambda: found.append(search()), daemon=True)
+    try:
+        thread.start()
+    except RuntimeError:  # no thread is left
+        return None
+    thread.join(time_s)
+    return found[0] if found else None
+
+
 def _is_of(status: MachineStatus, machine: Tuple[str, str]) -> bool:
-    return _is_one((status.machine, status.machine_id), machine)
+    """Without an id the name may be the beginning of one."""
+    by_id = not machine[1] and _begins_id(status, machine[0])
+    return by_id or _is_one((status.machine, status.machine_id), machine)
+
+
+def _begins_id(status: MachineStatus, word: str) -> bool:
+    """As BeginsIdOf() in lifecycle/machine/machine_identity.hpp."""
+    return len(word) >= _SHORTEST_ID and status.machine_id.startswith(word)
+
+
+def _may_begin_id(word: str) -> bool:
+    return len(word) >= _SHORTEST_ID and not set(word) - set("0123456789abcdef-")
 
 
 def _is_one(one: Tuple[str, str], other: Tuple[str, str]) -> bool:

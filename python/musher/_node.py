@@ -6,7 +6,6 @@ Python thread, one at a time. A subscription without a handler is an iterator in
 
 import atexit
 import collections
-import getpass
 import os
 import threading
 import time
@@ -27,10 +26,22 @@ def default_by() -> str:
     """"anna@robot (show.py)": who requests something, for the machine's history."""
     import sys
     program = os.path.basename(sys.argv[0]) if sys.argv and sys.argv[0] else "python"
+    return f"{_user()}@{os.uname().nodename} ({program})"
+
+
+def _user() -> str:
+    """Of this process. Not by the user database, which may be on a server that does not answer: an emergency stop has
+    this name, too."""
+    named = next(filter(None, map(os.environ.get, ("LOGNAME", "USER", "LNAME", "USERNAME"))), "")
+    if named:
+        return named
+    number = str(os.getuid())
     try:
-        return f"{getpass.getuser()}@{os.uname().nodename} ({program})"
-    except (OSError, KeyError, ImportError):
-        return program
+        with open("/etc/passwd", encoding="utf-8", errors="replace") as users:
+            of_this = (line.split(":") for line in users)
+            return next((fields[0] for fields in of_this if len(fields) > 2 and fields[2] == number), number)
+    except OSError:
+        return number
 
 
 class Endpoint:
@@ -126,9 +137,11 @@ class Subscription(Endpoint, Generic[M]):
         if not self._own_mailbox:
             raise Failure(_CLOSED, "this subscription has a handler, which gets its messages")
         self._open()
+        end = None if timeout_s is None else time.monotonic() + timeout_s
+        left = timeout_s
         while True:
             try:
-                item = self._mailbox.pop(timeout_s)
+                item = self._mailbox.pop(left)
             except StopIteration:
                 raise Failure(_CLOSED, "this subscription is closed") from None
             if item is None:
@@ -136,6 +149,7 @@ class Subscription(Endpoint, Generic[M]):
             message = self._decode(item)
             if message is not None:
                 return message
+            left = None if end is None else max(end - time.monotonic(), 0.0)
 
     def __iter__(self) -> Iterator[M]:
         while not self._closed:

@@ -1,5 +1,13 @@
 #include "musher/python/native/client.hpp"
 
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
 #include "musher/base/host.hpp"
 #include "musher/controller/client/leader_call.hpp"
 #include "musher/controller/client/stop_latch.hpp"
@@ -79,25 +87,118 @@ class Restart : public OnLoop<LeaderCall<msg::RestartActuator>> {
   }
 };
 
-// An emergency stop that is published as long as this exists, unless it is released.
-class Stop : public OnLoop<StopLatch> {
+// What an emergency stop needs on the loop.
+struct EngagedStop {
+  transport::Node& node;
+  LeaderWatch::Options of_leader;
+  std::function<void()> on_change;
+  std::unique_ptr<StopLatch> latch;
+  std::unique_ptr<LeaderWatch> leader;  // null: the status of a controller is not received
+
+  // Where it may not be received, the stop holds and is not confirmed by a controller.
+  void Follow(const MachineIdentity& machine) {
+    leader = nullptr;
+    of_leader.machine = machine;
+    auto watch = LeaderWatch::Make(
+        node, of_leader, [this](const msg::MachineStatus&) { on_change(); },
+        [this](const msg::MachineStatus&, const std::string&) { on_change(); });
+    if (watch) leader = std::move(watch).value();
+  }
+};
+
+// The search for the machines of this host. It reads the disk and other processes, and one that
+// hangs may hold it up for ever: it has a thread of its own, which an emergency stop does not wait
+// for.
+class MachineSearch {
  public:
-  // An item of `key` goes into the mailbox when the report has changed. `config`: the machine's, if
-  // the program knows it.
+  // `on_end` runs on that thread.
+  static std::shared_ptr<MachineSearch> Begin(StopScope scope, std::vector<std::string> configs,
+                                              std::function<void()> on_end) {
+    auto search = std::make_shared<MachineSearch>();
+    auto run = [search, scope = std::move(scope), configs = std::move(configs),
+                on_end = std::move(on_end)] {
+      try {
+        auto found = MachinesHere(scope.domain_id, scope.name_space, configs);
+        const std::lock_guard lock(search->mutex_);
+        search->found_ = std::move(found);
+      } catch (const std::exception&) {
+        // What this host has stays unknown.
+      }
+      on_end();
+      Count(-1);
+    };
+    Count(1);
+    try {
+      std::thread(run).detach();
+    } catch (const std::system_error&) {
+      WithoutGil(run);  // no thread is left
+    }
+    return search;
+  }
+  // Nullopt: it goes on.
+  std::optional<std::vector<MachineHere>> found() const {
+    const std::lock_guard lock(mutex_);
+    return found_;
+  }
+
+  // Before the program ends, and with it what a search uses: waits for them, not long for one that
+  // hangs.
+  static void AwaitAll() {
+    Running& running = AllRunning();
+    std::unique_lock lock(running.mutex);
+    running.changed.wait_for(lock, std::chrono::seconds(1), [&] { return running.count == 0; });
+  }
+
+ private:
+  struct Running {
+    std::mutex mutex;
+    std::condition_variable changed;
+    int count = 0;
+  };
+  static Running& AllRunning() {
+    static Running& running = *std::make_unique<Running>().release();  // outlives each search
+    return running;
+  }
+  static void Count(int change) {
+    Running& running = AllRunning();
+    const std::lock_guard lock(running.mutex);
+    running.count += change;
+    running.changed.notify_all();
+  }
+
+  mutable std::mutex mutex_;
+  std::optional<std::vector<MachineHere>> found_;  // guarded by it
+};
+
+// An emergency stop that is published as long as this exists, unless it is released.
+class Stop : public OnLoop<EngagedStop> {
+ public:
+  // An item goes into the mailbox when the report has changed. `config`: the machine's, if the
+  // program knows it. `word`: the name that was given, which may be the beginning of an id; may be
+  // empty.
   Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
-       const MailboxPtr& mailbox, std::int64_t key, const std::string& machine,
-       const std::string& machine_id, std::optional<int> domain, const std::string& config)
-      : OnLoop(node, [&](transport::Node& on) {
-          msg::EmergencyStop stop = NewEmergencyStop(by, reason);
-          stop.machine = machine;
-          stop.machine_id = machine_id;
-          return StopLatch::Begin(on, node->name_space, stop,
-                                  node->thread->credentials().has_value(), [mailbox, key] {
-                                    Item item;
-                                    item.key = key;
-                                    mailbox->PushLatest(std::move(item));
-                                  });
-        }) {
+       const MailboxPtr& mailbox, const std::string& machine, const std::string& machine_id,
+       std::optional<int> domain, const std::string& config, const std::string& word)
+      : OnLoop(node,
+               [&](transport::Node& on) -> Result<std::unique_ptr<EngagedStop>> {
+                 msg::EmergencyStop stop = NewEmergencyStop(by, reason);
+                 stop.machine = machine;
+                 stop.machine_id = machine_id;
+                 const auto on_change = [mailbox] { mailbox->PushLatest({}); };
+                 auto latch = StopLatch::Begin(on, node->name_space, stop,
+                                               node->thread->credentials().has_value(), on_change);
+                 if (!latch) return latch.error();
+                 if (!word.empty()) latch.value()->AddBeginningOfId(word);
+                 auto engaged = std::make_unique<EngagedStop>(
+                     EngagedStop{on,
+                                 {node->name_space, HostId(), WatchByPidfd(on.loop())},
+                                 on_change,
+                                 std::move(latch).value(),
+                                 nullptr});
+                 engaged->Follow({machine, machine_id});
+                 return engaged;
+               }),
+        word_(word) {
     transport::DdsOptions options;
     options.domain_id = domain;
     const auto id = transport::DomainId(options);
@@ -106,36 +207,59 @@ class Stop : public OnLoop<StopLatch> {
     scope_.lan = !profile || profile.value() == TransportProfile::kLan;
     std::vector<std::string> configs;
     if (!config.empty()) configs.push_back(config);
-    scope_.machines =
-        WithoutGil([&] { return MachinesHere(scope_.domain_id, scope_.name_space, configs); });
+    search_ =
+        MachineSearch::Begin(scope_, std::move(configs), [mailbox] { mailbox->PushLatest({}); });
   }
 
-  // Which actuators are stopped: (there is nothing to wait for any more, [(name, stopped, after_s,
-  // trouble)], why there may be more of them, else "").
+  // Which actuators are stopped: (there is nothing to wait for any more, a controller leads,
+  // [(name, stopped, after_s, trouble)], why there may be more of them, else "").
   using Actuators = std::vector<std::tuple<std::string, bool, double, std::string>>;
-  std::tuple<bool, Actuators, std::string> Report(const std::optional<py::bytes>& machine_status) {
-    std::optional<msg::MachineStatus> status;
-    if (machine_status) {
-      const std::string_view bytes = *machine_status;
-      status = msg::Decode<msg::MachineStatus>(std::as_bytes(std::span(bytes)));
+  std::tuple<bool, bool, Actuators, std::string> Report() {
+    if (auto found = search_ ? search_->found() : std::nullopt) {
+      scope_.machines = *std::move(found);
+      search_ = nullptr;
+      StopByFiles();
     }
     EstopReport report;
     bool over = false;
-    Run([&](StopLatch& latch) {
-      report = latch.Report(ViewFromHere(scope_, status));
-      over = latch.IsOver(report);
+    Run([&](EngagedStop& stop) {
+      report = stop.latch->Report(
+          ViewFromHere(scope_, stop.leader ? stop.leader->leader() : std::nullopt));
+      over = stop.latch->IsOver(report);
     });
+    // A controller has all of its actuators in its status.
+    if (search_ && !report.controller) {
+      over = false;
+      report.unknown = "this host is still being searched";
+    }
     Actuators actuators;
-    if (!report.found()) return {over, {}, report.unknown};
+    if (!report.found()) return {over, report.controller, {}, report.unknown};
     for (const EstopReport::Actuator& one : report.actuators) {
       actuators.emplace_back(one.name, one.stopped,
                              std::chrono::duration<double>(one.after).count(), one.trouble);
     }
-    return {over, std::move(actuators), report.unknown};
+    return {over, report.controller, std::move(actuators), report.unknown};
+  }
+  bool Searches() const { return search_ != nullptr; }
+  // The controller of this machine confirms it, where only the beginning of its id was given.
+  void Follow(const std::string& machine, const std::string& machine_id) {
+    Run([&](EngagedStop& stop) { stop.Follow({machine, machine_id}); });
   }
 
  private:
+  // Those of this host whose id begins with the given word.
+  void StopByFiles() {
+    std::vector<MachineIdentity> by_id;
+    for (const MachineHere& machine : scope_.machines) {
+      if (BeginsIdOf(machine.identity, word_)) by_id.push_back(machine.identity);
+    }
+    if (by_id.empty()) return;
+    Run([&](EngagedStop& stop) { stop.latch->AddBeginningOfId(word_, by_id); });
+  }
+
+  const std::string word_;
   StopScope scope_;
+  std::shared_ptr<MachineSearch> search_;  // null: it has ended
 };
 
 // (namespace, name) of a valid config.
@@ -145,28 +269,59 @@ std::pair<std::string, std::string> ReadMachine(const std::string& file) {
   return {config.value().name_space, config.value().name};
 }
 
-// (name, id) of the machine whose controller runs on this host; empty: none.
+std::optional<int> DomainOf(std::optional<int> domain) {
+  transport::DdsOptions options;
+  options.domain_id = domain;
+  const auto id = transport::DomainId(options);
+  return id ? std::optional(id.value()) : std::nullopt;
+}
+
+// (name, id) of the machine whose controller runs on this host; empty: none, or one of another
+// user.
 std::pair<std::string, std::string> FindMachineHere(const std::string& name_space,
                                                     std::optional<int> domain) {
   const auto origin = WithoutGil([&]() -> std::optional<MachineOrigin> {
-    transport::DdsOptions options;
-    options.domain_id = domain;
-    const auto id = transport::DomainId(options);
-    return id ? OriginHere(id.value(), name_space) : std::nullopt;
+    const auto id = DomainOf(domain);
+    return id ? OriginHere(*id, name_space) : std::nullopt;
   });
   if (!origin) return {};
   return {origin->name, origin->id};
+}
+
+// The name that the controller of this host holds.
+std::optional<std::string> ControllerName(const std::string& name_space,
+                                          std::optional<int> domain) {
+  const auto id = DomainOf(domain);
+  if (!id) return std::nullopt;
+  return NameLock::NameOf(*id, name_space, "musher/controller");
+}
+
+// Whether a controller of this host leads, also one of another user. It inspects no process.
+bool LeadsHere(const std::string& name_space, std::optional<int> domain) {
+  const auto name = ControllerName(name_space, domain);
+  return name && NameLock::IsHeld(*name);
+}
+
+// The process of that controller; 0: none, or one of another user.
+pid_t LeaderHere(const std::string& name_space, std::optional<int> domain) {
+  const auto name = ControllerName(name_space, domain);
+  return name ? WithoutGil([&] { return NameLock::HolderOf(*name).pid; }) : 0;
+}
+
+// Whether a controller or an actuator of any machine runs on this host.
+bool RunsHere(const std::string& name_space, std::optional<int> domain) {
+  const auto id = DomainOf(domain);
+  return LeadsHere(name_space, domain) ||
+         (id && !NameLock::HeldBelow(NameLock::NameOf(*id, name_space, "")).empty());
 }
 
 // (name, id) of each machine that has files or processes on this host.
 std::vector<std::pair<std::string, std::string>> FindMachinesHere(const std::string& name_space,
                                                                   std::optional<int> domain) {
   std::vector<std::pair<std::string, std::string>> found;
-  transport::DdsOptions options;
-  options.domain_id = domain;
-  const auto id = transport::DomainId(options);
+  const auto id = DomainOf(domain);
   if (!id) return found;
-  const auto machines = WithoutGil([&] { return MachinesHere(id.value(), name_space); });
+  const auto machines = WithoutGil([&] { return MachinesHere(*id, name_space); });
   for (const MachineHere& machine : machines) {
     if (machine.identity.name.empty()) continue;
     found.emplace_back(machine.identity.name, machine.identity.id);
@@ -177,9 +332,15 @@ std::vector<std::pair<std::string, std::string>> FindMachinesHere(const std::str
 }  // namespace
 
 void AddClient(py::module_& native) {
+  py::module_::import("atexit").attr("register")(
+      py::cpp_function([] { WithoutGil([] { MachineSearch::AwaitAll(); }); }));
   native.def("read_machine", &ReadMachine);
   native.def("machine_here", &FindMachineHere);
   native.def("machines_here", &FindMachinesHere);
+  native.def("host_id", &HostId);
+  native.def("leads_here", &LeadsHere);
+  native.def("leader_here", &LeaderHere);
+  native.def("runs_here", &RunsHere);
   native.def("machine_service", &transport::MachineService);
   native.def("machine_status_topic", &transport::MachineStatusTopic);
   py::class_<Switch>(native, "Switch")
@@ -193,9 +354,11 @@ void AddClient(py::module_& native) {
       .def("close", &Restart::Close);
   py::class_<Stop>(native, "Stop")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
-                    std::int64_t, const std::string&, const std::string&, std::optional<int>,
+                    const std::string&, const std::string&, std::optional<int>, const std::string&,
                     const std::string&>())
       .def("report", &Stop::Report)
+      .def("follow", &Stop::Follow)
+      .def("searches", &Stop::Searches)
       .def("close", &Stop::Close);
 }
 

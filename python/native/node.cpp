@@ -91,9 +91,10 @@ class Reader : public OnLoop<transport::RawReader> {
           transport::ReaderCallbacks callbacks;
           const auto limit = static_cast<std::size_t>(std::max(qos.depth, 0));
           callbacks.on_sample = [mailbox, key, limit](std::span<const std::byte> bytes,
-                                                      const auto&) {
+                                                      const transport::SampleInfo& info) {
             Item item;
             item.key = key;
+            item.token = info.participant.value();
             item.bytes.assign(bytes.begin(), bytes.end());
             mailbox->Push(std::move(item), limit);
           };

@@ -2,10 +2,12 @@
 
 import contextlib
 import os
+import select
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import musher
@@ -26,8 +28,23 @@ RUN = "musher.run(A)"
 
 
 def end(pid):
+    """Returns once the process has exited."""
     with contextlib.suppress(ProcessLookupError):
+        process = os.pidfd_open(pid)
         os.kill(pid, signal.SIGKILL)
+        select.select([process], [], [], DEADLINE_S)
+        os.close(process)
+
+
+def freeze(pid):
+    """Returns once each thread of the process stands."""
+    os.kill(pid, signal.SIGSTOP)
+    deadline = time.monotonic() + DEADLINE_S
+    for thread in os.listdir(f"/proc/{pid}/task"):
+        stands = False
+        while not stands and time.monotonic() < deadline:
+            with open(f"/proc/{pid}/task/{thread}/stat", encoding="utf-8") as file:
+                stands = file.read().rpartition(") ")[2].startswith("T")
 
 
 def program(methods=""):
@@ -115,7 +132,7 @@ class Actuators(unittest.TestCase):
             self.addCleanup(end, pid)
         end(robot._up.pid)
         end(status.pid)
-        os.kill(pids["b"], signal.SIGSTOP)
+        freeze(pids["b"])
         with self.assertRaisesRegex(musher.Failure, "not confirmed by b"):
             machine.estop("test")
         os.kill(pids["b"], signal.SIGCONT)

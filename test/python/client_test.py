@@ -2,9 +2,11 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 from unittest import mock
@@ -13,7 +15,10 @@ from robot import DEADLINE_S, SOURCE  # also sets the domain
 
 import musher  # noqa: E402
 from musher import _machine  # noqa: E402
-from musher.musher_msgs.msg import EmergencyStop, MachineStatus  # noqa: E402
+from musher.musher_msgs.msg import ActuatorInfo, ActuatorStatus, EmergencyStop, MachineStatus  # noqa: E402
+
+DOG = "d0900000-0000-4000-8000-000000000002"
+SECOND_DOG = "d0910000-0000-4000-8000-000000000003"
 
 
 class Client(unittest.TestCase):
@@ -62,6 +67,20 @@ class Client(unittest.TestCase):
             machine.set("LowPower")
             self.assertEqual(machine.status().state, "LowPower")
 
+    def test_a_controller_that_is_stopped_is_named(self):
+        self.musher("up", "--detach", "robot.toml")
+        self.addCleanup(self.musher, "down")
+        with musher.Machine() as machine:
+            pid = machine.status().pid
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
+        silent = rf"the controller of \w+ \(pid {pid}\) leads on this host, but does not answer"
+        with musher.Machine() as machine:
+            for call in (machine.status, lambda: machine.set("LowPower", timeout_s=1.0),
+                         lambda: machine.restart("gripper", timeout_s=1.0)):
+                with self.assertRaisesRegex(musher.Failure, silent):
+                    call()
+
     def test_without_a_robot_it_says_that_there_is_no_controller(self):
         refused = self.run_client("Active")
         self.assertEqual(refused.returncode, 1)
@@ -73,11 +92,11 @@ class Choice(unittest.TestCase):
 
     NAMESPACE = "python_choice"
 
-    def publish(self, machine, machine_id):
+    def publish(self, machine, machine_id, **more):
         node = musher.Node(namespace=self.NAMESPACE)
         self.addCleanup(node.close)
-        status = MachineStatus(machine=machine, machine_id=machine_id, name_space=self.NAMESPACE,
-                               host="another boot/1", pid=7, phase="running", state="Active")
+        status = MachineStatus(**{"machine": machine, "machine_id": machine_id, "name_space": self.NAMESPACE,
+                                  "host": "another boot/1", "pid": 7, "phase": "running", "state": "Active", **more})
         node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
         return node
 
@@ -112,26 +131,103 @@ class Choice(unittest.TestCase):
             self.assertIn("dog (id d0910000)", refused.reason)
             self.assertNotIn("cat", refused.reason)
 
-    def test_where_the_machine_of_this_host_does_not_run_no_other_one_is_driven(self):
-        folder = tempfile.mkdtemp(prefix="musher-python-")
-        self.addCleanup(shutil.rmtree, folder)
-        state = os.path.join(folder, "musher", f"cat@{self.NAMESPACE}")
+    def files_of_cat(self):
+        """A place with the state folder of cat, which does not run."""
+        place = tempfile.mkdtemp(prefix="musher-python-")
+        self.addCleanup(shutil.rmtree, place)
+        state = os.path.join(place, "musher", f"cat@{self.NAMESPACE}")
         os.makedirs(state)
         with open(os.path.join(state, "machine"), "w", encoding="utf-8") as file:
             file.write(f"name cat\nnamespace {self.NAMESPACE}\ndomain {os.environ['ROS_DOMAIN_ID']}\n"
-                       f"file {folder}/robot.toml\nid cafe0000-0000-4000-8000-000000000001\n")
+                       f"file {place}/robot.toml\nid cafe0000-0000-4000-8000-000000000001\n")
+        return mock.patch.dict(os.environ, {"XDG_STATE_HOME": place})
+
+    def test_where_the_machine_of_this_host_does_not_run_no_other_one_is_driven(self):
         self.publish("dog", "d0900000-0000-4000-8000-000000000002")
-        with mock.patch.dict(os.environ, {"XDG_STATE_HOME": folder}):
-            with musher.Machine(namespace=self.NAMESPACE) as machine:
-                self.assertEqual(machine.status().machine, "dog", "looking is free")
-                for call in (lambda: machine.set("Active"), lambda: machine.restart("legs"),
-                             lambda: machine.set("Active", "legs")):
-                    with self.assertRaises(musher.Failure) as refused:
-                        call()
-                    self.assertIn("the machine of this host, cat, does not run; found dog. Nothing was done",
-                                  refused.exception.reason)
+        with self.files_of_cat(), musher.Machine(namespace=self.NAMESPACE) as machine:
+            self.assertEqual(machine.status().machine, "dog", "looking is free")
+            for call in (lambda: machine.set("Active"), lambda: machine.restart("legs"),
+                         lambda: machine.set("Active", "legs")):
+                with self.assertRaises(musher.Failure) as refused:
+                    call()
+                self.assertIn("the machine of this host, cat, does not run; found dog. Nothing was done",
+                              refused.exception.reason)
         with musher.Machine(namespace=self.NAMESPACE) as machine:
             self.assertEqual(machine._meant(acts=True)[0], "dog", "a host without files of a machine")
+
+    # It returned the status of the other one: the robot that was awaited had not even started.
+    def test_where_the_machine_of_this_host_does_not_run_no_other_one_is_awaited(self):
+        self.publish("dog", DOG)
+        with self.files_of_cat(), musher.Machine(namespace=self.NAMESPACE) as machine:
+            machine.status()
+            with self.assertRaisesRegex(musher.Failure, "the machine of this host, cat, does not run; found dog"):
+                machine.wait_until("Active", timeout_s=0.5)
+            waited = []
+            waiting = threading.Thread(target=lambda: waited.append(machine.wait_until("Active", DEADLINE_S)))
+            waiting.start()
+            self.publish("cat", "cafe0000-0000-4000-8000-000000000001")
+            waiting.join(DEADLINE_S)
+            self.assertEqual([status.machine for status in waited], ["cat"])
+
+    def test_the_machine_of_the_files_of_this_host_is_meant_where_another_one_answers_too(self):
+        self.publish("cat", "cafe0000-0000-4000-8000-000000000001")
+        self.publish("dog", DOG)
+        with self.files_of_cat(), musher.Machine(namespace=self.NAMESPACE) as machine:
+            self.assertEqual(machine._meant(acts=True)[0], "cat")
+
+    def led_by_another_user(self):
+        """Its processes and files cannot be read."""
+        hidden = mock.patch.object(_machine._native, "machine_here", lambda *_: ("", ""))
+        leads = mock.patch.object(_machine._native, "leads_here", lambda *_: True)
+        for patch in (hidden, leads):
+            patch.start()
+            self.addCleanup(patch.stop)
+
+    # The other one was driven, or none: both had answered, and neither counted as of this host.
+    def test_the_machine_of_a_controller_of_another_user_of_this_host_is_the_one_that_is_meant(self):
+        self.publish("fox", "f0c50000-0000-4000-8000-000000000001")
+        self.publish("dog", DOG, host=_machine._native.host_id(), pid=os.getpid())
+        self.led_by_another_user()
+        with self.files_of_cat():  # older ones, of this user
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine.status().machine, "dog")
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine._meant(acts=True), ("dog", DOG))
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine.wait_until("Active", DEADLINE_S).machine, "dog")
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(next(machine.watch()).machine, "dog")
+
+    def test_while_a_controller_of_another_user_of_this_host_is_silent_no_other_one_is_meant(self):
+        self.publish("fox", "f0c50000-0000-4000-8000-000000000001")
+        self.led_by_another_user()
+        with musher.Machine(namespace=self.NAMESPACE) as machine:
+            for call in (machine.status, lambda: machine.set("Active"), lambda: machine.restart("legs"),
+                         lambda: machine.wait_until("Active", timeout_s=0.5)):
+                with self.assertRaisesRegex(musher.Failure, "a controller of this host leads, but does not answer"):
+                    call()
+        with musher.Machine(namespace=self.NAMESPACE, machine="fox") as fox:
+            self.assertEqual(fox.status().machine, "fox")
+
+    def test_the_environment_names_the_machine_where_the_program_names_none(self):
+        self.publish("cat", "cafe0000-0000-4000-8000-000000000001")
+        self.publish("dog", DOG)
+        with mock.patch.dict(os.environ, {"MUSHER_MACHINE": "dog"}):
+            with musher.Machine(namespace=self.NAMESPACE) as machine:
+                self.assertEqual(machine.status().machine, "dog")
+            with musher.Machine(namespace=self.NAMESPACE, machine="cat") as machine:
+                self.assertEqual(machine.status().machine, "cat")
+
+    def test_the_first_characters_of_its_id_choose_one_of_two_machines_of_a_name(self):
+        self.publish("dog", DOG)
+        self.publish("dog", SECOND_DOG)
+        with musher.Machine(namespace=self.NAMESPACE, machine="d091") as second:
+            self.assertEqual(second.status().machine_id, SECOND_DOG)
+            self.assertEqual(second._meant(acts=True), ("dog", SECOND_DOG))
+            self.assertEqual(second.wait_until("Active", DEADLINE_S).machine_id, SECOND_DOG)
+            self.assertEqual(next(second.watch()).machine_id, SECOND_DOG)
+        for refused in self.refusals(machine="d09"):
+            self.assertEqual(refused.code, 105, "too short for an id")
 
     # It was bound to the first id: a robot that systemd starts instead of a person has another one.
     def test_a_machine_that_is_started_again_with_another_id_is_the_same_by_its_name(self):
@@ -171,6 +267,12 @@ class Choice(unittest.TestCase):
         with hangs, musher.Machine(namespace=self.NAMESPACE) as any_machine:
             self.assertEqual(self.stop_of(any_machine).machine, "")
 
+    # Each machine of the namespace was stopped.
+    def test_a_stop_on_a_host_where_nothing_runs_goes_to_the_machine_of_its_files(self):
+        self.publish("dog", DOG)
+        with self.files_of_cat(), musher.Machine(namespace=self.NAMESPACE) as machine:
+            self.assertEqual(self.stop_of(machine).machine, "cat")
+
     # Each looked for it twice, one after the other.
     def test_a_machine_that_is_not_up_is_looked_for_once(self):
         with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
@@ -189,6 +291,135 @@ class Choice(unittest.TestCase):
             with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
                 dog._find_s = 10.0
                 self.assertEqual(dog.wait_until("Active", timeout_s=2.0).machine, "dog")
+
+    def assert_no_controller(self, **chosen):
+        with musher.Machine(namespace=self.NAMESPACE, **chosen) as machine:
+            for call in (machine.status, lambda: machine.wait_until("Active", timeout_s=0.5)):
+                with self.assertRaisesRegex(musher.Failure, "no controller in namespace 'python_choice'"):
+                    call()
+
+    def test_a_status_that_another_participant_repeats_is_none(self):
+        self.publish("dog", DOG, participant=12345)
+        self.assert_no_controller()
+        self.assert_no_controller(machine="dog")
+
+    def test_a_status_of_a_process_of_this_host_that_has_exited_is_none(self):
+        with subprocess.Popen(["true"]) as ended:
+            pass
+        self.publish("dog", DOG, host=_machine._native.host_id(), pid=ended.pid)
+        self.assert_no_controller()
+
+    def test_a_controller_that_exits_while_a_state_is_awaited_is_named(self):
+        with subprocess.Popen(["sleep", "60"]) as controller:
+            self.publish("dog", DOG, host=_machine._native.host_id(), pid=controller.pid, state="SetUp")
+
+            def is_active(status):
+                controller.kill()
+                return status.state == "Active"
+
+            with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
+                with self.assertRaisesRegex(musher.Failure, "no controller leads: that of dog .* was in SetUp"):
+                    dog.wait_until(is_active, timeout_s=1.0)
+
+
+# Opens a file so that no other process can until the input of this one ends.
+HOLD_FILE = """import fcntl, signal, sys
+signal.signal(signal.SIGIO, signal.SIG_IGN)
+file = open(sys.argv[1])
+fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_WRLCK)
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+
+class Stops(unittest.TestCase):
+    """What has to be confirmed before an emergency stop is reported as done."""
+
+    NAMESPACE = "python_stops"
+
+    def node(self):
+        node = musher.Node(namespace=self.NAMESPACE)
+        self.addCleanup(node.close)
+        return node
+
+    def publish(self, node, machine_id, latched, host="another boot/1", pid=7):
+        """The statuses of dog's controller and of its only actuator, which is stopped."""
+        legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
+        status = MachineStatus(machine="dog", machine_id=machine_id, name_space=self.NAMESPACE, host=host, pid=pid,
+                               phase="running", state="Active", actuators=[legs], emergency_stop=latched,
+                               emergency_stop_by="anna" if latched else "")
+        node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
+        node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
+            ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=machine_id))
+
+    def dog(self):
+        machine = musher.Machine(namespace=self.NAMESPACE, machine="dog")
+        self.addCleanup(machine.close)
+        return machine
+
+    # It was, at the end of the time: a controller that hangs starts actuators that are not stopped.
+    def test_a_stop_that_the_controller_has_not_latched_is_not_confirmed(self):
+        self.publish(self.node(), DOG, latched=False)
+        with self.assertRaises(musher.Failure) as failed:
+            self.dog().estop("smoke", timeout_s=1.0)
+        self.assertEqual(failed.exception.code, 107)  # timeout
+        self.assertEqual(failed.exception.reason,
+                         "the emergency stop is engaged, but not confirmed by the controller")
+
+    def test_a_stop_that_all_have_latched_is_confirmed_before_its_time_is_over(self):
+        self.publish(self.node(), DOG, latched=True)
+        begin = time.monotonic()
+        self.assertEqual(self.dog().estop("smoke", timeout_s=DEADLINE_S), ["legs"])
+        self.assertLess(time.monotonic() - begin, DEADLINE_S / 2)
+
+    def test_a_controller_that_was_killed_before_need_not_confirm_it(self):
+        with subprocess.Popen(["true"]) as ended:
+            pass
+        self.publish(self.node(), DOG, latched=False, host=_machine._native.host_id(), pid=ended.pid)
+        self.assertEqual(self.dog().estop("smoke", timeout_s=DEADLINE_S), ["legs"])
+
+    def test_a_second_machine_of_the_name_that_is_found_later_is_named(self):
+        self.publish(self.node(), DOG, latched=True)
+        second = self.node()
+        later = threading.Timer(0.1, lambda: self.publish(second, SECOND_DOG, latched=True))
+        second.subscribe("musher/emergency_stop", EmergencyStop, lambda stop: later.start(), latched=True)
+        with self.assertRaises(musher.Failure) as failed:
+            self.dog().estop("smoke", timeout_s=1.0)
+        later.join(DEADLINE_S)
+        self.assertIn("several machines have received the stop (dog (id d0900000), dog (id d0910000))",
+                      failed.exception.reason)
+
+    def test_a_stop_goes_to_the_machine_whose_id_begins_so_and_its_controller_confirms_it(self):
+        self.publish(self.node(), DOG, latched=False)
+        self.publish(self.node(), SECOND_DOG, latched=True)
+        stops = self.node().subscribe("musher/emergency_stop", EmergencyStop, latched=True)
+        with musher.Machine(namespace=self.NAMESPACE, machine="d091") as second:
+            self.assertEqual(second.estop("smoke", timeout_s=DEADLINE_S), ["legs"])
+            self.assertEqual(stops.take(DEADLINE_S).machine, "d091", "it may also be a name")
+            by_id = stops.take(DEADLINE_S)
+            self.assertEqual((by_id.machine, by_id.machine_id), ("dog", SECOND_DOG))
+
+    def test_a_stop_ends_in_time_while_a_file_of_this_host_does_not_open(self):
+        folder = tempfile.mkdtemp(prefix="musher-python-")
+        self.addCleanup(shutil.rmtree, folder)
+        state = os.path.join(folder, "musher", f"dog@{self.NAMESPACE}")
+        os.makedirs(state)
+        origin = os.path.join(state, "machine")
+        with open(origin, "w", encoding="utf-8") as file:
+            file.write("name dog\n")
+        holder = subprocess.Popen([sys.executable, "-c", HOLD_FILE, origin], text=True, stdin=subprocess.PIPE,
+                                  stdout=subprocess.PIPE)
+        self.addCleanup(holder.communicate)
+        self.assertEqual(holder.stdout.readline(), "held\n")
+        node = self.node()
+        node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
+            ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=DOG))
+        begin = time.monotonic()
+        with mock.patch.dict(os.environ, {"XDG_STATE_HOME": folder}), self.assertRaises(musher.Failure) as failed:
+            self.dog().estop("smoke", timeout_s=1.0)
+        self.assertLess(time.monotonic() - begin, 10.0)
+        self.assertEqual(failed.exception.reason,
+                         "the emergency stop is engaged, but this host is still being searched")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,15 @@
 """Topics, services and actions between two nodes of a process."""
 
+import os
+import pwd
 import threading
+import time
 import unittest
+from unittest import mock
 
 import musher
+from musher._message import Message
+from musher._node import default_by
 from musher.example_interfaces.action import Fibonacci
 from musher.std_msgs.msg import String
 from musher.std_srvs.srv import Trigger
@@ -50,6 +56,37 @@ class Nodes(unittest.TestCase):
         for message in subscription:
             self.assertEqual(message, String("one"))
             subscription.close()
+
+    # Each of them started the timeout again.
+    def test_malformed_messages_do_not_prolong_the_wait_for_one(self):
+        class Number(Message):
+            """Of another type than the topic says."""
+
+            __slots__ = ("data",)
+            _dds_type = String._dds_type
+            _fields = (("data", "uint8", 0, None),)
+
+            def __init__(self):
+                self.data = 7
+
+        subscription = self.there.subscribe("chat", String, latched=True)
+        publisher = self.here.publisher("chat", Number, latched=True)
+        ended = threading.Event()
+
+        def publish():
+            for _ in range(60):
+                publisher.publish(Number())
+                if ended.wait(0.05):
+                    return
+
+        publishing = threading.Thread(target=publish)
+        publishing.start()
+        begin = time.monotonic()
+        self.assertIsNone(subscription.take(0.3))
+        self.assertLess(time.monotonic() - begin, 1.0)
+        ended.set()
+        publishing.join(DEADLINE_S)
+        self.assertGreater(subscription.malformed, 0)
 
     def test_a_service_replies_and_a_bad_handler_leaves_its_client_to_the_timeout(self):
         self.there.serve("good", Trigger, lambda request: Trigger.Response(True, "fine"))
@@ -145,6 +182,17 @@ class Nodes(unittest.TestCase):
             publisher.publish(String("late"))
         with self.assertRaisesRegex(musher.Failure, "the node is closed"):
             self.here.publisher("chat", String)
+
+    # A program that systemd starts has neither variable, and the database may be on a server that does not answer.
+    def test_the_user_of_a_request_is_known_without_the_user_database(self):
+        of_this = pwd.getpwuid(os.getuid()).pw_name
+        asked = mock.patch.object(pwd, "getpwuid", side_effect=AssertionError("the user database was read"))
+        with asked, mock.patch.dict(os.environ):
+            for name in ("LOGNAME", "USER", "LNAME", "USERNAME"):
+                os.environ.pop(name, None)
+            self.assertTrue(default_by().startswith(f"{of_this}@{os.uname().nodename} ("), default_by())
+            os.environ["USER"] = "anna"
+            self.assertTrue(default_by().startswith("anna@"), default_by())
 
     def test_a_program_ends_while_its_threads_wait_and_its_handler_computes(self):
         ended = run_python(

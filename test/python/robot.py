@@ -19,6 +19,7 @@ DEADLINE_S = 60.0
 DOMAIN, _LOCK = lock_domain()
 os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)
 os.environ.pop("MUSHER_NAMESPACE", None)
+os.environ.pop("MUSHER_MACHINE", None)
 os.environ["PATH"] = BIN + ":" + os.environ["PATH"]
 
 CONFIG = """[controller]
