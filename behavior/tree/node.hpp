@@ -59,7 +59,7 @@ struct NodeFault {
   std::string what;
 };
 
-// A node that also derives from this learns of each run of its tree, even of one that never
+// A node that also derives from this learns of each run of its tree, also where the run never
 // reaches it.
 class RunObserver {
  public:

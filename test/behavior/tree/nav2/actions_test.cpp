@@ -267,7 +267,7 @@ TEST_F(ANavigation, RecoversStepByStepAndEndsARecoveryForANewGoal) {
             "spin 1.57 in 10; ");
   EXPECT_EQ(TickAt(100), "R ");
   Put("goal", Pose{.x_m = 5});
-  EXPECT_EQ(TickAt(200), "R ") << "a new attempt, and the first recovery: the halt has begun anew";
+  EXPECT_EQ(TickAt(200), "R ") << "a new attempt, and the first recovery: it was halted";
   EXPECT_EQ(robot.Take(),
             "spin! plan to 5 by grid; follow 9 m; clear local; follow 9 m; clear local; "
             "clear global; plan to 5 by grid; follow 9 m; clear local; follow 9 m; "
