@@ -45,9 +45,27 @@ std::string WithoutTexts(std::string_view script) {
   return code;
 }
 
-// Operators whose rank BehaviorTree.CPP does not document, beside others.
-bool HasUndocumentedRank(std::string_view script) {
-  std::string code = WithoutTexts(script);
+bool IsSpace(char c) {
+  return std::isspace(static_cast<unsigned char>(c)) != 0;
+}
+
+// Whether the '-' at `at` stands before its operand: "-1", "2 * -x", or in "1e-3".
+bool IsSign(std::string_view code, std::size_t at) {
+  const auto is_digit = [&code](std::size_t i) {
+    return std::isdigit(static_cast<unsigned char>(code[i])) != 0 || code[i] == '.';
+  };
+  const bool exponent = at >= 2 && (code[at - 1] == 'e' || code[at - 1] == 'E') && is_digit(at - 2);
+  if (exponent) return true;
+  while (at > 0 && IsSpace(code[at - 1])) --at;
+  return at == 0 || std::string_view("=<>!&|^+-*/?:,").find(code[at - 1]) != std::string::npos ||
+         code.substr(0, at).ends_with("..");
+}
+
+// Of a statement without texts and parentheses.
+bool MixesRanks(std::string code) {
+  for (std::size_t at = code.find('-'); at != std::string::npos; at = code.find('-', at + 1)) {
+    if (IsSign(code, at)) code[at] = ' ';
+  }
   const auto erase = [&code](std::string_view what) {
     std::size_t count = 0;
     for (auto at = code.find(what); at != std::string::npos; at = code.find(what)) {
@@ -56,12 +74,31 @@ bool HasUndocumentedRank(std::string_view script) {
     }
     return count;
   };
+  for (const std::string_view assignment : {":=", "+=", "-=", "*=", "/="}) erase(assignment);
   const std::size_t usual = erase("&&") + erase("||") + erase("==") + erase("!=") + erase("<=") +
                             erase(">=") + erase("<") + erase(">") + erase("+") + erase("*") +
                             erase("/") + erase("-") + erase("?");
   const std::array<std::size_t, 4> special = {erase(".."), erase("&"), erase("|"), erase("^")};
   const auto kinds = std::ranges::count_if(special, [](std::size_t count) { return count > 0; });
   return kinds > 1 || (kinds == 1 && usual > 0);
+}
+
+// Operators whose rank BehaviorTree.CPP does not document, beside others, where no parentheses say
+// it.
+bool HasUndocumentedRank(std::string_view script) {
+  std::string code = WithoutTexts(script);
+  for (auto end = code.find(')'); end != std::string::npos; end = code.find(')')) {
+    const auto open = code.rfind('(', end);
+    const std::size_t begin = open == std::string::npos ? 0 : open + 1;
+    if (MixesRanks(code.substr(begin, end - begin))) return true;
+    code.replace(begin > 0 ? begin - 1 : 0, end + 1 - (begin > 0 ? begin - 1 : 0), "x");
+  }
+  for (std::size_t begin = 0; begin < code.size();) {
+    const std::size_t end = std::min(code.find(';', begin), code.size());
+    if (MixesRanks(code.substr(begin, end - begin))) return true;
+    begin = end + 1;
+  }
+  return false;
 }
 
 enum class Literal : std::uint8_t { kNone, kWhole, kFraction, kText };
@@ -73,9 +110,8 @@ struct Assigned {
 };
 
 std::string_view Bare(std::string_view text) {
-  const auto is_space = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  while (!text.empty() && IsSpace(text.front())) text.remove_prefix(1);
+  while (!text.empty() && IsSpace(text.back())) text.remove_suffix(1);
   return text;
 }
 
@@ -172,8 +208,10 @@ class Differences {
   }
 
   void LookAtName(const Attribute& id, const std::string& of) {
-    if (id.value.find('.') == std::string::npos) return;
-    Add(id.value_at, "refuses '.' in the name of " + of, "it is allowed");
+    if (id.value.find('.') != std::string::npos) AddName(id.value_at, of);
+  }
+  void AddName(Place place, const std::string& of) {
+    Add(place, "refuses '.' in the name of " + of, "it is allowed");
   }
 
   void Look(const Element& parent) {
@@ -182,7 +220,11 @@ class Differences {
       if (IsOneOf(name, {"SubTree", "SubTreePlus"})) {
         LookAtSubtree(element);
       } else {
-        if (const Attribute* id = element.Find("ID")) LookAtName(*id, "a node");
+        if (IsFormOfNode(element.name)) {
+          if (const Attribute* id = element.Find("ID")) LookAtName(*id, "a node");
+        } else if (element.name.find('.') != std::string::npos) {
+          AddName(element.at, "a node");
+        }
         LookAtNode(element, name);
         LookAtPorts(element, name);
       }
@@ -256,26 +298,20 @@ class Differences {
     }
   }
 
-  // Nodes that take time, also below decorators.
-  bool TakesTime(const Element& element) const {
-    const Factory::Registered* node = factory_.Find(ClassIn(element));
-    return node != nullptr && node->takes_time;
-  }
-
+  // Children that run at the same time are halted in both, but one kind is refused there.
   void LookAtReactive(const Element& element, std::string_view name) {
-    if (!IsOneOf(name, {"ReactiveSequence", "ReactiveFallback"})) return;
+    if (name != "ReactiveSequence") return;
     bool is_first = true;
     for (const Element& child : element.children) {
-      if (!TakesTime(child)) continue;
-      if (!std::exchange(is_first, false)) {
-        Add(child.at, "throws where a second child of " + std::string(name) + " returns RUNNING",
-            "the one before is halted");
-      }
+      if (child.name != "AsyncSequence" || std::exchange(is_first, false)) continue;
+      Add(child.at, "refuses a second AsyncSequence in a ReactiveSequence",
+          "it is allowed, with a warning");
     }
   }
 
   void LookAtAttributes(const Element& element) {
     for (const Attribute& attribute : element.attributes) {
+      if (attribute.name.find('.') != std::string::npos) AddName(attribute.at, "a port");
       const bool is_condition =
           std::ranges::find(kConditionNames, attribute.name) != kConditionNames.end();
       const std::string_view node = ClassIn(element);

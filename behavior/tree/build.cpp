@@ -265,6 +265,9 @@ NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind ki
 Node* Builder::Keep(NodeId id, std::unique_ptr<Node> node) {
   node->id_ = id;
   Node* kept = node.get();
+  if (auto* observer = dynamic_cast<RunObserver*>(kept)) {
+    tree_->run_observers_.emplace_back(kept, observer);
+  }
   tree_->nodes_[id] = std::move(node);
   return kept;
 }

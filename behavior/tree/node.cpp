@@ -19,9 +19,19 @@ void Node::FailStatus(Status status) {
                            "; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
 }
 
+// In its tick. A node with children is halted from the root, for those.
 void Node::Fail(const char* what, Tick& tick) {
-  // A leaf has ended by itself; a node with children has to be halted for them.
-  Become(leaf_ ? Status::kFailure : Status::kRunning, tick);
+  if (leaf_) {
+    if (running()) CallOnHalt(tick);
+    FailAsEnded(what, tick);
+  }
+  Become(Status::kRunning, tick);
+  throw NodeFault{this, what};
+}
+
+// Neither it nor what is below it runs: it must not be halted again.
+void Node::FailAsEnded(const char* what, Tick& tick) {
+  Become(Status::kFailure, tick);
   throw NodeFault{this, what};
 }
 
@@ -40,7 +50,8 @@ Status Node::ExecuteSpecially(Tick& tick) {
         return Status::kSkipped;
       }
     } catch (const std::exception& error) {
-      Fail(error.what(), tick);
+      if (running()) CallOnHalt(tick);
+      FailAsEnded(error.what(), tick);
     }
   }
   if (tick.hooks != nullptr) {
@@ -56,7 +67,7 @@ Status Node::End(Status status, Tick& tick) {
     try {
       conditions_->AfterCompleted(status);
     } catch (const std::exception& error) {
-      Fail(error.what(), tick);
+      FailAsEnded(error.what(), tick);
     }
   }
   Become(status == Status::kSkipped ? Status::kIdle : status, tick);
@@ -80,6 +91,10 @@ void Node::NoteFault(const char* what, Tick& tick) const {
 
 void Node::Halt(Tick& tick) {
   Become(Status::kIdle, tick);
+  CallOnHalt(tick);
+}
+
+void Node::CallOnHalt(Tick& tick) {
   // What is ticked within a halt, to clean up, is neither held nor replaced.
   Hooks* const hooks = std::exchange(tick.hooks, nullptr);
   try {

@@ -10,7 +10,8 @@
 //
 // and makes its ports in its constructor (setup.hpp). A call returns at once and reads no clock:
 // the time is in the tick. What it throws ends the tick: the tree is halted, and the tick fails
-// with the path of the node.
+// with the path of the node. A node that was RUNNING when it threw is halted, too; one that throws
+// in its first tick (OnStart) undoes by itself what it has begun.
 //
 //   IDLE ── tick ──→ RUNNING ── tick ──→ SUCCESS | FAILURE ── reset by the parent ──→ IDLE
 //                       └── Halt(): OnHalt() once ──→ IDLE
@@ -44,6 +45,9 @@ struct Tick {
   // between. A control that is reactive resets a condition in each tick: this is how it differs
   // from one that was not ticked.
   std::uint64_t number = 0;
+  // Of the present run of the tree: rises by 1 when the tree has completed, was skipped, has failed
+  // by a fault, or was halted.
+  std::uint64_t run = 0;
 };
 
 struct Conditions;  // conditions.hpp
@@ -53,6 +57,18 @@ class Node;
 struct NodeFault {
   const Node* node = nullptr;
   std::string what;
+};
+
+// A node that also derives from this learns of each run of its tree, also where the run never
+// reaches it.
+class RunObserver {
+ public:
+  RunObserver() = default;
+  RunObserver(const RunObserver&) = delete;
+  RunObserver& operator=(const RunObserver&) = delete;
+  virtual ~RunObserver() = default;
+  // Before the first tick of a run.
+  virtual void OnNewRun(const Tick& tick) = 0;
 };
 
 class Node {
@@ -111,10 +127,12 @@ class Node {
   }
   [[noreturn]] static void FailStatus(Status status);
   [[noreturn]] void Fail(const char* what, Tick& tick);
+  [[noreturn]] void FailAsEnded(const char* what, Tick& tick);
   Status ExecuteSpecially(Tick& tick);
   std::optional<Status> CallHook(Tick& tick);
   Status End(Status status, Tick& tick);
   void Halt(Tick& tick);
+  void CallOnHalt(Tick& tick);
   void NoteFault(const char* what, Tick& tick) const;
 
   Status status_ = Status::kIdle;

@@ -44,18 +44,37 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
   if (hooks != nullptr) hooks->BeginTick();
   tick_.hooks = hooks.get();
   try {
+    if (begins_) BeginRun();
     const Status status = root.Execute(tick_);
-    if (IsCompleted(status)) {
-      root.Reset(tick_);
-      ++tick_.number;
-    }
+    if (IsCompleted(status)) root.Reset(tick_);
+    if (status != Status::kRunning) EndRun();
     if (tick_.fault.empty()) return status;
     root.Reset(tick_);  // a node threw while it was halted
+    EndRun();
     return Fault(tick_.faulty, tick_.fault);
   } catch (const NodeFault& fault) {
     root.Reset(tick_);
+    EndRun();
     return Fault(fault.node->id(), fault.what);
   }
+}
+
+void Tree::BeginRun() {
+  begins_ = false;
+  for (const auto& [node, observer] : run_observers_) {
+    try {
+      observer->OnNewRun(tick_);
+    } catch (const std::exception& error) {
+      throw NodeFault{node, error.what()};
+    }
+  }
+}
+
+void Tree::EndRun() {
+  if (begins_) return;
+  begins_ = true;
+  ++tick_.number;
+  ++tick_.run;
 }
 
 Result<Status> Tree::TickOnce(Time now) {
@@ -81,6 +100,7 @@ Result<> Tree::Halt(Time now) {
   ++tick_.number;
   tick_.fault.clear();
   nodes_.front()->Reset(tick_);
+  EndRun();
   if (tick_.fault.empty()) return Ok();
   return Fault(tick_.faulty, tick_.fault);
 }

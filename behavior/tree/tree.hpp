@@ -19,6 +19,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "musher/base/result.hpp"
@@ -100,6 +101,8 @@ class Tree {
   friend class Builder;
   Tree(std::string name, std::size_t history);
   Error Fault(NodeId id, const std::string& what) const;
+  void BeginRun();
+  void EndRun();
   std::string NameAmongSiblings(NodeId id) const;
 
   std::string name_;
@@ -109,6 +112,8 @@ class Tree {
   std::vector<std::unique_ptr<Board>> boards_;
   std::vector<std::unique_ptr<Node>> nodes_;  // by id
   std::vector<NodeInfo> infos_;
+  std::vector<std::pair<Node*, RunObserver*>> run_observers_;
+  bool begins_ = true;  // the next tick is the first one of a run
   Trace trace_;
   Tick tick_;
   std::weak_ptr<Hooks> hooks_;

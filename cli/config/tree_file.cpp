@@ -111,7 +111,6 @@ class Rows {
 TreeFile ReadTreeWithModels(const std::string& file, const TreeFileOptions& options) {
   TreeFile result;
   tree::Factory factory;
-  if (options.nav2) tree::nav2::AddForCheck(factory);
   for (const std::string& path : options.models) {
     const tree::Reading reading = tree::ReadModelsFile(path);
     Append(result.diagnostics, reading.diagnostics);
@@ -122,6 +121,8 @@ TreeFile ReadTreeWithModels(const std::string& file, const TreeFileOptions& opti
   result.document = std::move(reading.document);
   if (HasError(reading.diagnostics)) return result;
   Append(result.diagnostics, tree::AddPlaceholders(factory, result.document));
+  // A node of the program with the name of one of nav2 is that of the program.
+  if (options.nav2) tree::nav2::AddForCheck(factory);
   std::set<std::string> placeholders;
   for (const tree::Document::Tree& each : result.document.trees) {
     ForEach(each.content, [&](const tree::Element& element) {

@@ -188,6 +188,24 @@ TEST_F(TreeFileCommand, KnowsTheNodesOfNav2OnRequest) {
   EXPECT_EQ(again.exit, 0) << again.out;
 }
 
+TEST_F(TreeFileCommand, PrefersANodeOfTheProgramToOneOfNav2WithItsName) {
+  const std::string content = "<BehaviorTree ID=\"A\"><Wait until=\"noon\"/></BehaviorTree>";
+  const std::string model =
+      "<TreeNodesModel><Action ID=\"Wait\"><input_port name=\"until\" type=\"std::string\"/>"
+      "</Action></TreeNodesModel>";
+  const auto file = [](const std::string& text) {
+    return "<root BTCPP_format=\"4\">" + text + "</root>";
+  };
+  const std::string with_model = Write("with_model.xml", file(content + model));
+  const Ran own = RunProgram({"tree", "check", with_model, "--nav2"});
+  EXPECT_EQ(own.exit, 0) << own.out;
+  const std::string tree = Write("wait.xml", file(content));
+  const std::string models = Write("models.xml", file(model));
+  const Ran given = RunProgram({"tree", "check", tree, "--nav2", "--models", models});
+  EXPECT_EQ(given.exit, 0) << given.out;
+  EXPECT_THAT(RunProgram({"tree", "check", tree, "--nav2"}).out, HasSubstr("no port 'until'"));
+}
+
 TEST_F(TreeFileCommand, DrawsATree) {
   const Ran dot = RunProgram({"graph", patrol_});
   EXPECT_EQ(dot.exit, 0) << dot.err;

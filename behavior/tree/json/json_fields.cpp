@@ -139,6 +139,12 @@ bool JsonReader::ReadNumber(double& value) {
   return true;
 }
 
+bool JsonReader::ReadUnsigned(std::uint64_t& value) {
+  if (!error_.empty() || !state_->value().is_number_unsigned()) return false;
+  value = state_->value().get<std::uint64_t>();
+  return true;
+}
+
 // A number of JSON without a fraction is exact up to 2^63, one with a point up to 2^53.
 bool JsonReader::ReadWhole(std::int64_t& value) {
   double number = 0;

@@ -16,7 +16,9 @@
 //
 // Threads: any; nothing is shared.
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -61,6 +63,7 @@ class JsonReader {
       EndObject();
     } else if constexpr (requires { typename F::value_type; } && !std::same_as<F, std::string>) {
       const std::size_t size = BeginArray();
+      value.clear();
       for (std::size_t i = 0; i < size; ++i) {
         EnterItem(i);
         typename F::value_type item{};
@@ -73,6 +76,13 @@ class JsonReader {
     } else if constexpr (std::same_as<F, bool>) {
       ReadBool(value);
     } else if constexpr (std::integral<F>) {
+      if constexpr (std::unsigned_integral<F> && sizeof(F) == sizeof(std::uint64_t)) {
+        std::uint64_t large = 0;
+        if (ReadUnsigned(large)) {
+          value = large;
+          return;
+        }
+      }
       std::int64_t whole = 0;
       if (!ReadWhole(whole)) return;
       if (!std::in_range<F>(whole)) return Expect(Convert<F>::kName);
@@ -80,6 +90,10 @@ class JsonReader {
     } else {
       double number = 0;
       if (!ReadNumber(number)) return;
+      if constexpr (std::floating_point<F>) {
+        const auto most = static_cast<double>(std::numeric_limits<F>::max());
+        if (!(std::abs(number) <= most)) return Expect("a number that a float can have");
+      }
       if (!Fits<F>(number)) return Expect("a number of the enum");
       value = static_cast<F>(number);
     }
@@ -95,6 +109,8 @@ class JsonReader {
   void ReadBool(bool& value);
   bool ReadNumber(double& value);
   bool ReadWhole(std::int64_t& value);
+  // False: it is negative, has a point, or is no number.
+  bool ReadUnsigned(std::uint64_t& value);
   void Expect(std::string_view what);
   void Fail(const std::string& why);
 

@@ -1,5 +1,6 @@
 // The actions of nav2 that a robot of ours has: tasks of robot.hpp, Wait, and the selectors.
 
+#include <algorithm>
 #include <cmath>
 
 #include "musher/behavior/tree/nav2/register.hpp"
@@ -7,12 +8,14 @@
 namespace musher::tree::nav2 {
 namespace {
 
-// One task of the robot, from its start to its end. A halt cancels it.
-class TaskNode : public StatefulAction {
+// One task of the robot, from its start to its end. A halt cancels it. The code of a failure is
+// there until the node ends otherwise or is halted, and for the next run of the tree no more.
+class TaskNode : public StatefulAction, public RunObserver {
  protected:
-  explicit TaskNode(Setup& setup)
+  TaskNode(Setup& setup, std::uint16_t unknown)
       : code_(setup.Output<std::uint16_t>("error_code_id", "of nav2's action; 0: success")),
-        error_(setup.Output<std::string>("error_msg", "why it has failed")) {
+        error_(setup.Output<std::string>("error_msg", "why it has failed")),
+        unknown_(unknown) {
     IgnoreServer(setup);
   }
 
@@ -23,7 +26,10 @@ class TaskNode : public StatefulAction {
 
   // Null: the robot has no such task.
   virtual std::unique_ptr<Task> Begin() = 0;
+  // Its end, or that of the cancelled one.
   virtual void OnEnd(const TaskEnd& /*end*/) {}
+  // That the node has, of a failed task.
+  virtual std::uint16_t CodeOf(const TaskEnd& end) const { return end.error_code; }
 
   Status Poll(Time now) {
     if (task_ == nullptr) return Finish({.error = "the robot does not have this action"});
@@ -39,33 +45,52 @@ class TaskNode : public StatefulAction {
 
  private:
   Status OnStart(const Tick& tick) override {
-    Replace();
-    return Poll(tick.now);
+    try {
+      Replace();
+      return Poll(tick.now);
+    } catch (...) {
+      task_.reset();
+      throw;
+    }
   }
   Status OnRunning(const Tick& tick) override { return Poll(tick.now); }
-  void OnHalted(const Tick& /*tick*/) override { task_.reset(); }
+  void OnHalted(const Tick& /*tick*/) override {
+    task_.reset();
+    SetCode(kNoError, "");
+    OnEnd({});
+  }
+  void OnNewRun(const Tick& /*tick*/) override {
+    if (failed_) SetCode(kNoError, "");
+  }
 
   Status Finish(const TaskEnd& end) {
-    code_.Set(end.error_code);
-    error_.Set(end.error);
+    const std::uint16_t code = end.success ? kNoError : CodeOf(end);
+    SetCode(end.success || code != kNoError ? code : unknown_, end.error);
     OnEnd(end);
     return end.success ? Status::kSuccess : Status::kFailure;
+  }
+  void SetCode(std::uint16_t code, const std::string& error) {
+    failed_ = code != kNoError;
+    code_.Set(code);
+    error_.Set(error);
   }
 
   OutPort<std::uint16_t> code_;
   OutPort<std::string> error_;
+  const std::uint16_t unknown_;
+  bool failed_ = false;
   std::unique_ptr<Task> task_;
 };
 
 class ComputePathToPose : public TaskNode {
  public:
   ComputePathToPose(Setup& setup, Robot& robot)
-      : TaskNode(setup),
+      : TaskNode(setup, kPlannerUnknown),
         goal_(setup.Input<Pose>("goal", "where to")),
         start_(setup.OptionalInput<Pose>("start", "where from; else from where the robot is")),
         uses_start_(setup.OptionalInput<bool>("use_start", "false: `start` does not count")),
         planner_(setup.OptionalInput<std::string>("planner_id", "name of a planner")),
-        path_(setup.Output<Path>("path", "the path; empty after a failure")),
+        path_(setup.Output<Path>("path", "the path; empty after a failure or a halt")),
         robot_(robot) {}
 
  private:
@@ -84,11 +109,11 @@ class ComputePathToPose : public TaskNode {
   Robot& robot_;
 };
 
-// A path that changes while it is followed is followed from then on.
+// A path that changes while it is followed is followed from then on, also by another controller.
 class FollowPath : public TaskNode {
  public:
   FollowPath(Setup& setup, Robot& robot)
-      : TaskNode(setup),
+      : TaskNode(setup, kControllerUnknown),
         path_(setup.Input<Path>("path", "the path")),
         controller_(setup.OptionalInput<std::string>("controller_id", "name of a controller")),
         robot_(robot) {
@@ -101,15 +126,25 @@ class FollowPath : public TaskNode {
 
  private:
   std::unique_ptr<Task> Begin() override {
-    seen_ = path_.entry()->sequence;
-    followed_ = path_.Get();
-    return robot_.FollowPath(followed_, controller_.Or(""));
+    if (!running()) {
+      seen_ = path_.entry()->sequence;
+      followed_ = path_.Get();
+    }
+    followed_by_ = controller_.Or("");
+    return robot_.FollowPath(followed_, followed_by_);
   }
   // A failure to compute another path leaves the entry empty: the path before still counts.
   Status OnRunning(const Tick& tick) override {
-    const bool was_set = path_.entry()->sequence != seen_;
-    seen_ = path_.entry()->sequence;
-    if (was_set && path_.Get() != followed_ && !path_.Get().poses.empty()) Replace();
+    bool replaces = controller_.Or("") != followed_by_;
+    if (path_.entry()->sequence != seen_) {
+      seen_ = path_.entry()->sequence;
+      const Path& path = path_.Get();
+      if (path != followed_ && !path.poses.empty()) {
+        followed_ = path;
+        replaces = true;
+      }
+    }
+    if (replaces) Replace();
     return Poll(tick.now);
   }
 
@@ -117,6 +152,7 @@ class FollowPath : public TaskNode {
   InPort<std::string> controller_;
   Robot& robot_;
   Path followed_;
+  std::string followed_by_;
   std::uint64_t seen_ = 0;  // of the entry
 };
 
@@ -138,13 +174,33 @@ double AmountOf(const InPort<double>& port) {
   return amount;
 }
 
+InPort<double> LimitPort(Setup& setup) {
+  return setup.Input<double>("time_allowance", 10.0, "s; it fails after that; 0: no limit");
+}
+
+// A limit that ends each such motion before its end.
+void WarnOfLimit(Setup& setup, const InPort<double>& limit_s, double least_s) {
+  if (limit_s.entry() != nullptr || limit_s.Find() == nullptr) return;
+  if (!(*limit_s.Find() > 0 && least_s > *limit_s.Find())) return;
+  setup.Report("time_allowance", Severity::kWarning,
+               setup.name() + " takes " + NumberText(std::ceil(10 * least_s) / 10) +
+                   " s on this robot, and fails after " + NumberText(*limit_s.Find()) + " s");
+}
+
+// The fixed number of a port; 0: an entry.
+double FixedOf(const InPort<double>& port) {
+  const double* fixed = port.entry() == nullptr ? port.Find() : nullptr;
+  return fixed != nullptr ? std::abs(*fixed) : 0;
+}
+
 class Spin : public TaskNode {
  public:
   Spin(Setup& setup, Robot& robot)
-      : TaskNode(setup),
+      : TaskNode(setup, kSpinUnknown),
         angle_rad_(setup.Input<double>("spin_dist", 1.57, "rad, to the left")),
-        limit_s_(setup.Input<double>("time_allowance", 10.0, "s; it fails after that")),
+        limit_s_(LimitPort(setup)),
         robot_(robot) {
+    WarnOfLimit(setup, limit_s_, FixedOf(angle_rad_) / robot.most_turn_rad_s());
     static_cast<void>(setup.OptionalInput<bool>("is_recovery", "ignored"));
     static_cast<void>(
         setup.OptionalInput<bool>("disable_collision_checks", "ignored: it is always checked"));
@@ -164,22 +220,49 @@ class Spin : public TaskNode {
 class StraightDrive : public TaskNode {
  public:
   StraightDrive(Setup& setup, Robot& robot, bool backwards)
-      : TaskNode(setup),
+      : TaskNode(setup, backwards ? kBackUpUnknown : kDriveUnknown),
         distance_m_(setup.Input<double>(backwards ? "backup_dist" : "dist_to_travel", 0.15, "m")),
         speed_m_s_(setup.Input<double>(backwards ? "backup_speed" : "speed", 0.025, "m/s")),
-        limit_s_(setup.Input<double>("time_allowance", 10.0, "s; it fails after that")),
+        limit_s_(LimitPort(setup)),
         robot_(robot),
         backwards_(backwards) {
+    const double speed_m_s = std::min(FixedOf(speed_m_s_), robot.most_drive_m_s());
+    if (speed_m_s > 0) WarnOfLimit(setup, limit_s_, FixedOf(distance_m_) / speed_m_s);
     static_cast<void>(
         setup.OptionalInput<bool>("disable_collision_checks", "ignored: it is always checked"));
   }
 
  private:
-  // The sign of the distance to back up means nothing: nav2's own trees have both.
+  class Refused : public Task {
+    std::optional<TaskEnd> Poll(Time /*now*/) override {
+      return TaskEnd{.error_code = kDriveInvalidInput,
+                     .error = "its distance and its speed differ in their signs"};
+    }
+  };
+
+  // The signs of BackUp mean nothing: nav2's own trees have both.
   std::unique_ptr<Task> Begin() override {
     const double distance_m = AmountOf(distance_m_);
-    return robot_.Drive(backwards_ ? -std::abs(distance_m) : distance_m,
-                        std::abs(AmountOf(speed_m_s_)), LimitOf(limit_s_));
+    const double speed_m_s = AmountOf(speed_m_s_);
+    const Duration limit = LimitOf(limit_s_);
+    if (!backwards_ && (distance_m > 0) != (speed_m_s > 0)) return std::make_unique<Refused>();
+    return robot_.Drive(backwards_ ? -std::abs(distance_m) : distance_m, std::abs(speed_m_s),
+                        limit);
+  }
+  std::uint16_t CodeOf(const TaskEnd& end) const override {
+    if (!backwards_) return end.error_code;
+    switch (end.error_code) {
+      case kDriveTimeout:
+        return kBackUpTimeout;
+      case kDrivePose:
+        return kBackUpPose;
+      case kDriveCollision:
+        return kBackUpCollision;
+      case kDriveInvalidInput:
+        return kBackUpInvalidInput;
+      default:
+        return kBackUpUnknown;
+    }
   }
 
   InPort<double> distance_m_;
@@ -192,7 +275,7 @@ class StraightDrive : public TaskNode {
 class ClearEntireCostmap : public TaskNode {
  public:
   ClearEntireCostmap(Setup& setup, Robot& robot)
-      : TaskNode(setup),
+      : TaskNode(setup, kServiceFailed),
         service_(setup.OptionalInput<std::string>("service_name", "which costmap")),
         robot_(robot) {}
 
@@ -206,7 +289,8 @@ class ClearEntireCostmap : public TaskNode {
 class Wait : public TaskNode {
  public:
   explicit Wait(Setup& setup)
-      : TaskNode(setup), duration_s_(setup.Input<double>("wait_duration", 1.0, "s")) {}
+      : TaskNode(setup, kWaitUnknown),
+        duration_s_(setup.Input<double>("wait_duration", 1.0, "s")) {}
 
  private:
   class Timer : public Task {

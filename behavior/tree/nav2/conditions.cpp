@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "musher/behavior/tree/nav2/checked.hpp"
 #include "musher/behavior/tree/nav2/goal_watch.hpp"
 #include "musher/behavior/tree/nav2/recent_tick.hpp"
 #include "musher/behavior/tree/nav2/register.hpp"
@@ -77,11 +78,12 @@ class DistanceTraveled : public Condition {
 
  private:
   Status Evaluate(const Tick& tick) override {
+    const double distance_m = Checked(distance_m_);
     const std::optional<Pose> pose = robot_.pose();
     if (recent_.Begins(tick, status())) begin_.reset();
     if (!pose) return Status::kFailure;
     if (!begin_) begin_ = *pose;
-    if (Distance(*begin_, *pose) < distance_m_.Get()) return Status::kFailure;
+    if (Distance(*begin_, *pose) < distance_m) return Status::kFailure;
     begin_ = *pose;
     return Status::kSuccess;
   }
@@ -98,9 +100,10 @@ class TimeExpired : public Condition {
 
  private:
   Status Evaluate(const Tick& tick) override {
+    const double seconds = Checked(seconds_);
     const bool begins = recent_.Begins(tick, status());
     if (begins) begin_ = tick.now;
-    if (begins || ToSeconds(tick.now - begin_) < seconds_.Get()) return Status::kFailure;
+    if (begins || ToSeconds(tick.now - begin_) < seconds) return Status::kFailure;
     begin_ = tick.now;
     return Status::kSuccess;
   }
@@ -119,13 +122,14 @@ class PathExpiringTimer : public Condition {
 
  private:
   Status Evaluate(const Tick& tick) override {
+    const double seconds = Checked(seconds_);
     const Path* path = path_.Find();
     const bool begins = !begin_ || (path != nullptr && *path != before_);
     if (begins) {
       begin_ = tick.now;
       before_ = path != nullptr ? *path : Path{};
     }
-    if (begins || ToSeconds(tick.now - *begin_) < seconds_.Get()) return Status::kFailure;
+    if (begins || ToSeconds(tick.now - *begin_) < seconds) return Status::kFailure;
     begin_ = tick.now;
     return Status::kSuccess;
   }
@@ -159,7 +163,7 @@ class ArePosesNear : public Condition {
 
  private:
   Status Evaluate(const Tick&) override {
-    return StatusOf(Distance(reference_.Get(), target_.Get()) <= tolerance_m_.Get());
+    return StatusOf(Distance(reference_.Get(), target_.Get()) <= Checked(tolerance_m_));
   }
 
   InPort<Pose> reference_;

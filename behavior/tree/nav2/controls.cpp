@@ -1,5 +1,7 @@
 // RecoveryNode, PipelineSequence, RoundRobin.
 
+#include <utility>
+
 #include "musher/behavior/tree/nav2/register.hpp"
 
 namespace musher::tree::nav2 {
@@ -77,7 +79,7 @@ class PipelineSequence : public Control {
   std::size_t at_ = 0;  // the farthest child that was reached
 };
 
-// Goes on behind the child that has succeeded last.
+// Goes on behind the child that has succeeded last in this run of the tree.
 class RoundRobin : public Control {
  public:
   explicit RoundRobin(Setup& setup)
@@ -88,6 +90,7 @@ class RoundRobin : public Control {
  private:
   Status OnTick(Tick& tick) override {
     const std::vector<Node*>& nodes = children();
+    if (std::exchange(run_, tick.run) != tick.run) at_ = 0;
     if (!running()) failed_ = 0;
     std::size_t skipped = 0;
     while (failed_ + skipped < nodes.size()) {
@@ -114,6 +117,7 @@ class RoundRobin : public Control {
   }
 
   InPort<bool> wraps_;
+  std::uint64_t run_ = 0;
   std::size_t at_ = 0;      // kept after a success
   std::size_t failed_ = 0;  // children, since the last success
 };
@@ -127,9 +131,10 @@ void AddControlNodes(Factory& factory) {
   AddNode<PipelineSequence>(factory, "PipelineSequence", NodeKind::kControl, false,
                             "A Sequence that ticks all children up to the present one in each "
                             "tick.");
-  AddNode<RoundRobin>(factory, "RoundRobin", NodeKind::kControl, false,
-                      "Ticks its children in order until one succeeds; the next time it goes on "
-                      "behind that one. Fails where all have failed.");
+  AddNode<RoundRobin>(
+      factory, "RoundRobin", NodeKind::kControl, false,
+      "Ticks its children in order until one succeeds; the next time in this run of the "
+      "tree it goes on behind that one. Fails where all have failed.");
 }
 
 }  // namespace musher::tree::nav2

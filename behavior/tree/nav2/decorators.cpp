@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "musher/behavior/tree/nav2/checked.hpp"
 #include "musher/behavior/tree/nav2/goal_watch.hpp"
 #include "musher/behavior/tree/nav2/recent_tick.hpp"
 #include "musher/behavior/tree/nav2/register.hpp"
@@ -61,13 +62,14 @@ class DistanceController : public Decorator {
  private:
   Status OnTick(Tick& tick) override {
     const bool begins = status() == Status::kIdle;
+    const double distance_m = Checked(distance_m_);
     const std::optional<Pose> pose = robot_.pose();
     if (!pose) {
       child().Reset(tick);
       return Status::kFailure;
     }
     if (begins) begin_ = *pose;
-    const bool near = Distance(begin_, *pose) < distance_m_.Get();
+    const bool near = Distance(begin_, *pose) < distance_m;
     if (!begins && near && !child().running()) return Status::kRunning;
     const Status status = TickChild(tick);
     if (status == Status::kSuccess) begin_ = *pose;
@@ -143,7 +145,9 @@ class GoalUpdatedController : public Decorator {
   GoalWatch goals_;
 };
 
-class GoalUpdater : public Decorator {
+// A goal without a stamp can not be compared with: then only what has come since the run began
+// counts, not what a run before was sent.
+class GoalUpdater : public Decorator, public RunObserver {
  public:
   GoalUpdater(Setup& setup, const Robot& robot)
       : goal_(setup.OptionalInput<Pose>("input_goal", "the goal as it was commanded")),
@@ -153,17 +157,22 @@ class GoalUpdater : public Decorator {
         robot_(robot) {}
 
  private:
+  void OnNewRun(const Tick& /*tick*/) override {
+    known_goal_ = robot_.goal_update();
+    known_goals_ = robot_.goals_update();
+  }
   Status OnTick(Tick& tick) override {
     const std::optional<Pose> one = robot_.goal_update();
     const Pose* goal = goal_.Find();
-    if (one && (goal == nullptr || one->stamp >= goal->stamp)) {
+    if (one && (goal == nullptr || IsNewer(*one, one->stamp, goal->stamp, known_goal_))) {
       output_goal_.Set(*one);
     } else if (goal != nullptr) {
       output_goal_.Set(*goal);
     }
     const std::optional<Goals> several = robot_.goals_update();
     const Goals* goals = goals_.Find();
-    if (several && (goals == nullptr || StampOf(*several) >= StampOf(*goals))) {
+    if (several &&
+        (goals == nullptr || IsNewer(*several, StampOf(*several), StampOf(*goals), known_goals_))) {
       output_goals_.Set(*several);
     } else if (goals != nullptr) {
       output_goals_.Set(*goals);
@@ -171,6 +180,10 @@ class GoalUpdater : public Decorator {
     return TickChild(tick);
   }
 
+  template <class T>
+  static bool IsNewer(const T& update, Time stamp, Time commanded, const std::optional<T>& known) {
+    return commanded == Time{} ? update != known : stamp >= commanded;
+  }
   static Time StampOf(const Goals& goals) {
     return goals.poses.empty() ? Time{} : goals.poses.front().stamp;
   }
@@ -180,9 +193,12 @@ class GoalUpdater : public Decorator {
   OutPort<Pose> output_goal_;
   OutPort<Goals> output_goals_;
   const Robot& robot_;
+  std::optional<Pose> known_goal_;  // when the run began
+  std::optional<Goals> known_goals_;
 };
 
-// The child is ticked once the path to the same goal has become much longer, and this goal is near.
+// The child is ticked while the path to the same goal is much longer than it was, and this goal is
+// near.
 class PathLongerOnApproach : public Decorator {
  public:
   explicit PathLongerOnApproach(Setup& setup)
@@ -195,7 +211,8 @@ class PathLongerOnApproach : public Decorator {
     const Path* path = path_.Find();
     const Path present = path != nullptr ? *path : Path{};
     if (recent_.Begins(tick, status())) before_ = present;
-    if (!child().running() && !IsLonger(present)) {
+    if (!IsLonger(present)) {
+      child().Reset(tick);
       before_ = present;
       return Status::kSuccess;
     }
@@ -208,7 +225,7 @@ class PathLongerOnApproach : public Decorator {
     if (present.poses.empty() || before_.poses.empty() || present == before_) return false;
     if (Distance(present.poses.back(), before_.poses.back()) > 0) return false;
     const double length_m = LengthOf(before_);
-    return length_m < near_m_.Get() && LengthOf(present) > factor_.Get() * length_m;
+    return length_m < Checked(near_m_) && LengthOf(present) > Checked(factor_) * length_m;
   }
 
   InPort<Path> path_;

@@ -11,6 +11,7 @@
 // Threads: that of the tree.
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,19 +24,46 @@ namespace musher::tree::nav2 {
 
 // Codes of nav2's actions. 0: it has succeeded.
 inline constexpr std::uint16_t kNoError = 0;
-inline constexpr std::uint16_t kPlannerUnknown = 200;
-inline constexpr std::uint16_t kPlannerTimeout = 207;
-inline constexpr std::uint16_t kNoValidPath = 208;
+inline constexpr std::uint16_t kServiceFailed = 1;  // of ClearEntireCostmap, which has none in nav2
 inline constexpr std::uint16_t kControllerUnknown = 100;
+inline constexpr std::uint16_t kInvalidController = 101;
+inline constexpr std::uint16_t kControllerPose = 102;
+inline constexpr std::uint16_t kInvalidPath = 103;
 inline constexpr std::uint16_t kPatienceExceeded = 104;
 inline constexpr std::uint16_t kFailedToMakeProgress = 105;
 inline constexpr std::uint16_t kNoValidControl = 106;
+inline constexpr std::uint16_t kControllerTimeout = 107;
+inline constexpr std::uint16_t kDriveCancelled = 150;  // by another client; nav2 has no code
+inline constexpr std::uint16_t kPlannerUnknown = 200;
+inline constexpr std::uint16_t kInvalidPlanner = 201;
+inline constexpr std::uint16_t kPlannerPose = 202;
+inline constexpr std::uint16_t kStartOutside = 203;
+inline constexpr std::uint16_t kGoalOutside = 204;
+inline constexpr std::uint16_t kStartOccupied = 205;
+inline constexpr std::uint16_t kGoalOccupied = 206;
+inline constexpr std::uint16_t kPlannerTimeout = 207;
+inline constexpr std::uint16_t kNoValidPath = 208;
+inline constexpr std::uint16_t kSpinUnknown = 700;
+inline constexpr std::uint16_t kSpinTimeout = 701;
+inline constexpr std::uint16_t kSpinPose = 702;
+inline constexpr std::uint16_t kSpinCollision = 703;
+inline constexpr std::uint16_t kBackUpUnknown = 710;
+inline constexpr std::uint16_t kBackUpTimeout = 711;
+inline constexpr std::uint16_t kBackUpPose = 712;
+inline constexpr std::uint16_t kBackUpInvalidInput = 713;
+inline constexpr std::uint16_t kBackUpCollision = 714;
+inline constexpr std::uint16_t kDriveUnknown = 720;
+inline constexpr std::uint16_t kDriveTimeout = 721;
+inline constexpr std::uint16_t kDrivePose = 722;
+inline constexpr std::uint16_t kDriveCollision = 723;
+inline constexpr std::uint16_t kDriveInvalidInput = 724;
+inline constexpr std::uint16_t kWaitUnknown = 740;
 
 struct TaskEnd {
   bool success = false;
-  std::uint16_t error_code = kNoError;
-  std::string error{};  // why it has failed
-  Path path{};          // of ComputePath()
+  std::uint16_t error_code = kNoError;  // of a failure: 0 becomes UNKNOWN of the action
+  std::string error{};                  // why it has failed
+  Path path{};                          // of ComputePath()
 };
 
 class Task {
@@ -58,6 +86,10 @@ class Robot {
   // The tolerance of GoalReached.
   virtual double goal_tolerance_m() const { return 0.25; }
 
+  // How fast Spin() turns and Drive() moves at most, for the warning of a limit that is too short.
+  virtual double most_turn_rad_s() const { return std::numeric_limits<double>::infinity(); }
+  virtual double most_drive_m_s() const { return std::numeric_limits<double>::infinity(); }
+
   // The last goals that have come on the topics of GoalUpdater. Nullopt: none.
   virtual std::optional<Pose> goal_update() const { return std::nullopt; }
   virtual std::optional<Goals> goals_update() const { return std::nullopt; }
@@ -69,9 +101,10 @@ class Robot {
                                             const std::string& planner) = 0;
   // Replaces the path of a task that has not ended, without a stop.
   virtual std::unique_ptr<Task> FollowPath(const Path& path, const std::string& controller) = 0;
-  // To the left; negative: to the right. It fails after `limit`.
+  // To the left; negative: to the right. It fails after `limit`; 0: there is none.
   virtual std::unique_ptr<Task> Spin(double angle_rad, Duration limit) = 0;
-  // Straight ahead; negative: backwards. It fails after `limit`.
+  // Straight ahead; negative: backwards. It fails after `limit`; 0: there is none. Its codes are
+  // those of DriveOnHeading; BackUp makes its own of them.
   virtual std::unique_ptr<Task> Drive(double distance_m, double speed_m_s, Duration limit) = 0;
   // The service of a costmap, as the tree names it.
   virtual std::unique_ptr<Task> ClearCostmap(const std::string& service) = 0;

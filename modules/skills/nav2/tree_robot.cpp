@@ -1,6 +1,8 @@
 #include "musher/modules/skills/nav2/tree_robot.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "musher/modules/skills/skills/recovery.hpp"
 #include "musher/modules/skills/skills/travel.hpp"
@@ -24,15 +26,14 @@ constexpr Duration kAnswerLimit = std::chrono::seconds(10);
 // The code of nav2_msgs/ComputePathToPose.
 std::uint16_t PlannerCode(const Error& error) {
   using navigation::Fault;
-  constexpr std::uint16_t kTfError = 202, kStartOutside = 203, kGoalOutside = 204,
-                          kStartOccupied = 205, kGoalOccupied = 206;
   const auto is = [&error](Fault fault) { return navigation::Is(error, fault); };
-  if (is(Fault::kOdometry)) return kTfError;
-  if (is(Fault::kOutside)) return kStartOutside;
-  if (is(Fault::kGoalOutside)) return kGoalOutside;
-  if (is(Fault::kStartBlocked)) return kStartOccupied;
-  if (is(Fault::kGoalBlocked)) return kGoalOccupied;
-  if (is(Fault::kTimeLimit)) return tree::nav2::kPlannerTimeout;
+  if (is(Fault::kIdentifier)) return tree::nav2::kInvalidPlanner;
+  if (is(Fault::kOdometry) || is(Fault::kFrame)) return tree::nav2::kPlannerPose;
+  if (is(Fault::kOutside)) return tree::nav2::kStartOutside;
+  if (is(Fault::kGoalOutside)) return tree::nav2::kGoalOutside;
+  if (is(Fault::kStartBlocked)) return tree::nav2::kStartOccupied;
+  if (is(Fault::kGoalBlocked)) return tree::nav2::kGoalOccupied;
+  if (is(Fault::kTimeLimit) || error.code == kCodeNetError) return tree::nav2::kPlannerTimeout;
   if (is(Fault::kWalledIn)) return tree::nav2::kNoValidPath;
   return tree::nav2::kPlannerUnknown;
 }
@@ -40,13 +41,40 @@ std::uint16_t PlannerCode(const Error& error) {
 // The code of nav2_msgs/FollowPath.
 std::uint16_t ControllerCode(const Error& error) {
   using navigation::Fault;
-  constexpr std::uint16_t kTfError = 102;
   const auto is = [&error](Fault fault) { return navigation::Is(error, fault); };
-  if (is(Fault::kOdometry)) return kTfError;
+  if (is(Fault::kIdentifier)) return tree::nav2::kInvalidController;
+  if (is(Fault::kOdometry) || is(Fault::kFrame)) return tree::nav2::kControllerPose;
+  if (is(Fault::kInput)) return tree::nav2::kInvalidPath;
   if (is(Fault::kObstacle)) return tree::nav2::kPatienceExceeded;
   if (is(Fault::kLate)) return tree::nav2::kFailedToMakeProgress;
   if (is(Fault::kScan)) return tree::nav2::kNoValidControl;
+  if (is(Fault::kTimeLimit) || error.code == kCodeNetError) return tree::nav2::kControllerTimeout;
   return tree::nav2::kControllerUnknown;
+}
+
+// The code of nav2_msgs/Spin, or of DriveOnHeading.
+std::uint16_t MotionCode(bool spins, const Error& error) {
+  using navigation::Fault;
+  const auto is = [&error](Fault fault) { return navigation::Is(error, fault); };
+  if (is(Fault::kLate)) return spins ? tree::nav2::kSpinTimeout : tree::nav2::kDriveTimeout;
+  if (is(Fault::kOdometry) || is(Fault::kJump)) {
+    return spins ? tree::nav2::kSpinPose : tree::nav2::kDrivePose;
+  }
+  if (is(Fault::kObstacle)) return spins ? tree::nav2::kSpinCollision : tree::nav2::kDriveCollision;
+  return spins ? tree::nav2::kSpinUnknown : tree::nav2::kDriveUnknown;
+}
+
+// Why a path can not be followed; empty: it can.
+std::string WhyNoPath(const navigation::Path& path) {
+  if (path.empty()) return "the path has no points";
+  const bool finite = std::ranges::all_of(path, [](const auto& pose) { return IsFinite(pose); });
+  return finite ? "" : "the path has a point that is not finite";
+}
+
+// On the ground the height does not count.
+double Apart(const Robot& robot, const navigation::Point& a, const navigation::Point& b) {
+  if (robot.flies()) return navigation::Distance(a, b);
+  return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
 }
 
 // Fails where no answer has come for 10 s.
@@ -63,11 +91,12 @@ class Deadline {
 
 class PlanTask : public tree::nav2::Task {
  public:
-  explicit PlanTask(skill::Future<navigation::Path> path) : path_(std::move(path)) {}
+  PlanTask(const Robot& robot, const navigation::Pose& goal, skill::Future<navigation::Path> path)
+      : robot_(robot), goal_(goal), path_(std::move(path)) {}
 
   std::optional<TaskEnd> Poll(Time now) override {
     if (!path_.valid()) {
-      return TaskEnd{.error_code = tree::nav2::kPlannerUnknown, .error = "there is no planner"};
+      return TaskEnd{.error_code = tree::nav2::kInvalidPlanner, .error = "there is no planner"};
     }
     if (!path_.done()) {
       if (!deadline_.IsOver(now)) return std::nullopt;
@@ -77,67 +106,159 @@ class PlanTask : public tree::nav2::Task {
     if (!result) {
       return TaskEnd{.error_code = PlannerCode(result.error()), .error = result.error().message};
     }
+    const navigation::Path& path = result.value();
+    std::string why = WhyNoPath(path);
+    const double off_m = why.empty() ? Apart(robot_, path.back().at, goal_.at) : 0;
+    if (off_m > kArrivedWithinM) why = "the path ends " + LengthText(off_m) + " m from the goal";
+    if (!why.empty()) return TaskEnd{.error_code = tree::nav2::kNoValidPath, .error = why};
     TaskEnd end{.success = true};
-    for (const navigation::Pose& pose : result.value()) end.path.poses.push_back(ToTree(pose));
+    for (const navigation::Pose& pose : path) end.path.poses.push_back(ToTree(pose));
     return end;
   }
 
  private:
+  const Robot& robot_;
+  const navigation::Pose goal_;
   skill::Future<navigation::Path> path_;
   Deadline deadline_;
 };
 
 class DriveTask : public tree::nav2::Task {
  public:
-  explicit DriveTask(std::unique_ptr<Drive> drive) : drive_(std::move(drive)) {}
-
-  std::optional<TaskEnd> Poll(Time /*now*/) override {
-    const skill::Future<bool> end = drive_ == nullptr ? skill::Future<bool>() : drive_->end();
-    if (!end.valid()) {
-      return TaskEnd{.error_code = tree::nav2::kControllerUnknown,
-                     .error = "the controller has not taken the path"};
+  DriveTask(skills::Robot& robot, Handover& handover, navigation::Path path)
+      : robot_(robot), handover_(handover), path_(std::move(path)) {
+    if (!handover_.Rolls()) Begin();
+  }
+  ~DriveTask() override {
+    if (drive_ != nullptr && drive_->end().valid() && !drive_->end().done()) {
+      handover_.GiveUp(std::move(drive_));
     }
+  }
+
+  std::optional<TaskEnd> Poll(Time now) override {
+    if (!begun_ && handover_.Rolls()) {
+      if (!deadline_.IsOver(now)) return std::nullopt;
+      return TaskEnd{.error_code = tree::nav2::kControllerTimeout,
+                     .error = "the robot does not stand after the motion before"};
+    }
+    if (!begun_) Begin();
+    if (refused_) return refused_;
+    const skill::Future<bool> end = drive_->end();
     if (!end.done()) return std::nullopt;
     if (!end.result()) {
       const Error& error = end.result().error();
       return TaskEnd{.error_code = ControllerCode(error), .error = error.message};
     }
-    if (end.result().value()) return TaskEnd{.success = true};
-    return TaskEnd{.error_code = tree::nav2::kControllerUnknown, .error = "it was cancelled"};
+    if (!end.result().value()) {
+      return TaskEnd{.error_code = tree::nav2::kDriveCancelled,
+                     .error = "the controller has cancelled the drive"};
+    }
+    const auto pose = robot_.pose();
+    const double left_m = pose ? Apart(robot_, pose->at, path_.back().at) : 0;
+    if (left_m <= kArrivedWithinM) return TaskEnd{.success = true};
+    return TaskEnd{.error_code = tree::nav2::kFailedToMakeProgress,
+                   .error = "the drive has ended " + LengthText(left_m) + " m from the goal"};
   }
 
  private:
+  void Begin() {
+    begun_ = true;
+    const std::string why = WhyNoPath(path_);
+    if (!why.empty()) {
+      refused_ = TaskEnd{.error_code = tree::nav2::kInvalidPath, .error = why};
+    } else if (!robot_.HasController()) {
+      refused_ =
+          TaskEnd{.error_code = tree::nav2::kInvalidController, .error = "there is no controller"};
+    } else {
+      // It was planned while the robot moved on: what lies behind the robot is left out.
+      drive_ = robot_.FollowPath(FromHere(robot_, path_));
+      if (drive_ != nullptr && drive_->end().valid()) return;
+      refused_ = TaskEnd{.error_code = tree::nav2::kControllerTimeout,
+                         .error = "the controller has not taken the path"};
+    }
+  }
+
+  skills::Robot& robot_;
+  Handover& handover_;
+  const navigation::Path path_;
+  Deadline deadline_;
+  bool begun_ = false;
+  std::optional<TaskEnd> refused_;
   std::unique_ptr<Drive> drive_;
 };
 
 class MotionTask : public tree::nav2::Task {
  public:
-  MotionTask(skills::Robot& robot, RecoveryKind kind, const Recovery::Amount& amount)
-      : robot_(robot), recovery_(robot) {
-    recovery_.Begin(kind, amount);
-  }
+  // `amount` without `longest`: no limit.
+  MotionTask(skills::Robot& robot, Handover& handover, RecoveryKind kind,
+             const Recovery::Amount& amount)
+      : robot_(robot), handover_(handover), kind_(kind), amount_(amount), recovery_(robot) {}
   ~MotionTask() override {
-    if (moves_) robot_.StopMotion();
+    if (commands_) robot_.StopMotion();
   }
 
   std::optional<TaskEnd> Poll(Time now) override {
-    if (robot_.flies()) return TaskEnd{.error = robot_.name() + " flies: it is for the ground"};
-    const Duration step = moves_ ? now - last_ : Duration{};
+    using navigation::Fault;
+    if (robot_.flies()) {
+      return Failed(Error{kCodeFailed, robot_.name() + " flies: it is for the ground"});
+    }
+    if (!since_) since_ = now;
+    if (!begun_) {
+      const bool driven = handover_.IsDriven();
+      if (!driven && handover_.Stands()) {
+        Begin(now);
+      } else if (amount_.longest && now - *since_ >= *amount_.longest) {
+        return Failed(navigation::MakeError(Fault::kLate, driven
+                                                              ? "the drive before it has not ended"
+                                                              : "the robot does not stand"));
+      } else {
+        if (!driven) Command();
+        return std::nullopt;
+      }
+    }
+    const Duration step = now - last_;
     last_ = now;
-    moves_ = true;
+    commands_ = true;
+    handover_.NoteMotion();
     const std::optional<Result<>> end = recovery_.Step(step);
     if (!end) return std::nullopt;
-    moves_ = false;  // it stands
-    if (end->ok()) return TaskEnd{.success = true};
-    return TaskEnd{.error = end->error().message};
+    commands_ = false;  // it has stopped
+    return end->ok() ? TaskEnd{.success = true} : Failed(end->error());
   }
 
  private:
+  // The time that it has waited is part of its limit.
+  void Begin(Time now) {
+    begun_ = true;
+    last_ = now;
+    Recovery::Amount amount = amount_;
+    amount.longest = amount_.longest ? *amount_.longest - (now - *since_) : Duration::max();
+    recovery_.Begin(kind_, amount);
+  }
+  // To stand.
+  void Command() {
+    commands_ = true;
+    robot_.SetVelocity({});
+  }
+  TaskEnd Failed(const Error& error) const {
+    return {.error_code = MotionCode(kind_ == RecoveryKind::kSpin, error), .error = error.message};
+  }
+
   skills::Robot& robot_;
+  Handover& handover_;
+  const RecoveryKind kind_;
+  const Recovery::Amount amount_;
   Recovery recovery_;
-  bool moves_ = false;
+  std::optional<Time> since_;
+  bool begun_ = false;
+  bool commands_ = false;
   Time last_{};
 };
+
+// Nullopt: there is none.
+std::optional<Duration> LimitIn(Duration limit) {
+  return limit > Duration{} ? std::optional(limit) : std::nullopt;
+}
 
 class ClearTask : public tree::nav2::Task {
  public:
@@ -160,6 +281,28 @@ class ClearTask : public tree::nav2::Task {
 
 }  // namespace
 
+void Handover::GiveUp(std::unique_ptr<Drive> drive) {
+  drive->Cancel();
+  IsDriven();  // forgets those that have ended
+  given_up_.push_back(std::move(drive));
+}
+
+bool Handover::IsDriven() {
+  std::erase_if(given_up_, [this](const std::unique_ptr<Drive>& drive) {
+    return drive->end().done() || !robot_.HasController();
+  });
+  return !given_up_.empty();
+}
+
+bool Handover::Rolls() {
+  if (Stands()) moved_ = false;
+  return moved_;
+}
+
+bool Handover::Stands() const {
+  return !robot_.pose() || skills::Stands(robot_);
+}
+
 std::optional<tree::nav2::Pose> TreeRobot::pose() const {
   const std::optional<navigation::Pose> pose = robot_.pose();
   if (!pose || !navigation::IsFinite(*pose)) return std::nullopt;
@@ -171,34 +314,43 @@ double TreeRobot::speed_m_s() const {
   return pose ? navigation::InBodyFrame(robot_.velocity(), pose->yaw_rad).x_m_s : 0;
 }
 
+double TreeRobot::most_turn_rad_s() const {
+  return Recovery::kMostRadPerS;
+}
+
+double TreeRobot::most_drive_m_s() const {
+  return Recovery::kMostMPerS;
+}
+
 std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
     const tree::nav2::Pose& goal, const std::optional<tree::nav2::Pose>& start,
     const std::string& /*planner*/) {
   std::optional<navigation::Pose> from;
   if (start) from = FromTree(*start);
-  return std::make_unique<PlanTask>(robot_.HasPlanner() ? robot_.ComputePath(FromTree(goal), from)
-                                                        : skill::Future<navigation::Path>());
+  const navigation::Pose to = FromTree(goal);
+  return std::make_unique<PlanTask>(
+      robot_, to,
+      robot_.HasPlanner() ? robot_.ComputePath(to, from) : skill::Future<navigation::Path>());
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::FollowPath(const tree::nav2::Path& path,
                                                         const std::string& /*controller*/) {
   navigation::Path poses;
   for (const tree::nav2::Pose& pose : path.poses) poses.push_back(FromTree(pose));
-  const bool can = robot_.HasController() && !poses.empty();
-  // It was planned while the robot moved on: what lies behind the robot is left out.
-  return std::make_unique<DriveTask>(can ? robot_.FollowPath(FromHere(robot_, poses)) : nullptr);
+  return std::make_unique<DriveTask>(robot_, handover_, std::move(poses));
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration limit) {
-  return std::make_unique<MotionTask>(robot_, RecoveryKind::kSpin,
-                                      Recovery::Amount{.turn_rad = angle_rad, .longest = limit});
+  return std::make_unique<MotionTask>(
+      robot_, handover_, RecoveryKind::kSpin,
+      Recovery::Amount{.turn_rad = angle_rad, .longest = LimitIn(limit)});
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Drive(double distance_m, double speed_m_s,
                                                    Duration limit) {
   return std::make_unique<MotionTask>(
-      robot_, RecoveryKind::kBackUp,
-      Recovery::Amount{.ahead_m = distance_m, .speed_m_s = speed_m_s, .longest = limit});
+      robot_, handover_, RecoveryKind::kBackUp,
+      Recovery::Amount{.ahead_m = distance_m, .speed_m_s = speed_m_s, .longest = LimitIn(limit)});
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::ClearCostmap(const std::string& /*service*/) {

@@ -6,29 +6,61 @@
 //   tree::nav2::AddNodes(factory, nav2);
 //
 // BackUp, DriveOnHeading and Spin are those of recovery.hpp: they fail without odometry, without a
-// scan that covers their way, and where the gate holds the robot. ClearEntireCostmap clears what
-// planner and controller remember, whichever costmap it names. Names of planners and controllers
-// are ignored: the robot has one of each.
+// scan that covers their way, and where the gate holds the robot; they turn with 0.6 rad/s and move
+// with 0.15 m/s at most. ClearEntireCostmap clears what planner and controller remember, whichever
+// costmap it names. Names of planners and controllers are ignored: the robot has one of each.
+//
+// A motion begins once the drive that was halted before it has ended and the robot stands, a drive
+// once the robot stands after a motion. A drive replaces a drive without a stop. Paths and arrivals
+// are checked as those of travel.hpp.
 //
 // Frames and units of robot.hpp.
 //
 // Threads: the loop of the actuator.
+
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include "musher/behavior/tree/nav2/robot.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 
+// The base between two tasks.
+class Handover {
+ public:
+  explicit Handover(Robot& robot) : robot_(robot) {}
+
+  // A drive that is cancelled here; it goes on until its end.
+  void GiveUp(std::unique_ptr<Drive> drive);
+  // Whether such a one still goes on.
+  bool IsDriven();
+  void NoteMotion() { moved_ = true; }
+  // Whether a motion has ended and the robot does not stand yet.
+  bool Rolls();
+  // Without odometry it is taken to stand: a motion does not begin then.
+  bool Stands() const;
+
+ private:
+  Robot& robot_;
+  std::vector<std::unique_ptr<Drive>> given_up_;
+  bool moved_ = false;
+};
+
 class TreeRobot : public tree::nav2::Robot {
  public:
-  // The robot must outlive it, and the trees.
-  explicit TreeRobot(skills::Robot& robot) : robot_(robot) {}
+  // The robot must outlive it; it must outlive the trees.
+  explicit TreeRobot(skills::Robot& robot) : robot_(robot), handover_(robot) {}
 
-  // Goals that have come on the topics of GoalUpdater, if the program subscribes to them.
-  void SetGoalUpdate(const tree::nav2::Pose& goal) { goal_update_ = goal; }
+  // The goal that has come last on the topic of GoalUpdater, if the program subscribes to it.
+  // Nullopt: none.
+  void SetGoalUpdate(const std::optional<tree::nav2::Pose>& goal) { goal_update_ = goal; }
 
   std::optional<tree::nav2::Pose> pose() const override;
   double speed_m_s() const override;  // forward, in the frame of the body
+  double most_turn_rad_s() const override;
+  double most_drive_m_s() const override;
   std::optional<tree::nav2::Pose> goal_update() const override { return goal_update_; }
 
   std::unique_ptr<tree::nav2::Task> ComputePath(const tree::nav2::Pose& goal,
@@ -43,6 +75,7 @@ class TreeRobot : public tree::nav2::Robot {
 
  private:
   skills::Robot& robot_;
+  Handover handover_;
   std::optional<tree::nav2::Pose> goal_update_;
 };
 

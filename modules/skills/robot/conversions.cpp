@@ -269,15 +269,14 @@ Error ControllerError(std::uint16_t error_code, const std::string& words) {
     constexpr std::size_t kLongest = 200;
     return navigation::MakeError(fault, words.empty() ? text : words.substr(0, kLongest));
   };
-  const auto failed = [](const char* why) { return Error{kCodeFailed, why}; };
   switch (error_code) {
     case Code::kInvalidController:
-      return failed("the controller has no such controller_id");
+      return navigation::MakeError(Fault::kIdentifier, "the controller has no such controller_id");
     case Code::kTfError:
       return fault_of(Fault::kOdometry,
                       "its odometry is lost, has jumped, or is in another frame than the path");
     case Code::kInvalidPath:
-      return failed("the controller refuses the path");
+      return navigation::MakeError(Fault::kInput, "the controller refuses the path");
     case Code::kPatienceExceeded:
       return fault_of(Fault::kObstacle, "an obstacle stays in the way");
     case Code::kFailedToMakeProgress:
@@ -286,7 +285,8 @@ Error ControllerError(std::uint16_t error_code, const std::string& words) {
     case Code::kNoValidControl:
       return fault_of(Fault::kScan, "its scan is lost");
     case Code::kControllerTimedOut:
-      return failed("the controller has not answered its server in time");
+      return navigation::MakeError(Fault::kTimeLimit,
+                                   "the controller has not answered its server in time");
     default:
       return Error{kCodeFailed, "the controller has failed" + CodeAndWords(error_code, words)};
   }

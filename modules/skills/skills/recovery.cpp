@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "musher/modules/skills/skills/travel.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::skills {
 namespace {
@@ -24,8 +25,6 @@ constexpr std::array<NamedRecovery, 5> kRecoveries = {{
     {RecoveryKind::kSpin, "spin", std::chrono::seconds(16)},
 }};
 
-constexpr double kRecoveryMS = 0.15;
-constexpr double kRecoveryRadS = 0.6;
 constexpr double kLeaveM = 0.3;
 constexpr double kRecoveryJumpM = 1;  // farther than a short one leads
 constexpr double kOvershootM = 0.5;
@@ -107,15 +106,15 @@ void Recovery::Begin(RecoveryKind kind, const Amount& amount) {
 
 navigation::Velocity Recovery::Command(const std::vector<navigation::Point>& around) const {
   if (kind_ == RecoveryKind::kBackUp) {
-    const double speed_m_s = std::clamp(amount_.speed_m_s, 0.0, kRecoveryMS);
+    const double speed_m_s = std::clamp(amount_.speed_m_s, 0.0, kMostMPerS);
     return {.x_m_s = std::copysign(speed_m_s, amount_.ahead_m)};
   }
   if (kind_ == RecoveryKind::kSpin) {
-    return {.yaw_rad_s = std::copysign(kRecoveryRadS, amount_.turn_rad)};
+    return {.yaw_rad_s = std::copysign(kMostRadPerS, amount_.turn_rad)};
   }
-  if (!turns_) return {.x_m_s = kRecoveryMS};
+  if (!turns_) return {.x_m_s = kMostMPerS};
   const double away_rad = DirectionAway(around);
-  return {.yaw_rad_s = std::clamp(2 * away_rad, -kRecoveryRadS, kRecoveryRadS)};
+  return {.yaw_rad_s = std::clamp(2 * away_rad, -kMostRadPerS, kMostRadPerS)};
 }
 
 bool Recovery::IsWayCovered(double ahead_m_s) const {
@@ -154,12 +153,14 @@ void Recovery::NoteMotion(const navigation::Pose& pose) {
 }
 
 std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
+  using navigation::Fault;
+  using navigation::MakeError;
   const auto pose = robot_.pose();
-  if (!pose || !navigation::IsFinite(*pose)) return Error{kCodeFailed, robot_.WhyNoPose()};
-  if (!robot_.HasScan()) return Error{kCodeFailed, "it does not move without a scan"};
+  if (!pose || !navigation::IsFinite(*pose)) return MakeError(Fault::kOdometry, robot_.WhyNoPose());
+  if (!robot_.HasScan()) return MakeError(Fault::kScan, "it does not move without a scan");
   NoteMotion(*pose);
   if (moved_m_ > std::max(kRecoveryJumpM, std::abs(amount_.ahead_m) + kOvershootM))
-    return Error{kCodeFailed, "its pose has jumped"};
+    return MakeError(Fault::kJump, "its pose has jumped");
   const auto around = SeenAround(robot_, *pose, kRecoveryLookM);
   if (kind_ == RecoveryKind::kLeaveTightStart) {
     if (around.empty() && moved_m_ == 0) {
@@ -174,17 +175,17 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
   const navigation::Velocity command = Command(around);
   if (command.x_m_s != 0 && !IsWayCovered(command.x_m_s)) {
     const bool back = command.x_m_s < 0;
-    return Error{kCodeFailed,
-                 fmt::format("it does not go {}: no scan covers what is {} it",
-                             back ? "backwards" : "ahead", back ? "behind" : "ahead of")};
+    return MakeError(Fault::kScan,
+                     fmt::format("it does not go {}: no scan covers what is {} it",
+                                 back ? "backwards" : "ahead", back ? "behind" : "ahead of"));
   }
   robot_.SetVelocity(command);
   const std::string held_by = robot_.HeldBy();
   held_ = held_by.empty() ? Duration{} : held_ + step;
-  if (held_ >= kRecoveryHeldLimit) return Error{kCodeFailed, held_by};
+  if (held_ >= kRecoveryHeldLimit) return MakeError(Fault::kObstacle, held_by);
   if (passed_ < longest()) return std::nullopt;
-  return Error{kCodeFailed,
-               fmt::format("it has moved by {:.2f} m and {:.2f} rad only", moved_m_, turned_rad_)};
+  return MakeError(Fault::kLate, fmt::format("it has moved by {:.2f} m and {:.2f} rad only",
+                                             moved_m_, turned_rad_));
 }
 
 std::optional<Result<>> Recovery::Step(Duration step) {

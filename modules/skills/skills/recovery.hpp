@@ -43,11 +43,15 @@ class Recovery {
   // At most, of one.
   static Duration LongestOf(RecoveryKind kind);
 
+  // How fast kBackUp moves and kSpin turns.
+  static constexpr double kMostMPerS = 0.15;
+  static constexpr double kMostRadPerS = 0.6;
+
   // How far kBackUp and kSpin lead.
   struct Amount {
     double ahead_m = -0.4;              // of kBackUp; negative: backwards
     double turn_rad = 2 * M_PI;         // of kSpin, to the left; negative: to the right
-    double speed_m_s = 0.15;            // of kBackUp
+    double speed_m_s = kMostMPerS;      // of kBackUp
     std::optional<Duration> longest{};  // nullopt: LongestOf()
   };
 
@@ -55,7 +59,9 @@ class Recovery {
 
   void Begin(RecoveryKind kind) { Begin(kind, {}); }
   void Begin(RecoveryKind kind, const Amount& amount);
-  // Nullopt: it goes on; else its end, with the reason of a failure, and the base stands.
+  // Nullopt: it goes on; else its end, with the reason of a failure, and the base stands. The code
+  // of a motion's failure: Fault::kOdometry and kJump without its pose, kObstacle where the gate
+  // holds it, kLate at its limit, kScan where it does not see its way.
   std::optional<Result<>> Step(Duration step);
   double share() const;  // 0 to 1
   double moved_m() const { return moved_m_; }

@@ -63,11 +63,19 @@ TEST(DifferencesToBtcpp, OfLimits) {
                "</Switch2>"),
             "");
 }
-TEST(DifferencesToBtcpp, OfSeveralNodesThatTakeTimeInAReactiveControl) {
+// It has a switch to throw where a second child runs, which is off: both halt the other child.
+TEST(DifferencesToBtcpp, AreNoneOfSeveralNodesThatTakeTimeInAReactiveControl) {
   const std::string sleep = "<Sleep msec=\"1\"/>";
-  EXPECT_THAT(Of("<ReactiveSequence>" + sleep + kLeaf + sleep + "</ReactiveSequence>"),
-              HasSubstr("throws where a second child of ReactiveSequence returns RUNNING"));
-  EXPECT_EQ(Of("<ReactiveFallback>" + kLeaf + sleep + "</ReactiveFallback>"), "");
+  EXPECT_EQ(Of("<ReactiveSequence>" + sleep + kLeaf + sleep + "</ReactiveSequence>"), "");
+  EXPECT_EQ(Of("<ReactiveFallback>" + sleep + sleep + "</ReactiveFallback>"), "");
+}
+TEST(DifferencesToBtcpp, OfSeveralAsyncSequencesInAReactiveSequence) {
+  const std::string async = "<AsyncSequence>" + kLeaf + "</AsyncSequence>";
+  EXPECT_THAT(Of("<ReactiveSequence>\n" + async + "\n" + async + "</ReactiveSequence>"),
+              testing::StartsWith("t.xml:5:1: warning: BehaviorTree.CPP 4.10 refuses a second "
+                                  "AsyncSequence in a ReactiveSequence"));
+  EXPECT_EQ(Of("<ReactiveSequence>" + kLeaf + async + "</ReactiveSequence>"), "");
+  EXPECT_EQ(Of("<ReactiveFallback>" + async + async + "</ReactiveFallback>"), "");
 }
 TEST(DifferencesToBtcpp, OfOperatorsWhoseRankIsNotDocumented) {
   EXPECT_THAT(Script("a := 1 .. 2 + 3"), HasSubstr("does not document the rank"));
@@ -76,6 +84,15 @@ TEST(DifferencesToBtcpp, OfOperatorsWhoseRankIsNotDocumented) {
   EXPECT_EQ(Script("a := b .. c .. d"), "");
   EXPECT_EQ(Script("a := b | c"), "");
   EXPECT_EQ(Script("a := 'x .. y + z &amp; |'"), "") << "texts do not count";
+  for (const std::string code :
+       {"a := b | -1", "a := -1 | b", "a := b .. -2", "a := b .. 1e-3", "a += b | c", "a -= b | c",
+        "a := b | c; d := e + f", "a := (b | c) == d", "a := (b &amp; (c | d)) + 1"}) {
+    EXPECT_EQ(Script(code), "") << code;
+  }
+  for (const std::string code : {"a := b | c - 1", "a := b - -1 | c", "a := (b | c == d)",
+                                 "b := 1; a := b | c + 1", "a := (b | c) ^ d &amp; e"}) {
+    EXPECT_THAT(Script(code), HasSubstr("does not document the rank")) << code;
+  }
   EXPECT_THAT(Of("<AlwaysSuccess _post=\"a := b | c == d\"/>"), HasSubstr("rank"));
 }
 TEST(DifferencesToBtcpp, OfTypesOfEntries) {
@@ -103,6 +120,12 @@ TEST(DifferencesToBtcpp, OfNames) {
               HasSubstr("refuses a tree with the name of a node"));
   EXPECT_THAT(DifferencesOf(file(tree("Main", kLeaf) + tree("a.b", kLeaf))),
               HasSubstr("refuses '.' in the name of a tree"));
+  EXPECT_THAT(DifferencesOf(Main("<Move.To/>")),
+              HasSubstr("t.xml:3:1: warning: BehaviorTree.CPP 4.10 refuses '.' in the name of a "
+                        "node"));
+  EXPECT_THAT(DifferencesOf(Main("<Move goal.x=\"1\"/>")),
+              HasSubstr("refuses '.' in the name of a port"));
+  EXPECT_EQ(Of("<AlwaysSuccess name=\"a.b\"/>"), "") << "the name of an instance may have it";
   const std::string part = "<SubTree ID=\"Part\" name=\"p\"/>";
   EXPECT_THAT(DifferencesOf(file(tree("Main", "<Sequence>" + part + part + "</Sequence>") +
                                  tree("Part", kLeaf))),

@@ -167,9 +167,76 @@ TEST_F(Control, ANodeThatThrowsHaltsTheOthersAndIsNamedWithItsPath) {
   const Result<Status> failed = tree->TickExactlyOnce(At(10));
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().message, "t.xml:3:48: Main/both/b: it broke");
-  EXPECT_EQ(Take(), "a^ b^ a b a! ");
+  EXPECT_EQ(Take(), "a^ b^ a b b! a! ") << "it ran, and may have set something in motion";
   EXPECT_EQ(Letter(tree->TickExactlyOnce(At(20))), 'R');  // begins again
   EXPECT_EQ(Take(), "a^ b^ ");
+}
+TEST_F(Control, ALeafThatThrowsWhenItStartsIsNotHalted) {
+  tree = MakeTree(In("Parallel", A("R") + B("!")), factory);
+  EXPECT_EQ(TicksAndLog(1), "! a^ b^ a! ");
+}
+TEST_F(Control, ALeafThatThrowsWhileItRunsRunsItsScriptOfAHaltOnce) {
+  tree = MakeTree(Main(A("R!R", "_onHalted=\"halts := halts + 1\"")), factory);
+  ASSERT_TRUE(tree->board().Set("halts", 0));
+  EXPECT_EQ(TicksAndLog(2), "R! a^ a a! ");
+  EXPECT_EQ(tree->board().Get<int>("halts").value(), 1);
+}
+
+// A text that is compared with a number throws.
+TEST_F(Control, ARunningLeafWhoseConditionThrowsIsHaltedOnce) {
+  tree = MakeTree(
+      In("Parallel", A("R", "_while=\"n &gt; 1\" _onHalted=\"halts := halts + 1\"") + B("R")),
+      factory);
+  ASSERT_TRUE(tree->board().Set("halts", 0));
+  ASSERT_TRUE(tree->board().Set("n", 2));
+  EXPECT_EQ(TicksAndLog(1), "R a^ b^ ");
+  ASSERT_TRUE(tree->board().Set("n", "far"));
+  const Result<Status> failed = tree->TickExactlyOnce(At(10));
+  ASSERT_FALSE(failed);
+  EXPECT_THAT(failed.error().message, testing::StartsWith("t.xml:3:11: Main/Parallel/a: "));
+  EXPECT_EQ(Take(), "a! b! ");
+  EXPECT_EQ(tree->board().Get<int>("halts").value(), 1);
+  ASSERT_TRUE(tree->Halt(At(20)));
+  EXPECT_EQ(Take(), "") << "nothing runs any more";
+}
+TEST_F(Control, ARunningLeafWhoseConditionHasLostItsEntryIsHaltedOnce) {
+  tree = MakeTree(Main(A("R", "_while=\"n &gt; 1\"")), factory);
+  ASSERT_TRUE(tree->board().Set("n", 2));
+  EXPECT_EQ(TicksAndLog(1), "R a^ ");
+  tree->board().Find("n")->value.Clear();
+  EXPECT_EQ(TicksAndLog(1, 1), "! a! ");
+}
+TEST_F(Control, TheChildrenOfANodeWhoseConditionThrowsAreHaltedOnce) {
+  for (const std::string control : {"Sequence", "Parallel", "ReactiveSequence", "Inverter"}) {
+    tree = MakeTree(Main("<" + control + " _while=\"n &gt; 1\">" + A("R") + "</" + control + ">"),
+                    factory);
+    ASSERT_TRUE(tree->board().Set("n", 2));
+    EXPECT_EQ(TicksAndLog(1), "R a^ ") << control;
+    ASSERT_TRUE(tree->board().Set("n", "far"));
+    EXPECT_EQ(TicksAndLog(1, 1), "! a! ") << control;
+    ASSERT_TRUE(tree->board().Set("n", 2));
+    EXPECT_EQ(TicksAndLog(1, 2), "R a^ ") << control << " begins again";
+  }
+}
+TEST_F(Control, ANodeWhoseConditionThrowsBeforeItStartsIsNotHalted) {
+  for (const std::string condition : {"_failureIf", "_successIf", "_skipIf", "_while"}) {
+    tree = MakeTree(Main("<Finally " + condition + "=\"n &gt; 1\" _onHalted=\"halts := 1\">" +
+                         A("R") + B("S") + "</Finally>"),
+                    factory);
+    ASSERT_TRUE(tree->board().Set("n", "far"));
+    EXPECT_EQ(TicksAndLog(1), "! ") << condition << ": it has nothing to clean up";
+    EXPECT_TRUE(tree->board().Find("halts")->value.empty()) << condition;
+  }
+}
+TEST_F(Control, ANodeWhoseScriptThrowsAfterItsEndIsNotHalted) {
+  for (const std::string script : {"_onSuccess", "_post"}) {
+    tree = MakeTree(
+        Main("<TryCatch catch_on_halt=\"true\" " + script +
+             "=\"unknown = 1\" _onHalted=\"halts := 1\">" + A("RS") + B("S") + "</TryCatch>"),
+        factory);
+    EXPECT_EQ(TicksAndLog(2), "R! a^ a ") << script << ": it has succeeded";
+    EXPECT_TRUE(tree->board().Find("halts")->value.empty()) << script;
+  }
 }
 
 // RUNNING until it is halted; then it throws.

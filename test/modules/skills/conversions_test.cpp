@@ -188,6 +188,9 @@ TEST(Conversions, SayWhyANavigationFailed) {
   EXPECT_EQ(PlannerError(299, goal, {}, "the map is empty").message,
             "the planner has failed (code 299): the map is empty");
   EXPECT_EQ(ControllerError(107).message, "the controller has not answered its server in time");
+  EXPECT_TRUE(navigation::Is(ControllerError(107), navigation::Fault::kTimeLimit));
+  EXPECT_TRUE(navigation::Is(ControllerError(101), navigation::Fault::kIdentifier));
+  EXPECT_TRUE(navigation::Is(ControllerError(103), navigation::Fault::kInput));
   const Error blocked = ControllerError(msg::FollowPath::kPatienceExceeded);
   EXPECT_EQ(blocked.message, "an obstacle stays in the way");
   const Error says_more = ControllerError(msg::FollowPath::kPatienceExceeded, "a box at (1, 2)");

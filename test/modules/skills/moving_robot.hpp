@@ -27,6 +27,7 @@ class MovingRobot : public Robot {
   double pelvis_m = 0;  // the height of its pose above `at`
   std::optional<double> ceiling;
   double drive_speed_m_s = 1;
+  bool drives_brake = true;  // else a cancelled drive goes on
   bool planner_up = true;
   bool controller_up = true;
   bool odometry_up = true;
@@ -58,7 +59,9 @@ class MovingRobot : public Robot {
   int plans = 0;
   int drives = 0;
   int cleared = 0;
-  int stops = 0;  // commands to stand
+  int stops = 0;                 // commands to stand
+  int commands_in_drives = 0;    // to the base, while the controller drives it
+  int drives_from_a_motion = 0;  // that have begun while the base turned or rolled by a command
   std::vector<navigation::Path> driven_paths;
   double travelled_m = 0;
   double nearest_m = 1e9;  // to a point of an obstacle, so far
@@ -73,6 +76,11 @@ class MovingRobot : public Robot {
   void FailDrive(const Error& error) {
     if (!drive_) return;
     drive_->end.Set(error);
+    drive_.reset();
+  }
+  // Another client has the drive cancelled.
+  void CancelDrive() {
+    drive_->end.Finish(false);
     drive_.reset();
   }
   // The controller says that it has arrived.
@@ -110,6 +118,7 @@ class MovingRobot : public Robot {
   }
   navigation::Velocity velocity() const override { return velocity_; }
   void SetVelocity(const navigation::Velocity& command) override {
+    if (drive_) ++commands_in_drives;
     command_ = held_by.empty() ? command : navigation::Velocity{};
     if (command == navigation::Velocity{}) ++stops;
   }
@@ -129,6 +138,7 @@ class MovingRobot : public Robot {
   std::unique_ptr<Drive> FollowPath(const navigation::Path& path) override {
     ++drives;
     driven_paths.push_back(path);
+    if (!drive_ && !Rests()) ++drives_from_a_motion;
     if (drive_) drive_->end.Finish(false);
     auto state = std::make_shared<DriveState>();
     state->path = path;
@@ -299,7 +309,7 @@ class MovingRobot : public Robot {
   // On the path at once, without a lag; the speed changes by 2 m/s².
   void MoveAlong(double step_s) {
     constexpr double kMPerS2 = 2;
-    const double wanted = drive_->cancelled ? 0 : drive_speed_m_s;
+    const double wanted = drive_->cancelled && drives_brake ? 0 : drive_speed_m_s;
     const double speed = navigation::Speed(velocity_);
     const double now = speed + std::clamp(wanted - speed, -kMPerS2 * step_s, kMPerS2 * step_s);
     double left_m = now * step_s;

@@ -140,6 +140,146 @@ TEST_F(ANav2Tree, StandsWhenItIsHaltedInAMotionOrInADrive) {
   for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
   EXPECT_TRUE(robot.Rests());
 }
+// Drives 20 m ahead; after so long it gives that up, and does what follows.
+std::string DriveThen(const std::string& time_ms, const std::string& then) {
+  return "<Fallback><Timeout msec=\"" + time_ms +
+         "\"><Sequence><ComputePathToPose goal=\"20;0;0\" path=\"{path}\"/>"
+         "<FollowPath path=\"{path}\"/></Sequence></Timeout>" +
+         then + "</Fallback>";
+}
+TEST_F(ANav2Tree, BeginsAMotionOnceTheHaltedDriveHasEndedAndTheRobotStands) {
+  robot.drive_speed_m_s = 1.5;  // it rolls on for more than half a metre
+  Make(DriveThen("3000", "<BackUp backup_dist=\"0.3\" backup_speed=\"0.1\"/>"));
+  double farthest_m = 0;
+  char letter = 'R';
+  for (int i = 0; i < 150 && letter == 'R'; ++i) {
+    letter = Run(0.1);
+    farthest_m = std::max(farthest_m, robot.at.at.x_m);
+  }
+  EXPECT_EQ(letter, 'S');
+  EXPECT_NEAR(farthest_m - robot.at.at.x_m, 0.3, 0.05);
+  EXPECT_EQ(robot.commands_in_drives, 0);
+}
+TEST_F(ANav2Tree, BeginsNoMotionWhileAHaltedDriveGoesOn) {
+  robot.drives_brake = false;
+  Make(DriveThen("3000", "<BackUp time_allowance=\"2\" error_msg=\"{why}\"/>"));
+  EXPECT_EQ(Run(8), 'F');
+  EXPECT_EQ(robot.commands_in_drives, 0);
+  EXPECT_THAT(Entry<std::string>("why"), HasSubstr("the drive before it has not ended"));
+}
+TEST_F(ANav2Tree, BeginsAMotionWhereTheControllerOfTheHaltedDriveIsLost) {
+  robot.drives_brake = false;
+  Make(DriveThen("3000", "<BackUp backup_dist=\"0.3\" backup_speed=\"0.1\"/>"));
+  EXPECT_EQ(Run(4), 'R');
+  robot.KillController();
+  EXPECT_EQ(Run(10), 'S');
+}
+TEST_F(ANav2Tree, BeginsADriveOnceTheRobotStandsAfterAHaltedMotion) {
+  Make(
+      "<Fallback><Timeout msec=\"2000\"><Spin spin_dist=\"50\" time_allowance=\"90\"/></Timeout>"
+      "<FollowPath path=\"{path}\"/></Fallback>");
+  ASSERT_TRUE(tree->board().Set("path", tree::nav2::Path{{Pose{}, Pose{.x_m = 2}}}));
+  EXPECT_EQ(Run(10), 'S');
+  EXPECT_EQ(robot.drives_from_a_motion, 0);
+  EXPECT_NEAR(robot.at.at.x_m, 2, 0.01);
+}
+TEST_F(ANav2Tree, FailsWithACodeThatAsksForNoRecoveryWhereNoneHelps) {
+  using navigation::Fault;
+  using navigation::MakeError;
+  const auto planned = [this](const Result<navigation::Path>& path) {
+    robot.plan = [path](const auto&, const auto&) { return path; };
+    Make("<ComputePathToPose goal=\"6;0;0\" error_code_id=\"{code}\"/>");
+    EXPECT_EQ(Run(5), 'F');
+    return Entry<int>("code");
+  };
+  EXPECT_EQ(planned(MakeError(Fault::kIdentifier, "")), 201);
+  EXPECT_EQ(planned(MakeError(Fault::kFrame, "")), 202);
+  EXPECT_EQ(planned(Error{kCodeNetError, "lost"}), 207);
+  const auto driven = [this](const Error& error) {
+    Make("<FollowPath path=\"{path}\" error_code_id=\"{code}\"/>");
+    EXPECT_TRUE(tree->board().Set("path", tree::nav2::Path{{Pose{}, Pose{.x_m = 50}}}));
+    EXPECT_EQ(Run(1), 'R');
+    robot.FailDrive(error);
+    EXPECT_EQ(Run(1), 'F');
+    return Entry<int>("code");
+  };
+  EXPECT_EQ(driven(MakeError(Fault::kIdentifier, "")), 101);
+  EXPECT_EQ(driven(MakeError(Fault::kOdometry, "")), 102);
+  EXPECT_EQ(driven(MakeError(Fault::kInput, "")), 103);
+  EXPECT_EQ(driven(MakeError(Fault::kLate, "")), 105);
+  EXPECT_EQ(driven(MakeError(Fault::kScan, "")), 106);
+  EXPECT_EQ(driven(MakeError(Fault::kTimeLimit, "")), 107);
+  EXPECT_EQ(driven(Error{kCodeNetError, "lost"}), 107);
+  EXPECT_EQ(driven(Error{kCodeStateInvalid, "rejected"}), 100);
+  Make("<FollowPath path=\"{path}\" error_code_id=\"{code}\"/>");
+  ASSERT_TRUE(tree->board().Set("path", tree::nav2::Path{}));
+  EXPECT_EQ(Run(1), 'F');
+  EXPECT_EQ(Entry<int>("code"), 103) << "an empty path";
+  ASSERT_TRUE(tree->board().Set("path", tree::nav2::Path{{Pose{.x_m = NAN}}}));
+  EXPECT_EQ(Run(1), 'F');
+  EXPECT_EQ(Entry<int>("code"), 103) << "a path that is not finite";
+  robot.controller_up = false;
+  ASSERT_TRUE(tree->board().Set("path", tree::nav2::Path{{Pose{}, Pose{.x_m = 5}}}));
+  EXPECT_EQ(Run(1), 'F');
+  EXPECT_EQ(Entry<int>("code"), 101) << "no controller";
+}
+TEST_F(ANav2Tree, DoesNotSucceedWithoutAPathToItsGoal) {
+  const auto code = [this](const navigation::Path& path) {
+    robot.plan = [path](const auto&, const auto&) -> Result<navigation::Path> { return path; };
+    Make("<ComputePathToPose goal=\"6;0;0\" error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+    return Run(5) == 'F' ? Entry<int>("code") : 0;
+  };
+  EXPECT_EQ(code({}), 208);
+  EXPECT_EQ(code({{{0, 0, 0}, 0}, {{5.4, 0, 0}, 0}}), 208);
+  EXPECT_EQ(Entry<std::string>("why"), "the path ends 0.6 m from the goal");
+  EXPECT_EQ(code({{{NAN, 0, 0}, 0}, {{6, 0, 0}, 0}}), 208);
+  EXPECT_EQ(code({{{0, 0, 0}, 0}, {{5.6, 0, 2}, 0}}), 0) << "on the ground the height is ignored";
+}
+TEST_F(ANav2Tree, DoesNotSucceedWhereTheDriveEndsBeforeItsGoal) {
+  Make("<FollowPath path=\"{path}\" error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  ASSERT_TRUE(tree->board().Set("path", tree::nav2::Path{{Pose{}, Pose{.x_m = 50}}}));
+  EXPECT_EQ(Run(1), 'R');
+  robot.EndDrive();
+  EXPECT_EQ(Run(1), 'F');
+  EXPECT_EQ(Entry<int>("code"), 105);
+  EXPECT_THAT(Entry<std::string>("why"), HasSubstr("m from the goal"));
+}
+TEST_F(ANav2Tree, FailsWhereAnotherClientCancelsItsDrive) {
+  Make("<FollowPath path=\"{path}\" error_code_id=\"{code}\"/>");
+  ASSERT_TRUE(tree->board().Set("path", tree::nav2::Path{{Pose{}, Pose{.x_m = 50}}}));
+  EXPECT_EQ(Run(1), 'R');
+  robot.CancelDrive();
+  EXPECT_EQ(Run(1), 'F');
+  EXPECT_EQ(Entry<int>("code"), 150) << "no recovery is asked for";
+}
+TEST_F(ANav2Tree, FailsAMotionWithTheCodeOfItsReason) {
+  const auto code = [this](const std::string& node) {
+    Make("<" + node + " error_code_id=\"{code}\"/>");
+    EXPECT_EQ(Run(5), 'F') << node;
+    return Entry<int>("code");
+  };
+  EXPECT_EQ(code("Spin spin_dist=\"50\" time_allowance=\"2\""), 701);
+  EXPECT_EQ(code("BackUp backup_dist=\"50\" time_allowance=\"2\""), 711);
+  EXPECT_EQ(code("DriveOnHeading dist_to_travel=\"50\" time_allowance=\"2\""), 721);
+  robot.held_by = "an obstacle";
+  EXPECT_EQ(code("Spin"), 703);
+  EXPECT_EQ(code("BackUp"), 714);
+  EXPECT_EQ(code("DriveOnHeading"), 723);
+  robot.held_by.clear();
+  robot.odometry_up = false;
+  EXPECT_EQ(code("Spin"), 702);
+  EXPECT_EQ(code("BackUp"), 712);
+  EXPECT_EQ(code("DriveOnHeading"), 722);
+  robot.odometry_up = true;
+  robot.scan_up = false;
+  EXPECT_EQ(code("Spin"), 700);
+  EXPECT_EQ(code("BackUp"), 710);
+  EXPECT_EQ(code("DriveOnHeading"), 720);
+}
+TEST_F(ANav2Tree, MovesWithoutALimitWhereItsTimeIs0) {
+  Make("<Spin spin_dist=\"12\" time_allowance=\"0\"/>");
+  EXPECT_EQ(Run(30), 'S');
+}
 TEST_F(ANav2Tree, FailsWithoutAPlannerAControllerAndAnAnswer) {
   robot.planner_up = robot.controller_up = false;
   Make("<ComputePathToPose goal=\"1;0;0\" error_msg=\"{why}\"/>");

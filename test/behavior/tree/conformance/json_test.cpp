@@ -12,6 +12,15 @@ struct Pallet {
 struct Number {
   std::int64_t n = 0;
 };
+struct Large {
+  std::uint64_t n = 0;
+};
+struct Small {
+  float f = 0;
+};
+struct Preset {
+  std::vector<int> steps{1, 2};
+};
 struct Task {
   std::string name;
   int count = 0;
@@ -40,6 +49,24 @@ struct musher::tree::Convert<musher::tree::conformance_json_test::Number>
     : musher::tree::JsonFields<musher::tree::conformance_json_test::Number> {
   static constexpr std::string_view kName = "Number";
   static void Fields(auto& json, auto& number) { json("n", number.n); }
+};
+template <>
+struct musher::tree::Convert<musher::tree::conformance_json_test::Large>
+    : musher::tree::JsonFields<musher::tree::conformance_json_test::Large> {
+  static constexpr std::string_view kName = "Large";
+  static void Fields(auto& json, auto& number) { json("n", number.n); }
+};
+template <>
+struct musher::tree::Convert<musher::tree::conformance_json_test::Small>
+    : musher::tree::JsonFields<musher::tree::conformance_json_test::Small> {
+  static constexpr std::string_view kName = "Small";
+  static void Fields(auto& json, auto& number) { json("f", number.f); }
+};
+template <>
+struct musher::tree::Convert<musher::tree::conformance_json_test::Preset>
+    : musher::tree::JsonFields<musher::tree::conformance_json_test::Preset> {
+  static constexpr std::string_view kName = "Preset";
+  static void Fields(auto& json, auto& preset) { json("steps", preset.steps); }
 };
 template <>
 struct musher::tree::Convert<musher::tree::conformance_json_test::Task>
@@ -147,6 +174,27 @@ TEST(Json, KeepsWholeNumbersExactly) {
     EXPECT_EQ(Convert<Number>::FromJson(json).value().n, number);
   }
   EXPECT_FALSE(Convert<Number>::FromJson("{\"n\":9223372036854775808}"));
+}
+TEST(Json, KeepsWholeNumbersFrom0UpToTheLargest) {
+  for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{INT64_MAX} + 1, UINT64_MAX}) {
+    const std::string json = Convert<Large>::ToJson({number});
+    const auto again = Convert<Large>::FromJson(json);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again.value().n, number);
+  }
+  EXPECT_EQ(Convert<Large>::FromJson("{\"n\":2.0}").value().n, 2);
+  EXPECT_EQ(Convert<Large>::FromJson("{\"n\":-1}").error().message,
+            "the JSON field 'n' is number; expected integer from 0");
+  EXPECT_FALSE(Convert<Large>::FromJson("{\"n\":18446744073709551616}"));
+}
+TEST(Json, RefusesANumberThatAFloatCanNotHave) {
+  EXPECT_EQ(Convert<Small>::FromJson("{\"f\":-1e300}").error().message,
+            "the JSON field 'f' is number; expected a number that a float can have");
+  EXPECT_EQ(Convert<Small>::FromJson("{\"f\":1e30}").value().f, 1e30F);
+}
+TEST(Json, ReplacesWhatAConstructorPutsIntoAList) {
+  EXPECT_EQ(Convert<Preset>::FromJson("{\"steps\":[3]}").value().steps, std::vector<int>{3});
+  EXPECT_TRUE(Convert<Preset>::FromJson("{\"steps\":[]}").value().steps.empty());
 }
 TEST(Json, NamesTheFieldThatIsWrong) {
   Task task;

@@ -34,7 +34,42 @@ TEST_F(AComputePathToPose, PlansFromTheRobotWhereUseStartIsFalse) {
   EXPECT_EQ(robot.Take(), "plan! ") << "a halt cancels it";
 }
 
+TEST_F(AComputePathToPose, LeavesNoCodeAndNoPathWhenItIsHalted) {
+  Make(
+      "<ComputePathToPose goal=\"1;0;0\" path=\"{path}\" error_code_id=\"{code}\" "
+      "error_msg=\"{why}\"/>");
+  Put("path", Straight(3));
+  Put("code", std::uint16_t{206});
+  Put("why", std::string("occupied"));
+  EXPECT_EQ(Next(), "R ");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(tree->board().Get<int>("code").value(), 0);
+  EXPECT_EQ(tree->board().Get<std::string>("why").value(), "");
+  EXPECT_EQ(tree->board().Get<Path>("path").value(), Path{});
+}
+TEST_F(AComputePathToPose, LeavesNoCodeToTheNextRunOfTheTree) {
+  Make("<Sequence>" + SayXml("a", "SR") +
+       "<ComputePathToPose goal=\"1;0;0\" error_code_id=\"{code}\" error_msg=\"{why}\"/>"
+       "</Sequence>");
+  robot.ends["plan"] = {.error_code = kNoValidPath, .error = "walled in"};
+  EXPECT_EQ(Next(), "F a^ ");
+  EXPECT_EQ(tree->board().Get<int>("code").value(), 208) << "the program may read it";
+  EXPECT_EQ(Next(), "R a^ ");
+  EXPECT_EQ(tree->board().Get<int>("code").value(), 0);
+  EXPECT_EQ(tree->board().Get<std::string>("why").value(), "");
+}
+
 using AFollowPath = Nav2Tree;
+TEST_F(AFollowPath, TakesANewerControllerWithoutAStop) {
+  Make("<FollowPath path=\"{path}\" controller_id=\"{by}\"/>");
+  Put("path", Straight(4));
+  Put("by", std::string("dwb"));
+  EXPECT_EQ(Next(), "R ");
+  Put("path", Path{});
+  Put("by", std::string("mppi"));
+  EXPECT_EQ(NextTicks(2), "R \nR \n");
+  EXPECT_EQ(robot.Take(), "follow 4 m by dwb; follow 4 m by mppi; follow! ");
+}
 TEST_F(AFollowPath, TakesANewerPathWithoutAStop) {
   Make("<FollowPath path=\"{path}\" controller_id=\"dwb\"/>");
   Put("path", Straight(4));
@@ -73,6 +108,81 @@ TEST_F(Motions, FailWhereTheRobotHasNone) {
   Make("<Spin error_msg=\"{why}\"/>");
   EXPECT_EQ(Next(), "F ");
   EXPECT_EQ(tree->board().Get<std::string>("why").value(), "the robot does not have this action");
+}
+TEST_F(Motions, AreCancelledWhereTheirConditionThrows) {
+  Make("<Spin _while=\"distance &gt; 1\"/>");
+  Put("distance", 2);
+  EXPECT_EQ(Next(), "R ");
+  EXPECT_EQ(robot.Take(), "spin 1.57 in 10; ");
+  ASSERT_TRUE(tree->board().Set("distance", "far"));
+  EXPECT_EQ(Next(), "! ");
+  EXPECT_EQ(robot.Take(), "spin! ");
+}
+TEST_F(Motions, AreCancelledWhereTheirTaskThrows) {
+  Make("<Spin/>");
+  robot.polls_throw = true;
+  EXPECT_EQ(Next(), "! ");
+  EXPECT_EQ(robot.Take(), "spin 1.57 in 10; spin! ") << "when it starts";
+  robot.polls_throw = false;
+  EXPECT_EQ(Next(), "R ");
+  robot.polls_throw = true;
+  EXPECT_EQ(Next(), "! ");
+  EXPECT_EQ(robot.Take(), "spin 1.57 in 10; spin! ") << "while it runs";
+}
+TEST_F(Motions, FailWithACodeWhichIsNeverThatOfASuccess) {
+  for (const auto& [node, code] : std::map<std::string, int>{{"Spin", 700},
+                                                             {"BackUp", 710},
+                                                             {"DriveOnHeading", 720},
+                                                             {"ClearEntireCostmap", 1},
+                                                             {"FollowPath path=\"{path}\"", 100}}) {
+    Make("<" + node + " error_code_id=\"{code}\"/>");
+    if (code == 100) Put("path", Straight(1));
+    for (const char* task : {"spin", "drive", "clear", "follow"}) robot.ends[task] = {};
+    EXPECT_EQ(Next(), "F ");
+    EXPECT_EQ(tree->board().Get<int>("code").value(), code) << node;
+    robot.has_tasks = false;
+    EXPECT_EQ(Next(), "F ");
+    EXPECT_EQ(tree->board().Get<int>("code").value(), code) << node;
+    robot.has_tasks = true;
+  }
+}
+TEST_F(Motions, HaveTheCodesOfTheirAction) {
+  for (const auto& [drive, back_up] :
+       std::map<std::uint16_t, int>{{720, 710}, {721, 711}, {722, 712}, {723, 714}, {724, 713}}) {
+    robot.ends["drive"] = {.error_code = drive};
+    Make("<DriveOnHeading error_code_id=\"{code}\"/>");
+    EXPECT_EQ(Next(), "F ");
+    EXPECT_EQ(tree->board().Get<int>("code").value(), drive);
+    Make("<BackUp error_code_id=\"{code}\"/>");
+    EXPECT_EQ(Next(), "F ");
+    EXPECT_EQ(tree->board().Get<int>("code").value(), back_up);
+  }
+}
+TEST_F(Motions, DriveOnHeadingRefusesADistanceAndASpeedOfDifferentSigns) {
+  for (const std::string ports :
+       {"dist_to_travel=\"-0.3\" speed=\"0.1\"", "dist_to_travel=\"0.3\" speed=\"-0.1\""}) {
+    Make("<DriveOnHeading " + ports + " error_code_id=\"{code}\"/>");
+    EXPECT_EQ(Next(), "F ");
+    EXPECT_EQ(tree->board().Get<int>("code").value(), 724);
+  }
+  EXPECT_EQ(robot.Take(), "");
+  Make("<DriveOnHeading dist_to_travel=\"-0.3\" speed=\"-0.1\"/>");
+  EXPECT_EQ(Next(), "R ");
+  EXPECT_EQ(robot.Take(), "drive -0.3 at 0.1 in 10; ");
+}
+TEST_F(Motions, AreWarnedOfWhereTheirLimitIsTooShortForTheRobot) {
+  robot.most_turn = 0.6;
+  robot.most_drive = 0.15;
+  EXPECT_EQ(Findings(Main("<Spin spin_dist=\"6.28\"/>"), factory),
+            "t.xml:3:1: warning: Spin takes 10.5 s on this robot, and fails after 10 s\n");
+  EXPECT_EQ(Findings(Main("<DriveOnHeading dist_to_travel=\"1.2\" speed=\"0.3\" "
+                          "time_allowance=\"5\"/>"),
+                     factory),
+            "t.xml:3:66: warning: DriveOnHeading takes 8 s on this robot, and fails after 5 s\n");
+  EXPECT_EQ(Findings(Main("<Sequence><Spin spin_dist=\"6.28\" time_allowance=\"0\"/>"
+                          "<Spin spin_dist=\"{far}\"/><BackUp/></Sequence>"),
+                     factory),
+            "");
 }
 TEST_F(Motions, RefuseALimitThatIsNoTimeAndADistanceThatIsNone) {
   for (const char* amount : {"nan", "1e9", "-inf"}) {
@@ -157,8 +267,11 @@ TEST_F(ANavigation, RecoversStepByStepAndEndsARecoveryForANewGoal) {
             "spin 1.57 in 10; ");
   EXPECT_EQ(TickAt(100), "R ");
   Put("goal", Pose{.x_m = 5});
-  EXPECT_EQ(TickAt(200), "R ") << "a new attempt, and the next recovery";
-  EXPECT_THAT(robot.Take(), testing::StartsWith("spin! plan to 5 by grid; "));
+  EXPECT_EQ(TickAt(200), "R ") << "a new attempt, and the first recovery: it was halted";
+  EXPECT_EQ(robot.Take(),
+            "spin! plan to 5 by grid; follow 9 m; clear local; follow 9 m; clear local; "
+            "clear global; plan to 5 by grid; follow 9 m; clear local; follow 9 m; "
+            "spin 1.57 in 10; ");
 }
 TEST_F(ANavigation, GivesUpWhereNoRecoveryHelps) {
   robot.ends["plan"] = {.error_code = 204};  // the goal is outside the map

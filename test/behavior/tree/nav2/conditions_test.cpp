@@ -72,6 +72,25 @@ TEST_F(Conditions, TimeExpiredSucceedsEachTimeSoManySecondsHavePassed) {
   EXPECT_EQ(TickAt(1499), "R a ");
   EXPECT_EQ(TickAt(1500), "S a! ");
 }
+TEST_F(Conditions, RefuseADistanceAndATimeThatAreNoNumber) {
+  for (const std::string node :
+       {"DistanceTraveled distance", "TimeExpired seconds", "PathExpiringTimer seconds",
+        "ArePosesNear ref_pose=\"0;0;0\" target_pose=\"0;0;0\" tolerance"}) {
+    for (const std::string number : {"nan", "-1"}) {
+      Make("<" + node + "=\"" + number + "\"/>");
+      EXPECT_EQ(Next(), "! ") << node << " " << number;
+      EXPECT_THAT(fault, testing::HasSubstr("has to be a number from 0"));
+    }
+  }
+}
+// Its parent starts it again in the tick after its end: it still knows the goal of that tick.
+TEST_F(AGoalUpdated, ComparesWithTheTickBeforeWhereItsParentBeginsAgainAtOnce) {
+  Make("<KeepRunningUntilFailure><Inverter><GoalUpdated/></Inverter></KeepRunningUntilFailure>");
+  Put("goal", Pose{.x_m = 1});
+  EXPECT_EQ(Next(), "R ");
+  Put("goal", Pose{.x_m = 2});
+  EXPECT_EQ(Next(), "F ");
+}
 TEST_F(Conditions, PathExpiringTimerBeginsAgainWithANewPath) {
   Make("<PathExpiringTimer seconds=\"1\" path=\"{path}\"/>");
   Put("path", Straight(1));

@@ -108,15 +108,29 @@ TEST_F(ARoundRobin, FailsWhereAllChildrenHaveFailedAndBeginsAgain) {
   EXPECT_EQ(NextTicks(2), "F a^ b^ \nF a^ b^ \n");
 }
 TEST_F(ARoundRobin, CountsFailuresSinceTheLastSuccess) {
-  Make(Control("RoundRobin wrap_around=\"true\"", "FF", "SF", "F"));
-  EXPECT_EQ(Next(), "S a^ b^ ");
-  EXPECT_EQ(Next(), "F c^ a^ b^ ");
+  Make("<KeepRunningUntilFailure>" + Control("RoundRobin wrap_around=\"true\"", "FF", "SF", "F") +
+       "</KeepRunningUntilFailure>");
+  EXPECT_EQ(NextTicks(2), "R a^ b^ \nF c^ a^ b^ \n");
 }
 TEST_F(ARoundRobin, FailsBehindItsLastChildWhereItDoesNotWrapAround) {
+  Make("<KeepRunningUntilFailure>" + Control("RoundRobin", "S", "S") +
+       "</KeepRunningUntilFailure>");
+  EXPECT_EQ(NextTicks(4), "R a^ \nR b^ \nF \nR a^ \n");
+  Make("<KeepRunningUntilFailure>" + Control("RoundRobin", "S", "F") +
+       "</KeepRunningUntilFailure>");
+  EXPECT_EQ(NextTicks(3), "R a^ \nF b^ \nR a^ \n");
+}
+// nav2 halts all nodes when a navigation has ended.
+TEST_F(ARoundRobin, BeginsWithItsFirstChildInEachRunOfTheTree) {
   Make(Control("RoundRobin", "S", "S"));
-  EXPECT_EQ(NextTicks(4), "S a^ \nS b^ \nF \nS a^ \n");
-  Make(Control("RoundRobin", "S", "F"));
-  EXPECT_EQ(NextTicks(3), "S a^ \nF b^ \nS a^ \n");
+  EXPECT_EQ(NextTicks(2), "S a^ \nS a^ \n") << "after its end";
+  Make("<Sequence>" + Control("RoundRobin", "S", "S") + SayXml("d", "R") + "</Sequence>");
+  EXPECT_EQ(Next(), "R a^ d^ ");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(Take(), "d! ");
+  EXPECT_EQ(Next(), "R a^ d^ ") << "after a halt in which it did not run";
+  Make("<Sequence>" + Control("RoundRobin", "S", "S") + SayXml("d", "!") + "</Sequence>");
+  EXPECT_EQ(NextTicks(2), "! a^ d^ \n! a^ d^ \n") << "after a fault";
 }
 TEST_F(ARoundRobin, BeginsWithItsFirstChildAfterAHalt) {
   Make(Control("RoundRobin", "F", "R"));

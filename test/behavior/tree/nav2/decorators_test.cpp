@@ -121,7 +121,28 @@ TEST_F(AGoalUpdatedController, ReadsTheEntryThatItsPortNames) {
   EXPECT_EQ(Next(), "R a^ b ");
 }
 
+TEST_F(ADistanceController, RefusesADistanceThatIsNoNumber) {
+  Make(InPipeline("DistanceController distance=\"nan\"", "S"));
+  EXPECT_EQ(Next(), "! ");
+  EXPECT_THAT(fault, HasSubstr("port 'distance' has to be a number from 0"));
+}
+
 using AGoalUpdater = Nav2Tree;
+TEST_F(AGoalUpdater, DoesNotPassAnUpdateOfARunBeforeOnWhereTheGoalHasNoStamp) {
+  Make(Around("GoalUpdater input_goal=\"{goal}\" output_goal=\"{to}\"", "RS"));
+  const auto to = [this] { return tree->board().Get<Pose>("to").value().x_m; };
+  Put("goal", Pose{.x_m = 1});
+  EXPECT_EQ(Next(), "R a^ ");
+  robot.new_goal = Pose{.x_m = 2};
+  EXPECT_EQ(Next(), "S a ");
+  EXPECT_EQ(to(), 2);
+  Put("goal", Pose{.x_m = 3});
+  EXPECT_EQ(Next(), "R a^ ");
+  EXPECT_EQ(to(), 3) << "this goal was commanded after the update";
+  robot.new_goal = Pose{.x_m = 4};
+  EXPECT_EQ(Next(), "S a ");
+  EXPECT_EQ(to(), 4);
+}
 TEST_F(AGoalUpdater, PassesTheGoalOnOrANewerOneOfItsTopic) {
   Make(
       Around("GoalUpdater input_goal=\"{goal}\" output_goal=\"{to}\" input_goals=\"{goals}\" "
@@ -158,6 +179,19 @@ TEST_F(APathLongerOnApproach, TicksItsChildWhereThePathIsMuchLongerNearTheGoal) 
   Path around{{Pose{}, Pose{.y_m = 3}, Pose{.x_m = 2.9}}};
   Put("path", around);
   EXPECT_EQ(NextTicks(3), "R a^ b! \nR a b^ \nR b \n");
+}
+TEST_F(APathLongerOnApproach, HaltsItsChildOnceThePathIsNotLongerAnyMore) {
+  Follow("R");
+  Put("path", Straight(2.9));
+  EXPECT_EQ(Next(), "R b^ ");
+  Put("path", Path{{Pose{}, Pose{.y_m = 3}, Pose{.x_m = 2.9}}});
+  EXPECT_EQ(NextTicks(2), "R a^ b! \nR a \n");
+  Put("path", Straight(2.9));
+  EXPECT_EQ(Next(), "R a! b^ ") << "the way is free again";
+  Put("path", Path{{Pose{}, Pose{.y_m = 3}, Pose{.x_m = 2.9}}});
+  EXPECT_EQ(Next(), "R a^ b! ");
+  Put("path", Path{});
+  EXPECT_EQ(Next(), "R a! b^ ") << "there is no path";
 }
 TEST_F(APathLongerOnApproach, DoesNotForOtherPaths) {
   Follow("R");

@@ -19,12 +19,17 @@ class FakeRobot : public Robot {
   // The end of each task of this name, at its next poll. None: it goes on.
   std::map<std::string, TaskEnd, std::less<>> ends;
   bool has_tasks = true;
+  bool polls_throw = false;
+  double most_turn = 10;
+  double most_drive = 10;
   std::string log;
 
   std::string Take() { return std::exchange(log, ""); }
 
   std::optional<Pose> pose() const override { return at; }
   double speed_m_s() const override { return speed; }
+  double most_turn_rad_s() const override { return most_turn; }
+  double most_drive_m_s() const override { return most_drive; }
   std::optional<Pose> goal_update() const override { return new_goal; }
   std::optional<Goals> goals_update() const override { return new_goals; }
   std::string Selected(std::string_view topic) const override {
@@ -60,6 +65,7 @@ class FakeRobot : public Robot {
       if (!ended_) robot_.log += name_ + "! ";
     }
     std::optional<TaskEnd> Poll(Time /*now*/) override {
+      if (robot_.polls_throw) throw std::runtime_error("its link is lost");
       const auto found = robot_.ends.find(name_);
       if (found == robot_.ends.end()) return std::nullopt;
       ended_ = true;

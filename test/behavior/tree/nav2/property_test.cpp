@@ -48,6 +48,10 @@ class Interpreter {
     if (node.kind == "RoundRobin") memory.reached = 0;
     StopAll(node);
   }
+  // A run of the tree has ended.
+  void EndRun() {
+    for (auto& [name, memory] : memories_) memory.reached = 0;
+  }
 
  private:
   void StopAll(const Drawn& node) {
@@ -144,8 +148,10 @@ RC_GTEST_PROP(RandomNav2Trees, AreTickedAsTheirDocumentationSays, ()) {
     if (*rc::gen::weightedElement<bool>({{9, false}, {1, true}})) {
       RC_ASSERT(tree->Halt(At(10 * i)).ok());
       interpreter.Stop(drawn);
+      interpreter.EndRun();
     }
     const char expected = interpreter.Tick(drawn);
+    if (expected != 'R') interpreter.EndRun();
     RC_ASSERT(Letter(tree->TickExactlyOnce(At(10 * i))) == expected);
     RC_ASSERT(logged.Take() == std::exchange(interpreter.log, ""));
   }
