@@ -4,6 +4,7 @@
 
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/step/emergency_stops.hpp"
 
 namespace musher {
 namespace {
@@ -35,8 +36,11 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
   const EmergencyStopState& emergency = machine.emergency;
   const bool switches_on =
       MaySwitchOn(config, machine.state, target) || SwitchesOnAgain(config, machine.state, target);
-  const bool awaits = emergency.awaits_request || emergency.Unanswered() != nullptr;
-  if (awaits && switches_on) return Refused<Refusal::kStopAwaitsPerson>(target);
+  if (!switches_on) return std::nullopt;
+  if (emergency.awaits_request) return Refused<Refusal::kStopAwaitsPerson>(target);
+  if (const UnreadFolder* unread = emergency.Unanswered()) {
+    return Refused<Refusal::kStopsUnread>(unread->folder, OwnerText(*unread), target);
+  }
   return std::nullopt;
 }
 

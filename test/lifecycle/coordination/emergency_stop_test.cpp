@@ -671,6 +671,26 @@ TEST_F(EmergencyStopped, AManagerMayNotSetThePresentStateOfAMachineThatWaits) {
   EXPECT_FALSE(t.disk().stops.awaits_request);
 }
 
+TEST_F(EmergencyStopped, AFolderThatMayNotBeReadIsNotAnsweredByAManagerThatLearnsOfTheFolder) {
+  MachineConfig config = Ours(2);
+  config.ros2.started_by_manager = true;
+  const Requester manager{"/lifecycle_manager", true};
+  Harness t(config);
+  t.disk().stops.unread = {{"/var/lib/musher/robot", "root", 7, false}};
+  t.Begin();
+  t.Rest();
+  EXPECT_THAT(t.start_up()->message, HasSubstr("whether an emergency stop is engaged in "
+                                               "/var/lib/musher/robot is not known"));
+  EXPECT_TRUE(t.Set("SelfCheck", std::nullopt, manager).done());
+  const SwitchResult refused = t.Set("Active", std::nullopt, manager);
+  EXPECT_THAT(refused, IsRefused(Refusal::kStopsUnread));
+  EXPECT_THAT(refused.reason, HasSubstr("/var/lib/musher/robot is not known: this user may not "
+                                        "read it, user root may"));
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_TRUE(t.disk().stops.unread.at(0).answered);
+}
+
 // Under systemd the robot was stopped, and a person who may not read its files there started it by
 // hand: it went to Active.
 TEST_F(EmergencyStopped, AFolderThatMayNotBeReadLeavesTheMachineInSetUpUntilAPersonSetsAState) {
