@@ -247,7 +247,7 @@ void ControllerShell::HandleQueued() {
   while (!queue_.empty()) {
     const Event event = std::move(queue_.front());
     queue_.pop_front();
-    ExamineOverdueStarts();
+    if (std::holds_alternative<event::TimePassed>(event)) ExamineOverdueStarts();
     HandleOne(event);
   }
 }
