@@ -180,13 +180,14 @@ std::optional<Duration> DiskPressure() {
   if (std::from_chars(text.data() + at + kTotal.size(), end, total_us).ec != std::errc()) {
     return std::nullopt;
   }
-  return std::chrono::microseconds(total_us) * std::max(sysconf(_SC_NPROCESSORS_ONLN), 1L);
+  return std::chrono::microseconds(total_us);
 }
 
 std::optional<ProcessSample> SampleProcess(pid_t pid, Time now) {
   const Folder tasks = TasksOf(pid);
   if (!tasks) return std::nullopt;
   ProcessSample sample{now, {}, ThrottledTime(pid), DiskPressure()};
+  sample.cpus = static_cast<int>(std::max(sysconf(_SC_NPROCESSORS_ONLN), 1L));
   while (const pid_t tid = NextTask(tasks.get())) {
     // Reads the state before the time: a thread that gets a CPU in between then counts as having
     // run.
@@ -234,7 +235,9 @@ std::optional<Duration> ThreadDiskWait(const ProcessSample& before, const Proces
   // A wait is counted at its end, if at all.
   if (then.blocked || now.blocked || now.disk_faults > then.disk_faults) {
     const bool limited = before.disk_pressure && after.disk_pressure;
-    waited = std::max(waited, limited ? *after.disk_pressure - *before.disk_pressure : most);
+    const int cpus = std::max(before.cpus, after.cpus);
+    waited =
+        std::max(waited, limited ? (*after.disk_pressure - *before.disk_pressure) * cpus : most);
   }
   return std::min(waited, most);
 }
@@ -250,11 +253,14 @@ Wait WaitOfThread(const ProcessSamples& samples, pid_t tid) {
 }
 
 Wait LongestWaitOfBoth(const ProcessSamples& sender, const ProcessSamples& receiver,
-                       pid_t receiving) {
+                       pid_t receiving, Duration longest_disk) {
+  const auto counted = [&](const Wait& wait) {
+    return wait.cpu + std::min(wait.disk, longest_disk);
+  };
   Wait both;
   for (const auto& [tid, thread] : sender.after.threads) {
     const Wait wait = WaitOfThread(sender, tid);
-    if (wait.total() > both.total()) both = wait;
+    if (counted(wait) > counted(both)) both = wait;
   }
   const Duration between = sender.after.at - sender.before.at;
   both.cpu = std::min(both.cpu + LongestWait(receiver.before, receiver.after), between);

@@ -47,17 +47,17 @@ struct ProcessSample {
   Time at{};
   std::map<pid_t, ThreadSample> threads;  // by tid
   Duration throttled{};  // CPU time that the quota of its cgroup has withheld so far
-  // How long any thread of the host has waited for the disk at most; nullopt: the kernel does not
-  // count it.
-  std::optional<Duration> disk_pressure{};
+  std::optional<Duration> disk_pressure{};  // see DiskPressure()
+  int cpus = 1;                             // online
 };
 
 // The CPU time that the process's cgroup quota has withheld, over all CPUs; zero if there is no
 // quota or it is not visible to us.
 Duration ThrottledTime(pid_t pid);
 
-// The upper limit of the time in which any thread of this host has waited for the disk since the
-// boot.
+// For how long since the boot a thread of this host has waited for the disk, as an average over its
+// CPUs: a single thread has waited at most so long times their number. Other CPUs may have been
+// online before, so only a difference counts. nullopt: the kernel does not count it.
 std::optional<Duration> DiskPressure();
 
 // nullopt if there is no such process, or all its threads have exited.
@@ -86,8 +86,6 @@ struct Wait {
   Duration cpu{};
   Duration disk{};
 
-  Duration total() const { return cpu + disk; }
-
   friend bool operator==(const Wait&, const Wait&) = default;
 };
 
@@ -102,10 +100,11 @@ Wait WaitOfThread(const ProcessSamples& samples, pid_t tid);
 
 // How long a message from the one process to the other may have waited for a CPU and the disk: the
 // sum of both waits, since the receiver's begins when the sender's has ended; never more than the
-// time between the samples. Which thread of the sender sends is not known. `receiving`: the thread
-// of the receiver, whose other threads may write to the disk all the time.
+// time between the samples. Which thread of the sender sends is not known: the one with the longest
+// wait, of which at most `longest_disk` for the disk counts. `receiving`: the thread of the
+// receiver, whose other threads may write to the disk all the time.
 Wait LongestWaitOfBoth(const ProcessSamples& sender, const ProcessSamples& receiver,
-                       pid_t receiving);
+                       pid_t receiving, Duration longest_disk);
 
 enum class ProcessRunState {
   kRunning,  // at least one thread runs or could: it sleeps, or waits for the disk

@@ -59,6 +59,7 @@ enum class Refusal : std::uint8_t {
   kSwitchStartedFirst,
   kRequestedByAnother,
   kStopAwaitsPerson,
+  kStopsUnread,
   // A request to the policy.
   kNoPolicy,
   kNoLowPowerPolicy,
@@ -196,6 +197,9 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
     {Refusal::kStopAwaitsPerson, kCodeStateInvalid,
      "no state was requested since the last emergency stop, and a manager does not switch on after "
      "it: `musher set {target}` does"},
+    {Refusal::kStopsUnread, kCodeStateInvalid,
+     "whether an emergency stop is engaged in {folder} is not known: this user may not read "
+     "it{owner?}; a manager does not answer that: check the robot, then run `musher set {target}`"},
 
     {Refusal::kNoPolicy, kCodeUnSupport, "the config has no [policy]"},
     {Refusal::kNoLowPowerPolicy, kCodeUnSupport, "the config has no [policy.low_power]"},

@@ -107,8 +107,8 @@ Examination KernelProbe::Examine(ActuatorIndex actuator, pid_t pid, Time now) {
   const auto theirs = SampleProcess(pid, now);
   const auto ours = SampleProcess(getpid(), now);
   if (theirs && ours) {
-    const Wait wait =
-        LongestWaitOfBoth({mark->second.theirs, *theirs}, {mark->second.ours, *ours}, gettid());
+    const Wait wait = LongestWaitOfBoth({mark->second.theirs, *theirs}, {mark->second.ours, *ours},
+                                        gettid(), kLongestDiskWait);
     found.waited = wait.cpu;
     found.on_disk = wait.disk;
   }

@@ -38,7 +38,9 @@ class ControllerPresence {
     std::string process;  // "process 4711 of this host"
     Epoch epoch = 0;
     MachineIdentity machine;
-    bool awaits_request = false;  // since its last emergency stop no switch up was requested
+    // Since its last emergency stop no switch up was requested, or it may not read whether one is
+    // engaged in another folder.
+    bool awaits_request = false;
   };
   // Called when another machine appears in the namespace and domain and now and then while it
   // stays, with its controller; with null when one is no longer received, or is received again

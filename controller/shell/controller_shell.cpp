@@ -221,8 +221,9 @@ bool ControllerShell::KeepForBegin(const Event& event) {
   if (machine_.phase != Phase::kIdle) return false;
   if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {
     const StoredStops over{{}, {stop->stop.id}};
-    stops_before_begin_ =
-        Merge(stops_before_begin_, stop->engaged ? StoredStops{{stop->stop}, {}} : over);
+    // Also a stop that is released again before Begin() has switched something off.
+    const StoredStops engaged{{stop->stop}, {}, true};
+    stops_before_begin_ = Merge(stops_before_begin_, stop->engaged ? engaged : over);
     return true;
   }
   return peers_->KeepForBegin(event);
@@ -247,7 +248,7 @@ void ControllerShell::HandleQueued() {
   while (!queue_.empty()) {
     const Event event = std::move(queue_.front());
     queue_.pop_front();
-    ExamineOverdueStarts();
+    if (std::holds_alternative<event::TimePassed>(event)) ExamineOverdueStarts();
     HandleOne(event);
   }
 }
@@ -256,14 +257,15 @@ void ControllerShell::HandleOne(const Event& event) {
   const Time now = dependencies_.node->loop().Now();
   recorder_.Note(dependencies_.wall_ns(), machine_, event, now);
   const std::vector<Action> actions = Step(config_, machine_, event, now);
-  presence_->SetAwaitsRequest(machine_.emergency.awaits_request);
+  const EmergencyStopState& emergency = machine_.emergency;
+  presence_->SetAwaitsRequest(emergency.awaits_request || emergency.Unanswered() != nullptr);
   for (const Action& action : actions) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
 }
 
-// Before the decision gives up a process that has not announced itself, it gets what the kernel
-// reports of it.
+// Before the decision gives up the processes that have not announced themselves, it gets what the
+// kernel reports of each.
 void ControllerShell::ExamineOverdueStarts() {
   const Phase phase = machine_.phase;
   if (phase != Phase::kStarting && phase != Phase::kRunning && phase != Phase::kFailed) return;

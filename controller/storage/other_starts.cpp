@@ -52,10 +52,21 @@ std::string StampOf(const std::string& path, const struct stat& info) {
          "." + std::to_string(info.st_mtim.tv_nsec) + "\n";
 }
 
-// What can be seen from outside of a folder whose stops this user may not read; nullopt: they can
-// be read, or belong to another machine, or nothing is seen of a folder.
-std::optional<UnreadFolder> UnreadIn(const std::string& folder, const MachineOrigin& machine) {
-  UnreadFolder unread{folder};
+// What can be seen from outside of a folder whose stops this user may not read.
+struct SeenFolder {
+  UnreadFolder unread;
+  bool shows_starts = true;  // each start there changes its mark
+};
+
+// Whether only its owner and root, who can touch a closed place, can start a machine in it.
+bool IsOfOneUser(const struct stat& place) {
+  return (place.st_mode & (S_IXGRP | S_IXOTH)) == 0;
+}
+
+// nullopt: they can be read, or belong to another machine, or nothing is seen of a folder.
+std::optional<SeenFolder> UnreadIn(const std::string& folder, const MachineOrigin& machine) {
+  SeenFolder seen{{folder}};
+  UnreadFolder& unread = seen.unread;
   struct stat info {};
   std::string stamp;
   if (stat(folder.c_str(), &info) == 0) {
@@ -70,10 +81,11 @@ std::optional<UnreadFolder> UnreadIn(const std::string& folder, const MachineOri
     if (errno != EACCES) return std::nullopt;
     unread.folder = fs::path(folder).parent_path();
     if (stat(unread.folder.c_str(), &info) != 0) return std::nullopt;
+    seen.shows_starts = IsOfOneUser(info);
   }
   unread.owner = UserOf(info.st_uid).name;
   unread.mark = Fnv1a(StampOf(unread.folder, info) + stamp);
-  return unread;
+  return seen;
 }
 
 StopId LastOf(const StoredStops& stops) {
@@ -129,11 +141,11 @@ std::vector<UnreadFolder> FindUnreadFolders(const std::string& state_dir,
   for (const std::string& folder : folders) {
     std::error_code error;
     if (fs::equivalent(folder, state_dir, error)) continue;
-    auto unread = UnreadIn(folder, machine);
-    if (!unread || std::ranges::count(found, unread->mark, &UnreadFolder::mark) != 0) continue;
-    const auto before = std::ranges::find(known, unread->mark, &UnreadFolder::mark);
-    unread->answered = before != known.end() && before->answered;
-    found.push_back(std::move(*unread));
+    auto seen = UnreadIn(folder, machine);
+    if (!seen || std::ranges::count(found, seen->unread.mark, &UnreadFolder::mark) != 0) continue;
+    const auto before = std::ranges::find(known, seen->unread.mark, &UnreadFolder::mark);
+    seen->unread.answered = seen->shows_starts && before != known.end() && before->answered;
+    found.push_back(std::move(seen->unread));
   }
   return found;
 }

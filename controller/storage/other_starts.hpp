@@ -45,7 +45,9 @@ std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
 //   the place cannot be seen either      no start is known to have been there: it does not count
 //
 // `known`: those that an earlier start has found. What a person has answered stays answered until
-// the folder has changed, as each start of a controller changes it.
+// the folder has changed, or the place: each start of a controller touches both (StateStore::Open).
+// Where others than the owner of a closed place can start a machine in it, and may not be able to
+// touch it, each start has to be answered.
 std::vector<UnreadFolder> FindUnreadFolders(const std::string& state_dir,
                                             const MachineOrigin& machine,
                                             const std::vector<std::string>& folders,

@@ -56,6 +56,14 @@ Result<> MakeFolders(const std::string& dir) {
   return CheckOwnFolder(dir + "/logs");
 }
 
+// For a user who may not read the folder, or not even look into the one around it: see
+// FindUnreadFolders(). It outlasts a power cut, as a stop does that is saved later.
+void Touch(const fs::path& dir) {
+  for (const fs::path& folder : {dir, dir.parent_path()}) {
+    if (utimensat(AT_FDCWD, folder.c_str(), nullptr, 0) == 0) SyncFolder(folder);
+  }
+}
+
 std::string OneWord(std::string text) {
   std::erase_if(text, [](unsigned char c) { return c <= ' '; });
   return text.substr(0, kLongestText);
@@ -170,6 +178,7 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   // On a full disk it stays as it is, and the machine starts all the same.
   if (recorded != kept) static_cast<void>(SaveOrigin(dir, kept));
   NameOwner(lock.get(), machine);
+  Touch(dir);
   StateStore store(dir, std::move(kept), std::move(lock));
   store.ReserveEmergencyStops();
   return store;

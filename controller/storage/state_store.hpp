@@ -50,7 +50,8 @@ class StateStore {
   //     exit;
   //   - with kCodeFailed on a disk error: a controller may continue without a store, with the epoch
   //     that the actuators report.
-  // The kernel releases the lock when the process exits or crashes.
+  // The kernel releases the lock when the process exits or crashes. The folder and the one around
+  // it get a new time, if this user may set one.
   static Result<StateStore> Open(const std::string& dir, const MachineOrigin& machine);
 
   // The id of the folder's machine, also before it is saved; empty: it has none yet.

@@ -31,7 +31,7 @@ class Coordinator : StepPart {
 
   void Handle(const Event& event);
   // Handles deadlines, then does what has become possible. Ends every step.
-  void Settle();
+  void Settle(const Event& event);
   // A fenced controller only answers requests, with a refusal.
   void Decline(const Event& event);
   // Records what the step has broken, if anything. The machine goes on: what a person sees of it,
@@ -114,13 +114,14 @@ void Coordinator::On(const event::Begin& begin) {
   rules_.Begin(begin.policy);
 }
 
-void Coordinator::Settle() {
+void Coordinator::Settle(const Event& event) {
   if (machine_.phase == Phase::kFenced) return;
   authority_.ReleaseIfReplacedElsewhere();
   if (machine_.phase == Phase::kFenced) return;
   arrivals_.CheckDeadlines();
   arrivals_.TakeUpOthers();
-  start_up_.CheckDeadlines();
+  // With other events, which may come late, the shell has not examined the processes yet.
+  if (std::holds_alternative<event::TimePassed>(event)) start_up_.CheckDeadlines();
   recovery_.CheckDeadlines();
   stops_.CheckRelease();
   stops_.CheckRequested();
@@ -224,7 +225,7 @@ std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Ev
     coordinator.Decline(event);
   } else {
     coordinator.Handle(event);
-    coordinator.Settle();
+    coordinator.Settle(event);
   }
   if (was_sound) coordinator.ReportIfBroken();
   return std::move(step.actions);

@@ -19,6 +19,10 @@ constexpr Duration kReleaseTime = Milliseconds(3000);
 
 }  // namespace
 
+std::string OwnerText(const UnreadFolder& unread) {
+  return unread.owner.empty() ? "" : ", user " + unread.owner + " may";
+}
+
 void AddReleased(StoredStops& stops, StopId id) {
   auto& released = stops.released;
   std::erase(released, id);

@@ -7,6 +7,9 @@
 
 namespace musher {
 
+// Of a folder that this user may not read: ", user root may"; empty where that is not known.
+std::string OwnerText(const UnreadFolder& unread);
+
 class EmergencyStops : StepPart {
  public:
   EmergencyStops(StepContext& step, Saver& saver) : StepPart(step), saver_(saver) {}

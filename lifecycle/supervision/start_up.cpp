@@ -18,8 +18,7 @@ constexpr Duration kFinishingGrace = std::chrono::seconds(3);
 
 std::string StopsUnreadIn(const UnreadFolder& unread) {
   return "whether an emergency stop is engaged in " + unread.folder +
-         " is not known: this user may not read it" +
-         (unread.owner.empty() ? "" : ", user " + unread.owner + " may") +
+         " is not known: this user may not read it" + OwnerText(unread) +
          "; check the robot, then run `musher set SelfCheck` and `musher set Active`";
 }
 
@@ -140,7 +139,7 @@ void StartUp::EndFirstStage() {
   if (config_.ros2.started_by_manager) {
     const bool known = machine_.emergency.Unanswered() == nullptr;
     if (!stopped && !waits && known) stops_.TakeRequest();
-    return WaitForManager(present, missing, recorded);
+    return WaitForManager(present, std::move(missing), recorded);
   }
   if (machine_.start_up.by_hand) return;
   if (present == 0) {
@@ -171,11 +170,14 @@ void StartUp::FailWithoutRequest(RecordId cause) {
       cause);
 }
 
-void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>& missing,
+void StartUp::WaitForManager(std::size_t present, std::vector<std::string> missing,
                              RecordId cause) {
   if (FailOnCriticalFault()) return;
   if (present == 0) {
     return Fail(missing.empty() ? "the machine has no actuator" : missing.front(), cause);
+  }
+  if (const UnreadFolder* unread = machine_.emergency.Unanswered()) {
+    missing.push_back(StopsUnreadIn(*unread));
   }
   const RecordText text = texts::WaitingForManager(missing);
   RecordMachine(kCodeOk, text, cause);

@@ -18,20 +18,21 @@ class StartUp : StepPart {
 
   void Begin(const event::Begin& begin);
   void On(const event::SetUpAwaited& awaited);
-  // Gives that actuator up, if it is overdue: CheckDeadlines() does so without knowing why.
+  // Gives that actuator up, if it is overdue, with the reason.
   void On(const event::StartExamined& examined);
   // A switch has ended: of the start-up, or one by hand that makes the machine usable.
   void OnSwitchEnded(const EndedSwitch& ended);
   // Each returns whether something changed.
   bool StartProcesses();
   bool Advance();
-  // Gives up actuators that were not set up in time.
+  // Gives up actuators that were not set up in time, without knowing why. Each of those with a
+  // process may have been examined before.
   void CheckDeadlines();
 
  private:
   void StartStage(int stage, RecordId cause);
   void EndFirstStage();
-  void WaitForManager(std::size_t present, const std::vector<std::string>& missing, RecordId cause);
+  void WaitForManager(std::size_t present, std::vector<std::string> missing, RecordId cause);
   void AdoptFrom(const State& lowest, RecordId cause);
   bool FailOnCriticalFault();
   void FailWithoutRequest(RecordId cause);

@@ -4,6 +4,7 @@
 
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/step/emergency_stops.hpp"
 
 namespace musher {
 namespace {
@@ -33,9 +34,12 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
         target);
   }
   const EmergencyStopState& emergency = machine.emergency;
-  const bool awaits = emergency.awaits_request || emergency.Unanswered() != nullptr;
-  if (awaits && MaySwitchOn(config, machine.state, target)) {
-    return Refused<Refusal::kStopAwaitsPerson>(target);
+  const bool switches_on =
+      MaySwitchOn(config, machine.state, target) || SwitchesOnAgain(config, machine.state, target);
+  if (!switches_on) return std::nullopt;
+  if (emergency.awaits_request) return Refused<Refusal::kStopAwaitsPerson>(target);
+  if (const UnreadFolder* unread = emergency.Unanswered()) {
+    return Refused<Refusal::kStopsUnread>(unread->folder, OwnerText(*unread), target);
   }
   return std::nullopt;
 }

@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "musher/transport/linux_event_loop.hpp"
@@ -67,6 +68,8 @@ class Scheduling : public ::testing::Test {
 
   LinuxEventLoop loop_;
 };
+
+constexpr Duration kLongestDisk = Milliseconds(10'000);
 
 Time At(int ms) {
   return Time() + Milliseconds(ms);
@@ -276,10 +279,10 @@ TEST(Waiting, OfAMessageIsThatOfItsSenderAndThenThatOfItsReceiver) {
                               {At(1000), {{7, Thread(1, 400, false)}}}};
   const ProcessSamples receiver{{At(0), {{9, Thread(0, 0, false)}}},
                                 {At(1000), {{9, Thread(1, 500, false)}}}};
-  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9), (Wait{Milliseconds(900), {}}));
+  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9, kLongestDisk), (Wait{Milliseconds(900), {}}));
   const ProcessSamples late{{At(0), {{9, Thread(0, 0, false)}}},
                             {At(1000), {{9, Thread(1, 900, false)}}}};
-  EXPECT_EQ(LongestWaitOfBoth(sender, late, 9), (Wait{Milliseconds(1000), {}}))
+  EXPECT_EQ(LongestWaitOfBoth(sender, late, 9, kLongestDisk), (Wait{Milliseconds(1000), {}}))
       << "no more than there was time";
 }
 
@@ -320,6 +323,18 @@ TEST(WaitingForTheDisk, IsAtMostThatOfTheHostForAThreadThatIsBlockedOrHasReadPag
             Milliseconds(600));
 }
 
+// The total since the boot was multiplied by the CPUs that are online now: with one more of them, a
+// blocked thread had waited for all of the time.
+TEST(WaitingForTheDisk, IsNotLongerBecauseACpuHasComeOnline) {
+  auto before = SampleAt(0, OnDisk(10, 0, true), 50'000);
+  auto after = SampleAt(10'000, OnDisk(10, 0, true), 50'600);
+  before.cpus = 2;
+  after.cpus = 3;
+  EXPECT_EQ(ThreadDiskWait(before, after, 7), Milliseconds(1800));
+  std::swap(before.cpus, after.cpus);
+  EXPECT_EQ(ThreadDiskWait(before, after, 7), Milliseconds(1800));
+}
+
 TEST(WaitingForTheDisk, IsNothingForAThreadThatSleepsBesideABusyDisk) {
   const auto before = SampleAt(0, OnDisk(10, 0, false, 3), 5000);
   EXPECT_EQ(ThreadDiskWait(before, SampleAt(1000, OnDisk(10, 0, false, 3), 6000), 7),
@@ -350,11 +365,24 @@ TEST(WaitingForTheDisk, OfTheReceiverIsThatOfTheThreadThatReceives) {
                               SampleAt(1000, OnDisk(0, 100, true), 500)};
   ProcessSamples receiver{SampleAt(0, OnDisk(0, 0, true), 0),
                           SampleAt(1000, OnDisk(0, 0, true), 500)};
-  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9), (Wait{Milliseconds(100), Milliseconds(500)}));
+  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9, kLongestDisk),
+            (Wait{Milliseconds(100), Milliseconds(500)}));
   for (ProcessSample* one : {&receiver.before, &receiver.after})
     one->threads[9] = OnDisk(0, 0, true);
-  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9), (Wait{Milliseconds(100), Milliseconds(900)}))
+  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 9, kLongestDisk),
+            (Wait{Milliseconds(100), Milliseconds(900)}))
       << "no more than there was time";
+}
+
+// A thread that got no CPU sends the heartbeats, and another one writes a log: the wait of the log
+// was taken, of which too little counts, and the actuator was killed as hung.
+TEST(WaitingForTheDisk, OfALogDoesNotHideThatAnotherThreadGotNoCpu) {
+  ProcessSamples sender{SampleAt(0, OnDisk(0, 0, true), std::nullopt),
+                        SampleAt(12'000, OnDisk(0, 0, true), std::nullopt)};
+  sender.before.threads[8] = Thread(0, 0, true);
+  sender.after.threads[8] = Thread(100, 11'900, true);
+  const ProcessSamples receiver{SampleAt(0, {}, std::nullopt), SampleAt(12'000, {}, std::nullopt)};
+  EXPECT_EQ(LongestWaitOfBoth(sender, receiver, 7, kLongestDisk), (Wait{Milliseconds(11'900), {}}));
 }
 
 // The parent of vfork() is blocked until its child ends, and no disk takes part in it.

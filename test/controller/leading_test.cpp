@@ -218,4 +218,41 @@ TEST_F(Leading, ATakeoverOnAnotherHostSwitchesNothingOnAfterAReleasedStop) {
   EXPECT_FALSE(second_.machine().emergency.awaits_request);
 }
 
+// It went to Active: only the disk of the host that is taken over knew of the folder.
+TEST_F(Leading, ATakeoverOnAnotherHostSwitchesNothingOnWhereAFolderOfStopsIsUnread) {
+  first_.disk.stops.unread = {{"/var/lib/musher/robot", "root", 7, false}};
+  Open(first_, "first");
+  first_.process->Begin(false);
+  ASSERT_TRUE(RunUntil([this] { return first_.machine().phase == Phase::kFailed; }));
+  network_.RunFor(kLookAround);
+  Open(second_, "second");
+  network_.RunFor(kLookAround);
+  second_.process->Begin(true);
+  ASSERT_TRUE(RunUntil([this] {
+    const Phase phase = second_.machine().phase;
+    return phase == Phase::kFailed || phase == Phase::kRunning;
+  }));
+  EXPECT_EQ(second_.machine().state, "SetUp");
+  EXPECT_TRUE(second_.machine().emergency.awaits_request);
+}
+
+TEST_F(Leading, AStopThatIsEngagedAndReleasedDuringATakeoverHoldsWhatItHasSwitchedOff) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const auto panel = transport::MakePublisher<msg::EmergencyStop>(
+                         *desk_, transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                         .value();
+  Open(second_, "second");
+  network_.RunFor(kLookAround);
+  ASSERT_TRUE(panel->Publish({7, true, "alice", "smoke"}));
+  ASSERT_TRUE(RunUntil([this] { return first_.machine().emergency.stop.has_value(); }));
+  std::optional<Result<>> released;
+  first_.process->shell().ReleaseEmergencyStop(
+      "alice", [&released](const Result<>& answer) { released = answer; });
+  ASSERT_TRUE(RunUntil([&] { return released.has_value(); }));
+  ASSERT_TRUE(*released);
+  ASSERT_FALSE(second_.process->shell().rival()->awaits_request) << "its next heartbeat says so";
+  second_.process->Begin(true);
+  EXPECT_TRUE(second_.machine().emergency.awaits_request);
+}
+
 }  // namespace musher::testing::leading_test

@@ -112,6 +112,10 @@ class ClosedStart : public OtherStart {
     std::error_code error;
     fs::permissions(path, fs::perms(mode), error);
   }
+  // The times of files are those of the kernel's last tick.
+  static void SetTheDayBefore(const std::string& path) {
+    fs::last_write_time(path, fs::last_write_time(path) - std::chrono::hours(24));
+  }
   // By a user who may not read them.
   std::vector<UnreadFolder> Unread(const std::vector<UnreadFolder>& known = {}) const {
     const bool as_another = geteuid() == 0;
@@ -187,6 +191,34 @@ TEST_F(ClosedStart, InAPlaceThatIsClosedCountsByThePlace) {
   Close(folder_ / "service", 0755);
   ASSERT_EQ(unread.size(), 1U);
   EXPECT_EQ(unread[0].folder, folder_ / "service");
+}
+
+// As ~/.local/state/musher is where a controller has made it. The mark stayed the same, and a stop
+// that was engaged there since was passed over.
+TEST_F(ClosedStart, InAPlaceThatIsClosedIsAnsweredUntilTheNextStartThere) {
+  StopIn(by_service_, robot_, {});
+  SetTheDayBefore(folder_ / "service");
+  Close(folder_ / "service");
+  const auto answered = Answered(Unread());
+  ASSERT_EQ(answered.size(), 1U);
+  EXPECT_TRUE(Unread(answered).at(0).answered) << "it does not wait at each start";
+  Close(folder_ / "service", 0755);
+  StopIn(by_service_, robot_);
+  Close(folder_ / "service");
+  const auto unread = Unread(answered);
+  Close(folder_ / "service", 0755);
+  EXPECT_FALSE(unread.at(0).answered) << "a controller has run there since";
+}
+
+// Such a user can start the robot there, and cannot mark the place as changed.
+TEST_F(ClosedStart, InAPlaceThatIsClosedToThisUserButNotToAllOthersIsOpenAtEachStart) {
+  StopIn(by_service_, robot_);
+  Close(folder_ / "service", 0001);
+  const auto answered = Answered(Unread());
+  const auto unread = Unread(answered);
+  Close(folder_ / "service", 0755);
+  ASSERT_EQ(unread.size(), 1U);
+  EXPECT_FALSE(unread[0].answered);
 }
 
 // The home folder of root is closed on every host: nothing says that a machine was started there.

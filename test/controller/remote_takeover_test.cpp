@@ -6,6 +6,7 @@
 #include "musher/controller/shell/controller_shell.hpp"
 #include "musher/simulation/simulated_processes.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/test/lifecycle/coordination/records.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::remote_takeover_test {
@@ -35,11 +36,13 @@ class EmptyHost : public ProcessRunner, public ProcessProbe, public JournalSink 
   }
   std::uint64_t StartTimeOf(pid_t) override { return 1; }
   void Mark(ActuatorIndex, pid_t, Time) override {}
+  StartProgress ProgressOf(const std::string&, pid_t) override { return progress; }
   Examination Examine(ActuatorIndex, pid_t, Time) override { return {}; }
   void TakeBacktrace(pid_t, Duration, std::function<void(Result<std::string>)>) override {}
   void Append(JournalItem) noexcept override {}
 
   std::vector<std::string> started;
+  StartProgress progress = StartProgress::kUnknown;  // of each of them
 };
 
 class RemoteTakeover : public ::testing::Test {
@@ -142,6 +145,21 @@ TEST_F(RemoteTakeover, StartsWhatIsTornDown) {
   LookAround();
   Begin();
   EXPECT_THAT(host_.started, ElementsAre("b"));
+}
+
+// The reason of the one was known; the other one was given up in the same step, without a reason.
+TEST_F(RemoteTakeover, ExaminesEachOfTheProcessesThatAreOverdueAtOnce) {
+  host_.progress = StartProgress::kIdle;
+  LookAround();
+  Begin();
+  ASSERT_THAT(host_.started, ElementsAre("a", "b"));
+  for (const ActuatorIndex i : {ActuatorIndex(0), ActuatorIndex(1)}) {
+    const ActuatorConfig& actuator = config_.actuators[i];
+    const KnownActuator& known = shell_->machine().actuators[i];
+    EXPECT_THAT(known.fault,
+                Is(texts::NotAnnounced(actuator.name, actuator.command, config_.TimeFor(i, kSetUp),
+                                       known.process.pid, StartProgress::kIdle)));
+  }
 }
 
 // As by Ctrl-C in the second for which `musher up` listens for other controllers.

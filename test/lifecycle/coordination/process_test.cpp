@@ -284,6 +284,22 @@ TEST_F(Processes, ThatDoNotAnnounceTheirActuatorAreSlowOrForeignAsTheKernelRepor
   }
 }
 
+// In a busy controller another event comes before the end of their time is noticed.
+TEST_F(Processes, ThatAreOverdueAreGivenUpOnceTheKernelWasAskedAndNotByAnotherEvent) {
+  StartUpOurs();
+  Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+  Pass(Milliseconds(100));
+  Do(event::ProcessStarted{0, 800});
+  ASSERT_TRUE(Of(0).set_up_by);
+  now_ = *Of(0).set_up_by + Milliseconds(1);
+  Do(event::SetUpAwaited{1});
+  ASSERT_TRUE(Of(0).set_up_by);
+  EXPECT_EQ(Next(), Of(0).set_up_by) << "the time that has passed is the next event";
+  Do(event::StartExamined{0, 800, StartProgress::kBusy});
+  EXPECT_THAT(Of(0).fault, Is(texts::NotAnnounced("a", config_.actuators[0].command,
+                                                  Milliseconds(100), 800, StartProgress::kBusy)));
+}
+
 // The one before ran on another host and has exited there.
 TEST_F(Processes, ThatAreAboutToBeStartedHereMayBeRestarted) {
   StartUpOurs();
