@@ -378,7 +378,6 @@ std::optional<int> SimRobot::battery() const {
 void SimRobot::SetMotion(std::int32_t motion) {
   motion_.emplace();
   motion_->motion_id = motion;
-  if (on_motion) on_motion();
   PublishBody();
 }
 
@@ -431,7 +430,9 @@ void SimRobot::PublishBody() {
   OpenBody();
   if (battery_) PublishBattery(*battery_publisher_, *battery_);
   if (other_battery_) PublishBattery(*other_battery_publisher_, *other_battery_);
-  if (motion_) static_cast<void>(motion_publisher_->Publish(*motion_));
+  if (!motion_) return;
+  if (on_motion) on_motion(motion_->motion_id);
+  static_cast<void>(motion_publisher_->Publish(*motion_));
 }
 
 void SimRobot::ReleaseEmergencyStop() {

@@ -88,8 +88,8 @@ class SimRobot {
   std::function<void(Time stamp)> on_permit;
   // A sample of /clock.
   std::function<void(Time)> on_clock;
-  // The body lies still from now on, or moves.
-  std::function<void()> on_motion;
+  // The body publishes a sample.
+  std::function<void(std::int32_t motion)> on_motion;
   // Before a controller sends a signal.
   std::function<void(const SimulatedController&, std::int32_t pid)> on_signal;
   // Before a controller is killed.

@@ -653,8 +653,8 @@ void Scenario::EngageByProgram(const Injection& injection) {
     ++ending_.stop_programs[confirmed ? 1 : 0];
     const auto program = std::find_if(program_stops_.begin(), program_stops_.end(),
                                       [&](const ProgramStop& one) { return one.id == stop; });
-    // It has not named this machine: it may reach and confirm the other one alone.
-    const bool any = other_ && program->meant.name.empty();
+    // It has not named this machine alone: it may reach and confirm the other one only.
+    const bool any = other_ && SameMachine(program->meant, other_->robot().identity());
     if (confirmed && !any) checker_.OnStopConfirmed(stop);
   };
   robot_.on_stop_withdrawn = [this](StopId stop) { checker_.OnStopWithdrawn(stop); };
