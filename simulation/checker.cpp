@@ -105,6 +105,7 @@ Checker::Checker(SimRobot& robot)
       accepted_tear_down_.reset();
       if (BeginsAnew(controller)) begun_anew_[controller.serial()] = ++order_;
     }
+    if (robot_.FindsUnreadFolder(controller)) unanswered_.insert(controller.serial());
     NoteWord(controller, restarted);
   };
   robot_.on_release_answered = [this](const SimulatedController& controller,
@@ -829,12 +830,14 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
   };
   switch (record.event) {
     case EventName::kSwitchRequested:
+      unanswered_.erase(controller.serial());
       if (machine.current && machine.current->target == TargetOf(record)) {
         note(machine.current->from, TargetOf(record));
       }
       seen.requests.insert(record.id);
       return;
     case EventName::kPolicyRequested:
+      unanswered_.erase(controller.serial());
       if (std::exchange(seen.requests_up, false)) seen.up.insert(record.id);
       seen.requests.insert(record.id);
       return;
@@ -846,6 +849,7 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
       return;
     case EventName::kSwitchStarted: {
       const action::SwitchNote& begun = *record.of_switch;
+      CheckStart(controller, begun);
       const bool starts = !config_.RankOf(begun.state) && may_start();
       if (!starts && !seen.requests.contains(record.cause)) return;
       // A wake-up, for one, leads up as far as the battery permits, and the battery the rest later.
@@ -856,6 +860,15 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
     default:
       return;
   }
+}
+
+// A start does not know whether a stop is engaged in a folder that it may not read.
+void Checker::CheckStart(const SimulatedController& controller, const action::SwitchNote& begun) {
+  const bool up = begun.target == kSelfCheck || Rises(config_, kDeActive, begun.target);
+  if (!up || config_.RankOf(begun.state) || !unanswered_.contains(controller.serial())) return;
+  ReportViolation(Invariant::kNoUnrequestedActivation,
+                  "a start begins " + begun.target +
+                      " although it may not read the emergency stops of another folder");
 }
 
 // When a controller last knew a stop: its disk keeps those of the controllers before it on its

@@ -181,6 +181,7 @@ class Checker {
                          const ActuatorReport& report);
   // After a release: what was requested since the last stop.
   bool BeginsAnew(const SimulatedController& controller) const;
+  void CheckStart(const SimulatedController& controller, const action::SwitchNote& begun);
   void NoteRequest(const SimulatedController& controller, const action::Record& record);
   bool IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target);
   std::uint64_t LastStopOf(std::uint64_t controller);
@@ -347,6 +348,8 @@ class Checker {
     bool up = false;  // or on the level, or by a start: it may switch on
   };
   std::vector<SinceStop> since_stop_;  // requests that led somewhere
+  // Controllers that found a folder that they may not read, until a state is requested, by serial.
+  std::set<std::uint64_t> unanswered_;
   // When a person started a controller that took nothing over, by its serial.
   std::map<std::uint64_t, std::uint64_t> begun_anew_;
   std::map<std::pair<std::string, std::size_t>, std::uint64_t> latched_;  // actuator, host: when

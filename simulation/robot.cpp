@@ -283,6 +283,16 @@ std::vector<const Client::Request*> SimRobot::OpenRequests() const {
   return open;
 }
 
+void SimRobot::AddUnreadFolder(std::uint64_t mark) {
+  for (Disk& disk : disks_) disk.unread.push_back({"/var/lib/musher/other", "root", mark});
+}
+
+bool SimRobot::FindsUnreadFolder(const SimulatedController& controller) const {
+  const bool second = !OneHost() && controllers_[1].get() == &controller;
+  const auto found = UnreadFoldersOf(disks_[second ? 1 : 0]);
+  return std::ranges::count(found, false, &UnreadFolder::answered) != 0;
+}
+
 void SimRobot::JumpWallClock(Duration by) {
   for (const auto& controller : controllers_) {
     if (controller) controller->wall_offset += by;

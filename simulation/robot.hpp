@@ -133,6 +133,11 @@ class SimRobot {
   void LoseFiles();
   // The controllers that run have noticed that, and save what they have again.
   void SaveAgain();
+  // From its next start on, each controller finds another state folder of the machine that it may
+  // not read.
+  void AddUnreadFolder(std::uint64_t mark);
+  // Whether a controller that starts now finds one that no request has answered.
+  bool FindsUnreadFolder(const SimulatedController& controller) const;
   // Changes the wall clocks of the controllers.
   void JumpWallClock(Duration by);
 

@@ -538,6 +538,8 @@ void Scenario::ApplyAround(const Injection& injection) {
       return ApplyToPermits(injection);
     case InjectionKind::kClockFault:
       return ApplyToClock(injection);
+    case InjectionKind::kUnreadFolder:
+      return robot_.AddUnreadFolder(injection.random);
     default:
       Engage(injection.random / 2 % 2, 0);
       return ReleaseLater(injection);

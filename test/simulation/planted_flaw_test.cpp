@@ -672,6 +672,29 @@ TEST_F(FlawOfAStart, FindsAStartThatGoesOnAfterAReleasedStop) {
   ExpectFound(Invariant::kReleaseSwitchesNothingOn, "a begins Active");
 }
 
+TEST_F(PlantedFlaw, AStartThatMayNotReadAFolderWaitsForARequest) {
+  Make(Started(1));
+  robot_->AddUnreadFolder(7);
+  robot_->StartController();
+  RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
+  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
+  ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  robot_->CrashController();
+  BringUp();
+  EXPECT_EQ(robot_->machine().state, kActive);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(PlantedFlaw, FindsAStartThatForgetsAFolderThatItMayNotRead) {
+  Make(Started(1));
+  robot_->AddUnreadFolder(7);
+  robot_->StartController();
+  const_cast<Machine&>(robot_->machine()).emergency.unread.clear();
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Invariant::kNoUnrequestedActivation, "a start begins SelfCheck although");
+}
+
 TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
   Make(MachineOf(2));
   robot_->StartActuator("a");
