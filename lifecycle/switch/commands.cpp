@@ -37,7 +37,8 @@ bool Commands::SendAgain(ActuatorIndex i) {
   const bool was_younger = known.clock_theirs - known.clock_ours > command.clock_ahead;
   const bool stopped = machine_.emergency.stop || (machine_.current && machine_.current->stopped) ||
                        MustBeSetAgain(machine_, known);
-  const bool forbidden = stopped && MaySwitchOn(config_, known.state(), command.target);
+  const bool forbidden = stopped && (MaySwitchOn(config_, known.state(), command.target) ||
+                                     SwitchesOnAgain(config_, known.state(), command.target));
   if (!was_younger || forbidden || command.queries > 0 || now_ >= command.deadline) return false;
   Issue(i, command.number, command.target, command.deadline - now_, command.detached);
   Of(i).command->sent = command.sent;

@@ -33,10 +33,10 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
         target);
   }
   const EmergencyStopState& emergency = machine.emergency;
+  const bool switches_on =
+      MaySwitchOn(config, machine.state, target) || SwitchesOnAgain(config, machine.state, target);
   const bool awaits = emergency.awaits_request || emergency.Unanswered() != nullptr;
-  if (awaits && MaySwitchOn(config, machine.state, target)) {
-    return Refused<Refusal::kStopAwaitsPerson>(target);
-  }
+  if (awaits && switches_on) return Refused<Refusal::kStopAwaitsPerson>(target);
   return std::nullopt;
 }
 

@@ -250,10 +250,11 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
                          texts::RefusedByEmergencyStop(), false};
   }
   // What an emergency stop has switched off waits for a request, also where the machine goes down
-  // by itself to a state above that of the actuator.
+  // by itself to a state above that of the actuator, or to the same one.
   const bool by_itself = s.purpose == Purpose::kFallback || s.purpose == Purpose::kPolicy;
-  if (by_itself && level && MustBeSetAgain(machine_, known) &&
-      MaySwitchOn(config_, leg.from, leg.target) &&
+  const bool switches_on =
+      MaySwitchOn(config_, leg.from, leg.target) || SwitchesOnAgain(config_, leg.from, leg.target);
+  if (by_itself && level && MustBeSetAgain(machine_, known) && switches_on &&
       RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
                          texts::RefusedByEmergencyStop(), false};

@@ -5,6 +5,7 @@
 
 #include "musher/test/lifecycle/coordination/records.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::testing::emergency_stop_test {
 
@@ -230,6 +231,28 @@ TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsSwitchedOnWithTheOt
   t.ClearLog();
   EXPECT_TRUE(t.Set("Active").done());
   EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active", "b:Active"));
+}
+
+// It had gone to that state on its own before the stop, and the machine followed without a request.
+TEST_F(EmergencyStopped, AFallbackToTheStateOfAHeldActuatorDoesNotSwitchItOn) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  Harness& t = In("Active", std::move(config));
+  ASSERT_TRUE(t.Set("Protected", "a").done());
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.ClearLog();
+  t.On("b", "SetUp").code = 3001;
+  t.Crash("b");
+  t.Rest();
+  ASSERT_EQ(t.machine().state, "Protected");
+  EXPECT_THAT(t.log(), Not(Contains("a:Protected")));
+  EXPECT_TRUE(t.RecordOf("a").report.held_by_stop);
+  t.Set("Protected");
+  EXPECT_THAT(t.log(), Contains("a:Protected"));
+  EXPECT_FALSE(t.RecordOf("a").report.held_by_stop);
 }
 
 // The start
@@ -628,6 +651,24 @@ TEST_F(EmergencyStopped, AReleasedStopIsNotEndedByAManagerAtBoot) {
   EXPECT_TRUE(t.Set("Active").done());
   EXPECT_TRUE(t.Set("DeActive", std::nullopt, manager).done());
   EXPECT_TRUE(t.Set("Active", std::nullopt, manager).done()) << "a person's request was last";
+}
+
+// [ros2] activate = "Protected": the state that the machine was stopped in.
+TEST_F(EmergencyStopped, AManagerMayNotSetThePresentStateOfAMachineThatWaits) {
+  Harness& t = In("Protected", Ours(2));
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.RestartController();
+  t.Rest();
+  ASSERT_EQ(t.machine().state, "Protected");
+  t.ClearLog();
+  EXPECT_THAT(t.Set("Protected", std::nullopt, {"/lifecycle_manager", true}),
+              IsRefused(Refusal::kStopAwaitsPerson));
+  EXPECT_THAT(t.log(), IsEmpty());
+  EXPECT_TRUE(t.disk().stops.awaits_request);
+  EXPECT_TRUE(t.Set("Protected").done());
+  EXPECT_FALSE(t.disk().stops.awaits_request);
 }
 
 // Under systemd the robot was stopped, and a person who may not read its files there started it by

@@ -101,4 +101,19 @@ TEST_F(LateReports, NothingIsSwitchedOnByACommandThatIsSentAgainDuringAnEmergenc
   EXPECT_THAT(Did<action::SendSwitch>(), SizeIs(sent));
 }
 
+// It is in that state, and what the state has on is off.
+TEST_F(LateReports, NoActuatorThatIsHeldIsSwitchedOnByACommandThatIsSentAgainDuringTheNextStop) {
+  StartUp();
+  ActuatorReport held = Report(0, State(kActive));
+  held.held_by_stop = true;
+  Say(0, held);
+  WasLate(0);
+  Request(State(kActive));
+  ASSERT_TRUE(Of(0).command);
+  Do(event::EmergencyStopSeen{{7, "a panel", ""}});
+  const auto sent = Did<action::SendSwitch>().size();
+  Refuse(0);
+  EXPECT_THAT(Did<action::SendSwitch>(), SizeIs(sent));
+}
+
 }  // namespace musher::testing::late_report_test
