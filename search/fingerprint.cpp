@@ -183,7 +183,7 @@ class Mixer {
     Add(ToMilliseconds(now_ - c.status_stamp - c.since_status));
   }
   void One(const QueryCommand& a) { Add(a.epoch, a.number, a.stop); }
-  void One(const ActuatorCore::Waiting& w) { Add(w.command, w.tokens); }
+  void One(const ActuatorCore::Waiting& w) { Add(w.command, w.tokens, w.stopped); }
   void One(const Message& m) {
     Add(m.sender, m.epoch, m.what.index());
     std::visit([this](const auto& what) { One(what); }, m.what);

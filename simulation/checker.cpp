@@ -99,11 +99,13 @@ Checker::Checker(SimRobot& robot)
   robot_.on_battery = [this](int percent, bool charging) { OnBattery(percent, charging); };
   robot_.on_permit = [this](Time stamp) { permits_[stamp] = robot_.network().now(); };
   robot_.on_clock = [this](Time time) { OnClock(time); };
+  robot_.on_motion = [this](std::int32_t motion) { OnMotion(motion); };
   robot_.on_begin = [this](const SimulatedController& controller, bool restarted) {
     if (!restarted) {
       accepted_tear_down_.reset();
-      by_a_person_.insert(controller.serial());
+      if (BeginsAnew(controller)) begun_anew_[controller.serial()] = ++order_;
     }
+    if (robot_.FindsUnreadFolder(controller)) unanswered_.insert(controller.serial());
     NoteWord(controller, restarted);
   };
   robot_.on_release_answered = [this](const SimulatedController& controller,
@@ -136,6 +138,7 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
   if (begun) OnBegun(name, host, before, report);
+  NoteOverrun(name, host, begun, report);
   CheckFollows(name, host, report);
   if (const ActuatorCore* core = robot_.processes().CoreOf(name, host)) {
     CheckControllerOf(name, core->controller);
@@ -438,6 +441,25 @@ void Checker::OnLinkFaults(bool active) {
   }
 }
 
+// Runs after each step of an actuator. Until the end of a callback its heartbeats report that it
+// has run for longer than without a checkpoint.
+void Checker::NoteOverrun(const std::string& name, std::size_t host, bool begun,
+                          const ActuatorReport& report) {
+  const ActuatorConfig& actuator = config_.actuators[*config_.IndexOf(name)];
+  const Time now = robot_.network().now();
+  RunningCallback& callback = callbacks_[{name, host}];
+  if (begun) {
+    const auto longer = actuator.checkpoint_in.find(report.target);
+    const auto limit =
+        longer != actuator.checkpoint_in.end() ? longer->second : actuator.checkpoint;
+    callback.late_at.reset();
+    if (limit) callback.late_at = now + *limit;
+  } else if (!report.busy()) {
+    if (callback.late_at && *callback.late_at < now) callback.overran_until = now;
+    callback.late_at.reset();
+  }
+}
+
 // Whether nothing is, or was a short while ago, wrong with the process and its link to a controller
 // of its host.
 bool Checker::IsWell(const SimulatedController& controller, const std::string& name) const {
@@ -450,7 +472,10 @@ bool Checker::IsWell(const SimulatedController& controller, const std::string& n
   const std::string& endpoint = processes.EndpointOf(name, host);
   const ActuatorReport* report = processes.ReportOf(name, host);
   if (report == nullptr || report->busy() || report->state == kTearDown) return false;
-  return !recent(processes.FrozenUntil(name, host)) && !recent(controller.thawed) &&
+  const auto callback = callbacks_.find({name, host});
+  const bool overran = callback != callbacks_.end() && callback->second.overran_until &&
+                       now - *callback->second.overran_until < kReceivedAfter;
+  return !overran && !recent(processes.FrozenUntil(name, host)) && !recent(controller.thawed) &&
          !recent(link_faults_until_) &&
          !recent(robot_.hosts().BlockedUntil(endpoint, controller.endpoint())) &&
          !recent(robot_.hosts().BlockedUntil(controller.endpoint(), endpoint));
@@ -772,32 +797,50 @@ void Checker::CheckStaysStopped(const std::string& name, const ActuatorReport& b
                   name + " is not stopped any more, although no controller has released its stop");
 }
 
-// A request that leads somewhere, after a stop: a switch begins by it, or it joins one. A person's
-// start that begins with the first state is one, too; so is any start once a switch up was
-// requested.
+// Whether the start of a controller takes nothing over: no other controller leads, and no process
+// runs that a controller has started.
+bool Checker::BeginsAnew(const SimulatedController& controller) const {
+  const auto runs = [&](const ActuatorConfig& actuator) {
+    return !actuator.command.empty() &&
+           robot_.processes().IsAlive(actuator.name, controller.host());
+  };
+  return !controller.shell().rival() && std::ranges::none_of(config_.actuators, runs);
+}
+
+// A request that leads somewhere, after a stop: a switch begins by it, or it joins one. During a
+// stop only a request of a state in which nothing is on is one. A person's start that begins with
+// the first state is one, too; so is any start once a switch up was requested.
 void Checker::NoteRequest(const SimulatedController& controller, const action::Record& record) {
   Seen& seen = seen_[controller.serial()];
   const Machine& machine = controller.shell().machine();
-  const auto note = [&](const State& from, const State& target) {
-    if (machine.emergency.stop) return;
-    since_stop_.push_back(
-        {++order_, record.actuator, target, SwitchesOnAgain(config_, from, target)});
+  const auto note = [&](const State& from, const State& target, bool starts = false) {
+    if (machine.emergency.stop && Rises(config_, kDeActive, target)) return;
+    const bool up = starts || SwitchesOnAgain(config_, from, target);
+    since_stop_.push_back({++order_, record.actuator, target, up});
   };
-  // A start may lead up if it is a person's, or a switch up was requested since the last stop.
+  // A start may lead up if a person has begun it since the last stop, or a switch up was requested
+  // since then.
   const auto may_start = [&] {
     const std::uint64_t stopped = LastStopOf(controller.serial());
-    return by_a_person_.contains(controller.serial()) ||
+    const auto begun = begun_anew_.find(controller.serial());
+    return (begun != begun_anew_.end() && begun->second > stopped) ||
            std::ranges::any_of(since_stop_, [stopped](const SinceStop& one) {
              return one.order > stopped && !one.actuator && one.up;
            });
   };
   switch (record.event) {
     case EventName::kSwitchRequested:
+      unanswered_.erase(controller.serial());
       if (machine.current && machine.current->target == TargetOf(record)) {
         note(machine.current->from, TargetOf(record));
       }
-      [[fallthrough]];
+      seen.requests.insert(record.id);
+      return;
     case EventName::kPolicyRequested:
+      unanswered_.erase(controller.serial());
+      if (std::exchange(seen.requests_up, false)) seen.up.insert(record.id);
+      seen.requests.insert(record.id);
+      return;
     case EventName::kSwitchWaiting:
       seen.requests.insert(record.id);
       return;
@@ -806,13 +849,26 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
       return;
     case EventName::kSwitchStarted: {
       const action::SwitchNote& begun = *record.of_switch;
+      CheckStart(controller, begun);
       const bool starts = !config_.RankOf(begun.state) && may_start();
-      if (starts || seen.requests.contains(record.cause)) note(begun.state, begun.target);
+      if (!starts && !seen.requests.contains(record.cause)) return;
+      // A wake-up, for one, leads up as far as the battery permits, and the battery the rest later.
+      const bool up = seen.up.contains(record.cause);
+      note(begun.state, up ? CeilingState(config_, BatteryLevel::kFree) : begun.target, starts);
       return;
     }
     default:
       return;
   }
+}
+
+// A start does not know whether a stop is engaged in a folder that it may not read.
+void Checker::CheckStart(const SimulatedController& controller, const action::SwitchNote& begun) {
+  const bool up = begun.target == kSelfCheck || Rises(config_, kDeActive, begun.target);
+  if (!up || config_.RankOf(begun.state) || !unanswered_.contains(controller.serial())) return;
+  ReportViolation(Invariant::kNoUnrequestedActivation,
+                  "a start begins " + begun.target +
+                      " although it may not read the emergency stops of another folder");
 }
 
 // When a controller last knew a stop: its disk keeps those of the controllers before it on its
@@ -839,12 +895,17 @@ bool Checker::IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, co
   });
 }
 
-// A callback that may switch the actuator on has begun by that command.
+// A callback that may switch the actuator on, or on again, has begun by that command.
 void Checker::CheckAfterRelease(const std::string& name, std::size_t host,
                                 const ActuatorReport& before, const ActuatorReport& report,
                                 const SentCommand& sent) {
-  if (!MaySwitchOn(config_, report.state, report.target) || report.target == kError) return;
-  if (false_reporters_.contains(name)) return;
+  // To undo a failed callback that led up leads down.
+  const ActuatorCore* core = robot_.processes().CoreOf(name, host);
+  const bool undoes = core != nullptr && core->unsettled && !core->half_way_down;
+  const bool again =
+      report.held_by_stop && !undoes && SwitchesOnAgain(config_, report.state, report.target);
+  if (!again && !MaySwitchOn(config_, report.state, report.target)) return;
+  if (report.target == kError || false_reporters_.contains(name)) return;
   const std::string what = name + " begins " + report.target + " in " + report.state;
   if (!sent.requested) {
     return ReportViolation(Invariant::kReleaseSwitchesNothingOn,
@@ -909,6 +970,8 @@ void Checker::CheckPermits() {
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorCore* core = processes.CoreOf(actuator.name, host);
       if (core == nullptr || !processes.IsPowered(actuator.name, host)) continue;
+      // It was switched on by a callback whose end is not known yet; the stop action runs again.
+      if (core->report.busy() && !core->stops.empty()) continue;
       const auto frozen = processes.FrozenUntil(actuator.name, host);
       if (frozen && (*frozen == Time::max() || now - *frozen < kPermitSlack)) continue;
       const auto given = permits_.find(core->permit.stamp);
@@ -1018,7 +1081,10 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
   const std::optional<Waiting> before = known;
   known.reset();
   if (core != nullptr && core->waiting) {
-    known = Waiting{report.incarnation, report.epoch, core->waiting->command};
+    const bool same = before && before->incarnation == report.incarnation &&
+                      before->command.number == core->waiting->command.number;
+    const bool stopped = report.emergency_stop != 0 || (same && before->stopped);
+    known = Waiting{report.incarnation, report.epoch, core->waiting->command, stopped};
   }
   if (!before || before->incarnation != report.incarnation) return;
   const SwitchCommand& command = before->command;
@@ -1026,7 +1092,7 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
   const bool begun =
       report.busy_number >= command.number || report.outcome_number >= command.number;
   const bool stopped =
-      report.emergency_stop != 0 &&
+      (report.emergency_stop != 0 || before->stopped) &&
       (command.target == report.state || MaySwitchOn(config_, report.state, command.target));
   if (begun || stopped || report.epoch > before->epoch || report.state == kTearDown) return;
   const auto sent = sent_commands_.find({before->epoch, *config_.IndexOf(name), command.number});
@@ -1275,8 +1341,8 @@ void Checker::NoteLowering(const State& from) {
     CheckRaise(from, raised_at_.value_or(0));
     checked_raise_ = from;
   }
-  lowered_on_[recording_host_] = from;
   if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
+  lowered_on_[recording_host_] = lowered_->first;
   lowered_->second = policy_down_to_.back();
 }
 
@@ -1399,6 +1465,7 @@ std::uint64_t Checker::OnPolicyRequest(const SimulatedController& controller,
                   (requested.what == PolicyRequest::kOta && !requested.enable) ||
                   (requested.what == PolicyRequest::kLowPowerSwitch && !requested.enable);
   raise_requested_ |= up;
+  seen_[controller.serial()].requests_up = up;
   return OnRequest(controller,
                    requested.what == PolicyRequest::kKeep ? requested.state : State(kActive));
 }
@@ -1451,6 +1518,25 @@ Checker::Mark Checker::MarkNow() const {
   return {now, passed};
 }
 
+// A sample of the body is published.
+void Checker::OnMotion(std::int32_t motion) {
+  if (!config_.policy || !config_.policy->low_power) return;
+  const std::vector<std::int32_t>& ids = config_.policy->low_power->motion_ids;
+  if (std::ranges::find(ids, motion) != ids.end()) {
+    if (!still_) still_ = MarkNow();
+    return;
+  }
+  if (!still_) return;
+  if (!JustMoved()) still_before_ = still_;
+  moved_at_ = robot_.network().now();
+  still_.reset();
+}
+
+// A controller may not have received that it moves.
+bool Checker::JustMoved() const {
+  return moved_at_ && robot_.network().now() - *moved_at_ <= kClockLag;
+}
+
 void Checker::NotePolicyTimes(const SimulatedController& controller, Seen& seen) {
   const Machine& machine = controller.shell().machine();
   const bool awake = machine.state == kActive || machine.state == kProtected;
@@ -1468,13 +1554,20 @@ void Checker::NotePolicyTimes(const SimulatedController& controller, Seen& seen)
   }
 }
 
+// nullopt: one of them is not so.
+std::optional<Checker::Mark> Checker::LaterOf(const std::optional<Mark>& a,
+                                              const std::optional<Mark>& b) {
+  if (!a || !b) return std::nullopt;
+  return a->at < b->at ? b : a;
+}
+
 // What the policy does by time. The state before is as it was seen after the step before.
 void Checker::CheckPolicyTime(const SimulatedController& controller, const action::Record& record) {
   const Seen& seen = seen_[controller.serial()];
   switch (record.event) {
     case EventName::kLyingStillSwitch:
-      return CheckWaited(controller, seen.awake, config_.policy->low_power->lying_still,
-                         "takes the machine to LowPower");
+      return CheckWaited(controller, LaterOf(seen.awake, JustMoved() ? still_before_ : still_),
+                         config_.policy->low_power->lying_still, "takes the machine to LowPower");
     case EventName::kKeepEnded:
       if (ArgumentOf(record.arguments, "reason") != "time expired") return;
       return CheckWaited(controller, seen.kept, std::chrono::seconds(seen.kept_for_s),

@@ -129,6 +129,8 @@ class Checker {
     std::int64_t kept_for_s = 0;
     std::uint64_t stop_order = 0;      // when it last engaged a stop, see Checker::order_
     std::set<RecordId> requests = {};  // its records of requests
+    std::set<RecordId> up = {};        // of them, those that lead up as far as the battery permits
+    bool requests_up = false;          // the next record of a request to its policy is one
   };
   using CommandKey =
       std::tuple<Epoch, ActuatorIndex, CommandNumber>;  // of the actuator with this index
@@ -151,6 +153,8 @@ class Checker {
   void CheckRunsOnce(const std::string& name);
   void CheckProgramRunsOnce(const SimulatedController& controller, const std::string& name);
   void CheckKill(const SimulatedController& controller, std::int32_t pid);
+  void NoteOverrun(const std::string& name, std::size_t host, bool begun,
+                   const ActuatorReport& report);
   bool IsWell(const SimulatedController& controller, const std::string& name) const;
   void CheckSignal(const SimulatedController& controller, std::int32_t pid);
   // Authority: the newest word of a person counts, and nothing rises without one.
@@ -176,6 +180,8 @@ class Checker {
   void CheckStaysStopped(const std::string& name, const ActuatorReport& before,
                          const ActuatorReport& report);
   // After a release: what was requested since the last stop.
+  bool BeginsAnew(const SimulatedController& controller) const;
+  void CheckStart(const SimulatedController& controller, const action::SwitchNote& begun);
   void NoteRequest(const SimulatedController& controller, const action::Record& record);
   bool IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target);
   std::uint64_t LastStopOf(std::uint64_t controller);
@@ -216,6 +222,9 @@ class Checker {
   void OnClock(Time time);
   Duration PolicyTime() const;
   Mark MarkNow() const;
+  void OnMotion(std::int32_t motion);
+  bool JustMoved() const;
+  static std::optional<Mark> LaterOf(const std::optional<Mark>& a, const std::optional<Mark>& b);
   void NotePolicyTimes(const SimulatedController& controller, Seen& seen);
   void CheckPolicyTime(const SimulatedController& controller, const action::Record& record);
   void CheckWaited(const SimulatedController& controller, const std::optional<Mark>& since,
@@ -293,8 +302,14 @@ class Checker {
     Incarnation incarnation = 0;
     Epoch epoch = 0;
     SwitchCommand command;
+    bool stopped = false;  // the actuator has latched a stop meanwhile
   };
   std::map<std::pair<std::string, std::size_t>, std::optional<Waiting>> waiting_;
+  struct RunningCallback {
+    std::optional<Time> late_at;        // from then on its heartbeats report a hang
+    std::optional<Time> overran_until;  // the end of the last one that they reported
+  };
+  std::map<std::pair<std::string, std::size_t>, RunningCallback> callbacks_;  // by actuator, host
   Time check_clients_at_{};
   std::map<std::uint64_t, Time> fenced_at_;  // by the serial of the controller
   // A person's word is a start or a takeover. A supervisor restarts a controller by the same word
@@ -330,10 +345,13 @@ class Checker {
     std::uint64_t order = 0;
     std::optional<ActuatorIndex> actuator;  // nullopt: of the machine
     State target;
-    bool up = false;  // or on the level: it may switch on
+    bool up = false;  // or on the level, or by a start: it may switch on
   };
-  std::vector<SinceStop> since_stop_;    // requests that led somewhere
-  std::set<std::uint64_t> by_a_person_;  // controllers that a person has started, by serial
+  std::vector<SinceStop> since_stop_;  // requests that led somewhere
+  // Controllers that found a folder that they may not read, until a state is requested, by serial.
+  std::set<std::uint64_t> unanswered_;
+  // When a person started a controller that took nothing over, by its serial.
+  std::map<std::uint64_t, std::uint64_t> begun_anew_;
   std::map<std::pair<std::string, std::size_t>, std::uint64_t> latched_;  // actuator, host: when
   std::map<Time, Time> permits_;  // given: the stamp, by the console's clock; when
   Time check_permits_at_{};
@@ -342,6 +360,9 @@ class Checker {
   Duration clock_step_{};
   std::optional<Time> clock_;
   std::deque<std::pair<Time, Duration>> clock_samples_;  // when
+  std::optional<Mark> still_;  // since when the body lies still, by its samples
+  std::optional<Mark> still_before_;
+  std::optional<Time> moved_at_;  // when it moved after that
 };
 
 }  // namespace musher::simulation

@@ -77,6 +77,7 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kSlowDiscovery, "slow-discovery", 0},
     {InjectionKind::kPermitFault, "permit-fault", 0},
     {InjectionKind::kClockFault, "clock-fault", 0},
+    {InjectionKind::kUnreadFolder, "unread-folder", 0},
 }};
 
 // The share of process ends that are configuration errors.
@@ -115,6 +116,7 @@ constexpr double kSilentBatteryShare = 0.25;  // of those with a battery in thei
 constexpr double kSlowDiscoveryShare = 0.15;
 constexpr double kPermitShare = 0.4;  // of those with permit_ms in their config
 constexpr double kClockShare = 0.5;   // of those with clock = "topic" and a policy
+constexpr double kUnreadFolderShare = 0.04;
 constexpr double kThenReleased = 0.7;
 constexpr InjectionKind kOfClients[] = {
     InjectionKind::kClientSet,    InjectionKind::kClientSet,     InjectionKind::kClientStatus,
@@ -196,6 +198,7 @@ class InjectionSampler {
         late_random_(seed * 2 + 0x6c617465),
         permit_random_(seed * 2 + 0x7065726d),
         clock_random_(seed * 2 + 0x636c6f63),
+        folder_random_(seed * 2 + 0x666f6c64),
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
   Injections Sample(bool bridges) {
@@ -221,6 +224,7 @@ class InjectionSampler {
     AddLate();
     AddOfPermits();
     AddOfClock();
+    AddOfFolders();
     return std::move(injections_);
   }
 
@@ -333,6 +337,17 @@ class InjectionSampler {
         InsertWithin(clock_random_, fault, kTimed[clock_random_.Next() % std::size(kTimed)]);
       }
     }
+  }
+
+  // What the next start finds. In most scenarios all processes of a host end meanwhile, so that a
+  // start from the first state follows.
+  void AddOfFolders() {
+    if (!folder_random_.Bernoulli(kUnreadFolderShare)) return;
+    const Injection folder = Insert(folder_random_, InjectionKind::kUnreadFolder, Milliseconds(1),
+                                    std::chrono::seconds(4));
+    InsertWithin(
+        folder_random_, folder,
+        folder_random_.Bernoulli(0.7) ? InjectionKind::kReboot : InjectionKind::kControllerCrash);
   }
 
   // While another one lasts, on the same host.
@@ -531,6 +546,7 @@ class InjectionSampler {
   Random late_random_;
   Random permit_random_;
   Random clock_random_;
+  Random folder_random_;
   std::size_t hosts_;
   Duration at_{};
   Injections injections_;

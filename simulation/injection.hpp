@@ -79,8 +79,12 @@ enum class InjectionKind : std::uint8_t {
   // `host` gives, or whose policy follows /clock.
   kPermitFault,  // the permits to move are lost or late, or the console's program ends; lasts
   kClockFault,   // /clock pauses, jumps, or runs at another rate; lasts
+  // From its next start on, a controller finds another state folder of the machine that its user
+  // may
+  // not read.
+  kUnreadFolder,
 };
-inline constexpr std::size_t kInjectionKinds = 56;
+inline constexpr std::size_t kInjectionKinds = 57;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
 

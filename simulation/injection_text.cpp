@@ -170,6 +170,8 @@ std::string Describe(const MachineConfig& config, const Injection& injection) {
       return Describe(PermitFaultOf(injection), name) + lasts;
     case InjectionKind::kClockFault:
       return DescribeClock(injection);
+    case InjectionKind::kUnreadFolder:
+      return "another state folder of the machine may not be read from now on";
   }
   return {};
 }

@@ -283,6 +283,16 @@ std::vector<const Client::Request*> SimRobot::OpenRequests() const {
   return open;
 }
 
+void SimRobot::AddUnreadFolder(std::uint64_t mark) {
+  for (Disk& disk : disks_) disk.unread.push_back({"/var/lib/musher/other", "root", mark});
+}
+
+bool SimRobot::FindsUnreadFolder(const SimulatedController& controller) const {
+  const bool second = !OneHost() && controllers_[1].get() == &controller;
+  const auto found = UnreadFoldersOf(disks_[second ? 1 : 0]);
+  return std::ranges::count(found, false, &UnreadFolder::answered) != 0;
+}
+
 void SimRobot::JumpWallClock(Duration by) {
   for (const auto& controller : controllers_) {
     if (controller) controller->wall_offset += by;
@@ -378,7 +388,6 @@ std::optional<int> SimRobot::battery() const {
 void SimRobot::SetMotion(std::int32_t motion) {
   motion_.emplace();
   motion_->motion_id = motion;
-  if (on_motion) on_motion();
   PublishBody();
 }
 
@@ -431,7 +440,9 @@ void SimRobot::PublishBody() {
   OpenBody();
   if (battery_) PublishBattery(*battery_publisher_, *battery_);
   if (other_battery_) PublishBattery(*other_battery_publisher_, *other_battery_);
-  if (motion_) static_cast<void>(motion_publisher_->Publish(*motion_));
+  if (!motion_) return;
+  if (on_motion) on_motion(motion_->motion_id);
+  static_cast<void>(motion_publisher_->Publish(*motion_));
 }
 
 void SimRobot::ReleaseEmergencyStop() {

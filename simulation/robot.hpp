@@ -88,8 +88,8 @@ class SimRobot {
   std::function<void(Time stamp)> on_permit;
   // A sample of /clock.
   std::function<void(Time)> on_clock;
-  // The body lies still from now on, or moves.
-  std::function<void()> on_motion;
+  // The body publishes a sample.
+  std::function<void(std::int32_t motion)> on_motion;
   // Before a controller sends a signal.
   std::function<void(const SimulatedController&, std::int32_t pid)> on_signal;
   // Before a controller is killed.
@@ -133,6 +133,11 @@ class SimRobot {
   void LoseFiles();
   // The controllers that run have noticed that, and save what they have again.
   void SaveAgain();
+  // From its next start on, each controller finds another state folder of the machine that it may
+  // not read.
+  void AddUnreadFolder(std::uint64_t mark);
+  // Whether a controller that starts now finds one that no request has answered.
+  bool FindsUnreadFolder(const SimulatedController& controller) const;
   // Changes the wall clocks of the controllers.
   void JumpWallClock(Duration by);
 

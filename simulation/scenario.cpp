@@ -538,6 +538,8 @@ void Scenario::ApplyAround(const Injection& injection) {
       return ApplyToPermits(injection);
     case InjectionKind::kClockFault:
       return ApplyToClock(injection);
+    case InjectionKind::kUnreadFolder:
+      return robot_.AddUnreadFolder(injection.random);
     default:
       Engage(injection.random / 2 % 2, 0);
       return ReleaseLater(injection);
@@ -653,8 +655,8 @@ void Scenario::EngageByProgram(const Injection& injection) {
     ++ending_.stop_programs[confirmed ? 1 : 0];
     const auto program = std::find_if(program_stops_.begin(), program_stops_.end(),
                                       [&](const ProgramStop& one) { return one.id == stop; });
-    // It has not named this machine: it may reach and confirm the other one alone.
-    const bool any = other_ && program->meant.name.empty();
+    // It has not named this machine alone: it may reach and confirm the other one only.
+    const bool any = other_ && SameMachine(program->meant, other_->robot().identity());
     if (confirmed && !any) checker_.OnStopConfirmed(stop);
   };
   robot_.on_stop_withdrawn = [this](StopId stop) { checker_.OnStopWithdrawn(stop); };

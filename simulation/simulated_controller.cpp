@@ -7,6 +7,15 @@
 
 namespace musher::simulation {
 
+std::vector<UnreadFolder> UnreadFoldersOf(const Disk& disk) {
+  std::vector<UnreadFolder> found = disk.unread;
+  for (UnreadFolder& folder : found) {
+    const auto before = std::ranges::find(disk.stops.unread, folder.mark, &UnreadFolder::mark);
+    folder.answered = before != disk.stops.unread.end() && before->answered;
+  }
+  return found;
+}
+
 SimulatedController::SimulatedController(transport::sim::Network& network,
                                          const std::string& endpoint, std::size_t host,
                                          Hosts& hosts, const MachineConfig& config,
@@ -146,6 +155,7 @@ void SimulatedController::Begin(bool takeover, bool restarted) {
       children.push_back(child->second);
   }
   begin.stops = disk_.stops;
+  begin.stops.unread = UnreadFoldersOf(disk_);
   begin.stop_intent = disk_.stop_intent;
   begin.remote = disk_.remote;
   begin.policy = disk_.policy;

@@ -25,6 +25,7 @@ namespace musher::simulation {
 struct Disk {
   Epoch epoch = 0;
   StoredStops stops;
+  std::vector<UnreadFolder> unread;  // other state folders, which it may not read
   bool stop_intent = false;
   std::vector<RemoteActuator> remote;
   StoredPolicy policy;
@@ -45,6 +46,9 @@ struct Disk {
   bool gap = false;             // a row was lost
   bool wants_snapshot = false;  // a row was lost since the last snapshot
 };
+
+// What a controller that starts finds: those that were answered before are known by their mark.
+std::vector<UnreadFolder> UnreadFoldersOf(const Disk& disk);
 
 class SimulatedController : private ProcessRunner, private ProcessProbe, private JournalSink {
  public:

@@ -98,7 +98,7 @@ class Decision {
     if (refusal) return Refuse({arrived.token}, *refusal);
     DropWaiting(Refused<Refusal::kCommandReplaced>(command.number));
     if (report_.busy() || AwaitsPermit(command.target)) {
-      core_.waiting = {command, {arrived.token}};
+      core_.waiting = {command, {arrived.token}, !core_.stops.empty()};
       return Do(PublishStatus{});
     }
     Begin(command, {arrived.token});
@@ -324,6 +324,7 @@ class Decision {
     core_.stopped_meanwhile = core_.under_stop = report_.busy();
     Do(RunEmergencyStop{});
     if (report_.busy() && SwitchesOn(report_.target)) Do(RequestStop{});
+    if (core_.waiting) core_.waiting->stopped = true;
     if (core_.waiting && SwitchesOn(core_.waiting->command.target)) DropWaiting(Stopped());
     ReportStops();
   }
@@ -431,12 +432,15 @@ class Decision {
     return CheckStop(command.target);
   }
 
-  // Begins the command that waits, if it need not wait longer; returns whether it has.
+  // Begins the command that waits, if it need not wait longer; returns whether it has. If it leads
+  // up from where the callback before it has led, a stop that was engaged while it waited refuses
+  // it, also after the release.
   bool BeginWaiting() {
     const bool waits = core_.waiting && !report_.busy();
     if (!waits || AwaitsPermit(core_.waiting->command.target)) return false;
     const auto next = *std::exchange(core_.waiting, std::nullopt);
-    if (auto refusal = MayBegin(next.command)) {
+    const bool held = next.stopped && SwitchesOn(next.command.target);
+    if (auto refusal = held ? Stopped() : MayBegin(next.command)) {
       Refuse(next.tokens, *refusal);
       return false;
     }

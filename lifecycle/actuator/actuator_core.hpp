@@ -182,6 +182,7 @@ struct ActuatorCore {
   struct Waiting {
     SwitchCommand command;
     std::vector<RequestToken> tokens;
+    bool stopped = false;  // a stop was engaged meanwhile, or already when it came
     friend bool operator==(const Waiting&, const Waiting&) = default;
   };
   std::optional<Waiting> waiting;    // the newest command, behind the running callback

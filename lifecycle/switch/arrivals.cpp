@@ -35,6 +35,11 @@ void Arrivals::On(const event::StatusSeen& seen) {
     if (IsImpostor(seen.actuator, report)) return;
     commands_.Lose(seen.actuator, texts::Replaced(), known.cause);
   }
+  // Two processes on two hosts may publish in turn before one of them is attached.
+  const ActuatorReport& before = known.report;
+  const bool attaching = known.presence == Presence::kStarting && known.control.again;
+  const bool elsewhere = !before.host.empty() && before.host != report.host;
+  if (!same && attaching && elsewhere) NoteOther(seen.actuator, ActuatorReport(before), report.pid);
   // Restarts by another party are counted as well.
   if (!same && known.report.incarnation != 0 && known.process.pid == 0) ++known.restart.count;
   if (!same) {
@@ -95,22 +100,28 @@ void Arrivals::SetUpFailed(ActuatorIndex i, const ActuatorReport& report) {
 
 // A process on another host publishes as this actuator while the known process still answers.
 bool Arrivals::IsImpostor(ActuatorIndex i, const ActuatorReport& report) {
-  KnownActuator& known = Of(i);
-  if (report.host == known.report.host) return false;
-  const bool repeated = known.other && known.other->host == report.host &&
-                        known.other->incarnation == report.incarnation;
-  known.other = report;
-  if (repeated) return true;
-  RecordActuator(i, kCodePermissionDenied,
-                 texts::DuplicateActuator(ConfigOf(i).name, report.pid, report.host.substr(0, 64),
-                                          known.report.pid));
+  const ActuatorReport& used = Of(i).report;
+  if (report.host == used.host) return false;
+  NoteOther(i, report, used.pid);
   return true;
+}
+
+// It is taken up when the process that is used is lost.
+void Arrivals::NoteOther(ActuatorIndex i, const ActuatorReport& other, std::int32_t used) {
+  KnownActuator& known = Of(i);
+  const bool repeated = known.other && known.other->host == other.host &&
+                        known.other->incarnation == other.incarnation;
+  known.other = other;
+  if (repeated) return;
+  RecordActuator(
+      i, kCodePermissionDenied,
+      texts::DuplicateActuator(ConfigOf(i).name, other.pid, other.host.substr(0, 64), used));
 }
 
 void Arrivals::TakeUpOthers() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     KnownActuator& known = Of(i);
-    if (!known.other || known.presence == Presence::kPresent) continue;
+    if (!known.other || known.presence == Presence::kPresent || known.control.again) continue;
     const ActuatorReport other = *std::exchange(known.other, std::nullopt);
     if (known.presence == Presence::kLost) On(event::StatusSeen{i, other});
   }

@@ -30,6 +30,7 @@ class Arrivals : StepPart {
   void FoundTornDown(ActuatorIndex i, const ActuatorReport& report);
   void SetUpFailed(ActuatorIndex i, const ActuatorReport& report);
   bool IsImpostor(ActuatorIndex i, const ActuatorReport& report);
+  void NoteOther(ActuatorIndex i, const ActuatorReport& other, std::int32_t used);
   void EvaluateFoundBusy(ActuatorIndex i);
 
   Saver& saver_;

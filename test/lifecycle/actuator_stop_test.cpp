@@ -243,6 +243,37 @@ TEST_F(Stopped, AWaitingCommandThatHasBecomeUpwardMeanwhileIsRefusedToo) {
   EXPECT_FALSE(core_.report.busy());
 }
 
+// It led down when it came; the callback before it leads further down.
+TEST_F(Stopped, AWaitingCommandThatHasBecomeUpwardIsRefusedAlsoAfterTheRelease) {
+  for (const bool stopped_first : {false, true}) {
+    SCOPED_TRACE(stopped_first ? "it came under the stop" : "the stop came while it waited");
+    core_ = ActuatorCore{};
+    core_.report.incarnation = 77;
+    Announce(1);
+    SetUpIt();
+    Switch(1, "Active");
+    Do(Command(2, "LowPower"));
+    if (stopped_first) Engage();
+    Do(Command(3, "DeActive"));
+    if (!stopped_first) Engage();
+    Release();
+    const Actions actions = Do(CallbackEnded{});
+    EXPECT_EQ(AnswersIn(actions).back().code, kCodeProtectedError);
+    EXPECT_EQ(core_.report.state, "LowPower");
+    EXPECT_FALSE(core_.report.busy());
+    Switch(4, "DeActive");
+  }
+}
+
+TEST_F(Stopped, ACommandThatCameAfterTheReleaseBeginsAfterTheCallbackBeforeIt) {
+  Do(Command(2, "LowPower"));
+  Engage();
+  Release();
+  Do(Command(3, "Active"));
+  Do(CallbackEnded{});
+  EXPECT_EQ(core_.report.target, "Active");
+}
+
 // Its callback would, for example, switch on the motors that the failed one has switched off.
 TEST_F(Stopped, AFailedDownwardCallbackIsNotUndone) {
   Do(Command(2, "LowPower"));

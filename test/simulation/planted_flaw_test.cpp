@@ -459,6 +459,34 @@ TEST_F(FlawOfThePolicysTime, FindsAMachineThatGoesToLowPowerBeforeTheTimeOfItsCl
   ExpectFound(Invariant::kNotBeforeItsTime, "takes the machine to LowPower after");
 }
 
+// It has walked for longer than it has to lie still.
+TEST_F(FlawOfThePolicysTime, FindsAMachineThatGoesToLowPowerTooEarlyAfterItHasWalked) {
+  BringUpLyingStill(std::chrono::seconds(8));
+  robot_->SetMotion(303);
+  RunFor(std::chrono::seconds(12));
+  robot_->SetMotion(0);
+  ASSERT_TRUE(RunUntil([&] { return policy().still_since.has_value(); }, std::chrono::seconds(5)));
+  RunFor(std::chrono::seconds(2));
+  *policy().still_since -= std::chrono::seconds(5);
+  RunFor(std::chrono::seconds(2));
+  NextStep();
+  RunFor(std::chrono::seconds(1));
+  EXPECT_TRUE(IsDown());
+  ExpectFound(Invariant::kNotBeforeItsTime, "takes the machine to LowPower after");
+}
+
+TEST_F(FlawOfThePolicysTime, AMachineThatHasWalkedGoesToLowPowerAfterItsTime) {
+  BringUpLyingStill(std::chrono::seconds(8));
+  robot_->SetMotion(303);
+  RunFor(std::chrono::seconds(12));
+  robot_->SetMotion(0);
+  RunFor(std::chrono::seconds(7));
+  EXPECT_FALSE(IsDown());
+  RunFor(std::chrono::seconds(3));
+  EXPECT_TRUE(IsDown());
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
 TEST_F(FlawOfThePolicysTime, FindsAKeepThatEndsBeforeTheTimeOfItsClock) {
   BringUpLyingStill(std::chrono::seconds(60));
   RunFor(std::chrono::seconds(2));
@@ -581,6 +609,90 @@ TEST_F(FlawAfterARelease, FindsANextControllerThatSwitchesARestartedActuatorOn) 
   ForgetTheStop();
   RestartA();
   ExpectFound(Invariant::kReleaseSwitchesNothingOn, "a begins Active");
+}
+
+// A stop holds it in Protected, and a fallback of the machine to Protected commands it there again.
+TEST_F(PlantedFlaw, FindsAFallbackThatSwitchesOnAgainWhatAReleasedStopHolds) {
+  MachineConfig config = Started(2);
+  config.actuators[1].on_lost = State(kProtected);
+  config.actuators[1].critical = true;
+  Make(std::move(config));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  ASSERT_TRUE(robot_->Set(State(kProtected), "a")->done());
+  checker_->OnStopEngaged(0, 7);
+  robot_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  robot_->ReleaseEmergencyStop();
+  RunFor(std::chrono::seconds(4));
+  ASSERT_TRUE(robot_->ReportOf("a")->held_by_stop);
+  for (KnownActuator& known : const_cast<Machine&>(robot_->machine()).actuators) {
+    known.set_again = true;
+  }
+  robot_->CrashActuator("b");
+  RunFor(std::chrono::seconds(5));
+  ASSERT_EQ(robot_->machine().state, kProtected);
+  ExpectFound(Invariant::kReleaseSwitchesNothingOn, "a begins Protected in Protected");
+}
+
+// A stop is engaged and released while its SelfCheck runs.
+class FlawOfAStart : public PlantedFlaw {
+ protected:
+  void StopAndReleaseDuringTheStart() {
+    slow_ = State(kSelfCheck);
+    Make(WithLongTimes(Started(1)));
+    robot_->StartController();
+    ASSERT_TRUE(
+        RunUntil([&] { return robot_->machine().current.has_value(); }, std::chrono::seconds(10)));
+    checker_->OnStopEngaged(0, 7);
+    robot_->EngageEmergencyStop(7);
+    RunFor(std::chrono::seconds(1));
+    robot_->ReleaseEmergencyStop();
+    RunFor(std::chrono::seconds(4));
+    ASSERT_FALSE(robot_->machine().emergency.stop);
+    ASSERT_TRUE(robot_->machine().current);
+  }
+};
+
+TEST_F(FlawOfAStart, AStartThatAStopHasMetWaitsForARequest) {
+  ASSERT_NO_FATAL_FAILURE(StopAndReleaseDuringTheStart());
+  RunFor(std::chrono::seconds(30));
+  EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
+  EXPECT_NE(robot_->ReportOf("a")->state, kActive);
+  slow_ = {};
+  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
+  ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(FlawOfAStart, FindsAStartThatGoesOnAfterAReleasedStop) {
+  ASSERT_NO_FATAL_FAILURE(StopAndReleaseDuringTheStart());
+  auto& machine = const_cast<Machine&>(robot_->machine());
+  machine.emergency.awaits_request = false;
+  RunFor(std::chrono::seconds(30));
+  ExpectFound(Invariant::kReleaseSwitchesNothingOn, "a begins Active");
+}
+
+TEST_F(PlantedFlaw, AStartThatMayNotReadAFolderWaitsForARequest) {
+  Make(Started(1));
+  robot_->AddUnreadFolder(7);
+  robot_->StartController();
+  RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
+  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
+  ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  robot_->CrashController();
+  BringUp();
+  EXPECT_EQ(robot_->machine().state, kActive);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(PlantedFlaw, FindsAStartThatForgetsAFolderThatItMayNotRead) {
+  Make(Started(1));
+  robot_->AddUnreadFolder(7);
+  robot_->StartController();
+  const_cast<Machine&>(robot_->machine()).emergency.unread.clear();
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Invariant::kNoUnrequestedActivation, "a start begins SelfCheck although");
 }
 
 TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {

@@ -188,6 +188,51 @@ TEST(FoundScenario, AFallbackAfterAReleasedStopSwitchesNothingOn) {
   EXPECT_EQ(ViolationOf(103263, {2, 4}), "");
 }
 
+// Behind the callback to DeActive a command to Protected waited, which had come during the stop.
+TEST(FoundScenario, ACommandThatWaitedUnderAStopSwitchesNothingOnAfterItsRelease) {
+  EXPECT_EQ(ViolationOf(84581, {1, 2, 4}), "");
+}
+
+// A wake-up, or the exit from OTA, leads as far as the battery permits. The checker took it for a
+// request of that state alone, and the battery's raise to Active for one without a request.
+TEST(FoundScenario, ABatteryThatIsChargedRaisesTheMachineToWhatAWakeUpHasRequested) {
+  EXPECT_EQ(ViolationOf(45701, {1, 4, 5, 7}), "");
+  EXPECT_EQ(ViolationOf(168891, {3, 5, 6, 18}), "");
+}
+
+// The checker forgot from where a start that the battery had limited was to be raised again, once
+// the battery had taken it down further.
+TEST(FoundScenario, ABatteryThatIsChargedRaisesAlsoWhatALimitedStartHasWithheld) {
+  EXPECT_EQ(ViolationOf(3464, {1, 6, 9}), "");
+}
+
+// The checker took no request during a stop for one, also not that of a state in which nothing is
+// on.
+TEST(FoundScenario, ARequestOfDeActiveDuringAStopCounts) {
+  EXPECT_EQ(ViolationOf(99221, {1, 2, 3, 4}), "");
+}
+
+// The checker held a confirmation of the other machine for one of this machine: the program had
+// named both by their name.
+TEST(FoundScenario, AStopOfANameThatTwoMachinesHaveMayReachTheOtherOneOnly) {
+  EXPECT_EQ(ViolationOf(502801, {2, 3, 4}), "");
+}
+
+// A callback that a stop had met switched on at its end, and the stop action ran again at once.
+TEST(FoundScenario, ACallbackUnderAStopMaySwitchOnUntilItsEndIsKnown) {
+  EXPECT_EQ(ViolationOf(185871, {1, 3}), "");
+}
+
+// Its heartbeat had reported the hang of a callback that ended on the way of that heartbeat.
+TEST(FoundScenario, AProcessThatHasReportedAHangMayBeKilledAlsoJustAfterIt) {
+  EXPECT_EQ(ViolationOf(716501, {2, 3, 5, 9, 11, 12}), "");
+}
+
+// Both had the same pid, and their statuses came in turn while the controller had neither.
+TEST(FoundScenario, AControllerRemembersTheSecondProcessAlsoOfAnActuatorThatIsStarting) {
+  EXPECT_EQ(ViolationOf(662601, {2, 3, 4, 5, 7}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");

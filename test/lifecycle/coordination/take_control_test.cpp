@@ -194,6 +194,21 @@ TEST_F(Reports, OfAnImpostorAreRecordedWithItsHostShortened) {
   EXPECT_TRUE(IsRecorded(texts::DuplicateActuator("a", 700, std::string(64, 'h'), 700)));
 }
 
+// The other one is used when this one is lost.
+TEST_F(Reports, OfTwoHostsBeforeEitherProcessIsAttachedAreBothRemembered) {
+  Begin();
+  ActuatorReport elsewhere = Report(0);
+  elsewhere.incarnation += 100;
+  elsewhere.pid += 100;
+  elsewhere.host = "dock";
+  Say(0, elsewhere);
+  Come(0);
+  EXPECT_TRUE(IsRecorded(texts::DuplicateActuator("a", 800, "dock", 700)));
+  Do(event::Vanished{0, kFirst, true, "its process 700 ended"});
+  EXPECT_EQ(Of(0).presence, Presence::kStarting);
+  EXPECT_EQ(Of(0).report.host, "dock");
+}
+
 TEST_F(Reports, OfAProcessThatHasExitedAreIgnored) {
   StartUp();
   const ActuatorReport last = Report(0, "Active");
