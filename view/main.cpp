@@ -201,8 +201,8 @@ int Main(int argc, char** argv) {
                  "Namespace of the machine; default $MUSHER_NAMESPACE, else none");
   options.machine = FromEnvironment("MUSHER_MACHINE");
   app.add_option("--machine", options.machine,
-                 "Name of the machine, or the beginning of its id; default $MUSHER_MACHINE, else\n"
-                 "the one of this host, else the first that answers");
+                 "Name of the machine, or the beginning of its id;\n"
+                 "default $MUSHER_MACHINE, else the one of this host, else the first that answers");
   app.add_option("--domain", options.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(0, 232).description(""));
   app.add_option("--interface", options.interfaces,
