@@ -27,8 +27,9 @@ namespace {
 
 struct ViewOptions {
   std::string name_space;
-  std::string machine;        // empty: that of this host, else the first
-  std::optional<int> domain;  // none: ROS_DOMAIN_ID, else 0
+  std::string machine;  // its name or the beginning of its id; empty: as MachineFeed does
+  std::vector<std::string> interfaces;  // to other hosts, of the profile lan
+  std::optional<int> domain;            // none: ROS_DOMAIN_ID, else 0
   std::uint16_t port = 8765;
   std::string bind = "127.0.0.1";
   std::vector<std::string> hosts;
@@ -115,6 +116,7 @@ Result<std::unique_ptr<transport::Node>> JoinForView(transport::EventLoop& loop,
                                                      const ViewOptions& options, bool with_keys) {
   transport::DdsOptions dds;
   dds.domain_id = options.domain;
+  dds.interfaces = options.interfaces;
   dds.discovery = transport::DiscoveryTiming::kAtOnce;
   dds.unicast = true;
   dds.node_name = "musher_view";
@@ -197,10 +199,15 @@ int Main(int argc, char** argv) {
   options.name_space = FromEnvironment("MUSHER_NAMESPACE");
   app.add_option("--namespace", options.name_space,
                  "Namespace of the machine; default $MUSHER_NAMESPACE, else none");
+  options.machine = FromEnvironment("MUSHER_MACHINE");
   app.add_option("--machine", options.machine,
-                 "Name of the machine; default: that of this host, else the first that answers");
+                 "Name of the machine, or the beginning of its id;\n"
+                 "default $MUSHER_MACHINE, else the one of this host, else the first that answers");
   app.add_option("--domain", options.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(0, 232).description(""));
+  app.add_option("--interface", options.interfaces,
+                 "Network interface to other hosts, with MUSHER_TRANSPORT=lan; may be repeated.\n"
+                 "Default: as DDS chooses");
   app.add_option("--port", options.port, "Default 8765; 0: any that is free")
       ->check(CLI::Range(0, 65535).description(""));
   app.add_option("--bind", options.bind,

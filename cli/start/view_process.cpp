@@ -12,6 +12,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/controller/client/leader_watch.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
 namespace {
@@ -33,17 +34,35 @@ std::vector<std::string> ViewCommand(const MachineConfig& config) {
     command.insert(command.end(), {"--namespace", config.name_space});
   }
   if (!view.token_file.empty()) command.insert(command.end(), {"--token-file", view.token_file});
+  for (const std::string& one : config.interfaces) {
+    command.insert(command.end(), {"--interface", one});
+  }
   for (const std::string& host : view.hosts) command.insert(command.end(), {"--host", host});
   if (view.stop_needs_login) command.emplace_back("--stop-needs-login");
   return command;
+}
+
+std::map<std::string, std::string> ViewEnvironment(const MachineConfig& config) {
+  std::map<std::string, std::string> environment;
+  transport::DdsOptions dds;
+  dds.profile = config.transport;
+  if (const auto profile = transport::Profile(dds)) {
+    const bool lan = profile.value() == TransportProfile::kLan;
+    environment["MUSHER_TRANSPORT"] = lan ? "lan" : "local";
+  }
+  if (!config.keys.empty()) {
+    environment["MUSHER_KEYS"] = config.keys;
+    environment["MUSHER_IDENTITY"] = "operator";
+  }
+  return environment;
 }
 
 ViewProcess::ViewProcess(transport::EventLoop& loop, const MachineConfig& config,
                          OnTrouble on_trouble)
     : loop_(loop),
       command_(ViewCommand(config)),
+      environment_(ViewEnvironment(config)),
       log_(config.state_dir + "/logs/" + kViewProgram + ".log"),
-      keys_(config.keys),
       on_trouble_(std::move(on_trouble)) {
   Start();
 }
@@ -68,7 +87,7 @@ void ViewProcess::Start() {
   ProgramSpec spec;
   spec.argv = command_;
   spec.output = output.get();
-  if (!keys_.empty()) spec.env = {{"MUSHER_KEYS", keys_}, {"MUSHER_IDENTITY", "operator"}};
+  spec.env = environment_;
   spec.after_fork = [](char* const*) { prctl(PR_SET_PDEATHSIG, SIGTERM); };
   auto program = ForkProgram(spec);
   if (!program) return StartLater("cannot be started: " + program.error().message);

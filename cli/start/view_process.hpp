@@ -9,6 +9,7 @@
 // Threads: loop thread only. Its output goes to logs/musher-view.log.
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,9 @@ inline constexpr const char* kViewProgram = "musher-view";
 
 // The program with the options that the config gives. `config` has [view].
 std::vector<std::string> ViewCommand(const MachineConfig& config);
+// What it gets beside the environment of this process: it reaches the hosts that the controller
+// reaches, with an operator's credentials.
+std::map<std::string, std::string> ViewEnvironment(const MachineConfig& config);
 
 class ViewProcess {
  public:
@@ -44,8 +48,8 @@ class ViewProcess {
 
   transport::EventLoop& loop_;
   const std::vector<std::string> command_;
+  const std::map<std::string, std::string> environment_;
   const std::string log_;
-  const std::string keys_;
   const OnTrouble on_trouble_;
   std::optional<ForkedProgram> program_;
   Time started_at_;

@@ -49,7 +49,9 @@ LeaderWatch::LeaderWatch(transport::Node& node, Options options, OnStatus on_sta
       options_(std::move(options)),
       on_status_(std::move(on_status)),
       on_end_(std::move(on_end)),
-      machine_(options_.machine) {}
+      machine_(options_.machine) {
+  if (!options_.word.empty()) machine_.name = options_.word;
+}
 
 Result<std::unique_ptr<LeaderWatch>> LeaderWatch::Make(transport::Node& node, Options options,
                                                        OnStatus on_status, OnEnd on_end) {
@@ -76,7 +78,9 @@ Result<> LeaderWatch::Open() {
   auto statuses = transport::MakeSubscription<msg::MachineStatus>(
       node_, transport::MachineStatusTopic(options_.name_space),
       [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
-        if (transport::IsOwn(status.participant, info)) OnStatusOf(status, info);
+        if (!transport::IsOwn(status.participant, info)) return;
+        NoteCandidate({status.machine, status.machine_id});
+        OnStatusOf(status, info);
       },
       transport::kLatchedFromManyQos, std::move(events));
   if (!statuses) return statuses.error();
@@ -92,18 +96,36 @@ bool LeaderWatch::IsOurs(const msg::MachineStatus& leader) const {
   return options_.watch_process && IsHere(leader);
 }
 
-// Of the machine of this host, while another one is followed.
+bool LeaderWatch::IsPermitted(const MachineIdentity& machine) const {
+  const std::string& word = options_.word;
+  return SameMachine(options_.machine, machine) &&
+         (word.empty() || machine.name == word || BeginsIdOf(machine, word));
+}
+
+void LeaderWatch::NoteCandidate(const MachineIdentity& machine) {
+  const auto same = [&machine](const MachineIdentity& one) { return SameMachine(one, machine); };
+  const bool is_new = IsPermitted(machine) && std::ranges::none_of(candidates_, same);
+  if (is_new && candidates_.size() < kMostCandidates) candidates_.push_back(machine);
+}
+
+// Of the machine of this host, after another one was found.
 bool LeaderWatch::ReplacesElsewhere(const msg::MachineStatus& status) const {
-  return options_.prefer_here && !found_here_ && IsHere(status) && leader_ && !IsHere(*leader_) &&
+  return options_.prefer_here && !found_here_ && IsHere(status) &&
+         (!leader_ || !IsHere(*leader_)) &&
          !SameMachine(machine_, {status.machine, status.machine_id});
 }
 
 bool LeaderWatch::Follows(const msg::MachineStatus& status,
                           const transport::SampleInfo& from) const {
   const MachineIdentity theirs{status.machine, status.machine_id};
-  if (ReplacesElsewhere(status)) return SameMachine(options_.machine, theirs);
-  const bool only = leader_ || options_.one_machine || (found_here_ && !IsHere(status));
-  if (!SameMachine(only ? machine_ : options_.machine, theirs)) return false;
+  if (!IsPermitted(theirs)) return false;
+  if (ReplacesElsewhere(status)) return true;
+  const bool preferred = found_here_ && IsHere(status);
+  const bool one = options_.one_machine || options_.one_name || found_here_;
+  if (found_ && (leader_ || (one && !preferred))) {
+    const bool by_name = options_.one_name && !options_.one_machine && !found_here_ && !leader_;
+    if (!SameMachine(by_name ? MachineIdentity{machine_.name, ""} : machine_, theirs)) return false;
+  }
   if (leader_) {
     // A status without a participant's number that says the same process is a repeated one.
     const bool same = status.pid == leader_->pid && status.host == leader_->host;
@@ -124,6 +146,7 @@ void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::
     if (!process && leader_) return;  // the status of a process that has exited ends no other one
   }
   machine_ = {status.machine, status.machine_id};
+  found_ = true;
   found_here_ |= options_.prefer_here && IsHere(status);
   if (leader_ && another) End("no longer leads");
   silent_.reset();

@@ -17,6 +17,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
@@ -43,8 +44,13 @@ class LeaderWatch {
     MachineIdentity machine = {};  // empty: the first machine whose controller is found …
     bool one_machine = false;      // … and no other one after that
     // The machine of this host instead of the first, also when another one was found before; once
-    // it was found, no other one.
+    // it was found, none of another host.
     bool prefer_here = false;
+    // Without a leader none of another name than the last one. A machine that was started again
+    // with another state folder has another id.
+    bool one_name = false;
+    // By which a person chooses it: its name, or the beginning of its id; empty: any.
+    std::string word = {};
   };
   // The leader of that status is over. `how` follows its name: "has exited", "sends no heartbeat".
   using OnEnd = std::function<void(const msg::MachineStatus& leader, const std::string& how)>;
@@ -59,8 +65,15 @@ class LeaderWatch {
   // The leader's participant. Services of a crashed controller stay matched until its lease
   // expires.
   transport::ParticipantId participant() const { return from_.participant; }
-  // The machine of the leader, or of the last one; empty: none was found, and none was given.
+  // The machine of the leader, or of the last one. Before one was found: the given one, or the
+  // given word as a name; empty: none was given.
   const MachineIdentity& machine() const { return machine_; }
+  // It is the preferred one, of this host, also once its controller leads no longer.
+  bool found_here() const { return found_here_; }
+  // The machines that the options permit and that have published a status, at most
+  // kMostCandidates; no two are the same.
+  const std::vector<MachineIdentity>& candidates() const { return candidates_; }
+  static constexpr std::size_t kMostCandidates = 64;
 
  private:
   LeaderWatch(transport::Node& node, Options options, OnStatus on_status, OnEnd on_end);
@@ -73,6 +86,8 @@ class LeaderWatch {
   void End(const std::string& how);
   bool IsOurs(const msg::MachineStatus& leader) const;
   bool IsHere(const msg::MachineStatus& status) const;
+  bool IsPermitted(const MachineIdentity& machine) const;
+  void NoteCandidate(const MachineIdentity& machine);
   bool ReplacesElsewhere(const msg::MachineStatus& status) const;
 
   transport::Node& node_;
@@ -83,7 +98,9 @@ class LeaderWatch {
   transport::SampleInfo from_;   // of its status
   Duration heartbeat_period_{};  // as in its heartbeat
   MachineIdentity machine_;
-  bool found_here_ = false;                   // the last leader was a controller of this host
+  bool found_ = false;       // … is that of a leader
+  bool found_here_ = false;  // … on this host, which is preferred
+  std::vector<MachineIdentity> candidates_;
   transport::EndpointId ended_ = 0;           // writer of the last leader whose process has exited
   std::optional<msg::MachineStatus> silent_;  // of the last leader whose heartbeat was lost
   transport::SampleInfo silent_from_;

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <optional>
 
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -45,16 +46,28 @@ class LeaderWatches : public ::testing::Test {
     const auto watcher = watchers_.extract(pid);
     if (!watcher.empty()) watcher.mapped()();
   }
-  void Watch(const MachineIdentity& machine = {}, bool prefer_here = false) {
-    LeaderWatch::Options options{
-        "", "here",
-        [this](std::int32_t pid, std::function<void()> on_end) -> transport::LoopHandlePtr {
-          if (pid == kExited) return nullptr;
-          watchers_[pid] = std::move(on_end);
-          return std::make_unique<transport::LoopHandle>();
-        }};
+  void Watch(const MachineIdentity& machine = {}) {
+    LeaderWatch::Options options = OptionsHere();
     options.machine = machine;
-    options.prefer_here = prefer_here;
+    Begin(options);
+  }
+  // As the page does.
+  void WatchAsAPage(const std::string& word = "") {
+    LeaderWatch::Options options = OptionsHere();
+    options.one_name = true;
+    options.prefer_here = true;
+    options.word = word;
+    Begin(options);
+  }
+  LeaderWatch::Options OptionsHere() {
+    return {"", "here",
+            [this](std::int32_t pid, std::function<void()> on_end) -> transport::LoopHandlePtr {
+              if (pid == kExited) return nullptr;
+              watchers_[pid] = std::move(on_end);
+              return std::make_unique<transport::LoopHandle>();
+            }};
+  }
+  void Begin(const LeaderWatch::Options& options) {
     watch_ = LeaderWatch::Make(
                  *desk_, options,
                  [this](const msg::MachineStatus& status) { taken_.push_back(status.pid); },
@@ -114,7 +127,7 @@ TEST_F(LeaderWatches, IgnoreAnOlderControllerOfTheirMachine) {
 }
 
 TEST_F(LeaderWatches, PreferTheMachineOfTheirHostToTheFirstAndStayWithIt) {
-  Watch({}, true);
+  WatchAsAPage();
   const auto cat = Leads("cat", "uuid-b", 9, 2, 0, "elsewhere");
   const auto dog = Leads("dog", "uuid-a", 1, 1);
   EXPECT_THAT(taken_, ElementsAre(2, 1));
@@ -123,6 +136,79 @@ TEST_F(LeaderWatches, PreferTheMachineOfTheirHostToTheFirstAndStayWithIt) {
   EXPECT_THAT(taken_, ElementsAre(2, 1)) << "another robot that comes near is not theirs";
   const auto again = Leads("dog", "uuid-a", 2, 4);
   EXPECT_THAT(taken_, ElementsAre(2, 1, 4));
+}
+
+// A robot beside it, which publishes while the first one's heartbeat is lost, or is switched on
+// later.
+TEST_F(LeaderWatches, StayWithTheOneMachineThatTheyHaveFoundAlsoAfterItsEnd) {
+  WatchAsAPage();
+  std::optional dog(Leads("dog", "uuid-a", 7, 1, 0, "elsewhere"));
+  dog.reset();
+  network_.RunFor(seconds(20));
+  ASSERT_FALSE(watch_->leader());
+  const auto cat = Leads("cat", "uuid-b", 9, 2, 0, "elsewhere");
+  EXPECT_THAT(taken_, ElementsAre(1));
+  EXPECT_EQ(watch_->machine(), (MachineIdentity{"dog", "uuid-a"}));
+  const auto again = Leads("dog", "uuid-a", 8, 3, 0, "elsewhere");
+  EXPECT_THAT(taken_, ElementsAre(1, 3));
+}
+
+TEST_F(LeaderWatches, TakeTheirMachineAgainAfterItsStateFolderWasLost) {
+  WatchAsAPage();
+  std::optional dog(Leads("dog", "uuid-a", 7, 1, 0, "elsewhere"));
+  const auto copy = Leads("dog", "uuid-c", 8, 2, 0, "elsewhere");
+  EXPECT_THAT(taken_, ElementsAre(1)) << "while the first one leads, by its id";
+  dog.reset();
+  network_.RunFor(seconds(20));
+  const auto again = Leads("dog", "uuid-d", 1, 3, 0, "elsewhere");
+  EXPECT_THAT(taken_, ElementsAre(1, 3));
+}
+
+TEST_F(LeaderWatches, TakeNoMachineOfAnotherHostOnceTheyHaveFoundTheirs) {
+  WatchAsAPage();
+  const auto dog = Leads("dog", "uuid-a", 1, 1);
+  ReportExit(1);
+  const auto copy = Leads("dog", "uuid-c", 8, 2, 0, "elsewhere");
+  EXPECT_THAT(taken_, ElementsAre(1));
+}
+
+TEST_F(LeaderWatches, TakeTheMachineOfTheirHostAlsoAfterTheEndOfTheOneThatTheyHaveFound) {
+  WatchAsAPage();
+  std::optional cat(Leads("cat", "uuid-b", 9, 2, 0, "elsewhere"));
+  cat.reset();
+  network_.RunFor(seconds(20));
+  ASSERT_FALSE(watch_->leader());
+  EXPECT_FALSE(watch_->found_here());
+  const auto dog = Leads("dog", "uuid-a", 1, 1);
+  EXPECT_THAT(taken_, ElementsAre(2, 1));
+  EXPECT_TRUE(watch_->found_here());
+}
+
+TEST_F(LeaderWatches, TakeTheNextMachineOfTheirHostOnceTheirsHasEnded) {
+  WatchAsAPage();
+  const auto dog = Leads("dog", "uuid-a", 1, 1);
+  ReportExit(1);
+  const auto next = Leads("cat", "uuid-b", 1, 2);
+  EXPECT_THAT(taken_, ElementsAre(1, 2));
+}
+
+TEST_F(LeaderWatches, TakeTheMachineWhoseIdBeginsWithTheWordOfAPerson) {
+  WatchAsAPage("5982");
+  EXPECT_EQ(watch_->machine(), (MachineIdentity{"5982", ""}));
+  const auto cat = Leads("cat", "11112222-b", 7, 1, 0, "elsewhere");
+  const auto dog = Leads("dog", "5982c7ee-a", 2, 2, 0, "elsewhere");
+  EXPECT_THAT(taken_, ElementsAre(2));
+  EXPECT_EQ(watch_->machine(), (MachineIdentity{"dog", "5982c7ee-a"}));
+}
+
+TEST_F(LeaderWatches, ListTheMachinesThatTheWordOfAPersonMayMean) {
+  WatchAsAPage("dog");
+  const auto cat = Leads("cat", "uuid-b", 7, 1, 0, "elsewhere");
+  const auto dog = Leads("dog", "uuid-a", 2, 2, 0, "elsewhere");
+  const auto successor = Leads("dog", "uuid-a", 3, 3, 0, "elsewhere");
+  const auto copy = Leads("dog", "uuid-c", 1, 4, 0, "elsewhere");
+  EXPECT_THAT(watch_->candidates(),
+              ElementsAre(MachineIdentity{"dog", "uuid-a"}, MachineIdentity{"dog", "uuid-c"}));
 }
 
 TEST_F(LeaderWatches, IgnoreAStatusThatAnotherParticipantRepeats) {

@@ -7,6 +7,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/log.hpp"
 #include "musher/base/version.hpp"
+#include "musher/controller/storage/machines_here.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/transport/network.hpp"
 #include "musher/view/http/assets.hpp"
@@ -104,6 +105,10 @@ LiveServer::LiveServer(transport::Node& node, Options options)
                    if (page.watched.contains(topic)) Send(page, latest.key, latest.message);
                  }
                }),
+      search_(node.loop(),
+              [domain = options_.domain_id, name_space = options_.name_space] {
+                return MachinesHere(domain, name_space);
+              }),
       skills_(node, options_.name_space) {}
 
 Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Options options) {
@@ -133,13 +138,12 @@ Result<> LiveServer::Open() {
     }
   };
   events.on_status = [this] { requests_->OnStatus(); };
+  RobotRequests::Options requests{options_.name_space, host, options_.with_keys};
+  requests.stops = {options_.name_space, options_.domain_id, options_.lan};
+  requests.machine = options_.machine;
+  requests.find = [this](auto on_found) { search_.Begin(std::move(on_found)); };
   requests_ = std::make_unique<RobotRequests>(
-      node_,
-      RobotRequests::Options{options_.name_space,
-                             host,
-                             options_.with_keys,
-                             {options_.name_space, options_.domain_id, options_.lan}},
-      [this]() -> const LeaderWatch& { return feed_->leader(); });
+      node_, std::move(requests), [this]() -> const LeaderWatch& { return feed_->leader(); });
   auto feed =
       MachineFeed::Make(node_, {options_.name_space, host, options_.machine}, std::move(events));
   if (!feed) return feed.error();
@@ -420,13 +424,17 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
         403, kNeedsLogin,
         "acting needs a login; `musher view --link` prints a link and a PIN for one"));
   }
-  if (request.path == "/api/set") return requests_->Set(person, target, actuator, respond);
+  const RobotRequests::Caller caller{person, {TextIn(body, "machine"), TextIn(body, "machine_id")}};
+  if (request.path == "/api/set") return requests_->Set(caller, target, actuator, respond);
   if (request.path == "/api/estop") {
-    return requests_->Stop(person, TextIn(body, "reason"), respond);
+    return requests_->Stop(caller, TextIn(body, "reason"), respond);
   }
-  if (request.path == "/api/release") return requests_->Release(person, respond);
-  if (request.path == "/api/restart") return requests_->Restart(person, actuator, respond);
-  if (request.path == "/api/skill") return skills_.Run(SkillIn(body), respond);
+  if (request.path == "/api/release") return requests_->Release(caller, respond);
+  if (request.path == "/api/restart") return requests_->Restart(caller, actuator, respond);
+  if (request.path == "/api/skill") {
+    if (requests_->IsMeant(caller, respond)) skills_.Run(SkillIn(body), respond);
+    return;
+  }
   if (request.path == "/api/cancel_skill") {
     if (!body.contains("goal_id")) {
       return skills_.CancelRun(person, actuator, TextIn(body, "skill"), respond);
@@ -434,8 +442,9 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
     return skills_.Cancel(TextIn(body, "action"), TextIn(body, "goal_id"), respond);
   }
   if (request.path == "/api/pause_skill") {
-    return skills_.Pause(actuator, TextIn(body, "skill"), body.value("pause", Json()) != false,
-                         respond);
+    const bool pause = body.value("pause", Json()) != false;
+    if (!pause && !requests_->IsMeant(caller, respond)) return;
+    return skills_.Pause(actuator, TextIn(body, "skill"), pause, respond);
   }
   respond(http::ErrorResponse(404, kCodeParametersInvalid, "there is nothing at " + request.path));
 }

@@ -4,7 +4,7 @@
 //
 // Every client on this host may look; one on another host only with a login. Only a person with a
 // login may act: a one-time link opens it. A request that acts carries the person's name and
-// address.
+// address, and the machine that the page shows.
 //
 //   /live         the WebSocket of a page (subprotocol musher.view.v1)
 //   GET /api/...  history, behavior, tree, log, topics; POST: plan
@@ -27,6 +27,7 @@
 #include "musher/view/http/server.hpp"
 #include "musher/view/live/camera_view.hpp"
 #include "musher/view/live/docs.hpp"
+#include "musher/view/live/host_search.hpp"
 #include "musher/view/live/machine_feed.hpp"
 #include "musher/view/live/robot_requests.hpp"
 #include "musher/view/live/skill_requests.hpp"
@@ -42,7 +43,7 @@ class LiveServer {
   struct Options {
     http::Options http;
     std::string name_space;
-    std::string machine;     // its name; empty: that of this host, else the first that is found
+    std::string machine;     // see MachineFeed::Options
     bool with_keys = false;  // the machine has [security]
     int domain_id = 0;       // of the node
     bool lan = false;        // the machine may have actuators on other hosts
@@ -108,6 +109,7 @@ class LiveServer {
   TopicTable table_;
   CameraView cameras_;
   WatchedTopics watched_;
+  HostSearch search_;
   std::unique_ptr<RobotRequests> requests_;
   SkillRequests skills_;
   std::unique_ptr<MetricsWatch> metrics_;

@@ -70,8 +70,10 @@ Result<> MachineFeed::Open() {
   if (!capabilities) return capabilities.error();
   capabilities_ = std::move(capabilities).value();
   LeaderWatch::Options watch{options_.name_space, options_.host, WatchByPidfd(node_.loop())};
-  watch.machine.name = options_.machine;
+  watch.word = options_.machine;
   watch.prefer_here = true;
+  // A page that is open never comes to show, and stop, the robot beside the one that was found.
+  watch.one_name = true;
   auto leader = LeaderWatch::Make(
       node_, std::move(watch), [this](const msg::MachineStatus& status) { OnStatus(status); },
       [this](const msg::MachineStatus&, const std::string&) { OnEnd(); });

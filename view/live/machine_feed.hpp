@@ -33,8 +33,9 @@ class MachineFeed {
 
   struct Options {
     std::string name_space;
-    std::string host;     // HostId()
-    std::string machine;  // its name; empty: that of this host, else the first that is found
+    std::string host;  // HostId()
+    // Its name, or the beginning of its id; empty: that of this host, else the first that is found.
+    std::string machine;
   };
   struct Events {
     std::function<void(const std::string& key, const SharedText& message)> on_message;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/controller/storage/machines_here.hpp"
+#include "musher/base/host.hpp"
 #include "musher/view/http/reply.hpp"
 #include "musher/view/live/machine_feed.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -31,22 +31,44 @@ std::string ResponseType() {
   return std::string(S::kTypeName) + "Response_";
 }
 
-// Which actuators do not stand, as a sentence; empty: all do.
-std::string NotStopped(const EstopReport& report) {
+// What does not stand, as a sentence; empty: all does. `searched`: what this host has of the
+// machine is known.
+std::string NotStopped(const EstopReport& report, bool searched) {
   std::string sentence;
   for (const EstopReport::Actuator& actuator : report.actuators) {
     if (actuator.stopped) continue;
     sentence += (sentence.empty() ? "not stopped: " : ", ") + actuator.name;
     if (!actuator.trouble.empty()) sentence += " (" + actuator.trouble + ")";
   }
-  if (!report.unknown.empty()) sentence += (sentence.empty() ? "" : "; ") + report.unknown;
+  const auto add = [&sentence](const std::string& more) {
+    sentence += (sentence.empty() ? "" : "; ") + more;
+  };
+  if (report.controller && !report.controller_latched) add("the controller has not latched it");
+  if (!report.unknown.empty()) add(report.unknown);
+  // The list of a controller needs no search.
+  if (!report.controller && !searched) add("this host is still being searched for its actuators");
   return sentence;
+}
+
+std::vector<MachineIdentity> NamedOf(const std::vector<MachineHere>& machines) {
+  std::vector<MachineIdentity> named;
+  for (const MachineHere& machine : machines) {
+    if (!machine.identity.name.empty()) named.push_back(machine.identity);
+  }
+  return named;
+}
+
+bool IsIn(const std::vector<MachineIdentity>& machines, const MachineIdentity& machine) {
+  return std::ranges::any_of(machines, [&](const auto& one) { return SameMachine(one, machine); });
 }
 
 }  // namespace
 
 RobotRequests::RobotRequests(transport::Node& node, Options options, Leader leader)
-    : node_(node), options_(std::move(options)), leader_(std::move(leader)) {}
+    : node_(node), options_(std::move(options)), leader_(std::move(leader)) {
+  if (!options_.find) own_ = NamedOf(options_.stops.machines);
+  SearchHost();
+}
 
 template <msg::Service S>
 void RobotRequests::Answer(const http::Respond& respond, const typename S::Response& response) {
@@ -65,6 +87,46 @@ bool RobotRequests::HasController(const http::Respond& respond) {
   if (status()) return true;
   respond(http::ErrorResponse(503, kCodeNetError, "no controller leads the machine"));
   return false;
+}
+
+// Why the machine that is followed may not be the one that a person on this host means.
+std::optional<Error> RobotRequests::WhyNotMeant() const {
+  const LeaderWatch& watch = leader_();
+  if (watch.found_here()) return std::nullopt;
+  const bool named = !options_.machine.empty();
+  const std::string& name = named ? options_.machine : watch.machine().name;
+  std::vector<MachineIdentity> alike = watch.candidates();
+  if (!named) std::erase_if(alike, [&](const auto& one) { return one.name != name; });
+  if (alike.size() > 1) {
+    std::string list;
+    for (const MachineIdentity& one : alike) list += (list.empty() ? "" : "; ") + MachineText(one);
+    return Error{kCodeTargetBusy, "several machines are named " + name + ": " + list +
+                                      ". Nothing was done; `musher view --machine ID` speaks to "
+                                      "one of them"};
+  }
+  if (named) return std::nullopt;
+  if (!own_) {
+    return Error{kCodeNetError,
+                 "this host is still being searched for a machine of its own. Nothing was done; "
+                 "try again, or `musher view --machine NAME` speaks to another machine"};
+  }
+  if (own_->empty() || IsIn(*own_, watch.machine())) return std::nullopt;
+  return Error{kCodeNetError, "the machine of this host, " + MachineText(own_->front()) +
+                                  ", does not run; found " + MachineText(watch.machine()) +
+                                  ". Nothing was done; `musher view --machine NAME` speaks to "
+                                  "another machine"};
+}
+
+bool RobotRequests::IsMeant(const Caller& caller, const http::Respond& respond) const {
+  std::optional<Error> why = WhyNotMeant();
+  const MachineIdentity& machine = leader_().machine();
+  if (!why && !SameMachine(caller.shown, machine)) {
+    why = Error{kCodeTargetBusy, "the page shows " + MachineText(caller.shown) + ", but " +
+                                     MachineText(machine) +
+                                     " is followed now. Nothing was done; look at the page again"};
+  }
+  if (why) respond(http::ErrorResponse(409, why->code, why->message));
+  return !why;
 }
 
 bool RobotRequests::HasActuator(const std::string& actuator, const http::Respond& respond) {
@@ -109,13 +171,13 @@ void RobotRequests::Plan(const std::string& target, const std::string& actuator,
   Call<msg::GetPlan>("get_plan", {target, actuator}, kAnswerTime, respond);
 }
 
-void RobotRequests::Set(const std::string& by, const std::string& target,
+void RobotRequests::Set(const Caller& caller, const std::string& target,
                         const std::string& actuator, const http::Respond& respond) {
-  if (!HasController(respond)) return;
+  if (!HasController(respond) || !IsMeant(caller, respond)) return;
   std::erase_if(switches_, [](const Switch& each) { return each.ended; });
   SwitchClient::Options options;
   options.leader = LeaderOptions();
-  options.by = by + " on the page";
+  options.by = caller.by + " on the page";
   options.timeout = kSwitchTime;
   options.find = kAnswerTime;
   Switch& one = switches_.emplace_back();
@@ -135,13 +197,14 @@ void RobotRequests::Set(const std::string& by, const std::string& target,
   one.client = std::move(client).value();
 }
 
-void RobotRequests::Restart(const std::string& by, const std::string& actuator,
+void RobotRequests::Restart(const Caller& caller, const std::string& actuator,
                             const http::Respond& respond) {
+  if (!HasController(respond) || !IsMeant(caller, respond)) return;
   if (!HasActuator(actuator, respond)) return;
   std::erase_if(restarts_, [](const Restarting& each) { return each.ended; });
   Restarting& one = restarts_.emplace_back();
   auto call = LeaderCall<msg::RestartActuator>::Make(
-      node_, LeaderOptions(), "restart_actuator", {actuator, by}, kRestartTime,
+      node_, LeaderOptions(), "restart_actuator", {actuator, caller.by}, kRestartTime,
       [this, &one, respond](const Result<msg::RestartActuator::Response>& answer) {
         one.ended = true;
         if (answer) return Answer<msg::RestartActuator>(respond, answer.value());
@@ -154,51 +217,144 @@ void RobotRequests::Restart(const std::string& by, const std::string& actuator,
   one.call = std::move(call).value();
 }
 
-void RobotRequests::Release(const std::string& by, const http::Respond& respond) {
-  Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {by}, kAnswerTime, respond);
+void RobotRequests::Release(const Caller& caller, const http::Respond& respond) {
+  if (!HasController(respond) || !IsMeant(caller, respond)) return;
+  Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {caller.by}, kAnswerTime, respond);
 }
 
-void RobotRequests::Stop(const std::string& by, const std::string& reason,
+// Whether an actuator runs on this host that the followed machine, of another host, does not list.
+bool RobotRequests::HasActuatorsOfAnother() const {
+  if (leader_().found_here()) return false;
+  const auto is_listed = [this](const std::string& name) {
+    return status() && std::ranges::any_of(status()->actuators, [&](const msg::ActuatorInfo& one) {
+             return one.name == name && one.host == options_.host;
+           });
+  };
+  const StopScope& scope = options_.stops;
+  return !std::ranges::all_of(
+      NameLock::HeldBelow(NameLock::NameOf(scope.domain_id, scope.name_space, "")), is_listed);
+}
+
+// The machine that is followed, by its name while it does not answer, and the one on the page.
+// Where another one may be meant, every machine that the word of the person may mean.
+RobotRequests::StopAddress RobotRequests::AddressOfStop(const MachineIdentity& shown) const {
+  const LeaderWatch& watch = leader_();
+  const std::string& word = options_.machine;
+  StopAddress address{watch.machine()};
+  if (!status() && !watch.found_here()) address.machine.id.clear();
+  if (WhyNotMeant() || HasActuatorsOfAnother()) address.machine = {word, ""};
+  if (!word.empty() && address.machine.id.empty()) {
+    address.id_begins = word;
+    address.by_id = watch.candidates();
+    for (const MachineIdentity& one : own_.value_or(std::vector<MachineIdentity>())) {
+      address.by_id.push_back(one);
+    }
+  }
+  if (SameMachine(address.machine, shown) || BeginsIdOf(shown, address.id_begins)) return address;
+  // The server follows another machine than before: it was started again.
+  if (!address.id_begins.empty() || !BeginsIdOf(shown, shown.id)) return {};
+  address.id_begins = shown.id;
+  address.by_id = {shown};
+  return address;
+}
+
+void RobotRequests::Stop(const Caller& caller, const std::string& reason,
                          const http::Respond& respond) {
-  // The machine that the page shows; before one was found, every machine that receives it.
-  msg::EmergencyStop stop = NewEmergencyStop(by, reason);
-  stop.machine = leader_().machine().name;
-  stop.machine_id = leader_().machine().id;
+  const StopAddress address = AddressOfStop(caller.shown);
+  msg::EmergencyStop stop = NewEmergencyStop(caller.by, reason);
+  stop.machine = address.machine.name;
+  stop.machine_id = address.machine.id;
   auto latch = StopLatch::Begin(node_, options_.name_space, stop, options_.with_keys);
   if (!latch) {
     return respond(http::ErrorResponse(
         500, latch.error().code, "the emergency stop could not be sent: " + latch.error().message));
   }
+  if (!address.id_begins.empty()) {
+    latch.value()->AddBeginningOfId(address.id_begins, address.by_id);
+  }
+  if (stops_.size() >= kMostStops) DropOldestStop();
   const Time now = node_.loop().Now();
-  StopScope scope = options_.stops;  // read after the stop is published
-  scope.machines = MachinesHere(scope.domain_id, scope.name_space);
-  stops_.push_back(
-      {std::move(latch).value(), respond, now + kStopTime, now + kStopKept, std::move(scope)});
+  Stopping& stopping = stops_.emplace_back();
+  stopping.latch = std::move(latch).value();
+  stopping.respond = respond;
+  stopping.answer_by = now + kStopTime;
+  stopping.drop_at = now + kStopKept;
+  stopping.scope = options_.stops;
+  stopping.address = address;
+  stopping.searched = !options_.find;
+  stopping.search = SearchHost();  // after the stop is published
   if (!stop_timer_) stop_timer_ = node_.loop().Every(kStopPeriod, [this] { LookAtStops(); });
+}
+
+// One that was answered, if there is one: a later one has reached what runs, and stays published.
+void RobotRequests::DropOldestStop() {
+  auto oldest = std::ranges::find_if(stops_, [](const Stopping& stop) { return !stop.respond; });
+  if (oldest == stops_.end()) {
+    oldest = stops_.begin();
+    AnswerStop(*oldest, ReportOf(*oldest), "too many stops were sent at once");
+  }
+  stops_.erase(oldest);
+}
+
+// The number of a search that begins after this call: now, or after the one that is under way.
+std::uint64_t RobotRequests::SearchHost() {
+  if (!options_.find) return 0;
+  search_again_ |= searching_;
+  if (searching_) return searches_ + 1;
+  searching_ = true;
+  ++searches_;
+  options_.find([this](std::vector<MachineHere> machines) { OnMachines(std::move(machines)); });
+  return searches_;
+}
+
+void RobotRequests::OnMachines(std::vector<MachineHere> machines) {
+  searching_ = false;
+  own_ = NamedOf(machines);
+  for (Stopping& stop : stops_) {
+    if (stop.searched || stop.search > searches_) continue;
+    stop.searched = true;
+    stop.scope.machines = machines;
+  }
+  if (std::exchange(search_again_, false)) SearchHost();
+  LookAtStops();
 }
 
 void RobotRequests::OnStatus() {
   LookAtStops();
 }
 
+EstopReport RobotRequests::ReportOf(const Stopping& stop) const {
+  // Meanwhile another machine may be followed.
+  const MachineIdentity& machine = leader_().machine();
+  const bool is_its = status() && (SameMachine(stop.address.machine, machine) ||
+                                   BeginsIdOf(machine, stop.address.id_begins));
+  return stop.latch->Report(
+      ViewFromHere(stop.scope, is_its ? status() : std::optional<msg::MachineStatus>()));
+}
+
+void RobotRequests::AnswerStop(Stopping& stop, const EstopReport& report,
+                               const std::string& why_early) {
+  const http::Respond respond = std::exchange(stop.respond, nullptr);
+  std::string missing = NotStopped(report, stop.searched);
+  if (!why_early.empty()) missing += (missing.empty() ? "" : "; ") + why_early;
+  if (!report.found()) {
+    respond(http::ErrorResponse(503, kCodeNetError,
+                                "neither a controller nor an actuator was there to stop"));
+  } else if (!missing.empty()) {
+    RespondCode(respond, kCodeFailed, missing);
+  } else {
+    RespondCode(respond, kCodeOk, "");
+  }
+}
+
 void RobotRequests::LookAtStops() {
   const Time now = node_.loop().Now();
   for (Stopping& stop : stops_) {
     if (!stop.respond) continue;
-    const EstopReport report = stop.latch->Report(ViewFromHere(stop.scope, status()));
-    const bool found = report.found();
+    const EstopReport report = ReportOf(stop);
+    const bool known = report.controller || stop.searched;
     const bool over = now >= stop.answer_by;
-    if (!over && !(found && stop.latch->IsOver(report))) continue;
-    const http::Respond respond = std::exchange(stop.respond, nullptr);
-    const std::string missing = NotStopped(report);
-    if (!found) {
-      respond(http::ErrorResponse(503, kCodeNetError,
-                                  "neither a controller nor an actuator was there to stop"));
-    } else if (!missing.empty()) {
-      RespondCode(respond, kCodeFailed, missing);
-    } else {
-      RespondCode(respond, kCodeOk, "");
-    }
+    if (over || (known && report.found() && stop.latch->IsOver(report))) AnswerStop(stop, report);
   }
   std::erase_if(stops_, [now](const Stopping& stop) { return now >= stop.drop_at; });
   if (stops_.empty()) stop_timer_.reset();

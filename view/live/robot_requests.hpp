@@ -5,16 +5,24 @@
 // Threads: loop thread only, callbacks too. Each `respond` runs once, within a time; never after
 // this is dropped. Errors are responses with a status and a sentence:
 //   400 the request is malformed        404 no actuator of that name, or it has no such service
-//   503 no controller leads             504 no answer in time, or the controller is lost
+//   409 another machine may be meant    503 no controller leads
+//   504 no answer in time, or the controller is lost
 // A switch that is refused, undone or degraded is an answer, no error.
+//
+// What acts is refused where another machine may be meant than the one that is followed. An
+// emergency stop is never refused: there it is for each machine that may be meant.
 
+#include <cstdint>
 #include <functional>
 #include <list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/controller/client/leader_call.hpp"
+#include "musher/controller/client/machine_here.hpp"
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/client/switch_client.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
@@ -31,11 +39,22 @@ class RobotRequests {
   static constexpr Duration kRestartTime = std::chrono::seconds(60);
   static constexpr Duration kStopTime = std::chrono::seconds(3);
 
+  static constexpr std::size_t kMostStops = 8;
+
+  // Searches this host for its machines without waiting: `on_found` runs once, later.
+  using FindMachines = std::function<void(std::function<void(std::vector<MachineHere>)> on_found)>;
   struct Options {
     std::string name_space;
-    std::string host;        // HostId()
-    bool with_keys = false;  // the machine has [security]
-    StopScope stops = {};    // where a stop looks for its actuators
+    std::string host;          // HostId()
+    bool with_keys = false;    // the machine has [security]
+    StopScope stops = {};      // where a stop looks for its actuators
+    std::string machine = {};  // by which a person has chosen it: see LeaderWatch::Options::word
+    FindMachines find = {};    // empty: the machines of `stops` are those of this host
+  };
+  // A person on a page.
+  struct Caller {
+    std::string by;              // for the history
+    MachineIdentity shown = {};  // the machine on the page; empty: it does not say
   };
   // The leading controller, and the machine that is shown.
   using Leader = std::function<const LeaderWatch&()>;
@@ -44,14 +63,15 @@ class RobotRequests {
   RobotRequests(transport::Node& node, Options options, Leader leader);
 
   void Plan(const std::string& target, const std::string& actuator, const http::Respond& respond);
-  // `by`: the person, for the history.
-  void Set(const std::string& by, const std::string& target, const std::string& actuator,
+  void Set(const Caller& caller, const std::string& target, const std::string& actuator,
            const http::Respond& respond);
-  void Restart(const std::string& by, const std::string& actuator, const http::Respond& respond);
+  void Restart(const Caller& caller, const std::string& actuator, const http::Respond& respond);
   // {"code":0,"reason":""} once the controller and all actuators that can have latched it; else,
-  // after kStopTime, which have not.
-  void Stop(const std::string& by, const std::string& reason, const http::Respond& respond);
-  void Release(const std::string& by, const http::Respond& respond);
+  // after kStopTime, which have not. Only the last kMostStops are followed and stay published.
+  void Stop(const Caller& caller, const std::string& reason, const http::Respond& respond);
+  void Release(const Caller& caller, const http::Respond& respond);
+  // Whether the caller may act on the machine that is followed; if not, it has responded.
+  bool IsMeant(const Caller& caller, const http::Respond& respond) const;
   void History(std::uint32_t limit, const http::Respond& respond);
   // `format` of the graph: "mermaid", "dot" or "".
   void Behavior(const std::string& actuator, const std::string& format,
@@ -70,12 +90,21 @@ class RobotRequests {
     std::unique_ptr<LeaderCall<msg::RestartActuator>> call;
     bool ended = false;
   };
+  // Whom a stop reaches.
+  struct StopAddress {
+    MachineIdentity machine = {};             // empty: every machine
+    std::string id_begins = {};               // and each machine whose id begins so; empty: none
+    std::vector<MachineIdentity> by_id = {};  // of these, the known ones
+  };
   struct Stopping {
     std::unique_ptr<StopLatch> latch;
     http::Respond respond;  // empty: it was answered
     Time answer_by;
     Time drop_at;  // until then it reaches actuators that join, unless it is released
     StopScope scope;
+    StopAddress address;
+    std::uint64_t search = 0;  // the first search of this host that began after it …
+    bool searched = false;     // … has ended
   };
 
   template <msg::Service S>
@@ -91,6 +120,14 @@ class RobotRequests {
   LeaderWatch::Options LeaderOptions();
   bool HasController(const http::Respond& respond);
   bool HasActuator(const std::string& actuator, const http::Respond& respond);
+  std::optional<Error> WhyNotMeant() const;
+  bool HasActuatorsOfAnother() const;
+  StopAddress AddressOfStop(const MachineIdentity& shown) const;
+  std::uint64_t SearchHost();
+  void OnMachines(std::vector<MachineHere> machines);
+  void DropOldestStop();
+  void AnswerStop(Stopping& stop, const EstopReport& report, const std::string& why_early = "");
+  EstopReport ReportOf(const Stopping& stop) const;
   void LookAtStops();
 
   transport::Node& node_;
@@ -102,6 +139,10 @@ class RobotRequests {
   std::map<std::string, std::unique_ptr<transport::Client<msg::GetTree>>> trees_;
   std::list<Switch> switches_;
   std::list<Restarting> restarts_;
+  std::optional<std::vector<MachineIdentity>> own_;  // of this host; nullopt: not searched yet
+  std::uint64_t searches_ = 0;                       // begun
+  bool searching_ = false;
+  bool search_again_ = false;
   std::list<Stopping> stops_;
   transport::LoopHandlePtr stop_timer_;  // while there are stops
 };

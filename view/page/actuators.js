@@ -4,7 +4,7 @@ import {h} from './dom.js';
 import {bytes, percent} from './format.js';
 import {t} from './i18n.js';
 import {actButton, card, codeNote, commands, facts, levelShape, lookHint, quoted, shape, stateChip} from './parts.js';
-import {statusOf} from './store.js';
+import {shownMachine, statusOf} from './store.js';
 
 const TAIL_BYTES = 4000;
 const TAIL_EVERY_MS = 2000;
@@ -60,7 +60,7 @@ async function restart(ctx, a) {
   if (!yes) return;
   let why = '';
   try {
-    const answer = await post('api/restart', {actuator: a.name});
+    const answer = await post('api/restart', {...shownMachine(ctx.state), actuator: a.name});
     if (answer.code) why = answer.reason || t('code', {code: answer.code});
   } catch (error) {
     why = error.message || t('no_answer');

@@ -4,16 +4,24 @@ import {post} from './connection.js';
 import {h} from './dom.js';
 import {t} from './i18n.js';
 import {plainText, shape} from './parts.js';
-import {mayAct, mayStop, statusOf} from './store.js';
+import {mayAct, mayStop, shownMachine, statusOf} from './store.js';
 
-const ANSWER_MS = 3000;
+// The server answers after 3 s at the latest.
+export const ANSWER_MS = 4500;
 const OCTAGON = 'M5 0.500h6L15.500 5v6L11 15.500H5L0.500 11V5z';
+
+// What is done has code 0; else the answer has the reason.
+async function done(answer) {
+  const {code, reason} = await answer;
+  if (code) throw new Error(reason || t('code', {code}));
+}
 
 async function engage(ctx) {
   ctx.ui.stopping = true;
   ctx.redraw();
   try {
-    await post('api/estop', {reason: t('stop.reason')}, {within_ms: ANSWER_MS});
+    await done(post('api/estop', {...shownMachine(ctx.state), reason: t('stop.reason')},
+      {within_ms: ANSWER_MS}));
     ctx.say(t('stop.sent'));
   } catch (error) {
     ctx.alarm(t('stop.failed', {why: error.message || t('no_answer')}));
@@ -27,7 +35,7 @@ export async function release(ctx) {
     yes: t('stop.confirm.yes'), no: t('stop.confirm.no')});
   if (!yes) return;
   try {
-    await post('api/release', {});
+    await done(post('api/release', shownMachine(ctx.state)));
     ctx.say(t('stop.released'));
   } catch (error) {
     ctx.alarm(t('failed', {why: error.message || t('no_answer')}));

@@ -4,7 +4,7 @@ import {post} from './connection.js';
 import {h} from './dom.js';
 import {t} from './i18n.js';
 import {actButton, card, commands, quoted} from './parts.js';
-import {statusOf} from './store.js';
+import {shownMachine, statusOf} from './store.js';
 
 // "altitude_m: number, default 1, 0.2 to 10" -> {name, hint, required}
 export function readParameter(text) {
@@ -15,7 +15,7 @@ export function readParameter(text) {
 
 async function request(ctx, path, body, said) {
   try {
-    await post(path, body);
+    await post(path, {...shownMachine(ctx.state), ...body});
     ctx.say(said);
     return '';
   } catch (error) {

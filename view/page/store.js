@@ -146,6 +146,11 @@ export const mayAct = state => state.hello?.may_act === true;
 export const mayStop = state => state.hello?.may_stop ?? true;
 export const robotNow = (state, now) => now + state.offset;
 export const statusOf = state => find(state, '/musher/machine_status')?.message ?? null;
+// For a request that acts: the server may follow another machine meanwhile.
+export function shownMachine(state) {
+  const {machine = '', machine_id = ''} = statusOf(state) ?? {};
+  return {machine, machine_id};
+}
 export const capabilitiesOf = state => find(state, '/musher/capabilities')?.message.capabilities ?? [];
 
 // "live"; "old": the server is silent or unreachable; "gone": the controller has ended; "waiting":

@@ -5,7 +5,7 @@ import {h} from './dom.js';
 import {duration} from './format.js';
 import {t} from './i18n.js';
 import {actButton, card, codeNote, commands, levelShape, lookHint, quoted, stateChip} from './parts.js';
-import {legState, mayAct, offeredStates} from './store.js';
+import {legState, mayAct, offeredStates, shownMachine} from './store.js';
 
 export async function requestPlan(ctx, target, actuator) {
   const change = {target, actuator, step: 'requesting'};
@@ -27,7 +27,8 @@ async function go(ctx) {
   ctx.redraw();
   ctx.focus('plan');
   try {
-    change.answer = await post('api/set', {target: change.target, actuator: change.actuator});
+    change.answer = await post('api/set', {...shownMachine(ctx.state), target: change.target,
+      actuator: change.actuator});
   } catch (error) {
     if (error.status === 0) change.answer = {outcome: 'lost', reason: error.message, actuators: []};
     else change.error = error.message;

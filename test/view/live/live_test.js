@@ -183,7 +183,12 @@ test('a login by a PIN outlives a restart of the server, and ends by a command',
   const answer = await to('api/login', {pin: first.pin});
   assert.equal(answer.status, 200);
   const cookie = answer.headers.get('set-cookie').split(';')[0];
-  const mayAct = async () => (await to('api/restart', {actuator: 'none'}, cookie)).status === 404;
+  const mayAct = async () => {
+    await until('it follows the machine', async () => (await to('api/plan', {target: 'Active'})).status === 200);
+    const {status} = await to('api/restart', {actuator: 'none'}, cookie);
+    assert.ok(status === 404 || status === 403, `${status}`);
+    return status === 404;
+  };
   assert.ok(await mayAct());
   first.child.kill('SIGKILL');
   await once(first.child, 'exit');
@@ -209,6 +214,35 @@ test('bad requests are refused with a sentence', async () => {
   const {outcome, reason} = await (await post('api/set', {target: 'Nowhere'}, {cookie})).json();
   assert.equal(outcome, 'refused');
   assert.match(reason, /unknown state 'Nowhere'/);
+});
+
+test('a request for another machine than the one that is followed does nothing', async () => {
+  const cookie = await session();
+  const {machine, machine_id} = await robot.status();
+  const other = {machine: 'cat', machine_id: '00000000-0000-0000-0000-000000000000'};
+  for (const [path, body] of [['api/set', {target: 'DeActive'}], ['api/release', {}],
+    ['api/restart', {actuator: 'audio'}]]) {
+    const answer = await post(path, {...body, ...other}, {cookie});
+    assert.equal(answer.status, 409, path);
+    assert.match((await answer.json()).error.message, /the page shows cat \(id 00000000\), but dog .*Nothing was done/);
+  }
+  assert.equal((await robot.status()).state, 'Active');
+  const set = await post('api/set', {target: 'Active', machine, machine_id}, {cookie});
+  assert.equal((await set.json()).outcome, 'done');
+});
+
+test('a machine is named by the environment, and by the beginning of its id', async () => {
+  const {machine_id} = await robot.status();
+  const follows = async word => {
+    robot.env.MUSHER_MACHINE = word;
+    const {url} = await robot.view();
+    delete robot.env.MUSHER_MACHINE;
+    return async () => (await fetch(new URL('api/plan', url),
+      {method: 'POST', body: JSON.stringify({target: 'Active'})})).status === 200;
+  };
+  const none = await follows('cat');
+  await until('it follows the machine', await follows(machine_id.slice(0, 8)));
+  assert.equal(await none(), false);
 });
 
 test('a page that sends something else than what it watches is closed', async () => {

@@ -6,6 +6,7 @@ import {test} from 'node:test';
 import {applicationsOf} from '../../../view/page/application.js';
 import {chartsWithPresent, joined, neighbourhood, readChart} from '../../../view/page/chart_text.js';
 import {Connection} from '../../../view/page/connection.js';
+import {ANSWER_MS} from '../../../view/page/estop.js';
 import {bytes, duration, nsToMs, percent} from '../../../view/page/format.js';
 import {layOut} from '../../../view/page/graph_layout.js';
 import {chosenLines, merged, readLines} from '../../../view/page/log_lines.js';
@@ -418,4 +419,17 @@ test('the page is below 180 kB, writes no HTML from data, and names no other add
   }
   console.log(`the page: ${total} bytes in ${sources.length} files`);
   assert.ok(total < 180000);
+});
+
+test('the page waits longer for the answer to an emergency stop than the server for what it says', () => {
+  const header = readFileSync(path.resolve(PAGE, '../live/robot_requests.hpp'), 'utf8');
+  const seconds = Number(/kStopTime = std::chrono::seconds\((\d+)\)/.exec(header)[1]);
+  assert.ok(ANSWER_MS >= seconds * 1000 + 1000, `${ANSWER_MS} ms`);
+});
+
+test('a request that acts names the machine on the page', () => {
+  const f = fixture();
+  const {machine, machine_id} = f.robot.status();
+  assert.deepEqual(store.shownMachine(f.state), {machine, machine_id});
+  assert.deepEqual(store.shownMachine(store.initialState()), {machine: '', machine_id: ''});
 });

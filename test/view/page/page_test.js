@@ -7,6 +7,8 @@ let browser = null;
 before(async () => (browser = await startBrowser()));
 after(() => browser?.close());
 
+// What a request that acts says of the machine on the page.
+const MACHINE = {machine: 'robot', machine_id: '5982c7ee-4c0e-4a5f-9d58-2f1f2f2a7b11'};
 const VIEWS = ['robot', 'actuators', 'timeline', 'application/wedding', 'application/gardener',
   'application/skills', 'cameras', 'log'];
 
@@ -52,7 +54,7 @@ test('a switch shows its plan first, then its legs, then its outcome',
   rest.release();
   await page.waitForSelector('.outcome >> text=Done: the robot is in LowPower');
   assert.match(await page.textContent('.big-state'), /LowPower/);
-  assert.deepEqual(server.requests, [{path: '/api/set', body: {target: 'LowPower', actuator: ''}}]);
+  assert.deepEqual(server.requests, [{path: '/api/set', body: {...MACHINE, target: 'LowPower', actuator: ''}}]);
 }));
 
 test('a switch that is refused shows why and cannot be confirmed', () => inPage({}, async (page, {robot}) => {
@@ -92,13 +94,28 @@ test('one press engages the emergency stop; its release needs a confirmation',
   await page.click('dialog .danger');
   await page.waitForSelector('.stop:not(.engaged)');
   assert.equal(robot.stop, null);
-  assert.deepEqual(server.requests.map(r => r.path), ['/api/estop', '/api/release']);
+  assert.deepEqual(server.requests.map(r => [r.path, r.body]),
+    [['/api/estop', {...MACHINE, reason: 'button of the page'}], ['/api/release', MACHINE]]);
 }));
 
 test('an emergency stop that cannot be sent says so, loudly', () => inPage({}, async (page, {server}) => {
   server.act = async (name, body, json) => json({error: {code: 1, message: 'the session has ended'}}, 403);
   await page.click('.stop');
   await page.waitForSelector('[role=alert] >> text=NOT confirmed: the session has ended');
+}));
+
+test('an emergency stop that is not confirmed, and one that is not released, say so with the reason',
+  () => inPage({}, async (page, {server, robot}) => {
+  server.act = async (name, body, json) => json({code: 1, reason: 'not stopped: legs'});
+  await page.click('.stop');
+  await page.waitForSelector('[role=alert] >> text=NOT confirmed: not stopped: legs');
+  robot.engage('bob', 'a person is near');
+  await page.waitForSelector('.stop.engaged');
+  server.act = async (name, body, json) => json({code: 107, reason: 'legs has not confirmed the release'});
+  await page.click('.stop.engaged');
+  await page.click('dialog .danger');
+  await page.waitForSelector('[role=alert] >> text=That did not work: legs has not confirmed the release');
+  assert.ok(!(await page.textContent('#said')).includes('was released'));
 }));
 
 test('an emergency stop without an answer is reported, and can be pressed again',
@@ -194,7 +211,7 @@ test('a restart needs a confirmation, and its end is announced', () => inPage({h
   await page.click('.details button:has-text("Restart")');
   await page.click('dialog .danger');
   await page.waitForSelector('#said >> text=camera is back');
-  assert.deepEqual(server.requests, [{path: '/api/restart', body: {actuator: 'camera'}}]);
+  assert.deepEqual(server.requests, [{path: '/api/restart', body: {...MACHINE, actuator: 'camera'}}]);
   await until('it is well',
     async () => /well/.test(await page.textContent('tr.actuator:has-text("camera")')));
 }));
@@ -305,7 +322,7 @@ test('a skill is run with its parameters, and cancelled', () => inPage({hash: 'a
   async (page, {server, robot}) => {
   await page.click('.skill:has-text("goto") >> text=Cancel');
   await until('it is cancelled', () => server.requests.length === 1);
-  assert.deepEqual(server.requests[0], {path: '/api/cancel_skill', body: {action: '/skill_execution', goal_id: '00'}});
+  assert.deepEqual(server.requests[0], {path: '/api/cancel_skill', body: {...MACHINE, action: '/skill_execution', goal_id: '00'}});
   robot.skillStatus = 3;
   server.publishWatched('/skill_feedback');
   await page.waitForSelector('.skill:has-text("goto") .pill >> text=cancelled');
@@ -318,7 +335,7 @@ test('a skill is run with its parameters, and cancelled', () => inPage({hash: 'a
   await page.fill('[name=name]', 'roses');
   await page.click(`${photo} .primary`);
   await page.waitForSelector('.skill-form', {state: 'detached'});
-  assert.deepEqual(server.requests.at(-1), {path: '/api/skill', body: {action: '/skill_execution',
+  assert.deepEqual(server.requests.at(-1), {path: '/api/skill', body: {...MACHINE, action: '/skill_execution',
     actuator: 'skills', skill: 'take_photo', parameters: {name: 'roses'}}});
 }));
 
@@ -328,7 +345,7 @@ test('a run without a goal, as after a restart, is cancelled by its skill', () =
   server.publishWatched('/skill_feedback');
   await page.click('.skill:has-text("goto") >> text=Cancel');
   await until('it is cancelled', () => server.requests.length === 1);
-  assert.deepEqual(server.requests[0], {path: '/api/cancel_skill', body: {actuator: 'skills', skill: 'goto'}});
+  assert.deepEqual(server.requests[0], {path: '/api/cancel_skill', body: {...MACHINE, actuator: 'skills', skill: 'goto'}});
 }));
 
 test('a skill is paused and goes on, and a refusal is said', () => inPage({hash: 'application/skills'},
@@ -336,7 +353,7 @@ test('a skill is paused and goes on, and a refusal is said', () => inPage({hash:
   const goto = '.skill:has-text("goto")';
   await page.click(`${goto} >> text=Pause`);
   await until('it is paused', () => robot.skillPaused);
-  assert.deepEqual(server.requests, [{path: '/api/pause_skill', body: {actuator: 'skills', skill: 'goto',
+  assert.deepEqual(server.requests, [{path: '/api/pause_skill', body: {...MACHINE, actuator: 'skills', skill: 'goto',
     pause: true}}]);
   await page.waitForSelector('text=goto is being paused');
   server.publishWatched('/skill_feedback');
