@@ -4,12 +4,15 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdlib>
 
 #include "musher/base/host.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/controller/storage/state_store.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/test/cli/fake_controller.hpp"
 #include "musher/test/cli/program.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -152,6 +155,41 @@ TEST_F(AMachine, ThatTwoControllersAnswerForIsOne) {
            {"plan", "Active", "--timeout", "1", "--machine", "dog"}}) {
     EXPECT_THAT(Command(words).err, Not(HasSubstr("several machines")));
   }
+}
+
+// `down` on a robot that was down took down the first robot that answered after the search.
+TEST_F(AMachine, ThatAnswersOnlyAfterTheSearchIsNotActedOn) {
+  GlobalOptions global;
+  global.name_space = name_space_;
+  const auto link = Link::OpenForCalls(global);
+  const auto none = link->ChooseMachine(Link::Purpose::kAct);
+  EXPECT_TRUE(none && none->exit == ExitCode::kNoController);
+  std::atomic<int> released = 0;
+  FakeController cat(name_space_, "cat", kCat, "Active");
+  cat.Serve<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                       [&released](const auto&, const auto& reply) {
+                                         ++released;
+                                         reply({});
+                                       });
+  ASSERT_TRUE(link->RunUntil([&link] { return link->HasMachine(); }, std::chrono::seconds(10)));
+  const auto answer = link->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {"a test"},
+                                                            std::chrono::seconds(5));
+  const auto* failure = std::get_if<Failure>(&answer);
+  EXPECT_TRUE(failure != nullptr && failure->exit == ExitCode::kNoController);
+  EXPECT_THAT(failure == nullptr ? "" : failure->error.message,
+              HasSubstr("found '" + name_space_ + "' (cat) - use --machine cat"));
+  EXPECT_EQ(released, 0);
+}
+
+TEST_F(AMachine, OfTheNameThatIsGivenIsNotActedOnIfItAnswersOnlyAfterTheSearch) {
+  GlobalOptions global;
+  global.name_space = name_space_;
+  global.machine = "dog";
+  const auto link = Link::OpenForCalls(global);
+  const auto none = link->ChooseMachine(Link::Purpose::kAct);
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->exit, ExitCode::kNoController);
+  EXPECT_THAT(none->error.message, HasSubstr("no controller of machine dog"));
 }
 
 }  // namespace musher::cli::machine_choice_test
