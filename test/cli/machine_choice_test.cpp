@@ -192,4 +192,46 @@ TEST_F(AMachine, OfTheNameThatIsGivenIsNotActedOnIfItAnswersOnlyAfterTheSearch) 
   EXPECT_THAT(none->error.message, HasSubstr("no controller of machine dog"));
 }
 
+// The files of a machine that ran on this host, without a controller.
+class Stopped {
+ public:
+  Stopped(const std::string& name_space, const std::string& machine, const std::string& id) {
+    setenv("XDG_STATE_HOME", place_.path().c_str(), 1);
+    auto store =
+        StateStore::Open(place_ / "musher/stopped",
+                         {machine, name_space, transport::TestDomain(), place_ / "robot.toml", id});
+    EXPECT_TRUE(store);
+    store.value().SetMachineId(id);
+    EXPECT_TRUE(store.value().SaveMachineId());
+  }
+  ~Stopped() { unsetenv("XDG_STATE_HOME"); }
+
+ private:
+  const TempFolder place_;
+};
+
+// The robot was booting, another one was Active, and `musher wait Active` returned 0.
+TEST_F(AMachine, OfAnotherHostIsNotWaitedForInPlaceOfTheOneOfThisHost) {
+  const Stopped dog(name_space_, "dog", kDog);
+  const FakeController cat(name_space_, "cat", kCat, "Active");
+  const Ran ran = Command({"wait", "Active", "--timeout", "3"});
+  EXPECT_EQ(ran.exit, 3) << ran.out;
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("the machine of this host, dog (id d0900000), does not run"),
+                             HasSubstr("--machine NAME")));
+  EXPECT_EQ(Command({"wait", "Active", "--timeout", "10", "--machine", "cat"}).exit, 0);
+}
+
+// While its controller is restarted beside its actuators.
+TEST_F(AMachine, IsWaitedForWhileOnlyItsActuatorsRunAndAnotherOneAnswers) {
+  const auto legs =
+      NameLock::Acquire(NameLock::NameOf(transport::TestDomain(), name_space_, "legs"));
+  ASSERT_TRUE(legs);
+  const FakeController cat(name_space_, "cat", kCat, "Active");
+  const auto begun = std::chrono::steady_clock::now();
+  const Ran ran = Command({"wait", "Active", "--timeout", "3"});
+  EXPECT_EQ(ran.exit, 3) << ran.out;
+  EXPECT_THAT(ran.err, HasSubstr("no controller of it answers"));
+  EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3));
+}
+
 }  // namespace musher::cli::machine_choice_test
