@@ -15,6 +15,7 @@
 #include <cstdlib>
 
 #include "musher/base/host.hpp"
+#include "musher/base/user.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
@@ -393,7 +394,8 @@ class Attempt {
 // (see Link); by all again if none did.
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
   Stop stop;
-  stop.message = NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
+  stop.message =
+      NewEmergencyStop(UserAtHostAtOnce(), fmt::format("{}", fmt::join(options.reason, " ")));
   stop.id_begins = given.machine;
   const Found found = SearchMeanwhile(stop, given);
   const GlobalOptions global = Reach(given, found.machine, found.machines);
