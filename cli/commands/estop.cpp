@@ -438,7 +438,12 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
     return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
   }
   const auto status = link->Call<msg::GetStatus>("get_status", {}, kStopTimeout);
-  if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
+  if (const auto* failure = std::get_if<Failure>(&status)) {
+    Failure unknown = *failure;
+    unknown.error.message.insert(
+        0, "the emergency stop is released, but the machine's status is not known: ");
+    return console.Fail(unknown);
+  }
   const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
   console.Print(console.mode().json ? ReleaseJson(machine)
                                     : ReleaseText(machine, console.mode().colour));

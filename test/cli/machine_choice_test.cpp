@@ -234,4 +234,27 @@ TEST_F(AMachine, IsWaitedForWhileOnlyItsActuatorsRunAndAnotherOneAnswers) {
   EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3));
 }
 
+// It has answered the request, and not what followed: that was reported as no answer.
+TEST_F(AMachine, WhoseStopIsReleasedIsReportedSoThoughItsStatusIsNotKnown) {
+  FakeController cat(name_space_, "cat", kCat, "Active");
+  cat.Serve<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                       [](const auto&, const auto& reply) { reply({}); });
+  const Ran ran = Command({"estop", "--release", "--timeout", "2"});
+  EXPECT_EQ(ran.exit, 4) << ran.out;
+  EXPECT_THAT(
+      ran.err,
+      HasSubstr("the emergency stop is released, but the machine's status is not known: the "
+                "controller of cat (pid 7) did not answer within 2 s"));
+}
+
+TEST_F(AMachine, WhoseActuatorIsRestartedIsReportedSoThoughItsStatusIsNotKnown) {
+  FakeController cat(name_space_, "cat", kCat, "Active");
+  cat.Serve<msg::RestartActuator>("restart_actuator",
+                                  [](const auto&, const auto& reply) { reply({}); });
+  const Ran ran = Command({"restart", "legs", "--timeout", "2"});
+  EXPECT_EQ(ran.exit, 4) << ran.out;
+  EXPECT_THAT(ran.err, HasSubstr("legs is restarted, but its status is not known: the controller "
+                                 "of cat (pid 7) did not answer within 2 s"));
+}
+
 }  // namespace musher::cli::machine_choice_test
