@@ -15,6 +15,7 @@
 #include <cstdlib>
 
 #include "musher/base/host.hpp"
+#include "musher/base/user.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
@@ -415,7 +416,8 @@ class Attempt {
 // (see Link); last, for the time that is left, by the way on which most have confirmed the stop.
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
   Stop stop;
-  stop.message = NewEmergencyStop(UserAtHost(), fmt::format("{}", fmt::join(options.reason, " ")));
+  stop.message =
+      NewEmergencyStop(UserAtHostAtOnce(), fmt::format("{}", fmt::join(options.reason, " ")));
   stop.id_begins = given.machine;
   const Found found = SearchMeanwhile(stop, given);
   const GlobalOptions global = Reach(given, found.machine, found.machines);
@@ -461,7 +463,12 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
     return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
   }
   const auto status = link->Call<msg::GetStatus>("get_status", {}, kStopTimeout);
-  if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
+  if (const auto* failure = std::get_if<Failure>(&status)) {
+    Failure unknown = *failure;
+    unknown.error.message.insert(
+        0, "the emergency stop is released, but the machine's status is not known: ");
+    return console.Fail(unknown);
+  }
   const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
   console.Print(console.mode().json ? ReleaseJson(machine)
                                     : ReleaseText(machine, console.mode().colour));

@@ -27,6 +27,7 @@ void PassOn(const GlobalOptions& global) {
     if (!value.empty()) setenv(name, value.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
   };
   set("MUSHER_NAMESPACE", global.name_space);
+  set("MUSHER_MACHINE", global.machine);
   set("MUSHER_KEYS", global.keys);
   if (!global.keys.empty()) set("MUSHER_IDENTITY", global.identity);
 }

@@ -46,7 +46,12 @@ ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Con
          {restarted.code, "restart " + options.actuator + ": " + restarted.reason}});
   }
   const auto status = link->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
-  if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
+  if (const auto* failure = std::get_if<Failure>(&status)) {
+    Failure unknown = *failure;
+    unknown.error.message.insert(0,
+                                 options.actuator + " is restarted, but its status is not known: ");
+    return console.Fail(unknown);
+  }
   const auto& actuators = std::get<msg::GetStatus::Response>(status).status.actuators;
   const auto back = std::find_if(actuators.begin(), actuators.end(), [&](const auto& actuator) {
     return actuator.name == options.actuator;

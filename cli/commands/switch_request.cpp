@@ -49,13 +49,30 @@ Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
   return failure;
 }
 
+using Running = std::map<std::string, RunningActuators::Actuator>;
+
+// Without a status it is known by the name that its process holds on this host.
+bool IsSilent(const RunningActuators::Actuator& actuator) {
+  return !actuator.has_status && !actuator.child;
+}
+
 // Reports running actuators of an earlier config, or ones that the TearDown did not reach. Returns
 // whether there are any.
-bool ReportLeftBehind(std::map<std::string, RunningActuators::Actuator> running, Console& console) {
-  std::erase_if(running, [](const auto& one) { return !one.second.has_status; });
+bool ReportLeftBehind(Running running, Console& console) {
   if (running.empty()) return false;
-  console.PrintError(RunningNames(running) + (running.size() == 1 ? " still runs" : " still run") +
-                     " in this namespace; `musher down --without-controller` stops what is left");
+  Running silent = running;
+  std::erase_if(silent, [](const auto& one) { return !IsSilent(one.second); });
+  std::erase_if(running, [](const auto& one) { return IsSilent(one.second); });
+  std::string left;
+  if (!running.empty()) {
+    left = RunningNames(running) + (running.size() == 1 ? " still runs" : " still run") +
+           " in this namespace; ";
+  }
+  if (!silent.empty()) {
+    left += RunningNames(silent) + (silent.size() == 1 ? " holds its name and sends no status; "
+                                                       : " hold their names and send no status; ");
+  }
+  console.PrintError(left + "`musher down --without-controller` stops what is left");
   return true;
 }
 
@@ -233,7 +250,8 @@ class SwitchCommand {
     // Its status may be lost before the process exits, so the last known one identifies it.
     const auto leader = link_->last_leader() ? link_->last_leader() : here_;
     const bool down = TakesMachineDown() && result.state == kTearDown;
-    if (down && leader && !link_->AwaitEndOf(*leader, kControllerEnd)) {
+    const bool leads_on = down && leader && !link_->AwaitEndOf(*leader, kControllerEnd);
+    if (leads_on) {
       console_.PrintError(
           fmt::format("the controller (pid {}) has not exited yet; the machine cannot be "
                       "started again until then",
@@ -241,15 +259,18 @@ class SwitchCommand {
     }
     console_.Print(console_.mode().json ? SwitchJson(result)
                                         : SwitchText(result, console_.mode().colour));
-    const bool left = down && IsAnyLeftBehind();
-    if (result.outcome == "done") return left ? ExitCode::kNotDone : ExitCode::kDone;
+    // With --machine what runs on this host may be of another machine.
+    const bool of_this_host = global_.machine.empty() || (leader && leader->host == HostId());
+    const bool left = down && IsAnyLeftBehind(of_this_host);
+    if (leads_on && link_->interrupted()) return ExitCode::kInterrupted;
+    if (result.outcome == "done") return left || leads_on ? ExitCode::kNotDone : ExitCode::kDone;
     console_.PrintError(SwitchError(result));
     return ExitCodeOfRefusal(result.outcome == "refused" ? result.code : kCodeFailed);
   }
 
   // The machine may have been down before every actuator was discovered: those of this host hold
   // their names, others need the time of a discovery.
-  bool IsAnyLeftBehind() {
+  bool IsAnyLeftBehind(bool of_this_host) {
     if (!running_) {
       console_.PrintError("whether more actuators run in this namespace is not known: " +
                           not_followed_);
@@ -262,12 +283,15 @@ class SwitchCommand {
     const auto tick = link_->loop().Every(kLookAgain, [] {});
     link_->RunUntil(
         [this] {
-          return std::ranges::all_of(running_->Now(), [](const auto& one) {
-            return one.second.has_status || one.second.child;
-          });
+          return std::ranges::all_of(running_->Now(),
+                                     [](const auto& one) { return one.second.has_status; });
         },
-        link_->discovery());
-    return ReportLeftBehind(running_->Now(), console_);
+        of_this_host ? link_->discovery() : Duration{});
+    Running running = running_->Now();
+    if (!of_this_host) {
+      std::erase_if(running, [](const auto& one) { return !one.second.has_status; });
+    }
+    return ReportLeftBehind(std::move(running), console_);
   }
 
   const std::string target_;

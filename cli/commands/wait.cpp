@@ -22,6 +22,7 @@ struct WaitOptions {
 
 constexpr Duration kWait = std::chrono::seconds(60);
 constexpr Duration kAttempt = std::chrono::seconds(2);  // then the machine is searched again
+constexpr Duration kPause = Milliseconds(200);          // after a search that ended at once
 
 const msg::ActuatorInfo* Find(const msg::MachineStatus& status, const std::string& name) {
   const auto found =
@@ -71,6 +72,7 @@ std::optional<ExitCode> WaitFor(Link& link, const WaitOptions& options, Time dea
 
 ExitCode Wait(const WaitOptions& options, const GlobalOptions& global, Console& console) {
   const Time deadline = std::chrono::steady_clock::now() + global.timeout.value_or(kWait);
+  std::optional<Failure> none;  // of the last search that had its whole time
   for (;;) {
     GlobalOptions attempt = global;
     attempt.timeout = std::clamp<Duration>(deadline - std::chrono::steady_clock::now(),
@@ -78,7 +80,17 @@ ExitCode Wait(const WaitOptions& options, const GlobalOptions& global, Console& 
     const auto opened = Link::Open(attempt);
     if (!opened) return console.Fail(opened.error());
     Link& link = *opened.value();
-    if (const auto failure = link.ChooseMachine()) return console.Fail(*failure);
+    // A script acts by the result: another machine than that of this host does not count.
+    if (const auto failure = link.ChooseMachine(Link::Purpose::kAct)) {
+      const bool may_come = failure->exit == ExitCode::kNoController;
+      if (!may_come || !none || *attempt.timeout >= link.discovery()) none = failure;
+      if (may_come) {
+        link.RunUntil([] { return false; }, std::min(kPause, deadline - link.loop().Now()));
+      }
+      if (link.interrupted()) return ExitCode::kInterrupted;
+      if (may_come && link.loop().Now() < deadline) continue;
+      return console.Fail(*none);
+    }
     const auto followed = link.FollowStatus([](const auto&) {});
     if (!followed) return console.Fail(followed.error());
     const auto failure = link.AwaitStatus();

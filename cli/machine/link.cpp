@@ -29,6 +29,13 @@ bool IsOfThisBoot(const msg::MachineInfo& info) {
   return !host.empty() && info.host.starts_with(host.substr(0, host.find('/')));
 }
 
+// What answers after the search may be another machine, which a command must not act on.
+std::optional<Failure> NoneFound(const Link& link, Link::Purpose purpose) {
+  if (purpose == Link::Purpose::kLook) return std::nullopt;
+  if (link.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
+  return link.NotFound("controller");
+}
+
 }  // namespace
 
 Link::Link(const GlobalOptions& global, Console* console)
@@ -227,7 +234,7 @@ void Link::TakeNamed() {
 }
 
 std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
-  if (chosen_) return std::nullopt;
+  if (chosen_) return open_ || machine_.name.empty() ? NoneFound(*this, purpose) : std::nullopt;
   if (auto joined = Join(); !joined) return Failure{ExitCode::kUsage, joined.error()};
   chosen_ = true;
   const Duration limit = global_.timeout.value_or(std::chrono::hours(1));
@@ -238,12 +245,13 @@ std::optional<Failure> Link::ChooseMachine(Purpose purpose) {
     // Two of one name are discovered one after the other.
     const auto several = [this] { return !AreOne(Candidates()); };
     if (!searched_) RunUntil(several, std::min(kOthersWithin, limit));
-    return ChooseNamed();
+    auto failure = ChooseNamed();
+    return failure || !open_ ? failure : NoneFound(*this, purpose);
   }
   if (NameLock::IsHeld(ControllerName()) && ChooseHere(here_within)) return std::nullopt;
   const auto any = [this] { return !Candidates().empty(); };
   searched_ = !RunUntil(any, std::min(discovery(), limit));
-  if (searched_) return std::nullopt;
+  if (searched_) return NoneFound(*this, purpose);
   const auto here = [this] {
     const std::vector<Found> found = Candidates();
     return std::any_of(found.begin(), found.end(),
@@ -302,7 +310,7 @@ std::optional<Failure> Link::ChooseNamed() {
 
 // Of several machines the one of this host; without a controller here, that of the actuators here.
 std::optional<Failure> Link::ChooseOf(const std::vector<Found>& candidates, Purpose purpose) {
-  if (candidates.empty()) return std::nullopt;
+  if (candidates.empty()) return NoneFound(*this, purpose);
   for (const Found& one : candidates) {
     if (one.info.host != HostId()) continue;
     machine_ = one.machine();

@@ -81,11 +81,21 @@ std::map<std::string, RunningActuators::Actuator> RunningActuators::Now() const 
   }
   const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
   const auto has_status = [&](const std::string& name) { return received.contains(name); };
+  // By its status, also of a container, which has the names of its host and pids of its own.
+  const std::string host = HostId();
+  const std::string boot = host.substr(0, host.find('/') + 1);
+  const auto is_of_another_machine = [&](const std::string& name) {
+    return std::ranges::any_of(received_, [&](const auto& one) {
+      const msg::ActuatorStatus& status = one.second.status;
+      return status.name == name && !boot.empty() && status.host.starts_with(boot) &&
+             !SameMachine(machine_, {status.machine, status.machine_id});
+    });
+  };
   const bool all = std::ranges::all_of(NameLock::HeldBelow(prefix), has_status);
   const auto holders =
       all ? std::map<std::string, NameLock::Holder>() : NameLock::HoldersBelow(prefix);
   for (const auto& [name, holder] : holders) {
-    if (has_status(name)) continue;
+    if (has_status(name) || is_of_another_machine(name)) continue;
     Actuator& silent = running[name];
     silent.has_status = false;
     silent.status.name = name;

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "musher/base/scheduling.hpp"
+#include "musher/base/user.hpp"
 
 namespace musher::transport::host_test {
 
@@ -62,6 +63,11 @@ class Child {
   pid_t pid_ = -1;
   bool ready_ = false;
 };
+
+TEST(UserAtHost, IsTheSameWithoutTheDatabaseOfUsers) {
+  EXPECT_EQ(UserAtHostAtOnce(), UserAtHost());
+  EXPECT_THAT(UserAtHostAtOnce(), HasSubstr("@" + HostName()));
+}
 
 TEST(HostId, IsTheSameInEveryProcessOfTheHost) {
   std::array<int, 2> ends{};

@@ -24,6 +24,7 @@ class External : public ::testing::Test {
   void Beside(const std::string& program) const {
     std::ofstream(folder_ / program) << "#!/bin/sh\nprintf '<%s>' \"${0##*/}\" \"$@\"\n"
                                      << "printf ' in %s' \"$ROS_DOMAIN_ID$MUSHER_NAMESPACE\"\n"
+                                     << "printf ' of %s' \"$MUSHER_MACHINE\"\n"
                                      << "exit 7\n";
     fs::permissions(folder_ / program, fs::perms::owner_all);
   }
@@ -57,6 +58,17 @@ TEST_F(External, TheDomainAndNamespaceBeforeTheCommandReachTheProgram) {
   Beside("musher-view");
   const auto ran = testing::RunToEnd({musher_, "--domain", "7", "--namespace", "dog1", "view"});
   EXPECT_THAT(ran.out, HasSubstr("<musher-view> in 7dog1"));
+}
+
+// The page of another robot than the one that was named.
+TEST_F(External, TheMachineBeforeTheCommandReachesTheProgram) {
+  Beside("musher-view");
+  Beside("musher-record");
+  EXPECT_THAT(testing::RunToEnd({musher_, "--machine", "cat", "view"}).out,
+              HasSubstr("<musher-view> in  of cat"));
+  EXPECT_THAT(testing::RunToEnd({musher_, "--machine", "cat", "record"}).out, HasSubstr(" of cat"));
+  EXPECT_THAT(testing::RunToEnd({"env", "MUSHER_MACHINE=dog", musher_, "view"}).out,
+              HasSubstr(" of dog"));
 }
 
 TEST_F(External, AMissingProgramIsNamedWithItsPackage) {

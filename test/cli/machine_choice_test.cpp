@@ -4,12 +4,15 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdlib>
 
 #include "musher/base/host.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/controller/storage/state_store.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/test/cli/fake_controller.hpp"
 #include "musher/test/cli/program.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -152,6 +155,106 @@ TEST_F(AMachine, ThatTwoControllersAnswerForIsOne) {
            {"plan", "Active", "--timeout", "1", "--machine", "dog"}}) {
     EXPECT_THAT(Command(words).err, Not(HasSubstr("several machines")));
   }
+}
+
+// `down` on a robot that was down took down the first robot that answered after the search.
+TEST_F(AMachine, ThatAnswersOnlyAfterTheSearchIsNotActedOn) {
+  GlobalOptions global;
+  global.name_space = name_space_;
+  const auto link = Link::OpenForCalls(global);
+  const auto none = link->ChooseMachine(Link::Purpose::kAct);
+  EXPECT_TRUE(none && none->exit == ExitCode::kNoController);
+  std::atomic<int> released = 0;
+  FakeController cat(name_space_, "cat", kCat, "Active");
+  cat.Serve<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                       [&released](const auto&, const auto& reply) {
+                                         ++released;
+                                         reply({});
+                                       });
+  ASSERT_TRUE(link->RunUntil([&link] { return link->HasMachine(); }, std::chrono::seconds(10)));
+  const auto answer = link->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {"a test"},
+                                                            std::chrono::seconds(5));
+  const auto* failure = std::get_if<Failure>(&answer);
+  EXPECT_TRUE(failure != nullptr && failure->exit == ExitCode::kNoController);
+  EXPECT_THAT(failure == nullptr ? "" : failure->error.message,
+              HasSubstr("found '" + name_space_ + "' (cat) - use --machine cat"));
+  EXPECT_EQ(released, 0);
+}
+
+TEST_F(AMachine, OfTheNameThatIsGivenIsNotActedOnIfItAnswersOnlyAfterTheSearch) {
+  GlobalOptions global;
+  global.name_space = name_space_;
+  global.machine = "dog";
+  const auto link = Link::OpenForCalls(global);
+  const auto none = link->ChooseMachine(Link::Purpose::kAct);
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->exit, ExitCode::kNoController);
+  EXPECT_THAT(none->error.message, HasSubstr("no controller of machine dog"));
+}
+
+// The files of a machine that ran on this host, without a controller.
+class Stopped {
+ public:
+  Stopped(const std::string& name_space, const std::string& machine, const std::string& id) {
+    setenv("XDG_STATE_HOME", place_.path().c_str(), 1);
+    auto store =
+        StateStore::Open(place_ / "musher/stopped",
+                         {machine, name_space, transport::TestDomain(), place_ / "robot.toml", id});
+    EXPECT_TRUE(store);
+    store.value().SetMachineId(id);
+    EXPECT_TRUE(store.value().SaveMachineId());
+  }
+  ~Stopped() { unsetenv("XDG_STATE_HOME"); }
+
+ private:
+  const TempFolder place_;
+};
+
+// The robot was booting, another one was Active, and `musher wait Active` returned 0.
+TEST_F(AMachine, OfAnotherHostIsNotWaitedForInPlaceOfTheOneOfThisHost) {
+  const Stopped dog(name_space_, "dog", kDog);
+  const FakeController cat(name_space_, "cat", kCat, "Active");
+  const Ran ran = Command({"wait", "Active", "--timeout", "3"});
+  EXPECT_EQ(ran.exit, 3) << ran.out;
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("the machine of this host, dog (id d0900000), does not run"),
+                             HasSubstr("--machine NAME")));
+  EXPECT_EQ(Command({"wait", "Active", "--timeout", "10", "--machine", "cat"}).exit, 0);
+}
+
+// While its controller is restarted beside its actuators.
+TEST_F(AMachine, IsWaitedForWhileOnlyItsActuatorsRunAndAnotherOneAnswers) {
+  const auto legs =
+      NameLock::Acquire(NameLock::NameOf(transport::TestDomain(), name_space_, "legs"));
+  ASSERT_TRUE(legs);
+  const FakeController cat(name_space_, "cat", kCat, "Active");
+  const auto begun = std::chrono::steady_clock::now();
+  const Ran ran = Command({"wait", "Active", "--timeout", "3"});
+  EXPECT_EQ(ran.exit, 3) << ran.out;
+  EXPECT_THAT(ran.err, HasSubstr("no controller of it answers"));
+  EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3));
+}
+
+// It has answered the request, and not what followed: that was reported as no answer.
+TEST_F(AMachine, WhoseStopIsReleasedIsReportedSoThoughItsStatusIsNotKnown) {
+  FakeController cat(name_space_, "cat", kCat, "Active");
+  cat.Serve<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                       [](const auto&, const auto& reply) { reply({}); });
+  const Ran ran = Command({"estop", "--release", "--timeout", "2"});
+  EXPECT_EQ(ran.exit, 4) << ran.out;
+  EXPECT_THAT(
+      ran.err,
+      HasSubstr("the emergency stop is released, but the machine's status is not known: the "
+                "controller of cat (pid 7) did not answer within 2 s"));
+}
+
+TEST_F(AMachine, WhoseActuatorIsRestartedIsReportedSoThoughItsStatusIsNotKnown) {
+  FakeController cat(name_space_, "cat", kCat, "Active");
+  cat.Serve<msg::RestartActuator>("restart_actuator",
+                                  [](const auto&, const auto& reply) { reply({}); });
+  const Ran ran = Command({"restart", "legs", "--timeout", "2"});
+  EXPECT_EQ(ran.exit, 4) << ran.out;
+  EXPECT_THAT(ran.err, HasSubstr("legs is restarted, but its status is not known: the controller "
+                                 "of cat (pid 7) did not answer within 2 s"));
 }
 
 }  // namespace musher::cli::machine_choice_test

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/base/user.hpp"
 #include "musher/transport/dds/dds_reader.hpp"
 #include "musher/transport/dds/dds_writer.hpp"
 #include "musher/transport/dds/first_replies.hpp"
@@ -196,10 +197,10 @@ std::string NodeName(const DdsOptions& options) {
   return (options.hidden ? "_" : "") + program + "_" + std::to_string(getpid());
 }
 
-// What other participants call this process.
+// What other participants call this process. An emergency stop does not wait for it.
 std::string PeerName(const DdsOptions& options) {
-  std::string name =
-      options.hidden ? UserAtHost() : "/" + ResolveName(options.name_space, NodeName(options));
+  std::string name = options.hidden ? UserAtHostAtOnce()
+                                    : "/" + ResolveName(options.name_space, NodeName(options));
   std::erase(name, ';');
   return name;
 }

@@ -490,6 +490,31 @@ TEST_F(EmergencyStop, GoesOutBeforeASearchThatADescriptorOfAnotherProcessHoldsUp
   }
 }
 
+// It looked for the name of its user first.
+TEST_F(EmergencyStop, GoesOutThoughTheDatabaseOfUsersDoesNotAnswer) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  for (const bool with_controller : {true, false}) {
+    if (!with_controller) {
+      ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+      ExpectLatchedByAll(false);
+      LoseController();
+    }
+    std::ofstream(folder_ / "lost") << "remove this file to end it\n";
+    std::vector<std::string> words = Command({"estop"});
+    words.insert(words.begin(),
+                 {"sh", "-c",
+                  "ASAN_OPTIONS=\"$ASAN_OPTIONS:verify_asan_link_order=0\" LD_PRELOAD=\"$0\" "
+                  "MUSHER_USERS_LOST_WHILE=\"$1\" && export ASAN_OPTIONS LD_PRELOAD "
+                  "MUSHER_USERS_LOST_WHILE && shift && exec \"$@\"",
+                  BinDir() + "/cli_lost_user_database.so", folder_ / "lost"});
+    Process estop(words);
+    ExpectLatchedByAll(true);
+    std::filesystem::remove(folder_ / "lost");
+    const Ended ended = estop.Wait();
+    EXPECT_EQ(ended.exit, 0) << ended.err;
+  }
+}
+
 // Where the command is typed in the folder of an unrelated robot, it was taken for the named one.
 TEST_F(EmergencyStop, ByNameIsCompleteInTheFolderOfAnotherMachineOfTheProfileLan) {
   ASSERT_NO_FATAL_FAILURE(Start());

@@ -27,6 +27,14 @@ class WithoutController : public MachineByCli {
   void ReportsItsTearDown() const {
     Does("legs", "[state.TearDown]\nshell = \"echo torn >> " + (folder_ / "torn") + "\"\n");
   }
+  void DropEyes() const {
+    Replace("\"legs\", \"voice\", \"eyes\"]\nstates", "\"legs\", \"voice\"]\nstates");
+    std::string toml = ReadFile(config_);
+    const std::size_t eyes = toml.find("[actuator.eyes]");
+    toml.erase(eyes, toml.find("[capability.guide]") - eyes);
+    toml.replace(toml.find("actuators = [\"legs\", \"eyes\"]"), 28, "actuators = [\"legs\"]");
+    std::ofstream(config_) << toml;
+  }
   bool LegsWereTornDown() const { return std::filesystem::exists(folder_ / "torn"); }
 
   nlohmann::json before_;
@@ -102,12 +110,7 @@ TEST_F(WithoutController, UpOfTheMachinesOwnConfigWhichWasEditedTakesItsActuator
 
 TEST_F(WithoutController, AnActuatorThatTheConfigHasNoLongerIsNamedUntilItIsEnded) {
   ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
-  Replace("\"legs\", \"voice\", \"eyes\"]\nstates", "\"legs\", \"voice\"]\nstates");
-  std::string toml = ReadFile(config_);
-  const std::size_t eyes = toml.find("[actuator.eyes]");
-  toml.erase(eyes, toml.find("[capability.guide]") - eyes);
-  toml.replace(toml.find("actuators = [\"legs\", \"eyes\"]"), 28, "actuators = [\"legs\"]");
-  std::ofstream(config_) << toml;
+  DropEyes();
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended status = Musher({"status"});
   EXPECT_EQ(status.exit, 0);
@@ -119,6 +122,22 @@ TEST_F(WithoutController, AnActuatorThatTheConfigHasNoLongerIsNamedUntilItIsEnde
   EXPECT_EQ(down.exit, 1);
   EXPECT_THAT(down.err, HasSubstr(ProcessOf("eyes") + " still runs in this namespace"));
   EXPECT_EQ(Musher({"down", "--without-controller"}).exit, 0);
+  EXPECT_TRUE(AwaitNoChildren());
+}
+
+// It hangs, so no status of it is received: `down` said nothing of it.
+TEST_F(WithoutController, AnActuatorThatHangsIsNamedByDownUntilItIsEnded) {
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  DropEyes();
+  ASSERT_EQ(UpDetached().exit, 0);
+  kill(before_["actuators"]["eyes"]["pid"].get<pid_t>(), SIGSTOP);
+  ASSERT_TRUE(Until([] { return Status()["unlisted"]["eyes"]["state"].is_null(); }));
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 1);
+  EXPECT_THAT(down.err,
+              HasSubstr(ProcessOf("eyes") + " holds its name and sends no status; `musher down "
+                                            "--without-controller` stops what is left"));
+  EXPECT_EQ(Musher({"down", "--without-controller", "--timeout", "0.5"}).exit, 0);
   EXPECT_TRUE(AwaitNoChildren());
 }
 
