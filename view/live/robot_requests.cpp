@@ -241,7 +241,8 @@ RobotRequests::StopAddress RobotRequests::AddressOfStop(const MachineIdentity& s
   const LeaderWatch& watch = leader_();
   const std::string& word = options_.machine;
   StopAddress address{watch.machine()};
-  if (!status() && !watch.found_here()) address.machine.id.clear();
+  const bool by_id = BeginsIdOf(address.machine, word);
+  if (!status() && !watch.found_here() && !by_id) address.machine.id.clear();
   if (WhyNotMeant() || HasActuatorsOfAnother()) address.machine = {word, ""};
   if (!word.empty() && address.machine.id.empty()) {
     address.id_begins = word;

@@ -309,6 +309,11 @@ TEST_F(RequestsOfAPage, StopWithTheBeginningOfAnIdEachMachineThatHasIt) {
   received->stops.clear();
   Stop();
   EXPECT_THAT(received->stops, ElementsAre("dog uuid-a1"));
+  received->stops.clear();
+  network_.RunFor(seconds(5));  // without a heartbeat
+  ASSERT_FALSE(feed_->status());
+  Stop();
+  EXPECT_THAT(received->stops, ElementsAre("dog uuid-a1"));
 }
 
 TEST_F(RequestsOfAPage, ActOnNoOtherMachineThanTheOneThatAPersonSees) {
