@@ -392,7 +392,7 @@ void Checker::CheckRunsNowhereElse(const SimulatedController& controller, const 
   const Time now = robot_.network().now();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
     const ActuatorReport* report = processes.ReportOf(name, host);
-    if (host == controller.host() || report == nullptr || report->state == kTearDown) continue;
+    if (host == controller.host() || report == nullptr) continue;
     const std::string& endpoint = processes.EndpointOf(name, host);
     const auto in_reach = [&](const std::string& from, const std::string& to) {
       const auto blocked = robot_.hosts().BlockedUntil(from, to);
@@ -408,6 +408,7 @@ void Checker::CheckRunsNowhereElse(const SimulatedController& controller, const 
       }
       continue;
     }
+    if (report->state == kTearDown) continue;
     ReportViolation(Invariant::kNoDuplicateActuator,
                     "the controller on host " + robot_.hosts().name(controller.host()) +
                         " starts " + name + ", which runs on host " + robot_.hosts().name(host));

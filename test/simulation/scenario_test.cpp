@@ -235,6 +235,11 @@ TEST(FoundScenario, ACallbackUnderAStopMaySwitchOnUntilItsEndIsKnown) {
   EXPECT_EQ(ViolationOf(185871, {1, 3}), "");
 }
 
+// It was torn down, while another actuator of its process ran on beyond the cut link.
+TEST(FoundScenario, AControllerMayStartAProcessOfWhichOneActuatorIsTornDownBeyondACutLink) {
+  EXPECT_EQ(ViolationOf(417281, {11, 12, 14, 18, 19}), "");
+}
+
 // Its heartbeat had reported the hang of a callback that ended on the way of that heartbeat.
 TEST(FoundScenario, AProcessThatHasReportedAHangMayBeKilledAlsoJustAfterIt) {
   EXPECT_EQ(ViolationOf(716501, {2, 3, 5, 9, 11, 12}), "");
