@@ -103,7 +103,7 @@ Checker::Checker(SimRobot& robot)
   robot_.on_begin = [this](const SimulatedController& controller, bool restarted) {
     if (!restarted) {
       accepted_tear_down_.reset();
-      if (BeginsAnew(controller)) begun_anew_[controller.serial()] = ++order_;
+      if (TakesNothingOver(controller)) begun_by_a_person_[controller.serial()] = ++order_;
     }
     if (robot_.FindsUnreadFolder(controller)) unanswered_.insert(controller.serial());
     NoteWord(controller, restarted);
@@ -392,7 +392,7 @@ void Checker::CheckRunsNowhereElse(const SimulatedController& controller, const 
   const Time now = robot_.network().now();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
     const ActuatorReport* report = processes.ReportOf(name, host);
-    if (host == controller.host() || report == nullptr || report->state == kTearDown) continue;
+    if (host == controller.host() || report == nullptr) continue;
     const std::string& endpoint = processes.EndpointOf(name, host);
     const auto in_reach = [&](const std::string& from, const std::string& to) {
       const auto blocked = robot_.hosts().BlockedUntil(from, to);
@@ -408,6 +408,7 @@ void Checker::CheckRunsNowhereElse(const SimulatedController& controller, const 
       }
       continue;
     }
+    if (report->state == kTearDown) continue;
     ReportViolation(Invariant::kNoDuplicateActuator,
                     "the controller on host " + robot_.hosts().name(controller.host()) +
                         " starts " + name + ", which runs on host " + robot_.hosts().name(host));
@@ -799,7 +800,7 @@ void Checker::CheckStaysStopped(const std::string& name, const ActuatorReport& b
 
 // Whether the start of a controller takes nothing over: no other controller leads, and no process
 // runs that a controller has started.
-bool Checker::BeginsAnew(const SimulatedController& controller) const {
+bool Checker::TakesNothingOver(const SimulatedController& controller) const {
   const auto runs = [&](const ActuatorConfig& actuator) {
     return !actuator.command.empty() &&
            robot_.processes().IsAlive(actuator.name, controller.host());
@@ -807,14 +808,14 @@ bool Checker::BeginsAnew(const SimulatedController& controller) const {
   return !controller.shell().rival() && std::ranges::none_of(config_.actuators, runs);
 }
 
-// A request that leads somewhere, after a stop: a switch begins by it, or it joins one. During a
-// stop only a request of a state in which nothing is on is one. A person's start that begins with
-// the first state is one, too; so is any start once a switch up was requested.
+// A request that leads somewhere, after a stop: a switch begins by it, or it joins one. A person's
+// start that begins with the first state is one, too; so is any start once a switch up was
+// requested.
 void Checker::NoteRequest(const SimulatedController& controller, const action::Record& record) {
   Seen& seen = seen_[controller.serial()];
   const Machine& machine = controller.shell().machine();
   const auto note = [&](const State& from, const State& target, bool starts = false) {
-    if (machine.emergency.stop && Rises(config_, kDeActive, target)) return;
+    if (machine.emergency.stop) return;
     const bool up = starts || SwitchesOnAgain(config_, from, target);
     since_stop_.push_back({++order_, record.actuator, target, up});
   };
@@ -822,8 +823,8 @@ void Checker::NoteRequest(const SimulatedController& controller, const action::R
   // since then.
   const auto may_start = [&] {
     const std::uint64_t stopped = LastStopOf(controller.serial());
-    const auto begun = begun_anew_.find(controller.serial());
-    return (begun != begun_anew_.end() && begun->second > stopped) ||
+    const auto begun = begun_by_a_person_.find(controller.serial());
+    return (begun != begun_by_a_person_.end() && begun->second > stopped) ||
            std::ranges::any_of(since_stop_, [stopped](const SinceStop& one) {
              return one.order > stopped && !one.actuator && one.up;
            });

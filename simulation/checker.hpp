@@ -180,7 +180,7 @@ class Checker {
   void CheckStaysStopped(const std::string& name, const ActuatorReport& before,
                          const ActuatorReport& report);
   // After a release: what was requested since the last stop.
-  bool BeginsAnew(const SimulatedController& controller) const;
+  bool TakesNothingOver(const SimulatedController& controller) const;
   void CheckStart(const SimulatedController& controller, const action::SwitchNote& begun);
   void NoteRequest(const SimulatedController& controller, const action::Record& record);
   bool IsRequestedSinceStop(std::uint64_t controller, ActuatorIndex i, const State& target);
@@ -351,7 +351,7 @@ class Checker {
   // Controllers that found a folder that they may not read, until a state is requested, by serial.
   std::set<std::uint64_t> unanswered_;
   // When a person started a controller that took nothing over, by its serial.
-  std::map<std::uint64_t, std::uint64_t> begun_anew_;
+  std::map<std::uint64_t, std::uint64_t> begun_by_a_person_;
   std::map<std::pair<std::string, std::size_t>, std::uint64_t> latched_;  // actuator, host: when
   std::map<Time, Time> permits_;  // given: the stamp, by the console's clock; when
   Time check_permits_at_{};

@@ -104,6 +104,8 @@ CommandNumber Switches::Begin(const Plan& plan, Purpose purpose, std::vector<Req
   s.purpose = purpose;
   s.requests = std::move(requests);
   s.cause = cause;
+  // A release while it is under way does not let up what the stop has refused.
+  s.stopped = machine_.emergency.stop.has_value() && s.direction == Direction::kDown;
   EndWaiting(Refused<Refusal::kSwitchStartedFirst>(s.number, Describe(config_, s.target, s.only)),
              cause);
   for (const PlanStep& step : plan.steps) AddLeg(s, step);
@@ -244,18 +246,17 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
   // Modules of other protocols do not receive the stop. A switch up is undone as a whole.
   const Switch& s = *machine_.current;
   const bool level = !s.rollback.under_way && s.direction != Direction::kUp;
-  if (s.stopped && level && SwitchesOnAgain(config_, leg.from, leg.target) &&
-      RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
-    return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
-                         texts::RefusedByEmergencyStop(), false};
-  }
   // What an emergency stop has switched off waits for a request, also where the machine goes down
-  // by itself to a state above that of the actuator, or to the same one.
+  // by itself to a state above that of the actuator, or to the same one. The actuator may begin in
+  // the state that a command before this one leads to.
   const bool by_itself = s.purpose == Purpose::kFallback || s.purpose == Purpose::kPolicy;
+  const bool held = s.stopped || (by_itself && MustBeSetAgain(machine_, known));
+  const bool goes_elsewhere = known.command && known.command->target != kSelfCheck;
   const bool switches_on =
-      MaySwitchOn(config_, leg.from, leg.target) || SwitchesOnAgain(config_, leg.from, leg.target);
-  if (by_itself && level && MustBeSetAgain(machine_, known) && switches_on &&
-      RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
+      MaySwitchOn(config_, leg.from, leg.target) ||
+      SwitchesOnAgain(config_, leg.from, leg.target) ||
+      (goes_elsewhere && MaySwitchOn(config_, known.command->target, leg.target));
+  if (held && level && switches_on && RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
                          texts::RefusedByEmergencyStop(), false};
   }
@@ -332,7 +333,7 @@ void Switches::BeginRollback(Switch& s) {
       back.outcome = ActuatorOutcome::kUnsupported;
       back.code = kCodeUnSupport;
       Explain(back, texts::NoStateToGoBackTo());
-    } else if (StoppedOnTheLevel(s) && SwitchesOnAgain(config_, back.from, back.target) &&
+    } else if (s.stopped && SwitchesOnAgain(config_, back.from, back.target) &&
                RunsCallback(config_, back.actuator, back.from, back.target)) {
       back.progress = Leg::Progress::kEnded;  // the way back may switch on, too
       back.outcome = ActuatorOutcome::kSkipped;

@@ -206,10 +206,22 @@ TEST(FoundScenario, ABatteryThatIsChargedRaisesAlsoWhatALimitedStartHasWithheld)
   EXPECT_EQ(ViolationOf(3464, {1, 6, 9}), "");
 }
 
-// The checker took no request during a stop for one, also not that of a state in which nothing is
-// on.
-TEST(FoundScenario, ARequestOfDeActiveDuringAStopCounts) {
+// It was requested during the stop, or just before. Under the stop the actuators that would have to
+// come up for it refuse; the release came before their turn.
+TEST(FoundScenario, ASwitchDownThatAStopHasMetSwitchesNothingOnAfterTheRelease) {
   EXPECT_EQ(ViolationOf(99221, {1, 2, 3, 4}), "");
+  EXPECT_EQ(ViolationOf(11853, {14, 17, 19}), "");
+  EXPECT_EQ(ViolationOf(705946, {2, 6, 8, 9, 11, 13}), "");
+}
+
+// It lists no lower state, and had been in Active before the switch up that the stop ended.
+TEST(FoundScenario, ARollbackSwitchesNothingOnAgainThatAStopHolds) {
+  EXPECT_EQ(ViolationOf(706008, {9, 13, 14}), "");
+}
+
+// Without what it is bound to, the actuator was on its way to DeActive when the fallback came.
+TEST(FoundScenario, AFallbackSwitchesNothingOnThatIsOnItsWayDown) {
+  EXPECT_EQ(ViolationOf(11904, {3, 5, 6}), "");
 }
 
 // The checker held a confirmation of the other machine for one of this machine: the program had
@@ -221,6 +233,11 @@ TEST(FoundScenario, AStopOfANameThatTwoMachinesHaveMayReachTheOtherOneOnly) {
 // A callback that a stop had met switched on at its end, and the stop action ran again at once.
 TEST(FoundScenario, ACallbackUnderAStopMaySwitchOnUntilItsEndIsKnown) {
   EXPECT_EQ(ViolationOf(185871, {1, 3}), "");
+}
+
+// It was torn down, while another actuator of its process ran on beyond the cut link.
+TEST(FoundScenario, AControllerMayStartAProcessOfWhichOneActuatorIsTornDownBeyondACutLink) {
+  EXPECT_EQ(ViolationOf(417281, {11, 12, 14, 18, 19}), "");
 }
 
 // Its heartbeat had reported the hang of a callback that ended on the way of that heartbeat.
