@@ -10,6 +10,7 @@
 #include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/behavior_request.hpp"
+#include "musher/cli/machine/meant_actuator.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -116,6 +117,9 @@ class Watch {
 std::optional<Failure> Send(Link& link, const GlobalOptions& global,
                             const BehaviorOptions& options) {
   using Reply = Result<msg::SendCommand::Response>;
+  const auto meant = MeantActuator::Begin(link, global);
+  if (!meant) return Failure{ExitCode::kUsage, meant.error()};
+  if (auto failure = meant.value()->Check(options.name)) return failure;
   const auto client = transport::MakeClient<msg::SendCommand>(
       link.node(), transport::ResolveName(global.name_space, options.name + "/send_command"));
   if (!client) return Failure{ExitCode::kUsage, client.error()};

@@ -76,8 +76,8 @@ class Link {
   enum class Purpose { kLook, kAct };
   // Chooses the machine that the command speaks to: by --machine, else the machine of this host,
   // else the only machine that answers. Runs the loop until it is found, at most for discovery; a
-  // Failure if the choice is open, and where a command that acts would speak to another machine
-  // than that of the files of this host. Call() and FollowStatus() choose it, too.
+  // Failure if the choice is open, and where a command that acts finds none, or would speak to
+  // another machine than that of the files of this host. Call() and FollowStatus() choose it, too.
   std::optional<Failure> ChooseMachine(Purpose purpose = Purpose::kLook);
   // That machine does not run here, and a command that acts names no other one.
   Failure NotHere(const MachineIdentity& here, const std::string& others) const;

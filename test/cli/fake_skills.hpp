@@ -13,10 +13,13 @@
 #include <utility>
 
 #include "musher/cli/commands/skill/skill_goal.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
 
@@ -24,9 +27,22 @@ class FakeSkills {
  public:
   using Goal = transport::ServerGoal<msg::SkillExecution>;
 
-  explicit FakeSkills(std::string actuator, const std::string& name_space = "")
+  // With a `machine` it publishes the status of an actuator of that machine, of another host.
+  explicit FakeSkills(std::string actuator, const std::string& name_space = "",
+                      const MachineIdentity& machine = {})
       : actuator_(std::move(actuator)), thread_(transport::NodeThread::Start().value()) {
-    thread_->RunOnLoop([&] { Open(name_space); });
+    thread_->RunOnLoop([&] {
+      Open(name_space);
+      if (machine.name.empty()) return;
+      msg::ActuatorStatus status;
+      status.name = actuator_;
+      status.state = "Active";
+      status.host = "another boot/1";
+      status.machine = machine.name;
+      status.machine_id = machine.id;
+      endpoints_->PublishFunction<msg::ActuatorStatus>(transport::ActuatorStatusTopic(""),
+                                                       transport::kLatchedQos)(status);
+    });
   }
   ~FakeSkills() {
     thread_->RunOnLoop([this] {

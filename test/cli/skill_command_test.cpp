@@ -12,12 +12,14 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/base/host.hpp"
+#include "musher/controller/storage/state_store.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/cli/fake_skills.hpp"
 #include "musher/test/cli/program.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
 
 namespace musher::cli::skill_command_test {
@@ -115,6 +117,63 @@ TEST_F(SkillCommand, RequiresAnActuatorWhereSeveralOfferTheSkill) {
   EXPECT_EQ(other.exit, 2);
   EXPECT_THAT(other.err,
               HasSubstr("no actuator 'cf2x_2' in the default namespace; did you mean 'cf2x_0'?"));
+}
+
+const MachineIdentity kDog{"dog", "d0900000-0000-4000-8000-000000000002"};
+const MachineIdentity kCat{"cat", "cafe0000-0000-4000-8000-000000000001"};
+
+// It ran on both robots.
+TEST_F(SkillCommand, RunsNothingWhereTheActuatorsOfTwoMachinesWouldReceiveIt) {
+  FakeSkills of_dog("arm", "", kDog);
+  FakeSkills of_cat("arm", "", kCat);
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"skill", "run", "rise"},
+                                             {"skill", "run", "rise", "--actuator", "arm"},
+                                             {"skill", "run", "rise", "--machine", "dog"}}) {
+    const Ran ran = RunProgram(words);
+    EXPECT_EQ(ran.exit, 2) << words.back() << ran.out;
+    EXPECT_THAT(ran.err, AllOf(HasSubstr("arm is an actuator of several machines"),
+                               HasSubstr("dog (id d0900000)"), HasSubstr("cat (id cafe0000)"),
+                               HasSubstr("Nothing was done")));
+  }
+  EXPECT_EQ(of_dog.goals(), 0);
+  EXPECT_EQ(of_cat.goals(), 0);
+}
+
+TEST_F(SkillCommand, RunsASkillOfTheMachineThatIsNamed) {
+  FakeSkills of_dog("arm_0", "", kDog);
+  FakeSkills of_cat("arm_1", "", kCat);
+  const Ran other = RunProgram({"skill", "run", "rise", "--actuator", "arm_0", "--machine", "cat"});
+  EXPECT_EQ(other.exit, 3) << other.out;
+  EXPECT_THAT(other.err, HasSubstr("no actuator arm_0 of machine cat in the default namespace; "
+                                   "found dog (id d0900000). Nothing was done"));
+  for (const char* named : {"cat", "cafe0000"}) {
+    const Ran ran = RunProgram({"skill", "run", "rise", "--machine", named});
+    EXPECT_EQ(ran.exit, 0) << ran.err;
+  }
+  EXPECT_EQ(of_dog.goals(), 0);
+  EXPECT_EQ(of_cat.goals(), 2);
+}
+
+// The robot on which it is typed does not run.
+TEST_F(SkillCommand, RunsNoSkillOfAnotherMachineThanThisHostHasFilesOf) {
+  const TempFolder place;
+  setenv("XDG_STATE_HOME", place.path().c_str(), 1);
+  {
+    auto store = StateStore::Open(place / "musher/dog",
+                                  {"dog", "", transport::TestDomain(), place / "robot.toml"});
+    ASSERT_TRUE(store);
+    store.value().SetMachineId(kDog.id);
+    ASSERT_TRUE(store.value().SaveMachineId());
+  }
+  FakeSkills of_cat("arm", "", kCat);
+  const Ran ran = RunProgram({"skill", "run", "rise"});
+  unsetenv("XDG_STATE_HOME");
+  EXPECT_EQ(ran.exit, 3) << ran.out;
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("the machine of this host, dog (id d0900000), has no "
+                                       "running actuator arm"),
+                             HasSubstr("found cat (id cafe0000). Nothing was done")));
+  EXPECT_EQ(of_cat.goals(), 0);
 }
 
 TEST_F(SkillCommand, ReportsThatNothingRuns) {

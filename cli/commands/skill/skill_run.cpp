@@ -8,6 +8,7 @@
 #include "musher/cli/commands/skill/skill_goal.hpp"
 #include "musher/cli/commands/skill/skill_progress.hpp"
 #include "musher/cli/machine/goal_run.hpp"
+#include "musher/cli/machine/meant_actuator.hpp"
 #include "musher/cli/machine/skill_offers.hpp"
 #include "musher/cli/render/skill.hpp"
 
@@ -77,11 +78,21 @@ ExitCode RunSkill(const SkillRunOptions& options, const GlobalOptions& global, C
   if (!link) return console.Fail(link.error());
   const auto offers = SkillOffers::Begin(*link.value(), global);
   if (!offers) return console.Fail(offers.error());
+  const auto meant = MeantActuator::Begin(*link.value(), global);
+  if (!meant) return console.Fail(meant.error());
   if (const auto failure = offers.value()->Await(options.actuator)) return console.Fail(*failure);
-  const auto skill = ChooseSkill(offers.value()->all(), options.name, options.actuator);
+  std::vector<msg::SkillOffers> of_machine = offers.value()->all();
+  if (options.actuator.empty()) {
+    std::erase_if(of_machine,
+                  [&](const auto& one) { return meant.value()->IsOfAnother(one.actuator); });
+  }
+  const auto skill = ChooseSkill(of_machine, options.name, options.actuator);
   if (!skill) return console.Fail(Failure{ExitCode::kNotDone, skill.error()});
   const auto parameters = SkillParameters(skill.value().offer, options.parameters);
   if (!parameters) return console.Fail(Failure{ExitCode::kNotDone, parameters.error()});
+  if (const auto failure = meant.value()->Check(skill.value().actuator)) {
+    return console.Fail(*failure);
+  }
   SkillRun run(*link.value(), global, skill.value(), console);
   if (const auto begun = run.Begin(parameters.value()); !begun) return console.Fail(begun.error());
   const SkillEnd end = run.Wait();

@@ -229,6 +229,10 @@ class MachineOnTwoHosts : public MachineByCli {
   void LoseController() {
     const std::string pid = std::to_string(robot_->Status()["pid"].get<int>());
     ASSERT_EQ(robot_->Do({"kill", "-9", pid}).exit, 0);
+    const std::string name = name_space_ + "/musher/controller$";  // that it holds on its host
+    ASSERT_TRUE(Until([&] {
+      return robot_->Do({"grep", "-q", name, "/proc/net/unix"}).exit != 0;
+    }));
   }
 
   std::unique_ptr<Host> robot_;

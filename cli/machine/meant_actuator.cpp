@@ -1,0 +1,113 @@
+#include "musher/cli/machine/meant_actuator.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/base/host.hpp"
+#include "musher/base/words.hpp"
+#include "musher/cli/machine/machine_files.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::cli {
+namespace {
+
+// Those of other hosts are discovered one after the other.
+constexpr Duration kOthersAnswerWithin = Milliseconds(300);
+
+using Statuses = std::vector<msg::ActuatorStatus>;
+
+MachineIdentity MachineOf(const msg::ActuatorStatus& status) {
+  return {status.machine, status.machine_id};
+}
+
+bool AreOfOneMachine(const Statuses& statuses) {
+  return std::ranges::all_of(statuses, [&](const msg::ActuatorStatus& one) {
+    return SameMachine(MachineOf(one), MachineOf(statuses.front()));
+  });
+}
+
+// "cat (id cafe0000), dog (id d0900000)".
+std::string MachinesText(const Statuses& statuses) {
+  std::string text;
+  for (const msg::ActuatorStatus& one : statuses) {
+    const std::string machine =
+        one.machine.empty() ? "a machine that sends no name" : MachineText(MachineOf(one));
+    if (text.find(machine) == std::string::npos) text += (text.empty() ? "" : ", ") + machine;
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<MeantActuator>> MeantActuator::Begin(Link& link,
+                                                            const GlobalOptions& global) {
+  std::unique_ptr<MeantActuator> meant(new MeantActuator(link, global));
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [self = meant.get()](transport::EndpointId writer) {
+    self->known_.erase(writer);
+  };
+  transport::Qos qos = transport::kLatchedFromManyQos;
+  qos.partition = transport::ReaderPartition(!global.keys.empty());
+  auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
+      link.node(), transport::ActuatorStatusTopic(global.name_space),
+      [self = meant.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+        if (transport::IsFrom(status, info)) self->known_[info.writer] = status;
+      },
+      qos, std::move(events));
+  // An observer may lack the permission: then nothing is known of them.
+  if (!statuses && global.keys.empty()) return statuses.error();
+  if (statuses) meant->statuses_ = std::move(statuses).value();
+  return meant;
+}
+
+std::optional<Failure> MeantActuator::Check(const std::string& actuator) {
+  link_.RunUntil([] { return false; }, kOthersAnswerWithin);
+  if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
+  const Statuses found = OfName(actuator);
+  const std::string where = " in " + NamespaceText(global_.name_space);
+  const std::string machines = found.empty() ? "" : "; found " + MachinesText(found);
+  if (!global_.machine.empty() &&
+      std::ranges::none_of(found, [this](const auto& one) { return IsNamed(one); })) {
+    return Failure{ExitCode::kNoController,
+                   {kCodeNetError, "no actuator " + actuator + " of machine " + global_.machine +
+                                       where + machines + ". Nothing was done"}};
+  }
+  if (found.empty()) return std::nullopt;
+  if (!AreOfOneMachine(found)) {
+    return Failure{ExitCode::kUsage,
+                   {kCodeTargetBusy, actuator + " is an actuator of several machines" + where +
+                                         ": " + MachinesText(found) +
+                                         ". Nothing was done: each of them would receive it; give "
+                                         "each a namespace"}};
+  }
+  const bool runs_here =
+      std::ranges::any_of(found, [](const auto& one) { return one.host == HostId(); });
+  if (!global_.machine.empty() || runs_here) return std::nullopt;
+  const auto here = MachineOfFilesHere(global_);
+  if (!here || SameMachine(*here, MachineOf(found.front()))) return std::nullopt;
+  return Failure{
+      ExitCode::kNoController,
+      {kCodeNetError, "the machine of this host, " + MachineText(*here) +
+                          ", has no running actuator " + actuator + where + machines +
+                          ". Nothing was done; --machine NAME speaks to another machine"}};
+}
+
+bool MeantActuator::IsOfAnother(const std::string& actuator) const {
+  const Statuses found = OfName(actuator);
+  return !global_.machine.empty() && !found.empty() &&
+         std::ranges::none_of(found, [this](const auto& one) { return IsNamed(one); });
+}
+
+Statuses MeantActuator::OfName(const std::string& actuator) const {
+  Statuses of_name;
+  for (const auto& [writer, status] : known_) {
+    if (status.name == actuator) of_name.push_back(status);
+  }
+  return of_name;
+}
+
+bool MeantActuator::IsNamed(const msg::ActuatorStatus& status) const {
+  return status.machine == global_.machine || BeginsIdOf(MachineOf(status), global_.machine);
+}
+
+}  // namespace musher::cli

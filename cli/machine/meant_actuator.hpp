@@ -1,0 +1,48 @@
+#pragma once
+// Which actuator of a name a request means, where several machines of a namespace have one. By
+// their latched statuses, so it needs no controller:
+//
+//   --machine is given    the one of that machine
+//   else                  the one that runs on this host, or is of the machine that this host has
+//                         files of; without any, the only one
+//
+// A goal, and a command of an application, is received by every actuator of its name in the
+// namespace. So it is refused where several machines have one, whichever is meant.
+//
+// Threads: loop thread only.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/cli/machine/link.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+
+namespace musher::cli {
+
+class MeantActuator {
+ public:
+  // Subscribes to the statuses. Both references must outlive it.
+  static Result<std::unique_ptr<MeantActuator>> Begin(Link& link, const GlobalOptions& global);
+
+  // Why no request may be sent to the actuators of that name; nullopt: it reaches the one that is
+  // meant, and no other. One whose status is not received is meant unless --machine is given. Runs
+  // the loop until others of that name have had time to be discovered.
+  std::optional<Failure> Check(const std::string& actuator);
+  // Whether each known actuator of that name is of another machine than --machine means.
+  bool IsOfAnother(const std::string& actuator) const;
+
+ private:
+  MeantActuator(Link& link, const GlobalOptions& global) : link_(link), global_(global) {}
+  std::vector<msg::ActuatorStatus> OfName(const std::string& actuator) const;
+  bool IsNamed(const msg::ActuatorStatus& status) const;
+
+  Link& link_;
+  const GlobalOptions& global_;
+  std::map<transport::EndpointId, msg::ActuatorStatus> known_;  // by their writer
+  std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
+};
+
+}  // namespace musher::cli
