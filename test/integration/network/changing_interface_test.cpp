@@ -32,7 +32,7 @@ TEST_F(ChangingInterface, IsLostAtOnceWithTheFirstAndBothComeBack) {
   ExpectNothingWasLost();
 }
 
-// What needs a new process to be used, a person is told with its command.
+// What needs a new process to be used is reported with its command.
 TEST_F(ChangingInterface, ComesLateAndIsUsedAfterATakeoverThatDisturbsNoActuator) {
   Connect(kWifi);
   ASSERT_NO_FATAL_FAILURE(Start());
