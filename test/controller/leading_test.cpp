@@ -220,7 +220,7 @@ TEST_F(Leading, ATakeoverOnAnotherHostSwitchesNothingOnAfterAReleasedStop) {
 
 // It went to Active: only the disk of the host that is taken over knew of the folder.
 TEST_F(Leading, ATakeoverOnAnotherHostSwitchesNothingOnWhereAFolderOfStopsIsUnread) {
-  first_.disk.stops.unread = {{"/var/lib/musher/robot", "root", 7, false}};
+  first_.disk.unread = {{"/var/lib/musher/robot", "root", 7, false}};
   Open(first_, "first");
   first_.process->Begin(false);
   ASSERT_TRUE(RunUntil([this] { return first_.machine().phase == Phase::kFailed; }));
