@@ -6,7 +6,7 @@
 //                 └──▶ a Failure: no controller, no reply in time, interrupted, or a bad network
 //
 // On a host with several outer networks Cyclone sends to a process by one of them, and keeps it
-// while it is down. So where nothing is discovered, the link joins by each network alone.
+// while it is down. So where none answers, the link joins by each network alone.
 //
 // Threads: one; Call() runs the loop until the reply arrives. Ctrl-C ends a Call(), not the
 // program.
@@ -60,7 +60,7 @@ class Link {
   }
 
   // `console`, which must outlive it, gets a line while the link waits for a controller that is
-  // short of CPU time. With several outer networks it waits until a controller is discovered.
+  // short of CPU time. With several outer networks it waits until a controller answers.
   static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global,
                                             Console* console = nullptr);
   // The same without that wait, by all networks, or by `network` alone.
