@@ -156,8 +156,9 @@ void ActuatorShell::OnControllerHeartbeat(const msg::ControllerHeartbeat& heartb
 void ActuatorShell::OnEmergencyStop(const msg::EmergencyStop& stop,
                                     const transport::SampleInfo& info) {
   if (!SameMachine(machine_, {stop.machine, stop.machine_id})) return;
-  Handle(actuator_event::EmergencyStopReceived{
-      StopId(stop.id), stop.engaged, Sender(info.participant.value()), stop.by, stop.reason});
+  Handle(actuator_event::EmergencyStopReceived{StopId(stop.id), stop.engaged,
+                                               Sender(info.participant.value()), stop.by,
+                                               stop.reason, CommandNumber(stop.last_command)});
 }
 
 void ActuatorShell::Start() {

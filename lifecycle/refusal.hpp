@@ -100,6 +100,7 @@ enum class Refusal : std::uint8_t {
   kNoPermitYet,
   kOnlyAtStart,
   kStopForbidsSwitchingOn,
+  kCommandBeforeRelease,
   kNoStateToSwitchTo,
   kControlled,
   // A capability.
@@ -263,6 +264,8 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
      "{state} cannot be commanded: it runs only at the start of a process"},
     {Refusal::kStopForbidsSwitchingOn, kCodeProtectedError,
      "an emergency stop is engaged; until it is released nothing is switched on"},
+    {Refusal::kCommandBeforeRelease, kCodeProtectedError,
+     "the command was sent before an emergency stop was released; it switches nothing on"},
     {Refusal::kNoStateToSwitchTo, kCodeUnSupport,
      "{actuator} has no state '{state}' to be switched to"},
     {Refusal::kControlled, kCodePermissionDenied, "a controller has control, epoch {epoch}"},

@@ -250,7 +250,7 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   const ActuatorCore& c = a.core;
   mixer.Add(c.report, c.report.emergency_stop, c.report.released_stop, c.running_for,
             c.was_detached, c.waiting, c.unsettled, c.half_way_down, c.controller, c.announced,
-            c.released, c.stops, c.stopped_meanwhile, c.under_stop);
+            c.released, c.stops, c.last_before_release, c.stopped_meanwhile, c.under_stop);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, known, reply);
   AddLate(mixer, known, a.late);

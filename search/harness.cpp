@@ -228,12 +228,13 @@ void Harness::Do(ActuatorIndex i, const ActuatorAction& action) {
 }
 
 // An actuator that receives the stop late receives all of it late.
-void Harness::PublishToActuators(bool engaged) {
+void Harness::PublishToActuators(const action::PublishEmergencyStop& published) {
   const auto of_stop = [](const Late& late) { return std::holds_alternative<StopMessage>(late); };
   for (const ActuatorIndex i : world_.actuators.Indices()) {
     const auto& late = world_.actuators[i].late;
-    if (!engaged) {
-      StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, world_.sender()});
+    if (!published.engaged) {
+      StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, world_.sender(), "", "",
+                                                            published.last_command});
     } else if (std::none_of(late.begin(), late.end(), of_stop)) {
       ReceiveStop(i);
     }
@@ -258,7 +259,7 @@ void Harness::Do(const Action& action) {
     Log("  request " + ToString(answer->request) + " gets: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
   } else if (const auto* publish = std::get_if<action::PublishEmergencyStop>(&action)) {
-    PublishToActuators(publish->engaged);
+    PublishToActuators(*publish);
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
     if (notes_.log) Log("  " + record->message);
   }

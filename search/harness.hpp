@@ -50,7 +50,7 @@ class Harness : public FakeRobot {
   void Do(const Action& action) override;
   void Do(ActuatorIndex i, const ActuatorAction& action);
 
-  void PublishToActuators(bool engaged);
+  void PublishToActuators(const action::PublishEmergencyStop& published);
   void EndProcess(ActuatorIndex i, bool clean);
 
   const Model& model_;

@@ -213,7 +213,8 @@ std::vector<ControllerPresence::Rival> ControllerPresence::OtherMachines() const
   return others;
 }
 
-void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {
+void ControllerPresence::Publish(const action::PublishEmergencyStop& published) {
+  const auto& [stop, engaged, last_command] = published;
   auto& stops = engaged ? engaged_stops_ : released_stops_;
   if (engaged && !stops) {
     auto made = transport::MakePublisher<msg::EmergencyStop>(
@@ -221,8 +222,8 @@ void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {
     if (made) stops = std::move(made).value();
   }
   if (!stops) return;
-  static_cast<void>(stops->Publish(
-      {stop.id.value(), engaged, stop.by, stop.reason, config_.name, identity_.machine_id}));
+  static_cast<void>(stops->Publish({stop.id.value(), engaged, stop.by, stop.reason, config_.name,
+                                    identity_.machine_id, last_command.value()}));
 }
 
 }  // namespace musher

@@ -79,7 +79,7 @@ class ControllerPresence {
   // another machine is ignored, and so is a release that no controller has published: it counts
   // once a heartbeat of its participant has arrived.
   void OnStop(const msg::EmergencyStop& stop, transport::ParticipantId from = 0);
-  void Publish(const EmergencyStop& stop, bool engaged);
+  void Publish(const action::PublishEmergencyStop& published);
   // No stop is engaged any more: an actuator that joins from now on receives releases only.
   void ForgetEngaged() { engaged_stops_ = nullptr; }
 

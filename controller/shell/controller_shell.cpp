@@ -320,7 +320,7 @@ void ControllerShell::Do(const action::AnswerCall& a) {
 }
 
 void ControllerShell::Do(const action::PublishEmergencyStop& a) {
-  presence_->Publish(a.stop, a.engaged);
+  presence_->Publish(a);
   if (!machine_.emergency.stop) presence_->ForgetEngaged();
 }
 

@@ -175,6 +175,7 @@ class Decision {
       return Engage({id, received.by, received.reason});
     }
     if (!entitled) return;
+    core_.last_before_release = std::max(core_.last_before_release, received.last_command);
     std::erase(core_.released, received.id);
     core_.released.push_back(received.id);
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
@@ -261,6 +262,7 @@ class Decision {
         return Refused<Refusal::kNotAnnounced>(epoch);
       }
       core_.controller = sender;
+      core_.last_before_release = 0;  // of the previous one
       // The new controller does not have the waiting command of the previous one.
       DropWaiting(Refused<Refusal::kTakenOver>(epoch));
     }
@@ -426,6 +428,9 @@ class Decision {
 
   std::optional<Error> MayBegin(const SwitchCommand& command) {
     if (auto refusal = CheckStop(command.target)) return refusal;
+    if (command.number <= core_.last_before_release && SwitchesOn(command.target)) {
+      return Refused<Refusal::kCommandBeforeRelease>();
+    }
     if (auto refusal = CheckAge(command, now_)) return refusal;
     if (AwaitsPermit(command.target)) return std::nullopt;
     StopWithoutPermit(command.target);

@@ -27,6 +27,8 @@
 //   - What a stop has switched off stays off after the release, until a callback that does not
 //     lead down succeeds without a stop: until then the actuator is held by the stop, and a
 //     command to its present state runs the callback.
+//   - A release names the last command before it: no command up to that one switches on, as one
+//     that was late or is repeated.
 //   - With [safety] permit_ms an actuator above DeActive, or on the way there, latches a stop of
 //     its own when no permit arrives in time. A permit that is late or repeated, compared with the
 //     others of its sender, counts for nothing. In a process that has just started a command waits
@@ -93,6 +95,7 @@ struct EmergencyStopReceived {
   Sender sender = 0;
   std::string by = {};
   std::string reason = {};
+  CommandNumber last_command = 0;  // of a release: the last command of the controller before it
 };
 // A permit to move. `stamp`: when it was given, by the clock of its sender. An unknown sender (0)
 // permits nothing: its lateness has no measure.
@@ -195,8 +198,9 @@ struct ActuatorCore {
       announced;                     // the participants that announced themselves as controllers
   std::vector<EmergencyStop> stops;  // the engaged stops, oldest first
   std::vector<StopId> released;      // released stops: later samples of them are ignored
-  bool stopped_meanwhile = false;    // an emergency stop was engaged while the callback ran
-  bool under_stop = false;           // the same, or the callback began under one
+  CommandNumber last_before_release = 0;  // a command up to it switches nothing on
+  bool stopped_meanwhile = false;         // an emergency stop was engaged while the callback ran
+  bool under_stop = false;                // the same, or the callback began under one
   Permit permit;
 
   friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;

@@ -67,6 +67,7 @@ struct EmergencyStopState {
   std::vector<EmergencyStop> others;  // engaged beside it by other sources, released with it
   std::vector<StopId> released;  // the last released stops, with the ones that newer stops replaced
   std::optional<PendingRelease> release;
+  CommandNumber last_before_release = 0;  // the number of the last command then
   bool awaits_request = false;  // since the last stop no switch up was requested for all: on disk
   std::vector<UnreadFolder> unread{};  // whose stops are not known: on disk
 
@@ -171,6 +172,7 @@ inline constexpr std::tuple kFields<EmergencyStopState> = {
     Field{"other_stops", &EmergencyStopState::others},
     Field{"released_stops", &EmergencyStopState::released},
     Field{"release", &EmergencyStopState::release},
+    Field{"last_before_release", &EmergencyStopState::last_before_release},
     Field{"awaits_request", &EmergencyStopState::awaits_request},
     Field{"unread_stops", &EmergencyStopState::unread},
 };

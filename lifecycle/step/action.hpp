@@ -59,6 +59,7 @@ struct TakeBacktrace {
 struct PublishEmergencyStop {
   EmergencyStop stop;
   bool engaged = false;
+  CommandNumber last_command = 0;  // of a release: the last command before it
   friend bool operator==(const PublishEmergencyStop&, const PublishEmergencyStop&) = default;
 };
 // What has to survive this controller. A save is requested and not waited for; its end comes back

@@ -109,6 +109,7 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
   emergency.stop.reset();
   emergency.others.clear();
   emergency.released = std::move(stops.released);
+  emergency.last_before_release = machine_.number;
   const StopId last = emergency.released.empty() ? StopId(0) : emergency.released.back();
   emergency.release = PendingRelease{
       {requested.request}, requested.by, last, now_ + kReleaseRepeat, now_ + kReleaseTime};
@@ -118,9 +119,11 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
 
 // Also those that newer stops replaced: an actuator may have latched them.
 void EmergencyStops::PublishReleased() {
-  for (const StopId id : machine_.emergency.released) {
-    Do(action::PublishEmergencyStop{{id, "", ""}, false});
-  }
+  for (const StopId id : machine_.emergency.released) PublishReleased(id);
+}
+
+void EmergencyStops::PublishReleased(StopId id) {
+  Do(action::PublishEmergencyStop{{id, "", ""}, false, machine_.emergency.last_before_release});
 }
 
 // Whether it has received all of a release, which ends with the stop `last`, and has latched no
@@ -221,9 +224,7 @@ void EmergencyStops::CompareRelease(const ActuatorReport& report) {
 void EmergencyStops::CompareOldest(const ActuatorReport& report, ActuatorIndex i) {
   const StopId id = report.emergency_stop;
   if (IsReleased(id)) {
-    if (!machine_.emergency.stop) {
-      Do(action::PublishEmergencyStop{{id, "", ""}, false});
-    }
+    if (!machine_.emergency.stop) PublishReleased(id);
     return;
   }
   const bool origin_known =

@@ -35,6 +35,7 @@ class EmergencyStops : StepPart {
   bool Add(const EmergencyStop& stop);
   void Engage(const EmergencyStop& stop);
   void PublishReleased();
+  void PublishReleased(StopId id);
   bool HasConfirmed(ActuatorIndex i, StopId last) const;
   std::vector<std::string> Unconfirmed(StopId last) const;
   void EndRelease(const Result<>& result);

@@ -28,8 +28,8 @@ class Stopped : public testing::OneActuator {
     Switch(1, "DeActive");
   }
   Actions Engage(StopId id = kStop) { return Do(EmergencyStopReceived{id, true, 999}); }
-  Actions Release(StopId id = kStop, Sender sender = 1) {
-    return Do(EmergencyStopReceived{id, false, sender});
+  Actions Release(StopId id = kStop, Sender sender = 1, CommandNumber last_command = 0) {
+    return Do(EmergencyStopReceived{id, false, sender, "", "", last_command});
   }
 };
 
@@ -74,6 +74,45 @@ TEST_F(Stopped, ReleasingTheFirstOfTwoStopsDoesNotOpenTheActuator) {
   Release(kStop + 1);
   EXPECT_EQ(core_.report.emergency_stop, StopId(0));
   Switch(3, "Active");
+}
+
+// A link that holds a command back, or repeats it, delivers it when the stop is over.
+TEST_F(Stopped, ACommandFromBeforeTheReleaseSwitchesNothingOnAfterIt) {
+  Engage();
+  Release(kStop, 1, 3);
+  EXPECT_EQ(AnswerIn(Do(Command(3, "Active"))).code, kCodeProtectedError);
+  EXPECT_EQ(core_.report.state, "DeActive");
+  Switch(4, "Active");
+}
+
+TEST_F(Stopped, ACommandFromBeforeAReleaseWhoseStopItNeverReceivedSwitchesNothingOn) {
+  Release(kStop, 1, 3);
+  EXPECT_EQ(AnswerIn(Do(Command(3, "Active"))).code, kCodeProtectedError);
+  Switch(4, "Active");
+}
+
+TEST_F(Stopped, ACommandFromBeforeTheReleaseThatLeadsDownIsObeyed) {
+  Engage();
+  Release(kStop, 1, 3);
+  Switch(2, "LowPower");
+  Switch(3, "TearDown");
+}
+
+TEST_F(Stopped, ARepeatedReleaseAndAnOlderOneChangeNothing) {
+  Engage();
+  Release(kStop, 1, 3);
+  Release(kStop, 1, 3);
+  Release(kStop, 1, 0);
+  EXPECT_EQ(AnswerIn(Do(Command(3, "Active"))).code, kCodeProtectedError);
+  Switch(4, "Active");
+}
+
+// The numbers of another controller may be lower: they follow on those that this actuator reports.
+TEST_F(Stopped, WhatAReleaseNamesEndsWithTheControlOfItsController) {
+  Engage();
+  Release(kStop, 1, 90);
+  Announce(2);
+  EXPECT_THAT(Do(Command(2, "Active", 2)), Contains(VariantWith<RunCallback>(_)));
 }
 
 TEST_F(Stopped, ReportsEveryStopThatItHasLatched) {

@@ -348,6 +348,8 @@ TEST_F(RefusedCommands, ToAStateThatCannotBeCommanded) {
   EXPECT_THAT(AnswerTo(Command(2, "OTA")), IsRefused(Refusal::kStateMissing));
   Do(actuator_event::EmergencyStopReceived{7, true, 0, "alice"});
   EXPECT_THAT(AnswerTo(Command(3, "Active")), IsRefused(Refusal::kStopForbidsSwitchingOn));
+  Do(actuator_event::EmergencyStopReceived{7, false, 1, "", "", 5});
+  EXPECT_THAT(AnswerTo(Command(5, "Active")), IsRefused(Refusal::kCommandBeforeRelease));
 }
 
 TEST_F(RefusedCommands, OfAManagerWhileItIsBusyOrAControllerHasControl) {

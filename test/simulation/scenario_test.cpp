@@ -219,6 +219,14 @@ TEST(FoundScenario, ARollbackSwitchesNothingOnAgainThatAStopHolds) {
   EXPECT_EQ(ViolationOf(706008, {9, 13, 14}), "");
 }
 
+// Lost messages are repeated, delayed ones come late: a command that was sent before a stop arrived
+// after its release, within its budget.
+TEST(FoundScenario, ACommandThatArrivesAfterAReleaseSwitchesNothingOnIfItWasSentBefore) {
+  EXPECT_EQ(ViolationOf(38789, {1, 3, 5, 6, 7}), "");
+  EXPECT_EQ(ViolationOf(389462, {1, 3, 4, 6, 7}), "");
+  EXPECT_EQ(ViolationOf(864361, {5, 10, 12, 13, 14}), "");
+}
+
 // Without what it is bound to, the actuator was on its way to DeActive when the fallback came.
 TEST(FoundScenario, AFallbackSwitchesNothingOnThatIsOnItsWayDown) {
   EXPECT_EQ(ViolationOf(11904, {3, 5, 6}), "");

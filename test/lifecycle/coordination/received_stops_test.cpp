@@ -88,4 +88,21 @@ TEST_F(ReceivedStops, AReleasedStopThatAnActuatorReportsDuringAnotherReleaseIsRe
   EXPECT_FALSE(Did<action::PublishEmergencyStop>()[0].engaged);
 }
 
+// A command after the release has a higher number, and the actuator must obey it.
+TEST_F(ReceivedStops, AReleaseNamesTheLastCommandBeforeItAlsoWhenItIsRepeated) {
+  StartUp();
+  const CommandNumber before = machine_.number;
+  Do(event::EmergencyStopSeen{{3, "a panel", ""}});
+  Forget();
+  Do(event::ReleaseRequested{1, "alice"});
+  ASSERT_THAT(Did<action::PublishEmergencyStop>(), SizeIs(1));
+  EXPECT_EQ(Did<action::PublishEmergencyStop>()[0].last_command, before);
+  Do(event::SetStateRequested{2, "LowPower"});
+  ASSERT_GT(machine_.number, before);
+  Forget();
+  Pass(Milliseconds(500));
+  ASSERT_THAT(Did<action::PublishEmergencyStop>(), SizeIs(1));
+  EXPECT_EQ(Did<action::PublishEmergencyStop>()[0].last_command, before);
+}
+
 }  // namespace musher::testing::received_stops_test
