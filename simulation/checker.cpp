@@ -305,9 +305,10 @@ void Checker::CarryCommandsOver(std::uint64_t controller, Epoch from, Epoch to) 
   }
 }
 
-// Of the events at one instant another one may come first, such as a step of another controller.
+// Of the events at one instant others may come first, such as a step of another controller, or the
+// stops that a panel engages by the hundred.
 void Checker::CheckDeadline(const SimulatedController& controller, Seen& seen) {
-  constexpr int kOthers = 100;
+  constexpr int kOthers = 10'000;
   const Time now = robot_.network().now();
   const auto deadline = NextDeadline(config_, controller.shell().machine());
   if (!deadline || *deadline > controller.Now()) return seen.over_since.reset();
@@ -673,8 +674,10 @@ void Checker::OnStopPublished(const SimulatedController& controller,
   if (stop.engaged) {
     accepted_stops_[StopId(stop.id)].insert(controller.host());
     stopped_on_[controller.host()] = seen_[controller.serial()].stop_order = ++order_;
+    release_order_.erase(StopId(stop.id));
   } else {
     released_[StopId(stop.id)].insert(controller.host());
+    release_order_.try_emplace(StopId(stop.id), ++order_);
     released_at_ = robot_.network().now();
   }
 }
@@ -779,7 +782,7 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
     ReportViolation(Invariant::kReachesMeantMachine,
                     name + " has latched an emergency stop that is meant for another machine");
   }
-  if (report.emergency_stop != 0 && before.emergency_stop == 0) latched_[{name, host}] = ++order_;
+  NoteLatched({name, host}, before, report);
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
   if (!report.busy()) idle_and_stopped_.emplace_back(name, host);
   if (before.busy() && MaySwitchOn(config_, before.state, report.state)) {
@@ -787,6 +790,23 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
                     name + " has switched from " + before.state + " to " + report.state +
                         ", which may switch it on, although it has latched an emergency stop");
   }
+}
+
+// A stop that its controller had released when the actuator received it, as after a freeze, is over
+// since then: a command that was sent after the release may begin.
+void Checker::NoteLatched(const std::pair<std::string, std::size_t>& actuator,
+                          const ActuatorReport& before, const ActuatorReport& report) {
+  const auto latches = [](const ActuatorReport& of, StopId id) {
+    return of.emergency_stop == id || std::ranges::count(of.other_stops, id) != 0;
+  };
+  const auto note = [&](StopId id) {
+    if (id == 0 || latches(before, id)) return;
+    const auto released = release_order_.find(id);
+    auto& order = latched_[actuator];
+    order = std::max(order, released != release_order_.end() ? released->second : ++order_);
+  };
+  note(report.emergency_stop);
+  for (const StopId id : report.other_stops) note(id);
 }
 
 // Only the release of a stop ends it.

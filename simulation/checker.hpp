@@ -177,6 +177,8 @@ class Checker {
   void CheckStopsAtRest(const Machine& machine);
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
+  void NoteLatched(const std::pair<std::string, std::size_t>& actuator,
+                   const ActuatorReport& before, const ActuatorReport& report);
   void CheckStaysStopped(const std::string& name, const ActuatorReport& before,
                          const ActuatorReport& report);
   // After a release: what was requested since the last stop.
@@ -352,6 +354,7 @@ class Checker {
   std::set<std::uint64_t> unanswered_;
   // When a person started a controller that took nothing over, by its serial.
   std::map<std::uint64_t, std::uint64_t> begun_by_a_person_;
+  std::map<StopId, std::uint64_t> release_order_;  // of the stops that are over: when
   std::map<std::pair<std::string, std::size_t>, std::uint64_t> latched_;  // actuator, host: when
   std::map<Time, Time> permits_;  // given: the stamp, by the console's clock; when
   Time check_permits_at_{};

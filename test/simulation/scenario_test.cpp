@@ -227,6 +227,17 @@ TEST(FoundScenario, ACommandThatArrivesAfterAReleaseSwitchesNothingOnIfItWasSent
   EXPECT_EQ(ViolationOf(864361, {5, 10, 12, 13, 14}), "");
 }
 
+// The actuator was frozen. The checker took the stop for one that is engaged when it arrives.
+TEST(FoundScenario, ACommandAfterAReleaseBeginsWhereTheStopAndTheReleaseArriveLate) {
+  EXPECT_EQ(ViolationOf(329342, {1, 4, 5, 6, 7}), "");
+}
+
+// The checker took more than a hundred samples in one instant for a deadline that is passed over.
+TEST(FoundScenario, StopsByTheHundredComeBeforeTheTimerOfTheirInstant) {
+  EXPECT_EQ(ViolationOf(409971, {3, 4}), "");
+  EXPECT_EQ(ViolationOf(542343, {3, 9}), "");
+}
+
 // Without what it is bound to, the actuator was on its way to DeActive when the fallback came.
 TEST(FoundScenario, AFallbackSwitchesNothingOnThatIsOnItsWayDown) {
   EXPECT_EQ(ViolationOf(11904, {3, 5, 6}), "");
