@@ -114,7 +114,7 @@ MachineConfig AnyMachine() {
   machine.state_dir = "/var/state/x";
   machine.states = {"SetUp", "TearDown", "SelfCheck", "Active", "Protected", "Error", "Parked"};
   machine.default_time = AnyTime();
-  machine.default_state = Any<State>({"Uninitialized", "Active", "Parked"});
+  machine.default_state = Any<State>({"Uninitialized", "Error"});
   machine.shutdown_budget = AnyTime();
   machine.log = Any<std::string>({"", "/var/log/sled.log"});
   machine.log_group = Any<std::string>({"", "robots"});

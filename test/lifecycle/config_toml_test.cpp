@@ -246,7 +246,6 @@ state = [{ name = "Parked", rank = 3 }]
 actuators = ["a"]
 states = ["SetUp", "Active", "Parked"]
 default_time = 250
-default_state = "Parked"
 [actuator.a]
 states = ["SetUp", "Parked"]
 times = [1, 2]
@@ -254,7 +253,6 @@ times = [1, 2]
   EXPECT_EQ(config.RankOf("Parked"), 3);
   EXPECT_EQ(config.RankOf("Active"), 6);
   EXPECT_EQ(config.RankOf("SetUp"), std::nullopt);
-  EXPECT_EQ(config.default_state, "Parked");
   EXPECT_EQ(config.actuators[0].on_controller_lost, "Parked");
   EXPECT_EQ(config.flow, DefaultFlow(config.states));
 }

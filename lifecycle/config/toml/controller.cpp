@@ -86,13 +86,15 @@ void ReadDefaultState(TableReader& controller, Draft& draft) {
     return;
   }
   if (!CheckState(*state, "default_state", controller, draft)) return;
-  draft.config.default_state = State(state->text);
   const auto rank = draft.config.RankOf(state->text);
   if (rank && *rank > *BuiltInRank(kError)) {
-    controller.Warn(state->at, "default_state",
-                    "an actuator whose SetUp has not ended, or has failed, counts as in " +
-                        Quote(state->text) + "; expected \"Uninitialized\"");
+    controller.Fault(state->at, "default_state",
+                     Quote(state->text) +
+                         " is a state of a running robot, and an actuator is in the default state "
+                         "until its SetUp has ended; expected \"Uninitialized\"");
+    return;
   }
+  draft.config.default_state = State(state->text);
 }
 
 void ReadIdentity(TableReader& controller, Draft& draft) {
