@@ -61,7 +61,9 @@ Result<std::unique_ptr<MeantActuator>> MeantActuator::Begin(Link& link,
 }
 
 std::optional<Failure> MeantActuator::Check(const std::string& actuator) {
-  link_.RunUntil([] { return false; }, kOthersAnswerWithin);
+  if (!std::exchange(others_had_time_, true)) {
+    link_.RunUntil([] { return false; }, kOthersAnswerWithin);
+  }
   if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
   const Statuses found = OfName(actuator);
   const std::string where = " in " + NamespaceText(global_.name_space);

@@ -28,8 +28,8 @@ class MeantActuator {
   static Result<std::unique_ptr<MeantActuator>> Begin(Link& link, const GlobalOptions& global);
 
   // Why no request may be sent to the actuators of that name; nullopt: it reaches the one that is
-  // meant, and no other. One whose status is not received is meant unless --machine is given. Runs
-  // the loop until others of that name have had time to be discovered.
+  // meant, and no other. One whose status is not received is meant unless --machine is given. The
+  // first call runs the loop until others have had time to be discovered.
   std::optional<Failure> Check(const std::string& actuator);
   // Whether each known actuator of that name is of another machine than --machine means.
   bool IsOfAnother(const std::string& actuator) const;
@@ -41,6 +41,7 @@ class MeantActuator {
 
   Link& link_;
   const GlobalOptions& global_;
+  bool others_had_time_ = false;
   std::map<transport::EndpointId, msg::ActuatorStatus> known_;  // by their writer
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };

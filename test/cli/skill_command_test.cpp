@@ -176,6 +176,36 @@ TEST_F(SkillCommand, RunsNoSkillOfAnotherMachineThanThisHostHasFilesOf) {
   EXPECT_EQ(of_cat.goals(), 0);
 }
 
+// It paused and cancelled the skill of each robot, and let that of each go on.
+TEST_F(SkillCommand, PausesResumesAndCancelsASkillOfTheMachineThatIsNamedAlone) {
+  FakeSkills of_dog("arm_0", "", kDog);
+  FakeSkills of_cat("arm_1", "", kCat);
+  Process on_dog({kMusher, "skill", "run", "wait", "--actuator", "arm_0"});
+  Process on_cat({kMusher, "skill", "run", "wait", "--actuator", "arm_1"});
+  ASSERT_NE(on_dog.LineWith("10 %  Skill wait started"), "");
+  ASSERT_NE(on_cat.LineWith("10 %  Skill wait started"), "");
+  const Ran paused = RunProgram({"skill", "pause", "wait", "--machine", "cat"});
+  EXPECT_EQ(paused.exit, 0) << paused.err;
+  EXPECT_EQ(paused.out, "wait of arm_1 paused in WAITING\n");
+  EXPECT_EQ(RunProgram({"skill", "resume", "wait", "--machine", "dog"}).exit, 1)
+      << "it is not paused there";
+  const Ran cancelled = RunProgram({"skill", "cancel", "wait", "--machine", "cat"});
+  EXPECT_EQ(cancelled.exit, 0) << cancelled.err;
+  EXPECT_EQ(on_cat.Wait().exit, 1);
+  of_dog.Finish();
+  EXPECT_EQ(on_dog.Wait().exit, 0);
+}
+
+TEST_F(SkillCommand, CancelsNothingWhereTheActuatorsOfTwoMachinesWouldReceiveIt) {
+  const FakeSkills of_dog("arm", "", kDog);
+  const FakeSkills of_cat("arm", "", kCat);
+  for (const std::string command : {"cancel", "pause", "resume"}) {
+    const Ran ran = RunProgram({"skill", command, "wait", "--machine", "dog"});
+    EXPECT_EQ(ran.exit, 2) << command << ran.out;
+    EXPECT_THAT(ran.err, HasSubstr("arm is an actuator of several machines"));
+  }
+}
+
 TEST_F(SkillCommand, ReportsThatNothingRuns) {
   for (const std::string command : {"list", "run", "cancel", "pause", "resume", "watch"}) {
     std::vector<std::string> words = {"--namespace", "nowhere", "skill", command};

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "musher/base/joined.hpp"
+#include "musher/cli/machine/meant_actuator.hpp"
 #include "musher/cli/machine/skill_offers.hpp"
 
 namespace musher::cli {
@@ -13,12 +14,21 @@ AskedRuns AskRunsOf(Link& link, const GlobalOptions& global, const std::string& 
                     const std::function<AskedRun(const OfferedSkill& skill)>& ask) {
   const auto offers = SkillOffers::Begin(link, global);
   if (!offers) return {false, Failure{ExitCode::kUsage, offers.error()}};
+  const auto meant = MeantActuator::Begin(link, global);
+  if (!meant) return {false, Failure{ExitCode::kUsage, meant.error()}};
   if (auto failure = offers.value()->Await(actuator)) return {false, std::move(failure)};
   const auto found = FindSkill(offers.value()->all(), skill, actuator);
   if (!found) return {false, Failure{ExitCode::kNotDone, found.error()}};
   AskedRuns asked;
   std::vector<std::string> actuators;
+  std::optional<Failure> of_another;
   for (const OfferedSkill& one : found.value()) {
+    if (auto refused = meant.value()->Check(one.actuator)) {
+      // Without --actuator the skill is meant on the actuators of the machine that is meant.
+      if (refused->exit != ExitCode::kNoController) return {asked.any, std::move(refused)};
+      of_another = std::move(refused);
+      continue;
+    }
     actuators.push_back(one.actuator);
     AskedRun answer = ask(one);
     if (auto* failure = std::get_if<Failure>(&answer)) {
@@ -27,7 +37,10 @@ AskedRuns AskRunsOf(Link& link, const GlobalOptions& global, const std::string& 
       asked.any = asked.any || std::get<bool>(answer);
     }
   }
-  if (!asked.any && !asked.failure) {
+  if (asked.any || asked.failure) return asked;
+  if (actuators.empty() && of_another) {
+    asked.failure = std::move(of_another);
+  } else {
     asked.failure =
         Failure{ExitCode::kNotDone,
                 {kCodeStateInvalid, skill + " is not running; offered by " + Joined(actuators)}};

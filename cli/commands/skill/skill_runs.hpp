@@ -1,6 +1,6 @@
 #pragma once
 // What `musher skill pause`, `resume` and `cancel` have in common: they ask every actuator that
-// offers a skill for something about its run.
+// offers a skill, of the machine that is meant, for something about its run.
 //
 // Threads: loop thread only.
 
@@ -22,7 +22,7 @@ struct AskedRuns {
   std::optional<Failure> failure;  // the last one; without `any` the command fails with it
 };
 
-// Asks the actuators that offer the skill, or the given one alone.
+// Asks the actuators of the machine that is meant which offer the skill, or the given one alone.
 AskedRuns AskRunsOf(Link& link, const GlobalOptions& global, const std::string& skill,
                     const std::string& actuator,
                     const std::function<AskedRun(const OfferedSkill& skill)>& ask);
