@@ -113,6 +113,10 @@ void ControllerPresence::NoteController(transport::ParticipantId participant) {
   for (const Release& release : releases) OnStop(release.stop, release.from);
 }
 
+void ControllerPresence::SetAwaitsRequest(bool awaits) {
+  if (std::exchange(awaits_request_, awaits) != awaits && timer_) Repeat();
+}
+
 void ControllerPresence::Announce(Epoch epoch) {
   epoch_ = epoch;
   Repeat();

@@ -59,7 +59,8 @@ class ControllerPresence {
   void SetMachineId(std::string id) { identity_.machine_id = std::move(id); }
   MachineIdentity machine() const { return {config_.name, identity_.machine_id}; }
   // The same of this controller, for one that takes over, on another host.
-  void SetAwaitsRequest(bool awaits) { awaits_request_ = awaits; }
+  // Published at once: a successor that listens may see neither the stop nor its release.
+  void SetAwaitsRequest(bool awaits);
   // Publishes the heartbeat at once and periodically from now on.
   void Announce(Epoch epoch);
   // Publishes the heartbeat once more, for an actuator that may not have received it.

@@ -281,6 +281,9 @@ TEST(ControllerPresence, SaysThatAReleasedStopWaitsForARequest) {
     ASSERT_TRUE(starts->rival());
     EXPECT_EQ(starts->rival()->awaits_request, awaits);
   }
+  leads->SetAwaitsRequest(true);
+  network.RunFor(Milliseconds(20));
+  EXPECT_TRUE(starts->rival()->awaits_request) << "at once, not with the next heartbeat";
 }
 
 }  // namespace musher::testing::controller_presence_test
