@@ -402,6 +402,9 @@ void SkillActuator::CancelSkills(const std::string& why) {
 bool SkillActuator::ticking() const {
   return impl_->OnLoop().ticking();
 }
+Result<> SkillActuator::CheckTicking() const {
+  return impl_->OnLoop().CheckTicking();
+}
 Time SkillActuator::Now() const {
   return impl_->OnLoop().Now();
 }

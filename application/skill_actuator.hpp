@@ -110,6 +110,9 @@ class SkillActuator : public MachineActuator {
   skill::Manager& manager();
   // Whether skills are stepped now. On the loop only.
   bool ticking() const;
+  // Why no skill can be started now: the state, or a stop that holds the actuator. On the loop
+  // only.
+  Result<> CheckTicking() const;
   // The time of the machine's clock. On the loop only.
   Time Now() const;
 

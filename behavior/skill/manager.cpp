@@ -138,8 +138,13 @@ Result<> Manager::Begin(std::unique_ptr<Run> run, const Values& parameters) {
   if (Result<> free = Free(*run, parts); !free) return free;
   if (Result<> begun = run->Begin(parameters); !begun) return begun;
   Remove(run->name());
-  runs_.push_back(std::move(run));
+  Keep(std::move(run));
   return Ok();
+}
+
+void Manager::Keep(std::unique_ptr<Run> run) {
+  run->number_ = ++last_number_;
+  runs_.push_back(std::move(run));
 }
 
 Result<> Manager::Start(std::string_view skill, const Values& parameters) {

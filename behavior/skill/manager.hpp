@@ -12,6 +12,7 @@
 // Threads: one at a time. A skill must not start, pause, cancel or reset skills: within RunOnce()
 // and Pause() those calls fail.
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -98,10 +99,12 @@ class Manager {
   Result<> Free(const Run& run, const std::vector<std::string>& parts) const;
   Result<> Allowed(std::string_view skill) const;
   Result<> Begin(std::unique_ptr<Run> run, const Values& parameters);
+  void Keep(std::unique_ptr<Run> run);
   void Remove(std::string_view skill);
 
   const std::vector<Entry> entries_;
   std::vector<std::unique_ptr<Run>> runs_;
+  std::uint64_t last_number_ = 0;  // of a run
   std::function<void(const Run&)> removal_;
   std::optional<Time> last_;
   bool in_step_ = false;

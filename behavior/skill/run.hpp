@@ -116,6 +116,9 @@ class Run {
   std::vector<std::string> parts() const { return table_.PartsFor(parameters_); }
 
   const std::string& name() const { return name_; }
+  // Of the runs of its manager, from 1 on; a later run of the same skill has another one. 0: it was
+  // not started by a manager.
+  std::uint64_t number() const { return number_; }
   const Table& table() const { return table_; }
   // For a picture (fsm/graph.hpp): with the skills inside, where it runs some.
   fsm::Chart chart() const;
@@ -125,6 +128,7 @@ class Run {
   Result<Snapshot> Save() const;
 
  private:
+  friend class Manager;
   friend class Restorer;
 
   Tick MakeTick(Duration step);
@@ -143,6 +147,7 @@ class Run {
   std::optional<std::string> Thrown(const char* function, Call&& call);
 
   const std::string name_;
+  std::uint64_t number_ = 0;
   const std::unique_ptr<Skill> skill_;
   Table table_;
   Result<> built_;

@@ -216,7 +216,7 @@ std::vector<SnapshotFault> Manager::Restore(const ManagerSnapshot& saved) {
     if (Find(made.name()) != nullptr) {
       faults.push_back({key + ".skill", made.name() + " is in it twice"});
     }
-    runs_.push_back(std::move(run).value());
+    Keep(std::move(run).value());
   }
   if (!faults.empty()) {
     runs_ = std::move(before);

@@ -41,8 +41,8 @@ Result<> SkillsActuator::RegisterSkills(skill::Registry& registry) {
 void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics, machine_config().name_space);
   const auto nav2 = std::make_shared<Nav2Goals>(
-      Nav2Goals::Context{robot_, manager(), [this] { return MayStart(); }}, robot_.config().names,
-      topics);
+      Nav2Goals::Context{robot_, manager(), [this] { return CheckTicking(); }},
+      robot_.config().names, topics);
   topics.Keep(nav2);
   nav2_ = nav2;
   if (signals_ == nullptr) return;
@@ -50,11 +50,6 @@ void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
     CancelSkills("its process ends");  // and OnPause()
     robot_.Rest();
   })));
-}
-
-Result<> SkillsActuator::MayStart() {
-  if (ticking()) return Ok();
-  return Error{kCodeStateInvalid, name() + " runs no skills in " + CurrentState()};
 }
 
 void SkillsActuator::AfterTick(Time /*now*/) {

@@ -36,7 +36,6 @@ class SkillsActuator : public SkillActuator {
  private:
   Result<> RegisterSkills(skill::Registry& registry) override;
   void OpenTopics(transport::Endpoints& topics) override;
-  Result<> MayStart();
   Result<> SelfCheck() override;
   void BeforeTick(Time now) override { robot_.BeginStep(now); }
   void AfterTick(Time now) override;

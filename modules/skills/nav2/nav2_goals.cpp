@@ -98,6 +98,7 @@ class Nav2Goals::Mission {
   const Places places;
   const std::vector<navigation::Pose> poses;
   std::size_t at = 0;
+  std::uint64_t run = 0;  // the number of the run to that pose
   std::uint32_t loops_done = 0;
   const Time begun;
   std::vector<std::size_t> missed;
@@ -187,6 +188,8 @@ void Nav2Goals::Serve(const std::string& name, transport::Endpoints& endpoints) 
       return;
     }
     mission_->canceled = true;
+    Update();  // its run may have ended since the last step, and one of another client begun
+    if (!mission_) return;
     static_cast<void>(context_.manager.Cancel(skill_, "by its client"));
     if (!context_.may_start()) {  // no step would see it
       static_cast<void>(context_.manager.CancelNow(skill_, "by its client"));
@@ -216,6 +219,7 @@ void Nav2Goals::Start(transport::ServerGoal<Action> goal) {
   if (const Result<> may = context_.may_start(); !may) {
     return refuse(Action::kUnknown, may.error().message);
   }
+  Update();  // as above
   if (mission_) {
     static_cast<void>(context_.manager.CancelNow(skill_, "by a newer goal"));
     End(false, "a newer goal has replaced this one");
@@ -229,15 +233,18 @@ void Nav2Goals::Start(transport::ServerGoal<Action> goal) {
 Result<> Nav2Goals::Drive() {
   const navigation::Pose& to = mission_->poses[mission_->at];
   const double half_rad = to.yaw_rad / 2;
-  return context_.manager.Start(
+  const Result<> started = context_.manager.Start(
       skill_, {{"goal_pos", skill::Numbers{to.at.x_m, to.at.y_m, to.at.z_m}},
                {"goal_quat_wxyz", skill::Numbers{std::cos(half_rad), 0, 0, std::sin(half_rad)}}});
+  if (started) mission_->run = context_.manager.Find(skill_)->number();
+  return started;
 }
 
 void Nav2Goals::Update() {
   if (!mission_) return;
   const skill::Run* run = context_.manager.Find(skill_);
   if (run == nullptr) return End(false, "its skill was reset");
+  if (run->number() != mission_->run) return End(false, "another client has started " + skill_);
   if (run->ended()) return OnEndOfRun(*run);
   const Time now = clock_.Now();
   if (mission_->reported_at && now - *mission_->reported_at < kFeedbackPeriod) return;

@@ -160,6 +160,32 @@ TEST_F(Nav2, EndsAGoalWhoseSkillsAreCancelled) {
   EXPECT_THAT(sent->end->result.error_msg, HasSubstr("emergency stop"));
 }
 
+// While the robot was not Active a person cancelled the run, then a client sent it elsewhere. It
+// was sent to the next way-point at the end of that run.
+TEST_F(Nav2, DoesNotTakeTheRunOfAnotherClientForItsOwn) {
+  const auto sent = Send<msg::FollowWaypoints>("follow_waypoints", {.poses = {At(9, 0), At(0, 9)}});
+  Run(2);
+  ASSERT_TRUE(manager_->CancelNow("navigate_to", "by alice"));
+  ASSERT_TRUE(manager_->Start("navigate_to", {{"goal_pos", skill::Numbers{4, 3, 0}}}));
+  ASSERT_TRUE(Await(*sent));
+  EXPECT_EQ(sent->end->end, GoalEnd::kAborted);
+  EXPECT_EQ(sent->end->result.error_msg, "another client has started navigate_to");
+  Run(20);
+  EXPECT_NEAR(robot_.at.at.x_m, 4, 0.2);
+  EXPECT_EQ(robot_.drives, 2);
+}
+
+TEST_F(Nav2, ItsCancellationLeavesTheRunOfAnotherClient) {
+  const auto sent = ToPose(At(9, 0));
+  Run(2);
+  ASSERT_TRUE(manager_->CancelNow("navigate_to", "by alice"));
+  ASSERT_TRUE(manager_->Start("navigate_to", {{"goal_pos", skill::Numbers{4, 3, 0}}}));
+  sent->client->Cancel(sent->id, Milliseconds(1000), [](const auto&) {});
+  ASSERT_TRUE(Await(*sent));
+  Run(20);
+  EXPECT_NEAR(robot_.at.at.x_m, 4, 0.2);
+}
+
 TEST_F(Nav2, DrivesThroughPosesAndEndsAtTheFirstThatItDoesNotReach) {
   const auto sent = Send<msg::NavigateThroughPoses>(
       "navigate_through_poses", {.poses = {At(2, 0), At(2, 2), At(0, 2)}, .behavior_tree = {}});
