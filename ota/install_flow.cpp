@@ -17,11 +17,11 @@ std::string_view StepName(Step step) {
     case Step::kCheckWritten:
       return "check what was written";
     case Step::kMarkTrialBoot:
-      return "mark for trial";
+      return "mark for the trial boot";
     case Step::kStartAgain:
       return "start again";
     case Step::kTrialBoot:
-      return "trial";
+      return "trial boot";
     case Step::kLeaveOta:
       break;
   }

@@ -7,7 +7,7 @@
 namespace musher::transport {
 namespace {
 
-constexpr std::size_t kMostStopsReported = 64;  // beside the oldest, as many as an actuator keeps
+constexpr std::size_t kMostStopsReported = 64;  // beside the oldest; an actuator keeps 63
 
 msg::EmergencyStop MalformedStop() {
   msg::EmergencyStop stop;

@@ -104,7 +104,7 @@ CommandNumber Switches::Begin(const Plan& plan, Purpose purpose, std::vector<Req
   s.purpose = purpose;
   s.requests = std::move(requests);
   s.cause = cause;
-  // A release while it is under way does not let up what the stop has refused.
+  // What the stop refuses in this switch stays refused after its release.
   s.stopped = machine_.emergency.stop.has_value() && s.direction == Direction::kDown;
   EndWaiting(Refused<Refusal::kSwitchStartedFirst>(s.number, Describe(config_, s.target, s.only)),
              cause);
