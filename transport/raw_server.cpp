@@ -10,6 +10,8 @@ namespace musher::transport {
 namespace {
 
 constexpr Duration kLongestHold = std::chrono::seconds(5);
+// Of a client that is still there, half discovered. On a bad network discovery takes 10 s.
+constexpr Duration kLongestDiscovery = std::chrono::seconds(15);
 // The writer and the reader of a closed client are unmatched within this time of each other.
 constexpr Duration kUnmatchInterval = std::chrono::seconds(1);
 
@@ -47,8 +49,14 @@ void RawServer::SendOrHold(ParticipantId participant, msg::Bytes reply) {
     return;
   }
   held_.push_back({participant, std::move(reply), nullptr, {}});
-  const auto held = std::prev(held_.end());
-  held->expiry = loop_.At(loop_.Now() + kLongestHold, [this, held] {
+  Hold(std::prev(held_.end()), loop_.Now() + kLongestDiscovery);
+}
+
+// Work that waits for the reply waits no longer for a client that is still there.
+void RawServer::Hold(std::list<Held>::iterator held, Time until) {
+  held->expiry = loop_.At(std::min(loop_.Now() + kLongestHold, until), [this, held, until] {
+    const bool there = requests_->HasWriterOf(held->participant);
+    if (there && held->then.empty() && loop_.Now() < until) return Hold(held, until);
     ++dropped_;
     const auto then = std::move(held->then);
     held_.erase(held);

@@ -4,9 +4,9 @@
 // participant has one reply reader for each of its clients, hence as many as it has request
 // writers. When a client closes, its writer may be unmatched before its reader: that reader is not
 // counted for another client until it is unmatched as well, or for 1 s (it may never have been
-// matched). A reply that has waited for 5 s is dropped; its client has exited or times out. A
-// request of a participant that is not matched (any more) is dropped: it could not be answered or
-// attributed.
+// matched). A reply that has waited for 5 s is dropped if its client has exited, or if work waits
+// for it (AfterReplies()); else after 15 s. A request of a participant that is not matched (any
+// more) is dropped: it could not be answered or attributed.
 //
 // Threads: loop thread only.
 
@@ -73,6 +73,7 @@ class RawServer {
   void CountMalformed(ParticipantId participant);
   void TakeRequest(std::span<const std::byte> bytes, const SampleInfo& info);
   void SendOrHold(ParticipantId participant, msg::Bytes reply);
+  void Hold(std::list<Held>::iterator held, Time until);
   void OnMatchChanged();
   void NoteMatches(ParticipantId participant, Peer& peer);
   bool ReachesClientsOf(ParticipantId participant) const;

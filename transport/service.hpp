@@ -99,7 +99,7 @@ class Server {
 
   explicit Server(std::unique_ptr<RawServer> raw) : raw_(std::move(raw)) {}
 
-  // Requests that did not decode; replies that reached no client within 5 s or could not be sent.
+  // Requests that did not decode; replies that reached no client in time or could not be sent.
   std::uint64_t malformed() const { return raw_->malformed(); }
   std::uint64_t dropped() const { return raw_->dropped(); }
   // Whether a reply is held until the calling client is matched.

@@ -305,6 +305,24 @@ TEST(SimService, LosesNoReplyWhileDiscoveryIsHalfDone) {
   }
 }
 
+// Found by scenarios: the reply was dropped after 5 s, and the client waited for its whole timeout.
+TEST(SimService, LosesNoReplyToAClientThatNeedsTenSecondsToBeDiscovered) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Network network(seed);
+    network.SetDiscoveryDelay(Milliseconds(0), std::chrono::seconds(10));
+    const auto dog = network.MakeNode("dog"), desk = network.MakeNode("desk");
+    const auto server = MakeServer<msg::Trigger>(*dog, "reset", [](const auto&, auto reply) {
+                          reply({true, ""});
+                        }).value();
+    const auto client = MakeClient<msg::Trigger>(*desk, "reset").value();
+    int answered = 0;
+    client->Call({}, std::chrono::seconds(60),
+                 [&](const auto& answer) { answered += answer.ok() ? 1 : 0; });
+    network.RunFor(std::chrono::seconds(12));
+    EXPECT_EQ(answered, 1) << "seed " << seed;
+  }
+}
+
 // Found by a simulated client that requested two switches: the reader of the first was taken for
 // that of the second.
 TEST(SimService, LosesNoReplyWhenAnotherClientOfTheSameProcessEndsMeanwhile) {
