@@ -28,7 +28,8 @@ class MachineView {
   // The process that has to exit with the machine: this controller, or an earlier one, has started
   // it. Processes started by other parties are not ended. 0: none.
   std::int32_t OwnProcess(ActuatorIndex i) const;
-  // Whether its process runs on another host: a second one here would run in parallel.
+  // Whether the process that is in use runs on another host: a second one here would run in
+  // parallel, or waits already until that one is lost.
   bool RunsElsewhere(ActuatorIndex i) const;
   // Whether the last report of the actuator is of process `pid` of this host: a process of another
   // host may have the same pid.

@@ -42,8 +42,8 @@ std::vector<RemoteActuator> Saver::RemoteActuators() const {
 // host may be on another one with profile lan only.
 bool Saver::IsElsewhere(ActuatorIndex i) const {
   const ActuatorReport& report = Of(i).report;
-  if (Of(i).process.pid != 0 || report.incarnation == Of(i).process.dead ||
-      report.state == kTearDown) {
+  const bool runs_here = Of(i).process.pid != 0 && !RunsElsewhere(i);
+  if (runs_here || report.incarnation == Of(i).process.dead || report.state == kTearDown) {
     return false;
   }
   // A Musher actuator exits after a failed SetUp.

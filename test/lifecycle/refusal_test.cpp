@@ -161,6 +161,9 @@ TEST_F(RefusedPlans, OfARestartThatTheControllerCannotDo) {
   EXPECT_THAT(AnswerTo(restart), Optional(IsRefused(Refusal::kProcessUnknown)));
   RecordOfB().report.host = "there";
   EXPECT_THAT(AnswerTo(restart), Optional(IsRefused(Refusal::kOnAnotherHost)));
+  RecordOfB().process.pid = 9;  // our own one waits
+  RecordOfB().other.emplace().host = "here";
+  EXPECT_THAT(AnswerTo(restart), Optional(IsRefused(Refusal::kOnAnotherHost)));
   machine_.phase = Phase::kStopped;
   EXPECT_THAT(AnswerTo(restart), Optional(IsRefused(Refusal::kNotRestartable)));
 }
