@@ -248,6 +248,10 @@ void Checker::CheckController(const SimulatedController& controller) {
   }
   CheckDeadline(controller, seen);
   NoteReceived(controller, seen);
+  if (seen.lost_at.empty()) {
+    seen.lost_at = lost_at_;
+    seen.requested_state_at = requested_state_at_;
+  }
   const Epoch epoch = std::exchange(seen.epoch, machine.epoch);
   if (epoch == 0) seen.began_with = machine.epoch;
   if (epoch != 0 && epoch != machine.epoch) {
@@ -257,7 +261,7 @@ void Checker::CheckController(const SimulatedController& controller) {
   seen.starts = machine.phase == Phase::kStarting;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
-    if (present) lost_at_[i] = robot_.age();
+    if (present) lost_at_[i] = seen.lost_at[i] = robot_.age();
     if (!present && !machine.actuators[i].command) NoteGivenUp(machine.epoch, i);
   }
   CheckReason(controller, seen.state);
@@ -359,7 +363,9 @@ void Checker::CheckChange(const Machine& machine, Seen& seen) {
   seen.stopped = machine.emergency.stop.has_value();
   const bool requested = (seen.requested && machine.state == seen.requested_state) ||
                          just_replied_.contains(machine.state);
-  if (requested && !machine.current) requested_state_at_ = robot_.age();
+  if (requested && !machine.current) {
+    requested_state_at_ = seen.requested_state_at = robot_.age();
+  }
   seen.requested_state.reset();
   if (machine.current && IsRequested(*machine.current))
     seen.requested_state = machine.current->target;
@@ -1212,7 +1218,7 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
   }
   const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;
   if (!done || !result.actuator.empty() || !ranked || controller == nullptr) return;
-  requested_state_at_ = robot_.age();
+  requested_state_at_ = seen_[controller->serial()].requested_state_at = robot_.age();
   const Machine& machine = controller->shell().machine();
   CheckNotDegraded(machine, result);
   for (const ActuatorIndex i : config_.actuators.Indices()) {
@@ -1763,8 +1769,11 @@ void Checker::CheckLoss(const Machine& machine, ActuatorIndex i, bool provided) 
   if (known.presence == Presence::kAbsent && machine.emergency.stop) return;  // of a later stage
   if (!actuator.on_lost.empty()) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;
-    // An operator may continue without an actuator that is not critical.
-    if (!actuator.critical && requested_state_at_ >= lost_at_[i]) return;
+    // An operator may continue without an actuator that is not critical. Beyond a cut link another
+    // controller may have it longer.
+    const Seen& seen = seen_[SerialOf(machine)];
+    const bool goes_on = seen.lost_at.Has(i) && seen.requested_state_at >= seen.lost_at[i];
+    if (!actuator.critical && goes_on) return;
     return ReportViolation(
         actuator.critical ? Invariant::kSafeWithoutCritical : Invariant::kOnLostCoversLoss,
         "the machine stays in " + machine.state + " without " + actuator.name +

@@ -115,6 +115,9 @@ class Checker {
     // Since when its next deadline has passed, and how often it was checked since then.
     std::optional<std::pair<Time, int>> over_since;
     PerActuator<Incarnation> received;  // of each actuator, the incarnation reported last
+    // As for all controllers below: those of before its start, then its own.
+    PerActuator<Duration> lost_at;
+    Duration requested_state_at{};
     Epoch epoch = 0;
     Epoch began_with = 0;
     // When it last knew a sample of the battery that permits at most LowPower, or Protected.

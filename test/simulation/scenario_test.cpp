@@ -176,6 +176,22 @@ TEST(FoundScenario, AControllerStartsNoActuatorThatRunsOnAnotherHost) {
   EXPECT_EQ(ViolationOf(594348, {6, 7, 9, 11}), "");
 }
 
+// A restart was requested of an actuator whose process on the other host is in use. The controller
+// ended its own process, which waited, and forgot the request.
+TEST(FoundScenario, ARestartOfAnActuatorOnAnotherHostEndsNoProcessThatWaitsHere) {
+  EXPECT_EQ(ViolationOf(935251, {1, 5, 7, 9}), "");
+}
+
+// Beyond a cut link another controller had the actuator without which a person had gone on here.
+// The checker took its loss for a new one.
+TEST(FoundScenario, APersonGoesOnWithoutAnActuatorThatAnotherControllerHas) {
+  EXPECT_EQ(ViolationOf(339152, {5, 6, 7, 8, 11}), "");
+}
+
+TEST(FoundScenario, AClientThatIsDiscoveredLateGetsItsOutcome) {
+  EXPECT_EQ(ViolationOf(774361, {1, 2, 4, 6, 8, 11, 13, 14, 15, 16, 17, 18}), "");
+}
+
 // Its controller was killed and started again, and knew no sample: it stayed in Active.
 TEST(FoundScenario, ARobotWhoseBatteryWasLowAndIsSilentIsTakenDown) {
   EXPECT_EQ(ViolationOf(6561, {8, 9, 10, 11, 12, 14, 23}), "");
