@@ -61,8 +61,10 @@ void Control::LeaveToOther(ActuatorIndex i) {
   known.control.again.reset();
   known.control.rival_until.reset();
   known.set_up_by.reset();
+  // A status of it that comes later is no new loss: a person may have gone on without it.
+  const bool again = known.fault && known.fault->event == EventName::kControlledByAnother;
   Degrade(i, kCodePermissionDenied, texts::ControlledByAnother(known.report.epoch), known.cause);
-  FallBack(i);
+  if (!again) FallBack(i);
 }
 
 // Earlier controllers were here: above the highest of their epochs. The attached actuators get the

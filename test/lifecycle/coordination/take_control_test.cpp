@@ -358,6 +358,31 @@ TEST_F(OutbidController, RaisesItsEpochOnceAboveTheHighestThatItHasSeen) {
   EXPECT_TRUE(IsRecorded(texts::EpochRaised(8, "b")));
 }
 
+// Each of its reports took the machine down again, also after a person had gone on without it.
+TEST_F(OutbidController, TakesAReportOfAnActuatorThatAnotherOneHasForNoNewLoss) {
+  config_.actuators[1].on_lost = "DeActive";
+  StartUp();
+  Do(event::Vanished{1, Of(1).report.incarnation, true, "it has exited"});
+  ObeyAll();
+  ASSERT_EQ(machine_.state, "DeActive");
+  ActuatorReport report = Report(1, "Active");
+  report.incarnation += 100;
+  report.host = "there";
+  report.epoch = machine_.epoch + 1;
+  Say(1, report);
+  Pass(std::chrono::seconds(5));
+  ASSERT_TRUE(IsRecorded(EventName::kControlledByAnother));
+  Do(event::SetStateRequested{1, "Active"});
+  ObeyAll();
+  ASSERT_EQ(machine_.state, "Active");
+  report.stamp = now_;
+  report.state = "LowPower";
+  Say(1, report);
+  Pass(std::chrono::seconds(5));
+  EXPECT_EQ(machine_.state, "Active");
+  EXPECT_FALSE(machine_.current);
+}
+
 // An echo, or a process of another name space.
 TEST_F(OutbidController, IsNotReplacedByAReportOfAProcessThatItHasNotTakenControlOf) {
   StartUp();
