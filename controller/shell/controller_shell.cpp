@@ -73,7 +73,8 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   if (const auto opened = OpenToClients(); !opened) return Refuse(opened.error());
   recorder_.Begin(dependencies_.wall_ns(), dependencies_.config_text);
   begin.host = dependencies_.host;
-  begin.stops = Merge(begin.stops, std::exchange(stops_before_begin_, {}));
+  const StoredStops received = std::exchange(stops_before_begin_, {});
+  begin.stops = Merge(begin.stops, WithoutReleased(begin.stops, received));
   if (const auto& replaced = rival()) {
     begin.stops.awaits_request |= replaced->awaits_request;
     begin.supervised = true;  // it goes on with what that one leads, and requests nothing

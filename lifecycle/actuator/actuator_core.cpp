@@ -176,6 +176,7 @@ class Decision {
     }
     if (!entitled) return;
     core_.last_before_release = std::max(core_.last_before_release, received.last_command);
+    EndFromBefore(received.last_command);
     std::erase(core_.released, received.id);
     core_.released.push_back(received.id);
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
@@ -331,6 +332,18 @@ class Decision {
     ReportStops();
   }
 
+  // A command from before a stop that this actuator has missed, and which came before the release:
+  // its callback ends as under that stop.
+  void EndFromBefore(CommandNumber last_command) {
+    const bool before =
+        report_.busy() && report_.busy_number != 0 && report_.busy_number <= last_command;
+    if (!before || !SwitchesOn(report_.target) || core_.stopped_meanwhile) return;
+    core_.stopped_meanwhile = core_.under_stop = true;
+    report_.held_by_stop = true;
+    Do(RunEmergencyStop{});
+    Do(RequestStop{});
+  }
+
   // The status names the oldest stop; the stop ends when that one and all others are released.
   void ReportStops() {
     const EmergencyStop first = core_.stops.empty() ? EmergencyStop{} : core_.stops.front();
@@ -356,6 +369,10 @@ class Decision {
   }
 
   static Error Stopped() { return Refused<Refusal::kStopForbidsSwitchingOn>(); }
+
+  Error StoppedMeanwhile() const {
+    return core_.stops.empty() ? Refused<Refusal::kCommandBeforeRelease>() : Stopped();
+  }
 
   // The callback of the present state leads up, too, where it undoes a failed downward callback, or
   // would switch on what a stop has switched off. It leads down where it undoes a failed upward
@@ -445,7 +462,7 @@ class Decision {
     if (!waits || AwaitsPermit(core_.waiting->command.target)) return false;
     const auto next = *std::exchange(core_.waiting, std::nullopt);
     const bool held = next.stopped && SwitchesOn(next.command.target);
-    if (auto refusal = held ? Stopped() : MayBegin(next.command)) {
+    if (auto refusal = held ? StoppedMeanwhile() : MayBegin(next.command)) {
       Refuse(next.tokens, *refusal);
       return false;
     }

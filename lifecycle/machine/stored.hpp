@@ -44,6 +44,9 @@ void AddReleased(StoredStops& stops, StopId id);
 // Merges the stops on disk with the stops that other controllers and panels have sent since. A stop
 // that is released on one side is over.
 StoredStops Merge(const StoredStops& stored, const StoredStops& received);
+// What was received without the stops that the disk has as released: whether these wait for a
+// request is on the disk, too. A panel may publish one of them for ever.
+StoredStops WithoutReleased(const StoredStops& stored, StoredStops received);
 
 // An actuator that runs on another host, as it is stored for the next controller.
 struct RemoteActuator {

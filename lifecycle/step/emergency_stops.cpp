@@ -55,6 +55,16 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
   return true;
 }
 
+StoredStops WithoutReleased(const StoredStops& stored, StoredStops received) {
+  const auto is_known = [&](StopId id) {
+    return id != kUnknownStop && std::ranges::count(stored.released, id) != 0;
+  };
+  std::erase_if(received.engaged, [&](const EmergencyStop& stop) { return is_known(stop.id); });
+  std::erase_if(received.released, is_known);
+  if (received.engaged.empty() && received.released.empty()) received.awaits_request = false;
+  return received;
+}
+
 StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   StoredStops stops;
   stops.awaits_request = stored.awaits_request || received.awaits_request;
@@ -106,10 +116,11 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
   }
   StoredStops stops = StopsOf(machine_);
   for (const EmergencyStop& stop : stops.engaged) AddReleased(stops, stop.id);
+  // Not by a release that is repeated for an actuator: a switch may have been requested since.
+  if (emergency.stop) emergency.last_before_release = machine_.number;
   emergency.stop.reset();
   emergency.others.clear();
   emergency.released = std::move(stops.released);
-  emergency.last_before_release = machine_.number;
   const StopId last = emergency.released.empty() ? StopId(0) : emergency.released.back();
   emergency.release = PendingRelease{
       {requested.request}, requested.by, last, now_ + kReleaseRepeat, now_ + kReleaseTime};

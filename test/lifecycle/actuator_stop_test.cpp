@@ -91,6 +91,28 @@ TEST_F(Stopped, ACommandFromBeforeAReleaseWhoseStopItNeverReceivedSwitchesNothin
   Switch(4, "Active");
 }
 
+// The command came first, and ran on after the release: the machine was stopped meanwhile.
+TEST_F(Stopped, ACallbackFromBeforeAReleaseWhoseStopItNeverReceivedEndsAsUnderTheStop) {
+  Do(Command(3, "Active"));
+  const Actions actions = Release(kStop, 1, 3);
+  EXPECT_THAT(actions, kRuns);
+  EXPECT_THAT(actions, kRequestsStop);
+  EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).code, kCodeProtectedError);
+  EXPECT_EQ(core_.report.state, "DeActive");
+  EXPECT_TRUE(core_.report.held_by_stop);
+  Switch(4, "Active");
+  EXPECT_FALSE(core_.report.held_by_stop);
+}
+
+TEST_F(Stopped, ACallbackThatARequestAfterTheReleaseHasBegunRunsOnWhenTheReleaseIsRepeated) {
+  Engage();
+  Release(kStop, 1, 2);
+  Do(Command(3, "Active"));
+  EXPECT_THAT(Release(kStop, 1, 2), Not(kRequestsStop));
+  Do(CallbackEnded{});
+  EXPECT_EQ(core_.report.state, "Active");
+}
+
 TEST_F(Stopped, ACommandFromBeforeTheReleaseThatLeadsDownIsObeyed) {
   Engage();
   Release(kStop, 1, 3);

@@ -88,6 +88,40 @@ TEST_F(ReceivedStops, AReleasedStopThatAnActuatorReportsDuringAnotherReleaseIsRe
   EXPECT_FALSE(Did<action::PublishEmergencyStop>()[0].engaged);
 }
 
+// It was repeated for an actuator that had not confirmed it, during a switch that a person had
+// requested since: the actuators whose turn came later refused that one.
+TEST_F(ReceivedStops, ARepeatedReleaseNamesNoCommandThatWasRequestedSinceTheFirst) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{3, "a panel", ""}});
+  ActuatorReport report = Of(0).report;
+  report.emergency_stop = 3;
+  report.stamp += Milliseconds(1);
+  Say(0, report);
+  const CommandNumber before = machine_.number;
+  Do(event::ReleaseRequested{1, "alice"});
+  Pass(std::chrono::seconds(4));
+  ASSERT_FALSE(machine_.emergency.release) << "it has ended without the actuator";
+  Do(event::SetStateRequested{2, "LowPower"});
+  ASSERT_GT(machine_.number, before);
+  Forget();
+  Do(event::ReleaseRequested{3, "alice"});
+  ASSERT_THAT(Did<action::PublishEmergencyStop>(), SizeIs(1));
+  EXPECT_EQ(Did<action::PublishEmergencyStop>()[0].last_command, before);
+}
+
+// A panel publishes it for ever. A robot whose controller was started again waited for a person
+// each time.
+TEST_F(ReceivedStops, OneThatTheDiskHasAsReleasedWaitsForNoRequest) {
+  const StoredStops stored{{}, {7}, false};
+  const StoredStops again{{{7, "a panel", ""}}, {}, true};
+  EXPECT_EQ(WithoutReleased(stored, again), StoredStops());
+  const StoredStops with_another{{{7, "a panel", ""}}, {8}, true};
+  EXPECT_TRUE(WithoutReleased(stored, with_another).awaits_request);
+  EXPECT_TRUE(WithoutReleased({}, again).awaits_request) << "another disk";
+  const StoredStops unknown{{{kUnknownStop, "a panel", ""}}, {}, true};
+  EXPECT_TRUE(WithoutReleased({{}, {kUnknownStop}, false}, unknown).awaits_request);
+}
+
 // A command after the release has a higher number, and the actuator must obey it.
 TEST_F(ReceivedStops, AReleaseNamesTheLastCommandBeforeItAlsoWhenItIsRepeated) {
   StartUp();
