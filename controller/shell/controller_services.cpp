@@ -68,94 +68,37 @@ Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(
   return services;
 }
 
+template <class S>
+Result<> ControllerServices::Serve(std::unique_ptr<transport::Server<S>>& server, const char* name,
+                                   Handler<S> handler) {
+  typename transport::Server<S>::HandlerOfCaller for_us =
+      [this, handler](const auto& request, auto reply, transport::ParticipantId caller) {
+        if constexpr (requires { request.machine_id; }) {
+          // Its controller receives the request, too, and answers.
+          if (shell_.IsOtherMachine({request.machine, request.machine_id})) return;
+        }
+        (this->*handler)(request, reply, caller);
+      };
+  if (here_) here_->template Offer<S>(name, for_us);
+  auto made = transport::MakeServer<S>(
+      node_, transport::MachineService(shell_.config().name_space, name), std::move(for_us));
+  if (!made) return made.error();
+  server = std::move(made).value();
+  return Ok();
+}
+
 Result<> ControllerServices::Open() {
-  const std::string& name_space = shell_.config().name_space;
-  const auto open = [&]<class S>(std::unique_ptr<transport::Server<S>>& server, const char* name,
-                                 auto handler) -> Result<> {
-    typename transport::Server<S>::HandlerOfCaller for_us = [this, handler = std::move(handler)](
-                                                                const auto& request, auto reply,
-                                                                transport::ParticipantId caller) {
-      if constexpr (requires { request.machine_id; }) {
-        // Its controller receives the request, too, and answers.
-        if (shell_.IsOtherMachine({request.machine, request.machine_id})) return;
-      }
-      if constexpr (requires { handler(request, reply, caller); }) {
-        handler(request, std::move(reply), caller);
-      } else {
-        handler(request, std::move(reply));
-      }
-    };
-    if (here_) here_->template Offer<S>(name, for_us);
-    auto made = transport::MakeServer<S>(node_, transport::MachineService(name_space, name),
-                                         std::move(for_us));
-    if (!made) return made.error();
-    server = std::move(made).value();
-    return Ok();
-  };
-  if (auto r = open(set_state_, "set_state",
-                    [this](const auto& request, auto reply, transport::ParticipantId caller) {
-                      OnSetState(request, reply, caller);
-                    });
-      !r) {
-    return r;
-  }
-  if (auto r = open(restart_actuator_, "restart_actuator",
-                    [this](const auto& request, auto reply, transport::ParticipantId caller) {
-                      if (const auto error = MeantForAnother(shell_, request)) {
-                        return reply(AnswerTo<msg::RestartActuator>(*error));
-                      }
-                      shell_.Restart(request.actuator, RequesterOf(request.by, caller),
-                                     [this, reply](const Result<>& result) {
-                                       shell_.PublishStatus();
-                                       reply(AnswerTo<msg::RestartActuator>(result));
-                                     });
-                    });
-      !r) {
-    return r;
-  }
-  if (auto r = open(release_emergency_stop_, "release_emergency_stop",
-                    [this](const auto& request, auto reply) {
-                      if (const auto error = MeantForAnother(shell_, request)) {
-                        return reply(AnswerTo<msg::ReleaseEmergencyStop>(*error));
-                      }
-                      shell_.ReleaseEmergencyStop(
-                          request.by.substr(0, kLongestName),
-                          [this, reply](const Result<>& result) {
-                            shell_.PublishStatus();
-                            reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
-                          });
-                    });
-      !r) {
-    return r;
-  }
-  if (auto r = open(request_policy_, "request_policy",
-                    [this](const auto& request, auto reply) { OnRequestPolicy(request, reply); });
-      !r) {
-    return r;
-  }
-  if (auto r = open(get_status_, "get_status",
-                    [this](const auto&, auto reply) { reply({shell_.Status()}); });
-      !r) {
-    return r;
-  }
-  if (auto r =
-          open(get_capabilities_, "get_capabilities",
-               [this](const auto&, auto reply) { reply({shell_.Capabilities().capabilities}); });
-      !r) {
-    return r;
-  }
-  if (auto r = open(get_plan_, "get_plan",
-                    [this](const auto& request, auto reply) { reply(OnGetPlan(request)); });
-      !r) {
-    return r;
-  }
-  if (auto r = open(get_switch_, "get_switch",
-                    [this](const auto& request, auto reply) { OnGetSwitch(request, reply); });
-      !r) {
-    return r;
-  }
-  return open(get_history_, "get_history",
-              [this](const auto& request, auto reply) { OnGetHistory(request, reply); });
+  using Self = ControllerServices;
+  auto opened = Serve(set_state_, "set_state", &Self::OnSetState);
+  if (opened) opened = Serve(restart_actuator_, "restart_actuator", &Self::OnRestart);
+  if (opened) opened = Serve(release_emergency_stop_, "release_emergency_stop", &Self::OnRelease);
+  if (opened) opened = Serve(request_policy_, "request_policy", &Self::OnRequestPolicy);
+  if (opened) opened = Serve(get_status_, "get_status", &Self::OnGetStatus);
+  if (opened) opened = Serve(get_capabilities_, "get_capabilities", &Self::OnGetCapabilities);
+  if (opened) opened = Serve(get_plan_, "get_plan", &Self::OnGetPlan);
+  if (opened) opened = Serve(get_switch_, "get_switch", &Self::OnGetSwitch);
+  if (opened) opened = Serve(get_history_, "get_history", &Self::OnGetHistory);
+  return opened;
 }
 
 std::string ControllerServices::RequesterOf(const std::string& by,
@@ -164,7 +107,7 @@ std::string ControllerServices::RequesterOf(const std::string& by,
 }
 
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
-                                    const transport::Server<msg::SetState>::Reply& reply,
+                                    const Reply<msg::SetState>& reply,
                                     transport::ParticipantId caller) {
   auto error = CheckLengths(request.target, request.actuator);
   if (!error) error = MeantForAnother(shell_, request);
@@ -182,9 +125,35 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
                   {RequesterOf(request.by, caller)});
 }
 
-void ControllerServices::OnRequestPolicy(
-    const msg::RequestPolicy::Request& request,
-    const transport::Server<msg::RequestPolicy>::Reply& reply) {
+void ControllerServices::OnRestart(const msg::RestartActuator::Request& request,
+                                   const Reply<msg::RestartActuator>& reply,
+                                   transport::ParticipantId caller) {
+  if (const auto error = MeantForAnother(shell_, request)) {
+    return reply(AnswerTo<msg::RestartActuator>(*error));
+  }
+  shell_.Restart(request.actuator, RequesterOf(request.by, caller),
+                 [this, reply](const Result<>& result) {
+                   shell_.PublishStatus();
+                   reply(AnswerTo<msg::RestartActuator>(result));
+                 });
+}
+
+void ControllerServices::OnRelease(const msg::ReleaseEmergencyStop::Request& request,
+                                   const Reply<msg::ReleaseEmergencyStop>& reply,
+                                   transport::ParticipantId /*caller*/) {
+  if (const auto error = MeantForAnother(shell_, request)) {
+    return reply(AnswerTo<msg::ReleaseEmergencyStop>(*error));
+  }
+  shell_.ReleaseEmergencyStop(request.by.substr(0, kLongestName),
+                              [this, reply](const Result<>& result) {
+                                shell_.PublishStatus();
+                                reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
+                              });
+}
+
+void ControllerServices::OnRequestPolicy(const msg::RequestPolicy::Request& request,
+                                         const Reply<msg::RequestPolicy>& reply,
+                                         transport::ParticipantId /*caller*/) {
   const auto answer = [this, reply](const Result<>& result) {
     const Error end = result ? Error{kCodeOk, ""} : result.error();
     shell_.PublishStatus();
@@ -200,7 +169,21 @@ void ControllerServices::OnRequestPolicy(
                            answer);
 }
 
-msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {
+void ControllerServices::OnGetStatus(const msg::GetStatus::Request& /*request*/,
+                                     const Reply<msg::GetStatus>& reply,
+                                     transport::ParticipantId /*caller*/) {
+  reply({shell_.Status()});
+}
+
+void ControllerServices::OnGetCapabilities(const msg::GetCapabilities::Request& /*request*/,
+                                           const Reply<msg::GetCapabilities>& reply,
+                                           transport::ParticipantId /*caller*/) {
+  reply({shell_.Capabilities().capabilities});
+}
+
+void ControllerServices::OnGetPlan(const msg::GetPlan::Request& request,
+                                   const Reply<msg::GetPlan>& reply,
+                                   transport::ParticipantId /*caller*/) {
   const MachineConfig& config = shell_.config();
   const auto only = config.IndexOf(request.actuator);
   auto error = CheckLengths(request.target, request.actuator);
@@ -208,20 +191,23 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
   if (!error && !request.actuator.empty() && !only) {
     error = UnknownActuator(request.actuator, config);
   }
-  if (!error)
-    return ToMessage(config, MakePlan(config, shell_.machine(), State(request.target), only));
+  if (!error) {
+    const Plan plan = MakePlan(config, shell_.machine(), State(request.target), only);
+    return reply(ToMessage(config, plan));
+  }
   msg::GetPlan::Response response;
   response.target = State(request.target).Shortened();
   response.actuator = request.actuator.substr(0, kLongestName);
   response.code = error->code;
   response.reason = error->message;
   if (request.actuator.empty()) response.state = shell_.machine().state;
-  return response;
+  reply(response);
 }
 
 // Own switches are in memory, those of an earlier controller in the journal, if it is the same one.
 void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
-                                     const SwitchReply& reply) {
+                                     const Reply<msg::GetSwitch>& reply,
+                                     transport::ParticipantId /*caller*/) {
   const Epoch own = shell_.machine().epoch;
   const Epoch epoch(request.epoch);
   const CommandNumber number(request.switch_number);
@@ -254,7 +240,7 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
 
 // Once this controller knows the machine's state: it continues from the actuators' states.
 void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
-                                          const SwitchReply& reply) {
+                                          const Reply<msg::GetSwitch>& reply) {
   shell_.AwaitSetUp(
       [this, response, reply, alive = std::weak_ptr<bool>(alive_)](const Result<>&) mutable {
         if (alive.expired()) return;
@@ -272,7 +258,8 @@ void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
 }
 
 void ControllerServices::OnGetHistory(const msg::GetHistory::Request& request,
-                                      const HistoryReply& reply) {
+                                      const Reply<msg::GetHistory>& reply,
+                                      transport::ParticipantId /*caller*/) {
   if (const auto error = MeantForAnother(shell_, request)) return reply({error->message, {}});
   if (!read_history_) {
     return reply({"this controller has no journal: its folder is not usable", {}});

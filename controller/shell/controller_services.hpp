@@ -36,19 +36,38 @@ class ControllerServices {
                      std::unique_ptr<transport::HostServer> here);
   Result<> Open();
 
-  using HistoryReply = transport::Server<msg::GetHistory>::Reply;
+  template <class S>
+  using Reply = typename transport::Server<S>::Reply;
+  template <class S>
+  using Handler = void (ControllerServices::*)(const typename S::Request& request,
+                                               const Reply<S>& reply,
+                                               transport::ParticipantId caller);
+  // Serves S over DDS, and to this host.
+  template <class S>
+  Result<> Serve(std::unique_ptr<transport::Server<S>>& server, const char* name,
+                 Handler<S> handler);
+
   // The name that a request gives, else that of the ROS 2 node which has sent it.
   std::string RequesterOf(const std::string& by, transport::ParticipantId caller) const;
-  void OnSetState(const msg::SetState::Request& request,
-                  const transport::Server<msg::SetState>::Reply& reply,
+  void OnSetState(const msg::SetState::Request& request, const Reply<msg::SetState>& reply,
                   transport::ParticipantId caller);
+  void OnRestart(const msg::RestartActuator::Request& request,
+                 const Reply<msg::RestartActuator>& reply, transport::ParticipantId caller);
+  void OnRelease(const msg::ReleaseEmergencyStop::Request& request,
+                 const Reply<msg::ReleaseEmergencyStop>& reply, transport::ParticipantId caller);
   void OnRequestPolicy(const msg::RequestPolicy::Request& request,
-                       const transport::Server<msg::RequestPolicy>::Reply& reply);
-  msg::GetPlan::Response OnGetPlan(const msg::GetPlan::Request& request) const;
-  using SwitchReply = transport::Server<msg::GetSwitch>::Reply;
-  void OnGetSwitch(const msg::GetSwitch::Request& request, const SwitchReply& reply);
-  void ReplyInterrupted(msg::GetSwitch::Response response, const SwitchReply& reply);
-  void OnGetHistory(const msg::GetHistory::Request& request, const HistoryReply& reply);
+                       const Reply<msg::RequestPolicy>& reply, transport::ParticipantId caller);
+  void OnGetStatus(const msg::GetStatus::Request& request, const Reply<msg::GetStatus>& reply,
+                   transport::ParticipantId caller);
+  void OnGetCapabilities(const msg::GetCapabilities::Request& request,
+                         const Reply<msg::GetCapabilities>& reply, transport::ParticipantId caller);
+  void OnGetPlan(const msg::GetPlan::Request& request, const Reply<msg::GetPlan>& reply,
+                 transport::ParticipantId caller);
+  void OnGetSwitch(const msg::GetSwitch::Request& request, const Reply<msg::GetSwitch>& reply,
+                   transport::ParticipantId caller);
+  void ReplyInterrupted(msg::GetSwitch::Response response, const Reply<msg::GetSwitch>& reply);
+  void OnGetHistory(const msg::GetHistory::Request& request, const Reply<msg::GetHistory>& reply,
+                    transport::ParticipantId caller);
 
   transport::Node& node_;
   ControllerShell& shell_;

@@ -161,6 +161,19 @@ std::string ViolationOf(std::uint64_t seed, const std::vector<std::size_t>& only
 
 // Those of the first scenarios with bridges that violated an invariant.
 
+TEST(InjectionText, HasAValueForEachNameOfEachKind) {
+  MachineConfig config;
+  config.actuators.resize(1);
+  config.actuators[0].name = "audio";
+  for (std::size_t kind = 0; kind < kInjectionKinds; ++kind) {
+    Injection injection;
+    injection.kind = static_cast<InjectionKind>(kind);
+    const std::string text = Describe(config, injection);
+    EXPECT_FALSE(text.empty()) << kind;
+    EXPECT_EQ(text.find_first_of("{}"), std::string::npos) << text;
+  }
+}
+
 TEST(FoundScenario, ACommandThatOnlyAppearedTooOldIsSentAgain) {
   EXPECT_EQ(ViolationOf(30544, {1, 4, 5}), "");
   EXPECT_EQ(ViolationOf(50162, {26, 30, 31}), "");
