@@ -77,15 +77,12 @@ class SkillActuator::Impl final : public ApplicationImpl {
   }
 
  private:
-  struct OpenGoal {
-    Goal goal;
-    std::string shown;  // the last feedback
-  };
-  // The last run of a skill, as it was published.
-  struct Published {
-    RunOrigin origin;
-    msg::SkillFeedback feedback{};
-    bool ended = false;
+  // Who is to learn of a run, until it is removed.
+  struct Watched {
+    std::optional<Goal> goal;          // that has started it, until its end
+    std::string shown;                 // the last feedback of the goal
+    std::vector<CancelReply> cancels;  // until its end
+    msg::SkillFeedback published{};    // last
   };
 
   Result<> SetUp() override {
@@ -94,9 +91,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
     if (registry.All().empty()) {
       return Error{kCodeFailed, "RegisterSkills() has not added a skill"};
     }
-    goals_.clear();
-    cancels_.clear();
-    published_.clear();
+    watched_.clear();
     manager_ = std::make_unique<skill::Manager>(registry.All());
     RestoreRuns();
     manager_->OnRemoval([this](const skill::Run& run) { ReportRemoved(run); });
@@ -133,13 +128,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
         "/" + transport::ResolveName(owner_.machine_config().name_space, options_.action);
     topics.PublishFunction<msg::SkillOffers>(
         "skills", transport::kLatchedQos)(OfferSkills(owner_.name(), action, *manager_));
-    topics.Serve<msg::GetSkill>(
-        owner_.name() + "/get_skill", [this](const auto& request, auto reply) {
-          const auto published = published_.find(request.skill);
-          reply(ReportSkill(owner_.name(), *manager_, ticking(),
-                            published == published_.end() ? RunOrigin() : published->second.origin,
-                            request));
-        });
+    topics.Serve<msg::GetSkill>(owner_.name() + "/get_skill",
+                                [this](const auto& request, auto reply) {
+                                  reply(ReportSkill(owner_.name(), *manager_, ticking(), request));
+                                });
     topics.Serve<msg::PauseSkill>(
         owner_.name() + "/pause_skill", [this](const auto& request, auto reply) {
           const Result<std::string> done =
@@ -163,7 +155,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
       return reply(CancelAnswer(false, cancelled.error().message));
     }
     owner_.Log(request.skill + ": cancellation requested " + why);
-    cancels_[request.skill].push_back(std::move(reply));
+    watched_[manager_->Find(request.skill)->number()].cancels.push_back(std::move(reply));
     if (!ticking()) ReportGoals();
   }
 
@@ -181,11 +173,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
 
   void AnswerCancels(const skill::Run& run) {
     if (!run.ended()) return;
-    const auto waiting = cancels_.extract(run.name());
-    if (waiting.empty()) return;
+    const auto waiting = std::exchange(watched_[run.number()].cancels, {});
     const bool cancelled = run.feedback().status == skill::Status::kCancelled;
     const auto answer = CancelAnswer(cancelled, skill::ToText(run.feedback()));
-    for (const CancelReply& reply : waiting.mapped()) reply(answer);
+    for (const CancelReply& reply : waiting) reply(answer);
   }
 
   // The state in which it was paused.
@@ -250,11 +241,12 @@ class SkillActuator::Impl final : public ApplicationImpl {
     const Result<Request> request = RequestOf(goal);
     Result<> started = request ? CheckRobot(goal) : Result<>(request.error());
     if (started) started = CheckTicking();
-    if (started) {
-      started = manager_->StartWithTexts(request.value().skill, request.value().parameters);
-    }
     Goal own = goal;
     const std::string by = transport::NameOf(*node_, goal.caller());
+    if (started) {
+      started = manager_->StartWithTexts(request.value().skill, request.value().parameters,
+                                         {transport::GoalIdText(goal.id()), by});
+    }
     if (!started) {
       owner_.Log(LogLevel::kWarning,
                  "goal refused" + OfRequester(by) + ": " + started.error().message);
@@ -265,8 +257,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
     owner_.Log(skill + " started" + OfRequester(by));
     own.Execute();
     own.PublishFeedback({"processing: Skill " + skill + " started (0%)"});
-    published_[skill] = {{transport::GoalIdText(goal.id()), by}};
-    goals_.insert_or_assign(skill, OpenGoal{std::move(own), ""});
+    watched_[manager_->Find(skill)->number()].goal = std::move(own);
     SaveRuns();
     PublishChanges();
   }
@@ -280,9 +271,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
   }
 
   void Cancel(const Goal& goal) {
-    for (const auto& [skill, open] : goals_) {
-      if (open.goal.id() != goal.id()) continue;
-      static_cast<void>(CancelRun(skill, "by its client"));
+    for (const skill::Run* run : manager_->Runs()) {
+      const std::optional<Goal>& own = watched_[run->number()].goal;
+      if (!own || own->id() != goal.id()) continue;
+      static_cast<void>(CancelRun(run->name(), "by its client"));
       if (!ticking()) ReportGoals();
       return;
     }
@@ -310,16 +302,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
 
   void Publish(const skill::Run& run) {
     if (!ticks_.open()) return;
-    Published& last = published_[run.name()];
-    msg::SkillFeedback feedback = ReportRun(owner_.name(), run, last.origin);
-    if (feedback == last.feedback) return;
-    // An end is final: this run is another one, and no goal has started it.
-    if (last.ended) {
-      last.origin = {};
-      feedback = ReportRun(owner_.name(), run, last.origin);
-    }
-    last.feedback = feedback;
-    last.ended = run.ended();
+    msg::SkillFeedback feedback = ReportRun(owner_.name(), run);
+    msg::SkillFeedback& last = watched_[run.number()].published;
+    if (feedback == last) return;
+    last = feedback;
     feedback.header.stamp = ticks_.Stamp();
     publish_(feedback);
   }
@@ -341,24 +327,23 @@ class SkillActuator::Impl final : public ApplicationImpl {
   }
 
   void ReportGoal(const skill::Run& run) {
-    const auto open = goals_.find(run.name());
-    if (open == goals_.end()) return;
+    Watched& watched = watched_[run.number()];
+    if (!watched.goal) return;
     if (run.ended()) {
-      Goal goal = std::move(open->second.goal);
-      goals_.erase(open);
-      return End(run, goal);
+      auto goal = std::exchange(watched.goal, std::nullopt);
+      return End(run, *goal);
     }
     const std::string text = skill::ToText(run.feedback());
-    if (text == open->second.shown) return;
-    open->second.shown = text;
-    open->second.goal.PublishFeedback({text});
+    if (text == watched.shown) return;
+    watched.shown = text;
+    watched.goal->PublishFeedback({text});
   }
 
-  // The next run of a skill does not inherit the goal of this one.
   void ReportRemoved(const skill::Run& run) {
     Publish(run);
     ReportGoal(run);
     AnswerCancels(run);
+    watched_.erase(run.number());
   }
 
   void End(const skill::Run& run, Goal& goal) {
@@ -376,12 +361,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
   SkillActuator& owner_;
   const Options options_;
   std::unique_ptr<skill::Manager> manager_;
-  const transport::Node* node_ = nullptr;                    // of the endpoints
-  std::function<void(const msg::SkillFeedback&)> publish_;   // while the ticks are open
-  std::map<std::string, OpenGoal> goals_;                    // by skill
-  std::map<std::string, std::vector<CancelReply>> cancels_;  // by skill, which is being cancelled
-  std::map<std::string, Published> published_;               // by skill
-  std::optional<SavedSkills> saved_;                         // nothing: they are not saved
+  const transport::Node* node_ = nullptr;                   // of the endpoints
+  std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
+  std::map<std::uint64_t, Watched> watched_;                // by the number of the run
+  std::optional<SavedSkills> saved_;                        // nothing: they are not saved
 };
 
 SkillActuator::SkillActuator(const std::string& actuator_name, const Options& options)

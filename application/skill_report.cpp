@@ -57,8 +57,8 @@ msg::SkillOffers OfferSkills(const std::string& actuator, const std::string& act
   return offers;
 }
 
-msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
-                             const RunOrigin& origin) {
+msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run) {
+  const skill::Origin& origin = run.origin();
   const skill::Feedback& feedback = run.feedback();
   msg::SkillFeedback report;
   report.actuator = actuator;
@@ -79,8 +79,7 @@ msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
 }
 
 msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Manager& manager,
-                                    bool ticking, const RunOrigin& origin,
-                                    const msg::GetSkill::Request& request) {
+                                    bool ticking, const msg::GetSkill::Request& request) {
   msg::GetSkill::Response report;
   report.stepping = ticking;
   const skill::Run* run = manager.Find(request.skill);
@@ -94,7 +93,7 @@ msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Ma
     idle = std::move(made).value();
     run = idle.get();
   }
-  report.feedback = ReportRun(actuator, *run, idle ? RunOrigin() : origin);
+  report.feedback = ReportRun(actuator, *run);
   if (idle) report.feedback.state = idle->Path();
   for (std::size_t i = 0; i < run->history().size(); ++i) {
     report.history.push_back(ChangeText(*run, run->history()[i]));

@@ -14,21 +14,13 @@ namespace musher {
 msg::SkillOffers OfferSkills(const std::string& actuator, const std::string& action,
                              const skill::Manager& manager);
 
-// What has started a run; empty: no goal has.
-struct RunOrigin {
-  std::string goal_id;
-  std::string requested_by;  // its client, for people; empty: it does not say who it is
-};
-
 // The last of the details are `paused`, of a run that is paused by a request, and `requested_by`,
 // if it is known.
-msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
-                             const RunOrigin& origin);
+msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run);
 
 // The reply of get_skill. `ticking`: skills are executed now. The reply has an `error` for an
 // unknown skill, with the nearest, and for an unknown format of the picture.
 msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Manager& manager,
-                                    bool ticking, const RunOrigin& origin,
-                                    const msg::GetSkill::Request& request);
+                                    bool ticking, const msg::GetSkill::Request& request);
 
 }  // namespace musher

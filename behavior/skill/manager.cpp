@@ -132,12 +132,13 @@ Result<> Manager::Free(const Run& run, const std::vector<std::string>& parts) co
   return Ok();
 }
 
-Result<> Manager::Begin(std::unique_ptr<Run> run, const Values& parameters) {
+Result<> Manager::Begin(std::unique_ptr<Run> run, const Values& parameters, Origin origin) {
   const Result<Values> complete = run->table().Complete(parameters);
   const auto parts = run->table().PartsFor(complete ? complete.value() : parameters);
   if (Result<> free = Free(*run, parts); !free) return free;
   if (Result<> begun = run->Begin(parameters); !begun) return begun;
   Remove(run->name());
+  run->origin_ = std::move(origin);
   Keep(std::move(run));
   return Ok();
 }
@@ -147,14 +148,14 @@ void Manager::Keep(std::unique_ptr<Run> run) {
   runs_.push_back(std::move(run));
 }
 
-Result<> Manager::Start(std::string_view skill, const Values& parameters) {
+Result<> Manager::Start(std::string_view skill, const Values& parameters, Origin origin) {
   if (Result<> allowed = Allowed(skill); !allowed) return allowed;
   Result<std::unique_ptr<Run>> run = Make(skill);
   if (!run) return run.error();
-  return Begin(std::move(run).value(), parameters);
+  return Begin(std::move(run).value(), parameters, std::move(origin));
 }
 
-Result<> Manager::StartWithTexts(std::string_view skill, const Texts& parameters) {
+Result<> Manager::StartWithTexts(std::string_view skill, const Texts& parameters, Origin origin) {
   if (Result<> allowed = Allowed(skill); !allowed) return allowed;
   Result<std::unique_ptr<Run>> run = Make(skill);
   if (!run) return run.error();
@@ -170,7 +171,7 @@ Result<> Manager::StartWithTexts(std::string_view skill, const Texts& parameters
   const Run& made = *run.value();
   const Result<Values> values = made.table().Parse(given);
   if (!values) return Error{values.error().code, made.name() + ": " + values.error().message};
-  return Begin(std::move(run).value(), values.value());
+  return Begin(std::move(run).value(), values.value(), std::move(origin));
 }
 
 void Manager::RunOnce(Time now) {

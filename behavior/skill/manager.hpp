@@ -41,10 +41,11 @@ class Manager {
   // A new run. Fails, and changes nothing, for an unknown name, with the nearest; for a skill that
   // runs, on its own or as a part of another one, with its name; for one that needs a part of the
   // robot which a running skill uses, with both names; and for invalid parameters.
-  Result<> Start(std::string_view skill, const Values& parameters = {});
+  Result<> Start(std::string_view skill, const Values& parameters = {}, Origin origin = {});
   // The same with parameters as texts, by their declared kinds.
   Result<> StartWithTexts(std::string_view skill,
-                          const std::vector<std::pair<std::string, std::string>>& parameters);
+                          const std::vector<std::pair<std::string, std::string>>& parameters,
+                          Origin origin = {});
 
   // A step of each running skill, in the order of their starts. A time before the last one counts
   // as no elapsed time.
@@ -98,7 +99,7 @@ class Manager {
   Result<Run*> Running(std::string_view skill) const;
   Result<> Free(const Run& run, const std::vector<std::string>& parts) const;
   Result<> Allowed(std::string_view skill) const;
-  Result<> Begin(std::unique_ptr<Run> run, const Values& parameters);
+  Result<> Begin(std::unique_ptr<Run> run, const Values& parameters, Origin origin);
   void Keep(std::unique_ptr<Run> run);
   void Remove(std::string_view skill);
 

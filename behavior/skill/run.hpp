@@ -58,6 +58,14 @@ struct Failure {
   friend bool operator==(const Failure&, const Failure&) = default;
 };
 
+// What has started a run, for people and clients.
+struct Origin {
+  std::string goal_id;       // empty: no goal of skill_execution
+  std::string requested_by;  // empty: not known
+
+  friend bool operator==(const Origin&, const Origin&) = default;
+};
+
 struct Snapshot;  // snapshot.hpp
 
 class Run {
@@ -119,6 +127,7 @@ class Run {
   // Of the runs of its manager, from 1 on; a later run of the same skill has another one. 0: it was
   // not started by a manager.
   std::uint64_t number() const { return number_; }
+  const Origin& origin() const { return origin_; }
   const Table& table() const { return table_; }
   // For a picture (fsm/graph.hpp): with the skills inside, where it runs some.
   fsm::Chart chart() const;
@@ -148,6 +157,7 @@ class Run {
 
   const std::string name_;
   std::uint64_t number_ = 0;
+  Origin origin_;
   const std::unique_ptr<Skill> skill_;
   Table table_;
   Result<> built_;

@@ -27,7 +27,7 @@ class ASkillReport : public ::testing::Test {
     msg::GetSkill::Request request;
     request.skill = skill;
     request.format = format;
-    return ReportSkill("robot_0", manager_, true, {"ab12", "alice@desk"}, request);
+    return ReportSkill("robot_0", manager_, true, request);
   }
 
   skill::Manager manager_{Skills().All()};
@@ -48,7 +48,7 @@ TEST_F(ASkillReport, OffersEachSkillWithWhatItDoesAndItsParameters) {
 }
 
 TEST_F(ASkillReport, HasTheRunWithItsHistoryErrorsAndPicture) {
-  ASSERT_TRUE(manager_.Start("wait", {{"duration_s", 4.0}}));
+  ASSERT_TRUE(manager_.Start("wait", {{"duration_s", 4.0}}, {"ab12", "alice@desk"}));
   manager_.RunOnce(Time{});
   manager_.RunOnce(Time{} + std::chrono::seconds(1));
   const auto report = Get("wait", "mermaid");

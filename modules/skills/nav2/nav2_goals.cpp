@@ -76,8 +76,12 @@ msg::TimeSpan ToDuration(Duration time) {
 // A goal of one of the actions, while it is executed.
 class Nav2Goals::Mission {
  public:
-  Mission(Places places, std::vector<navigation::Pose> poses, Time now)
-      : places(std::move(places)), poses(std::move(poses)), at(this->places.first), begun(now) {}
+  Mission(std::string requested_by, Places places, std::vector<navigation::Pose> poses, Time now)
+      : requested_by(std::move(requested_by)),
+        places(std::move(places)),
+        poses(std::move(poses)),
+        at(this->places.first),
+        begun(now) {}
   virtual ~Mission() = default;
 
   virtual void Feedback(const Robot& robot, const skill::Run& run, Time now) = 0;
@@ -95,6 +99,7 @@ class Nav2Goals::Mission {
     return true;
   }
 
+  const std::string requested_by;
   const Places places;
   const std::vector<navigation::Pose> poses;
   std::size_t at = 0;
@@ -110,9 +115,10 @@ class Nav2Goals::Mission {
 template <class Action>
 class Nav2Goals::MissionOf final : public Mission {
  public:
-  MissionOf(transport::ServerGoal<Action> goal, Places places, std::vector<navigation::Pose> poses,
-            Time now)
-      : Mission(std::move(places), std::move(poses), now), goal_(std::move(goal)) {}
+  MissionOf(transport::ServerGoal<Action> goal, std::string requested_by, Places places,
+            std::vector<navigation::Pose> poses, Time now)
+      : Mission(std::move(requested_by), std::move(places), std::move(poses), now),
+        goal_(std::move(goal)) {}
 
   const transport::GoalId& id() const { return goal_.id(); }
 
@@ -165,6 +171,7 @@ std::string Nav2Goals::SkillFor(const std::vector<std::string>& names) {
 Nav2Goals::Nav2Goals(Context context, const InterfaceNames& names, transport::Endpoints& endpoints)
     : context_(std::move(context)),
       skill_(SkillFor(context_.manager.Names())),
+      node_(endpoints.node()),
       clock_(endpoints.clock()) {
   if (skill_.empty()) return;
   Serve<msg::NavigateToPose>(names.navigate_to_pose, endpoints);
@@ -225,7 +232,8 @@ void Nav2Goals::Start(transport::ServerGoal<Action> goal) {
     End(false, "a newer goal has replaced this one");
   }
   goal.Execute();
-  mission_ = std::make_unique<MissionOf<Action>>(std::move(goal), std::move(places),
+  std::string by = transport::NameOf(node_, goal.caller());
+  mission_ = std::make_unique<MissionOf<Action>>(std::move(goal), std::move(by), std::move(places),
                                                  std::move(poses).value(), clock_.Now());
   if (const Result<> driven = Drive(); !driven) End(false, driven.error().message);
 }
@@ -234,8 +242,10 @@ Result<> Nav2Goals::Drive() {
   const navigation::Pose& to = mission_->poses[mission_->at];
   const double half_rad = to.yaw_rad / 2;
   const Result<> started = context_.manager.Start(
-      skill_, {{"goal_pos", skill::Numbers{to.at.x_m, to.at.y_m, to.at.z_m}},
-               {"goal_quat_wxyz", skill::Numbers{std::cos(half_rad), 0, 0, std::sin(half_rad)}}});
+      skill_,
+      {{"goal_pos", skill::Numbers{to.at.x_m, to.at.y_m, to.at.z_m}},
+       {"goal_quat_wxyz", skill::Numbers{std::cos(half_rad), 0, 0, std::sin(half_rad)}}},
+      {"", mission_->requested_by});
   if (started) mission_->run = context_.manager.Find(skill_)->number();
   return started;
 }

@@ -62,6 +62,7 @@ class Nav2Goals {
 
   const Context context_;
   const std::string skill_;
+  const transport::Node& node_;
   transport::Clock& clock_;
   std::unique_ptr<Mission> mission_;  // null: there is no goal
 };
