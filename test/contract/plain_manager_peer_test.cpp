@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <memory>
+#include <string>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
@@ -60,13 +62,16 @@ bool Eventually(const std::function<bool()>& done) {
   return true;
 }
 
-// The next sample, copied; the strings in it stay on loan until the reader ends.
+// The next sample, on loan from its reader; null: there is none.
 template <class T>
-std::optional<T> Take(dds_entity_t reader) {
+std::shared_ptr<T> Take(dds_entity_t reader) {
   void* loan = nullptr;
   dds_sample_info_t info;
-  if (dds_take(reader, &loan, &info, 1, 1) != 1 || !info.valid_data) return std::nullopt;
-  return *static_cast<T*>(loan);
+  if (dds_take(reader, &loan, &info, 1, 1) != 1) return nullptr;
+  std::shared_ptr<T> sample(static_cast<T*>(loan), [reader](void* taken) {
+    static_cast<void>(dds_return_loan(reader, &taken, 1));
+  });
+  return info.valid_data ? sample : nullptr;
 }
 
 template <class Request, class Response>
@@ -77,7 +82,7 @@ class PlainClient {
       : writer_(peer.Writer(request, "rq/" + RobotFile::name_space() + "/" + name + "Request")),
         reader_(peer.Reader(response, "rr/" + RobotFile::name_space() + "/" + name + "Reply")) {}
 
-  std::optional<Response> Call(Request request) {
+  std::shared_ptr<Response> Call(Request request) {
     request.client_id = 4711;
     request.sequence_number = ++sequence_;
     const bool matched = Eventually([&] {
@@ -89,7 +94,7 @@ class PlainClient {
     });
     EXPECT_TRUE(matched);
     EXPECT_EQ(dds_write(writer_, &request), DDS_RETCODE_OK);
-    std::optional<Response> answer;
+    std::shared_ptr<Response> answer;
     Eventually([&] {
       answer = Take<Response>(reader_);
       return answer && answer->client_id == 4711 && answer->sequence_number == sequence_;
@@ -126,7 +131,7 @@ class ManagerOfPlainPeers : public ::testing::Test {
   }
   // What the power-off command leaves behind.
   std::string Mark() const { return file_.path() + ".off"; }
-  std::optional<std_srvs_srv_dds__Trigger_Response_> Call(const std::string& name) {
+  std::shared_ptr<std_srvs_srv_dds__Trigger_Response_> Call(const std::string& name) {
     return Trigger(peer_, std_srvs_srv_dds__Trigger_Request__desc,
                    std_srvs_srv_dds__Trigger_Response__desc, name)
         .Call({});
