@@ -293,6 +293,32 @@ TEST_F(Control, KnowsTheNamesOfItsChildren) {
   EXPECT_EQ(Run(In("ByName which=\"AlwaysSuccess\"", A("S") + "<AlwaysSuccess/>"), 1), "S: ");
 }
 
+// Throws at each change to RUNNING.
+class Throwing : public ChangeListener {
+  void OnChange(const Change& change) override {
+    if (change.to == Status::kRunning) throw std::runtime_error("its disk is full");
+  }
+};
+class Counting : public ChangeListener {
+ public:
+  int changes = 0;
+
+ private:
+  void OnChange(const Change&) override { ++changes; }
+};
+TEST_F(Control, AListenerThatThrowsGetsNothingMoreAndTheTreeHaltsWhatRuns) {
+  tree = MakeTree(In("Sequence", A("S") + B("R")), factory);
+  const auto throwing = std::make_shared<Throwing>();
+  const auto counting = std::make_shared<Counting>();
+  tree->Listen(throwing);
+  tree->Listen(counting);
+  EXPECT_EQ(TicksAndLog(2), "RR a^ b^ b ");
+  EXPECT_EQ(counting->changes, 3) << "of a, of b, of the sequence";
+  ASSERT_TRUE(tree->Halt(At(20)));
+  EXPECT_EQ(Take(), "b! ");
+  EXPECT_EQ(counting->changes, 6);
+}
+
 struct Selecting : testing::Test, Logged {
   void Make(const std::string& ports = "") {
     tree = MakeTree(Main("<ManualSelector selection=\"{pick}\" " + ports +
