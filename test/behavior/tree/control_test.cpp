@@ -102,6 +102,11 @@ TEST_F(Control, WhileDoElseDecidesInEachTick) {
             "R: a^ b^ | R: a^ b! c^ | R: a^ c! b^ ");
   EXPECT_EQ(Run(In("WhileDoElse", A("SF") + B("R")), 2), "R: a^ b^ | F: a^ b! ");
 }
+TEST_F(Control, WhileDoElseHaltsItsBranchWhileItsConditionRuns) {
+  EXPECT_EQ(Run(In("WhileDoElse", A("SRS") + B("R")), 3), "R: a^ b^ | R: a^ b! | R: a b^ ");
+  EXPECT_EQ(Run(In("WhileDoElse", A("FRF") + B("R") + C("R")), 3),
+            "R: a^ c^ | R: a^ c! | R: a c^ ");
+}
 TEST_F(Control, ASkippedConditionSkipsIfThenElseAndWhileDoElse) {
   const std::string skipped = A("S", "_skipIf=\"true\"");
   EXPECT_EQ(Run(In("IfThenElse", skipped + B("S")), 1), "-: ");
