@@ -244,7 +244,20 @@ class Differences {
         "its path ends with #2");
   }
 
+  // Whether it or a node in it may return RUNNING; not in its subtrees.
+  bool MayRun(const Element& element) const {
+    const Factory::Registered* registered = factory_.Find(ClassIn(element));
+    if (registered != nullptr && registered->takes_time) return true;
+    return std::ranges::any_of(element.children,
+                               [this](const Element& child) { return MayRun(child); });
+  }
+
   void LookAtNode(const Element& element, std::string_view name) {
+    if (name == "WhileDoElse" && !element.children.empty() && MayRun(element.children.front())) {
+      Add(element.children.front().at,
+          "leaves the branch running without ticks while this condition is RUNNING",
+          "it is halted");
+    }
     if (IsOneOf(name, {"IfThenElse", "WhileDoElse"}) && !element.children.empty() &&
         MayBeSkipped(element.children.front())) {
       Add(element.children.front().at, "throws where this condition is skipped",

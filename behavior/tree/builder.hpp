@@ -74,6 +74,8 @@ class Builder {
   void WarnOfReactive(NodeId id, const std::vector<NodeId>& children);
   void WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool unsure);
   void WarnOfParallel(NodeId id, std::size_t children);
+  void WarnOfShared(NodeId id, const std::vector<NodeId>& children,
+                    const std::vector<std::set<std::string>>& uses);
   void WarnOfUnset();
   void WarnOfUnmade();
 

@@ -45,6 +45,7 @@ class Factory {
     Make make;
     bool placeholder = false;   // of a model: whether it takes time is unknown
     std::string description{};  // for people
+    std::string uses{};  // the part of the robot that only one node can use at a time: "base"
   };
 
   Factory();

@@ -23,6 +23,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/base/time.hpp"
@@ -90,8 +91,8 @@ class Node {
     if (status_ == Status::kRunning) {
       Halt(tick);
     } else if (status_ != Status::kIdle) {
-      if (tick.trace != nullptr) tick.trace->AddReset({tick.now, id_, status_, Status::kIdle});
-      status_ = Status::kIdle;
+      const Status before = std::exchange(status_, Status::kIdle);
+      if (tick.trace != nullptr) tick.trace->AddReset({tick.now, id_, before, Status::kIdle});
     }
   }
   Status status() const { return status_; }
@@ -122,8 +123,8 @@ class Node {
   }
   void Become(Status status, Tick& tick) {
     if (status_ == status) return;
-    if (tick.trace != nullptr) tick.trace->Add({tick.now, id_, status_, status});
-    status_ = status;
+    const Status before = std::exchange(status_, status);
+    if (tick.trace != nullptr) tick.trace->Add({tick.now, id_, before, status});
   }
   [[noreturn]] static void FailStatus(Status status);
   [[noreturn]] void Fail(const char* what, Tick& tick);

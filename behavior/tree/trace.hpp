@@ -27,7 +27,8 @@ struct Change {
 };
 
 // Gets every change as it is made, and every reset of a node that has ended, from SUCCESS or
-// FAILURE to IDLE. It must not change the tree.
+// FAILURE to IDLE. It must not change the tree. One that throws gets nothing any more: the tree
+// goes on without it.
 class ChangeListener {
  public:
   virtual ~ChangeListener() = default;
@@ -60,7 +61,7 @@ class Trace {
     node.last = change.to;
     if (!listeners_.empty()) Notify(change);
   }
-  void AddReset(const Change& change) const {
+  void AddReset(const Change& change) {
     if (!listeners_.empty()) Notify(change);
   }
   // As long as it exists.
@@ -75,9 +76,15 @@ class Trace {
   const NodeRuns& node(NodeId id) const { return nodes_.at(id); }
 
  private:
-  void Notify(const Change& change) const {
-    for (const auto& each : listeners_) {
-      if (const auto listener = each.lock()) listener->OnChange(change);
+  void Notify(const Change& change) {
+    for (auto& each : listeners_) {
+      const auto listener = each.lock();
+      if (!listener) continue;
+      try {
+        listener->OnChange(change);
+      } catch (...) {
+        each.reset();
+      }
     }
   }
 

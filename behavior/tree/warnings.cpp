@@ -24,11 +24,17 @@ void Builder::Warn() {
   std::vector<NodeInfo>& infos = tree_->infos_;
   std::vector<std::vector<NodeId>> children(infos.size());
   std::vector<char> unsure(infos.size(), 0);
+  std::vector<std::set<std::string>> uses(infos.size());  // parts of the robot
   for (NodeId id = static_cast<NodeId>(infos.size()); id-- > 0;) {
     const NodeId parent = infos[id].parent;
     const Factory::Registered* registered = factory_.Find(infos[id].id);
     if (registered != nullptr && registered->placeholder) unsure[id] = 1;
+    const bool is_subtree = infos[id].kind == NodeKind::kSubtree;
+    if (registered != nullptr && !is_subtree && !registered->uses.empty()) {
+      uses[id].insert(registered->uses);
+    }
     if (parent == kNoNode) continue;
+    uses[parent].insert(uses[id].begin(), uses[id].end());
     if (unsure[id] != 0) unsure[parent] = 1;
     if (infos[id].takes_time) infos[parent].takes_time = true;
     children[parent].insert(children[parent].begin(), id);
@@ -37,6 +43,7 @@ void Builder::Warn() {
     WarnOfReactive(id, children[id]);
     WarnOfTime(id, children[id], unsure[id] != 0);
     WarnOfParallel(id, children[id].size());
+    WarnOfShared(id, children[id], uses);
   }
   WarnOfUnset();
   WarnOfUnmade();
@@ -91,6 +98,27 @@ void Builder::WarnOfParallel(NodeId id, std::size_t children) {
     Report(element.Find(port)->value_at, Severity::kError,
            std::string(port) + " is more than the number of its children, " +
                std::to_string(children));
+  }
+}
+
+// Children that run at the same time and use the same part of the robot. PipelineSequence ticks
+// those before the present one again; where they have ended by then, they do not wait.
+void Builder::WarnOfShared(NodeId id, const std::vector<NodeId>& children,
+                           const std::vector<std::set<std::string>>& uses) {
+  const NodeInfo& info = tree_->infos_[id];
+  const bool parallel = info.id == "Parallel" || info.id == "ParallelAll";
+  if (info.kind != NodeKind::kControl || (!parallel && info.id != "PipelineSequence")) return;
+  std::map<std::string, NodeId> first;  // child that uses the part
+  for (const NodeId child : children) {
+    for (const std::string& part : uses[child]) {
+      const auto [found, added] = first.emplace(part, child);
+      if (added) continue;
+      const NodeInfo& other = tree_->infos_[child];
+      Report(other.place, parallel ? Severity::kError : Severity::kWarning,
+             "'" + tree_->infos_[found->second].name + "' and '" + other.name + "' both use the " +
+                 part + ", which only one of them can have at a time, and " + info.id +
+                 (parallel ? " runs them together" : " may run them together"));
+    }
   }
 }
 

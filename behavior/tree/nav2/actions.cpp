@@ -135,7 +135,7 @@ class FollowPath : public TaskNode {
   }
   // A failure to compute another path leaves the entry empty: the path before still counts.
   Status OnRunning(const Tick& tick) override {
-    bool replaces = controller_.Or("") != followed_by_;
+    bool replaces = robot_.selects_controllers() && controller_.Or("") != followed_by_;
     if (path_.entry()->sequence != seen_) {
       seen_ = path_.entry()->sequence;
       const Path& path = path_.Get();
@@ -339,16 +339,19 @@ class Selector : public Action {
   const std::string topic_of_kind_;
 };
 
-void AddDrive(Factory& factory, Robot& robot, std::string_view name, bool backwards,
-              std::string does) {
+// A node that moves the base.
+template <class N, class... Args>
+void AddMover(Factory& factory, Robot& robot, std::string_view name, std::string does,
+              Args... args) {
   if (factory.Find(name) != nullptr) return;
   static_cast<void>(
       factory.Register(name, {.kind = NodeKind::kAction,
                               .takes_time = true,
-                              .make = [&robot, backwards](Setup& setup) -> std::unique_ptr<Node> {
-                                return std::make_unique<StraightDrive>(setup, robot, backwards);
+                              .make = [&robot, args...](Setup& setup) -> std::unique_ptr<Node> {
+                                return std::make_unique<N>(setup, robot, args...);
                               },
-                              .description = std::move(does)}));
+                              .description = std::move(does),
+                              .uses = "base"}));
 }
 
 void AddSelector(Factory& factory, Robot& robot, std::string_view name, const std::string& of) {
@@ -368,11 +371,12 @@ void AddActionNodes(Factory& factory, Robot& robot) {
   constexpr NodeKind kKind = NodeKind::kAction;
   AddNode<ComputePathToPose>(factory, "ComputePathToPose", kKind, true,
                              "Has the planner compute a path.", robot);
-  AddNode<FollowPath>(factory, "FollowPath", kKind, true,
-                      "Has the controller follow a path, and each newer one.", robot);
-  AddNode<Spin>(factory, "Spin", kKind, true, "Turns the robot on the spot.", robot);
-  AddDrive(factory, robot, "BackUp", true, "Moves the robot straight backwards.");
-  AddDrive(factory, robot, "DriveOnHeading", false, "Moves the robot straight ahead.");
+  AddMover<FollowPath>(factory, robot, "FollowPath",
+                       "Has the controller follow a path, and each newer one.");
+  AddMover<Spin>(factory, robot, "Spin", "Turns the robot on the spot.");
+  AddMover<StraightDrive>(factory, robot, "BackUp", "Moves the robot straight backwards.", true);
+  AddMover<StraightDrive>(factory, robot, "DriveOnHeading", "Moves the robot straight ahead.",
+                          false);
   AddNode<Wait>(factory, "Wait", kKind, true, "RUNNING until the time is over, then SUCCESS.");
   AddNode<ClearEntireCostmap>(factory, "ClearEntireCostmap", kKind, true,
                               "Makes planner and controller forget what the scanners have seen.",

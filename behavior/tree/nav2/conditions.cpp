@@ -62,7 +62,7 @@ class GoalReached : public Condition {
  private:
   Status Evaluate(const Tick&) override {
     const std::optional<Pose> pose = robot_.pose();
-    return StatusOf(pose && Distance(goal_.Get(), *pose) <= robot_.goal_tolerance_m());
+    return StatusOf(pose && Apart(robot_, goal_.Get(), *pose) <= robot_.goal_tolerance_m());
   }
 
   InPort<Pose> goal_;
@@ -83,7 +83,7 @@ class DistanceTraveled : public Condition {
     if (recent_.Begins(tick, status())) begin_.reset();
     if (!pose) return Status::kFailure;
     if (!begin_) begin_ = *pose;
-    if (Distance(*begin_, *pose) < distance_m) return Status::kFailure;
+    if (Apart(robot_, *begin_, *pose) < distance_m) return Status::kFailure;
     begin_ = *pose;
     return Status::kSuccess;
   }
@@ -113,14 +113,15 @@ class TimeExpired : public Condition {
   Time begin_{};
 };
 
-// Since the path has changed.
-class PathExpiringTimer : public Condition {
+// Since the path has changed, or the run of the tree began.
+class PathExpiringTimer : public Condition, public RunObserver {
  public:
   explicit PathExpiringTimer(Setup& setup)
       : seconds_(setup.Input<double>("seconds", 1.0, "s")),
         path_(setup.OptionalInput<Path>("path", "a new one begins the time again")) {}
 
  private:
+  void OnNewRun(const Tick&) override { begin_.reset(); }
   Status Evaluate(const Tick& tick) override {
     const double seconds = Checked(seconds_);
     const Path* path = path_.Find();
@@ -154,21 +155,23 @@ class InitialPoseReceived : public Condition {
 
 class ArePosesNear : public Condition {
  public:
-  explicit ArePosesNear(Setup& setup)
+  ArePosesNear(Setup& setup, const Robot& robot)
       : reference_(setup.Input<Pose>("ref_pose", "a pose")),
         target_(setup.Input<Pose>("target_pose", "another one")),
-        tolerance_m_(setup.Input<double>("tolerance", 0.5, "m")) {
+        tolerance_m_(setup.Input<double>("tolerance", 0.5, "m")),
+        robot_(robot) {
     IgnoreFramesOf(setup);
   }
 
  private:
   Status Evaluate(const Tick&) override {
-    return StatusOf(Distance(reference_.Get(), target_.Get()) <= Checked(tolerance_m_));
+    return StatusOf(Apart(robot_, reference_.Get(), target_.Get()) <= Checked(tolerance_m_));
   }
 
   InPort<Pose> reference_;
   InPort<Pose> target_;
   InPort<double> tolerance_m_;
+  const Robot& robot_;
 };
 
 // One of the given codes, which are those of an action.
@@ -237,7 +240,7 @@ void AddConditionNodes(Factory& factory, Robot& robot) {
   AddNode<InitialPoseReceived>(factory, "InitialPoseReceived", kKind, false,
                                "SUCCESS where the entry is true.");
   AddNode<ArePosesNear>(factory, "ArePosesNear", kKind, false,
-                        "SUCCESS where two poses are near each other.");
+                        "SUCCESS where two poses are near each other.", robot);
   AddNode<AreErrorCodesPresent>(factory, "AreErrorCodesPresent", kKind, false,
                                 "SUCCESS where the code of an action is one of these.");
   for (const KnownCodes& known : CodesToRecoverFrom()) {

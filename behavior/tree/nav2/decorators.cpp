@@ -25,7 +25,21 @@ double SecondsSince(Time begin, const Tick& tick) {
   return ToSeconds(tick.now - begin);
 }
 
-class RateController : public Decorator {
+// Ticks its child on as long as that is RUNNING, also where a breakpoint holds it: it is idle then.
+class Paced : public Decorator {
+ protected:
+  bool goes_on() const { return goes_on_ && status() != Status::kIdle; }
+  Status Go(Tick& tick) {
+    const Status status = TickChild(tick);
+    goes_on_ = status == Status::kRunning;
+    return status;
+  }
+
+ private:
+  bool goes_on_ = false;
+};
+
+class RateController : public Paced {
  public:
   explicit RateController(Setup& setup)
       : hz_(setup.Input<double>("hz", 10.0, "how often in a second it may begin its child")) {}
@@ -34,10 +48,10 @@ class RateController : public Decorator {
   Status OnTick(Tick& tick) override {
     if (status() == Status::kIdle) since_.reset();
     const double period_s = 1 / Positive(hz_);
-    const bool waits = since_ && !child().running() && SecondsSince(*since_, tick) < period_s;
+    const bool waits = since_ && !goes_on() && SecondsSince(*since_, tick) < period_s;
     if (waits) return Status::kRunning;
     if (!since_) since_ = tick.now;
-    const Status status = TickChild(tick);
+    const Status status = Go(tick);
     if (status == Status::kSuccess) since_ = tick.now;
     return status;
   }
@@ -46,7 +60,7 @@ class RateController : public Decorator {
   std::optional<Time> since_;  // the last success of the child, at first its begin
 };
 
-class DistanceController : public Decorator {
+class DistanceController : public Paced {
  public:
   DistanceController(Setup& setup, const Robot& robot)
       : distance_m_(setup.Input<double>("distance", 1.0, "m that the robot travels in between")),
@@ -69,9 +83,9 @@ class DistanceController : public Decorator {
       return Status::kFailure;
     }
     if (begins) begin_ = *pose;
-    const bool near = Distance(begin_, *pose) < distance_m;
-    if (!begins && near && !child().running()) return Status::kRunning;
-    const Status status = TickChild(tick);
+    const bool near = Apart(robot_, begin_, *pose) < distance_m;
+    if (!begins && near && !goes_on()) return Status::kRunning;
+    const Status status = Go(tick);
     if (status == Status::kSuccess) begin_ = *pose;
     return status;
   }
@@ -81,7 +95,7 @@ class DistanceController : public Decorator {
   Pose begin_;
 };
 
-class SpeedController : public Decorator {
+class SpeedController : public Paced {
  public:
   SpeedController(Setup& setup, const Robot& robot)
       : min_rate_hz_(setup.Input<double>("min_rate", 0.1, "Hz, up to min_speed")),
@@ -102,12 +116,12 @@ class SpeedController : public Decorator {
       period_s_ = 1 / Positive(max_rate_hz_);
     }
     const bool is_over = SecondsSince(since_, tick) >= period_s_;
-    if (!begins && !is_over && !child().running()) return Status::kRunning;
+    if (!begins && !is_over && !goes_on()) return Status::kRunning;
     if (is_over) {
       since_ = tick.now;
       period_s_ = 1 / RateHz();
     }
-    return TickChild(tick);
+    return Go(tick);
   }
 
   double RateHz() const {
@@ -131,7 +145,7 @@ class SpeedController : public Decorator {
   double period_s_ = 0;
 };
 
-class GoalUpdatedController : public Decorator {
+class GoalUpdatedController : public Paced {
  public:
   explicit GoalUpdatedController(Setup& setup) : goals_(setup) {}
 
@@ -139,62 +153,88 @@ class GoalUpdatedController : public Decorator {
   Status OnTick(Tick& tick) override {
     const bool has_new_goal = goals_.HasChanged();
     const bool begins = status() == Status::kIdle || has_new_goal;
-    return begins || child().running() ? TickChild(tick) : Status::kRunning;
+    return begins || goes_on() ? Go(tick) : Status::kRunning;
   }
 
   GoalWatch goals_;
 };
 
-// A goal without a stamp can not be compared with: then only what has come since the run began
-// counts, not what a run before was sent.
+Time StampOf(const Pose& goal) {
+  return goal.stamp;
+}
+Time StampOf(const Goals& goals) {
+  return goals.poses.empty() ? Time{} : goals.poses.front().stamp;
+}
+
+// The goal of a port, or an update of it that is newer. A goal without a stamp can not be compared
+// with: then an update counts that has come since the goal was set. Where no entry has a goal, an
+// update that a run before has passed on does not count.
+template <class T>
+class UpdatedGoal {
+ public:
+  UpdatedGoal(InPort<T> commanded, OutPort<T> output)
+      : commanded_(std::move(commanded)), output_(std::move(output)) {}
+
+  void OnNewRun(const std::optional<T>& update) {
+    const bool is_entry = commanded_.entry() != nullptr && commanded_.Find() != nullptr;
+    if (!is_entry) known_ = passed_;
+    if (is_entry && Sequence() != seen_) known_ = update;
+    seen_ = Sequence();
+  }
+  // False: there is no goal.
+  bool Pass(const std::optional<T>& update) {
+    const T* commanded = commanded_.Find();
+    const bool updates = update && IsNewer(*update, commanded);
+    if (updates && passed_ != update) passed_ = update;
+    const T* passed = updates ? &*update : commanded;
+    if (passed == nullptr) return false;
+    const std::uint64_t before = Sequence();
+    output_.Set(*passed);
+    seen_ += Sequence() - before;  // it may be the same entry
+    return true;
+  }
+
+ private:
+  bool IsNewer(const T& update, const T* commanded) const {
+    const bool is_stamped = commanded != nullptr && StampOf(*commanded) != Time{};
+    return is_stamped ? StampOf(update) >= StampOf(*commanded) : update != known_;
+  }
+  std::uint64_t Sequence() const {
+    return commanded_.entry() != nullptr ? commanded_.entry()->sequence : 0;
+  }
+
+  InPort<T> commanded_;
+  OutPort<T> output_;
+  std::optional<T> known_;  // update that does not count
+  std::optional<T> passed_;
+  std::uint64_t seen_ = 0;  // of the entry, without what it has set itself
+};
+
 class GoalUpdater : public Decorator, public RunObserver {
  public:
   GoalUpdater(Setup& setup, const Robot& robot)
-      : goal_(setup.OptionalInput<Pose>("input_goal", "the goal as it was commanded")),
-        goals_(setup.OptionalInput<Goals>("input_goals", "the same of several")),
-        output_goal_(setup.Output<Pose>("output_goal", "the goal that came last")),
-        output_goals_(setup.Output<Goals>("output_goals", "the same of several")),
+      : goal_{setup.OptionalInput<Pose>("input_goal", "the goal as it was commanded"),
+              setup.Output<Pose>("output_goal", "the goal that came last")},
+        goals_{setup.OptionalInput<Goals>("input_goals", "the same of several"),
+               setup.Output<Goals>("output_goals", "the same of several")},
         robot_(robot) {}
 
  private:
   void OnNewRun(const Tick& /*tick*/) override {
-    known_goal_ = robot_.goal_update();
-    known_goals_ = robot_.goals_update();
+    goal_.OnNewRun(robot_.goal_update());
+    goals_.OnNewRun(robot_.goals_update());
   }
   Status OnTick(Tick& tick) override {
-    const std::optional<Pose> one = robot_.goal_update();
-    const Pose* goal = goal_.Find();
-    if (one && (goal == nullptr || IsNewer(*one, one->stamp, goal->stamp, known_goal_))) {
-      output_goal_.Set(*one);
-    } else if (goal != nullptr) {
-      output_goal_.Set(*goal);
-    }
-    const std::optional<Goals> several = robot_.goals_update();
-    const Goals* goals = goals_.Find();
-    if (several &&
-        (goals == nullptr || IsNewer(*several, StampOf(*several), StampOf(*goals), known_goals_))) {
-      output_goals_.Set(*several);
-    } else if (goals != nullptr) {
-      output_goals_.Set(*goals);
-    }
-    return TickChild(tick);
+    const bool has_goal = goal_.Pass(robot_.goal_update());
+    const bool has_goals = goals_.Pass(robot_.goals_update());
+    if (has_goal || has_goals) return TickChild(tick);
+    child().Reset(tick);
+    return Status::kFailure;
   }
 
-  template <class T>
-  static bool IsNewer(const T& update, Time stamp, Time commanded, const std::optional<T>& known) {
-    return commanded == Time{} ? update != known : stamp >= commanded;
-  }
-  static Time StampOf(const Goals& goals) {
-    return goals.poses.empty() ? Time{} : goals.poses.front().stamp;
-  }
-
-  InPort<Pose> goal_;
-  InPort<Goals> goals_;
-  OutPort<Pose> output_goal_;
-  OutPort<Goals> output_goals_;
+  UpdatedGoal<Pose> goal_;
+  UpdatedGoal<Goals> goals_;
   const Robot& robot_;
-  std::optional<Pose> known_goal_;  // when the run began
-  std::optional<Goals> known_goals_;
 };
 
 // The child is ticked while the path to the same goal is much longer than it was, and this goal is
@@ -266,7 +306,9 @@ void AddDecoratorNodes(Factory& factory, Robot& robot) {
                                  "Begins its child at first and when the goal has changed; "
                                  "RUNNING in between.");
   AddNode<GoalUpdater>(factory, "GoalUpdater", kKind, false,
-                       "Passes the goal on, or a newer one that has come on a topic.", robot);
+                       "Passes the goal on, or a newer one that has come on a topic; FAILURE "
+                       "where there is neither.",
+                       robot);
   AddNode<PathLongerOnApproach>(factory, "PathLongerOnApproach", kKind, false,
                                 "Ticks its child where the path has become much longer near the "
                                 "goal; else SUCCESS.");

@@ -10,6 +10,7 @@
 //
 // Threads: that of the tree.
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -83,8 +84,13 @@ class Robot {
   // Nullopt: not known.
   virtual std::optional<Pose> pose() const = 0;
   virtual double speed_m_s() const = 0;
+  // On the ground the height of a place does not count.
+  virtual bool flies() const { return false; }
   // The tolerance of GoalReached.
   virtual double goal_tolerance_m() const { return 0.25; }
+
+  // Whether FollowPath() uses the controller of that name; false: there is one.
+  virtual bool selects_controllers() const { return true; }
 
   // How fast Spin() turns and Drive() moves at most, for the warning of a limit that is too short.
   virtual double most_turn_rad_s() const { return std::numeric_limits<double>::infinity(); }
@@ -109,5 +115,10 @@ class Robot {
   // The service of a costmap, as the tree names it.
   virtual std::unique_ptr<Task> ClearCostmap(const std::string& service) = 0;
 };
+
+// How far two places are from each other for this robot.
+inline double Apart(const Robot& robot, const Pose& a, const Pose& b) {
+  return robot.flies() ? Distance(a, b) : std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
+}
 
 }  // namespace musher::tree::nav2

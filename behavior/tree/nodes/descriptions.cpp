@@ -39,7 +39,7 @@ constexpr std::array kDescriptions = {
                 "Ticks the first child, then the second where it succeeds, else the third."},
     Description{"WhileDoElse",
                 "Ticks the first child in each tick, then the second where it succeeds, else the "
-                "third. Halts the other one."},
+                "third. Halts the other one, and both while the first is RUNNING."},
     Description{"TryCatch",
                 "Ticks its children but the last in order. Where one fails, it ticks the last, and "
                 "fails."},

@@ -124,7 +124,10 @@ class WhileDoElse : public Control {
   Status OnTick(Tick& tick) override {
     const std::vector<Node*>& nodes = children();
     const Status condition = nodes[0]->Execute(tick);
-    if (condition == Status::kRunning) return condition;
+    if (condition == Status::kRunning) {  // what is not ticked must not run
+      for (std::size_t i = 1; i < nodes.size(); ++i) nodes[i]->Reset(tick);
+      return condition;
+    }
     Status status = condition;
     if (condition == Status::kSuccess) {
       if (nodes.size() == 3) nodes[2]->Reset(tick);

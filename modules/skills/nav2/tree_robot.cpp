@@ -139,7 +139,9 @@ class DriveTask : public tree::nav2::Task {
     if (!begun_ && handover_.Rolls()) {
       if (!deadline_.IsOver(now)) return std::nullopt;
       return TaskEnd{.error_code = tree::nav2::kControllerTimeout,
-                     .error = "the robot does not stand after the motion before"};
+                     .error = handover_.HasMotion()
+                                  ? "a motion has not ended"
+                                  : "the robot does not stand after the motion before"};
     }
     if (!begun_) Begin();
     if (refused_) return refused_;
@@ -154,8 +156,14 @@ class DriveTask : public tree::nav2::Task {
                      .error = "the controller has cancelled the drive"};
     }
     const auto pose = robot_.pose();
-    const double left_m = pose ? Apart(robot_, pose->at, path_.back().at) : 0;
-    if (left_m <= kArrivedWithinM) return TaskEnd{.success = true};
+    if (!pose) {
+      return TaskEnd{.error_code = tree::nav2::kControllerPose, .error = robot_.WhyNoPose()};
+    }
+    const double left_m = Apart(robot_, pose->at, path_.back().at);
+    if (left_m <= kArrivedWithinM) {
+      handover_.SetUnfinished({});
+      return TaskEnd{.success = true};
+    }
     return TaskEnd{.error_code = tree::nav2::kFailedToMakeProgress,
                    .error = "the drive has ended " + LengthText(left_m) + " m from the goal"};
   }
@@ -171,7 +179,9 @@ class DriveTask : public tree::nav2::Task {
           TaskEnd{.error_code = tree::nav2::kInvalidController, .error = "there is no controller"};
     } else {
       // It was planned while the robot moved on: what lies behind the robot is left out.
-      drive_ = robot_.FollowPath(FromHere(robot_, path_));
+      const bool again = handover_.unfinished() == path_;
+      drive_ = robot_.FollowPath(again ? RestOf(robot_, path_) : FromHere(robot_, path_));
+      handover_.SetUnfinished(path_);
       if (drive_ != nullptr && drive_->end().valid()) return;
       refused_ = TaskEnd{.error_code = tree::nav2::kControllerTimeout,
                          .error = "the controller has not taken the path"};
@@ -193,9 +203,7 @@ class MotionTask : public tree::nav2::Task {
   MotionTask(skills::Robot& robot, Handover& handover, RecoveryKind kind,
              const Recovery::Amount& amount)
       : robot_(robot), handover_(handover), kind_(kind), amount_(amount), recovery_(robot) {}
-  ~MotionTask() override {
-    if (commands_) robot_.StopMotion();
-  }
+  ~MotionTask() override { GiveUp(); }
 
   std::optional<TaskEnd> Poll(Time now) override {
     using navigation::Fault;
@@ -203,16 +211,19 @@ class MotionTask : public tree::nav2::Task {
       return Failed(Error{kCodeFailed, robot_.name() + " flies: it is for the ground"});
     }
     if (!since_) since_ = now;
+    const bool driven = handover_.IsDriven();
+    if (driven) GiveUp();
+    if (driven && begun_) return Failed(Error{kCodeFailed, "a drive has begun"});
     if (!begun_) {
-      const bool driven = handover_.IsDriven();
-      if (!driven && handover_.Stands()) {
+      const bool has_base = !driven && handover_.Take(*this);
+      if (has_base && handover_.Stands()) {
         Begin(now);
       } else if (amount_.longest && now - *since_ >= *amount_.longest) {
-        return Failed(navigation::MakeError(Fault::kLate, driven
-                                                              ? "the drive before it has not ended"
-                                                              : "the robot does not stand"));
+        return Failed(navigation::MakeError(Fault::kLate, driven     ? "a drive has not ended"
+                                                          : has_base ? "the robot does not stand"
+                                                                     : "a motion has not ended"));
       } else {
-        if (!driven) Command();
+        if (has_base) Command();
         return std::nullopt;
       }
     }
@@ -223,6 +234,7 @@ class MotionTask : public tree::nav2::Task {
     const std::optional<Result<>> end = recovery_.Step(step);
     if (!end) return std::nullopt;
     commands_ = false;  // it has stopped
+    handover_.Release(*this);
     return end->ok() ? TaskEnd{.success = true} : Failed(end->error());
   }
 
@@ -239,6 +251,10 @@ class MotionTask : public tree::nav2::Task {
   void Command() {
     commands_ = true;
     robot_.SetVelocity({});
+  }
+  void GiveUp() {
+    if (std::exchange(commands_, false)) robot_.StopMotion();
+    handover_.Release(*this);
   }
   TaskEnd Failed(const Error& error) const {
     return {.error_code = MotionCode(kind_ == RecoveryKind::kSpin, error), .error = error.message};
@@ -288,19 +304,39 @@ void Handover::GiveUp(std::unique_ptr<Drive> drive) {
 }
 
 bool Handover::IsDriven() {
-  std::erase_if(given_up_, [this](const std::unique_ptr<Drive>& drive) {
-    return drive->end().done() || !robot_.HasController();
-  });
-  return !given_up_.empty();
+  std::erase_if(given_up_, [](const std::unique_ptr<Drive>& drive) { return drive->end().done(); });
+  if (given_up_.empty() || robot_.HasController()) {
+    lost_since_.reset();
+  } else {
+    if (!lost_since_) lost_since_ = robot_.Now();
+    if (robot_.Now() - *lost_since_ >= kLostAfter) given_up_.clear();
+  }
+  return !given_up_.empty() || robot_.Drives();
+}
+
+bool Handover::Take(const tree::nav2::Task& motion) {
+  if (motion_ == nullptr) motion_ = &motion;
+  return motion_ == &motion;
+}
+
+void Handover::Release(const tree::nav2::Task& motion) {
+  if (motion_ == &motion) motion_ = nullptr;
 }
 
 bool Handover::Rolls() {
+  if (HasMotion()) return true;
   if (Stands()) moved_ = false;
   return moved_;
 }
 
 bool Handover::Stands() const {
   return !robot_.pose() || skills::Stands(robot_);
+}
+
+void TreeRobot::CancelEarlierDrives() {
+  if (begun_ || !robot_.HasController()) return;
+  begun_ = true;
+  robot_.CancelEarlierDrives();
 }
 
 std::optional<tree::nav2::Pose> TreeRobot::pose() const {
@@ -325,6 +361,7 @@ double TreeRobot::most_drive_m_s() const {
 std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
     const tree::nav2::Pose& goal, const std::optional<tree::nav2::Pose>& start,
     const std::string& /*planner*/) {
+  CancelEarlierDrives();
   std::optional<navigation::Pose> from;
   if (start) from = FromTree(*start);
   const navigation::Pose to = FromTree(goal);
@@ -335,12 +372,14 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::FollowPath(const tree::nav2::Path& path,
                                                         const std::string& /*controller*/) {
+  begun_ = begun_ || robot_.HasController();  // it replaces them
   navigation::Path poses;
   for (const tree::nav2::Pose& pose : path.poses) poses.push_back(FromTree(pose));
   return std::make_unique<DriveTask>(robot_, handover_, std::move(poses));
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration limit) {
+  CancelEarlierDrives();
   return std::make_unique<MotionTask>(
       robot_, handover_, RecoveryKind::kSpin,
       Recovery::Amount{.turn_rad = angle_rad, .longest = LimitIn(limit)});
@@ -348,6 +387,7 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration lim
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Drive(double distance_m, double speed_m_s,
                                                    Duration limit) {
+  CancelEarlierDrives();
   return std::make_unique<MotionTask>(
       robot_, handover_, RecoveryKind::kBackUp,
       Recovery::Amount{.ahead_m = distance_m, .speed_m_s = speed_m_s, .longest = LimitIn(limit)});

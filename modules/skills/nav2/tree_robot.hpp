@@ -10,9 +10,15 @@
 // with 0.15 m/s at most. ClearEntireCostmap clears what planner and controller remember, whichever
 // costmap it names. Names of planners and controllers are ignored: the robot has one of each.
 //
-// A motion begins once the drive that was halted before it has ended and the robot stands, a drive
-// once the robot stands after a motion. A drive replaces a drive without a stop. Paths and arrivals
-// are checked as those of travel.hpp.
+// One task has the base at a time, also where the tree runs two of them. A motion begins once the
+// controller drives no more, for any client, no other motion runs and the robot stands; a drive
+// once no motion runs and the robot stands. What waits fails at its limit, a drive after 10 s. A
+// motion fails where another client begins a drive. A drive replaces a drive without a stop. Paths
+// and arrivals are checked as those of travel.hpp. Where the same path is followed again after a
+// drive along it that has not arrived, what the robot has passed of it is left out.
+//
+// The drives that a process before this one has left behind are cancelled in the constructor, or
+// with the first task if the controller can not be reached yet.
 //
 // Frames and units of robot.hpp.
 //
@@ -20,6 +26,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "musher/behavior/tree/nav2/robot.hpp"
@@ -34,24 +41,37 @@ class Handover {
 
   // A drive that is cancelled here; it goes on until its end.
   void GiveUp(std::unique_ptr<Drive> drive);
-  // Whether such a one still goes on.
+  // Whether such a one still goes on, or the controller drives for any client.
   bool IsDriven();
+  // The base is that of this motion until it is released. False: another motion has it.
+  bool Take(const tree::nav2::Task& motion);
+  void Release(const tree::nav2::Task& motion);
   void NoteMotion() { moved_ = true; }
-  // Whether a motion has ended and the robot does not stand yet.
+  // Whether a motion has the base, or has ended and the robot does not stand yet.
   bool Rolls();
+  bool HasMotion() const { return motion_ != nullptr; }
   // Without odometry it is taken to stand: a motion does not begin then.
   bool Stands() const;
+
+  // The path of the last drive, as long as it has not arrived.
+  void SetUnfinished(navigation::Path path) { unfinished_ = std::move(path); }
+  const navigation::Path& unfinished() const { return unfinished_; }
 
  private:
   Robot& robot_;
   std::vector<std::unique_ptr<Drive>> given_up_;
+  std::optional<Time> lost_since_;            // the controller, while there are such drives
+  const tree::nav2::Task* motion_ = nullptr;  // that has the base
   bool moved_ = false;
+  navigation::Path unfinished_;
 };
 
 class TreeRobot : public tree::nav2::Robot {
  public:
   // The robot must outlive it; it must outlive the trees.
-  explicit TreeRobot(skills::Robot& robot) : robot_(robot), handover_(robot) {}
+  explicit TreeRobot(skills::Robot& robot) : robot_(robot), handover_(robot) {
+    CancelEarlierDrives();
+  }
 
   // The goal that has come last on the topic of GoalUpdater, if the program subscribes to it.
   // Nullopt: none.
@@ -59,6 +79,8 @@ class TreeRobot : public tree::nav2::Robot {
 
   std::optional<tree::nav2::Pose> pose() const override;
   double speed_m_s() const override;  // forward, in the frame of the body
+  bool flies() const override { return robot_.flies(); }
+  bool selects_controllers() const override { return false; }
   double most_turn_rad_s() const override;
   double most_drive_m_s() const override;
   std::optional<tree::nav2::Pose> goal_update() const override { return goal_update_; }
@@ -74,8 +96,11 @@ class TreeRobot : public tree::nav2::Robot {
   std::unique_ptr<tree::nav2::Task> ClearCostmap(const std::string& service) override;
 
  private:
+  void CancelEarlierDrives();
+
   skills::Robot& robot_;
   Handover handover_;
+  bool begun_ = false;  // the drives of a process before are cancelled, or replaced
   std::optional<tree::nav2::Pose> goal_update_;
 };
 

@@ -105,6 +105,10 @@ class Robot {
   // Whether the planner and the controller can be reached now.
   virtual bool HasPlanner() const = 0;
   virtual bool HasController() const = 0;
+  // Whether the controller drives the base, for this client or for another one.
+  virtual bool Drives() const = 0;
+  // Cancels the drives that a process before this one, which has crashed, has left behind.
+  virtual void CancelEarlierDrives() {}
   // A path from `start`, or from where the robot is. Fails with the planner's reason; with
   // kCodeStateInvalid when the planner rejects the request, kCodeNetError when it is lost.
   virtual skill::Future<navigation::Path> ComputePath(

@@ -53,10 +53,6 @@ void RosRobot::Rest() {
   if (const auto wire = wire_.lock()) wire->Rest();
 }
 
-void RosRobot::CancelEarlierDrives() {
-  if (const auto wire = wire_.lock()) wire->navigator->CancelEarlierDrives();
-}
-
 RosRobot::Missing RosRobot::Look() const {
   const auto wire = wire_.lock();
   return wire ? wire->Look() : Missing{kClosed, {}};
@@ -105,6 +101,15 @@ bool RosRobot::HasPlanner() const {
 bool RosRobot::HasController() const {
   const auto wire = wire_.lock();
   return wire && wire->navigator->HasController();
+}
+
+bool RosRobot::Drives() const {
+  const auto wire = wire_.lock();
+  return wire && wire->Drives();
+}
+
+void RosRobot::CancelEarlierDrives() {
+  if (const auto wire = wire_.lock()) wire->navigator->CancelEarlierDrives();
 }
 
 skill::Future<navigation::Path> RosRobot::ComputePath(

@@ -33,9 +33,6 @@ class RosRobot final : public Robot {
   // The robot stands, its drives are cancelled.
   void Rest();
 
-  // Cancels the drives that a process before this one, which has crashed, has left behind.
-  void CancelEarlierDrives();
-
   // What of its environment cannot be reached.
   struct Missing {
     std::string odometry;             // empty: it comes
@@ -59,6 +56,8 @@ class RosRobot final : public Robot {
   void NoteLanding() override;
   bool HasPlanner() const override;
   bool HasController() const override;
+  bool Drives() const override;
+  void CancelEarlierDrives() override;
   skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) override;
   std::unique_ptr<Drive> FollowPath(const navigation::Path& path) override;

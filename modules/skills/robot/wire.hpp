@@ -55,6 +55,8 @@ struct RosRobot::Wire {
     velocity->Stop();
   }
   Missing Look() const;
+  // Whether the controller drives, for a skill or for another client.
+  bool Drives() const;
   // Of planner and controller; succeeds once all that are configured have answered.
   skill::Future<bool> ClearMemory();
   // Subscribes at the first call.
@@ -112,8 +114,6 @@ struct RosRobot::Wire {
   void SubscribeFrames(transport::Endpoints& endpoints);
   void SubscribeScans(transport::Endpoints& endpoints);
   void SubscribeDrives(transport::Endpoints& endpoints);
-  // Whether the controller drives, for a skill or for another client.
-  bool Drives() const;
   void OnOdometry(const msg::Odometry& message);
   void OnTeleop(const msg::Twist& twist);
   void HoldPlace();

@@ -100,7 +100,7 @@ void Recovery::Begin(RecoveryKind kind, const Amount& amount) {
   cleared_at_.reset();
   passed_ = held_ = {};
   begin_.reset();
-  moved_m_ = turned_rad_ = 0;
+  moved_m_ = away_m_ = turned_rad_ = 0;
   turns_ = true;
 }
 
@@ -147,9 +147,14 @@ void Recovery::NoteMotion(const navigation::Pose& pose) {
     begin_ = pose;
     last_yaw_rad_ = pose.yaw_rad;
   }
-  turned_rad_ += std::abs(navigation::Wrapped(pose.yaw_rad - last_yaw_rad_));
+  // With its sign: noise and swinging are no turn.
+  const double side = kind_ == RecoveryKind::kSpin ? std::copysign(1, amount_.turn_rad) : 1;
+  turned_rad_ += side * navigation::Wrapped(pose.yaw_rad - last_yaw_rad_);
   last_yaw_rad_ = pose.yaw_rad;
-  moved_m_ = std::hypot(pose.at.x_m - begin_->at.x_m, pose.at.y_m - begin_->at.y_m);
+  const double x_m = pose.at.x_m - begin_->at.x_m, y_m = pose.at.y_m - begin_->at.y_m;
+  away_m_ = std::hypot(x_m, y_m);
+  const double ahead_m = std::cos(begin_->yaw_rad) * x_m + std::sin(begin_->yaw_rad) * y_m;
+  moved_m_ = kind_ == RecoveryKind::kBackUp ? std::copysign(1, amount_.ahead_m) * ahead_m : away_m_;
 }
 
 std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
@@ -159,7 +164,7 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
   if (!pose || !navigation::IsFinite(*pose)) return MakeError(Fault::kOdometry, robot_.WhyNoPose());
   if (!robot_.HasScan()) return MakeError(Fault::kScan, "it does not move without a scan");
   NoteMotion(*pose);
-  if (moved_m_ > std::max(kRecoveryJumpM, std::abs(amount_.ahead_m) + kOvershootM))
+  if (away_m_ > std::max(kRecoveryJumpM, std::abs(amount_.ahead_m) + kOvershootM))
     return MakeError(Fault::kJump, "its pose has jumped");
   const auto around = SeenAround(robot_, *pose, kRecoveryLookM);
   if (kind_ == RecoveryKind::kLeaveTightStart) {

@@ -64,6 +64,8 @@ class Recovery {
   // holds it, kLate at its limit, kScan where it does not see its way.
   std::optional<Result<>> Step(Duration step);
   double share() const;  // 0 to 1
+  // Ahead of where kBackUp was to lead, or how far from its begin; how far kSpin has turned to the
+  // side to which it was to turn, or to the left.
   double moved_m() const { return moved_m_; }
   double turned_rad() const { return turned_rad_; }
 
@@ -86,6 +88,7 @@ class Recovery {
   Duration held_{};
   std::optional<navigation::Pose> begin_;
   double moved_m_ = 0;
+  double away_m_ = 0;  // from its begin
   double turned_rad_ = 0;
   double last_yaw_rad_ = 0;
   bool turns_ = true;  // of kLeaveTightStart: until it looks away

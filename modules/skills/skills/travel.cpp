@@ -35,6 +35,17 @@ navigation::Point Projected(const navigation::Point& point, const navigation::Po
   return navigation::Between(from, to, square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0);
 }
 
+// From the line between `from` and `to`; on the ground heights do not count.
+double OffLine(const Robot& robot, const navigation::Point& at, const navigation::Point& from,
+               const navigation::Point& to) {
+  if (!robot.flies()) return FlatApart(at, Projected(at, from, to));
+  const double x = to.x_m - from.x_m, y = to.y_m - from.y_m, z = to.z_m - from.z_m;
+  const double square = x * x + y * y + z * z;
+  const double along = (at.x_m - from.x_m) * x + (at.y_m - from.y_m) * y + (at.z_m - from.z_m) * z;
+  const double share = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0;
+  return navigation::Distance(at, navigation::Between(from, to, share));
+}
+
 // Nullopt: no recovery helps.
 std::optional<Trouble> TroubleOf(const Error& error) {
   using navigation::Fault;
@@ -78,6 +89,23 @@ navigation::Path FromHere(const Robot& robot, const navigation::Path& path) {
   if (next == 0) return path;
   navigation::Path rest{*pose};
   rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
+  return rest;
+}
+
+navigation::Path RestOf(const Robot& robot, const navigation::Path& path) {
+  constexpr double kAsNearM = 0.3;
+  const auto pose = robot.pose();
+  if (!pose || path.size() < 2) return path;
+  std::vector<double> off_m;  // of each line
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    off_m.push_back(OffLine(robot, pose->at, path[i - 1].at, path[i].at));
+  }
+  const double near_m = *std::ranges::min_element(off_m) + kAsNearM;
+  std::size_t line = 0;
+  while (off_m[line] > near_m) ++line;
+  while (line + 1 < off_m.size() && off_m[line + 1] <= off_m[line]) ++line;
+  navigation::Path rest{*pose};
+  rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(line + 1), path.end());
   return rest;
 }
 
@@ -212,7 +240,6 @@ TravelStep Travel::Drive(Duration step) {
 
 TravelStep Travel::DriveEnd() {
   const skill::Future<bool> end = drive_->end();
-  const double left_m = robot_.pose() ? Apart(robot_.pose()->at, path_.back().at) : 0;
   drive_.reset();
   if (!end.valid()) return {Kind::kLost, "the controller has not taken the path"};
   if (!end.result()) {
@@ -231,6 +258,9 @@ TravelStep Travel::DriveEnd() {
     return {Kind::kFailed, "Navigate failed: " + error.message};
   }
   if (!end.result().value()) return {Kind::kLost, "the controller has cancelled the drive"};
+  const auto pose = robot_.pose();
+  if (!pose) return {Kind::kLost, robot_.WhyNoPose()};
+  const double left_m = Apart(pose->at, path_.back().at);
   if (left_m > kArrivedWithinM) {
     return {Kind::kFailed,
             "Navigate failed: the drive has ended " + LengthText(left_m) + " m from the goal"};

@@ -38,6 +38,9 @@ inline constexpr double kStandingRadPerS = 0.05;
 bool Stands(const Robot& robot);
 // The path without what lies behind the robot, which moves.
 navigation::Path FromHere(const Robot& robot, const navigation::Path& path);
+// The path of a drive that has not arrived, without what the robot has passed of it. Where it
+// passes the same place twice, from the first time on.
+navigation::Path RestOf(const Robot& robot, const navigation::Path& path);
 
 // "4.2", or "1.41e+308": a request may have any number.
 std::string LengthText(double length_m);

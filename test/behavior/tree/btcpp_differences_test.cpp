@@ -46,6 +46,13 @@ TEST(DifferencesToBtcpp, OfConditionsThatAreSkipped) {
               HasSubstr("has a result by success_count where all children are skipped"));
   EXPECT_EQ(Of("<Parallel>" + kSkipped + kLeaf + "</Parallel>"), "");
 }
+TEST(DifferencesToBtcpp, OfAConditionOfWhileDoElseThatMayRun) {
+  const std::string condition = "<Inverter><Sleep msec=\"1\"/></Inverter>";
+  EXPECT_THAT(Of("<WhileDoElse>" + condition + kLeaf + "</WhileDoElse>"),
+              HasSubstr("leaves the branch running without ticks while this condition is RUNNING; "
+                        "here it is halted"));
+  EXPECT_EQ(Of("<WhileDoElse>" + kLeaf + condition + "</WhileDoElse>"), "");
+}
 TEST(DifferencesToBtcpp, OfHalts) {
   EXPECT_THAT(Of("<SkipUnlessUpdated entry=\"{a}\">" + kLeaf + "</SkipUnlessUpdated>"),
               HasSubstr("does not halt the child of this node with it"));

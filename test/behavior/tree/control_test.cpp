@@ -102,6 +102,11 @@ TEST_F(Control, WhileDoElseDecidesInEachTick) {
             "R: a^ b^ | R: a^ b! c^ | R: a^ c! b^ ");
   EXPECT_EQ(Run(In("WhileDoElse", A("SF") + B("R")), 2), "R: a^ b^ | F: a^ b! ");
 }
+TEST_F(Control, WhileDoElseHaltsItsBranchWhileItsConditionRuns) {
+  EXPECT_EQ(Run(In("WhileDoElse", A("SRS") + B("R")), 3), "R: a^ b^ | R: a^ b! | R: a b^ ");
+  EXPECT_EQ(Run(In("WhileDoElse", A("FRF") + B("R") + C("R")), 3),
+            "R: a^ c^ | R: a^ c! | R: a c^ ");
+}
 TEST_F(Control, ASkippedConditionSkipsIfThenElseAndWhileDoElse) {
   const std::string skipped = A("S", "_skipIf=\"true\"");
   EXPECT_EQ(Run(In("IfThenElse", skipped + B("S")), 1), "-: ");
@@ -291,6 +296,32 @@ TEST_F(Control, KnowsTheNamesOfItsChildren) {
   ASSERT_TRUE(factory.Add<ByName>("ByName"));
   EXPECT_EQ(Run(In("ByName which=\"b\"", A("S") + B("S")), 1), "S: b^ ");
   EXPECT_EQ(Run(In("ByName which=\"AlwaysSuccess\"", A("S") + "<AlwaysSuccess/>"), 1), "S: ");
+}
+
+// Throws at each change to RUNNING.
+class Throwing : public ChangeListener {
+  void OnChange(const Change& change) override {
+    if (change.to == Status::kRunning) throw std::runtime_error("its disk is full");
+  }
+};
+class Counting : public ChangeListener {
+ public:
+  int changes = 0;
+
+ private:
+  void OnChange(const Change&) override { ++changes; }
+};
+TEST_F(Control, AListenerThatThrowsGetsNothingMoreAndTheTreeHaltsWhatRuns) {
+  tree = MakeTree(In("Sequence", A("S") + B("R")), factory);
+  const auto throwing = std::make_shared<Throwing>();
+  const auto counting = std::make_shared<Counting>();
+  tree->Listen(throwing);
+  tree->Listen(counting);
+  EXPECT_EQ(TicksAndLog(2), "RR a^ b^ b ");
+  EXPECT_EQ(counting->changes, 3) << "of a, of b, of the sequence";
+  ASSERT_TRUE(tree->Halt(At(20)));
+  EXPECT_EQ(Take(), "b! ");
+  EXPECT_EQ(counting->changes, 6);
 }
 
 struct Selecting : testing::Test, Logged {

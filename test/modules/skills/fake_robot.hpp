@@ -73,6 +73,7 @@ class FakeRobot : public Robot {
   void StopMotion() override { command = {}; }
   bool HasPlanner() const override { return false; }
   bool HasController() const override { return false; }
+  bool Drives() const override { return false; }
   skill::Future<navigation::Path> ComputePath(const navigation::Pose&,
                                               const std::optional<navigation::Pose>&) override {
     return {};

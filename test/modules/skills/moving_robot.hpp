@@ -28,6 +28,7 @@ class MovingRobot : public Robot {
   std::optional<double> ceiling;
   double drive_speed_m_s = 1;
   bool drives_brake = true;  // else a cancelled drive goes on
+  bool knows_drives = true;  // Drives(), of every client
   bool planner_up = true;
   bool controller_up = true;
   bool odometry_up = true;
@@ -129,6 +130,10 @@ class MovingRobot : public Robot {
   }
   bool HasPlanner() const override { return planner_up; }
   bool HasController() const override { return controller_up; }
+  bool Drives() const override { return knows_drives && driving(); }
+  void CancelEarlierDrives() override {
+    if (drive_) drive_->cancelled = true;
+  }
   skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) override {
     ++plans;

@@ -46,6 +46,19 @@ class NavigateTo : public ::testing::Test, public SkillsOnARobot {
   }
 };
 
+TEST_F(NavigateTo, DoesNotTakeADriveForArrivedWhoseEndHasNoPose) {
+  Go();
+  RunFor(3);
+  ASSERT_TRUE(robot.driving());
+  robot.odometry_up = false;
+  robot.EndDrive();
+  Step();
+  robot.odometry_up = true;
+  EXPECT_TRUE(RunToItsEnd(60));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_NEAR(robot.at.at.x_m, 4, 0.2);
+}
+
 // The planner refuses a start that is nearer than 0.35 m to the wall at x = -0.3.
 TEST_F(NavigateTo, LeavesATightStartAndGoesOn) {
   for (const double yaw_rad : {0.0, 1.5, 3.0, -2.0}) {

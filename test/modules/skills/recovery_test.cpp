@@ -77,6 +77,32 @@ TEST_F(ARecovery, BacksUpByWhatItSaysAndSpinsOnce) {
   EXPECT_NEAR(robot.travelled_m, 0.42, 0.05) << "it stays where it is";
 }
 
+TEST_F(ARecovery, TakesNoiseOfItsHeadingForNoTurn) {
+  double noise_rad = 0.1, turned_rad = 0;
+  EachStep([&] {
+    turned_rad += 0.1 * robot.velocity().yaw_rad_s;
+    robot.at.yaw_rad = navigation::Wrapped(robot.at.yaw_rad + noise_rad);
+    noise_rad = -noise_rad;
+  });
+  Run("spin");
+  EXPECT_EQ(feedback().status, Status::kCompleted);
+  EXPECT_NEAR(turned_rad, 2 * M_PI, 0.4);
+}
+
+TEST_F(ARecovery, BacksUpAlongItsHeadingAlsoWhereItDriftsToASide) {
+  robot.at.yaw_rad = 1;
+  const navigation::Pose begin = robot.at;
+  EachStep([&] {
+    robot.at.at.x_m -= 0.02 * std::sin(1);
+    robot.at.at.y_m += 0.02 * std::cos(1);
+  });
+  ASSERT_TRUE(Start("back_up"));
+  EXPECT_TRUE(RunToItsEnd(30));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  const double x_m = robot.at.at.x_m - begin.at.x_m, y_m = robot.at.at.y_m - begin.at.y_m;
+  EXPECT_LT(x_m * std::cos(1) + y_m * std::sin(1), -0.38);
+}
+
 TEST_F(ARecovery, FailsWithTheReasonOfTheGate) {
   StandBefore(0.22);
   robot.held_by = "an obstacle 0.22 m away, straight behind, stops it";

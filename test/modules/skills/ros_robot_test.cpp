@@ -449,11 +449,13 @@ TEST_F(ARosFlyer, IsNotHeldAgainstADriveOfAnotherClient) {
   client->SendGoal({}, Milliseconds(1000), {});
   Run(300);
   ASSERT_THAT(peers_->drives, SizeIs(1));
+  EXPECT_TRUE(robot_.Drives());
   const std::size_t count = peers_->commands.size();
   Fly(3);
   EXPECT_EQ(peers_->commands.size(), count) << "its base is the controller's";
   peers_->drives[0].Succeed({});
   const double place_m = Fly(2);
+  EXPECT_FALSE(robot_.Drives());
   EXPECT_NEAR(Fly(20), place_m, 0.2) << "held at its new place";
 }
 

@@ -13,9 +13,32 @@ namespace musher::tree_robot_test {
 using ::testing::HasSubstr;
 using tree::nav2::Pose;
 
+// Ticks all children until each has ended. Nothing is known of it when the tree is built.
+class Both : public tree::Control {
+  tree::Status OnTick(tree::Tick& tick) override {
+    bool all_ended = true;
+    for (tree::Node* child : children()) {
+      if (!tree::IsCompleted(child->status())) child->Execute(tick);
+      all_ended = all_ended && tree::IsCompleted(child->status());
+    }
+    if (!all_ended) return tree::Status::kRunning;
+    const bool all_well = std::ranges::all_of(children(), [](const tree::Node* child) {
+      return child->status() == tree::Status::kSuccess;
+    });
+    ResetChildren(tick);
+    return all_well ? tree::Status::kSuccess : tree::Status::kFailure;
+  }
+};
+
 class ANav2Tree : public ::testing::Test {
  protected:
-  ANav2Tree() { tree::nav2::AddNodes(factory, nav2); }
+  ANav2Tree() {
+    tree::nav2::AddNodes(factory, nav2);
+    EXPECT_TRUE(factory.Add<Both>("Both"));
+    EXPECT_TRUE(factory.AddCondition("WayIsFree", [this](const tree::Tick&) {
+      return way_is_free ? tree::Status::kSuccess : tree::Status::kFailure;
+    }));
+  }
 
   void Make(const std::string& content) {
     tree = tree::MakeTree(tree::Main(content), factory);
@@ -39,6 +62,14 @@ class ANav2Tree : public ::testing::Test {
     return value ? value.value() : T{};
   }
 
+  // The entry `path`.
+  void SetPath(const std::vector<std::pair<double, double>>& places) {
+    tree::nav2::Path path;
+    for (const auto& [x_m, y_m] : places) path.poses.push_back(Pose{.x_m = x_m, .y_m = y_m});
+    ASSERT_TRUE(tree->board().Set("path", path));
+  }
+
+  bool way_is_free = true;
   skills::testing::MovingRobot robot;
   skills::TreeRobot nav2{robot};
   tree::Factory factory;
@@ -46,7 +77,7 @@ class ANav2Tree : public ::testing::Test {
 };
 
 const std::string kNavigation =
-    "<RecoveryNode number_of_retries=\"6\"><PipelineSequence>"
+    "<RecoveryNode number_of_retries=\"6\"><Sequence><PipelineSequence>"
     "<ControllerSelector selected_controller=\"{c}\" default_controller=\"FollowPath\"/>"
     "<RateController hz=\"1\"><RecoveryNode number_of_retries=\"1\">"
     "<ComputePathToPose goal=\"{goal}\" path=\"{path}\" error_code_id=\"{plan_code}\" "
@@ -55,6 +86,7 @@ const std::string kNavigation =
     "<RecoveryNode number_of_retries=\"1\">"
     "<FollowPath path=\"{path}\" controller_id=\"{c}\" error_code_id=\"{follow_code}\"/>"
     "<ClearEntireCostmap service_name=\"local\"/></RecoveryNode></PipelineSequence>"
+    "<GoalReached goal=\"{goal}\"/></Sequence>"
     "<ReactiveFallback><GoalUpdated/><RoundRobin>"
     "<ClearEntireCostmap service_name=\"local\"/>"
     "<Spin spin_dist=\"1.57\"/><Wait wait_duration=\"5\"/>"
@@ -77,6 +109,19 @@ TEST_F(ANav2Tree, GoesToANewerGoalWithoutAStop) {
   ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 6}));
   EXPECT_EQ(Run(3), 'R');
   ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 6, .y_m = 2}));
+  EXPECT_EQ(Run(30), 'S');
+  EXPECT_NEAR(robot.at.at.y_m, 2, 0.01);
+}
+TEST_F(ANav2Tree, GoesOnToAGoalThatComesJustBeforeTheEndAtTheOneBefore) {
+  Make(kNavigation);
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 3}));
+  for (int i = 0; i < 100 && robot.at.at.x_m < 2.85; ++i) Run(0.1);
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 3, .y_m = 2}));
+  char letter = 'R';
+  for (int i = 0; i < 10 && robot.driving(); ++i) letter = Run(0.1);
+  EXPECT_EQ(letter, 'R');
+  EXPECT_EQ(robot.at.at.x_m, 3);
+  EXPECT_EQ(robot.at.at.y_m, 0) << "the drive has ended before the next plan";
   EXPECT_EQ(Run(30), 'S');
   EXPECT_NEAR(robot.at.at.y_m, 2, 0.01);
 }
@@ -165,7 +210,7 @@ TEST_F(ANav2Tree, BeginsNoMotionWhileAHaltedDriveGoesOn) {
   Make(DriveThen("3000", "<BackUp time_allowance=\"2\" error_msg=\"{why}\"/>"));
   EXPECT_EQ(Run(8), 'F');
   EXPECT_EQ(robot.commands_in_drives, 0);
-  EXPECT_THAT(Entry<std::string>("why"), HasSubstr("the drive before it has not ended"));
+  EXPECT_THAT(Entry<std::string>("why"), HasSubstr("a drive has not ended"));
 }
 TEST_F(ANav2Tree, BeginsAMotionWhereTheControllerOfTheHaltedDriveIsLost) {
   robot.drives_brake = false;
@@ -173,6 +218,137 @@ TEST_F(ANav2Tree, BeginsAMotionWhereTheControllerOfTheHaltedDriveIsLost) {
   EXPECT_EQ(Run(4), 'R');
   robot.KillController();
   EXPECT_EQ(Run(10), 'S');
+}
+TEST_F(ANav2Tree, DoesNotTakeAHaltedDriveForEndedWhereItsControllerIsMissingForAMoment) {
+  robot.drives_brake = robot.knows_drives = false;
+  Make(DriveThen("3000", "<BackUp time_allowance=\"30\"/>"));
+  EXPECT_EQ(Run(4), 'R');
+  robot.controller_up = false;
+  EXPECT_EQ(Run(0.2), 'R');
+  robot.controller_up = true;
+  EXPECT_EQ(Run(1), 'R');
+  EXPECT_EQ(robot.commands_in_drives, 0);
+  robot.controller_up = false;
+  EXPECT_EQ(Run(2.5), 'R');
+  EXPECT_EQ(robot.commands_in_drives, 0);
+  EXPECT_EQ(Run(1), 'R');
+  EXPECT_GT(robot.commands_in_drives, 0) << "after 3 s it is lost";
+}
+// A reactive control starts the child that runs now before it halts the one behind it.
+TEST_F(ANav2Tree, BeginsAMotionInAReactiveControlOnceTheDriveBehindItHasEnded) {
+  Make(
+      "<ReactiveSequence><Fallback><WayIsFree/><BackUp backup_dist=\"0.5\" backup_speed=\"0.1\"/>"
+      "</Fallback><FollowPath path=\"{path}\"/></ReactiveSequence>");
+  SetPath({{0, 0}, {9, 0}});
+  EXPECT_EQ(Run(4), 'R');
+  way_is_free = false;
+  EXPECT_EQ(Run(1), 'R');
+  const double farthest_m = robot.at.at.x_m;
+  EXPECT_EQ(Run(4), 'R');
+  EXPECT_LT(robot.at.at.x_m, farthest_m - 0.2);
+  way_is_free = true;
+  EXPECT_EQ(Run(20), 'S');
+  EXPECT_NEAR(robot.at.at.x_m, 9, 0.01);
+  EXPECT_EQ(robot.commands_in_drives, 0);
+  EXPECT_EQ(robot.drives_from_a_motion, 0);
+}
+TEST_F(ANav2Tree, BeginsNoMotionBesideTheDriveOfAPipeline) {
+  Make(
+      "<PipelineSequence><Fallback><WayIsFree/><BackUp time_allowance=\"2\" error_msg=\"{why}\"/>"
+      "</Fallback><FollowPath path=\"{path}\"/></PipelineSequence>");
+  SetPath({{0, 0}, {50, 0}});
+  EXPECT_EQ(Run(2), 'R');
+  way_is_free = false;
+  EXPECT_EQ(Run(5), 'F');
+  EXPECT_EQ(robot.commands_in_drives, 0);
+  EXPECT_THAT(Entry<std::string>("why"), HasSubstr("a drive has not ended"));
+}
+TEST_F(ANav2Tree, RunsTwoTasksOfTheBaseOneAfterTheOther) {
+  const std::string back = "<BackUp backup_dist=\"0.3\" backup_speed=\"0.1\"/>";
+  const std::string follow = "<FollowPath path=\"{path}\"/>";
+  Make("<Both>" + back + "<Spin spin_dist=\"1.57\"/></Both>");
+  EXPECT_EQ(Run(20), 'S');
+  EXPECT_NEAR(robot.at.at.x_m, -0.3, 0.05);
+  EXPECT_NEAR(robot.at.yaw_rad, 1.57, 0.15);
+  for (const std::string& two : {back + follow, follow + back}) {
+    robot.at = {};
+    Make("<Both>" + two + "</Both>");
+    SetPath({{0, 0}, {3, 0}});
+    EXPECT_EQ(Run(20), 'S') << two;
+  }
+  EXPECT_EQ(robot.commands_in_drives, 0);
+  EXPECT_EQ(robot.drives_from_a_motion, 0);
+}
+TEST_F(ANav2Tree, FailsWhatWaitsForTheBaseAtItsLimit) {
+  Make(
+      "<Both><Spin spin_dist=\"50\" time_allowance=\"15\"/><FollowPath path=\"{path}\" "
+      "error_msg=\"{why}\"/><BackUp time_allowance=\"2\" error_msg=\"{also}\"/></Both>");
+  SetPath({{0, 0}, {3, 0}});
+  EXPECT_EQ(Run(20), 'F');
+  EXPECT_EQ(Entry<std::string>("why"), "a motion has not ended");
+  EXPECT_EQ(Entry<std::string>("also"), "a motion has not ended");
+  EXPECT_EQ(robot.drives, 0);
+}
+TEST_F(ANav2Tree, FailsAMotionWhereAnotherClientBeginsADrive) {
+  Make("<Spin spin_dist=\"50\" time_allowance=\"90\" error_msg=\"{why}\"/>");
+  EXPECT_EQ(Run(2), 'R');
+  const auto other = robot.FollowPath({{{0, 0, 0}, 0}, {{9, 0, 0}, 0}});
+  EXPECT_EQ(Run(0.2), 'F');
+  EXPECT_EQ(Entry<std::string>("why"), "a drive has begun");
+  EXPECT_EQ(robot.commands_in_drives, 0);
+}
+TEST_F(ANav2Tree, CancelsTheDriveThatAProcessBeforeItHasLeftBehind) {
+  for (const bool reachable : {true, false}) {
+    robot.at = {};
+    const auto left_behind = robot.FollowPath({{{0, 0, 0}, 0}, {{50, 0, 0}, 0}});
+    robot.controller_up = reachable;
+    skills::TreeRobot restarted(robot);
+    robot.controller_up = true;
+    tree::Factory nodes;
+    tree::nav2::AddNodes(nodes, restarted);
+    tree = tree::MakeTree(tree::Main("<Spin/>"), nodes);
+    EXPECT_EQ(Run(9), 'S') << reachable;
+    EXPECT_EQ(robot.commands_in_drives, 0);
+    tree.reset();
+  }
+}
+TEST_F(ANav2Tree, CancelsNoDriveOfItsOwnWhereTheControllerComesLate) {
+  robot.controller_up = false;
+  skills::TreeRobot restarted(robot);
+  robot.controller_up = true;
+  tree::Factory nodes;
+  tree::nav2::AddNodes(nodes, restarted);
+  ASSERT_TRUE(nodes.Add<Both>("Both"));
+  tree = tree::MakeTree(tree::Main("<Both><FollowPath path=\"{path}\"/><ComputePathToPose "
+                                   "goal=\"1;0;0\"/></Both>"),
+                        nodes);
+  SetPath({{0, 0}, {3, 0}});
+  EXPECT_EQ(Run(9), 'S');
+  tree.reset();
+}
+TEST_F(ANav2Tree, GoesOnAlongTheRestOfItsPathAfterAFailure) {
+  Make(
+      "<RetryUntilSuccessful num_attempts=\"2\"><FollowPath path=\"{path}\" "
+      "controller_id=\"{c}\"/></RetryUntilSuccessful>");
+  SetPath({{0, 0}, {4, 0}, {4, 1}, {0, 1}});
+  EXPECT_EQ(Run(6.5), 'R');
+  robot.FailDrive(navigation::MakeError(navigation::Fault::kObstacle, ""));
+  EXPECT_EQ(Run(0.5), 'R');
+  ASSERT_TRUE(tree->board().Set("c", std::string("another")));
+  EXPECT_EQ(Run(20), 'S');
+  EXPECT_EQ(robot.drives, 2) << "there is one controller";
+  EXPECT_NEAR(robot.travelled_m, 9, 0.3);
+}
+TEST_F(ANav2Tree, DrivesALoopToItsEndAndAgainFromItsBegin) {
+  Make(
+      "<Repeat num_cycles=\"2\"><RetryUntilSuccessful num_attempts=\"2\"><FollowPath "
+      "path=\"{path}\"/></RetryUntilSuccessful></Repeat>");
+  SetPath({{0, 0}, {2, 0}, {2, 2}, {0, 2}, {0, 0}});
+  robot.at.at = {0.05, -0.05, 0};
+  EXPECT_EQ(Run(0.5), 'R');
+  robot.FailDrive(navigation::MakeError(navigation::Fault::kObstacle, ""));
+  EXPECT_EQ(Run(40), 'S');
+  EXPECT_NEAR(robot.travelled_m, 16, 0.5);
 }
 TEST_F(ANav2Tree, BeginsADriveOnceTheRobotStandsAfterAHaltedMotion) {
   Make(
@@ -243,6 +419,23 @@ TEST_F(ANav2Tree, DoesNotSucceedWhereTheDriveEndsBeforeItsGoal) {
   EXPECT_EQ(Run(1), 'F');
   EXPECT_EQ(Entry<int>("code"), 105);
   EXPECT_THAT(Entry<std::string>("why"), HasSubstr("m from the goal"));
+}
+TEST_F(ANav2Tree, DoesNotSucceedWhereItsPoseIsUnknownWhenTheDriveEnds) {
+  Make("<FollowPath path=\"{path}\" error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  SetPath({{0, 0}, {50, 0}});
+  EXPECT_EQ(Run(1), 'R');
+  robot.odometry_up = false;
+  robot.EndDrive();
+  EXPECT_EQ(Run(1), 'F');
+  EXPECT_EQ(Entry<int>("code"), 102);
+  EXPECT_EQ(Entry<std::string>("why"), "No odometry of robot_0");
+}
+TEST_F(ANav2Tree, ReachesItsGoalAtTheHeightOfItsBodyUnlessItFlies) {
+  robot.pelvis_m = 0.7;
+  Make("<GoalReached goal=\"0;0;0\"/>");
+  EXPECT_EQ(Run(0.1), 'S');
+  robot.robot_kind = "cf2x";
+  EXPECT_EQ(Run(0.1), 'F');
 }
 TEST_F(ANav2Tree, FailsWhereAnotherClientCancelsItsDrive) {
   Make("<FollowPath path=\"{path}\" error_code_id=\"{code}\"/>");

@@ -70,6 +70,16 @@ TEST_F(AFollowPath, TakesANewerControllerWithoutAStop) {
   EXPECT_EQ(NextTicks(2), "R \nR \n");
   EXPECT_EQ(robot.Take(), "follow 4 m by dwb; follow 4 m by mppi; follow! ");
 }
+TEST_F(AFollowPath, GoesOnForAnotherNameWhereTheRobotHasOneController) {
+  robot.has_controllers = false;
+  Make("<FollowPath path=\"{path}\" controller_id=\"{by}\"/>");
+  Put("path", Straight(4));
+  Put("by", std::string("dwb"));
+  EXPECT_EQ(Next(), "R ");
+  Put("by", std::string("mppi"));
+  EXPECT_EQ(NextTicks(2), "R \nR \n");
+  EXPECT_EQ(robot.Take(), "follow 4 m by dwb; ");
+}
 TEST_F(AFollowPath, TakesANewerPathWithoutAStop) {
   Make("<FollowPath path=\"{path}\" controller_id=\"dwb\"/>");
   Put("path", Straight(4));
@@ -181,6 +191,21 @@ TEST_F(Motions, AreWarnedOfWhereTheirLimitIsTooShortForTheRobot) {
             "t.xml:3:66: warning: DriveOnHeading takes 8 s on this robot, and fails after 5 s\n");
   EXPECT_EQ(Findings(Main("<Sequence><Spin spin_dist=\"6.28\" time_allowance=\"0\"/>"
                           "<Spin spin_dist=\"{far}\"/><BackUp/></Sequence>"),
+                     factory),
+            "");
+}
+TEST_F(Motions, OfWhichTwoWouldRunTogetherAreRefused) {
+  const std::string two = "<BackUp/>\n<Inverter><FollowPath path=\"{path}\"/></Inverter>";
+  EXPECT_EQ(Findings(Main("<Parallel>" + two + "</Parallel>"), factory),
+            "t.xml:4:1: error: 'BackUp' and 'Inverter' both use the base, which only one of them "
+            "can have at a time, and Parallel runs them together\n");
+  EXPECT_THAT(Findings(Main("<ParallelAll>" + two + "</ParallelAll>"), factory),
+              HasSubstr("error: 'BackUp' and 'Inverter' both use the base"));
+  EXPECT_THAT(Findings(Main("<PipelineSequence>" + two + "</PipelineSequence>"), factory),
+              HasSubstr("warning: 'BackUp' and 'Inverter' both use the base, which only one of "
+                        "them can have at a time, and PipelineSequence may run them together"));
+  EXPECT_EQ(Findings(Main("<Sequence>" + two + "<Parallel><DriveOnHeading/><Wait/></Parallel>" +
+                          "<Fallback><Spin/><Spin/></Fallback></Sequence>"),
                      factory),
             "");
 }

@@ -54,6 +54,25 @@ TEST_F(Conditions, GoalReachedIsWithinItsTolerance) {
   robot.at.reset();
   EXPECT_EQ(Next(), "F ");
 }
+TEST_F(Conditions, CountTheHeightOnlyOfARobotThatFlies) {
+  robot.at->z_m = 0.7;
+  Make("<GoalReached goal=\"0;0;0\"/>");
+  EXPECT_EQ(Next(), "S ");
+  robot.has_wings = true;
+  EXPECT_EQ(Next(), "F ");
+  Make("<ArePosesNear ref_pose=\"0;0;0\" target_pose=\"{other}\" tolerance=\"0.5\"/>");
+  Put("other", Pose{.z_m = 0.7});
+  EXPECT_EQ(Next(), "F ");
+  robot.has_wings = false;
+  EXPECT_EQ(Next(), "S ");
+  Make("<ReactiveFallback><DistanceTraveled distance=\"1\"/>" + SayXml("a", "R") +
+       "</ReactiveFallback>");
+  EXPECT_EQ(Next(), "R a^ ");
+  robot.at->z_m = 2;
+  EXPECT_EQ(Next(), "R a ");
+  robot.has_wings = true;
+  EXPECT_EQ(Next(), "S a! ");
+}
 TEST_F(Conditions, DistanceTraveledSucceedsEachTimeTheRobotHasTravelledSoFar) {
   Make("<ReactiveFallback><DistanceTraveled distance=\"1\"/>" + SayXml("a", "R") +
        "</ReactiveFallback>");
@@ -92,15 +111,30 @@ TEST_F(AGoalUpdated, ComparesWithTheTickBeforeWhereItsParentBeginsAgainAtOnce) {
   EXPECT_EQ(Next(), "F ");
 }
 TEST_F(Conditions, PathExpiringTimerBeginsAgainWithANewPath) {
-  Make("<PathExpiringTimer seconds=\"1\" path=\"{path}\"/>");
+  Make(
+      "<KeepRunningUntilFailure><Inverter><PathExpiringTimer seconds=\"1\" path=\"{path}\"/>"
+      "</Inverter></KeepRunningUntilFailure>");
   Put("path", Straight(1));
-  EXPECT_EQ(TickAt(0), "F ");
-  EXPECT_EQ(TickAt(900), "F ");
+  EXPECT_EQ(TickAt(0), "R ");
+  EXPECT_EQ(TickAt(900), "R ");
   Put("path", Straight(2));
-  EXPECT_EQ(TickAt(1000), "F ");
-  EXPECT_EQ(TickAt(1999), "F ");
-  EXPECT_EQ(TickAt(2000), "S ");
-  EXPECT_EQ(TickAt(2001), "F ") << "it begins again";
+  EXPECT_EQ(TickAt(1000), "R ");
+  EXPECT_EQ(TickAt(1999), "R ");
+  EXPECT_EQ(TickAt(2000), "F ");
+  EXPECT_EQ(TickAt(2001), "R ") << "it begins again";
+}
+TEST_F(Conditions, PathExpiringTimerBeginsAgainWithARunOfTheTree) {
+  Make("<ReactiveFallback><PathExpiringTimer seconds=\"1\"/>" + SayXml("a", "R") +
+       "</ReactiveFallback>");
+  EXPECT_EQ(TickAt(5000), "R a^ ");
+  ASSERT_TRUE(tree->Halt(At(5500)));
+  Take();
+  EXPECT_EQ(TickAt(6500), "R a^ ");
+  ASSERT_TRUE(tree->Halt(At(6500)));
+  Take();
+  tree->SetTime(At(0));
+  EXPECT_EQ(TickAt(100), "R a^ ");
+  EXPECT_EQ(TickAt(1100), "S a! ") << "the clock has jumped back";
 }
 TEST_F(Conditions, InitialPoseReceivedReadsItsEntry) {
   Make("<InitialPoseReceived/>");

@@ -1,5 +1,6 @@
 // The decorators of nav2, in virtual time. "a^" is a's first tick, "a" a further one.
 
+#include "musher/behavior/tree/hooks.hpp"
 #include "musher/test/behavior/tree/nav2/fake_robot.hpp"
 
 namespace musher::tree::nav2::decorators_test {
@@ -162,6 +163,56 @@ TEST_F(AGoalUpdater, PassesTheGoalOnOrANewerOneOfItsTopic) {
   EXPECT_EQ(Next(), "R a ");
   EXPECT_EQ(to(), 2);
   EXPECT_EQ(tree->board().Get<Goals>("all").value().poses[0].x_m, 6);
+}
+
+TEST_F(AGoalUpdater, PassesAnUpdateOnInTheNextRunUnlessAGoalWasSetSince) {
+  Make(Around("GoalUpdater input_goal=\"{goal}\" output_goal=\"{to}\"", "RF"));
+  const auto to = [this] { return tree->board().Get<Pose>("to").value().x_m; };
+  Put("goal", Pose{.x_m = 1});
+  EXPECT_EQ(Next(), "R a^ ");
+  robot.new_goal = Pose{.x_m = 2};
+  EXPECT_EQ(Next(), "F a ");
+  EXPECT_EQ(Next(), "R a^ ") << "the program runs the tree again";
+  EXPECT_EQ(to(), 2);
+  Put("goal", Pose{.x_m = 3});
+  EXPECT_EQ(Next(), "F a ");
+  EXPECT_EQ(Next(), "R a^ ");
+  EXPECT_EQ(to(), 3);
+  Make(Around("GoalUpdater input_goal=\"{goal}\" output_goal=\"{goal}\"", "RF"));
+  Put("goal", Pose{.x_m = 1});
+  robot.new_goal.reset();
+  EXPECT_EQ(Next(), "R a^ ");
+  robot.new_goal = Pose{.x_m = 2};
+  EXPECT_EQ(NextTicks(2), "F a \nR a^ \n");
+  EXPECT_EQ(tree->board().Get<Pose>("goal").value().x_m, 2);
+}
+TEST_F(AGoalUpdater, FailsWithoutAGoalAndDoesNotPassTheUpdateOfARunBeforeOn) {
+  for (const std::string input : {"", "input_goal=\"{goal}\" input_goals=\"{goals}\" "}) {
+    robot.new_goal.reset();
+    Make(Around("GoalUpdater " + input + "output_goal=\"{to}\"", "RS"));
+    EXPECT_EQ(Next(), "F ");
+    robot.new_goal = Pose{.x_m = 2};
+    EXPECT_EQ(NextTicks(2), "R a^ \nS a \n");
+    EXPECT_EQ(NextTicks(2), "F \nF \n");
+    robot.new_goal = Pose{.x_m = 3};
+    EXPECT_EQ(NextTicks(2), "R a^ \nS a \n");
+    EXPECT_EQ(tree->board().Get<Pose>("to").value().x_m, 3);
+  }
+}
+
+using PacedNodes = Nav2Tree;
+TEST_F(PacedNodes, StartAChildThatABreakpointHasHeldOnceItIsReleased) {
+  for (const std::string decorator : {"RateController hz=\"1\"", "DistanceController",
+                                      "SpeedController", "GoalUpdatedController"}) {
+    now_ms = 0;
+    Make(InPipeline(decorator, "RS"));
+    const auto hooks = std::make_shared<Hooks>();
+    hooks->Set({.node = 2});
+    tree->Attach(hooks);
+    EXPECT_EQ(NextTicks(2), "R \nR \n") << decorator;
+    EXPECT_TRUE(hooks->Release(2, Status::kSkipped, true));
+    EXPECT_EQ(NextTicks(3), "R a^ \nR a b^ \nR b \n") << decorator;
+  }
 }
 
 struct APathLongerOnApproach : Nav2Tree {

@@ -20,6 +20,8 @@ class FakeRobot : public Robot {
   std::map<std::string, TaskEnd, std::less<>> ends;
   bool has_tasks = true;
   bool polls_throw = false;
+  bool has_wings = false;
+  bool has_controllers = true;  // several, by their names
   double most_turn = 10;
   double most_drive = 10;
   std::string log;
@@ -28,6 +30,8 @@ class FakeRobot : public Robot {
 
   std::optional<Pose> pose() const override { return at; }
   double speed_m_s() const override { return speed; }
+  bool flies() const override { return has_wings; }
+  bool selects_controllers() const override { return has_controllers; }
   double most_turn_rad_s() const override { return most_turn; }
   double most_drive_m_s() const override { return most_drive; }
   std::optional<Pose> goal_update() const override { return new_goal; }
