@@ -227,7 +227,8 @@ class InjectionSampler {
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
   Injections Sample(bool bridges) {
-    const std::uint64_t count = 1 + random_.Next() % (1 + random_.Next() % 16);
+    const std::uint64_t drawn = random_.Next();
+    const std::uint64_t count = 1 + drawn % (1 + random_.Next() % 16);
     for (std::uint64_t i = 0; i < count; ++i) {
       const bool crash =
           !injections_.empty() && injections_.back().kind == InjectionKind::kControllerCrash;
@@ -479,7 +480,8 @@ class InjectionSampler {
   }
 
   Injection& AddAny() {
-    Injection& injection = Add(SampleKind(random_), SampleState(config_, random_));
+    const State state = SampleState(config_, random_);
+    Injection& injection = Add(SampleKind(random_), state);
     if (config_.policy && policy_random_.Bernoulli(kPolicyShare)) MakeOfPolicy(injection);
     if (injection.kind == InjectionKind::kCrash && exit_random_.Bernoulli(kWrongConfigShare)) {
       injection.kind = InjectionKind::kWrongConfig;

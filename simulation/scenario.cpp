@@ -680,7 +680,8 @@ void Scenario::NoteForOther(std::size_t number) {
 void Scenario::EngageMany(transport::sim::Random random) {
   const int count = 20 + static_cast<int>(random.Next() % 80);
   const StopId first(random.Bernoulli(0.3) ? 0 : (random.Next() >> 8) + 1);
-  EngageNext(random.Next() % 2, first, random.Bernoulli(0.5), count);
+  const bool one_source = random.Bernoulli(0.5);
+  EngageNext(random.Next() % 2, first, one_source, count);
 }
 
 void Scenario::EngageNext(std::size_t panel, StopId id, bool one_source, int left) {

@@ -1,6 +1,7 @@
 #pragma once
 // The random generator of a simulation: splitmix64. The same seed gives the same numbers on every
-// machine, unlike the distributions of the standard library.
+// machine, unlike the distributions of the standard library. One statement draws one number: two
+// draws in one expression come in an order that the compiler chooses.
 
 #include <cstdint>
 
