@@ -64,6 +64,11 @@ class SkillActuator::Impl final : public ApplicationImpl {
     return *manager_;
   }
 
+  Result<> CheckTicking() const {
+    if (ticking()) return Ok();
+    return Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + Whereabouts()};
+  }
+
   void CancelAtOnce(const std::string& why) {
     StopTicks();
     if (!manager_) return;
@@ -207,11 +212,6 @@ class SkillActuator::Impl final : public ApplicationImpl {
     const std::string state = manager_->Find(skill)->Path();
     owner_.Log(skill + " goes on from " + state);
     return state;
-  }
-
-  Result<> CheckTicking() const {
-    if (ticking()) return Ok();
-    return Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + Whereabouts()};
   }
 
   Result<> Activate() override {
