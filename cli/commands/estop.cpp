@@ -264,12 +264,12 @@ class Confirmation {
 // The processes of the attempts so far.
 using Publishers = std::vector<DetachedPublisher*>;
 
-// "pid 71, 72".
+// "71, 72".
 std::string PidsText(const Publishers& publishers) {
   std::string pids;
   for (const DetachedPublisher* one : publishers) {
     if (one->pid() == 0) continue;
-    pids += (pids.empty() ? "pid " : ", ") + std::to_string(one->pid());
+    pids += (pids.empty() ? "" : ", ") + std::to_string(one->pid());
   }
   return pids;
 }
@@ -284,7 +284,7 @@ ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatc
   } else {
     for (DetachedPublisher* one : publishers) one->Begin();
     const std::string pids = PidsText(publishers);
-    if (!pids.empty()) kept = "; the stop stays published for a minute (" + pids + ")";
+    if (!pids.empty()) kept = "; the stop stays published for a minute (pid " + pids + ")";
   }
   if (!report.found()) {
     Failure failure = link.NotFound("controller or actuator");
@@ -413,7 +413,7 @@ class Attempt {
   const std::string& network() const { return network_; }
   // Whether the stop was published by it.
   bool joined() const { return joined_; }
-  // Of one that was not the last.
+  // What an attempt has found that is not the last.
   const EstopReport& report() const { return report_; }
   DetachedPublisher& publisher() { return detached_; }
 
