@@ -117,6 +117,7 @@ Result<std::unique_ptr<transport::Node>> JoinForView(transport::EventLoop& loop,
   transport::DdsOptions dds;
   dds.domain_id = options.domain;
   dds.interfaces = options.interfaces;
+  dds.own_networks_only = options.interfaces.size() == 1;  // see DdsOptions
   dds.discovery = transport::DiscoveryTiming::kAtOnce;
   dds.unicast = true;
   dds.node_name = "musher_view";

@@ -113,7 +113,7 @@ class Watch {
   std::optional<msg::BehaviorChange> last_;
 };
 
-// Sends options.send to an application that has just answered.
+// Sends options.send to the application, which need not be discovered yet.
 std::optional<Failure> Send(Link& link, const GlobalOptions& global,
                             const BehaviorOptions& options) {
   using Reply = Result<msg::SendCommand::Response>;

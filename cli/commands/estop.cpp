@@ -152,7 +152,7 @@ class DetachedPublisher {
     kill(pid_, SIGTERM);
     if (!begun_) waitpid(pid_, nullptr, 0);
   }
-  pid_t pid() const { return std::max(pid_, 0); }
+  pid_t pid() const { return std::max(pid_, 0); }  // 0: there is no such process
 
  private:
   [[noreturn]] static void Wait(int fd, std::optional<Duration> timeout,
@@ -210,12 +210,14 @@ class Confirmation {
                    std::min(kOthersWithin, begun_ + timeout - link_.loop().Now()));
   }
 
-  // Whether every actuator confirms the stop within `timeout`.
+  // Whether waiting brings no more within `timeout`: every actuator that can latch the stop has, or
+  // the stop is released.
   bool AwaitComplete(Duration timeout) {
     return link_.RunUntil(
         [this] {
           const EstopReport report = Report();
-          return report.found() && report.complete() && report.settled();
+          const bool all_known = report.controller || (report.found() && report.complete());
+          return latch_.withdrawn() || (all_known && report.settled());
         },
         timeout);
   }
@@ -259,18 +261,30 @@ class Confirmation {
   const Time begun_ = link_.loop().Now();
 };
 
+// The processes of the attempts so far.
+using Publishers = std::vector<DetachedPublisher*>;
+
+// "71, 72".
+std::string PidsText(const Publishers& publishers) {
+  std::string pids;
+  for (const DetachedPublisher* one : publishers) {
+    if (one->pid() == 0) continue;
+    pids += (pids.empty() ? "" : ", ") + std::to_string(one->pid());
+  }
+  return pids;
+}
+
 // Prints why the stop is not complete. It stays published for a minute, unless it was released.
 ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatch& latch,
-                     DetachedPublisher& detached, Console& console) {
+                     const Publishers& publishers, Console& console) {
   std::string kept;
   if (latch.withdrawn()) {
-    detached.Cancel();
+    for (DetachedPublisher* one : publishers) one->Cancel();
     kept = "; it was released meanwhile";
   } else {
-    detached.Begin();
-    if (detached.pid() != 0) {
-      kept = fmt::format("; the stop stays published for a minute (pid {})", detached.pid());
-    }
+    for (DetachedPublisher* one : publishers) one->Begin();
+    const std::string pids = PidsText(publishers);
+    if (!pids.empty()) kept = "; the stop stays published for a minute (pid " + pids + ")";
   }
   if (!report.found()) {
     Failure failure = link.NotFound("controller or actuator");
@@ -333,6 +347,12 @@ Found SearchMeanwhile(Stop& stop, const GlobalOptions& global) {
   return found;
 }
 
+// How many have confirmed the stop, the controller included.
+std::ptrdiff_t Confirmed(const EstopReport& report) {
+  return std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped) +
+         (report.controller_latched ? 1 : 0);
+}
+
 // One try to stop the machine: by `network` alone, or by all.
 class Attempt {
  public:
@@ -345,48 +365,63 @@ class Attempt {
   Attempt(const Attempt&) = delete;
   Attempt& operator=(const Attempt&) = delete;
 
-  // Publishes the stop until it is confirmed, at most for `timeout`. nullopt: it is not the `last`
-  // one, and is not confirmed within twice the time for discovery; its process publishes on.
-  std::optional<ExitCode> Run(std::optional<Duration> timeout, bool last, Console& console) {
+  // Of a series of attempts.
+  struct Part {
+    std::optional<Duration> limit;  // none: the default
+    bool last = false;
+    EstopReport best = {};    // of the earlier ones
+    Publishers earlier = {};  // their processes
+  };
+  // Publishes the stop until it is confirmed, at most for the limit. nullopt: it is not the last
+  // one, and the network cannot be joined, or the stop is not confirmed within twice the time for
+  // discovery; its process publishes on.
+  std::optional<ExitCode> Run(const Part& part, Console& console) {
+    const auto fail = [&](const Error& error) {
+      detached_.Begin();
+      return part.last ? std::optional(console.Fail(error)) : std::nullopt;
+    };
     const auto link = Link::OpenAtOnce(global_, &console, network_);
-    if (!link) return console.Fail(link.error());
+    if (!link) return fail(link.error());
     const auto latch = stop_.Publish(link.value()->node(), global_);
-    if (!latch) return console.Fail(latch.error());
+    if (!latch) return fail(latch.error());
+    joined_ = true;
     const auto second_try = link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] {
       if (!latch.value()->withdrawn()) detached_.Begin();
     });
     Choose(*link.value(), found_.machine, global_);
     if (const auto followed = link.value()->FollowStatus({}); !followed) {
-      return console.Fail(followed.error());
+      return fail(followed.error());
     }
     Confirmation confirmation(*link.value(), *latch.value(), global_, found_.machines);
-    const Duration limit = timeout.value_or(confirmation.DefaultTimeout());
-    if (last) {
+    const Duration limit = part.limit.value_or(confirmation.DefaultTimeout());
+    if (part.last) {
       confirmation.Await(limit);
     } else if (!confirmation.AwaitComplete(std::min(limit, 2 * link.value()->discovery()))) {
-      confirmed_ = Confirmed(confirmation.Report());
-      const bool over = link.value()->interrupted() || latch.value()->withdrawn();
-      if (!over) return std::nullopt;
+      report_ = confirmation.Report();
+      if (!link.value()->interrupted()) {
+        detached_.Begin();
+        return std::nullopt;
+      }
     }
     // No two machines have the same whole id.
     const bool may_be_several = !global_.machine.empty() && found_.machine.id != global_.machine;
     if (may_be_several) confirmation.AwaitOthers(limit);
     confirmation.AwaitSaved();
-    return Conclude(confirmation.Report(), *link.value(), *latch.value(), console);
+    return Conclude(confirmation.Report(), part, *link.value(), *latch.value(), console);
   }
 
   const std::string& network() const { return network_; }
-  // How many have confirmed the stop, the controller included.
-  std::ptrdiff_t confirmed() const { return confirmed_; }
-  void Cancel() { detached_.Cancel(); }
+  // Whether the stop was published by it.
+  bool joined() const { return joined_; }
+  // What an attempt has found that is not the last.
+  const EstopReport& report() const { return report_; }
+  DetachedPublisher& publisher() { return detached_; }
 
  private:
-  static std::ptrdiff_t Confirmed(const EstopReport& report) {
-    return std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped) +
-           (report.controller_latched ? 1 : 0);
-  }
-  ExitCode Conclude(EstopReport report, const Link& link, const StopLatch& latch,
+  ExitCode Conclude(EstopReport report, const Part& part, const Link& link, const StopLatch& latch,
                     Console& console) {
+    // An actuator that has confirmed an earlier attempt stays stopped.
+    if (Confirmed(part.best) > Confirmed(report)) report = part.best;
     if (const pid_t silent = report.controller ? 0 : link.LeaderHere(); silent != 0) {
       report.silent_controller = WhySilent(ExamineSilent(silent, global_), global_);
     }
@@ -395,7 +430,9 @@ class Attempt {
                                         : EstopText(report, console.mode().colour));
     }
     if (!report.found() || !report.complete()) {
-      return NotComplete(report, link, latch, detached_, console);
+      Publishers publishers = part.earlier;
+      publishers.push_back(&detached_);
+      return NotComplete(report, link, latch, publishers, console);
     }
     if (!report.not_on_disk.empty()) {
       console.PrintError("not on disk: " + report.not_on_disk +
@@ -409,11 +446,67 @@ class Attempt {
   const GlobalOptions& global_;
   const std::string network_;   // empty: all
   DetachedPublisher detached_;  // before the process has a second thread: before a link
-  std::ptrdiff_t confirmed_ = 0;
+  bool joined_ = false;
+  EstopReport report_;
 };
 
-// By all networks at once, then by each one alone, which reaches a robot that has lost one of them
-// (see Link); last, for the time that is left, by the way on which most have confirmed the stop.
+// The attempts to stop one machine.
+class Series {
+ public:
+  Series(const Stop& stop, const Found& found, const GlobalOptions& global, Console& console)
+      : stop_(stop), found_(found), global_(global), console_(console) {}
+
+  // By all networks at once, then by each one alone, which reaches a robot that has lost one of
+  // them (see Link); last, for the time that is left, by the way on which most have confirmed the
+  // stop. --timeout is shared: the last one needs time to discover the robot again.
+  ExitCode Run() {
+    std::vector<std::string> networks = Link::SeparateNetworks(global_);
+    if (!networks.empty()) networks.insert(networks.begin(), std::string());
+    for (std::size_t i = 0; i < networks.size(); ++i) {
+      const auto exit = RunOne(networks[i], networks.size() - i);
+      if (exit) return *exit;
+    }
+    const Attempt* const best = Best();
+    return *RunOne(best == nullptr ? std::string() : best->network(), 0);
+  }
+
+ private:
+  // `more`: attempts that follow.
+  std::optional<ExitCode> RunOne(const std::string& network, std::size_t more) {
+    Attempt::Part part;
+    part.last = more == 0;
+    if (global_.timeout) {
+      const Duration left = begun_ + *global_.timeout - std::chrono::steady_clock::now();
+      part.limit = left / static_cast<Duration::rep>(more + 1);
+    }
+    if (const Attempt* const best = Best()) part.best = best->report();
+    for (const auto& earlier : attempts_) {
+      if (earlier->joined()) part.earlier.push_back(&earlier->publisher());
+    }
+    attempts_.push_back(std::make_unique<Attempt>(stop_, found_, global_, network));
+    const auto exit = attempts_.back()->Run(part, console_);
+    if (exit != ExitCode::kDone) return exit;
+    for (const auto& attempt : attempts_) attempt->publisher().Cancel();
+    return exit;
+  }
+  // That most have confirmed; null: none has joined its network.
+  const Attempt* Best() const {
+    const Attempt* best = nullptr;
+    for (const auto& one : attempts_) {
+      if (!one->joined()) continue;
+      if (best == nullptr || Confirmed(one->report()) > Confirmed(best->report())) best = one.get();
+    }
+    return best;
+  }
+
+  const Stop& stop_;
+  const Found& found_;
+  const GlobalOptions& global_;
+  Console& console_;
+  const Time begun_ = std::chrono::steady_clock::now();
+  std::vector<std::unique_ptr<Attempt>> attempts_;
+};
+
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
   Stop stop;
   stop.message =
@@ -421,30 +514,7 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console
   stop.id_begins = given.machine;
   const Found found = SearchMeanwhile(stop, given);
   const GlobalOptions global = Reach(given, found.machine, found.machines);
-  const Time begun = std::chrono::steady_clock::now();
-  std::vector<std::unique_ptr<Attempt>> attempts;
-  const auto run = [&](const std::string& network, bool last) {
-    std::optional<Duration> timeout = global.timeout;
-    if (timeout) *timeout -= std::chrono::steady_clock::now() - begun;
-    attempts.push_back(std::make_unique<Attempt>(stop, found, global, network));
-    const auto exit = attempts.back()->Run(timeout, last, console);
-    if (exit != ExitCode::kDone) return exit;
-    for (const auto& attempt : attempts) attempt->Cancel();
-    return exit;
-  };
-  std::vector<std::string> networks = Link::SeparateNetworks(global);
-  if (!networks.empty()) networks.insert(networks.begin(), std::string());
-  for (const std::string& network : networks) {
-    if (const auto exit = run(network, /*last=*/false)) return *exit;
-  }
-  std::string best;
-  std::ptrdiff_t most = 0;
-  for (const auto& attempt : attempts) {
-    if (attempt->confirmed() <= most) continue;
-    most = attempt->confirmed();
-    best = attempt->network();
-  }
-  return *run(best, /*last=*/true);
+  return Series(stop, found, global, console).Run();
 }
 
 ExitCode Release(const GlobalOptions& global, Console& console) {

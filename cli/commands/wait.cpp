@@ -74,11 +74,14 @@ ExitCode Wait(const WaitOptions& options, const GlobalOptions& global, Console& 
   const Time deadline = std::chrono::steady_clock::now() + global.timeout.value_or(kWait);
   std::optional<Failure> none;  // of the last search that had its whole time
   for (;;) {
-    GlobalOptions attempt = global;
-    attempt.timeout = std::clamp<Duration>(deadline - std::chrono::steady_clock::now(),
-                                           Milliseconds(1), kAttempt);
+    GlobalOptions attempt = global;  // the link has a reference to it
+    const auto left = [deadline] {
+      return std::max<Duration>(deadline - std::chrono::steady_clock::now(), Milliseconds(1));
+    };
+    attempt.timeout = left();  // with several networks each of them takes its time
     const auto opened = Link::Open(attempt);
     if (!opened) return console.Fail(opened.error());
+    attempt.timeout = std::min(left(), kAttempt);
     Link& link = *opened.value();
     // A script acts by the result: another machine than that of this host does not count.
     if (const auto failure = link.ChooseMachine(Link::Purpose::kAct)) {

@@ -74,23 +74,26 @@ std::vector<std::string> Link::SeparateNetworks(const GlobalOptions& global) {
 
 Result<> Link::Join() {
   if (node_) return Ok();
-  if (auto joined = JoinBy({}); !joined) return joined;
+  auto joined = JoinBy({});
+  if (!joined && SeparateNetworks(global_).empty()) return joined;
   const bool here = global_.machine.empty() && NameLock::IsHeld(ControllerName());
   return here ? Ok() : JoinByEachNetwork();
 }
 
-// By one after the other, until a machine answers that may be meant; by all if none does.
+// By one after the other, until a machine answers that may be meant; by all if none does. One that
+// cannot be joined does not answer.
 Result<> Link::JoinByEachNetwork() {
   const std::vector<std::string> networks = SeparateNetworks(global_);
   if (networks.empty()) return Ok();
   const Time end = loop_.Now() + global_.timeout.value_or(std::chrono::hours(1));
-  const auto met = [&] { return IsAnsweredWithin(std::min(discovery(), end - loop_.Now())); };
+  const auto met = [&] {
+    return machine_infos_ && IsAnsweredWithin(std::min(discovery(), end - loop_.Now()));
+  };
   if (met()) return Ok();
   for (const std::string& network : networks) {
     if (interrupted_ || loop_.Now() >= end) break;
     Leave();
-    if (auto joined = JoinBy(network); !joined) return joined;
-    if (met()) return Ok();
+    if (const auto joined = JoinBy(network); joined && met()) return Ok();
   }
   Leave();
   return JoinBy({});

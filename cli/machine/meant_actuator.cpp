@@ -62,6 +62,8 @@ Result<std::unique_ptr<MeantActuator>> MeantActuator::Begin(Link& link,
 
 std::optional<Failure> MeantActuator::Check(const std::string& actuator) {
   if (!std::exchange(others_had_time_, true)) {
+    const auto found = [&] { return !OfName(actuator).empty(); };
+    if (statuses_) link_.RunUntil(found, link_.discovery());
     link_.RunUntil([] { return false; }, kOthersAnswerWithin);
   }
   if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};

@@ -29,7 +29,8 @@ class MeantActuator {
 
   // Why no request may be sent to the actuators of that name; nullopt: it reaches the one that is
   // meant, and no other. One whose status is not received is meant unless --machine is given. The
-  // first call runs the loop until others have had time to be discovered.
+  // first call runs the loop until that actuator is discovered, at most for link.discovery(), and
+  // until others have had time for it, too.
   std::optional<Failure> Check(const std::string& actuator);
   // Whether each known actuator of that name is of another machine than --machine means.
   bool IsOfAnother(const std::string& actuator) const;

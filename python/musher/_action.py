@@ -132,6 +132,15 @@ class ServerGoal:
         """Waits, at most so long, for a cancel request; returns whether there is one."""
         return self._cancel.wait(timeout_s) or self._server._closed
 
+    @property
+    def client(self) -> str:
+        """What its client says of itself, for people: "alice@dog1" (a command line), "/planner" (a node), or a process;
+        empty: nothing."""
+        try:
+            return str(self._server._open().client_of(self._token))
+        except Failure:  # the server is closed
+            return ""
+
     def feedback(self, feedback: Message) -> None:
         message_type = self._server._action.FeedbackMessage
         message = message_type(goal_id=self._id, feedback=feedback)

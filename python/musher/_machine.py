@@ -79,10 +79,12 @@ class Machine:
     the `musher` program: $MUSHER_NAMESPACE, $MUSHER_MACHINE, $ROS_DOMAIN_ID, $MUSHER_KEYS. `machine`: its name, or the
     first characters of its id, at least 4. It is that machine, else the one of the config, else that of the
     environment; without either, the one whose controller runs on this host, else the only one that answers.
+    `interface`: the one network by which it reaches the machine, as of musher.Node.
     """
 
     def __init__(self, config: "str | os.PathLike[str]" = "", *, namespace: Optional[str] = None,
-                 domain: Optional[int] = None, keys: str = "", identity: str = "", machine: str = "") -> None:
+                 domain: Optional[int] = None, keys: str = "", identity: str = "", machine: str = "",
+                 interface: str = "") -> None:
         path = os.fspath(config)
         if path:
             of_config, name = _native.read_machine(path)
@@ -94,7 +96,7 @@ class Machine:
         self._name = machine or os.environ.get("MUSHER_MACHINE", "")
         self._found = ("", "")  # name and id of the machine that answered last; a new start may have another id
         self._stops: List[_native.Stop] = []  # that are published
-        self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity)
+        self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity, interface=interface)
         self._status_topic = "/" + _native.machine_status_topic(self.node.namespace)
         self._find_s = 4.0 if keys or os.environ.get("MUSHER_KEYS") else 1.2
 

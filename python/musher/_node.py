@@ -266,16 +266,18 @@ class Node:
 
     `namespace` goes before relative names ("/chat" has none); the default is $MUSHER_NAMESPACE. `domain`: of
     DDS; the default is $ROS_DOMAIN_ID. `keys`: the folder with the credentials of `identity`, for a machine
-    with [security]; the defaults are $MUSHER_KEYS and $MUSHER_IDENTITY.
+    with [security]; the defaults are $MUSHER_KEYS and $MUSHER_IDENTITY. `interface`: the one network, such as
+    "wlan0", by which it reaches other hosts with MUSHER_TRANSPORT=lan; the default are those that Musher chooses.
     """
 
     def __init__(self, name: str = "", *, namespace: Optional[str] = None, domain: Optional[int] = None,
-                 keys: str = "", identity: str = "") -> None:
+                 keys: str = "", identity: str = "", interface: str = "") -> None:
         if namespace is None:
             namespace = os.environ.get("MUSHER_NAMESPACE", "")
         keys = keys or os.environ.get("MUSHER_KEYS", "")
         identity = identity or os.environ.get("MUSHER_IDENTITY", "operator")
-        self._start(_native.Node(name, namespace, domain, os.path.abspath(keys) if keys else "", identity), Log(name))
+        native = _native.Node(name, namespace, domain, os.path.abspath(keys) if keys else "", identity, interface)
+        self._start(native, Log(name))
 
     @classmethod
     def _of(cls, native: Optional[_native.Node], log: Log) -> "Node":

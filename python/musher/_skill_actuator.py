@@ -223,22 +223,24 @@ class SkillActuator(Actuator):
                 raise SkillError(f"the skill is for the robot '{wanted.robot_id[:80]}', and this is {own}")
             if len(wanted.skill_list) != 1:
                 raise SkillError(f"expected one skill in skill_list, found {len(wanted.skill_list)}")
-            self._begin(wanted.skill_list[0])
+            self._begin(wanted.skill_list[0], request)
             request.skill = wanted.skill_list[0].skill
             self._goals[request.skill] = request
-            self.log.info(f"{request.skill} started")
+            self.log.info(f"{request.skill} started" + (f", requested by {request.by}" if request.by else ""))
         except SkillError as error:
             self.log.warning(f"goal refused: {error}")
             request.end(False, str(error))
         self._publish()
 
-    def _begin(self, wanted: Any) -> None:
+    def _begin(self, wanted: Any, request: "_Request") -> None:
         parameters = {one.key: _value(one.value) for one in wanted.params}
         known = self.manager.skills.get(wanted.skill)
         timeout = None
         if known is not None and "timeout" not in known.parameters:
             timeout = parameters.pop("timeout", None)
         self.manager.start(wanted.skill, parameters, timeout)
+        run = self.manager._run(wanted.skill)
+        run.goal_id, run.requested_by = request.id, request.by
 
     def _cancel(self, request: "_Request") -> None:
         if self._goals.get(request.skill) is not request:
@@ -316,13 +318,17 @@ class SkillActuator(Actuator):
         if self._ticks is not None:
             message.header.stamp = Time(*self._ticks.stamp())
         message.actuator, message.skill = self.name, name
-        request = self._goals.get(name)
-        message.goal_id = request.id if request is not None else ""
+        run = self.manager._runs.get(name)
+        message.goal_id = run.goal_id if run is not None else ""
         message.status = _STATUS_CODES[feedback["status"]]
         message.state, message.progress = feedback["state"], feedback["progress"]
-        paused = self.manager.is_paused(name)
-        message.message = ("paused: " if paused else "") + feedback["message"]
+        paused = self.manager._why_paused(name)
+        message.message = ("" if paused is None else "paused: ") + feedback["message"]
         message.details = [SkillDetail(str(key), str(value)[:_LONGEST]) for key, value in feedback["details"].items()]
+        if paused is not None:
+            message.details.append(SkillDetail("paused", paused))
+        if run is not None and run.requested_by:
+            message.details.append(SkillDetail("requested_by", run.requested_by))
         return message
 
     def _report(self, request: "GetSkill.Request") -> "GetSkill.Response":
@@ -366,6 +372,7 @@ class _Request:
     def __init__(self, goal: ServerGoal) -> None:
         self.goal = goal
         self.id = "".join(f"{byte:02x}" for byte in goal._id.uuid)
+        self.by = goal.client[:_LONGEST]
         self.skill = ""
         self.completed = False
         self.text = ""

@@ -104,6 +104,8 @@ class _Run:
         self.feedback: Feedback = {"status": PROCESSING, "state": "IDLE", "progress": 0, "message": "", "details": {}}
         self.cancel_why: Optional[str] = None
         self.pause_why: Optional[str] = None  # none: it is not paused by a request
+        self.goal_id = ""  # that has started it; empty: none has
+        self.requested_by = ""  # the client of that goal
 
 
 class SkillManager:
@@ -287,8 +289,7 @@ class SkillManager:
 
     def is_paused(self, skill: str) -> bool:
         """By pause_skill()."""
-        run = self._runs.get(skill)
-        return run is not None and run.pause_why is not None and run.feedback["status"] == PROCESSING
+        return self._why_paused(skill) is not None
 
     def pause(self) -> None:
         """The time until the next step does not count."""
@@ -327,6 +328,10 @@ class SkillManager:
             if name != skill.name and shared and not self.is_paused(name):
                 raise SkillError(f"{skill.name} needs the {min(shared)}, which {name} is using; cancel {name} first or "
                                  "wait for its end")
+
+    def _why_paused(self, skill: str) -> Optional[str]:
+        run = self._runs.get(skill)
+        return run.pause_why if run is not None and run.feedback["status"] == PROCESSING else None
 
     def _running(self, skill: str) -> _Run:
         self._lookup(skill)

@@ -107,6 +107,7 @@ struct ServedGoal : RawGoal {
 
 // The goals that have not ended, by their token; used on the loop.
 struct Goals {
+  transport::Node* node = nullptr;
   std::uint64_t next = 1;
   std::map<std::uint64_t, RawGoalPtr> open;
 };
@@ -138,6 +139,17 @@ class ActionServer : public OnLoop<RawActionServer> {
     });
     return ended;
   }
+  // What the client of a goal says of itself; empty: nothing, or the goal has ended.
+  std::string ClientOf(std::uint64_t token) {
+    std::string name;
+    Run([&](RawActionServer&) {
+      const auto goal = goals_->open.find(token);
+      if (goal != goals_->open.end()) {
+        name = transport::NameOf(*goals_->node, goal->second->caller());
+      }
+    });
+    return name;
+  }
   void CloseGoals() {
     Close();
     goals_->open.clear();
@@ -149,6 +161,7 @@ class ActionServer : public OnLoop<RawActionServer> {
                std::int64_t key)
       : OnLoop(node,
                [&](transport::Node& on) {
+                 goals->node = &on;
                  return RawActionServer::Make(on, node->Resolve(name), TypesOf(type),
                                               std::move(no_result), HandlersOf(goals, mailbox, key),
                                               {});
@@ -214,6 +227,7 @@ void AddActions(py::module_& native) {
       .def("execute", &ActionServer::Execute)
       .def("feedback", &ActionServer::Feedback)
       .def("end", &ActionServer::End)
+      .def("client_of", &ActionServer::ClientOf)
       .def("close", &ActionServer::CloseGoals);
 }
 

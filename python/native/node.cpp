@@ -20,14 +20,18 @@ Qos QosOf(bool reliable, bool latched, int depth) {
 }
 
 PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
-                   std::optional<int> domain, const std::string& keys,
-                   const std::string& identity) {
+                   std::optional<int> domain, const std::string& keys, const std::string& identity,
+                   const std::string& interface) {
   transport::DdsOptions options;
   options.domain_id = domain;
   options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.node_name = name;
   options.name_space = name_space;
   options.hidden = name.empty();
+  if (!interface.empty()) {
+    options.interfaces = {interface};
+    options.own_networks_only = true;
+  }
   if (!keys.empty()) options.credentials = transport::Credentials{keys, identity};
   auto thread = WithoutGil([&] { return transport::NodeThread::Start(options); });
   if (!thread) Raise("Failure", thread.error());

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <poll.h>
+#include <pwd.h>
 #include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -67,6 +69,37 @@ class Child {
 TEST(UserAtHost, IsTheSameWithoutTheDatabaseOfUsers) {
   EXPECT_EQ(UserAtHostAtOnce(), UserAtHost());
   EXPECT_THAT(UserAtHostAtOnce(), HasSubstr("@" + HostName()));
+}
+
+// UserAtHostAtOnce() in a process of that user, whose LOGNAME is `login`; null: it has none.
+std::string NameOfUser(uid_t user, const char* login) {
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) return "no pipe";
+  const pid_t child = fork();
+  if (child == 0) {
+    unsetenv("LOGNAME");
+    if (login != nullptr) setenv("LOGNAME", login, 1);
+    if (setuid(user) != 0) _exit(1);
+    const std::string name = UserAtHostAtOnce();
+    _exit(write(ends[1], name.data(), name.size()) < 0 ? 1 : 0);
+  }
+  close(ends[1]);
+  std::array<char, 256> name{};
+  const ssize_t size = read(ends[0], name.data(), name.size());
+  close(ends[0]);
+  waitpid(child, nullptr, 0);
+  return {name.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0))};
+}
+
+// As one of LDAP, or of a container that runs with a number only.
+TEST(UserAtHost, OfOneWhoIsNotInTheFileIsTheLoginOrTheNumberWhereItMustNotWait) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  constexpr uid_t kUnknown = 64123;
+  ASSERT_EQ(getpwuid(kUnknown), nullptr);
+  EXPECT_EQ(NameOfUser(kUnknown, "alice"), "alice@" + HostName());
+  EXPECT_EQ(NameOfUser(kUnknown, ""), "64123@" + HostName());
+  EXPECT_EQ(NameOfUser(kUnknown, nullptr), "64123@" + HostName());
+  EXPECT_EQ(NameOfUser(0, "alice"), UserAtHost()) << "the file is before the environment";
 }
 
 TEST(HostId, IsTheSameInEveryProcessOfTheHost) {

@@ -26,10 +26,14 @@ using ::testing::HasSubstr;
 const MachineIdentity kDog{"dog", "d0900000-0000-4000-8000-000000000002"};
 const MachineIdentity kCat{"cat", "cafe0000-0000-4000-8000-000000000001"};
 
+// Longer than the application's other endpoints take.
+constexpr Duration kDiscoveredLate = Milliseconds(700);
+
 // Of a machine on another host, as the network sees it.
 class FakeApplication {
  public:
-  FakeApplication(const std::string& name_space, const MachineIdentity& machine)
+  // `late`: its status is received so long after it has discovered a subscriber.
+  FakeApplication(const std::string& name_space, const MachineIdentity& machine, Duration late = {})
       : thread_(transport::NodeThread::Start().value()) {
     thread_->RunOnLoop([&] {
       endpoints_ = std::make_unique<transport::Endpoints>(thread_->node(), name_space);
@@ -48,12 +52,22 @@ class FakeApplication {
       status.host = "another boot/1";
       status.machine = machine.name;
       status.machine_id = machine.id;
-      endpoints_->PublishFunction<msg::ActuatorStatus>(transport::ActuatorStatusTopic(""),
-                                                       transport::kLatchedQos)(status);
+      transport::WriterCallbacks callbacks;
+      callbacks.on_match_changed = [this, late, status] {
+        if (late == Duration{} || publish_late_) return;
+        auto& loop = thread_->node().loop();
+        publish_late_ = loop.At(loop.Now() + late, [this, status] { Publish(status); });
+      };
+      statuses_ = endpoints_->Advertise<msg::ActuatorStatus>(
+          transport::ActuatorStatusTopic(""), transport::kLatchedQos, std::move(callbacks));
+      if (late == Duration{}) Publish(status);
     });
   }
   ~FakeApplication() {
-    thread_->RunOnLoop([this] { endpoints_.reset(); });
+    thread_->RunOnLoop([this] {
+      publish_late_.reset();
+      endpoints_.reset();
+    });
   }
   FakeApplication(const FakeApplication&) = delete;
   FakeApplication& operator=(const FakeApplication&) = delete;
@@ -61,9 +75,15 @@ class FakeApplication {
   int commands() const { return commands_; }
 
  private:
+  void Publish(const msg::ActuatorStatus& status) {
+    EXPECT_TRUE(statuses_ != nullptr && statuses_->Publish(status).ok());
+  }
+
   std::atomic<int> commands_ = 0;
   const std::shared_ptr<transport::NodeThread> thread_;
   std::unique_ptr<transport::Endpoints> endpoints_;
+  transport::Publisher<msg::ActuatorStatus>* statuses_ = nullptr;  // of the endpoints
+  transport::LoopHandlePtr publish_late_;
 };
 
 class ACommandForAnApplication : public ::testing::Test {
@@ -73,9 +93,10 @@ class ACommandForAnApplication : public ::testing::Test {
   }
   ~ACommandForAnApplication() override { unsetenv("ROS_DOMAIN_ID"); }
 
-  Ran Send(std::vector<std::string> options) const {
+  Ran Send(std::vector<std::string> options, const std::vector<std::string>& more = {}) const {
     options.insert(options.end(),
                    {"--namespace", name_space_, "behavior", "show", "--send", "START"});
+    options.insert(options.end(), more.begin(), more.end());
     return RunProgram(options);
   }
 
@@ -103,6 +124,24 @@ TEST_F(ACommandForAnApplication, IsSentToThatOfTheMachineThatIsNamedOnly) {
   EXPECT_THAT(other.err, HasSubstr("no actuator show of machine dog"));
   EXPECT_EQ(of_cat.commands(), 0);
   EXPECT_EQ(Send({"--machine", "cat"}).exit, 0);
+  EXPECT_EQ(of_cat.commands(), 1);
+}
+
+// Both robots moved: they are discovered late with credentials, and --tree asks for nothing before
+// the command is sent.
+TEST_F(ACommandForAnApplication, WithATreeIsNotSentBeforeItsMachineIsDiscovered) {
+  const FakeApplication of_dog(name_space_, kDog, kDiscoveredLate);
+  const FakeApplication of_cat(name_space_, kCat, kDiscoveredLate);
+  const Ran ran = Send({}, {"--tree"});
+  EXPECT_EQ(ran.exit, 2) << ran.out;
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("show is an actuator of several machines"),
+                             HasSubstr("Nothing was done")));
+  EXPECT_EQ(of_dog.commands() + of_cat.commands(), 0);
+}
+
+TEST_F(ACommandForAnApplication, WithATreeIsSentToThatOfTheMachineThatIsNamedOnceItIsDiscovered) {
+  const FakeApplication of_cat(name_space_, kCat, kDiscoveredLate);
+  Send({"--machine", "cat"}, {"--tree"});  // it has no tree to show
   EXPECT_EQ(of_cat.commands(), 1);
 }
 

@@ -1,6 +1,7 @@
 """Skills in Python: the manager by itself, and the actuator in a real process, with the commands of `musher`."""
 
 import json
+import os
 import time
 import unittest
 
@@ -323,6 +324,41 @@ class AnActuator(unittest.TestCase):
         self.assertEqual((ended.exception.end, ended.exception.result.message), ("aborted", answer.message))
         again = service.call(CancelSkill.Request("wave", ""), DEADLINE_S)
         self.assertEqual((again.success, again.message), (False, "wave does not run"))
+
+    def test_reports_the_goal_of_a_run_its_client_and_a_pause_also_after_the_end(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.musher_msgs.srv import GetSkill
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import Parameter, RobotSkill, SkillInfo
+        goals = node.action_client("skill_execution", SkillExecution)
+        service = node.client("arm/get_skill", GetSkill)
+        end = time.monotonic() + DEADLINE_S
+        while not (goals.ready and service.ready):
+            self.assertLess(time.monotonic(), end)
+            self.robot.run("status")
+
+        def report():
+            feedback = service.call(GetSkill.Request("wave", ""), DEADLINE_S).feedback
+            return feedback, {one.key: one.value for one in feedback.details}
+
+        wave = SkillInfo(skill="wave", params=[Parameter("times", "1000")])
+        goal = goals.send(SkillExecution.Goal(RobotSkill("robot_0", [wave])))
+        next(iter(goal))
+        feedback, details = report()
+        self.assertEqual(feedback.goal_id, goal._id.hex())
+        self.assertTrue(details["requested_by"].endswith("@" + os.uname().nodename), details)
+        self.assertNotIn("paused", details)
+        self.robot.await_log("arm", "wave started, requested by " + details["requested_by"])
+        self.assertEqual(self.robot.run("skill", "pause", "wave").returncode, 0)
+        self.assertEqual(report()[1]["paused"], "by a request")
+        goal.cancel()
+        with self.assertRaises(musher.GoalFailed):
+            goal.result(DEADLINE_S)
+        feedback, ended = report()
+        self.assertEqual((feedback.state, feedback.goal_id), ("CANCELLED", goal._id.hex()))
+        self.assertEqual(ended["requested_by"], details["requested_by"])
+        self.assertNotIn("paused", ended)
 
     def test_says_what_it_offers(self):
         listed = self.robot.run("skill", "list", "--json")

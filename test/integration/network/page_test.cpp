@@ -24,12 +24,10 @@ class PageFromTheDesk : public RobotAndDesk {
   void SetUp() override {
     RobotAndDesk::SetUp();
     if (IsSkipped()) return;
-    setenv("XDG_STATE_HOME", folder_.path().c_str(), 1);
     Connect(kEthernet);
     Connect(kWifi);
     ASSERT_NO_FATAL_FAILURE(Start());
   }
-  void TearDown() override { unsetenv("XDG_STATE_HOME"); }
 
   // On the robot, on all of its addresses.
   void Serve(std::vector<std::string> more = {}) {
@@ -130,6 +128,53 @@ TEST_F(PageFromTheDesk, LooksAndActsWithALoginOnly) {
   const Answer set = Post(robot, "/api/set", R"({"target":"LowPower"})", person);
   EXPECT_EQ(set.status, 200) << set.body;
   EXPECT_EQ(robot_->Status()["state"], "LowPower");
+}
+
+// The page at the desk, of a person who knows which network is left. By all of them DDS chooses the
+// lost one.
+TEST_F(PageFromTheDesk, IsServedThereByTheOneNetworkThatIsLeft) {
+  for (const auto& [left, lost] : {std::pair(kWifi, kEthernet), std::pair(kEthernet, kWifi)}) {
+    SCOPED_TRACE(std::string(lost.robot) + " is down");
+    Down(lost);
+    const char* port = left.robot == kWifi.robot ? kPort : kProxyPort;  // both run to the end
+    Process view(desk_->Here(
+        {BinDir() + "/musher-view", "--no-link", "--port", port, "--interface", left.Desk()}));
+    ASSERT_NE(view.LineWith("The page is at"), "");
+    const auto at_desk = [&](const std::string& path, const std::string& body) {
+      return Request(*desk_, "POST", "127.0.0.1", path, body, {}, port).status;
+    };
+    EXPECT_TRUE(Until([&] { return at_desk("/api/plan", R"({"target":"LowPower"})") == 200; },
+                      kReachedWithin));
+    EXPECT_EQ(at_desk("/api/estop", R"({"reason":"smoke"})"), 200);
+    EXPECT_TRUE(IsStopped());
+    ASSERT_EQ(robot_->Run({"estop", "--release"}).exit, 0);
+    ASSERT_EQ(robot_->Run({"set", "Active"}).exit, 0);
+    Up(lost);
+  }
+}
+
+TEST_F(PageFromTheDesk, AProgramInPythonReachesTheRobotByTheOneNetworkThatIsLeft) {
+  setenv("PYTHONPATH", (BinDir() + "/../python").c_str(), 1);
+  const bool has_package = RunToEnd({"python3", "-c", "import musher"}).exit == 0;
+  if (!has_package) unsetenv("PYTHONPATH");
+  if (!has_package) GTEST_SKIP() << "this build has no Python package";
+  for (const auto& [left, lost] : {std::pair(kWifi, kEthernet), std::pair(kEthernet, kWifi)}) {
+    SCOPED_TRACE(std::string(lost.robot) + " is down");
+    Down(lost);
+    const Ended program = desk_->Do(
+        {"python3", "-c",
+         "import musher\n"
+         "with musher.Machine(interface='" +
+             left.Desk() +
+             "') as robot:\n"
+             "    print(robot.status().state, len(robot.estop('smoke', timeout_s=10)))\n"});
+    EXPECT_EQ(program.out, "Active 3\n") << program.err;
+    EXPECT_TRUE(IsStopped());
+    ASSERT_EQ(robot_->Run({"estop", "--release"}).exit, 0);
+    ASSERT_EQ(robot_->Run({"set", "Active"}).exit, 0);
+    Up(lost);
+  }
+  unsetenv("PYTHONPATH");
 }
 
 // A browser sends the Origin of the page that a person has open.

@@ -35,6 +35,7 @@ class RobotAndDesk : public MachineByCli {
   void SetUp() override {
     if (geteuid() != 0) GTEST_SKIP() << "two hosts need root";
     setenv("MUSHER_TRANSPORT", "lan", 1);
+    setenv("XDG_STATE_HOME", folder_.path().c_str(), 1);  // without machines of other tests
     robot_ = std::make_unique<Host>();
     desk_ = std::make_unique<Host>();
     if (!robot_->up() || !desk_->up()) GTEST_SKIP() << "no network or pid namespace here";
@@ -64,6 +65,7 @@ class RobotAndDesk : public MachineByCli {
   ~RobotAndDesk() override {
     KillChildren();
     unsetenv("MUSHER_TRANSPORT");
+    unsetenv("XDG_STATE_HOME");
   }
 
   void Ip(const Host& host, std::vector<std::string> words) {

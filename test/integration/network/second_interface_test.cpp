@@ -2,15 +2,20 @@
 // host reaches the robot, and no process of the robot is disturbed. Neither docker's bridge nor a
 // tunnel is used beside them.
 
+#include <chrono>
+
 #include "musher/test/integration/network/robot_and_desk.hpp"
 
 namespace musher::testing::second_interface_test {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
 using SecondInterface = RobotAndDesk;
+
+constexpr Duration kInVain = std::chrono::seconds(5);  // for a stop by each network in turn
 
 TEST_F(SecondInterface, CarriesTheCommandsOfAnotherHostWhileTheFirstIsLostAndTheOtherWayRound) {
   Connect(kEthernet);
@@ -46,6 +51,92 @@ TEST_F(SecondInterface, IsUsedAndDockersBridgeAndATunnelAreNot) {
   EXPECT_THAT(sockets, Not(HasSubstr("010011AC:"))) << "docker0";
   EXPECT_THAT(sockets, Not(HasSubstr("0600080A:"))) << "tun7";
   ExpectTheRobotObeysTheDesk();
+}
+
+// A script at the desk, which limits each command.
+TEST_F(SecondInterface, CarriesAStopWithATimeoutAndAWaitWhileTheFirstIsLostAndTheOtherWayRound) {
+  Connect(kEthernet);
+  Connect(kWifi);
+  ASSERT_NO_FATAL_FAILURE(Start());
+  AwaitDesk(true);
+  for (const TestNet& lost : {kEthernet, kWifi}) {
+    SCOPED_TRACE(std::string(lost.robot) + " is down");
+    Down(lost);
+    const Ended wait = desk_->Run({"--timeout", "20", "wait", "Active"});
+    EXPECT_EQ(wait.exit, 0) << wait.err;
+    const Ended estop = desk_->Run({"--timeout", "20", "estop", "--json"});
+    EXPECT_EQ(estop.exit, 0) << estop.err;
+    EXPECT_EQ(robot_->Run({"estop", "--release"}).exit, 0);
+    EXPECT_EQ(robot_->Run({"set", "Active"}).exit, 0);
+    Up(lost);
+  }
+  ExpectNothingWasLost();
+}
+
+// Its controller cannot confirm the stop, and the actuators have.
+TEST_F(SecondInterface, LeavesTimeToReportAStopThatNotAllHaveConfirmed) {
+  Connect(kEthernet);
+  Connect(kWifi);
+  ASSERT_NO_FATAL_FAILURE(Start());
+  AwaitDesk(true);
+  Down(kEthernet);
+  const std::string controller = std::to_string(pids_["controller"]);
+  ASSERT_EQ(robot_->Do({"kill", "-STOP", controller}).exit, 0);
+  const Ended estop = desk_->Run({"--timeout", "6", "estop", "--json"});
+  ASSERT_EQ(robot_->Do({"kill", "-CONT", controller}).exit, 0);
+  EXPECT_EQ(estop.exit, 1) << estop.err;
+  EXPECT_THAT(estop.err, HasSubstr("no controller answers"));
+  // By all networks, by each alone, and by the one that reaches it.
+  EXPECT_THAT(estop.err, ContainsRegex("\\(pid [0-9]+, [0-9]+, [0-9]+, [0-9]+\\)"));
+  const nlohmann::json actuators = Json(estop.out)["actuators"];
+  EXPECT_EQ(actuators.size(), 3U) << estop.out;
+  for (const auto& [name, actuator] : actuators.items()) EXPECT_EQ(actuator["stopped"], true);
+}
+
+// It can never be confirmed: no network is tried in vain.
+TEST_F(SecondInterface, EndsAStopAtOnceThatOneActuatorDoesNotSupport) {
+  Connect(kEthernet);
+  Connect(kWifi);
+  Drop("namespace = \"" + name_space_ + "\"\n");  // where the program has its node
+  unsetenv("MUSHER_NAMESPACE");
+  Replace("\"eyes\"]", "\"eyes\", \"talker\"]");
+  std::ofstream(config_, std::ios::app)
+      << "[actuator.talker]\nprotocol = \"ros2_lifecycle\"\nstates = "
+         "[\"SetUp\", \"TearDown\", \"Active\", \"LowPower\"]\ntimes = [20000, 5000, 5000, "
+         "5000]\ncommand = [\""
+      << BinDir() << "/managed_node\", \"talker\"]\n";
+  ASSERT_TRUE(made_);
+  const Ended up = robot_->Run({"up", config_, "--detach"});
+  ASSERT_EQ(up.exit, 0) << up.err;
+  AwaitDesk(true);
+  const auto begun = std::chrono::steady_clock::now();
+  const Ended estop = desk_->Run({"estop", "--json"});
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, kInVain);
+  EXPECT_EQ(estop.exit, 1) << estop.err;
+  EXPECT_THAT(estop.err,
+              AllOf(HasSubstr("stop not confirmed: talker"), ContainsRegex("\\(pid [0-9]+\\)")));
+  EXPECT_EQ(Json(estop.out)["actuators"].size(), 4U) << estop.out;
+}
+
+// DDS rejects the name of the other one.
+TEST_F(SecondInterface, IsUsedWhereTheOtherCannotBeJoined) {
+  Connect(kEthernet);
+  Connect(kWifi);
+  ASSERT_NO_FATAL_FAILURE(Start());
+  AwaitDesk(true);
+  for (const TestNet& other : {kEthernet, kWifi}) {
+    const std::string name = "far&" + std::string(other.robot);
+    SCOPED_TRACE(name);
+    Ip(*desk_, {"link", "set", other.Desk(), "down"});
+    Ip(*desk_, {"link", "set", other.Desk(), "name", name});
+    Ip(*desk_, {"link", "set", name, "up"});
+    ASSERT_TRUE(made_);
+    ExpectTheRobotObeysTheDesk();
+    Ip(*desk_, {"link", "set", name, "down"});
+    Ip(*desk_, {"link", "set", name, "name", other.Desk()});
+    Ip(*desk_, {"link", "set", other.Desk(), "up"});
+  }
+  ExpectNothingWasLost();
 }
 
 }  // namespace musher::testing::second_interface_test
