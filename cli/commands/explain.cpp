@@ -29,7 +29,7 @@ std::string ExplainText(const std::vector<KeyReference>& keys, bool colour) {
 }
 
 std::string ExplainJson(const std::vector<KeyReference>& keys) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (const KeyReference& key : keys) {
     list.push_back({{"table", key.table},
                     {"key", Known(key.key)},

@@ -63,8 +63,10 @@ msg::Permit NewPermit(const msg::MachineStatus& machine, transport::Node& node) 
 void Announce(const msg::MachineStatus& machine, Console& console) {
   const std::int64_t permit_ms = ToMilliseconds(Duration(machine.permit_ns));
   if (console.mode().json) {
-    return console.Print(
-        Json{{"machine", machine.machine}, {"permit_ms", permit_ms}, {"by", UserAtHost()}}.dump());
+    return console.Print(OrderedJson{
+        {"machine", machine.machine},
+        {"permit_ms", permit_ms},
+        {"by", UserAtHost()}}.dump());
   }
   console.Print(
       fmt::format("{} may move while this command runs; it stops {} ms after the last permit "

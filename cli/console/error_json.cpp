@@ -7,7 +7,7 @@
 namespace musher::cli {
 namespace {
 
-Json Of(const Diagnostic& d) {
+OrderedJson Of(const Diagnostic& d) {
   return {{"file", Known(d.file)},
           {"line", Known(d.line)},
           {"column", Known(d.column)},
@@ -15,8 +15,8 @@ Json Of(const Diagnostic& d) {
           {"message", d.message}};
 }
 
-Json Of(const std::vector<Diagnostic>& diagnostics) {
-  Json list = Json::array();
+OrderedJson Of(const std::vector<Diagnostic>& diagnostics) {
+  OrderedJson list = OrderedJson::array();
   for (const Diagnostic& d : diagnostics) list.push_back(Of(d));
   return list;
 }
@@ -27,7 +27,7 @@ std::string FailureJson(const Failure& failure) {
   return JsonLine({{"error", failure.error.message},
                    {"code", failure.error.code},
                    {"switch", Known(failure.switch_number.value())},
-                   {"diagnostics", Json::array()}});
+                   {"diagnostics", OrderedJson::array()}});
 }
 
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {

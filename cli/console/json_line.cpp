@@ -4,28 +4,28 @@
 
 namespace musher::cli {
 
-Json Known(const std::string& text) {
-  return text.empty() ? Json() : Json(text);
+OrderedJson Known(const std::string& text) {
+  return text.empty() ? OrderedJson() : OrderedJson(text);
 }
 
-Json Known(int number) {
-  return number == 0 ? Json() : Json(number);
+OrderedJson Known(int number) {
+  return number == 0 ? OrderedJson() : OrderedJson(number);
 }
 
-Json Known(std::uint32_t number) {
-  return number == 0 ? Json() : Json(number);
+OrderedJson Known(std::uint32_t number) {
+  return number == 0 ? OrderedJson() : OrderedJson(number);
 }
 
-Json Known(std::int64_t number) {
-  return number == 0 ? Json() : Json(number);
+OrderedJson Known(std::int64_t number) {
+  return number == 0 ? OrderedJson() : OrderedJson(number);
 }
 
-Json Known(std::uint64_t number) {
-  return number == 0 ? Json() : Json(number);
+OrderedJson Known(std::uint64_t number) {
+  return number == 0 ? OrderedJson() : OrderedJson(number);
 }
 
-std::string JsonLine(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string JsonLine(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 }  // namespace musher::cli

@@ -13,8 +13,8 @@ double Ms(Duration duration) {
   return ToSeconds(duration) * 1000;
 }
 
-Json Of(const ActuatorConfig& c, const Description& d) {
-  Json times = Json::object();
+OrderedJson Of(const ActuatorConfig& c, const Description& d) {
+  OrderedJson times = OrderedJson::object();
   for (std::size_t i = 0; i < c.states.size() && i < c.times.size(); ++i) {
     times[c.states[i]] = Ms(c.times[i]);
   }
@@ -32,7 +32,7 @@ Json Of(const ActuatorConfig& c, const Description& d) {
           {"restart_limit", c.restart.policy == RestartPolicy::kNo ? 0 : c.restart.limit}};
 }
 
-Json Of(const ProcessFacts& p) {
+OrderedJson Of(const ProcessFacts& p) {
   return {{"pid", p.usage.pid},
           {"command", p.command},
           {"cwd", Known(p.cwd)},
@@ -47,29 +47,29 @@ Json Of(const ProcessFacts& p) {
 }  // namespace
 
 std::string DescriptionJson(const Description& d) {
-  Json heartbeat;
+  OrderedJson heartbeat;
   if (d.heartbeat) {
     heartbeat = {{"age_s", d.heartbeat_age_s},
                  {"period_s", static_cast<double>(d.heartbeat->period_ns) / 1e9},
                  {"checkpoint_silent_s", static_cast<double>(d.heartbeat->silent_ns) / 1e9},
                  {"during", Known(d.heartbeat->during)}};
   }
-  Json stop;
+  OrderedJson stop;
   if (d.status) {
     stop = StopJson(*d.status);
     stop["held"] = d.status->held_by_stop;
   }
-  Json reach = Json::array();
+  OrderedJson reach = OrderedJson::array();
   for (const auto& r : d.reach) {
     reach.push_back(
         {{"state", r.state}, {"allowed", r.allowed}, {"code", r.code}, {"reason", r.reason}});
   }
-  Json capabilities = Json::array();
+  OrderedJson capabilities = OrderedJson::array();
   for (const msg::Capability& c : d.capabilities) {
     capabilities.push_back(
         {{"capability", c.name}, {"allowed", c.allowed}, {"code", c.code}, {"reason", c.reason}});
   }
-  Json history = Json::array();
+  OrderedJson history = OrderedJson::array();
   for (std::size_t i = 0; i < d.history.size(); ++i) {
     const msg::HistoryEntry& e = d.history[i];
     history.push_back({{"time", UtcText(e.wall_ns)},
@@ -77,14 +77,14 @@ std::string DescriptionJson(const Description& d) {
                        {"code", e.code},
                        {"message", e.message}});
   }
-  Json log = Json::array();
-  for (const LogEntry& e : d.log) log.push_back(Json::parse(LogJson(e)));
-  Json next = Json::array();
+  OrderedJson log = OrderedJson::array();
+  for (const LogEntry& e : d.log) log.push_back(OrderedJson::parse(LogJson(e)));
+  OrderedJson next = OrderedJson::array();
   for (const Advice& step : AdviceFor(d)) {
     next.push_back({{"command", step.command}, {"purpose", step.purpose}});
   }
   const std::int64_t since = SinceOf(d);
-  Json json = {{"actuator", d.name}};
+  OrderedJson json = {{"actuator", d.name}};
   json.update(d.info ? ActuatorJson(*d.info)
                      : ActuatorJson(d.status.value_or(msg::ActuatorStatus())));
   json.update(
@@ -92,11 +92,11 @@ std::string DescriptionJson(const Description& d) {
        {"machine_state", Known(d.machine_state)},
        {"machine_phase", Known(d.machine_phase)},
        {"no_machine", Known(d.why_no_machine)},
-       {"since", since == 0 ? Json() : Json(UtcText(since))},
+       {"since", since == 0 ? OrderedJson() : OrderedJson(UtcText(since))},
        {"emergency_stop", stop},
        {"heartbeat", heartbeat},
-       {"process", d.process ? Of(*d.process) : Json()},
-       {"configured", d.config ? Of(*d.config, d) : Json()},
+       {"process", d.process ? Of(*d.process) : OrderedJson()},
+       {"configured", d.config ? Of(*d.config, d) : OrderedJson()},
        {"reachable", reach},
        {"capabilities", capabilities},
        {"offers", d.offers},

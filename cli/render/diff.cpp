@@ -108,7 +108,7 @@ std::string DiffText(const ConfigDiff& diff, bool colour) {
 }
 
 std::string DiffJson(const ConfigDiff& diff) {
-  Json changes = Json::array();
+  OrderedJson changes = OrderedJson::array();
   for (const ConfigChange& change : diff.changes) {
     changes.push_back({{"table", change.table},
                        {"key", Known(change.key)},

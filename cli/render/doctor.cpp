@@ -50,7 +50,7 @@ std::string DoctorText(const std::vector<DoctorCheck>& checks, bool colour) {
 }
 
 std::string DoctorJson(const std::vector<DoctorCheck>& checks) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (const DoctorCheck& check : checks) {
     list.push_back({{"check", check.name},
                     {"result", ShownAs(check.health).json},

@@ -11,7 +11,7 @@ namespace musher {
 
 // The library finds it by its argument.
 template <typename Kind>
-void to_json(cli::Json& json, StrongNumber<Kind> number) {
+void to_json(cli::OrderedJson& json, StrongNumber<Kind> number) {
   json = number.value();
 }
 
@@ -22,7 +22,7 @@ namespace {
 
 // A number of its own type, or of the wire.
 template <class N>
-Json KnownId(const N& number) {
+OrderedJson KnownId(const N& number) {
   if constexpr (requires { number.value(); }) {
     return Known(number.value());
   } else {
@@ -30,16 +30,16 @@ Json KnownId(const N& number) {
   }
 }
 
-Json Of(const msg::Capability& c) {
+OrderedJson Of(const msg::Capability& c) {
   return {{"capability", c.name}, {"description", c.description}, {"allowed", c.allowed},
           {"code", c.code},       {"reason", c.reason},           {"uses", c.actuators},
           {"states", c.states}};
 }
 
-Json Of(const std::map<std::string, RunningActuators::Actuator>& running) {
-  Json actuators = Json::object();
+OrderedJson Of(const std::map<std::string, RunningActuators::Actuator>& running) {
+  OrderedJson actuators = OrderedJson::object();
   for (const auto& [name, actuator] : running) {
-    Json json = ActuatorJson(actuator.status);
+    OrderedJson json = ActuatorJson(actuator.status);
     json["status_received"] = actuator.has_status;
     json["emergency_stop"] = StopJson(actuator.status);
     actuators[name] = std::move(json);
@@ -54,12 +54,13 @@ std::string EventOf(const std::vector<std::string>& events, std::size_t i) {
 // What an entry's data says: the arguments of its sentence (empty: it has none), and the rest as an
 // object, or as text that is no JSON (a backtrace).
 struct EntryData {
-  Json arguments = Json::object();
-  Json rest;
+  OrderedJson arguments = OrderedJson::object();
+  OrderedJson rest;
 };
 EntryData Read(const std::string& data) {
-  Json json = data.starts_with('{') ? Json::parse(data, nullptr, false) : Json();
-  if (!json.is_object()) return {Json::object(), Known(data)};
+  OrderedJson json =
+      data.starts_with('{') ? OrderedJson::parse(data, nullptr, false) : OrderedJson();
+  if (!json.is_object()) return {OrderedJson::object(), Known(data)};
   EntryData read;
   const auto found = json.find("arguments");
   if (found != json.end() && found->is_object()) {
@@ -72,7 +73,7 @@ EntryData Read(const std::string& data) {
 
 // An entry of the journal or of the wire.
 template <class Entry>
-Json OfEntry(const Entry& e, const std::string& event) {
+OrderedJson OfEntry(const Entry& e, const std::string& event) {
   EntryData data = Read(e.data);
   return {{"time", UtcText(e.wall_ns)},
           {"epoch", e.epoch},
@@ -101,8 +102,8 @@ const char* MarkName(recording::ReplayLine::Mark mark) {
   return "=";
 }
 
-Json Of(const msg::PolicyInfo& p) {
-  return {{"battery", p.battery < 0 ? Json() : Json(p.battery)},
+OrderedJson Of(const msg::PolicyInfo& p) {
+  return {{"battery", p.battery < 0 ? OrderedJson() : OrderedJson(p.battery)},
           {"charging", p.charging},
           {"battery_silent", p.battery_silent},
           {"ceiling", Known(p.ceiling)},
@@ -115,7 +116,7 @@ Json Of(const msg::PolicyInfo& p) {
 
 }  // namespace
 
-Json ActuatorJson(const msg::ActuatorInfo& a) {
+OrderedJson ActuatorJson(const msg::ActuatorInfo& a) {
   return {{"state", Known(a.state)},
           {"pid", Known(a.pid)},
           {"target", Known(a.target)},
@@ -132,9 +133,9 @@ Json ActuatorJson(const msg::ActuatorInfo& a) {
           {"restarting", a.restarting}};
 }
 
-Json ActuatorJson(const msg::ActuatorStatus& s) {
-  Json json = ActuatorJson(msg::ActuatorInfo());
-  for (auto& [key, value] : json.items()) value = Json();
+OrderedJson ActuatorJson(const msg::ActuatorStatus& s) {
+  OrderedJson json = ActuatorJson(msg::ActuatorInfo());
+  for (auto& [key, value] : json.items()) value = OrderedJson();
   json.update({{"state", Known(s.state)},
                {"pid", Known(s.pid)},
                {"target", Known(s.target)},
@@ -144,7 +145,7 @@ Json ActuatorJson(const msg::ActuatorStatus& s) {
   return json;
 }
 
-Json StopJson(const msg::ActuatorStatus& status) {
+OrderedJson StopJson(const msg::ActuatorStatus& status) {
   return {{"engaged", status.emergency_stop != 0},
           {"by", Known(status.emergency_stop_by)},
           {"reason", status.emergency_stop_reason}};
@@ -153,7 +154,7 @@ Json StopJson(const msg::ActuatorStatus& status) {
 std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, RunningActuators::Actuator>& unlisted,
                        const StatusSince& since) {
-  Json actuators = Json::object();
+  OrderedJson actuators = OrderedJson::object();
   for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = ActuatorJson(a);
   return JsonLine({{"machine", status.machine},
                    {"pid", Known(status.pid)},
@@ -175,17 +176,18 @@ std::string StatusJson(const msg::MachineStatus& status,
                      {"reason", status.emergency_stop_reason}}},
                    {"held_by_stop", status.held_by_stop},
                    {"not_on_disk", status.not_on_disk},
-                   {"policy", status.policy.active ? Of(status.policy) : Json()},
+                   {"policy", status.policy.active ? Of(status.policy) : OrderedJson()},
                    {"machine_id", Known(status.machine_id)},
                    {"other_machines", status.other_machines},
                    {"other_vendors", status.other_vendors},
                    {"requested_by", Known(status.requested_by)},
-                   {"since", since.state_since_ns ? Json(UtcText(*since.state_since_ns)) : Json()},
-                   {"uptime_s", since.up_s ? Json(*since.up_s) : Json()}});
+                   {"since", since.state_since_ns ? OrderedJson(UtcText(*since.state_since_ns))
+                                                  : OrderedJson()},
+                   {"uptime_s", since.up_s ? OrderedJson(*since.up_s) : OrderedJson()}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {
-  Json actuators = Json::object();
+  OrderedJson actuators = OrderedJson::object();
   for (const msg::ActuatorOutcome& a : result.actuators) {
     actuators[a.name] = {{"outcome", a.outcome},
                          {"code", a.code},
@@ -205,15 +207,15 @@ std::string SwitchJson(const msg::SetState::Response& result) {
 }
 
 std::string EstopJson(const EstopReport& report) {
-  Json actuators = Json::object();
+  OrderedJson actuators = OrderedJson::object();
   for (const EstopReport::Actuator& a : report.actuators) {
     const double after_ms = std::chrono::duration<double, std::milli>(a.after).count();
     actuators[a.name] = {{"stopped", a.stopped},
                          {"before", a.before},
-                         {"after_ms", a.stopped ? Json(after_ms) : Json()},
+                         {"after_ms", a.stopped ? OrderedJson(after_ms) : OrderedJson()},
                          {"trouble", Known(a.trouble)}};
   }
-  Json earlier;  // null
+  OrderedJson earlier;  // null
   if (report.earlier) earlier = {{"by", report.earlier->by}, {"reason", report.earlier->reason}};
   return JsonLine({{"engaged", true},
                    {"by", report.by},
@@ -237,13 +239,13 @@ std::string PolicyJson(const msg::RequestPolicy::Request& request,
 }
 
 std::string RestartJson(const msg::ActuatorInfo& actuator) {
-  Json json = {{"actuator", actuator.name}};
+  OrderedJson json = {{"actuator", actuator.name}};
   json.update(ActuatorJson(actuator));
   return JsonLine(json);
 }
 
 std::string CapabilitiesJson(const msg::Capabilities& all) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (const msg::Capability& c : all.capabilities) list.push_back(Of(c));
   return JsonLine({{"capabilities", list}});
 }
@@ -253,7 +255,7 @@ std::string CapabilityJson(const msg::Capability& one) {
 }
 
 std::string PlanJson(const msg::GetPlan::Response& plan) {
-  Json steps = Json::array();
+  OrderedJson steps = OrderedJson::array();
   for (const msg::PlanStep& s : plan.steps) {
     steps.push_back({{"actuator", s.name},
                      {"wave", s.wave},
@@ -273,7 +275,7 @@ std::string PlanJson(const msg::GetPlan::Response& plan) {
 }
 
 std::string HistoryJson(const msg::GetHistory::Response& history) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (std::size_t i = 0; i < history.entries.size(); ++i) {
     list.push_back(OfEntry(history.entries[i], EventOf(history.events, i)));
   }
@@ -282,7 +284,7 @@ std::string HistoryJson(const msg::GetHistory::Response& history) {
 
 std::string WhyJson(const Why& why) {
   const auto entries_of = [](const CauseChain& chain) {
-    Json entries = Json::array();
+    OrderedJson entries = OrderedJson::array();
     for (std::size_t i = 0; i < chain.entries.size(); ++i) {
       entries.push_back(OfEntry(chain.entries[i], EventOf(chain.events, i)));
     }
@@ -296,11 +298,11 @@ std::string WhyJson(const Why& why) {
 }
 
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage) {
-  Json lines = Json::array();
+  OrderedJson lines = OrderedJson::array();
   for (const recording::ReplayLine& line : report.lines) {
-    Json json = {{"mark", MarkName(line.mark)}};
+    OrderedJson json = {{"mark", MarkName(line.mark)}};
     json.update(OfEntry(line.entry, line.entry.event));
-    json["input"] = line.input.empty() ? Json() : Json::parse(line.input);
+    json["input"] = line.input.empty() ? OrderedJson() : OrderedJson::parse(line.input);
     lines.push_back(json);
   }
   return JsonLine({{"equal", report.equal()},
@@ -317,18 +319,19 @@ std::string ReplayJson(const recording::ReplayReport& report, const std::string&
 
 std::string KeysJson(const std::string& folder,
                      const std::vector<transport::keys::Identity>& identities) {
-  Json all = Json::object();
+  OrderedJson all = OrderedJson::object();
   for (const transport::keys::Identity& identity : identities) {
-    all[identity.name] = {{"role", identity.role ? Json(RoleName(*identity.role)) : Json()},
-                          {"valid_until", FormatUtc(identity.not_after)},
-                          {"revoked", identity.revoked},
-                          {"has_key", identity.has_key}};
+    all[identity.name] = {
+        {"role", identity.role ? OrderedJson(RoleName(*identity.role)) : OrderedJson()},
+        {"valid_until", FormatUtc(identity.not_after)},
+        {"revoked", identity.revoked},
+        {"has_key", identity.has_key}};
   }
   return JsonLine({{"folder", folder}, {"identities", all}});
 }
 
 std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Response& report) {
-  Json changes = Json::array();
+  OrderedJson changes = OrderedJson::array();
   for (const msg::BehaviorChange& change : report.history) {
     changes.push_back({{"time_s", change.time_s},
                        {"tick", change.tick},
@@ -375,13 +378,13 @@ std::string ProgressJson(const Progress& progress) {
 
 std::string RunningJson(const Failure& failure,
                         const std::map<std::string, RunningActuators::Actuator>& running) {
-  Json json = Json::parse(FailureJson(failure));
+  OrderedJson json = OrderedJson::parse(FailureJson(failure));
   json["actuators"] = Of(running);
   return JsonLine(json);
 }
 
 std::string EndingJson(const std::vector<Ending::Outcome>& outcomes) {
-  Json actuators = Json::object();
+  OrderedJson actuators = OrderedJson::object();
   for (const Ending::Outcome& o : outcomes) {
     actuators[o.name] = {{"pid", Known(o.pid)},
                          {"ended", o.ended},

@@ -29,11 +29,11 @@
 
 namespace musher::cli {
 
-Json ActuatorJson(const msg::ActuatorInfo& actuator);
+OrderedJson ActuatorJson(const msg::ActuatorInfo& actuator);
 // The same keys without a controller: what only a controller knows is null.
-Json ActuatorJson(const msg::ActuatorStatus& status);
+OrderedJson ActuatorJson(const msg::ActuatorStatus& status);
 // The stop that an actuator has latched.
-Json StopJson(const msg::ActuatorStatus& status);
+OrderedJson StopJson(const msg::ActuatorStatus& status);
 // `state_since_ns` by the wall clock, `up_s` of its controller; nullopt: not known.
 struct StatusSince {
   std::optional<std::int64_t> state_since_ns;

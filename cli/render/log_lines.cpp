@@ -237,10 +237,11 @@ std::string LogText(const LogEntry& entry, std::size_t width, bool colour) {
 }
 
 std::string LogJson(const LogEntry& entry) {
-  return JsonLine({{"time", entry.wall_ns == 0 ? Json() : Json(UtcText(entry.wall_ns))},
-                   {"actuator", entry.source},
-                   {"level", kLevelNames.at(static_cast<std::size_t>(entry.level))},
-                   {"message", entry.text}});
+  return JsonLine(
+      {{"time", entry.wall_ns == 0 ? OrderedJson() : OrderedJson(UtcText(entry.wall_ns))},
+       {"actuator", entry.source},
+       {"level", kLevelNames.at(static_cast<std::size_t>(entry.level))},
+       {"message", entry.text}});
 }
 
 }  // namespace musher::cli

@@ -30,12 +30,12 @@ std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& wher
 }
 
 std::string OtaStatusJson(const OtaRobot& robot) {
-  Json slots = Json::object();
+  OrderedJson slots = OrderedJson::object();
   for (const OtaRobot::SlotInfo& slot : robot.slots) {
     slots[slot.slot] = {
         {"role", slot.role}, {"version", Known(slot.version)}, {"fault", Known(slot.fault)}};
   }
-  Json last;
+  OrderedJson last;
   if (robot.last) {
     last = {{"slot", ota::SlotName(robot.last->slot)},
             {"version", robot.last->version},

@@ -18,14 +18,14 @@ std::string_view ResultName(search::ProofEnd end) {
   return "not finished";
 }
 
-Json StateNames(const std::vector<State>& states) {
-  Json names = Json::array();
+OrderedJson StateNames(const std::vector<State>& states) {
+  OrderedJson names = OrderedJson::array();
   for (const State& state : states) names.push_back(state.name());
   return names;
 }
 
 // Of the start both states are null.
-Json TaskOf(const search::ProofTask& task) {
+OrderedJson TaskOf(const search::ProofTask& task) {
   return {
       {"from", Known(task.from.name())}, {"to", Known(task.to.name())}, {"faults", task.faults}};
 }
@@ -34,22 +34,23 @@ Json TaskOf(const search::ProofTask& task) {
 
 std::string ProofJson(const ProofReport& report) {
   const search::Proof& proof = report.proof;
-  Json json = {{"file", report.file},
-               {"faults", report.faults},
-               {"from", Known(report.from)},
-               {"rules", report.rules ? Json(*report.rules) : Json()},
-               {"left_out", search::LeftOutOf(report.config)},
-               {"result", ResultName(proof.end)},
-               {"proved_faults", proof.proved_faults < 0 ? Json() : Json(proof.proved_faults)},
-               {"why", Known(proof.why)},
-               {"states", proof.figures.nodes},
-               {"transitions", proof.figures.transitions},
-               {"took_s", ToSeconds(report.took)},
-               {"reached", StateNames(proof.reached)},
-               {"not_reached", StateNames(proof.not_reached)},
-               {"searches", Json::array()}};
+  OrderedJson json = {
+      {"file", report.file},
+      {"faults", report.faults},
+      {"from", Known(report.from)},
+      {"rules", report.rules ? OrderedJson(*report.rules) : OrderedJson()},
+      {"left_out", search::LeftOutOf(report.config)},
+      {"result", ResultName(proof.end)},
+      {"proved_faults", proof.proved_faults < 0 ? OrderedJson() : OrderedJson(proof.proved_faults)},
+      {"why", Known(proof.why)},
+      {"states", proof.figures.nodes},
+      {"transitions", proof.figures.transitions},
+      {"took_s", ToSeconds(report.took)},
+      {"reached", StateNames(proof.reached)},
+      {"not_reached", StateNames(proof.not_reached)},
+      {"searches", OrderedJson::array()}};
   for (const search::ProvedTask& task : proof.tasks) {
-    Json search = TaskOf(task.task);
+    OrderedJson search = TaskOf(task.task);
     search["states"] = task.figures.nodes;
     search["transitions"] = task.figures.transitions;
     search["complete"] = task.finished;

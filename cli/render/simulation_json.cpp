@@ -6,17 +6,15 @@
 namespace musher::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
-ordered_json ScenarioOf(const simulation::ScenarioId& id) {
-  return {{"seed", id.seed}, {"only", id.only ? ordered_json(*id.only) : ordered_json()}};
+OrderedJson ScenarioOf(const simulation::ScenarioId& id) {
+  return {{"seed", id.seed}, {"only", id.only ? OrderedJson(*id.only) : OrderedJson()}};
 }
 
-ordered_json CoverageOf(const simulation::Coverage& coverage) {
-  ordered_json json;
+OrderedJson CoverageOf(const simulation::Coverage& coverage) {
+  OrderedJson json;
   for (std::size_t kind = 0; kind < simulation::kInjectionKinds; ++kind) {
     const auto injection = static_cast<simulation::InjectionKind>(kind);
-    ordered_json& row = json[std::string(KindName(injection))];
+    OrderedJson& row = json[std::string(KindName(injection))];
     for (std::size_t phase = 0; phase < simulation::kMachinePhases; ++phase) {
       const auto when = static_cast<simulation::MachinePhase>(phase);
       row[std::string(MachinePhaseName(when))] = coverage.Of(injection, when);
@@ -29,14 +27,14 @@ ordered_json CoverageOf(const simulation::Coverage& coverage) {
 
 std::string SimulationJson(const SimulationReport& report, const std::string& failing_scenario) {
   const simulation::Summary& s = report.summary;
-  ordered_json json = {{"file", report.file},
-                       {"scenarios", s.scenarios},
-                       {"passed", s.good()},
-                       {"simulated_s", ToSeconds(s.simulated)},
-                       {"took_s", ToSeconds(report.took)},
-                       {"checks", s.checks},
-                       {"bound_s", ToSeconds(report.options.bound)},
-                       {"rules", nullptr}};
+  OrderedJson json = {{"file", report.file},
+                      {"scenarios", s.scenarios},
+                      {"passed", s.good()},
+                      {"simulated_s", ToSeconds(s.simulated)},
+                      {"took_s", ToSeconds(report.took)},
+                      {"checks", s.checks},
+                      {"bound_s", ToSeconds(report.options.bound)},
+                      {"rules", nullptr}};
   if (!report.rules.empty()) json["rules"] = report.options.stable_rules.size();
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
     json["switches"][std::string(OutcomeName(static_cast<SwitchOutcome>(i)))] = s.switches[i];
@@ -63,7 +61,7 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
 
 std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
                          const std::string& text) {
-  ordered_json json = ScenarioOf(id);
+  OrderedJson json = ScenarioOf(id);
   json["passed"] = !ending.violation.has_value();
   json["violated"] = nullptr;
   json["what"] = nullptr;

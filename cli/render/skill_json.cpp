@@ -10,13 +10,13 @@
 namespace musher::cli {
 namespace {
 
-Json OfSkillEnd(const SkillEnd& end) {
+OrderedJson OfSkillEnd(const SkillEnd& end) {
   return {{"skill", end.skill},
           {"actuator", end.actuator},
           {"outcome", SkillOutcomeWord(end.outcome)},
           {"message", end.message},
           {"progress", end.progress},
-          {"duration_s", end.duration_s ? Json(*end.duration_s) : Json()},
+          {"duration_s", end.duration_s ? OrderedJson(*end.duration_s) : OrderedJson()},
           {"goal_id", Known(end.goal_id)}};
 }
 
@@ -38,11 +38,11 @@ const char* SkillStatusName(std::uint8_t status) {
 }  // namespace
 
 std::string SkillsJson(const std::vector<msg::SkillOffers>& all) {
-  Json actuators = Json::object();
+  OrderedJson actuators = OrderedJson::object();
   for (const msg::SkillOffers& of : all) {
-    Json skills = Json::array();
+    OrderedJson skills = OrderedJson::array();
     for (const msg::SkillOffer& offer : of.skills) {
-      Json parameters = Json::array();
+      OrderedJson parameters = OrderedJson::array();
       for (const std::string& declared : offer.parameters) {
         parameters.push_back({{"key", ParameterName(declared)}, {"declared", declared}});
       }
@@ -59,26 +59,26 @@ std::string SkillEndJson(const SkillEnd& end) {
 }
 
 std::string SkillCancelJson(const std::vector<SkillEnd>& ends) {
-  Json runs = Json::array();
+  OrderedJson runs = OrderedJson::array();
   for (const SkillEnd& end : ends) runs.push_back(OfSkillEnd(end));
   return JsonLine({{"runs", runs}});
 }
 
 std::string SkillPausedJson(const std::vector<SkillPaused>& all) {
-  Json runs = Json::array();
+  OrderedJson runs = OrderedJson::array();
   for (const SkillPaused& one : all) {
     runs.push_back({{"skill", one.skill},
                     {"actuator", one.actuator},
                     {"done", one.done},
-                    {"state", one.done ? Json(one.message) : Json()},
-                    {"message", one.done ? Json() : Json(one.message)}});
+                    {"state", one.done ? OrderedJson(one.message) : OrderedJson()},
+                    {"message", one.done ? OrderedJson() : OrderedJson(one.message)}});
   }
   return JsonLine({{"runs", runs}});
 }
 
 std::string SkillFeedbackJson(const msg::SkillFeedback& feedback, std::int64_t wall_ns) {
-  Json details = Json::object();
-  Json requested_by;
+  OrderedJson details = OrderedJson::object();
+  OrderedJson requested_by;
   for (const msg::SkillDetail& detail : feedback.details) {
     (detail.key == "requested_by" ? requested_by : details[detail.key]) = detail.value;
   }

@@ -69,7 +69,7 @@ std::string PlanFinishText(const PlanFinish& finish) {
 }
 
 std::string PlanFinishJson(const PlanFinish& finish, const PlanReport& report) {
-  Json robots = Json::array();
+  OrderedJson robots = OrderedJson::array();
   for (const PlanMember& member : report.members()) {
     robots.push_back({{"step", member.step},
                       {"robot", member.robot},
@@ -79,13 +79,14 @@ std::string PlanFinishJson(const PlanFinish& finish, const PlanReport& report) {
                       {"progress", member.report.progress},
                       {"goal_id", Known(member.goal_id)}});
   }
-  return JsonLine({{"outcome", SkillOutcomeWord(finish.outcome)},
-                   {"message", finish.message},
-                   {"step", report.step()},
-                   {"steps", report.steps()},
-                   {"duration_s", finish.duration_s ? Json(*finish.duration_s) : Json()},
-                   {"goal_id", Known(finish.goal_id)},
-                   {"skills", robots}});
+  return JsonLine(
+      {{"outcome", SkillOutcomeWord(finish.outcome)},
+       {"message", finish.message},
+       {"step", report.step()},
+       {"steps", report.steps()},
+       {"duration_s", finish.duration_s ? OrderedJson(*finish.duration_s) : OrderedJson()},
+       {"goal_id", Known(finish.goal_id)},
+       {"skills", robots}});
 }
 
 }  // namespace musher::cli

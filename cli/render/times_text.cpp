@@ -64,11 +64,11 @@ std::string TimesText(const std::vector<LearnedTime>& rows, const MachineConfig&
 
 std::string TimesJson(const std::vector<LearnedTime>& rows) {
   const auto or_null = [](const std::optional<double>& number) {
-    return number ? Json(*number) : Json();
+    return number ? OrderedJson(*number) : OrderedJson();
   };
-  Json all = Json::array();
+  OrderedJson all = OrderedJson::array();
   for (const LearnedTime& row : rows) {
-    Json drift;
+    OrderedJson drift;
     if (row.drift) {
       drift = {{"factor", row.drift->factor}, {"since", UtcText(row.drift->since_wall_ns)}};
     }

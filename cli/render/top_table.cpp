@@ -155,8 +155,8 @@ std::string TopFrame(const std::string& text) {
 }
 
 std::string TopJson(const TopView& view) {
-  Json rows = Json::array();
-  const auto maybe = [](const auto& value) { return value ? Json(*value) : Json(); };
+  OrderedJson rows = OrderedJson::array();
+  const auto maybe = [](const auto& value) { return value ? OrderedJson(*value) : OrderedJson(); };
   for (const TopRow& row : view.rows) {
     rows.push_back({{"actuator", row.name == kControllerRow ? "controller" : row.name},
                     {"state", Known(row.state)},

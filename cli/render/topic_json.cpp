@@ -18,7 +18,7 @@ std::string RosTypeName(const std::string& dds_type) {
 }  // namespace
 
 std::string TopicsJson(const std::vector<view::ListedTopic>& topics) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (const view::ListedTopic& topic : topics) {
     list.push_back({{"topic", topic.name},
                     {"type", topic.type},
@@ -29,8 +29,8 @@ std::string TopicsJson(const std::vector<view::ListedTopic>& topics) {
 }
 
 std::string TopicInfoJson(const std::string& topic, const std::vector<TopicEnd>& ends) {
-  Json writers = Json::array();
-  Json readers = Json::array();
+  OrderedJson writers = OrderedJson::array();
+  OrderedJson readers = OrderedJson::array();
   for (const TopicEnd& end : ends) {
     const bool reliable = end.endpoint.reliability == transport::Qos::Reliability::kReliable;
     const bool latched = end.endpoint.durability == transport::Qos::Durability::kTransientLocal;
@@ -51,13 +51,13 @@ std::string SampleJson(const std::string& topic, const std::string& type, std::i
   return JsonLine({{"time", UtcText(wall_ns)},
                    {"topic", topic},
                    {"type", RosTypeName(type)},
-                   {"sample", Json::parse(message_json, nullptr, false)}});
+                   {"sample", OrderedJson::parse(message_json, nullptr, false)}});
 }
 
 std::string RateJson(const std::string& topic, const SampleRate& rate) {
-  Json json = {{"topic", topic},   {"samples", rate.all()}, {"rate_hz", nullptr},
-               {"min_s", nullptr}, {"max_s", nullptr},      {"stddev_s", nullptr},
-               {"window", nullptr}};
+  OrderedJson json = {{"topic", topic},   {"samples", rate.all()}, {"rate_hz", nullptr},
+                      {"min_s", nullptr}, {"max_s", nullptr},      {"stddev_s", nullptr},
+                      {"window", nullptr}};
   if (const auto report = rate.Now()) {
     json["rate_hz"] = report->rate_hz;
     json["min_s"] = report->min_s;

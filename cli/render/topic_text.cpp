@@ -63,22 +63,22 @@ bool IsPlainYaml(const std::string& text) {
 }
 
 // Texts that YAML would read as something else are in quotes.
-std::string YamlScalar(const Json& value) {
+std::string YamlScalar(const OrderedJson& value) {
   if (value.is_string() && IsPlainYaml(value.get_ref<const std::string&>())) {
     return value.get<std::string>();
   }
   return Printable(JsonLine(value));
 }
 
-bool IsFlatYaml(const Json& value) {
+bool IsFlatYaml(const OrderedJson& value) {
   return !value.is_structured() || value.empty();
 }
 
 // A list of scalars: on one line.
-std::string YamlList(const Json& list, bool whole) {
+std::string YamlList(const OrderedJson& list, bool whole) {
   std::string text;
   std::size_t shown = 0;
-  for (const Json& element : list) {
+  for (const OrderedJson& element : list) {
     if (!whole && shown == kMostListed) {
       text += fmt::format(", ... {} in all", list.size());
       break;
@@ -88,19 +88,19 @@ std::string YamlList(const Json& list, bool whole) {
   return "[" + text + "]";
 }
 
-std::string YamlBlock(const Json& value, std::size_t depth, bool whole);
+std::string YamlBlock(const OrderedJson& value, std::size_t depth, bool whole);
 
 // Behind "name:", or behind the "-" of a list.
-std::string YamlValue(const Json& value, std::size_t depth, bool whole) {
+std::string YamlValue(const OrderedJson& value, std::size_t depth, bool whole) {
   if (IsFlatYaml(value)) return " " + YamlScalar(value) + "\n";
   const bool flat_list =
       value.is_array() &&
-      std::all_of(value.begin(), value.end(), [](const Json& e) { return IsFlatYaml(e); });
+      std::all_of(value.begin(), value.end(), [](const OrderedJson& e) { return IsFlatYaml(e); });
   if (flat_list) return " " + YamlList(value, whole) + "\n";
   return "\n" + YamlBlock(value, depth, whole);
 }
 
-std::string YamlBlock(const Json& value, std::size_t depth, bool whole) {
+std::string YamlBlock(const OrderedJson& value, std::size_t depth, bool whole) {
   std::string text;
   if (value.is_object()) {
     for (const auto& [name, member] : value.items()) {
@@ -109,7 +109,7 @@ std::string YamlBlock(const Json& value, std::size_t depth, bool whole) {
     return text;
   }
   std::size_t shown = 0;
-  for (const Json& element : value) {
+  for (const OrderedJson& element : value) {
     if (!whole && shown++ == kMostListed) {
       return text + YamlIndent(depth) + fmt::format("... {} in all\n", value.size());
     }
@@ -183,7 +183,7 @@ std::string TopicInfoText(const std::string& topic, const std::vector<TopicEnd>&
 }
 
 std::string SampleText(std::string_view message_json, bool whole) {
-  const Json message = Json::parse(message_json, nullptr, false);
+  const OrderedJson message = OrderedJson::parse(message_json, nullptr, false);
   return message.is_object() && !message.empty() ? YamlBlock(message, 0, whole) : "{}\n";
 }
 

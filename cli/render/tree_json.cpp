@@ -7,23 +7,26 @@
 namespace musher::cli {
 namespace {
 
-Json PlaceOf(const msg::TreeNode& node) {
-  return {{"name", node.name},        {"type", node.type},
-          {"kind", node.kind},        {"parent", node.parent < 0 ? Json() : Json(node.parent)},
-          {"file", Known(node.file)}, {"line", Known(node.line)}};
+OrderedJson PlaceOf(const msg::TreeNode& node) {
+  return {{"name", node.name},
+          {"type", node.type},
+          {"kind", node.kind},
+          {"parent", node.parent < 0 ? OrderedJson() : OrderedJson(node.parent)},
+          {"file", Known(node.file)},
+          {"line", Known(node.line)}};
 }
 
-Json TreeOf(const std::string& name, const msg::GetTree::Response& report) {
-  Json nodes = Json::array();
+OrderedJson TreeOf(const std::string& name, const msg::GetTree::Response& report) {
+  OrderedJson nodes = OrderedJson::array();
   for (std::size_t id = 0; id < report.nodes.size(); ++id) {
     const msg::TreeNode& node = report.nodes[id];
-    Json json = PlaceOf(node);
+    OrderedJson json = PlaceOf(node);
     json["status"] = TreeStatusName(StatusOf(report.state, id));
     json["spent_s"] = node.spent_s;
     json["runs"] = node.runs;
     nodes.push_back(std::move(json));
   }
-  Json changes = Json::array();
+  OrderedJson changes = OrderedJson::array();
   for (const msg::TreeChange& change : report.history) {
     changes.push_back({{"time_s", change.time_s},
                        {"node", change.node},
@@ -31,7 +34,7 @@ Json TreeOf(const std::string& name, const msg::GetTree::Response& report) {
                        {"from", TreeStatusName(change.from)},
                        {"to", TreeStatusName(change.to)}});
   }
-  Json entries = Json::array();
+  OrderedJson entries = OrderedJson::array();
   for (const msg::TreeEntry& entry : report.entries) {
     entries.push_back(
         {{"board", entry.board}, {"key", entry.key}, {"type", entry.type}, {"value", entry.value}});
@@ -56,7 +59,7 @@ std::string TreeJson(const std::string& name, const msg::GetTree::Response& repo
 }
 
 std::string RecordedTreeJson(const std::string& name, const RecordedMoment& moment) {
-  Json json = TreeOf(name, moment.report);
+  OrderedJson json = TreeOf(name, moment.report);
   json.erase("ticks");  // which are not recorded
   json["number"] = moment.number;
   json["trees"] = moment.trees;
@@ -68,10 +71,10 @@ std::string RecordedTreeJson(const std::string& name, const RecordedMoment& mome
 }
 
 std::string FileTreeJson(const std::vector<FileNode>& nodes) {
-  Json all = Json::array();
+  OrderedJson all = OrderedJson::array();
   for (const FileNode& one : nodes) {
-    Json json = PlaceOf(one.node);
-    json["attributes"] = Json::object();
+    OrderedJson json = PlaceOf(one.node);
+    json["attributes"] = OrderedJson::object();
     for (const auto& [name, value] : one.attributes) json["attributes"][name] = value;
     all.push_back(std::move(json));
   }
