@@ -150,6 +150,8 @@ class SmallDisk : public Disk {
  protected:
   void SetUp() override {
     before_ = UniqueFd(open("/proc/thread-self/ns/mnt", O_RDONLY | O_CLOEXEC));
+    root_ = UniqueFd(open("/", O_PATH | O_CLOEXEC));
+    place_ = UniqueFd(open(".", O_PATH | O_CLOEXEC));
     if (geteuid() != 0 || unshare(CLONE_NEWNS) != 0) {
       GTEST_SKIP() << "no mount namespace here: " << std::strerror(errno);
     }
@@ -163,7 +165,10 @@ class SmallDisk : public Disk {
     KillChildren();
     if (!entered_) return;
     umount2(state_.c_str(), MNT_DETACH);
-    setns(before_.get(), CLONE_NEWNS);
+    // It leads to the root of the namespace, also where this process has another one (chroot).
+    const bool back = setns(before_.get(), CLONE_NEWNS) == 0 && fchdir(root_.get()) == 0 &&
+                      chroot(".") == 0 && fchdir(place_.get()) == 0;
+    EXPECT_TRUE(back) << std::strerror(errno);
   }
 
   void Fill() const {
@@ -209,6 +214,8 @@ class SmallDisk : public Disk {
   }
 
   UniqueFd before_;
+  UniqueFd root_;
+  UniqueFd place_;
   bool entered_ = false;
 };
 
