@@ -274,6 +274,13 @@ std::string PidsText(const Publishers& publishers) {
   return pids;
 }
 
+// Their processes publish the stop for a minute.
+std::string StaysPublished(const Publishers& publishers) {
+  for (DetachedPublisher* one : publishers) one->Begin();
+  const std::string pids = PidsText(publishers);
+  return pids.empty() ? "" : "; the stop stays published for a minute (pid " + pids + ")";
+}
+
 // Prints why the stop is not complete. It stays published for a minute, unless it was released.
 ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatch& latch,
                      const Publishers& publishers, Console& console) {
@@ -282,9 +289,7 @@ ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatc
     for (DetachedPublisher* one : publishers) one->Cancel();
     kept = "; it was released meanwhile";
   } else {
-    for (DetachedPublisher* one : publishers) one->Begin();
-    const std::string pids = PidsText(publishers);
-    if (!pids.empty()) kept = "; the stop stays published for a minute (pid " + pids + ")";
+    kept = StaysPublished(publishers);
   }
   if (!report.found()) {
     Failure failure = link.NotFound("controller or actuator");
@@ -376,9 +381,10 @@ class Attempt {
   // one, and the network cannot be joined, or the stop is not confirmed within twice the time for
   // discovery; its process publishes on.
   std::optional<ExitCode> Run(const Part& part, Console& console) {
-    const auto fail = [&](const Error& error) {
+    const auto fail = [&](const Error& error) -> std::optional<ExitCode> {
       detached_.Begin();
-      return part.last ? std::optional(console.Fail(error)) : std::nullopt;
+      if (!part.last) return std::nullopt;
+      return part.best.found() ? FailAfterOthers(error, part, console) : console.Fail(error);
     };
     const auto link = Link::OpenAtOnce(global_, &console, network_);
     if (!link) return fail(link.error());
@@ -418,6 +424,17 @@ class Attempt {
   DetachedPublisher& publisher() { return detached_; }
 
  private:
+  // Earlier ones have found the machine.
+  ExitCode FailAfterOthers(const Error& error, const Part& part, Console& console) {
+    console.Print(console.mode().json ? EstopJson(part.best)
+                                      : EstopText(part.best, console.mode().colour));
+    Publishers publishers = part.earlier;
+    publishers.push_back(&detached_);
+    const std::string why = part.best.complete() ? "" : EstopError(part.best) + "; ";
+    console.PrintError(why + error.message + StaysPublished(publishers));
+    return ExitCode::kNotDone;
+  }
+
   ExitCode Conclude(EstopReport report, const Part& part, const Link& link, const StopLatch& latch,
                     Console& console) {
     // An actuator that has confirmed an earlier attempt stays stopped.
@@ -478,11 +495,12 @@ class Series {
     if (global_.timeout) {
       const Duration left = begun_ + *global_.timeout - std::chrono::steady_clock::now();
       part.limit = left / static_cast<Duration::rep>(more + 1);
+      // On most hosts it is the only one that is needed.
+      const Duration discovery = global_.keys.empty() ? Link::kDiscovery : Link::kSecuredDiscovery;
+      if (attempts_.empty()) part.limit = std::max(*part.limit, std::min(left, discovery));
     }
     if (const Attempt* const best = Best()) part.best = best->report();
-    for (const auto& earlier : attempts_) {
-      if (earlier->joined()) part.earlier.push_back(&earlier->publisher());
-    }
+    for (const auto& earlier : attempts_) part.earlier.push_back(&earlier->publisher());
     attempts_.push_back(std::make_unique<Attempt>(stop_, found_, global_, network));
     const auto exit = attempts_.back()->Run(part, console_);
     if (exit != ExitCode::kDone) return exit;

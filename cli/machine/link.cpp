@@ -76,8 +76,9 @@ Result<> Link::Join() {
   if (node_) return Ok();
   auto joined = JoinBy({});
   if (!joined && SeparateNetworks(global_).empty()) return joined;
+  if (const auto domain = transport::DomainId({}); !domain) return domain.error();
   const bool here = global_.machine.empty() && NameLock::IsHeld(ControllerName());
-  return here ? Ok() : JoinByEachNetwork();
+  return here ? joined : JoinByEachNetwork();
 }
 
 // By one after the other, until a machine answers that may be meant; by all if none does. One that

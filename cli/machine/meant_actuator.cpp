@@ -61,9 +61,9 @@ Result<std::unique_ptr<MeantActuator>> MeantActuator::Begin(Link& link,
 }
 
 std::optional<Failure> MeantActuator::Check(const std::string& actuator) {
-  if (!std::exchange(others_had_time_, true)) {
-    const auto found = [&] { return !OfName(actuator).empty(); };
-    if (statuses_) link_.RunUntil(found, link_.discovery());
+  const bool awaited = !had_time_.insert(actuator).second;
+  if (!awaited && statuses_) link_.RunUntil([&] { return IsKnown(actuator); }, link_.discovery());
+  if (had_time_.size() == 1 && !awaited) {
     link_.RunUntil([] { return false; }, kOthersAnswerWithin);
   }
   if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
@@ -94,6 +94,24 @@ std::optional<Failure> MeantActuator::Check(const std::string& actuator) {
       {kCodeNetError, "the machine of this host, " + MachineText(*here) +
                           ", has no running actuator " + actuator + where + machines +
                           ". Nothing was done; --machine NAME speaks to another machine"}};
+}
+
+std::optional<Failure> MeantActuator::CheckTogether(
+    const std::vector<std::string>& actuators) const {
+  Statuses all;
+  for (const std::string& actuator : actuators) {
+    const Statuses found = OfName(actuator);
+    all.insert(all.end(), found.begin(), found.end());
+  }
+  if (!global_.machine.empty() || AreOfOneMachine(all)) return std::nullopt;
+  return Failure{ExitCode::kUsage,
+                 {kCodeTargetBusy,
+                  "several machines have it in " + NamespaceText(global_.name_space) + ": " +
+                      MachinesText(all) + ". Nothing was done; --machine NAME means one of them"}};
+}
+
+bool MeantActuator::IsKnown(const std::string& actuator) const {
+  return !OfName(actuator).empty();
 }
 
 bool MeantActuator::IsOfAnother(const std::string& actuator) const {

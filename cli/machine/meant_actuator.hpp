@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,11 @@ class MeantActuator {
   // first call runs the loop until that actuator is discovered, at most for link.discovery(), and
   // until others have had time for it, too.
   std::optional<Failure> Check(const std::string& actuator);
+  // Why no request may be sent to all of these, each of which is meant: they are of several
+  // machines.
+  std::optional<Failure> CheckTogether(const std::vector<std::string>& actuators) const;
+  // Whether a status of an actuator of that name was received.
+  bool IsKnown(const std::string& actuator) const;
   // Whether each known actuator of that name is of another machine than --machine means.
   bool IsOfAnother(const std::string& actuator) const;
 
@@ -42,7 +48,7 @@ class MeantActuator {
 
   Link& link_;
   const GlobalOptions& global_;
-  bool others_had_time_ = false;
+  std::set<std::string> had_time_;                              // to be discovered
   std::map<transport::EndpointId, msg::ActuatorStatus> known_;  // by their writer
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };

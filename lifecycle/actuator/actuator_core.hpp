@@ -27,8 +27,9 @@
 //   - What a stop has switched off stays off after the release, until a callback that does not
 //     lead down succeeds without a stop: until then the actuator is held by the stop, and a
 //     command to its present state runs the callback.
-//   - A release names the last command before it: no command up to that one switches on, as one
-//     that was late or is repeated.
+//   - A release names the last command of its controller before it: no command up to that one
+//     switches on, as one that was late or is repeated. One that a successor repeats names none,
+//     since it may be older than what the controller before has requested.
 //   - With [safety] permit_ms an actuator above DeActive, or on the way there, latches a stop of
 //     its own when no permit arrives in time. A permit that is late or repeated, compared with the
 //     others of its sender, counts for nothing. In a process that has just started a command waits

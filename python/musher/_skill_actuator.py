@@ -159,6 +159,7 @@ class SkillActuator(Actuator):
     def _make(self) -> None:
         try:
             self._manager = SkillManager(self.make_robot(), self.skills, lambda: self._now_s)
+            self._manager.on_removal = lambda skill: self._publish()
         except SkillError as error:
             raise Failure(_FAILED, str(error)) from None
         if not self._manager.skills:

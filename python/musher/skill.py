@@ -145,6 +145,8 @@ class SkillManager:
         self.skill_errors: Dict[str, str] = {}
         #: Called with the skill, its state before, and the new one.
         self.on_state_changed: Callable[[str, Optional[str], Optional[str]], None] = lambda skill, old, new: None
+        #: Called with a skill before its run is removed, by a new start or a reset: its end is not known later.
+        self.on_removal: Callable[[str], None] = lambda skill: None
         self._clock = clock
         self._chosen = None if skills is None else list(skills)
         for chosen in self._chosen or ():
@@ -198,7 +200,7 @@ class SkillManager:
         if skill in self.running():
             raise SkillError(f"{skill} is running already")
         self._check_free(found)
-        self.skill_errors.pop(skill, None)
+        self._remove(skill)
         self._runs[skill] = _Run(found, given, found.timeout_s if timeout is None else timeout)
 
     def step(self, skill: str) -> Feedback:
@@ -301,6 +303,11 @@ class SkillManager:
         run = self._runs.get(skill)
         if run is not None and run.feedback["status"] == PROCESSING:
             self._end(run, CANCELLED, "it is reset")
+        self._remove(skill)
+
+    def _remove(self, skill: str) -> None:
+        if skill in self._runs:
+            self.on_removal(skill)
         self._runs.pop(skill, None)
         self.skill_errors.pop(skill, None)
 

@@ -29,6 +29,12 @@ PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
   options.name_space = name_space;
   options.hidden = name.empty();
   if (!interface.empty()) {
+    const auto profile = transport::Profile({});
+    if (profile && profile.value() != TransportProfile::kLan) {
+      Raise("Failure", {kCodeParametersInvalid, "interface " + interface +
+                                                    " has no effect: the profile is local; set "
+                                                    "MUSHER_TRANSPORT=lan"});
+    }
     options.interfaces = {interface};
     options.own_networks_only = true;
   }

@@ -196,6 +196,22 @@ TEST_F(SkillCommand, PausesResumesAndCancelsASkillOfTheMachineThatIsNamedAlone) 
   EXPECT_EQ(on_dog.Wait().exit, 0);
 }
 
+// Each name was that of one machine, and so both robots went on.
+TEST_F(SkillCommand, ResumesNothingWhereTwoMachinesHaveTheSkillAndNoneIsNamed) {
+  FakeSkills of_dog("nav", "", kDog);
+  FakeSkills of_cat("arm_nav", "", kCat);
+  Process on_dog({kMusher, "skill", "run", "wait", "--actuator", "nav"});
+  ASSERT_NE(on_dog.LineWith("10 %  Skill wait started"), "");
+  for (const std::string command : {"pause", "resume", "cancel"}) {
+    const Ran ran = RunProgram({"skill", command, "wait"});
+    EXPECT_EQ(ran.exit, 2) << command << ran.out;
+    EXPECT_THAT(ran.err, AllOf(HasSubstr("dog (id d0900000)"), HasSubstr("cat (id cafe0000)"),
+                               HasSubstr("Nothing was done; --machine NAME means one of them")));
+  }
+  of_dog.Finish();
+  EXPECT_EQ(on_dog.Wait().exit, 0);
+}
+
 TEST_F(SkillCommand, CancelsNothingWhereTheActuatorsOfTwoMachinesWouldReceiveIt) {
   const FakeSkills of_dog("arm", "", kDog);
   const FakeSkills of_cat("arm", "", kCat);

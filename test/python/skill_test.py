@@ -65,6 +65,19 @@ class AManager(unittest.TestCase):
         self.drone = Drone()
         self.skills = SkillManager(self.drone, clock=lambda: self.now)
 
+    def test_a_run_is_reported_before_it_is_removed(self):
+        """The goal of such a run never ended."""
+        manager = SkillManager(Drone(), ["walk"])
+        removed = []
+        manager.on_removal = lambda skill: removed.append((skill, manager.feedback_of(skill)["status"]))
+        manager.start("walk", {"to": "a"})
+        manager.reset_skill("walk")
+        manager.start("walk", {"to": "b"})
+        manager.cancel_skill("walk", "by its client")
+        manager.step("walk")
+        manager.start("walk", {"to": "c"})
+        self.assertEqual(removed, [("walk", "cancelled"), ("walk", "cancelled")])
+
     def step(self, skill="take_off", **parameters):
         self.now += 0.1
         self.drone.height += 0.1 * self.drone.climb

@@ -165,10 +165,10 @@ TEST(InjectionText, HasAValueForEachNameOfEachKind) {
   MachineConfig config;
   config.actuators.resize(1);
   config.actuators[0].name = "audio";
-  for (std::size_t kind = 0; kind < kInjectionKinds; ++kind) {
-    Injection injection;
-    injection.kind = static_cast<InjectionKind>(kind);
-    const std::string text = Describe(config, injection);
+  for (std::size_t kind = 0; kind < simulation::kInjectionKinds; ++kind) {
+    simulation::Injection injection;
+    injection.kind = static_cast<simulation::InjectionKind>(kind);
+    const std::string text = simulation::Describe(config, injection);
     EXPECT_FALSE(text.empty()) << kind;
     EXPECT_EQ(text.find_first_of("{}"), std::string::npos) << text;
   }

@@ -19,17 +19,23 @@ AskedRuns AskRunsOf(Link& link, const GlobalOptions& global, const std::string& 
   if (auto failure = offers.value()->Await(actuator)) return {false, std::move(failure)};
   const auto found = FindSkill(offers.value()->all(), skill, actuator);
   if (!found) return {false, Failure{ExitCode::kNotDone, found.error()}};
+  // Nothing is sent before it is known that all of it reaches the machine that is meant.
   AskedRuns asked;
+  std::vector<OfferedSkill> of_machine;
   std::vector<std::string> actuators;
   std::optional<Failure> of_another;
   for (const OfferedSkill& one : found.value()) {
     if (auto refused = meant.value()->Check(one.actuator)) {
-      // Without --actuator the skill is meant on the actuators of the machine that is meant.
-      if (refused->exit != ExitCode::kNoController) return {asked.any, std::move(refused)};
-      of_another = std::move(refused);
+      if (refused->exit != ExitCode::kNoController) return {false, std::move(refused)};
+      const bool known = meant.value()->IsKnown(one.actuator);
+      (known ? of_another : asked.failure) = std::move(refused);
       continue;
     }
+    of_machine.push_back(one);
     actuators.push_back(one.actuator);
+  }
+  if (auto refused = meant.value()->CheckTogether(actuators)) return {false, std::move(refused)};
+  for (const OfferedSkill& one : of_machine) {
     AskedRun answer = ask(one);
     if (auto* failure = std::get_if<Failure>(&answer)) {
       asked.failure = std::move(*failure);
