@@ -196,7 +196,7 @@ TEST_F(SkillCommand, PausesResumesAndCancelsASkillOfTheMachineThatIsNamedAlone) 
   EXPECT_EQ(on_dog.Wait().exit, 0);
 }
 
-// Each name was that of one machine, and so both robots went on.
+// Each of the two names has one machine, so both robots went on.
 TEST_F(SkillCommand, ResumesNothingWhereTwoMachinesHaveTheSkillAndNoneIsNamed) {
   FakeSkills of_dog("nav", "", kDog);
   FakeSkills of_cat("arm_nav", "", kCat);

@@ -97,7 +97,7 @@ std::vector<std::string> WrongVariables(const SourceFile& page,
 std::vector<std::string> WrongTopicsAndServices(const SourceFile& page,
                                                 const std::vector<SourceFile>& tree) {
   static const std::regex topic(R"re(ResolveName\(name_space, "musher/(\w+)"\))re");
-  static const std::regex service(R"re(\bopen\(\w+, "(\w+)")re");
+  static const std::regex service(R"re(\bServe\(\w+, "(\w+)")re");
   static const std::regex row(R"(\n\| (?:topic|service) `(musher/)?([^`]+)`[^|]*\| `([^`]+)`)");
   std::set<std::string> in_code;
   std::string idl;

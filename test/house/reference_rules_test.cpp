@@ -51,7 +51,7 @@ TEST(ReferenceRules, ReportATopicOrServiceThatIsUnlistedOrRemovedOrOfAnUnknownTy
   const std::vector<SourceFile> tree = {
       {"wire/names.cpp",
        "ResolveName(name_space, \"musher/beat\"); ResolveName(name_space, \"musher/new\");"},
-      {"controller/shell/services.cpp", "open(get_plan_, \"get_plan\","},
+      {"controller/shell/services.cpp", "Serve(get_plan_, \"get_plan\","},
       {"messages/musher_msgs/a.idl", "struct Beat_ {\n};\nstruct GetPlan_Request_ {\n};\n"}};
   EXPECT_THAT(WrongTopicsAndServices(page, tree),
               ElementsAre("there is no type musher_msgs/msg/Old",
