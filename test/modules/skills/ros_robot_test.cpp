@@ -562,6 +562,23 @@ TEST_F(ARosRobot, CancelsTheDriveThatACrashedProcessHasLeft) {
   EXPECT_EQ(peers_->cancels, 1);
 }
 
+TEST_F(ARosRobot, IsNotDrivenByAControllerThatHasCrashedInADriveAndStartsAgain) {
+  const std::unique_ptr<transport::Node> desk = network_.MakeNode("desk");
+  const auto client =
+      Must(transport::MakeActionClient<msg::FollowPath>(*desk, "dog/r/follow_path"));
+  Run(500);
+  client->SendGoal({}, Milliseconds(1000), {});
+  Run(300);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  EXPECT_TRUE(robot_.Drives());
+  network_.Crash(*world_);
+  const std::unique_ptr<transport::Node> node = network_.MakeNode("world");
+  const Peers restarted(*node);
+  for (int i = 0; i < 60 && robot_.Drives(); ++i) Run(500);
+  EXPECT_TRUE(robot_.HasController());
+  EXPECT_FALSE(robot_.Drives());
+}
+
 TEST_F(ARosRobot, StandsAndCancelsItsDrivesAtRest) {
   robot_.SetVelocity({0.5, 0, 0, 0});
   const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
