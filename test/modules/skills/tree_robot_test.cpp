@@ -495,3 +495,26 @@ TEST_F(ANav2Tree, DoesNotMoveAFlyer) {
 }
 
 }  // namespace musher::tree_robot_test
+TEST_F(ANav2Tree, FailsAMotionThatLeavesItsWayAndOneWhosePoseJumps) {
+  Make(
+      "<BackUp backup_dist=\"0.5\" backup_speed=\"0.05\" time_allowance=\"30\" "
+      "error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  char letter = 'R';
+  for (int i = 0; i < 50 && letter == 'R'; ++i) {
+    robot.at.at.y_m += 0.05;
+    letter = Run(0.1);
+  }
+  EXPECT_EQ(letter, 'F');
+  EXPECT_EQ(Entry<int>("code"), 710);
+  EXPECT_EQ(Entry<std::string>("why"),
+            "it has left its way: it is 1.0 m from its begin, 1.0 m to the side");
+  robot.at = {};
+  Make(
+      "<DriveOnHeading dist_to_travel=\"5\" speed=\"0.1\" time_allowance=\"90\" "
+      "error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  EXPECT_EQ(Run(1), 'R');
+  robot.at.at.x_m += 2;
+  EXPECT_EQ(Run(0.2), 'F');
+  EXPECT_EQ(Entry<int>("code"), 722);
+  EXPECT_EQ(Entry<std::string>("why"), "its pose has jumped");
+}
