@@ -132,7 +132,10 @@ std::unique_ptr<Drive> Navigator::FollowPath(const navigation::Path& path) {
 }
 
 Navigator::~Navigator() {
-  for (const auto& goal : drives_) goal->navigator = nullptr;
+  for (const auto& goal : drives_) {
+    goal->navigator = nullptr;
+    goal->source.Set(Error{kCodeNetError, "the robot's topics are closed"});
+  }
 }
 
 // A goal that is not accepted yet is cancelled once it is: its server does not know it before.

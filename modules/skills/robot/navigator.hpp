@@ -34,7 +34,7 @@ class Navigator {
         stamp_(std::move(stamp)),
         in_map_(std::move(in_map)) {}
 
-  ~Navigator();  // ends nothing: see CancelAll()
+  ~Navigator();  // cancels nothing, see CancelAll(); its drives fail
   Navigator(const Navigator&) = delete;
   Navigator& operator=(const Navigator&) = delete;
 

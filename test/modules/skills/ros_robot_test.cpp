@@ -601,6 +601,7 @@ TEST_F(ARosRobot, StandsWhenItsTopicsAreClosed) {
   EXPECT_EQ(peers_->cancels, 1);
   robot_.SetVelocity({0.5, 0, 0, 0});  // goes nowhere
   drive->Cancel();
+  EXPECT_TRUE(drive->end().done()) << "what waits for its end goes on";
   EXPECT_FALSE(robot_.HasPlanner());
   EXPECT_THAT(ResultOf(robot_.TakePicture("front")).error().message, HasSubstr("not open"));
 }
