@@ -358,12 +358,6 @@ bool Handover::GoesOn(const navigation::Path& path) const {
          Apart(robot_, pose->at, ended_at_->at) <= kSamePlaceM;
 }
 
-void TreeRobot::CancelEarlierDrives() {
-  if (begun_ || !robot_.HasController()) return;
-  begun_ = true;
-  robot_.CancelEarlierDrives();
-}
-
 std::optional<tree::nav2::Pose> TreeRobot::pose() const {
   const std::optional<navigation::Pose> pose = robot_.pose();
   if (!pose || !navigation::IsFinite(*pose)) return std::nullopt;
@@ -391,7 +385,6 @@ double TreeRobot::most_drive_m_s() const {
 std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
     const tree::nav2::Pose& goal, const std::optional<tree::nav2::Pose>& start,
     const std::string& /*planner*/) {
-  CancelEarlierDrives();
   std::optional<navigation::Pose> from;
   if (start) from = FromTree(*start);
   const navigation::Pose to = FromTree(goal);
@@ -402,14 +395,12 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::FollowPath(const tree::nav2::Path& path,
                                                         const std::string& /*controller*/) {
-  begun_ = begun_ || robot_.HasController();  // it replaces them
   navigation::Path poses;
   for (const tree::nav2::Pose& pose : path.poses) poses.push_back(FromTree(pose));
   return std::make_unique<DriveTask>(robot_, handover_, std::move(poses));
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration limit) {
-  CancelEarlierDrives();
   return std::make_unique<MotionTask>(
       robot_, handover_, RecoveryKind::kSpin,
       Recovery::Amount{.turn_rad = angle_rad, .longest = LimitIn(limit)});
@@ -417,7 +408,6 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration lim
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Drive(double distance_m, double speed_m_s,
                                                    Duration limit) {
-  CancelEarlierDrives();
   return std::make_unique<MotionTask>(
       robot_, handover_, RecoveryKind::kBackUp,
       Recovery::Amount{.ahead_m = distance_m, .speed_m_s = speed_m_s, .longest = LimitIn(limit)});

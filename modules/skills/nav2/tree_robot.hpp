@@ -18,8 +18,8 @@
 // path again after a drive along it that has not arrived, and the robot is within 1 m of where that
 // drive has ended, what it has passed of the path is left out.
 //
-// The drives that a process before this one has left behind are cancelled in the constructor, or
-// with the first task if the controller can not be reached yet.
+// The drives that the controller has begun before the constructor, by its clock, are cancelled once
+// it can be reached: a process before this one has left them behind.
 //
 // Frames and units of robot.hpp.
 //
@@ -80,7 +80,7 @@ class TreeRobot : public tree::nav2::Robot {
  public:
   // The robot must outlive it; it must outlive the trees.
   explicit TreeRobot(skills::Robot& robot) : robot_(robot), handover_(robot) {
-    CancelEarlierDrives();
+    robot_.CancelEarlierDrives();
   }
 
   // The goal that has come last on the topic of GoalUpdater, if the program subscribes to it.
@@ -108,11 +108,8 @@ class TreeRobot : public tree::nav2::Robot {
   std::unique_ptr<tree::nav2::Task> ClearCostmap(const std::string& service) override;
 
  private:
-  void CancelEarlierDrives();
-
   skills::Robot& robot_;
   Handover handover_;
-  bool begun_ = false;  // the drives of a process before are cancelled, or replaced
   std::optional<tree::nav2::Pose> goal_update_;
 };
 

@@ -562,6 +562,32 @@ TEST_F(ARosRobot, CancelsTheDriveThatACrashedProcessHasLeft) {
   EXPECT_EQ(peers_->cancels, 1);
 }
 
+TEST_F(ARosRobot, CancelsAnEarlierDriveOnceItReachesTheControllerAndNoLaterOne) {
+  const auto earlier = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  Run(100);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  network_.Crash(*body_);
+  const std::unique_ptr<transport::Node> node = network_.MakeNode("robot");
+  transport::Endpoints endpoints(*node, "dog");
+  RosRobot next(ConfigOfR());
+  next.CancelEarlierDrives();  // before its topics are open
+  next.Open(endpoints, "dog");
+  const auto run = [&](int ms) {
+    for (; ms > 0; ms -= 10) {
+      Run(10);
+      next.BeginStep(node->loop().Now());
+    }
+  };
+  EXPECT_FALSE(next.HasController());
+  run(1000);
+  EXPECT_EQ(peers_->cancels, 1);
+  const auto later = next.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  run(3000);
+  ASSERT_THAT(peers_->drives, SizeIs(2));
+  EXPECT_EQ(peers_->drives[1].state(), transport::GoalState::kExecuting);
+  EXPECT_EQ(peers_->cancels, 1);
+}
+
 TEST_F(ARosRobot, IsNotDrivenByAControllerThatHasCrashedInADriveAndStartsAgain) {
   const std::unique_ptr<transport::Node> desk = network_.MakeNode("desk");
   const auto client =

@@ -341,6 +341,19 @@ TEST_F(ANav2Tree, CancelsNoDriveOfItsOwnWhereTheControllerComesLate) {
   EXPECT_EQ(Run(9), 'S');
   tree.reset();
 }
+TEST_F(ANav2Tree, CancelsNoDriveThatHasBegunAfterItWhereTheControllerComesLate) {
+  robot.controller_up = false;
+  skills::TreeRobot restarted(robot);
+  robot.controller_up = true;
+  const auto of_another_client = robot.FollowPath({{{0, 0, 0}, 0}, {{3, 0, 0}, 0}});
+  tree::Factory nodes;
+  tree::nav2::AddNodes(nodes, restarted);
+  tree = tree::MakeTree(tree::Main("<ComputePathToPose goal=\"1;0;0\"/>"), nodes);
+  EXPECT_EQ(Run(9), 'S');
+  for (int i = 0; i < 50; ++i) robot.Advance(Milliseconds(100));
+  EXPECT_NEAR(robot.at.at.x_m, 3, 0.01);
+  tree.reset();
+}
 const std::string kFollowTwice =
     "<RetryUntilSuccessful num_attempts=\"2\"><FollowPath path=\"{path}\"/>"
     "</RetryUntilSuccessful>";
