@@ -311,8 +311,16 @@ class TreeActuator::Impl final : public ApplicationImpl {
     if (has_tree()) loaded_.tree->SetTime(now);
   }
 
+  void LogDropped() {
+    const std::uint64_t dropped = has_tree() ? loaded_.tree->dropped_listeners() : 0;
+    if (std::exchange(dropped_, dropped) >= dropped) return;
+    owner_.Log(LogLevel::kWarning, "a listener of tree " + loaded_.tree->name() +
+                                       " has thrown: it gets no more changes, the tree goes on");
+  }
+
   // Without `at_once`: where a node has changed, a program is subscribed, and the last is long ago.
   void Report(bool at_once) {
+    LogDropped();
     if (recording_ != nullptr) recording_->Note(View());
     if (!ticks_.open() || publisher_ == nullptr) return;
     const std::uint64_t changes = has_tree() ? loaded_.tree->changes() : 0;
@@ -341,6 +349,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   msg::TreeState state_;
   Time reported_at_{};
   std::uint64_t reported_changes_ = 0;
+  std::uint64_t dropped_ = 0;  // listeners of the tree
   std::uint32_t revision_ = 0;
   std::uint64_t tick_count_ = 0;
   tree::Status result_ = tree::Status::kIdle;

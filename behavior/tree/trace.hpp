@@ -27,8 +27,8 @@ struct Change {
 };
 
 // Gets every change as it is made, and every reset of a node that has ended, from SUCCESS or
-// FAILURE to IDLE. It must not change the tree. One that throws gets nothing any more: the tree
-// goes on without it.
+// FAILURE to IDLE. It must not change the tree. One that throws gets nothing any more and is
+// counted: the tree goes on without it.
 class ChangeListener {
  public:
   virtual ~ChangeListener() = default;
@@ -72,6 +72,8 @@ class Trace {
 
   // How many there were, also those that the history has forgotten.
   std::uint64_t changes() const { return changes_; }
+  // Listeners that have thrown.
+  std::uint64_t dropped() const { return dropped_; }
   const Recent<Change>& history() const { return history_; }
   const NodeRuns& node(NodeId id) const { return nodes_.at(id); }
 
@@ -84,11 +86,13 @@ class Trace {
         listener->OnChange(change);
       } catch (...) {
         each.reset();
+        ++dropped_;
       }
     }
   }
 
   std::uint64_t changes_ = 0;
+  std::uint64_t dropped_ = 0;
   Recent<Change> history_;
   std::vector<NodeRuns> nodes_;
   std::vector<std::weak_ptr<ChangeListener>> listeners_;

@@ -90,6 +90,8 @@ class Tree {
   // `listener` gets all changes and resets, `hooks` apply, as long as they exist. Attach again
   // when a hook was added. Between two ticks.
   void Listen(const std::shared_ptr<ChangeListener>& listener) { trace_.Listen(listener); }
+  // Those that have thrown, and get nothing any more.
+  std::uint64_t dropped_listeners() const { return trace_.dropped(); }
   void Attach(const std::shared_ptr<Hooks>& hooks);
 
   // Board of the main tree.

@@ -101,8 +101,9 @@ void Builder::WarnOfParallel(NodeId id, std::size_t children) {
   }
 }
 
-// Children that run at the same time and use the same part of the robot. PipelineSequence ticks
-// those before the present one again; where they have ended by then, they do not wait.
+// Children that may run at the same time and use the same part of the robot. Conditions may keep
+// those of a Parallel apart. PipelineSequence ticks those before the present one again; where they
+// have ended by then, they do not wait.
 void Builder::WarnOfShared(NodeId id, const std::vector<NodeId>& children,
                            const std::vector<std::set<std::string>>& uses) {
   const NodeInfo& info = tree_->infos_[id];
@@ -114,10 +115,10 @@ void Builder::WarnOfShared(NodeId id, const std::vector<NodeId>& children,
       const auto [found, added] = first.emplace(part, child);
       if (added) continue;
       const NodeInfo& other = tree_->infos_[child];
-      Report(other.place, parallel ? Severity::kError : Severity::kWarning,
+      Report(other.place, Severity::kWarning,
              "'" + tree_->infos_[found->second].name + "' and '" + other.name + "' both use the " +
                  part + ", which only one of them can have at a time, and " + info.id +
-                 (parallel ? " runs them together" : " may run them together"));
+                 " may run them together");
     }
   }
 }

@@ -42,6 +42,9 @@ class TaskNode : public StatefulAction, public RunObserver {
     std::unique_ptr<Task> next = Begin();  // the one before is cancelled when it is replaced
     task_ = std::move(next);
   }
+  void OnNewRun(const Tick& /*tick*/) override {
+    if (failed_) SetCode(kNoError, "");
+  }
 
  private:
   Status OnStart(const Tick& tick) override {
@@ -58,9 +61,6 @@ class TaskNode : public StatefulAction, public RunObserver {
     task_.reset();
     SetCode(kNoError, "");
     OnEnd({});
-  }
-  void OnNewRun(const Tick& /*tick*/) override {
-    if (failed_) SetCode(kNoError, "");
   }
 
   Status Finish(const TaskEnd& end) {
@@ -132,6 +132,10 @@ class FollowPath : public TaskNode {
     }
     followed_by_ = controller_.Or("");
     return robot_.FollowPath(followed_, followed_by_);
+  }
+  void OnNewRun(const Tick& tick) override {
+    TaskNode::OnNewRun(tick);
+    robot_.OnNewRun();
   }
   // A failure to compute another path leaves the entry empty: the path before still counts.
   Status OnRunning(const Tick& tick) override {

@@ -230,7 +230,9 @@ void AddConditionNodes(Factory& factory, Robot& robot) {
                              "SUCCESS where the goal has changed since its last tick, also across "
                              "halts.");
   AddNode<GoalReached>(factory, "GoalReached", kKind, false,
-                       "SUCCESS where the robot is at the goal, within 0.25 m.", robot);
+                       "SUCCESS where the robot is at the goal, within 0.25 m; robots of "
+                       "musher-skills within 0.5 m.",
+                       robot);
   AddNode<DistanceTraveled>(factory, "DistanceTraveled", kKind, false,
                             "SUCCESS each time the robot has travelled so far.", robot);
   AddNode<TimeExpired>(factory, "TimeExpired", kKind, false,

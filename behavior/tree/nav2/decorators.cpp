@@ -183,6 +183,11 @@ class UpdatedGoal {
   }
   // False: there is no goal.
   bool Pass(const std::optional<T>& update) {
+    if (Sequence() != seen_) {  // a goal was set while the tree runs
+      known_ = last_;
+      seen_ = Sequence();
+    }
+    last_ = update;
     const T* commanded = commanded_.Find();
     const bool updates = update && IsNewer(*update, commanded);
     if (updates && passed_ != update) passed_ = update;
@@ -207,6 +212,7 @@ class UpdatedGoal {
   OutPort<T> output_;
   std::optional<T> known_;  // update that does not count
   std::optional<T> passed_;
+  std::optional<T> last_;   // update that the last Pass() has seen
   std::uint64_t seen_ = 0;  // of the entry, without what it has set itself
 };
 

@@ -102,6 +102,9 @@ class Robot {
   // What was selected by the topic of a selector (PlannerSelector, ...). Empty: nothing.
   virtual std::string Selected(std::string_view /*topic*/) const { return ""; }
 
+  // A tree with a FollowPath begins a run.
+  virtual void OnNewRun() {}
+
   // From `start`, or from where the robot is.
   virtual std::unique_ptr<Task> ComputePath(const Pose& goal, const std::optional<Pose>& start,
                                             const std::string& planner) = 0;

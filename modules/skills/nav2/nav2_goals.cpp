@@ -254,7 +254,9 @@ void Nav2Goals::Update() {
   if (!mission_) return;
   const skill::Run* run = context_.manager.Find(skill_);
   if (run == nullptr) return End(false, "its skill was reset");
-  if (run->number() != mission_->run) return End(false, "another client has started " + skill_);
+  if (run->number() != mission_->run) {  // its end is not known: it may have arrived
+    return End(false, "its run has ended, and another client has started " + skill_);
+  }
   if (run->ended()) return OnEndOfRun(*run);
   const Time now = clock_.Now();
   if (mission_->reported_at && now - *mission_->reported_at < kFeedbackPeriod) return;

@@ -131,13 +131,16 @@ class DriveTask : public tree::nav2::Task {
   }
   ~DriveTask() override {
     if (drive_ != nullptr && drive_->end().valid() && !drive_->end().done()) {
+      handover_.NoteEnd(path_);
       handover_.GiveUp(std::move(drive_));
     }
   }
 
   std::optional<TaskEnd> Poll(Time now) override {
     if (!begun_ && handover_.Rolls()) {
-      if (!deadline_.IsOver(now)) return std::nullopt;
+      const bool is_over = deadline_.IsOver(now);
+      if (!handover_.HasWaited(now) && !is_over) return std::nullopt;
+      handover_.EndWait();
       return TaskEnd{.error_code = tree::nav2::kControllerTimeout,
                      .error = handover_.HasMotion()
                                   ? "a motion has not ended"
@@ -147,30 +150,35 @@ class DriveTask : public tree::nav2::Task {
     if (refused_) return refused_;
     const skill::Future<bool> end = drive_->end();
     if (!end.done()) return std::nullopt;
-    if (!end.result()) {
-      const Error& error = end.result().error();
-      return TaskEnd{.error_code = ControllerCode(error), .error = error.message};
+    const TaskEnd ended = EndOf(end.result());
+    if (ended.success) {
+      handover_.Forget();
+    } else {
+      handover_.NoteEnd(path_);
     }
-    if (!end.result().value()) {
-      return TaskEnd{.error_code = tree::nav2::kDriveCancelled,
-                     .error = "the controller has cancelled the drive"};
-    }
-    const auto pose = robot_.pose();
-    if (!pose) {
-      return TaskEnd{.error_code = tree::nav2::kControllerPose, .error = robot_.WhyNoPose()};
-    }
-    const double left_m = Apart(robot_, pose->at, path_.back().at);
-    if (left_m <= kArrivedWithinM) {
-      handover_.SetUnfinished({});
-      return TaskEnd{.success = true};
-    }
-    return TaskEnd{.error_code = tree::nav2::kFailedToMakeProgress,
-                   .error = "the drive has ended " + LengthText(left_m) + " m from the goal"};
+    return ended;
   }
 
  private:
+  TaskEnd EndOf(const Result<bool>& arrived) const {
+    if (!arrived) {
+      const Error& error = arrived.error();
+      return {.error_code = ControllerCode(error), .error = error.message};
+    }
+    if (!arrived.value()) {
+      return {.error_code = tree::nav2::kDriveCancelled,
+              .error = "the controller has cancelled the drive"};
+    }
+    const auto pose = robot_.pose();
+    if (!pose) return {.error_code = tree::nav2::kControllerPose, .error = robot_.WhyNoPose()};
+    const double left_m = Apart(robot_, pose->at, path_.back().at);
+    if (left_m <= kArrivedWithinM) return {.success = true};
+    return {.error_code = tree::nav2::kFailedToMakeProgress,
+            .error = "the drive has ended " + LengthText(left_m) + " m from the goal"};
+  }
   void Begin() {
     begun_ = true;
+    handover_.EndWait();
     const std::string why = WhyNoPath(path_);
     if (!why.empty()) {
       refused_ = TaskEnd{.error_code = tree::nav2::kInvalidPath, .error = why};
@@ -179,9 +187,9 @@ class DriveTask : public tree::nav2::Task {
           TaskEnd{.error_code = tree::nav2::kInvalidController, .error = "there is no controller"};
     } else {
       // It was planned while the robot moved on: what lies behind the robot is left out.
-      const bool again = handover_.unfinished() == path_;
-      drive_ = robot_.FollowPath(again ? RestOf(robot_, path_) : FromHere(robot_, path_));
-      handover_.SetUnfinished(path_);
+      const bool goes_on = handover_.GoesOn(path_);
+      drive_ = robot_.FollowPath(goes_on ? RestOf(robot_, path_) : FromHere(robot_, path_));
+      handover_.NoteBegin(path_);
       if (drive_ != nullptr && drive_->end().valid()) return;
       refused_ = TaskEnd{.error_code = tree::nav2::kControllerTimeout,
                          .error = "the controller has not taken the path"};
@@ -305,12 +313,6 @@ void Handover::GiveUp(std::unique_ptr<Drive> drive) {
 
 bool Handover::IsDriven() {
   std::erase_if(given_up_, [](const std::unique_ptr<Drive>& drive) { return drive->end().done(); });
-  if (given_up_.empty() || robot_.HasController()) {
-    lost_since_.reset();
-  } else {
-    if (!lost_since_) lost_since_ = robot_.Now();
-    if (robot_.Now() - *lost_since_ >= kLostAfter) given_up_.clear();
-  }
   return !given_up_.empty() || robot_.Drives();
 }
 
@@ -333,10 +335,27 @@ bool Handover::Stands() const {
   return !robot_.pose() || skills::Stands(robot_);
 }
 
-void TreeRobot::CancelEarlierDrives() {
-  if (begun_ || !robot_.HasController()) return;
-  begun_ = true;
-  robot_.CancelEarlierDrives();
+bool Handover::HasWaited(Time now) {
+  constexpr Duration kStillWaits = std::chrono::seconds(1);
+  if (!waits_since_ || now - asked_at_ > kStillWaits) waits_since_ = now;
+  asked_at_ = now;
+  return now - *waits_since_ >= kAnswerLimit;
+}
+
+void Handover::NoteBegin(navigation::Path path) {
+  unfinished_ = std::move(path);
+  ended_at_.reset();
+}
+
+void Handover::NoteEnd(const navigation::Path& path) {
+  if (unfinished_ == path) ended_at_ = robot_.pose();
+}
+
+bool Handover::GoesOn(const navigation::Path& path) const {
+  constexpr double kSamePlaceM = 1;  // it may roll on a little after its end
+  const auto pose = robot_.pose();
+  return pose && ended_at_ && unfinished_ == path &&
+         Apart(robot_, pose->at, ended_at_->at) <= kSamePlaceM;
 }
 
 std::optional<tree::nav2::Pose> TreeRobot::pose() const {
@@ -350,6 +369,11 @@ double TreeRobot::speed_m_s() const {
   return pose ? navigation::InBodyFrame(robot_.velocity(), pose->yaw_rad).x_m_s : 0;
 }
 
+// A drive that ends there has arrived.
+double TreeRobot::goal_tolerance_m() const {
+  return kArrivedWithinM;
+}
+
 double TreeRobot::most_turn_rad_s() const {
   return Recovery::kMostRadPerS;
 }
@@ -361,7 +385,6 @@ double TreeRobot::most_drive_m_s() const {
 std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
     const tree::nav2::Pose& goal, const std::optional<tree::nav2::Pose>& start,
     const std::string& /*planner*/) {
-  CancelEarlierDrives();
   std::optional<navigation::Pose> from;
   if (start) from = FromTree(*start);
   const navigation::Pose to = FromTree(goal);
@@ -372,14 +395,12 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::FollowPath(const tree::nav2::Path& path,
                                                         const std::string& /*controller*/) {
-  begun_ = begun_ || robot_.HasController();  // it replaces them
   navigation::Path poses;
   for (const tree::nav2::Pose& pose : path.poses) poses.push_back(FromTree(pose));
   return std::make_unique<DriveTask>(robot_, handover_, std::move(poses));
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration limit) {
-  CancelEarlierDrives();
   return std::make_unique<MotionTask>(
       robot_, handover_, RecoveryKind::kSpin,
       Recovery::Amount{.turn_rad = angle_rad, .longest = LimitIn(limit)});
@@ -387,7 +408,6 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration lim
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Drive(double distance_m, double speed_m_s,
                                                    Duration limit) {
-  CancelEarlierDrives();
   return std::make_unique<MotionTask>(
       robot_, handover_, RecoveryKind::kBackUp,
       Recovery::Amount{.ahead_m = distance_m, .speed_m_s = speed_m_s, .longest = LimitIn(limit)});

@@ -14,11 +14,12 @@
 // controller drives no more, for any client, no other motion runs and the robot stands; a drive
 // once no motion runs and the robot stands. What waits fails at its limit, a drive after 10 s. A
 // motion fails where another client begins a drive. A drive replaces a drive without a stop. Paths
-// and arrivals are checked as those of travel.hpp. Where the same path is followed again after a
-// drive along it that has not arrived, what the robot has passed of it is left out.
+// and arrivals are checked as those of travel.hpp. Where the same run of a tree follows the same
+// path again after a drive along it that has not arrived, and the robot is within 1 m of where that
+// drive has ended, what it has passed of the path is left out.
 //
-// The drives that a process before this one has left behind are cancelled in the constructor, or
-// with the first task if the controller can not be reached yet.
+// The drives that the controller has begun before the constructor, by its clock, are cancelled once
+// it can be reached: a process before this one has left them behind.
 //
 // Frames and units of robot.hpp.
 //
@@ -52,25 +53,34 @@ class Handover {
   bool HasMotion() const { return motion_ != nullptr; }
   // Without odometry it is taken to stand: a motion does not begin then.
   bool Stands() const;
+  // Whether drives have waited for the base for 10 s, also where each has replaced the one before.
+  // Called as long as one waits.
+  bool HasWaited(Time now);
+  void EndWait() { waits_since_.reset(); }
 
-  // The path of the last drive, as long as it has not arrived.
-  void SetUnfinished(navigation::Path path) { unfinished_ = std::move(path); }
-  const navigation::Path& unfinished() const { return unfinished_; }
+  // A drive along `path` has begun, or has ended without an arrival.
+  void NoteBegin(navigation::Path path);
+  void NoteEnd(const navigation::Path& path);
+  // Whether the last drive was along `path`, has not arrived, and the robot is where it has ended.
+  bool GoesOn(const navigation::Path& path) const;
+  void Forget() { NoteBegin({}); }
 
  private:
   Robot& robot_;
   std::vector<std::unique_ptr<Drive>> given_up_;
-  std::optional<Time> lost_since_;            // the controller, while there are such drives
   const tree::nav2::Task* motion_ = nullptr;  // that has the base
   bool moved_ = false;
-  navigation::Path unfinished_;
+  std::optional<Time> waits_since_;  // drives
+  Time asked_at_{};                  // HasWaited()
+  navigation::Path unfinished_;      // of the last drive, until it has arrived
+  std::optional<navigation::Pose> ended_at_;
 };
 
 class TreeRobot : public tree::nav2::Robot {
  public:
   // The robot must outlive it; it must outlive the trees.
   explicit TreeRobot(skills::Robot& robot) : robot_(robot), handover_(robot) {
-    CancelEarlierDrives();
+    robot_.CancelEarlierDrives();
   }
 
   // The goal that has come last on the topic of GoalUpdater, if the program subscribes to it.
@@ -80,10 +90,12 @@ class TreeRobot : public tree::nav2::Robot {
   std::optional<tree::nav2::Pose> pose() const override;
   double speed_m_s() const override;  // forward, in the frame of the body
   bool flies() const override { return robot_.flies(); }
+  double goal_tolerance_m() const override;
   bool selects_controllers() const override { return false; }
   double most_turn_rad_s() const override;
   double most_drive_m_s() const override;
   std::optional<tree::nav2::Pose> goal_update() const override { return goal_update_; }
+  void OnNewRun() override { handover_.Forget(); }
 
   std::unique_ptr<tree::nav2::Task> ComputePath(const tree::nav2::Pose& goal,
                                                 const std::optional<tree::nav2::Pose>& start,
@@ -96,11 +108,8 @@ class TreeRobot : public tree::nav2::Robot {
   std::unique_ptr<tree::nav2::Task> ClearCostmap(const std::string& service) override;
 
  private:
-  void CancelEarlierDrives();
-
   skills::Robot& robot_;
   Handover handover_;
-  bool begun_ = false;  // the drives of a process before are cancelled, or replaced
   std::optional<tree::nav2::Pose> goal_update_;
 };
 

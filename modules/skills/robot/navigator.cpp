@@ -55,6 +55,11 @@ struct Navigator::Request {
   bool ended = false;
 };
 
+struct Navigator::EarlierDrives {
+  std::optional<msg::Stamp> until;  // nullopt: the controller has replied
+  bool waits_for_reply = false;
+};
+
 struct Navigator::DriveGoal {
   Navigator* navigator = nullptr;  // null: it has ended, or the navigator is destroyed
   transport::GoalId id{};
@@ -81,6 +86,14 @@ class Navigator::GoalDrive : public Drive {
  private:
   const std::shared_ptr<DriveGoal> goal_;
 };
+
+Navigator::Navigator(Planner* planner, Controller* controller, std::function<msg::Stamp()> stamp,
+                     PlaceOfFrame in_map)
+    : planner_(planner),
+      controller_(controller),
+      stamp_(std::move(stamp)),
+      in_map_(std::move(in_map)),
+      earlier_(std::make_shared<EarlierDrives>()) {}
 
 skill::Future<navigation::Path> Navigator::ComputePath(
     const navigation::Pose& goal, const std::optional<navigation::Pose>& start) {
@@ -132,7 +145,10 @@ std::unique_ptr<Drive> Navigator::FollowPath(const navigation::Path& path) {
 }
 
 Navigator::~Navigator() {
-  for (const auto& goal : drives_) goal->navigator = nullptr;
+  for (const auto& goal : drives_) {
+    goal->navigator = nullptr;
+    goal->source.Set(Error{kCodeNetError, "the robot's topics are closed"});
+  }
 }
 
 // A goal that is not accepted yet is cancelled once it is: its server does not know it before.
@@ -162,6 +178,7 @@ void Navigator::Tend() {
   for (const auto& goal : drives_) {
     if (goal->cancelled) CancelGoal(goal);
   }
+  RequestCancelOfEarlier();
 }
 
 bool Navigator::Drives() const {
@@ -170,7 +187,20 @@ bool Navigator::Drives() const {
 }
 
 void Navigator::CancelEarlierDrives() {
-  if (HasController()) controller_->CancelAll(kCancelTime, [](const auto& /*reply*/) {});
+  constexpr msg::Stamp kFirst{0, 1};  // a stamp of 0 would be all goals, also later ones
+  const msg::Stamp now = stamp_();
+  earlier_->until = now == msg::Stamp{} ? kFirst : now;
+  RequestCancelOfEarlier();
+}
+
+void Navigator::RequestCancelOfEarlier() {
+  if (!earlier_->until || earlier_->waits_for_reply || !HasController()) return;
+  earlier_->waits_for_reply = true;
+  controller_->CancelUntil(*earlier_->until, kCancelTime,
+                           [earlier = earlier_, until = *earlier_->until](const auto& reply) {
+                             earlier->waits_for_reply = false;
+                             if (reply && earlier->until == until) earlier->until.reset();
+                           });
 }
 
 void Navigator::CancelAll() {

@@ -28,13 +28,9 @@ class Navigator {
   // Both must outlive it; null: there is none. `stamp`: of the messages. `in_map` places the
   // planner's paths.
   Navigator(Planner* planner, Controller* controller, std::function<msg::Stamp()> stamp,
-            PlaceOfFrame in_map)
-      : planner_(planner),
-        controller_(controller),
-        stamp_(std::move(stamp)),
-        in_map_(std::move(in_map)) {}
+            PlaceOfFrame in_map);
 
-  ~Navigator();  // ends nothing: see CancelAll()
+  ~Navigator();  // cancels nothing, see CancelAll(); its drives fail
   Navigator(const Navigator&) = delete;
   Navigator& operator=(const Navigator&) = delete;
 
@@ -51,21 +47,26 @@ class Navigator {
   void Tend();
   // Cancels all requests and drives.
   void CancelAll();
-  // Also the drives that a process before this one has left behind.
+  // Cancels the drives that the controller has accepted until now, by its clock: also those that a
+  // process before this one has left behind. Repeated until the controller has replied; later
+  // drives are not cancelled. Where the clocks of two hosts differ, it is wrong by so much.
   void CancelEarlierDrives();
 
  private:
   struct Request;
+  struct EarlierDrives;
   struct DriveGoal;
   class GoalDrive;
 
   void CancelRequest(const std::shared_ptr<Request>& request);
   void CancelGoal(const std::shared_ptr<DriveGoal>& goal);
+  void RequestCancelOfEarlier();
 
   Planner* const planner_;
   Controller* const controller_;
   const std::function<msg::Stamp()> stamp_;
   const PlaceOfFrame in_map_;
+  const std::shared_ptr<EarlierDrives> earlier_;
   std::vector<std::shared_ptr<Request>> requests_;  // not ended
   std::vector<std::shared_ptr<DriveGoal>> drives_;  // not ended
 };

@@ -36,6 +36,7 @@ void RosRobot::Open(transport::Endpoints& endpoints, const std::string& name_spa
   const auto wire = std::make_shared<Wire>(config_, endpoints, name_space);
   now_ = wire->Now();
   wire_ = wire;
+  if (std::exchange(cancels_earlier_, false)) wire->navigator->CancelEarlierDrives();
   endpoints.Keep(wire);  // dropped before what it uses
 }
 
@@ -109,7 +110,9 @@ bool RosRobot::Drives() const {
 }
 
 void RosRobot::CancelEarlierDrives() {
-  if (const auto wire = wire_.lock()) wire->navigator->CancelEarlierDrives();
+  const auto wire = wire_.lock();
+  cancels_earlier_ = wire == nullptr;
+  if (wire) wire->navigator->CancelEarlierDrives();
 }
 
 skill::Future<navigation::Path> RosRobot::ComputePath(

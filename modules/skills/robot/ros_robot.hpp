@@ -90,6 +90,7 @@ class RosRobot final : public Robot {
   const SkillsConfig config_;
   Time now_;
   std::weak_ptr<Wire> wire_;
+  bool cancels_earlier_ = false;  // drives, once its topics are open
 };
 
 }  // namespace musher::skills

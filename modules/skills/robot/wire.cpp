@@ -106,21 +106,26 @@ void RosRobot::Wire::SubscribeScans(transport::Endpoints& endpoints) {
 }
 
 void RosRobot::Wire::SubscribeDrives(transport::Endpoints& endpoints) {
-  drives_status_ = endpoints.Subscribe<msg::GoalStatusArray>(
+  endpoints.SubscribeEach<msg::GoalStatusArray>(
       transport::StatusTopic(config.names.controller),
-      [this](const msg::GoalStatusArray& goals) {
-        controller_drives_ = std::ranges::any_of(goals.status_list, [](const auto& goal) {
+      [this](const msg::GoalStatusArray& goals, transport::EndpointId controller) {
+        const bool drives = std::ranges::any_of(goals.status_list, [](const auto& goal) {
           return goal.status == msg::GoalStatus::kStatusAccepted ||
                  goal.status == msg::GoalStatus::kStatusExecuting ||
                  goal.status == msg::GoalStatus::kStatusCanceling;
         });
+        if (drives) {
+          driving_.insert(controller);
+        } else {
+          driving_.erase(controller);
+        }
       },
+      [this](transport::EndpointId controller) { driving_.erase(controller); },
       transport::kLatchedQos);
 }
 
 bool RosRobot::Wire::Drives() const {
-  const bool lost = drives_status_ == nullptr || drives_status_->MatchedWriters() == 0;
-  return navigator->Drives() || (controller_drives_ && !lost);
+  return navigator->Drives() || !driving_.empty();
 }
 
 std::vector<navigation::Point> RosRobot::Wire::Seen() const {

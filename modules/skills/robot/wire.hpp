@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -122,9 +123,10 @@ struct RosRobot::Wire {
   std::string body_frame_;  // of the twist of the odometry
   bool holding_ = false;    // the last command is that of `hold`
   Duration odometry_stamp_{};
-  Duration line_stamp_{};           // of the last picture
-  bool controller_drives_ = false;  // by the last status of its goals
-  transport::Subscription* drives_status_ = nullptr;
+  Duration line_stamp_{};  // of the last picture
+  // Controllers with a goal that has not ended, by the last status of each. One that starts again
+  // after a crash publishes none before its first goal.
+  std::set<transport::EndpointId> driving_;
   transport::LoopHandlePtr holds_;  // last: it uses the rest
 };
 

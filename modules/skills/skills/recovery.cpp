@@ -26,7 +26,8 @@ constexpr std::array<NamedRecovery, 5> kRecoveries = {{
 }};
 
 constexpr double kLeaveM = 0.3;
-constexpr double kRecoveryJumpM = 1;  // farther than a short one leads
+constexpr double kRecoveryJumpM = 1;  // in one step
+constexpr double kAwayM = 1;          // farther than a short one leads
 constexpr double kOvershootM = 0.5;
 constexpr double kRecoveryLookM = 1;  // what is farther away is not near
 constexpr double kStraightRad = 0.2;
@@ -100,7 +101,7 @@ void Recovery::Begin(RecoveryKind kind, const Amount& amount) {
   cleared_at_.reset();
   passed_ = held_ = {};
   begin_.reset();
-  moved_m_ = away_m_ = turned_rad_ = 0;
+  moved_m_ = away_m_ = side_m_ = step_m_ = turned_rad_ = 0;
   turns_ = true;
 }
 
@@ -145,15 +146,18 @@ double Recovery::share() const {
 void Recovery::NoteMotion(const navigation::Pose& pose) {
   if (!begin_) {
     begin_ = pose;
-    last_yaw_rad_ = pose.yaw_rad;
+    last_ = pose;
   }
+  step_m_ = std::hypot(pose.at.x_m - last_.at.x_m, pose.at.y_m - last_.at.y_m);
   // With its sign: noise and swinging are no turn.
   const double side = kind_ == RecoveryKind::kSpin ? std::copysign(1, amount_.turn_rad) : 1;
-  turned_rad_ += side * navigation::Wrapped(pose.yaw_rad - last_yaw_rad_);
-  last_yaw_rad_ = pose.yaw_rad;
+  turned_rad_ += side * navigation::Wrapped(pose.yaw_rad - last_.yaw_rad);
+  last_ = pose;
   const double x_m = pose.at.x_m - begin_->at.x_m, y_m = pose.at.y_m - begin_->at.y_m;
   away_m_ = std::hypot(x_m, y_m);
-  const double ahead_m = std::cos(begin_->yaw_rad) * x_m + std::sin(begin_->yaw_rad) * y_m;
+  const double c = std::cos(begin_->yaw_rad), s = std::sin(begin_->yaw_rad);
+  const double ahead_m = c * x_m + s * y_m;
+  side_m_ = std::abs(c * y_m - s * x_m);
   moved_m_ = kind_ == RecoveryKind::kBackUp ? std::copysign(1, amount_.ahead_m) * ahead_m : away_m_;
 }
 
@@ -164,8 +168,12 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
   if (!pose || !navigation::IsFinite(*pose)) return MakeError(Fault::kOdometry, robot_.WhyNoPose());
   if (!robot_.HasScan()) return MakeError(Fault::kScan, "it does not move without a scan");
   NoteMotion(*pose);
-  if (away_m_ > std::max(kRecoveryJumpM, std::abs(amount_.ahead_m) + kOvershootM))
-    return MakeError(Fault::kJump, "its pose has jumped");
+  if (step_m_ > kRecoveryJumpM) return MakeError(Fault::kJump, "its pose has jumped");
+  if (away_m_ > std::max(kAwayM, std::abs(amount_.ahead_m) + kOvershootM)) {
+    return Error{kCodeFailed, fmt::format("it has left its way: it is {:.1f} m from its begin, "
+                                          "{:.1f} m to the side",
+                                          away_m_, side_m_)};
+  }
   const auto around = SeenAround(robot_, *pose, kRecoveryLookM);
   if (kind_ == RecoveryKind::kLeaveTightStart) {
     if (around.empty() && moved_m_ == 0) {

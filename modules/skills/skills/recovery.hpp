@@ -61,7 +61,8 @@ class Recovery {
   void Begin(RecoveryKind kind, const Amount& amount);
   // Nullopt: it goes on; else its end, with the reason of a failure, and the base stands. The code
   // of a motion's failure: Fault::kOdometry and kJump without its pose, kObstacle where the gate
-  // holds it, kLate at its limit, kScan where it does not see its way.
+  // holds it, kLate at its limit, kScan where it does not see its way, kCodeFailed where it has
+  // left its way.
   std::optional<Result<>> Step(Duration step);
   double share() const;  // 0 to 1
   // Ahead of where kBackUp was to lead, or how far from its begin; how far kSpin has turned to the
@@ -89,8 +90,10 @@ class Recovery {
   std::optional<navigation::Pose> begin_;
   double moved_m_ = 0;
   double away_m_ = 0;  // from its begin
+  double side_m_ = 0;  // to the side of the heading there
+  double step_m_ = 0;  // since the last step
   double turned_rad_ = 0;
-  double last_yaw_rad_ = 0;
+  navigation::Pose last_;
   bool turns_ = true;  // of kLeaveTightStart: until it looks away
 };
 

@@ -35,15 +35,25 @@ navigation::Point Projected(const navigation::Point& point, const navigation::Po
   return navigation::Between(from, to, square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0);
 }
 
-// From the line between `from` and `to`; on the ground heights do not count.
-double OffLine(const Robot& robot, const navigation::Point& at, const navigation::Point& from,
-               const navigation::Point& to) {
-  if (!robot.flies()) return FlatApart(at, Projected(at, from, to));
-  const double x = to.x_m - from.x_m, y = to.y_m - from.y_m, z = to.z_m - from.z_m;
+// The place of a line that is nearest to a robot.
+struct NearestPlace {
+  double share = 1;  // of the line; 1: its end
+  navigation::Point at;
+  double off_m = 0;  // of the robot
+};
+
+// On the ground heights do not count.
+NearestPlace NearestOf(const Robot& robot, const navigation::Point& at,
+                       const navigation::Point& from, const navigation::Point& to) {
+  const double x = to.x_m - from.x_m, y = to.y_m - from.y_m;
+  const double z = robot.flies() ? to.z_m - from.z_m : 0;
   const double square = x * x + y * y + z * z;
   const double along = (at.x_m - from.x_m) * x + (at.y_m - from.y_m) * y + (at.z_m - from.z_m) * z;
-  const double share = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0;
-  return navigation::Distance(at, navigation::Between(from, to, share));
+  NearestPlace nearest;
+  if (square > 0) nearest.share = std::clamp(along / square, 0.0, 1.0);
+  nearest.at = navigation::Between(from, to, nearest.share);
+  nearest.off_m = robot.flies() ? navigation::Distance(at, nearest.at) : FlatApart(at, nearest.at);
+  return nearest;
 }
 
 // Nullopt: no recovery helps.
@@ -94,17 +104,25 @@ navigation::Path FromHere(const Robot& robot, const navigation::Path& path) {
 
 navigation::Path RestOf(const Robot& robot, const navigation::Path& path) {
   constexpr double kAsNearM = 0.3;
+  constexpr double kOffPathM = 2;  // as the controller has it
+  constexpr double kOnPathM = 0.01;
   const auto pose = robot.pose();
   if (!pose || path.size() < 2) return path;
-  std::vector<double> off_m;  // of each line
+  std::vector<NearestPlace> lines;
   for (std::size_t i = 1; i < path.size(); ++i) {
-    off_m.push_back(OffLine(robot, pose->at, path[i - 1].at, path[i].at));
+    lines.push_back(NearestOf(robot, pose->at, path[i - 1].at, path[i].at));
   }
-  const double near_m = *std::ranges::min_element(off_m) + kAsNearM;
+  const double least_m = std::ranges::min_element(lines, {}, &NearestPlace::off_m)->off_m;
+  if (least_m > kOffPathM) return path;
   std::size_t line = 0;
-  while (off_m[line] > near_m) ++line;
-  while (line + 1 < off_m.size() && off_m[line + 1] <= off_m[line]) ++line;
+  while (lines[line].off_m > least_m + kAsNearM) ++line;
+  // A line is passed where its end is its nearest place.
+  while (line + 1 < lines.size() && lines[line].share >= 1 &&
+         lines[line + 1].off_m <= lines[line].off_m) {
+    ++line;
+  }
   navigation::Path rest{*pose};
+  if (lines[line].off_m > kOnPathM) rest.push_back({lines[line].at, path[line].yaw_rad});
   rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(line + 1), path.end());
   return rest;
 }

@@ -38,8 +38,9 @@ inline constexpr double kStandingRadPerS = 0.05;
 bool Stands(const Robot& robot);
 // The path without what lies behind the robot, which moves.
 navigation::Path FromHere(const Robot& robot, const navigation::Path& path);
-// The path of a drive that has not arrived, without what the robot has passed of it. Where it
-// passes the same place twice, from the first time on.
+// The path of a drive that has not arrived, without what the robot has passed of it: first to the
+// nearest place of the path. Where it passes the same place twice, from the first time on. The
+// whole path where the robot is more than 2 m off it: the controller refuses that.
 navigation::Path RestOf(const Robot& robot, const navigation::Path& path);
 
 // "4.2", or "1.41e+308": a request may have any number.

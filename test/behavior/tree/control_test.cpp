@@ -319,6 +319,7 @@ TEST_F(Control, AListenerThatThrowsGetsNothingMoreAndTheTreeHaltsWhatRuns) {
   tree->Listen(counting);
   EXPECT_EQ(TicksAndLog(2), "RR a^ b^ b ");
   EXPECT_EQ(counting->changes, 3) << "of a, of b, of the sequence";
+  EXPECT_EQ(tree->dropped_listeners(), 1);
   ASSERT_TRUE(tree->Halt(At(20)));
   EXPECT_EQ(Take(), "b! ");
   EXPECT_EQ(counting->changes, 6);

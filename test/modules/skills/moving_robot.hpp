@@ -28,7 +28,6 @@ class MovingRobot : public Robot {
   std::optional<double> ceiling;
   double drive_speed_m_s = 1;
   bool drives_brake = true;  // else a cancelled drive goes on
-  bool knows_drives = true;  // Drives(), of every client
   bool planner_up = true;
   bool controller_up = true;
   bool odometry_up = true;
@@ -103,6 +102,10 @@ class MovingRobot : public Robot {
     constexpr int kParts = 5;
     for (int i = 0; i < kParts; ++i) Move(ToSeconds(step) / kParts);
     now_ += step;
+    CancelEarlier();
+    constexpr Duration kLost = std::chrono::seconds(5);  // as the client of an action has it
+    lost_for_ = controller_up ? Duration{} : lost_for_ + step;
+    if (lost_for_ >= kLost) FailDrive({kCodeNetError, "the server is lost"});
     AnswerRequests();
   }
 
@@ -130,9 +133,10 @@ class MovingRobot : public Robot {
   }
   bool HasPlanner() const override { return planner_up; }
   bool HasController() const override { return controller_up; }
-  bool Drives() const override { return knows_drives && driving(); }
+  bool Drives() const override { return driving(); }
   void CancelEarlierDrives() override {
-    if (drive_) drive_->cancelled = true;
+    earlier_ = drive_;
+    CancelEarlier();
   }
   skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) override {
@@ -236,6 +240,11 @@ class MovingRobot : public Robot {
     skill::Source<navigation::Path> source;
   };
 
+  void CancelEarlier() {
+    if (!controller_up || !earlier_) return;
+    earlier_->cancelled = true;
+    earlier_.reset();
+  }
   void AnswerRequests() {
     for (Request& request : requests_) {
       if (!answers || !planner_up || request.ready > now_ || request.source.future().done())
@@ -343,6 +352,8 @@ class MovingRobot : public Robot {
   std::optional<navigation::Velocity> command_;
   std::vector<Request> requests_;
   std::shared_ptr<DriveState> drive_;
+  std::shared_ptr<DriveState> earlier_;  // to be cancelled, once its controller can be reached
+  Duration lost_for_{};                  // the controller
   skill::Source<bool> clearing_;
 };
 

@@ -169,7 +169,8 @@ TEST_F(Nav2, DoesNotTakeTheRunOfAnotherClientForItsOwn) {
   ASSERT_TRUE(manager_->Start("navigate_to", {{"goal_pos", skill::Numbers{4, 3, 0}}}));
   ASSERT_TRUE(Await(*sent));
   EXPECT_EQ(sent->end->end, GoalEnd::kAborted);
-  EXPECT_EQ(sent->end->result.error_msg, "another client has started navigate_to");
+  EXPECT_EQ(sent->end->result.error_msg,
+            "its run has ended, and another client has started navigate_to");
   Run(20);
   EXPECT_NEAR(robot_.at.at.x_m, 4, 0.2);
   EXPECT_EQ(robot_.drives, 2);

@@ -562,6 +562,49 @@ TEST_F(ARosRobot, CancelsTheDriveThatACrashedProcessHasLeft) {
   EXPECT_EQ(peers_->cancels, 1);
 }
 
+TEST_F(ARosRobot, CancelsAnEarlierDriveOnceItReachesTheControllerAndNoLaterOne) {
+  const auto earlier = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  Run(100);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  network_.Crash(*body_);
+  const std::unique_ptr<transport::Node> node = network_.MakeNode("robot");
+  transport::Endpoints endpoints(*node, "dog");
+  RosRobot next(ConfigOfR());
+  next.CancelEarlierDrives();  // before its topics are open
+  next.Open(endpoints, "dog");
+  const auto run = [&](int ms) {
+    for (; ms > 0; ms -= 10) {
+      Run(10);
+      next.BeginStep(node->loop().Now());
+    }
+  };
+  EXPECT_FALSE(next.HasController());
+  run(1000);
+  EXPECT_EQ(peers_->cancels, 1);
+  const auto later = next.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  run(3000);
+  ASSERT_THAT(peers_->drives, SizeIs(2));
+  EXPECT_EQ(peers_->drives[1].state(), transport::GoalState::kExecuting);
+  EXPECT_EQ(peers_->cancels, 1);
+}
+
+TEST_F(ARosRobot, IsNotDrivenByAControllerThatHasCrashedInADriveAndStartsAgain) {
+  const std::unique_ptr<transport::Node> desk = network_.MakeNode("desk");
+  const auto client =
+      Must(transport::MakeActionClient<msg::FollowPath>(*desk, "dog/r/follow_path"));
+  Run(500);
+  client->SendGoal({}, Milliseconds(1000), {});
+  Run(300);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  EXPECT_TRUE(robot_.Drives());
+  network_.Crash(*world_);
+  const std::unique_ptr<transport::Node> node = network_.MakeNode("world");
+  const Peers restarted(*node);
+  for (int i = 0; i < 60 && robot_.Drives(); ++i) Run(500);
+  EXPECT_TRUE(robot_.HasController());
+  EXPECT_FALSE(robot_.Drives());
+}
+
 TEST_F(ARosRobot, StandsAndCancelsItsDrivesAtRest) {
   robot_.SetVelocity({0.5, 0, 0, 0});
   const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
@@ -584,6 +627,7 @@ TEST_F(ARosRobot, StandsWhenItsTopicsAreClosed) {
   EXPECT_EQ(peers_->cancels, 1);
   robot_.SetVelocity({0.5, 0, 0, 0});  // goes nowhere
   drive->Cancel();
+  EXPECT_TRUE(drive->end().done()) << "what waits for its end goes on";
   EXPECT_FALSE(robot_.HasPlanner());
   EXPECT_THAT(ResultOf(robot_.TakePicture("front")).error().message, HasSubstr("not open"));
 }

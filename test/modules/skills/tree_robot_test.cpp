@@ -5,6 +5,7 @@
 
 #include "musher/behavior/tree/nav2/nodes.hpp"
 #include "musher/modules/skills/nav2/tree_robot.hpp"
+#include "musher/modules/skills/skills/travel.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
 #include "musher/test/modules/skills/moving_robot.hpp"
 
@@ -219,20 +220,21 @@ TEST_F(ANav2Tree, BeginsAMotionWhereTheControllerOfTheHaltedDriveIsLost) {
   robot.KillController();
   EXPECT_EQ(Run(10), 'S');
 }
-TEST_F(ANav2Tree, DoesNotTakeAHaltedDriveForEndedWhereItsControllerIsMissingForAMoment) {
-  robot.drives_brake = robot.knows_drives = false;
-  Make(DriveThen("3000", "<BackUp time_allowance=\"30\"/>"));
+TEST_F(ANav2Tree, BeginsNoMotionBeforeTheHaltedDriveOfALostControllerCountsAsEnded) {
+  robot.drives_brake = false;
+  Make(DriveThen("3000",
+                 "<BackUp backup_dist=\"0.3\" backup_speed=\"0.1\" "
+                 "time_allowance=\"30\"/>"));
   EXPECT_EQ(Run(4), 'R');
   robot.controller_up = false;
   EXPECT_EQ(Run(0.2), 'R');
   robot.controller_up = true;
   EXPECT_EQ(Run(1), 'R');
-  EXPECT_EQ(robot.commands_in_drives, 0);
   robot.controller_up = false;
-  EXPECT_EQ(Run(2.5), 'R');
+  EXPECT_EQ(Run(4.5), 'R');
+  EXPECT_TRUE(robot.driving());
+  EXPECT_EQ(Run(20), 'S');
   EXPECT_EQ(robot.commands_in_drives, 0);
-  EXPECT_EQ(Run(1), 'R');
-  EXPECT_GT(robot.commands_in_drives, 0) << "after 3 s it is lost";
 }
 // A reactive control starts the child that runs now before it halts the one behind it.
 TEST_F(ANav2Tree, BeginsAMotionInAReactiveControlOnceTheDriveBehindItHasEnded) {
@@ -262,6 +264,19 @@ TEST_F(ANav2Tree, BeginsNoMotionBesideTheDriveOfAPipeline) {
   EXPECT_EQ(Run(5), 'F');
   EXPECT_EQ(robot.commands_in_drives, 0);
   EXPECT_THAT(Entry<std::string>("why"), HasSubstr("a drive has not ended"));
+}
+TEST_F(ANav2Tree, FailsADriveThatWaitsForTheBaseAlsoWhereItIsPlannedAgainEachSecond) {
+  Make(
+      "<Both><Spin spin_dist=\"50\" time_allowance=\"90\"/><PipelineSequence>"
+      "<RateController hz=\"1\"><ComputePathToPose goal=\"9;0;0\" path=\"{path}\"/>"
+      "</RateController><FollowPath path=\"{path}\" "
+      "error_msg=\"{why}\"/></PipelineSequence></Both>");
+  EXPECT_EQ(Run(9), 'R');
+  EXPECT_FALSE(tree->board().Get<std::string>("why"));
+  EXPECT_EQ(Run(3), 'R');
+  EXPECT_GE(robot.plans, 8);
+  EXPECT_EQ(Entry<std::string>("why"), "a motion has not ended");
+  EXPECT_EQ(robot.drives, 0);
 }
 TEST_F(ANav2Tree, RunsTwoTasksOfTheBaseOneAfterTheOther) {
   const std::string back = "<BackUp backup_dist=\"0.3\" backup_speed=\"0.1\"/>";
@@ -325,6 +340,76 @@ TEST_F(ANav2Tree, CancelsNoDriveOfItsOwnWhereTheControllerComesLate) {
   SetPath({{0, 0}, {3, 0}});
   EXPECT_EQ(Run(9), 'S');
   tree.reset();
+}
+TEST_F(ANav2Tree, CancelsNoDriveThatHasBegunAfterItWhereTheControllerComesLate) {
+  robot.controller_up = false;
+  skills::TreeRobot restarted(robot);
+  robot.controller_up = true;
+  const auto of_another_client = robot.FollowPath({{{0, 0, 0}, 0}, {{3, 0, 0}, 0}});
+  tree::Factory nodes;
+  tree::nav2::AddNodes(nodes, restarted);
+  tree = tree::MakeTree(tree::Main("<ComputePathToPose goal=\"1;0;0\"/>"), nodes);
+  EXPECT_EQ(Run(9), 'S');
+  for (int i = 0; i < 50; ++i) robot.Advance(Milliseconds(100));
+  EXPECT_NEAR(robot.at.at.x_m, 3, 0.01);
+  tree.reset();
+}
+const std::string kFollowTwice =
+    "<RetryUntilSuccessful num_attempts=\"2\"><FollowPath path=\"{path}\"/>"
+    "</RetryUntilSuccessful>";
+TEST_F(ANav2Tree, DrivesOnToTheFarEndOfAWayOutAndBackAfterAFailure) {
+  Make(kFollowTwice);
+  SetPath({{0, 0}, {10, 0}, {0, 0}});
+  for (int i = 0; i < 100 && robot.at.at.x_m < 5; ++i) Run(0.1);
+  robot.at.at.y_m = 0.02;
+  robot.FailDrive(navigation::MakeError(navigation::Fault::kObstacle, ""));
+  double farthest_m = 0;
+  char letter = 'R';
+  for (int i = 0; i < 300 && letter == 'R'; ++i) {
+    letter = Run(0.1);
+    farthest_m = std::max(farthest_m, robot.at.at.x_m);
+  }
+  EXPECT_EQ(letter, 'S');
+  EXPECT_EQ(robot.drives, 2);
+  EXPECT_NEAR(farthest_m, 10, 0.2);
+  EXPECT_NEAR(robot.at.at.x_m, 0, 0.01);
+}
+TEST_F(ANav2Tree, DrivesAPathFromItsBeginInANewRunAndFromAnotherPlace) {
+  const navigation::Path path{{{0, 0, 0}, 0}, {{4, 0, 0}, 0}, {{4, 4, 0}, 0}};
+  Make(
+      "<Fallback><FollowPath path=\"{path}\"/><Sequence><Wait/><FollowPath path=\"{path}\"/>"
+      "</Sequence></Fallback>");
+  SetPath({{0, 0}, {4, 0}, {4, 4}});
+  EXPECT_EQ(Run(3), 'R');
+  ASSERT_TRUE(tree->Halt(robot.Now()));
+  for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
+  ASSERT_TRUE(robot.Rests());
+  robot.at.at = {4, 4, 0};  // by other means
+  EXPECT_EQ(Run(0.1), 'R');
+  EXPECT_EQ(robot.driven_paths.back(), path) << "in a new run";
+  EXPECT_EQ(Run(2), 'R');
+  robot.FailDrive(navigation::MakeError(navigation::Fault::kObstacle, ""));
+  EXPECT_EQ(Run(0.5), 'R');
+  robot.at.at.x_m += 1.5;  // near to the path
+  EXPECT_EQ(Run(1), 'R');
+  EXPECT_EQ(robot.drives, 3);
+  EXPECT_EQ(robot.driven_paths.back(), path) << "from another place";
+}
+TEST_F(ANav2Tree, LeavesNothingOfAPathOutThatItIsFarFrom) {
+  const navigation::Path path{{{0, 0, 0}, 0}, {{4, 0, 0}, 0}, {{4, 4, 0}, 0}};
+  robot.at.at = {2, 0.5, 0};
+  EXPECT_EQ(skills::RestOf(robot, path),
+            (navigation::Path{{{2, 0.5, 0}, 0}, {{2, 0, 0}, 0}, path[1], path[2]}));
+  robot.at.at = {2, -2.5, 0};
+  EXPECT_EQ(skills::RestOf(robot, path), path);
+}
+TEST_F(ANav2Tree, ReachesAGoalWhereItsDriveHasArrivedNearIt) {
+  robot.plan = [](const auto& start, const auto& goal) -> Result<navigation::Path> {
+    return navigation::Path{start, {{goal.at.x_m - 0.4, goal.at.y_m, 0}, goal.yaw_rad}};
+  };
+  Make(kNavigation);
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 3}));
+  EXPECT_EQ(Run(30), 'S');
 }
 TEST_F(ANav2Tree, GoesOnAlongTheRestOfItsPathAfterAFailure) {
   Make(
@@ -468,6 +553,29 @@ TEST_F(ANav2Tree, FailsAMotionWithTheCodeOfItsReason) {
   EXPECT_EQ(code("Spin"), 700);
   EXPECT_EQ(code("BackUp"), 710);
   EXPECT_EQ(code("DriveOnHeading"), 720);
+}
+TEST_F(ANav2Tree, FailsAMotionThatLeavesItsWayAndOneWhosePoseJumps) {
+  Make(
+      "<BackUp backup_dist=\"0.5\" backup_speed=\"0.05\" time_allowance=\"30\" "
+      "error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  char letter = 'R';
+  for (int i = 0; i < 50 && letter == 'R'; ++i) {
+    robot.at.at.y_m += 0.05;
+    letter = Run(0.1);
+  }
+  EXPECT_EQ(letter, 'F');
+  EXPECT_EQ(Entry<int>("code"), 710);
+  EXPECT_EQ(Entry<std::string>("why"),
+            "it has left its way: it is 1.0 m from its begin, 1.0 m to the side");
+  robot.at = {};
+  Make(
+      "<DriveOnHeading dist_to_travel=\"5\" speed=\"0.1\" time_allowance=\"90\" "
+      "error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  EXPECT_EQ(Run(1), 'R');
+  robot.at.at.x_m += 2;
+  EXPECT_EQ(Run(0.2), 'F');
+  EXPECT_EQ(Entry<int>("code"), 722);
+  EXPECT_EQ(Entry<std::string>("why"), "its pose has jumped");
 }
 TEST_F(ANav2Tree, MovesWithoutALimitWhereItsTimeIs0) {
   Make("<Spin spin_dist=\"12\" time_allowance=\"0\"/>");

@@ -194,13 +194,13 @@ TEST_F(Motions, AreWarnedOfWhereTheirLimitIsTooShortForTheRobot) {
                      factory),
             "");
 }
-TEST_F(Motions, OfWhichTwoWouldRunTogetherAreRefused) {
+TEST_F(Motions, AreWarnedOfWhereTwoMayRunTogether) {
   const std::string two = "<BackUp/>\n<Inverter><FollowPath path=\"{path}\"/></Inverter>";
   EXPECT_EQ(Findings(Main("<Parallel>" + two + "</Parallel>"), factory),
-            "t.xml:4:1: error: 'BackUp' and 'Inverter' both use the base, which only one of them "
-            "can have at a time, and Parallel runs them together\n");
+            "t.xml:4:1: warning: 'BackUp' and 'Inverter' both use the base, which only one of them "
+            "can have at a time, and Parallel may run them together\n");
   EXPECT_THAT(Findings(Main("<ParallelAll>" + two + "</ParallelAll>"), factory),
-              HasSubstr("error: 'BackUp' and 'Inverter' both use the base"));
+              HasSubstr("warning: 'BackUp' and 'Inverter' both use the base"));
   EXPECT_THAT(Findings(Main("<PipelineSequence>" + two + "</PipelineSequence>"), factory),
               HasSubstr("warning: 'BackUp' and 'Inverter' both use the base, which only one of "
                         "them can have at a time, and PipelineSequence may run them together"));

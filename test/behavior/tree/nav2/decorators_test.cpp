@@ -186,6 +186,36 @@ TEST_F(AGoalUpdater, PassesAnUpdateOnInTheNextRunUnlessAGoalWasSetSince) {
   EXPECT_EQ(NextTicks(2), "F a \nR a^ \n");
   EXPECT_EQ(tree->board().Get<Pose>("goal").value().x_m, 2);
 }
+TEST_F(AGoalUpdater, PassesAGoalOnThatIsSetWhileTheTreeRuns) {
+  Make(Around("GoalUpdater input_goal=\"{goal}\" output_goal=\"{to}\"", "R"));
+  const auto to = [this] { return tree->board().Get<Pose>("to").value().x_m; };
+  Put("goal", Pose{.x_m = 1});
+  EXPECT_EQ(Next(), "R a^ ");
+  robot.new_goal = Pose{.x_m = 2};
+  EXPECT_EQ(Next(), "R a ");
+  EXPECT_EQ(to(), 2);
+  Put("goal", Pose{.x_m = 3});
+  EXPECT_EQ(Next(), "R a ");
+  EXPECT_EQ(to(), 3) << "it was set after the update";
+  EXPECT_EQ(Next(), "R a ");
+  EXPECT_EQ(to(), 3);
+  robot.new_goal = Pose{.x_m = 4};
+  EXPECT_EQ(Next(), "R a ");
+  EXPECT_EQ(to(), 4);
+}
+TEST_F(AGoalUpdater, PassesAnUpdateOnInTheNextRunThatCameAfterAGoalOfTheRunBefore) {
+  Make(Around("GoalUpdater input_goal=\"{goal}\" output_goal=\"{to}\"", "RRF"));
+  const auto to = [this] { return tree->board().Get<Pose>("to").value().x_m; };
+  Put("goal", Pose{.x_m = 1});
+  EXPECT_EQ(Next(), "R a^ ");
+  Put("goal", Pose{.x_m = 3});
+  EXPECT_EQ(Next(), "R a ");
+  robot.new_goal = Pose{.x_m = 4};
+  EXPECT_EQ(Next(), "F a ");
+  EXPECT_EQ(to(), 4);
+  EXPECT_EQ(Next(), "R a^ ");
+  EXPECT_EQ(to(), 4);
+}
 TEST_F(AGoalUpdater, FailsWithoutAGoalAndDoesNotPassTheUpdateOfARunBeforeOn) {
   for (const std::string input : {"", "input_goal=\"{goal}\" input_goals=\"{goals}\" "}) {
     robot.new_goal.reset();
