@@ -345,7 +345,7 @@ class Selector : public Action {
 
 // A node that moves the base.
 template <class N, class... Args>
-void AddMover(Factory& factory, Robot& robot, std::string_view name, std::string does,
+void AddMover(Factory& factory, Robot& robot, std::string_view name, const std::string& does,
               Args... args) {
   if (factory.Find(name) != nullptr) return;
   static_cast<void>(
@@ -354,7 +354,7 @@ void AddMover(Factory& factory, Robot& robot, std::string_view name, std::string
                               .make = [&robot, args...](Setup& setup) -> std::unique_ptr<Node> {
                                 return std::make_unique<N>(setup, robot, args...);
                               },
-                              .description = std::move(does),
+                              .description = does,
                               .uses = "base"}));
 }
 

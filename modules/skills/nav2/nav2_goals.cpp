@@ -241,7 +241,7 @@ void Nav2Goals::Start(transport::ServerGoal<Action> goal) {
 Result<> Nav2Goals::Drive() {
   const navigation::Pose& to = mission_->poses[mission_->at];
   const double half_rad = to.yaw_rad / 2;
-  const Result<> started = context_.manager.Start(
+  Result<> started = context_.manager.Start(
       skill_,
       {{"goal_pos", skill::Numbers{to.at.x_m, to.at.y_m, to.at.z_m}},
        {"goal_quat_wxyz", skill::Numbers{std::cos(half_rad), 0, 0, std::sin(half_rad)}}},
