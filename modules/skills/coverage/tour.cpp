@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 namespace musher::coverage {
 namespace {
@@ -187,6 +188,35 @@ void Append(Tour& tour, const GroundPoint& corner, bool on_lane) {
   if (tour.corners.size() > 1) tour.on_lane.push_back(on_lane);
 }
 
+// From the last corner, or back along the lane that has led to it, as out of a dead end. Empty:
+// there is none.
+std::vector<GroundPoint> WayTo(const GroundPoint& to, const Tour& tour, Router& router) {
+  const std::vector<GroundPoint>& corners = tour.corners;
+  std::vector<GroundPoint> way = router.Route(corners.back(), to);
+  if (!way.empty() || corners.size() < 2) return way;
+  way = router.Route(corners[corners.size() - 2], to);
+  if (!way.empty()) way.insert(way.begin(), corners.back());
+  return way;
+}
+
+// Adds a lane, from either of its ends; false: there is no way to it that keeps the radius, as
+// beside a gap that is just as wide as the robot.
+bool AppendLane(Tour& tour, const GroundPoint& from, const GroundPoint& to, Router& router) {
+  if (tour.corners.empty()) {
+    Append(tour, from, false);
+    Append(tour, to, true);
+    return true;
+  }
+  for (const auto& [begin, end] : {std::pair(from, to), std::pair(to, from)}) {
+    const std::vector<GroundPoint> way = WayTo(begin, tour, router);
+    if (way.empty()) continue;
+    for (std::size_t k = 1; k < way.size(); ++k) Append(tour, way[k], false);
+    Append(tour, end, true);
+    return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Tour TourOf(const std::vector<Cell>& cells, const std::optional<GroundPoint>& start,
@@ -195,19 +225,17 @@ Tour TourOf(const std::vector<Cell>& cells, const std::optional<GroundPoint>& st
   if (cells.empty()) return tour;
   const Ordering ordering(cells, start, router);
   const std::vector<std::size_t> part = ordering.LargestPart();
+  std::size_t whole = 0;
   for (const std::size_t index : ordering.Order(part)) {
     const std::vector<GroundPoint>& ends = ordering.passage(index).ends;
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      if (i % 2 == 0 && !tour.corners.empty()) {
-        const std::vector<GroundPoint> way = router.Route(tour.corners.back(), ends[i]);
-        for (std::size_t k = 1; k < way.size(); ++k) Append(tour, way[k], false);
-      } else {
-        Append(tour, ends[i], i % 2 == 1);
-      }
+    bool left_out = false;
+    for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
+      if (!AppendLane(tour, ends[i], ends[i + 1], router)) left_out = true;
     }
+    if (!left_out) ++whole;
   }
-  tour.cells = part.size();
-  tour.cells_left_out = cells.size() - part.size();
+  tour.cells = whole;
+  tour.cells_left_out = cells.size() - whole;
   return tour;
 }
 

@@ -7,6 +7,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -281,6 +282,29 @@ TEST(Coverage, IsInterpolatedWithoutAGap) {
     EXPECT_LE(Distance(points[i - 1], points[i]), 0.05 + 1e-9);
     EXPECT_GT(Distance(points[i - 1], points[i]), 0);
   }
+}
+
+// Found by the property below: from one lane to the next one of its cell there was no way that
+// keeps the radius, and the path went straight, 7 cm nearer to the corner of the hole than the
+// robot fits.
+TEST(Coverage, LeavesOutALaneToWhichThereIsNoWay) {
+  Region region;
+  const std::array<std::pair<double, double>, 8> corners{
+      {{0.43, 10.69}, {1.33, 7.98}, {2, 4}, {3, 4}, {4, 4}, {5, 4}, {6.38, 10.37}, {7.06, 5.46}}};
+  for (const auto& [eighths, radius] : corners) {
+    const double angle = eighths * std::numbers::pi / 4;
+    region.boundary.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+  }
+  Region one{Box(0, 0, 0.51, 2.86), {}};
+  one = Turned(one, 1.23);
+  for (GroundPoint& corner : one.boundary) corner = {corner.x_m + 3.32, corner.y_m - 4.57};
+  region.holes.push_back(one.boundary);
+  const Options options{2, 0.38};
+  const auto plan = PlanCoverage(region, options, GroundPoint{0, 0});
+  ASSERT_TRUE(plan) << plan.error().message;
+  const Seen seen = Watch(region, plan.value(), options);
+  EXPECT_TRUE(seen.inside);
+  EXPECT_GE(seen.nearest_m, options.robot_radius_m - 1e-4);
 }
 
 // A star of random corners with random boxes as holes, as far as they are a region.
