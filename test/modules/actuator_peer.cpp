@@ -47,6 +47,8 @@ ActuatorPeer::ActuatorPeer(std::string actuator, const std::vector<std::string>&
   status_ = transport::MakeSubscription<msg::ActuatorStatus>(
                 *node_, transport::ActuatorStatusTopic(""),
                 [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
+                  // One that was killed may be received still, after its successor's.
+                  if (process_ && status.pid != process_->pid()) return;
                   report_ = transport::FromMessage(status);
                   report_at_ = loop_.Now();
                 },

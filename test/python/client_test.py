@@ -276,7 +276,7 @@ class Choice(unittest.TestCase):
     # Each looked for it twice, one after the other.
     def test_a_machine_that_is_not_up_is_looked_for_once(self):
         with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
-            dog._find_s = 3.0
+            dog._find_at_most_s = 3.0
             for call in (dog.status, lambda: dog.set("Active"), lambda: dog.restart("legs"), dog.release_estop):
                 begin = time.monotonic()
                 with self.assertRaises(musher.Failure) as refused:
@@ -289,7 +289,7 @@ class Choice(unittest.TestCase):
         self.publish("dog", "d0900000-0000-4000-8000-000000000002")
         with mock.patch.object(_machine, "_OTHERS_S", 10.0):
             with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
-                dog._find_s = 10.0
+                dog._find_at_most_s = 10.0
                 self.assertEqual(dog.wait_until("Active", timeout_s=2.0).machine, "dog")
 
     def assert_no_controller(self, **chosen):
