@@ -30,7 +30,7 @@ struct Plan {
   double between_m = 0;      // of it between lanes
   double direction_rad = 0;  // of the lanes
   std::size_t cells = 0;
-  std::size_t cells_left_out = 0;  // that the robot cannot reach within the region
+  std::size_t cells_left_out = 0;  // that the robot cannot reach, or not all of their lanes
 };
 
 inline constexpr std::size_t kMostCells = 60;
