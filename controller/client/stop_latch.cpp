@@ -19,10 +19,12 @@ constexpr std::size_t kMostMachines = 8;
 constexpr std::size_t kLongestUnknownMachine = 80;
 constexpr std::size_t kMostOrigins = 64;  // of releases, and of heartbeats
 constexpr const char* kElsewhere = "not found here, it may run on another host";
+constexpr const char* kExitUnknown = "silent, and its exit is not known: it may still run";
 
-// Whether it may move. A crashed actuator does not. One whose connection is lost may, unless its
-// process has ended; so may one whose process a new controller has found, or has stored as running
-// on another host, and has not taken control of yet.
+// Whether it may move. One that is lost may, unless its process is known to have ended: on another
+// host "crashed" is a verdict from silence, and a frozen process is as silent as one that has
+// exited. So may one whose process a new controller has found, or has stored as running on another
+// host, and has not taken control of yet.
 bool MayMove(const msg::ActuatorInfo& actuator) {
   const auto is = [&](Presence presence) { return actuator.presence == PresenceName(presence); };
   if (is(Presence::kPresent) || is(Presence::kStarting)) return true;
@@ -31,7 +33,14 @@ bool MayMove(const msg::ActuatorInfo& actuator) {
     return true;
   }
   const bool elsewhere = is(Presence::kAbsent) && !actuator.host.empty();
-  return actuator.health != HealthName(Health::kCrashed) && (actuator.pid != 0 || elsewhere);
+  return actuator.pid != 0 || elsewhere;
+}
+
+// Why it may not be stopped, by the controller.
+std::string TroubleOf(const msg::ActuatorInfo& actuator) {
+  if (actuator.health == HealthName(Health::kWell)) return "";
+  const bool exit_unknown = actuator.health == HealthName(Health::kCrashed) && actuator.pid != 0;
+  return exit_unknown ? kExitUnknown : actuator.health;
 }
 
 bool IsIn(const std::vector<MachineIdentity>& machines, const MachineIdentity& machine) {
@@ -238,9 +247,8 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
       if (unsaved.starts_with(StoredName(Stored::kEmergencyStops))) report.not_on_disk = unsaved;
     }
     for (const msg::ActuatorInfo& actuator : controller->actuators) {
-      const bool well = actuator.health == HealthName(Health::kWell);
       if (!MayMove(actuator) && !received_.contains(actuator.name)) continue;
-      auto& taken = Take(report, actuator.name, well ? "" : actuator.health);
+      auto& taken = Take(report, actuator.name, TroubleOf(actuator));
       taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);
       if (taken.unsupported) {
         taken.trouble = "emergency stop not supported (" + actuator.protocol + ")";

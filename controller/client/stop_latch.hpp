@@ -36,7 +36,7 @@ struct EstopReport {
     bool stopped = false;
     bool before = false;       // by an earlier emergency stop
     Duration after{};          // since this one was published; 0 if it was stopped before
-    std::string trouble;       // if not stopped: its health according to the controller, "hung"
+    std::string trouble;       // if not stopped: what the controller says of it, "hung"
     bool unsupported = false;  // its protocol has no emergency stop
     bool found = true;         // else it is only known from a config or a state folder
   };

@@ -53,7 +53,7 @@ class Coordinator : StepPart {
   Control control_{step_, saver_, memory_, processes_};
   Arrivals arrivals_{step_, saver_, processes_, commands_, control_};
   Switches switches_{step_, memory_, commands_};
-  TearDown tear_down_{step_, saver_, power_, commands_, switches_};
+  TearDown tear_down_{step_, saver_, memory_, power_, commands_, switches_};
   Requests requests_{step_, commands_, switches_, tear_down_};
   StartUp start_up_{step_, saver_, stops_, switches_, tear_down_};
   Recovery recovery_{step_, processes_, commands_, control_};

@@ -29,6 +29,8 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
   machine_.stopping = std::move(stopping);
   machine_.phase = Phase::kStopping;
   machine_.fallback.target.reset();
+  // Of an actuator that fails in TearDown, and that the next controller finds running.
+  memory_.Lower(std::nullopt);
   machine_.stopping->after = after;
   if (after != AfterTearDown::kStartsAgain &&
       !machine_.start_up.finishing) {  // then it is on disk already

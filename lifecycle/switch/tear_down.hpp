@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/policy/policy_memory.hpp"
 #include "musher/lifecycle/policy/power.hpp"
 #include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/switches.hpp"
@@ -26,8 +27,14 @@ namespace musher {
 
 class TearDown : StepPart {
  public:
-  TearDown(StepContext& step, Saver& saver, Power& power, Commands& commands, Switches& switches)
-      : StepPart(step), saver_(saver), power_(power), commands_(commands), switches_(switches) {}
+  TearDown(StepContext& step, Saver& saver, PolicyMemory& memory, Power& power, Commands& commands,
+           Switches& switches)
+      : StepPart(step),
+        saver_(saver),
+        memory_(memory),
+        power_(power),
+        commands_(commands),
+        switches_(switches) {}
 
   void Begin(const Plan& plan, std::vector<RequestId> requests, RecordId cause,
              AfterTearDown after = AfterTearDown::kStaysDown, const Requester& by = {});
@@ -54,6 +61,7 @@ class TearDown : StepPart {
   void EndUnfinished();
 
   Saver& saver_;
+  PolicyMemory& memory_;
   Power& power_;
   Commands& commands_;
   Switches& switches_;

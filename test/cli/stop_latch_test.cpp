@@ -347,7 +347,22 @@ TEST_F(Stop, DoesNotWaitForACrashedActuator) {
   msg::MachineStatus controller = Controller();
   controller.actuators[0].presence = "lost";
   controller.actuators[0].health = "crashed";
+  controller.actuators[0].pid = 0;  // its process is known to have ended
   EXPECT_TRUE(AfterASecond(controller).complete());
+}
+
+// A frozen process of another host is as silent as one that has exited, and may go on.
+TEST_F(Stop, IsNotCompleteBesideAnActuatorWhoseExitIsNotKnown) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].presence = "lost";
+  controller.actuators[0].health = "crashed";
+  controller.actuators[0].pid = 4321;
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(report.Missing(), ElementsAre("legs"));
+  EXPECT_THAT(EstopText(report, false), HasSubstr("its exit is not known: it may still run"));
 }
 
 TEST_F(Stop, ForgetsALostActuator) {

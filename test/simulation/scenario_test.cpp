@@ -205,6 +205,15 @@ TEST(FoundScenario, AClientThatIsDiscoveredLateGetsItsOutcome) {
   EXPECT_EQ(ViolationOf(774361, {1, 2, 4, 6, 8, 11, 13, 14, 15, 16, 17, 18}), "");
 }
 
+// Another host had a frozen process, which the controller took for a crashed one.
+TEST(FoundScenario, AStopIsNotConfirmedBesideASilentActuatorOfAnotherHost) {
+  EXPECT_EQ(ViolationOf(1180096, {2, 4, 13}), "");
+}
+
+TEST(FoundScenario, ABatteryThatIsChargedDoesNotRaiseWhatAPersonHasTornDown) {
+  EXPECT_EQ(ViolationOf(1124561, {5, 7, 9, 10, 19}), "");
+}
+
 // Its controller was killed and started again, and knew no sample: it stayed in Active.
 TEST(FoundScenario, ARobotWhoseBatteryWasLowAndIsSilentIsTakenDown) {
   EXPECT_EQ(ViolationOf(6561, {8, 9, 10, 11, 12, 14, 23}), "");

@@ -315,6 +315,20 @@ TEST_F(BatteryRule, AMachineThatAPersonSwitchedElsewhereStaysThere) {
   EXPECT_EQ(state(), "Protected");
 }
 
+// An actuator of it fails in TearDown, and the next controller finds it running.
+TEST_F(BatteryRule, AMachineThatAPersonHasTornDownIsNotRaised) {
+  Robot("Active", WithPolicy(1));
+  Battery(10);
+  EXPECT_EQ(state(), "Protected");
+  robot().On("a", "TearDown").code = kCodeFailed;
+  EXPECT_EQ(robot().Set("TearDown").outcome, SwitchOutcome::kDoneDegraded);
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(state(), "Protected");
+  Battery(90);
+  EXPECT_EQ(state(), "Protected");
+}
+
 TEST_F(BatteryRule, APersonsLowPowerStaysWhenTheBatteryIsCharged) {
   EXPECT_TRUE(robot().Set("LowPower").done());
   Battery(3);
