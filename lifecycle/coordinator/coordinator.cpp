@@ -139,6 +139,7 @@ void Coordinator::Advance() {
       tear_down_.Advance();
     } else if (phase != Phase::kIdle && phase != Phase::kStopped) {
       changed |= requests_.BeginWaiting();
+      if (phase == Phase::kStopping || requests_.TearDownWaits()) continue;
       changed |= start_up_.StartProcesses();
       changed |= start_up_.Advance();
       changed |= binding_.SuspendAndResume();

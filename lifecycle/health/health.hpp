@@ -12,7 +12,7 @@ enum class Health {
   kWell,
   kStarved,      // alive, but waiting for a CPU or the disk: reported, not restarted
   kHung,         // could run and made no progress
-  kCrashed,      // its process has exited
+  kCrashed,      // its process has exited; on another host, as far as its silence says
   kPartitioned,  // the connection to its whole host is lost
 };
 std::string_view HealthName(Health health);  // "well", "starved", …

@@ -116,7 +116,8 @@ struct StandingRequest {
 };
 
 // A switch that was requested while an actuator was being driven to the state of the machine on its
-// own. Nothing has been sent for it; no other actuator is driven on its own before it.
+// own, or a TearDown before actuators that run have announced themselves to this controller.
+// Nothing has been sent for it; no other actuator is driven on its own before it.
 struct WaitingSwitch {
   State target;
   std::optional<ActuatorIndex> only;
@@ -124,6 +125,7 @@ struct WaitingSwitch {
   std::vector<RequestId> requests;  // answered at its end
   RecordId cause = 0;               // the record of the request
   Requester by = {};
+  AfterTearDown after = AfterTearDown::kStaysDown;  // of a TearDown of the machine
 
   friend bool operator==(const WaitingSwitch&, const WaitingSwitch&) = default;
 };
@@ -236,6 +238,7 @@ inline constexpr std::tuple kFields<WaitingSwitch> = {
     Field{"target", &WaitingSwitch::target}, Field{"only", &WaitingSwitch::only},
     Field{"until", &WaitingSwitch::until},   Field{"requests", &WaitingSwitch::requests},
     Field{"cause", &WaitingSwitch::cause},   Field{"by", &WaitingSwitch::by},
+    Field{"after", &WaitingSwitch::after},
 };
 
 template <>

@@ -12,9 +12,6 @@ namespace {
 
 // The record that Begin makes is the first one.
 constexpr RecordId kBegun = 1;
-// How long a supervisor's start that finishes a TearDown waits for unknown actuators. They run
-// already, and are discovered within a second.
-constexpr Duration kFinishingGrace = std::chrono::seconds(3);
 
 std::string StopsUnreadIn(const UnreadFolder& unread) {
   return "whether an emergency stop is engaged in " + unread.folder +
@@ -67,7 +64,7 @@ void StartUp::StartStage(int stage, RecordId cause) {
     known.cause = cause;
     const Duration set_up = config_.TimeFor(i, kSetUp);
     const Duration timeout =
-        machine_.start_up.finishing ? std::min(set_up, kFinishingGrace) : set_up;
+        machine_.start_up.finishing ? std::min(set_up, kLongestDiscovery) : set_up;
     // Only a Musher process holds its actuator's name, by which it is found running.
     const bool may_run = machine_.start_up.finishing && ConfigOf(i).protocol != Protocol::kMusher;
     if (waited_for || may_run) known.set_up_by = now_ + timeout;

@@ -7,6 +7,9 @@
 // after a crash finishes the TearDown instead of bringing the machine up. A disk that does not
 // answer delays it for a moment only.
 //
+// An actuator that this controller has found running, and that has not announced itself to it yet,
+// is waited for, at most kLongestDiscovery: a signal would end it without its TearDown.
+//
 // An actuator that does not list TearDown is ended by the signals alone. Where the controller did
 // not start its process either, nothing ends it: it is listed as degraded.
 //
@@ -24,6 +27,10 @@
 #include "musher/lifecycle/switch/switches.hpp"
 
 namespace musher {
+
+// How long TearDown waits for actuators that ran before this controller started. They are
+// discovered within a second.
+inline constexpr Duration kLongestDiscovery = std::chrono::seconds(3);
 
 class TearDown : StepPart {
  public:

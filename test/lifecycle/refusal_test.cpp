@@ -245,7 +245,7 @@ TEST(ARequestThatAwaitsTheSetUp, IsRefusedWhenTheMachineIsTornDownFirst) {
   const RequestId awaits(900);
   t.Feed(event::SetUpAwaited{awaits});
   t.RequestSwitch("TearDown");
-  ASSERT_TRUE(t.calls.contains(awaits));
+  ASSERT_TRUE(t.RunUntil([&] { return t.calls.contains(awaits); }));
   ASSERT_FALSE(t.calls.at(awaits).ok());
   EXPECT_THAT(t.calls.at(awaits).error(), IsRefused(Refusal::kBeingTornDown));
 }

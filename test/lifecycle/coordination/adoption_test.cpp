@@ -12,6 +12,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 class Adopting : public Switching {
  protected:
@@ -283,6 +284,46 @@ TEST_F(Adopting, FinishesATearDownInWhichThePreviousControllerCrashed) {
   EXPECT_FALSE(t.usable());
   EXPECT_EQ(t.start_up()->message, texts::TearDownResumed().message);
   for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
+}
+
+// A signal would end a robot that walks without its TearDown.
+TEST_F(Adopting, TearsDownWhatIsFoundRunningThoughItHasNotAnnouncedItselfYet) {
+  Harness& t = In("Active", Ours(2));
+  t.RestartController();
+  const RequestId request = t.RequestSwitch("TearDown");
+  t.RequestSwitch("TearDown");
+  ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));
+  EXPECT_TRUE(t.answers.at(request).done());
+  EXPECT_EQ(t.answers.size(), 2U);
+  EXPECT_THAT(t.log(), UnorderedElementsAre("a:TearDown", "b:TearDown"));
+  EXPECT_THAT(t.signals, IsEmpty());
+}
+
+TEST_F(Adopting, StartsNothingWhileATearDownWaits) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").after = {"a"};
+  Harness& t = In("Active", config);
+  t.Crash("b");
+  t.RestartController();
+  t.RequestSwitch("TearDown");
+  ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));
+  EXPECT_THAT(t.log(), ElementsAre("a:TearDown"));
+}
+
+TEST_F(Adopting, TearsDownWithoutWhatStaysSilentAfterThreeSeconds) {
+  MachineConfig config = Ours(2);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.times.assign(config.states.size(), std::chrono::seconds(10));
+  }
+  Harness& t = In("Active", config);
+  t.Mute("b", true, true);
+  t.RestartController();
+  const Time begun = t.now();
+  t.RequestSwitch("TearDown");
+  ASSERT_TRUE(t.RunUntil([&] { return t.machine().phase == Phase::kStopping; }));
+  EXPECT_EQ(t.now() - begun, std::chrono::seconds(3));
+  ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));
+  EXPECT_THAT(t.log(), ElementsAre("a:TearDown"));
 }
 
 TEST_F(Adopting, WithALostDiskExceedsTheEpochOfTheActuators) {
