@@ -25,21 +25,23 @@ constexpr const char* kExitUnknown = "silent, and its exit is not known: it may 
 // host "crashed" is a verdict from silence, and a frozen process is as silent as one that has
 // exited. So may one whose process a new controller has found, or has stored as running on another
 // host, and has not taken control of yet.
-bool MayMove(const msg::ActuatorInfo& actuator) {
+bool MayMove(const msg::ActuatorInfo& actuator, const std::string& controller_host) {
   const auto is = [&](Presence presence) { return actuator.presence == PresenceName(presence); };
   if (is(Presence::kPresent) || is(Presence::kStarting)) return true;
   if (actuator.health == HealthName(Health::kHung) ||
       actuator.health == HealthName(Health::kPartitioned)) {
     return true;
   }
-  const bool elsewhere = is(Presence::kAbsent) && !actuator.host.empty();
+  const bool elsewhere =
+      is(Presence::kAbsent) && !actuator.host.empty() && actuator.host != controller_host;
   return actuator.pid != 0 || elsewhere;
 }
 
 // Why it may not be stopped, by the controller.
 std::string TroubleOf(const msg::ActuatorInfo& actuator) {
   if (actuator.health == HealthName(Health::kWell)) return "";
-  const bool exit_unknown = actuator.health == HealthName(Health::kCrashed) && actuator.pid != 0;
+  const bool exit_unknown = actuator.presence == PresenceName(Presence::kLost) &&
+                            actuator.health == HealthName(Health::kCrashed) && actuator.pid != 0;
   return exit_unknown ? kExitUnknown : actuator.health;
 }
 
@@ -247,7 +249,7 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
       if (unsaved.starts_with(StoredName(Stored::kEmergencyStops))) report.not_on_disk = unsaved;
     }
     for (const msg::ActuatorInfo& actuator : controller->actuators) {
-      if (!MayMove(actuator) && !received_.contains(actuator.name)) continue;
+      if (!MayMove(actuator, controller->host) && !received_.contains(actuator.name)) continue;
       auto& taken = Take(report, actuator.name, TroubleOf(actuator));
       taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);
       if (taken.unsupported) {

@@ -69,7 +69,7 @@ bool IsWhole(const Machine& machine, std::size_t actuators) {
   if (machine.waiting && !HasOnly(machine, machine.waiting->only)) return false;
   const auto& stopping = machine.stopping;
   if (machine.phase == Phase::kStopping && !stopping) return false;
-  return !stopping || machine.current || stopping->result;
+  return !stopping || machine.current || stopping->result || stopping->announced_by;
 }
 
 // Whether the config has the rules whose state the machine has.

@@ -53,6 +53,8 @@ void Authority::Release(const std::string& rival, Epoch epoch) {
     machine_.current.reset();
   }
   if (machine_.stopping) {
+    auto& torn_down = machine_.stopping->result;
+    if (!torn_down) torn_down = RefusedSwitch(State(kTearDown), "", machine_.state, fenced);
     const SwitchResult result = tear_down_.Conclude(fenced.code, rival);
     switches_.Answer(machine_.stopping->requests, result);
   }

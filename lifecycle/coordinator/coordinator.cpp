@@ -139,7 +139,6 @@ void Coordinator::Advance() {
       tear_down_.Advance();
     } else if (phase != Phase::kIdle && phase != Phase::kStopped) {
       changed |= requests_.BeginWaiting();
-      if (phase == Phase::kStopping || requests_.TearDownWaits()) continue;
       changed |= start_up_.StartProcesses();
       changed |= start_up_.Advance();
       changed |= binding_.SuspendAndResume();
@@ -246,6 +245,7 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
   if (machine.phase == Phase::kStopping && machine.stopping) {
     const Stopping& stopping = *machine.stopping;
     consider(stopping.intent_by);
+    consider(stopping.announced_by);
     if (stopping.sent == Stopping::Signal::kNone) consider(stopping.terminate_at);
     consider(stopping.sent == Stopping::Signal::kKill ? stopping.give_up_at : stopping.kill_at);
   }

@@ -116,8 +116,7 @@ struct StandingRequest {
 };
 
 // A switch that was requested while an actuator was being driven to the state of the machine on its
-// own, or a TearDown before actuators that run have announced themselves to this controller.
-// Nothing has been sent for it; no other actuator is driven on its own before it.
+// own. Nothing has been sent for it; no other actuator is driven on its own before it.
 struct WaitingSwitch {
   State target;
   std::optional<ActuatorIndex> only;
@@ -125,7 +124,6 @@ struct WaitingSwitch {
   std::vector<RequestId> requests;  // answered at its end
   RecordId cause = 0;               // the record of the request
   Requester by = {};
-  AfterTearDown after = AfterTearDown::kStaysDown;  // of a TearDown of the machine
 
   friend bool operator==(const WaitingSwitch&, const WaitingSwitch&) = default;
 };
@@ -143,6 +141,11 @@ struct Stopping {
   Look look = Look::kNotYet;  // for unknown processes, at the end
   AfterTearDown after = AfterTearDown::kStaysDown;
   std::optional<Time> intent_by;  // TearDown waits until its intent is on disk, at most until then
+  // It has not begun, and waits until the actuators that may run have announced themselves, at most
+  // until then.
+  std::optional<Time> announced_by;
+  RecordId cause = 0;  // of its switch
+  Requester by = {};
   std::optional<SwitchResult> result;  // of TearDown, answered when the processes have exited
   std::vector<RequestId> requests;
 
@@ -238,7 +241,6 @@ inline constexpr std::tuple kFields<WaitingSwitch> = {
     Field{"target", &WaitingSwitch::target}, Field{"only", &WaitingSwitch::only},
     Field{"until", &WaitingSwitch::until},   Field{"requests", &WaitingSwitch::requests},
     Field{"cause", &WaitingSwitch::cause},   Field{"by", &WaitingSwitch::by},
-    Field{"after", &WaitingSwitch::after},
 };
 
 template <>
@@ -253,6 +255,9 @@ inline constexpr std::tuple kFields<Stopping> = {
     Field{"begun", &Stopping::begun},
     Field{"after", &Stopping::after},
     Field{"intent_by", &Stopping::intent_by},
+    Field{"announced_by", &Stopping::announced_by},
+    Field{"cause", &Stopping::cause},
+    Field{"by", &Stopping::by},
     Field{"tear_down_by", &Stopping::tear_down_by},
     Field{"terminate_at", &Stopping::terminate_at},
     Field{"kill_at", &Stopping::kill_at},

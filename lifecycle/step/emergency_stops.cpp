@@ -149,9 +149,8 @@ bool EmergencyStops::HasConfirmed(ActuatorIndex i, StopId last) const {
       return clear && (last == 0 || report.released_stop == last);
     case Presence::kStarting:
       return clear;
-    case Presence::kLost:  // it may run on where only its connection is lost
-      return clear || report.incarnation == known.process.dead ||
-             (known.health != Health::kHung && known.health != Health::kPartitioned);
+    case Presence::kLost:  // it may run on, unless its process is known to have exited
+      return clear || report.incarnation == known.process.dead;
     case Presence::kAbsent:
       break;
   }

@@ -116,9 +116,14 @@ State MachineView::PlaceOf(ActuatorIndex i) const {
   return Falls(config_, rest, view_.state) ? view_.state : rest;
 }
 
+bool MachineView::IsAwaitedIn(ActuatorIndex i, int stage) const {
+  const bool found = Of(i).process.launch == Launch::kFoundRunning && !view_.start_up.set_up;
+  return ConfigOf(i).stage <= stage || found;
+}
+
 bool MachineView::StageIsSetUp(int stage) const {
   for (const ActuatorIndex i : view_.actuators.Indices()) {
-    if (ConfigOf(i).stage > stage) continue;
+    if (!IsAwaitedIn(i, stage)) continue;
     if (view_.start_up.finishing && !Of(i).set_up_by) continue;
     if (Of(i).presence != Presence::kPresent && (!Of(i).fault || IsComing(i))) return false;
   }

@@ -60,6 +60,9 @@ class MachineView {
   std::optional<RecordText> WaitsForSuspended(ActuatorIndex i) const;
 
   // Whether each actuator of the stages so far is present, or will not be.
+  // Whether the start waits for it in this stage: one that an earlier controller has left running
+  // is awaited in the first, since it has a part in the state from which the machine continues.
+  bool IsAwaitedIn(ActuatorIndex i, int stage) const;
   bool StageIsSetUp(int stage) const;
   // Whether each actuator of the stages so far is in the state of the machine, or will not be.
   bool StageIsSettled(int stage) const;

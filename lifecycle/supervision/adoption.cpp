@@ -75,6 +75,17 @@ bool Adoption::AgreesWith(ActuatorIndex i, const State& state) const {
   return config_.RankOf(Of(i).state()) && Ros2GoalOf(own, Of(i).state()) == Ros2GoalOf(own, state);
 }
 
+bool Adoption::FoundInSelfCheck() const {
+  const auto present = [](const KnownActuator& known) {
+    return known.presence == Presence::kPresent && !known.report.detached;
+  };
+  const auto stands = [&](const KnownActuator& known) {
+    return !present(known) || (known.state() == kSelfCheck && !known.report.busy());
+  };
+  return std::ranges::all_of(view_.actuators, stands) &&
+         std::ranges::any_of(view_.actuators, present);
+}
+
 // Whether the previous controller crashed during a switch: an actuator is switching to another
 // state than the machine's, comes down to it, or runs its callback again, as in a rollback. One
 // that comes up to the state of the machine was restarted, or was late.

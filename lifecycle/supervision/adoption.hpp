@@ -18,6 +18,9 @@ class Adoption : MachineView {
   // states with the same rank, the state of most actuators wins; only actuators that list all of
   // these states count.
   std::optional<State> LowestFound() const;
+  // Whether the machine stood in SelfCheck, to which a person had switched it: of a start that
+  // went on to Active, an actuator would be busy.
+  bool FoundInSelfCheck() const;
   // Whether the previous controller crashed during a switch.
   bool FoundSwitching() const;
   // The actuators that are in another state than the machine, or switching.

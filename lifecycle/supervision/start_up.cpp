@@ -59,8 +59,7 @@ void StartUp::StartStage(int stage, RecordId cause) {
     KnownActuator& known = Of(i);
     const bool waited_for =
         ConfigOf(i).command.empty() || known.process.launch == Launch::kFoundRunning;
-    if (ConfigOf(i).stage > stage || known.presence == Presence::kPresent || known.set_up_by)
-      continue;
+    if (!IsAwaitedIn(i, stage) || known.presence == Presence::kPresent || known.set_up_by) continue;
     known.cause = cause;
     const Duration set_up = config_.TimeFor(i, kSetUp);
     const Duration timeout =
@@ -131,6 +130,13 @@ void StartUp::EndFirstStage() {
   if (machine_.start_up.finishing) return AdoptFrom(State(kTearDown), recorded);
   if (const auto lowest = Adoption(config_, machine_).LowestFound())
     return AdoptFrom(*lowest, recorded);
+  if (machine_.start_up.requests_nothing && Adoption(config_, machine_).FoundInSelfCheck()) {
+    return Fail(
+        "it was found in SelfCheck, from where a person leads it on; run `musher set SelfCheck` "
+        "and "
+        "`musher set Active`",
+        recorded);
+  }
   const bool stopped = machine_.emergency.stop.has_value();
   const bool waits = machine_.emergency.awaits_request && machine_.start_up.requests_nothing;
   if (config_.ros2.started_by_manager) {

@@ -55,7 +55,8 @@ void Arrivals::On(const event::StatusSeen& seen) {
   }
   // Its services appear when it is set up; until then it cannot be queried.
   if (not_set_up) return;
-  if (!stopping) control_.Take(seen.actuator);
+  const bool awaited = machine_.stopping && machine_.stopping->announced_by;
+  if (!stopping || awaited) control_.Take(seen.actuator);
 }
 
 // An actuator that was torn down before this controller started, and still runs: the start does not

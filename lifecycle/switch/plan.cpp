@@ -86,7 +86,8 @@ class Planner {
     if (machine_.phase == Phase::kFenced) {
       return Refused<Refusal::kLedByAnother>();
     }
-    if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
+    const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
+    if (ends && !IsTearDownThatWaits()) {
       return Refused<Refusal::kMachineTornDown>();
     }
     // An actuator that is switching is checked again from the state it reaches.
@@ -97,6 +98,12 @@ class Planner {
       return NoTransition(subject);
     }
     return plan_.only ? std::nullopt : RefusalByPolicy(config_, machine_, target);
+  }
+
+  // The TearDown that was begun, once all actuators have announced themselves.
+  bool IsTearDownThatWaits() const {
+    return machine_.phase == Phase::kStopping && machine_.stopping->announced_by &&
+           plan_.target == kTearDown && !plan_.only;
   }
 
   Error NoTransition(const std::string& subject) const {

@@ -1,7 +1,5 @@
 #include "musher/lifecycle/switch/requests.hpp"
 
-#include <algorithm>
-#include <string>
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
@@ -71,19 +69,12 @@ void Requests::On(const event::SetStateRequested& requested) {
     return;
   Plan plan = MakePlan(config_, machine_, requested.target, only);
   if (CheckDegraded(plan)) plan = MakePlan(config_, machine_, requested.target, only);
-  if (plan.free_by) {
-    return Await(plan, *plan.free_by + kAnswered, plan.refusal->message, requested, request_record);
-  }
+  if (plan.free_by) return Await(plan, requested, request_record);
   if (plan.refusal) {
     return switches_.Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal,
                             request_record);
   }
   if (requested.target == kTearDown && !only) {
-    const auto silent = FirstFoundSilent();
-    if (silent && !machine_.current) {
-      const std::string why = ConfigOf(*silent).name + " runs, and has not announced itself yet";
-      return Await(plan, now_ + kLongestDiscovery, why, requested, request_record);
-    }
     return tear_down_.Begin(plan, {requested.request}, request_record, requested.after,
                             requested.by);
   }
@@ -129,7 +120,6 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
   if (waiting.target == requested.target && waiting.only == only) {
     waiting.requests.push_back(requested.request);
     if (!requested.by.manager) waiting.by = requested.by;
-    waiting.after = std::min(waiting.after, requested.after);
     return true;
   }
   if (!only && Urgency(requested.target) > Urgency(waiting.target)) return false;
@@ -155,49 +145,27 @@ bool Requests::CheckDegraded(const Plan& plan) {
   return any;
 }
 
-void Requests::Await(const Plan& plan, Time until, const std::string& why,
-                     const event::SetStateRequested& requested, RecordId request_record) {
-  const std::string to = Describe(config_, plan.target, plan.only);
-  switches_.EndWaiting(Refused<Refusal::kSwitchStartedFirst>(machine_.number + 1, to),
-                       request_record);
-  WaitingSwitch waiting{plan.target, plan.only, until, {requested.request}, request_record};
-  waiting.by = requested.by;
-  waiting.after = requested.after;
-  waiting.cause = RecordSwitch(plan.only, 0, kCodeOk, texts::SwitchWaiting(to, until - now_, why),
-                               request_record);
-  machine_.waiting = std::move(waiting);
-}
-
-// The first actuator that ran before this controller started, and has not announced itself to it.
-std::optional<ActuatorIndex> Requests::FirstFoundSilent() const {
-  for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    const KnownActuator& known = Of(i);
-    const bool silent =
-        known.presence == Presence::kAbsent || known.presence == Presence::kStarting;
-    if (known.process.launch == Launch::kFoundRunning && silent && !known.fault) return i;
-  }
-  return std::nullopt;
-}
-
-bool Requests::TearDownWaits() const {
-  return machine_.waiting && machine_.waiting->target == kTearDown && !machine_.waiting->only;
+void Requests::Await(const Plan& plan, const event::SetStateRequested& requested,
+                     RecordId request_record) {
+  const Time until = *plan.free_by + kAnswered;
+  machine_.waiting = WaitingSwitch{plan.target,         plan.only,      until,
+                                   {requested.request}, request_record, requested.by};
+  machine_.waiting->cause =
+      RecordSwitch(plan.only, 0, kCodeOk,
+                   texts::SwitchWaiting(Describe(config_, plan.target, plan.only), until - now_,
+                                        plan.refusal->message),
+                   request_record);
 }
 
 bool Requests::BeginWaiting() {
   if (!machine_.waiting) return false;
   const Plan plan = MakePlan(config_, machine_, machine_.waiting->target, machine_.waiting->only);
-  const bool waits = plan.free_by || (TearDownWaits() && FirstFoundSilent());
-  if (waits && now_ < machine_.waiting->until) return false;
+  if (plan.free_by && now_ < machine_.waiting->until) return false;
   if (plan.refusal) {
     switches_.EndWaiting(*plan.refusal, machine_.waiting->cause);
     return true;
   }
-  const bool ends = TearDownWaits();
   const WaitingSwitch waiting = *std::exchange(machine_.waiting, std::nullopt);
-  if (ends) {
-    tear_down_.Begin(plan, waiting.requests, waiting.cause, waiting.after, waiting.by);
-    return true;
-  }
   switches_.Begin(plan, Purpose::kRequested, waiting.requests, waiting.cause, waiting.by);
   return true;
 }

@@ -2,12 +2,10 @@
 // Requests for a switch. One switch at a time: the same request joins the one under way, a more
 // urgent one takes over, any other is refused. While a late actuator is being driven to the state
 // of the machine on its own, a request waits until that actuator is free, at most as long as its
-// command may take; then it is planned as if it came only now. So does a TearDown just after the
-// start of a controller that has found processes running, until they have announced themselves.
+// command may take; then it is planned as if it came only now.
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
 #include "musher/lifecycle/switch/plan.hpp"
 #include "musher/lifecycle/switch/tear_down.hpp"
@@ -28,17 +26,13 @@ class Requests : StepPart {
   // Begins the waiting switch, when it need not wait any more. Returns whether a change may let
   // other actuators proceed.
   bool BeginWaiting();
-  // Whether a TearDown of the machine waits: nothing else begins before it.
-  bool TearDownWaits() const;
 
  private:
   bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<ActuatorIndex> only,
                     RecordId request_record);
   bool JoinWaiting(const event::SetStateRequested& requested, std::optional<ActuatorIndex> only,
                    RecordId request_record);
-  void Await(const Plan& plan, Time until, const std::string& why,
-             const event::SetStateRequested& requested, RecordId request_record);
-  std::optional<ActuatorIndex> FirstFoundSilent() const;
+  void Await(const Plan& plan, const event::SetStateRequested& requested, RecordId request_record);
   bool CheckDegraded(const Plan& plan);
 
   Commands& commands_;

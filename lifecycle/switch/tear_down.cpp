@@ -32,26 +32,80 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
   // Of an actuator that fails in TearDown, and that the next controller finds running.
   memory_.Lower(std::nullopt);
   machine_.stopping->after = after;
+  machine_.stopping->cause = cause;
+  machine_.stopping->by = by;
   if (after != AfterTearDown::kStartsAgain &&
       !machine_.start_up.finishing) {  // then it is on disk already
     machine_.stopping->intent_by = now_ + std::min(kIntentTime, budget / 10);
     saver_.Save(Stored::kStopIntent);
   }
+  const auto silent = FirstSilent();
+  if (silent) {
+    const Duration wait = std::min(kLongestDiscovery, budget * 3 / 10);
+    machine_.stopping->announced_by = now_ + wait;
+    RecordSwitch(
+        std::nullopt, 0, kCodeOk,
+        texts::SwitchWaiting(Describe(config_, plan.target, std::nullopt), wait,
+                             ConfigOf(*silent).name + " may run, and has not announced itself yet"),
+        cause);
+  }
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     KnownActuator& known = Of(i);
-    known.control.again.reset();
+    known.set_up_by.reset();
     known.restart.at.reset();
     known.restart.requested = false;
-    const bool present = known.presence == Presence::kPresent;
-    // A process that has exited cannot be left behind; one without TearDown has nothing to fail in.
-    const bool has_part = present && known.state() != kTearDown && ConfigOf(i).Lists(kTearDown);
-    if (!has_part) known.fault.reset();
-    if (present) continue;
-    known.set_up_by.reset();
-    if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
+    if (!MayAnnounceItself(i)) EndWithout(i);
   }
+  if (!silent) BeginSwitch(plan);
+}
+
+// It has no part in TearDown, or only the callback.
+void TearDown::EndWithout(ActuatorIndex i) {
+  KnownActuator& known = Of(i);
+  known.control.again.reset();
+  const bool present = known.presence == Presence::kPresent;
+  // A process that has exited cannot be left behind; one without TearDown has nothing to fail in.
+  const bool has_part = present && known.state() != kTearDown && ConfigOf(i).Lists(kTearDown);
+  if (!has_part) known.fault.reset();
+  if (present) return;
+  if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
+}
+
+void TearDown::BeginSwitch(const Plan& plan) {
+  machine_.stopping->announced_by.reset();
   ListSurvivors();
-  switches_.Begin(plan, Purpose::kStop, {}, cause, by);
+  switches_.Begin(plan, Purpose::kStop, {}, machine_.stopping->cause, machine_.stopping->by);
+}
+
+// Whether it may run, and is not known to this controller yet: its name is held on this host, an
+// earlier controller has left it on another one, or a person starts it. A Musher process of this
+// host holds its name.
+bool TearDown::MayAnnounceItself(ActuatorIndex i) const {
+  const KnownActuator& known = Of(i);
+  const bool silent = known.presence == Presence::kAbsent || known.presence == Presence::kStarting;
+  if (!silent || known.fault || machine_.start_up.finishing) return false;  // or awaited already
+  const bool elsewhere = known.elsewhere && known.report.incarnation == 0;
+  const bool holds_name =
+      ConfigOf(i).protocol == Protocol::kMusher && config_.transport != TransportProfile::kLan;
+  return known.process.launch == Launch::kFoundRunning || elsewhere ||
+         (ConfigOf(i).command.empty() && !holds_name);
+}
+
+std::optional<ActuatorIndex> TearDown::FirstSilent() const {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (MayAnnounceItself(i)) return i;
+  }
+  return std::nullopt;
+}
+
+// Begins the switch once all have announced themselves, or their time is over.
+void TearDown::AwaitAnnouncements() {
+  if (now_ < *machine_.stopping->announced_by && FirstSilent()) return;
+  const Plan plan = MakePlan(config_, machine_, State(kTearDown));
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (MayAnnounceItself(i)) EndWithout(i);
+  }
+  BeginSwitch(plan);
 }
 
 // Of several TearDown requests, the one counts that keeps the machine down.
@@ -82,6 +136,7 @@ void TearDown::OnTornDown(SwitchResult result) {
 void TearDown::Advance() {
   Stopping& stopping = *machine_.stopping;
   using Signal = Stopping::Signal;
+  if (stopping.announced_by) AwaitAnnouncements();
   if (stopping.terminate_at && now_ >= *stopping.terminate_at && stopping.sent == Signal::kNone) {
     stopping.sent = Signal::kTerminate;
     SignalProcesses(false);

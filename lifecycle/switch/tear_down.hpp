@@ -7,8 +7,9 @@
 // after a crash finishes the TearDown instead of bringing the machine up. A disk that does not
 // answer delays it for a moment only.
 //
-// An actuator that this controller has found running, and that has not announced itself to it yet,
-// is waited for, at most kLongestDiscovery: a signal would end it without its TearDown.
+// An actuator that may run, and has not announced itself to this controller since its start, is
+// waited for, at most kLongestDiscovery and three tenths of the budget: a signal would end it
+// without its TearDown, and one that this controller did not start would not be torn down at all.
 //
 // An actuator that does not list TearDown is ended by the signals alone. Where the controller did
 // not start its process either, nothing ends it: it is listed as degraded.
@@ -18,6 +19,7 @@
 // outcome is done-degraded.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +62,11 @@ class TearDown : StepPart {
   SwitchResult Conclude(std::int32_t code, const std::optional<std::string>& successor);
 
  private:
+  bool MayAnnounceItself(ActuatorIndex i) const;
+  std::optional<ActuatorIndex> FirstSilent() const;
+  void AwaitAnnouncements();
+  void EndWithout(ActuatorIndex i);
+  void BeginSwitch(const Plan& plan);
   void ListSurvivors();
   std::optional<RecordText> WhyMayRun(ActuatorIndex i) const;
   bool ProcessesLeft() const;

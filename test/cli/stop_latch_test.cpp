@@ -365,6 +365,21 @@ TEST_F(Stop, IsNotCompleteBesideAnActuatorWhoseExitIsNotKnown) {
   EXPECT_THAT(EstopText(report, false), HasSubstr("its exit is not known: it may still run"));
 }
 
+// Its program is missing, and it is not started again.
+TEST_F(Stop, DoesNotWaitForAnActuatorOfTheControllersHostThatHasEnded) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "absent";
+  legs.health = "crashed";
+  legs.pid = 0;
+  legs.host = controller.host;
+  EXPECT_TRUE(AfterASecond(controller).complete());
+  legs.host = "another";
+  EXPECT_FALSE(AfterASecond(controller).complete());
+}
+
 TEST_F(Stop, ForgetsALostActuator) {
   legs_->TurnDeaf();
   Engage();

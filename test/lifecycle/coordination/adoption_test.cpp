@@ -320,10 +320,63 @@ TEST_F(Adopting, TearsDownWithoutWhatStaysSilentAfterThreeSeconds) {
   t.RestartController();
   const Time begun = t.now();
   t.RequestSwitch("TearDown");
-  ASSERT_TRUE(t.RunUntil([&] { return t.machine().phase == Phase::kStopping; }));
-  EXPECT_EQ(t.now() - begun, std::chrono::seconds(3));
+  ASSERT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
+  EXPECT_EQ(ToMilliseconds(t.now() - begun), 3000) << "of a budget of 10 s";
   ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));
   EXPECT_THAT(t.log(), ElementsAre("a:TearDown"));
+  EXPECT_LE(t.now() - begun, config.shutdown_budget);
+}
+
+// An actuator of another protocol that a person has started holds no name by which it is found.
+TEST_F(Adopting, TearsDownWhatAPersonStartedThoughItHasNotAnnouncedItselfYet) {
+  MachineConfig config = MachineOf(2);
+  config.transport = TransportProfile::kLan;
+  Harness& t = In("Active", config);
+  t.RestartController();
+  const RequestId request = t.RequestSwitch("TearDown");
+  ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));
+  EXPECT_THAT(t.log(), UnorderedElementsAre("a:TearDown", "b:TearDown"));
+  EXPECT_TRUE(t.answers.at(request).done());
+}
+
+TEST_F(Adopting, EndsAWaitingTearDownWhenAnotherControllerTakesOver) {
+  Harness& t = In("Active", Ours(2));
+  t.RestartController();
+  const RequestId request = t.RequestSwitch("TearDown");
+  t.ReceiveRivalHeartbeat(Epoch(99));
+  EXPECT_EQ(t.machine().phase, Phase::kFenced);
+  ASSERT_TRUE(t.answers.contains(request));
+  EXPECT_FALSE(t.answers.at(request).done());
+  EXPECT_THAT(t.log(), IsEmpty());
+}
+
+// The arm of the second stage goes down before the base, and the controller is killed in between.
+TEST_F(Adopting, ContinuesFromTheLeastActiveStateAlsoOfALaterStage) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").after = {"a"};
+  ActuatorNamed(config, "b").stage = 2;
+  Harness& t = In("Active", config);
+  t.On("a", "Protected").takes = Milliseconds(90);
+  t.RequestSwitch("Protected");
+  ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("b") == "Protected"; }));
+  t.DelayReports("b", Milliseconds(50));  // the base is heard first
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
+// A person stands beside it, and has not led it out of the check yet.
+TEST_F(Adopting, LeavesAMachineThatStandsInSelfCheckThere) {
+  Harness& t = In("Error", Ours(2));
+  ASSERT_TRUE(t.Set("SelfCheck").done());
+  t.ClearLog();
+  t.RestartController(false, /*restarted=*/true);
+  t.Rest();
+  EXPECT_THAT(t.log(), IsEmpty()) << "Active was not requested";
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
 }
 
 TEST_F(Adopting, WithALostDiskExceedsTheEpochOfTheActuators) {

@@ -429,6 +429,18 @@ TEST_F(EmergencyStopped, AReleaseThatAnActuatorDoesNotConfirmNamesItAndIsNotRepo
   EXPECT_THAT(released.error().message, HasSubstr("not confirmed by b"));
 }
 
+// On another host "crashed" is a verdict from silence: it may go on, still stopped.
+TEST_F(EmergencyStopped, AReleaseIsNotConfirmedByAnActuatorWhoseExitIsNotKnown) {
+  Harness& t = In("Active");
+  Stop(t);
+  t.Mute("b", true, true);
+  t.Find("b", Health::kCrashed, true);
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kLost);
+  const Result<> released = t.Released();
+  ASSERT_FALSE(released);
+  EXPECT_THAT(released.error().message, HasSubstr("not confirmed by b"));
+}
+
 TEST_F(EmergencyStopped, ALostReleaseIsPublishedUntilItIsConfirmed) {
   Harness& t = In("Active");
   Stop(t);
