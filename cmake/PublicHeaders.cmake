@@ -39,7 +39,8 @@ set(MUSHER_ALSO_PUBLIC
   cyberdog/extension.hpp
   cyberdog/machine.hpp
   transport/linux_event_loop.hpp
-  wire/lifecycle_wire.hpp)
+  wire/lifecycle_wire.hpp
+  wire/managed_node_endpoints.hpp)
 
 # Sets `out` to all of them, relative to the source of Musher, but for those that are generated from the IDL.
 function(musher_public_headers out)

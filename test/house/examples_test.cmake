@@ -1,0 +1,23 @@
+# The examples are built with an installed Musher: they include its public headers and generated messages only.
+#   cmake -DPROJECT_SOURCE_DIR=... -P examples_test.cmake
+cmake_minimum_required(VERSION 3.25)
+include(${PROJECT_SOURCE_DIR}/cmake/PublicHeaders.cmake)
+musher_public_headers(public)
+file(GLOB_RECURSE sources RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/examples/*.cpp
+  ${PROJECT_SOURCE_DIR}/examples/*.hpp)
+if(NOT sources)
+  message(FATAL_ERROR "There is no example in ${PROJECT_SOURCE_DIR}/examples.")
+endif()
+set(wrong)
+foreach(source ${sources})
+  file(STRINGS ${PROJECT_SOURCE_DIR}/${source} includes REGEX "^#include \"musher/")
+  foreach(include ${includes})
+    string(REGEX REPLACE "^#include \"musher/([^\"]*)\".*" "\\1" header "${include}")
+    if(NOT header IN_LIST public AND NOT header MATCHES "^messages/[^/]+/")
+      string(APPEND wrong "  ${source}: ${header}\n")
+    endif()
+  endforeach()
+endforeach()
+if(wrong)
+  message(FATAL_ERROR "Not installed, see cmake/PublicHeaders.cmake:\n${wrong}")
+endif()
