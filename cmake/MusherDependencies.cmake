@@ -47,6 +47,17 @@ musher_require_found(IDLC cyclonedds-tools)
 find_path(ZMQ_INCLUDE_DIR zmq.h)
 find_library(ZMQ_LIBRARY zmq)
 
+# For processes on other hosts, which their systemd runs; a state config with [host.*] is an error without it.
+find_path(SYSTEMD_INCLUDE_DIR systemd/sd-bus.h)
+find_library(SYSTEMD_LIBRARY systemd)
+if(SYSTEMD_INCLUDE_DIR AND SYSTEMD_LIBRARY)
+  set(MUSHER_HOSTS ON)
+else()
+  set(MUSHER_HOSTS OFF)
+  message(STATUS "libsystemd-dev is missing: processes on other hosts ([host.*]) are left out. "
+                 "scripts/bootstrap installs it.")
+endif()
+
 if(MUSHER_VIEW)
   musher_dependency(Boost libboost-dev 1.74)
   musher_dependency(OpenCV libopencv-dev COMPONENTS core imgcodecs imgproc)

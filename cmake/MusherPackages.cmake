@@ -90,7 +90,7 @@ IDL and as packages for ROS 2; the projects of the tutorials in
 /usr/share/musher/examples." DEPENDS core)
 # What musherConfig.cmake finds, and what the libraries are linked with.
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-    "cyclonedds-dev (>= 0.10.2), libtomlplusplus-dev, libtinyxml2-dev, libsqlitecpp-dev, libsqlite3-dev, libssl-dev (>= 3.0), zlib1g-dev, libzmq3-dev")
+    "cyclonedds-dev (>= 0.10.2), libtomlplusplus-dev, libtinyxml2-dev, libsqlitecpp-dev, libsqlite3-dev, libssl-dev (>= 3.0), zlib1g-dev, libzmq3-dev, libsystemd-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "cmake (>= 3.25), g++ (>= 4:12)")
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libgtest-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)

@@ -15,6 +15,9 @@
 #include "musher/base/own_folder.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
+#if MUSHER_HOSTS
+#include "musher/controller/process/host_units.hpp"
+#endif
 #include "musher/controller/storage/other_starts.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/refusal.hpp"
@@ -243,6 +246,14 @@ Result<> Controller::OpenShell() {
   dependencies.node = &node_;
   dependencies.processes = &processes_;
   dependencies.process_probe = &process_probe_;
+#if MUSHER_HOSTS
+  if (!config_.hosts.empty()) {
+    hosts_ = std::make_unique<HostUnits>(node_.loop(), config_,
+                                         [this] { return shell_->machine_identity(); });
+  }
+#endif
+  dependencies.hosts = hosts_.get();
+  dependencies.host_environment = {{"ROS_DOMAIN_ID", std::to_string(domain_id_)}};
   dependencies.journal = journal_.get();
   AddSaves(dependencies);
   dependencies.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
@@ -487,7 +498,8 @@ void Controller::TakeIdentity() {
   if (const auto& rival = shell_->rival()) id = rival->machine.id;
   for (const auto& [actuator, status] : shell_->peers().statuses_before_begin()) {
     // One that this host starts belongs here; elsewhere a process of its name is another machine's.
-    const bool belongs = status.host == HostId() || config_.actuators[actuator].command.empty();
+    const ActuatorConfig& config = config_.actuators[actuator];
+    const bool belongs = status.host == HostId() || config.command.empty() || !config.host.empty();
     if (id.empty() && belongs && status.machine == config_.name) id = status.machine_id;
   }
   store_->SetMachineId(id.empty() ? NewMachineId() : id);
@@ -542,7 +554,8 @@ std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
     const std::string name = LockOf(actuator.name);
     begin.running.push_back(NameLock::IsHeld(name));
     begin.processes.push_back(0);
-    if (!actuator.command.empty()) marked.push_back({actuator.name, name, begin.running.back()});
+    const bool started_here = !actuator.command.empty() && actuator.host.empty();
+    if (started_here) marked.push_back({actuator.name, name, begin.running.back()});
   }
   std::vector<ChildProcess> children = FindChildren(marked, stored);
   for (const ChildProcess& child : children) {
@@ -555,7 +568,9 @@ std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
   }
   for (const ChildProcess& child : stored) {
     const auto i = config_.IndexOf(child.actuator);
-    if ((!i || config_.actuators[*i].command.empty()) && IsRunning(child)) EndUnlisted(child);
+    const bool listed =
+        i && !config_.actuators[*i].command.empty() && config_.actuators[*i].host.empty();
+    if (!listed && IsRunning(child)) EndUnlisted(child);
   }
   return children;
 }
@@ -594,7 +609,8 @@ void Controller::OpenLogs() {
     options.logs.push_back({name, store_->LogFile(name), bytes});
   };
   for (const ActuatorConfig& actuator : config_.actuators) {
-    if (!actuator.command.empty()) add(actuator.name, actuator.log_size_bytes);
+    const bool started_here = !actuator.command.empty() && actuator.host.empty();
+    if (started_here) add(actuator.name, actuator.log_size_bytes);
   }
   if (config_.view) add("musher-view", config_.log_size_bytes);
   if (config_.policy) {

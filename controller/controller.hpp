@@ -13,6 +13,7 @@
 #include "musher/base/host.hpp"
 #include "musher/controller/extension.hpp"
 #include "musher/controller/journal/journal.hpp"
+#include "musher/controller/process/host_processes.hpp"
 #include "musher/controller/process/process_probe.hpp"
 #include "musher/controller/process/process_supervisor.hpp"
 #include "musher/controller/ros2/ros2_tools.hpp"
@@ -121,6 +122,7 @@ class Controller {
   std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;
   KernelProbe process_probe_;
+  std::unique_ptr<HostProcesses> hosts_;  // null unless the config has [host.*]
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;                // null unless this controller leads
   std::vector<std::unique_ptr<ExtensionServices>> extensions_;  // none unless this one leads

@@ -124,7 +124,8 @@ void AddActuator(const ActuatorConfig& actuator, WordList& words) {
     words.Key("times (" + actuator.states[i] + ")", Ms(actuator.times[i]));
   }
   words.Key("command", Argv(actuator.command), kRestart);
-  words.Key("cwd", Or(actuator.cwd, "the controller's"), kRestart);
+  if (!actuator.host.empty()) words.Key("host", actuator.host, kNewStart);
+  words.Key("cwd", Or(actuator.cwd, actuator.host.empty() ? "the controller's" : "/"), kRestart);
   for (const auto& [name, value] : actuator.env) words.Key("env (" + name + ")", value, kRestart);
   words.Key("log_size_mb", Mb(actuator.log_size_bytes));
   words.Key("stage", std::to_string(actuator.stage));
@@ -239,6 +240,13 @@ std::vector<ConfigWord> WordsOf(const MachineConfig& config) {
   WordList words;
   AddController(config, words);
   for (const ActuatorConfig& actuator : config.actuators) AddActuator(actuator, words);
+  for (const HostConfig& host : config.hosts) {
+    words.Table("host." + host.name);
+    words.Key("address", host.address);
+    words.Key("user", Or(host.user, "ssh's"));
+    words.Key("key", Or(host.key, "ssh's"));
+    words.Key("known_hosts", Or(host.known_hosts, "ssh's"));
+  }
   AddStatesAndFlow(config, words);
   words.Table("transport", kNewStart);
   words.Key("profile", config.transport == TransportProfile::kLan ? "lan" : "local", kNewStart);

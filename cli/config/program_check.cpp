@@ -121,8 +121,10 @@ std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration time
                      "in 'actuator." + actuator.name + "': '" + key + "': " + message});
   };
   for (const ActuatorConfig& actuator : config.actuators) {
-    // An empty program is an error of the config, which is already reported.
+    // An empty program is an error of the config, which is already reported. A program of another
+    // host is there.
     if (actuator.command.empty() || actuator.command.front().empty()) continue;
+    if (!actuator.host.empty()) continue;
     std::error_code error;
     if (!actuator.cwd.empty() && !fs::is_directory(actuator.cwd, error)) {
       add(actuator, "cwd", Severity::kWarning, "folder not found: " + actuator.cwd);

@@ -188,7 +188,8 @@ void AddConfig(Sheet& sheet, const Description& d) {
     sheet.Line("command", "none: it is started by hand or on another host");
   } else if (!d.process) {
     sheet.Line("command", fmt::format("{}", fmt::join(c.command, " ")) +
-                              (c.cwd.empty() ? "" : "  in " + c.cwd));
+                              (c.cwd.empty() ? "" : "  in " + c.cwd) +
+                              (c.host.empty() ? "" : "  on host " + c.host));
   }
 }
 

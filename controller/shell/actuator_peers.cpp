@@ -126,9 +126,9 @@ void ActuatorPeers::CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarna
   const bool own = config_.actuators[actuator].protocol == Protocol::kMusher;
   if (!own && known.presence != Presence::kPresent) return;
   ActuatorReport report = known.report;
-  if (report.host.empty() && known.process.pid != 0) {
+  if (report.host.empty() && ChildOf(actuator) != 0) {
     report.host = dependencies_.host;
-    report.pid = dependencies_.process_probe->WorkerOf(known.process.pid);
+    report.pid = dependencies_.process_probe->WorkerOf(ChildOf(actuator));
   }
   health_->OnReport(actuator, report, SenderOf(actuator, report));
 }
@@ -221,10 +221,16 @@ ActuatorReport ActuatorPeers::WithProvenPid(ActuatorIndex actuator, ActuatorRepo
   return report;
 }
 
+// The process of this host that we have started for the actuator; 0: none.
+std::int32_t ActuatorPeers::ChildOf(ActuatorIndex actuator) const {
+  const ActuatorProcess& process = machine_.actuators[actuator].process;
+  return process.host.empty() ? process.pid : 0;
+}
+
 // The exit of a process that we did not start is noticed as fast as a child's, but without the exit
 // code. Several actuators may share a process: each watches it.
 Result<> ActuatorPeers::ProveAndWatch(ActuatorIndex actuator, const ActuatorReport& report) {
-  const std::int32_t child = machine_.actuators[actuator].process.pid;
+  const std::int32_t child = ChildOf(actuator);
   if (report.pid == child) return Ok();  // watched since it was started
   Result<> proven =
       dependencies_.process_probe->Prove(config_.actuators[actuator].name, report.pid, child);
@@ -303,7 +309,7 @@ bool ActuatorPeers::HoldsItsNameHere(const msg::ActuatorStatus& status) const {
   if (status.host.empty() || status.host != dependencies_.host || found == index_.end()) {
     return false;
   }
-  const std::int32_t child = machine_.actuators[found->second].process.pid;
+  const std::int32_t child = ChildOf(found->second);
   return dependencies_.process_probe->Prove(status.name, status.pid, child).ok();
 }
 

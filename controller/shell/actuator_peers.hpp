@@ -108,6 +108,7 @@ class ActuatorPeers {
   Process& ProcessOf(ActuatorIndex actuator, const ActuatorReport& report);
 
   // Its process.
+  std::int32_t ChildOf(ActuatorIndex actuator) const;
   ActuatorReport WithProvenPid(ActuatorIndex actuator, ActuatorReport report);
   Result<> ProveAndWatch(ActuatorIndex actuator, const ActuatorReport& report);
   void RecordUnproven(ActuatorIndex actuator, std::int32_t pid, const std::string& why);

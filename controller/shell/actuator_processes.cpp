@@ -42,6 +42,44 @@ void ActuatorProcesses::TakeOver(event::Begin& begin, const std::vector<ChildPro
   }
 }
 
+// --- the processes of other hosts ---
+
+bool ActuatorProcesses::IsOnHost(ActuatorIndex i) const {
+  return dependencies_.hosts != nullptr && !config_.actuators[i].host.empty();
+}
+
+bool ActuatorProcesses::RunsOnHost(ActuatorIndex i) const {
+  return IsOnHost(i) && !context_.machine.actuators[i].process.host.empty();
+}
+
+void ActuatorProcesses::OpenHosts() {
+  if (dependencies_.hosts == nullptr) return;
+  HostProcesses::Hooks hooks;
+  hooks.on_started = [this](const std::string& actuator, pid_t pid, const std::string& host,
+                            bool found) {
+    context_.handle(event::ProcessStarted{*config_.IndexOf(actuator), pid, host, found});
+  };
+  hooks.on_not_started = [this](const std::string& actuator, const std::string& why) {
+    context_.handle(event::ProcessNotStarted{*config_.IndexOf(actuator), why});
+  };
+  hooks.on_ended = [this](const std::string& actuator, pid_t pid, const ProcessExit& exit) {
+    const ActuatorIndex i = *config_.IndexOf(actuator);
+    health_.Forget(i);
+    context_.handle(event::ProcessEnded{i, pid, exit.clean(), exit.Text(), exit.code()});
+  };
+  hooks.on_reach = [this](bool reached, const std::string& message) {
+    context_.records.Remark(reached ? kCodeOk : kCodeNetError, message);
+  };
+  dependencies_.hosts->Open(std::move(hooks));
+}
+
+void ActuatorProcesses::CancelStarts() {
+  starts_later_.clear();
+  if (dependencies_.hosts != nullptr) dependencies_.hosts->Close();
+}
+
+// --- start, search, signals ---
+
 void ActuatorProcesses::Do(const action::StartProcess& a) {
   // A start that waits is replaced; until this returns it is kept, since it may be what calls.
   const auto replaced = std::exchange(starts_later_[a.actuator], nullptr);
@@ -51,6 +89,7 @@ void ActuatorProcesses::Do(const action::StartProcess& a) {
     return;
   }
   ProcessSpec spec = SpecOf(a.actuator);
+  if (IsOnHost(a.actuator)) return dependencies_.hosts->Start(spec);
   const auto output = dependencies_.output(spec.name);
   if (output) spec.output = output->get();
   auto pid = std::make_shared<pid_t>(0);
@@ -87,6 +126,9 @@ ProcessSpec ActuatorProcesses::SpecOf(ActuatorIndex i) const {
   const MachineIdentity machine = presence_.machine();
   spec.env.emplace("MUSHER_MACHINE", machine.name);
   if (!machine.id.empty()) spec.env.emplace("MUSHER_MACHINE_ID", machine.id);
+  if (IsOnHost(i)) {
+    for (const auto& [name, value] : dependencies_.host_environment) spec.env.emplace(name, value);
+  }
   if (actuator.protocol == Protocol::kRos2Lifecycle) {
     transport::Environment inherited = transport::OwnEnvironment();
     for (const auto& [name, value] : actuator.env) inherited[name] = value;
@@ -101,30 +143,56 @@ ProcessSpec ActuatorProcesses::SpecOf(ActuatorIndex i) const {
   return spec;
 }
 
-void ActuatorProcesses::Do(const action::FindProcesses&) {
+// The processes of this host.
+event::ProcessesFound ActuatorProcesses::FindHere() const {
   event::ProcessesFound found;
   found.processes.resize(config_.actuators.size());
   std::vector<ActuatorIndex> with_command;
   std::vector<std::string> names;
   for (const ActuatorIndex i : config_.actuators.Indices()) {
-    if (config_.actuators[i].command.empty()) continue;
+    if (config_.actuators[i].command.empty() || IsOnHost(i)) continue;
     with_command.push_back(i);
     names.push_back(config_.actuators[i].name);
   }
   const std::vector<pid_t> pids = dependencies_.process_probe->Find(names);
-  for (std::size_t n = 0; n < with_command.size(); ++n) {
-    const ActuatorIndex i = with_command[n];
-    if (WatchFound(i, pids[n], nullptr)) found.processes[i] = pids[n];
+  for (std::size_t n = 0; n < with_command.size(); ++n) found.processes[with_command[n]] = pids[n];
+  return found;
+}
+
+void ActuatorProcesses::Do(const action::FindProcesses&) {
+  event::ProcessesFound found = FindHere();
+  for (const ActuatorIndex i : found.processes.Indices()) {
+    if (!WatchFound(i, found.processes[i], nullptr)) found.processes[i] = 0;
   }
-  context_.handle(found);
+  if (dependencies_.hosts == nullptr) return context_.handle(found);
+  found.hosts.resize(config_.actuators.size());
+  found.unreached.resize(config_.actuators.size());
+  dependencies_.hosts->Find([this, found](const std::vector<HostProcesses::Found>& there) mutable {
+    for (const HostProcesses::Found& one : there) {
+      const ActuatorIndex i = *config_.IndexOf(one.actuator);
+      found.processes[i] = one.pid;
+      found.hosts[i] = one.host;
+      found.unreached[i] = one.unreached;
+    }
+    context_.handle(found);
+  });
 }
 
 void ActuatorProcesses::Do(const action::SignalProcess& a) {
+  const int signal = a.kill ? SIGKILL : SIGTERM;
+  if (RunsOnHost(a.actuator)) {
+    return dependencies_.hosts->Signal(config_.actuators[a.actuator].name, a.pid, signal);
+  }
   // A process that has exited meanwhile needs no signal.
-  static_cast<void>(dependencies_.processes->Signal(a.pid, a.kill ? SIGKILL : SIGTERM).ok());
+  static_cast<void>(dependencies_.processes->Signal(a.pid, signal).ok());
 }
 
 void ActuatorProcesses::Do(const action::TakeBacktrace& a) {
+  if (RunsOnHost(a.actuator)) {
+    return context_.handle(event::BacktraceTaken{
+        a.actuator, a.pid,
+        "no backtrace: its process runs on host " + config_.actuators[a.actuator].host});
+  }
   const bool own = config_.actuators[a.actuator].protocol == Protocol::kMusher;
   const pid_t traced = own ? a.pid : dependencies_.process_probe->WorkerOf(a.pid);
   dependencies_.process_probe->TakeBacktrace(

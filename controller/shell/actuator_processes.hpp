@@ -25,16 +25,24 @@ class ActuatorProcesses {
   // that an earlier controller has started.
   void TakeOver(event::Begin& begin, const std::vector<ChildProcess>& children);
 
+  // Connects to the other hosts that run processes, once the machine has begun.
+  void OpenHosts();
+
   void Do(const action::StartProcess& a);
   void Do(const action::FindProcesses& a);
   void Do(const action::SignalProcess& a);
   void Do(const action::TakeBacktrace& a);
   // The command survives this controller, which is about to exit.
   void Do(const action::RunPowerCommand& a);
-  // Forgets the starts that wait: another controller leads.
-  void CancelStarts() { starts_later_.clear(); }
+  // Forgets the starts that wait, and the other hosts: another controller leads.
+  void CancelStarts();
 
  private:
+  // Whether another host runs its command.
+  bool IsOnHost(ActuatorIndex actuator) const;
+  // Whether the process that the controller has started runs there.
+  bool RunsOnHost(ActuatorIndex actuator) const;
+  event::ProcessesFound FindHere() const;
   ProcessSpec SpecOf(ActuatorIndex actuator) const;
   bool WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child);
   void NoteChild(ActuatorIndex actuator, pid_t pid);

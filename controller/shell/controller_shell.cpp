@@ -87,6 +87,7 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   processes_->TakeOver(begin, children);
   Handle(begin);
   peers_->Begin();
+  processes_->OpenHosts();
   if (policy_inputs_) policy_inputs_->Begin();
   if (journal_at_begin_) OnJournalWritten(*journal_at_begin_);
   if (const auto after = std::exchange(tear_down_at_begin_, std::nullopt)) TearDown(*after);
@@ -274,7 +275,8 @@ void ControllerShell::ExamineOverdueStarts() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const ActuatorConfig& actuator = config_.actuators[i];
     const pid_t pid = machine_.actuators[i].process.pid;
-    if (actuator.protocol != Protocol::kMusher || pid == 0) continue;
+    const bool here = machine_.actuators[i].process.host.empty();
+    if (actuator.protocol != Protocol::kMusher || pid == 0 || !here) continue;
     if (!IsOverdue(machine_.actuators[i], now)) continue;
     const auto progress = dependencies_.process_probe->ProgressOf(actuator.name, pid);
     HandleOne(event::StartExamined{i, pid, progress});

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "musher/controller/journal/journal.hpp"
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/controller/process/child_processes.hpp"
+#include "musher/controller/process/host_processes.hpp"
 #include "musher/controller/process/process_probe.hpp"
 #include "musher/controller/process/process_runner.hpp"
 #include "musher/controller/shell/record_writer.hpp"
@@ -25,6 +27,9 @@ struct ShellDependencies {
   LinkMakers links = {};  // of the extensions
   ProcessRunner* processes = nullptr;
   ProcessProbe* process_probe = nullptr;
+  // The processes of actuators with a `host`; null: `processes` starts them as well.
+  HostProcesses* hosts = nullptr;
+  std::map<std::string, std::string> host_environment = {};  // of those, beside their own
   JournalSink* journal = nullptr;
   // These save what must survive this controller. Each hands its value to the disk and does not
   // wait: `done` runs on the loop, at once or later, when the value is on disk or has failed, and

@@ -28,6 +28,10 @@ bool RestartConfig::Prevents(int exit_code) const {
          prevent_exit_codes.end();
 }
 
+std::string HostConfig::Login() const {
+  return user.empty() ? address : user + "@" + address;
+}
+
 bool ActuatorConfig::Lists(std::string_view state) const {
   return std::find(states.begin(), states.end(), state) != states.end();
 }
@@ -51,6 +55,12 @@ std::optional<ActuatorIndex> MachineConfig::IndexOf(std::string_view actuator) c
                                   [&](const ActuatorConfig& a) { return a.name == actuator; });
   if (found == actuators.end()) return std::nullopt;
   return ActuatorIndex(static_cast<std::size_t>(found - actuators.begin()));
+}
+
+const HostConfig* MachineConfig::HostOf(std::string_view name) const {
+  const auto found = std::find_if(hosts.begin(), hosts.end(),
+                                  [&](const HostConfig& host) { return host.name == name; });
+  return found == hosts.end() ? nullptr : &*found;
 }
 
 const CapabilityConfig* MachineConfig::CapabilityOf(std::string_view capability) const {

@@ -55,12 +55,27 @@ struct RestartConfig {
   friend bool operator==(const RestartConfig&, const RestartConfig&) = default;
 };
 
+// [host.<name>]: another host, whose systemd runs processes of this machine. The controller reaches
+// it by ssh.
+struct HostConfig {
+  std::string name;
+  std::string address;      // a name, an address, or an alias of ~/.ssh/config
+  std::string user;         // empty: ssh chooses
+  std::string key;          // absolute path of a private key; empty: ssh chooses
+  std::string known_hosts;  // absolute path; empty: ssh's own files
+
+  std::string Login() const;  // "root@10.0.0.2", "10.0.0.2"
+
+  friend bool operator==(const HostConfig&, const HostConfig&) = default;
+};
+
 struct ActuatorConfig {
   std::string name;
   std::vector<State> states;         // the states it can be switched to, as the file lists them
   std::vector<Duration> times;       // what each may take, same order
   std::vector<std::string> command;  // argv; empty: not started by the controller
-  std::string cwd;                   // absolute; empty: the controller's own
+  std::string host;                  // that runs the command; empty: the controller's
+  std::string cwd;                   // absolute; empty: the controller's own, with `host` "/"
   std::map<std::string, std::string> env;  // added to the controller's environment
   Protocol protocol = Protocol::kMusher;
   std::string heartbeat_name;              // of protocol cyberdog: its name in `manager_heartbeats`
@@ -150,6 +165,7 @@ struct MachineConfig {
   // Above DeActive an actuator stops when no permit arrives for so long; none: needs no permit.
   std::optional<Duration> permit;
 
+  std::vector<HostConfig> hosts;       // in the order of the file
   std::optional<PolicyConfig> policy;  // none: no rules
   Ros2Config ros2;
   std::optional<ViewConfig> view;  // none: no page is served
@@ -159,6 +175,8 @@ struct MachineConfig {
 
   // Index into `actuators`, nullopt for an unknown name.
   std::optional<ActuatorIndex> IndexOf(std::string_view actuator) const;
+  // nullptr for an undeclared host, and for the controller's, "".
+  const HostConfig* HostOf(std::string_view name) const;
   // nullptr for an undeclared capability.
   const CapabilityConfig* CapabilityOf(std::string_view capability) const;
   // The rank of a state of this machine; nullopt for SetUp, SelfCheck, Uninitialized and unknown

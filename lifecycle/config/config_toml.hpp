@@ -28,6 +28,10 @@ ConfigReading ReadConfigFile(const std::string& path);
 // The same for a text; `path` is what diagnostics and relative paths refer to.
 ConfigReading ReadConfigText(std::string_view text, const std::string& path);
 
+// Whether this build can start processes on other hosts, which needs libsystemd: without, [host.*]
+// is an error.
+bool SupportsHosts();
+
 // MachineConfig::hash of a text: 16 hex digits.
 std::string ConfigHash(std::string_view text);
 

@@ -70,6 +70,8 @@ enum class Launch {
 // What is known about the process of an actuator.
 struct ActuatorProcess {
   std::int32_t pid = 0;  // of the process that we started, while it runs; 0: none
+  // The HostId() that `pid` belongs to, while it runs on another host; empty: the controller's.
+  std::string host;
   Launch launch = Launch::kNone;
   Incarnation dead = 0;                    // the incarnation whose process is known to have exited
   std::optional<Termination> termination;  // none: it may run
@@ -199,6 +201,7 @@ inline constexpr std::tuple kFields<ActuatorFault> = {
 template <>
 inline constexpr std::tuple kFields<ActuatorProcess> = {
     Field{"pid", &ActuatorProcess::pid},
+    Field{"process_host", &ActuatorProcess::host},
     Field{"launch", &ActuatorProcess::launch},
     Field{"dead", &ActuatorProcess::dead},
     Field{"termination", &ActuatorProcess::termination},

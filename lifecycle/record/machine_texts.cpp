@@ -202,12 +202,20 @@ RecordText ProcessSignalled(const std::string& actuator, std::int32_t pid, bool 
                   {{"actuator", actuator}, {"pid", pid}, {"signal", kill ? "SIGKILL" : "SIGTERM"}});
 }
 
-RecordText ProcessLeftBehind(std::int32_t pid, const std::optional<std::string>& successor) {
-  const std::string process = pid == 0 ? "its process " : "its process {pid} ";
+RecordText ProcessLeftBehind(std::int32_t pid, const std::optional<std::string>& successor,
+                             const std::string& host) {
+  const std::string process = std::string(pid == 0 ? "its process " : "its process {pid} ") +
+                              (host.empty() ? "" : "on host {host} ");
   const char* what =
       successor ? "had not ended when another controller, {successor}, took over" : "has not ended";
   return MakeText(EventName::kProcessLeftBehind, process + what,
-                  {{"pid", Known(pid)}, {"successor", successor.value_or("")}});
+                  {{"pid", Known(pid)}, {"successor", successor.value_or("")}, {"host", host}});
+}
+
+RecordText HostUnreached(const std::string& host, const std::string& why) {
+  return MakeText(EventName::kMayStillRun,
+                  "host {host} is out of reach, so it may still run there: {why}",
+                  {{"host", host}, {"why", why}});
 }
 
 RecordText MayStillRun(const std::optional<State>& state) {

@@ -10,6 +10,13 @@ RecordText ProcessStarted(const std::string& actuator, std::int32_t pid) {
                   {{"actuator", actuator}, {"pid", pid}});
 }
 
+RecordText ProcessStartedOn(const std::string& host, const std::string& actuator, std::int32_t pid,
+                            bool found) {
+  const std::string what = found ? "runs on host {host} already" : "started on host {host}";
+  return MakeText(EventName::kProcessStarted, "{actuator} " + what + " (pid {pid})",
+                  {{"actuator", actuator}, {"host", host}, {"pid", pid}});
+}
+
 RecordText ProcessExited(const std::string& actuator, std::int32_t pid, const std::string& how) {
   return MakeText(EventName::kProcessExited, "{actuator}'s process {pid} ended: {how}",
                   {{"actuator", actuator}, {"pid", pid}, {"how", how}});

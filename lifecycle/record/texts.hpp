@@ -65,7 +65,10 @@ RecordText FallbackRefused(const State& target, const std::string& why);
 RecordText ProcessFound(std::int32_t pid, const std::string& actuator);
 RecordText ProcessSignalled(const std::string& actuator, std::int32_t pid, bool kill);
 // `pid` 0: unknown. `successor`: the controller that has taken over, if any.
-RecordText ProcessLeftBehind(std::int32_t pid, const std::optional<std::string>& successor);
+// `host`: that runs the process, if it is not the controller's.
+RecordText ProcessLeftBehind(std::int32_t pid, const std::optional<std::string>& successor,
+                             const std::string& host = {});
+RecordText HostUnreached(const std::string& host, const std::string& why);
 RecordText MayStillRun(const std::optional<State>& state);  // none: not known
 RecordText MayStillRunOn(const std::string& host);
 RecordText KeepsRunning(const State& state);  // nothing can end it
@@ -154,6 +157,9 @@ RecordText Disconnected(const std::string& how);
 
 // A process: process_texts.cpp.
 RecordText ProcessStarted(const std::string& actuator, std::int32_t pid);
+// `found`: it ran there already.
+RecordText ProcessStartedOn(const std::string& host, const std::string& actuator, std::int32_t pid,
+                            bool found);
 RecordText ProcessExited(const std::string& actuator, std::int32_t pid, const std::string& how);
 RecordText ProcessExitAssumed(std::int32_t pid);
 RecordText ProcessUnproven(const std::string& actuator, std::int32_t pid, const std::string& why);

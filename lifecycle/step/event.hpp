@@ -65,6 +65,8 @@ struct Vanished {
 struct ProcessStarted {
   ActuatorIndex actuator = 0;
   std::int32_t pid = 0;
+  std::string host{};  // its HostId(), if it runs on another host than the controller
+  bool found = false;  // it ran there already
   friend bool operator==(const ProcessStarted&, const ProcessStarted&) = default;
 };
 struct ProcessNotStarted {
@@ -76,6 +78,9 @@ struct ProcessNotStarted {
 // watched now, or 0.
 struct ProcessesFound {
   PerActuator<std::int32_t> processes;
+  // Of the actuators whose command another host runs: its HostId(), and why it was not asked.
+  PerActuator<std::string> hosts = {};
+  PerActuator<std::string> unreached = {};
   friend bool operator==(const ProcessesFound&, const ProcessesFound&) = default;
 };
 // A process that this controller started has exited.
@@ -266,6 +271,8 @@ template <>
 inline constexpr std::tuple kFields<event::ProcessStarted> = {
     Field{"actuator", &event::ProcessStarted::actuator},
     Field{"pid", &event::ProcessStarted::pid},
+    Field{"host", &event::ProcessStarted::host},
+    Field{"found", &event::ProcessStarted::found},
 };
 
 template <>
@@ -281,6 +288,8 @@ inline constexpr std::string_view kEventName<event::ProcessesFound> = "Processes
 template <>
 inline constexpr std::tuple kFields<event::ProcessesFound> = {
     Field{"processes", &event::ProcessesFound::processes},
+    Field{"hosts", &event::ProcessesFound::hosts},
+    Field{"unreached", &event::ProcessesFound::unreached},
 };
 
 template <>

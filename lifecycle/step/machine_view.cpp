@@ -35,21 +35,26 @@ std::int32_t MachineView::OwnProcess(ActuatorIndex i) const {
   return ConfigOf(i).command.empty() ? 0 : ProcessOf(i);
 }
 
+const std::string& MachineView::HostOf(ActuatorIndex i) const {
+  const std::string& host = Of(i).process.host;
+  return host.empty() ? view_.host : host;
+}
+
 bool MachineView::RunsElsewhere(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const bool connected =
       known.presence == Presence::kPresent || known.presence == Presence::kStarting;
   const ActuatorReport& report = known.report;
-  // A process of this host that only waits beside the one in use is not the one that is meant.
-  const bool waits_here = known.other && known.other->host == view_.host;
-  return connected && (known.process.pid == 0 || waits_here) && report.incarnation != 0 &&
-         report.incarnation != known.process.dead && !report.host.empty() &&
-         report.host != view_.host;
+  const std::string& host = HostOf(i);
+  // A process of our host that only waits beside the one in use is not the one that is meant.
+  const bool waits_there = known.other && known.other->host == host;
+  return connected && (known.process.pid == 0 || waits_there) && report.incarnation != 0 &&
+         report.incarnation != known.process.dead && !report.host.empty() && report.host != host;
 }
 
 bool MachineView::IsReportOf(ActuatorIndex i, std::int32_t pid) const {
   const ActuatorReport& report = Of(i).report;
-  return report.pid == pid && (report.host.empty() || report.host == view_.host);
+  return report.pid == pid && (report.host.empty() || report.host == HostOf(i));
 }
 
 bool MachineView::AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const {

@@ -28,13 +28,16 @@ class MachineView {
   // The process that has to exit with the machine: this controller, or an earlier one, has started
   // it. Processes started by other parties are not ended. 0: none.
   std::int32_t OwnProcess(ActuatorIndex i) const;
-  // Whether the process that is in use runs on another host: a second one here would run in
-  // parallel, or waits already until that one is lost.
+  // The HostId() of the process that the controller has started: its own host, or another one whose
+  // systemd runs the process.
+  const std::string& HostOf(ActuatorIndex i) const;
+  // Whether the process that is in use runs on another host than the one that the controller starts
+  // it on: a second one there would run in parallel, or waits already until that one is lost.
   bool RunsElsewhere(ActuatorIndex i) const;
-  // Whether the last report of the actuator is of process `pid` of this host: a process of another
+  // Whether the last report of the actuator is of process `pid` of HostOf(): a process of another
   // host may have the same pid.
   bool IsReportOf(ActuatorIndex i, std::int32_t pid) const;
-  // Whether a process other than `pid` of this host publishes as this actuator: another party has
+  // Whether a process other than `pid` of HostOf() publishes as this actuator: another party has
   // started it, or `pid` was only the program that started it.
   bool AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const;
 

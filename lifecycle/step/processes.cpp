@@ -90,6 +90,11 @@ void Processes::Kill(ActuatorIndex i) {
   Do(action::SignalProcess{i, termination.pid, true});
 }
 
+void Processes::ForgetProcess(ActuatorIndex i) {
+  Of(i).process.pid = 0;
+  Of(i).process.host.clear();
+}
+
 void Processes::ForgetEnd(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.process.termination.reset();

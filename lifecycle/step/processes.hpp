@@ -21,6 +21,8 @@ class Processes : StepPart {
   // Process `pid` is to be killed after `grace`, unless it exits before.
   void Terminate(ActuatorIndex i, std::int32_t pid, Duration grace);
   void Kill(ActuatorIndex i);
+  // The process that the controller has started runs no more.
+  void ForgetProcess(ActuatorIndex i);
   // The process to be terminated has exited, or there would be no successor.
   void ForgetEnd(ActuatorIndex i);
 

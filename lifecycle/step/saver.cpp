@@ -42,7 +42,7 @@ std::vector<RemoteActuator> Saver::RemoteActuators() const {
 // host may be on another one with profile lan only.
 bool Saver::IsElsewhere(ActuatorIndex i) const {
   const ActuatorReport& report = Of(i).report;
-  const bool runs_here = Of(i).process.pid != 0 && !RunsElsewhere(i);
+  const bool runs_here = Of(i).process.pid != 0 && Of(i).process.host.empty() && !RunsElsewhere(i);
   if (runs_here || report.incarnation == Of(i).process.dead || report.state == kTearDown) {
     return false;
   }

@@ -76,7 +76,7 @@ void Recovery::AssumeExited(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   const std::int32_t pid = known.process.termination->pid;
   RecordProcess(i, kCodeTimeout, texts::ProcessExitAssumed(pid));
-  if (known.process.pid == pid) known.process.pid = 0;
+  if (known.process.pid == pid) processes_.ForgetProcess(i);
   known.process.dead = known.report.incarnation;
   if (known.presence == Presence::kPresent) commands_.Lose(i, texts::Killed());
   processes_.Recover(i);
@@ -128,10 +128,15 @@ void Recovery::RestartFinalized(ActuatorIndex i) {
 void Recovery::On(const event::ProcessStarted& started) {
   KnownActuator& known = Of(started.actuator);
   known.process.pid = started.pid;
+  known.process.host = started.host;
   EndLaunch(known);
-  known.cause = RecordProcess(started.actuator, kCodeOk,
-                              texts::ProcessStarted(ConfigOf(started.actuator).name, started.pid),
-                              known.cause);
+  const ActuatorConfig& config = ConfigOf(started.actuator);
+  known.cause = RecordProcess(
+      started.actuator, kCodeOk,
+      started.host.empty()
+          ? texts::ProcessStarted(config.name, started.pid)
+          : texts::ProcessStartedOn(config.host, config.name, started.pid, started.found),
+      known.cause);
   // The machine was torn down while the process was starting.
   const bool stopped = machine_.phase == Phase::kStopped;
   if (!stopped && machine_.phase != Phase::kStopping) return;
@@ -141,7 +146,7 @@ void Recovery::On(const event::ProcessStarted& started) {
 
 // Possibly after its process was forked and could not execute the program.
 void Recovery::On(const event::ProcessNotStarted& failed) {
-  Of(failed.actuator).process.pid = 0;
+  processes_.ForgetProcess(failed.actuator);
   EndLaunch(Of(failed.actuator));
   // Another party has started it.
   const bool announced = Of(failed.actuator).control.again.has_value();
@@ -155,13 +160,18 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
 void Recovery::On(const event::ProcessEnded& ended) {
   KnownActuator& known = Of(ended.actuator);
   if (known.process.pid != ended.pid) return;
-  known.process.pid = 0;
+  const bool another = AnotherProcessIsPresent(ended.actuator, ended.pid);
   if (IsReportOf(ended.actuator, ended.pid)) known.process.dead = known.report.incarnation;
+  processes_.ForgetProcess(ended.actuator);
+  // While the machine is torn down its host has been reached again.
+  const bool had_no_answer = !ConfigOf(ended.actuator).host.empty() && known.fault &&
+                             known.fault->event == EventName::kMayStillRun;
+  if (had_no_answer) known.fault.reset();
   known.cause =
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                     texts::ProcessExited(ConfigOf(ended.actuator).name, ended.pid, ended.how),
                     known.fault ? known.cause : 0);
-  if (AnotherProcessIsPresent(ended.actuator, ended.pid)) return;
+  if (another) return;
   // The exit status of a process that we have not started is unknown.
   if (ended.clean || known.process.launch == Launch::kFoundRunning)
     commands_.AssumeTornDown(ended.actuator);

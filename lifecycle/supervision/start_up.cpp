@@ -363,7 +363,8 @@ RecordText StartUp::NotSetUp(ActuatorIndex i, StartProgress progress) const {
     return texts::SetUpTimeout(within);
   }
   for (const ActuatorIndex other : machine_.actuators.Indices()) {
-    const bool shared = Of(other).process.pid == known.process.pid;  // `i` itself is not present
+    const bool shared = Of(other).process.pid == known.process.pid &&  // `i` itself is not present
+                        Of(other).process.host == known.process.host;
     if (!shared || Of(other).presence != Presence::kPresent) continue;
     return texts::NotAnnouncedBeside(actuator.name, ConfigOf(other).name, within,
                                      known.process.pid);

@@ -1,6 +1,7 @@
 #include "musher/lifecycle/switch/tear_down.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "musher/lifecycle/refusal.hpp"
@@ -183,24 +184,34 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const std::int32_t pid = OwnProcess(i);
     if (pid == 0 && Of(i).process.launch != Launch::kUnderWay) continue;
-    Degrade(i, code, texts::ProcessLeftBehind(pid, successor), Of(i).cause);
+    if (IsOutOfReach(i)) continue;
+    Degrade(i, code, texts::ProcessLeftBehind(pid, successor, ConfigOf(i).host), Of(i).cause);
   }
   SwitchResult result = *machine_.stopping->result;
   result.degraded = Degraded(config_, machine_);
-  const auto left =
-      std::find_if(machine_.actuators.begin(), machine_.actuators.end(),
-                   [](const KnownActuator& known) { return known.fault.has_value(); });
-  if (result.outcome != SwitchOutcome::kDone || left == machine_.actuators.end()) return result;
-  const ActuatorIndex i(static_cast<std::size_t>(left - machine_.actuators.begin()));
+  // A host that could not be asked says more than how its actuator was lost.
+  std::optional<ActuatorIndex> left;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    const bool counts = result.outcome == SwitchOutcome::kDone && Of(i).fault;
+    if (!left && (counts || IsOutOfReach(i))) left = i;
+  }
+  if (!left) return result;
   result.outcome = SwitchOutcome::kDoneDegraded;
-  result.code = left->fault->code;
-  result.reason = ConfigOf(i).name + ": " + left->fault->message;
+  result.code = Of(*left).fault->code;
+  result.reason = ConfigOf(*left).name + ": " + Of(*left).fault->message;
   return result;
+}
+
+// Whether the host that runs its command could not be asked.
+bool TearDown::IsOutOfReach(ActuatorIndex i) const {
+  const auto& fault = Of(i).fault;
+  return !ConfigOf(i).host.empty() && fault && fault->event == EventName::kMayStillRun;
 }
 
 void TearDown::ListSurvivors() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    if (const auto why = WhyMayRun(i)) Degrade(i, kCodeNetError, *why, Of(i).cause);
+    if (const auto why = IsOutOfReach(i) ? std::nullopt : WhyMayRun(i))
+      Degrade(i, kCodeNetError, *why, Of(i).cause);
     const KnownActuator& known = Of(i);
     const bool unreachable = ConfigOf(i).command.empty() && !ConfigOf(i).Lists(kTearDown);
     if (!unreachable || known.presence != Presence::kPresent) continue;
@@ -254,15 +265,33 @@ bool TearDown::HasSearched() {
 void TearDown::On(const event::ProcessesFound& found) {
   if (machine_.phase != Phase::kStopping) return;
   Stopping& stopping = *machine_.stopping;
-  stopping.look = Stopping::Look::kDone;
+  if (stopping.look == Stopping::Look::kUnderWay) stopping.look = Stopping::Look::kDone;
+  for (const ActuatorIndex i : found.unreached.Indices()) {
+    const std::string& why = found.unreached[i];
+    if (!why.empty()) {
+      Degrade(i, kCodeNetError, texts::HostUnreached(ConfigOf(i).host, why), Of(i).cause);
+    } else if (!ConfigOf(i).host.empty() && found.processes[i] == 0) {
+      ForgetElsewhere(i);
+    }
+  }
   for (const ActuatorIndex i : found.processes.Indices()) {
     const std::int32_t pid = found.processes[i];
     if (pid == 0 || ConfigOf(i).command.empty() || OwnProcess(i) != 0) continue;
     Of(i).process.pid = pid;
+    if (found.hosts.size() == found.processes.size()) Of(i).process.host = found.hosts[i];
     RecordProcess(i, kCodeOk, texts::ProcessFound(pid, ConfigOf(i).name), Of(i).cause);
     Do(action::SignalProcess{i, pid, stopping.sent == Stopping::Signal::kKill});
     stopping.look = Stopping::Look::kNotYet;  // again, once it has ended
   }
+}
+
+// Its host, which an earlier controller has stored, has no process of it any more.
+void TearDown::ForgetElsewhere(ActuatorIndex i) {
+  KnownActuator& known = Of(i);
+  if (known.report.incarnation != 0 || !known.elsewhere) return;
+  known.elsewhere.reset();
+  if (known.fault && known.fault->event == EventName::kMayStillRun) known.fault.reset();
+  saver_.Save(Stored::kRemoteActuators);
 }
 
 void TearDown::SignalProcesses(bool kill) {
@@ -272,6 +301,10 @@ void TearDown::SignalProcesses(bool kill) {
     RecordProcess(i, kCodeTimeout, texts::ProcessSignalled(ConfigOf(i).name, pid, kill));
     Do(action::SignalProcess{i, pid, kill});
   }
+  // Which hosts are out of reach is known before the end.
+  const bool several_hosts = std::ranges::any_of(
+      config_.actuators, [](const ActuatorConfig& actuator) { return !actuator.host.empty(); });
+  if (!kill && several_hosts) Do(action::FindProcesses{});
 }
 
 }  // namespace musher

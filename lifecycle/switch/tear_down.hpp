@@ -71,6 +71,8 @@ class TearDown : StepPart {
   std::optional<RecordText> WhyMayRun(ActuatorIndex i) const;
   bool ProcessesLeft() const;
   bool HasSearched();
+  bool IsOutOfReach(ActuatorIndex i) const;
+  void ForgetElsewhere(ActuatorIndex i);
   void SignalProcesses(bool kill);
   void EndUnfinished();
 

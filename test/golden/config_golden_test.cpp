@@ -52,6 +52,7 @@ bool MustUpdate() {
 void CheckAll(const std::string& kind, bool is_good) {
   for (const fs::path& path : Files(kind, ".toml")) {
     SCOPED_TRACE(path.filename());
+    if (path.filename().string().starts_with("hosts") && !SupportsHosts()) continue;
     const ConfigReading reading = ReadConfigText(ReadText(path), path.filename().string());
     EXPECT_EQ(reading.config.has_value(), is_good);
     EXPECT_EQ(HasError(reading.diagnostics), !is_good);

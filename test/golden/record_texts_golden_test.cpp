@@ -67,6 +67,8 @@ Examples OfTheMachine() {
       {"ProcessSignalled", ProcessSignalled("legs", 12, true)},
       {"ProcessLeftBehind", ProcessLeftBehind(12, std::nullopt)},
       {"ProcessLeftBehind", ProcessLeftBehind(0, "process 77 of host here")},
+      {"ProcessLeftBehind", ProcessLeftBehind(12, std::nullopt, "vision")},
+      {"HostUnreached", HostUnreached("vision", "no answer within 5 s")},
       {"MayStillRun", MayStillRun("Active")},
       {"MayStillRun", MayStillRun(std::nullopt)},
       {"MayStillRunOn", MayStillRunOn("there")},
@@ -178,6 +180,8 @@ Examples OfAProcess() {
   using namespace texts;
   return {
       {"ProcessStarted", ProcessStarted("legs", 12)},
+      {"ProcessStartedOn", ProcessStartedOn("vision", "legs", 12, false)},
+      {"ProcessStartedOn", ProcessStartedOn("vision", "legs", 12, true)},
       {"ProcessExited", ProcessExited("legs", 12, "killed by SIGKILL")},
       {"ProcessExitAssumed", ProcessExitAssumed(12)},
       {"ProcessUnproven", ProcessUnproven("legs", 12, "it is of user 65534")},

@@ -169,7 +169,7 @@ TEST(House, TestsThatDocumentsCiteExist) {
 }
 
 TEST(House, TheReferenceExplainsEveryConfigKey) {
-  for (const char* file : {"every_key.toml", "recovery.toml", "protocols.toml"}) {
+  for (const char* file : {"every_key.toml", "recovery.toml", "protocols.toml", "hosts.toml"}) {
     EXPECT_THAT(Unexplained(File("docs/reference.md"),
                             File("test/golden/configs/good/" + std::string(file))),
                 IsEmpty());

@@ -41,6 +41,7 @@ class ActuatorReader {
     ReadStates();
     ReadProcess();
     ReadPlace();
+    ReadHostOf(reader_, actuator_.config, draft_);
     ReadRestart();
     ReadLosses();
     reader_.RefuseOthers();
@@ -253,6 +254,10 @@ class ActuatorReader {
   // Warns of keys that have no effect.
   void WarnOfNoEffect() {
     const ActuatorConfig& config = actuator_.config;
+    if (reader_.Has("host") && reader_.Has("command") && reader_.Has("log_size_mb")) {
+      reader_.Warn(reader_.At("log_size_mb"), "log_size_mb",
+                   "has no effect with a host: its output is in the journal there");
+    }
     if (config.restart.policy != RestartPolicy::kNo && !reader_.Has("command")) {
       reader_.Warn(reader_.At("restart"), "restart", "has no effect without a command");
     }

@@ -39,9 +39,9 @@ ConfigReading RefuseSize(const std::string& path) {
   return Refuse(path, "the file is too large: expected a state config of at most 8 MiB");
 }
 
-constexpr std::array<std::string_view, 11> kSections = {
+constexpr std::array<std::string_view, 12> kSections = {
     "controller", "actuator", "state",      "transition", "transport", "security",
-    "safety",     "policy",   "capability", "ros2",       "view"};
+    "safety",     "policy",   "capability", "ros2",       "view",      "host"};
 
 bool IsSection(const Value& value) {
   const auto* array = value.As<Array>();
@@ -95,7 +95,9 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadView(root, draft);
   ReadPolicy(root, draft);
   ReadRos2(root, draft);
+  ReadHosts(root, draft);
   ReadActuators(root, draft);
+  WarnOfUnusedHosts(root, draft);
   ReadCapabilities(root, draft);
 }
 

@@ -33,7 +33,9 @@ struct Draft {
 
   std::optional<std::vector<Word>> actuator_names;  // of controller.actuators, nothing if faulty
   Position actuators_at;
-  Position transport_at;  // of transport.profile
+  Position transport_at;              // of transport.profile
+  std::set<std::string> known_hosts;  // all [host.*], also faulty ones
+  std::set<std::string> used_hosts;
   // What each actuator lists, typing errors corrected; none where its states are missing or faulty
   // as a whole.
   std::map<std::string, std::set<State>> actuator_states;
@@ -57,7 +59,9 @@ void WarnOfSharedNetwork(Draft& draft);  // after [controller], [transport] and 
 void ReadView(TableReader& root, Draft& draft);
 void ReadPolicy(TableReader& root, Draft& draft);  // after the states
 void ReadRos2(TableReader& root, Draft& draft);    // after the states
+void ReadHosts(TableReader& root, Draft& draft);   // after [transport]
 void ReadActuators(TableReader& root, Draft& draft);
+void WarnOfUnusedHosts(TableReader& root, Draft& draft);
 void ReadCapabilities(TableReader& root, Draft& draft);
 
 // One [actuator.<name>].
@@ -65,6 +69,9 @@ ActuatorDraft ReadActuator(const Member& member, const Table& table, Draft& draf
 
 // Its `protocol` and the keys that belong to it; name and states have been read.
 void ReadProtocol(TableReader& reader, ActuatorConfig& config, Draft& draft);
+
+// Its `host`; command and protocol have been read.
+void ReadHostOf(TableReader& reader, ActuatorConfig& config, Draft& draft);
 
 // `after` and `binds_to`: unknown names, the actuator itself, later stages, cycles. `tables` are
 // all [actuator.*], also those that controller.actuators does not list.

@@ -1,0 +1,57 @@
+#pragma once
+// Interface for the processes of actuators that run on other hosts, as units of the systemd there.
+// HostUnits implements it (host_units.hpp).
+//
+// Threads: loop thread only, callbacks too.
+
+#include <sys/types.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "musher/controller/process/process_runner.hpp"
+
+namespace musher {
+
+class HostProcesses {
+ public:
+  // None runs inside a call of this class.
+  struct Hooks {
+    // A process runs, with this pid on the host with this HostId(): Start() has started it, or it
+    // was `found` running. Repeated for the same pid by Start().
+    std::function<void(const std::string& actuator, pid_t pid, const std::string& host, bool found)>
+        on_started;
+    std::function<void(const std::string& actuator, const std::string& why)> on_not_started;
+    std::function<void(const std::string& actuator, pid_t pid, const ProcessExit& exit)> on_ended;
+    // A host is out of reach, or is reached again.
+    std::function<void(bool reached, const std::string& message)> on_reach;
+  };
+
+  // What Find() knows of the process of an actuator.
+  struct Found {
+    std::string actuator;
+    pid_t pid = 0;          // 0: none runs
+    std::string host;       // HostId()
+    std::string unreached;  // why the host was not asked; empty: it was
+  };
+
+  // Leaves the processes running.
+  virtual ~HostProcesses() = default;
+
+  // Connects to all hosts, and again whenever a connection is lost, until Close(). The processes
+  // that run there already are reported.
+  virtual void Open(Hooks hooks) = 0;
+  // Starts the process of an actuator. If one runs already, from an earlier controller or since its
+  // host was out of reach, that one is reported instead.
+  virtual void Start(const ProcessSpec& spec) = 0;
+  // Sends a signal to all processes of the unit, once its host is reached; not if another process
+  // runs there meanwhile.
+  virtual void Signal(const std::string& actuator, pid_t pid, int signal) = 0;
+  // Asks all hosts, within some seconds.
+  virtual void Find(std::function<void(const std::vector<Found>&)> done) = 0;
+  // Ends the connections, and the starts that are under way; nothing is reported any more.
+  virtual void Close() = 0;
+};
+
+}  // namespace musher

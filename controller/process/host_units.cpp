@@ -1,0 +1,578 @@
+#include "musher/controller/process/host_units.hpp"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <systemd/sd-bus.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace musher {
+namespace {
+
+constexpr const char* kManagerPath = "/org/freedesktop/systemd1";
+constexpr const char* kUnitPath = "/org/freedesktop/systemd1/unit";
+constexpr const char* kManager = "org.freedesktop.systemd1.Manager";
+constexpr const char* kService = "org.freedesktop.systemd1.Service";
+constexpr const char* kUnitInterface = "org.freedesktop.systemd1.Unit";
+constexpr const char* kProperties = "org.freedesktop.DBus.Properties";
+
+// How long a start waits for a host that is booting, or for the unit before it to end.
+constexpr Duration kStartWithin = Milliseconds(10'000);
+constexpr Duration kFindWithin = Milliseconds(1'000);
+// What a process leaves behind gets SIGTERM, and SIGKILL after this time.
+constexpr std::uint64_t kRestEndsWithin_us = 2'000'000;
+// Exit codes of systemd itself: the program was not executed (systemd.exec(5)).
+constexpr int kFirstOfSystemd = 200;
+constexpr int kLastOfSystemd = 243;
+
+// What systemd knows of a unit. The values of a unit that is not loaded are these.
+struct UnitState {
+  std::string active = "inactive";
+  std::uint32_t main_pid = 0;
+  std::uint32_t exec_pid = 0;  // of the last process, also after its exit
+  std::int32_t exec_code = 0;  // CLD_EXITED, CLD_KILLED, CLD_DUMPED
+  std::int32_t exec_status = 0;
+  std::set<std::string> environment = {};
+
+  bool runs() const { return active == "active" || active == "reloading"; }
+  bool ended() const { return active == "inactive" || active == "failed"; }
+};
+
+void ReadText(sd_bus_message* message, std::string& text) {
+  const char* value = nullptr;
+  if (sd_bus_message_read(message, "v", "s", &value) >= 0) text = value;
+}
+
+template <typename Number>
+void ReadNumber(sd_bus_message* message, const char* type, Number& number) {
+  Number value = 0;
+  if (sd_bus_message_read(message, "v", type, &value) >= 0) number = value;
+}
+
+void ReadTexts(sd_bus_message* message, std::set<std::string>& texts) {
+  if (sd_bus_message_enter_container(message, 'v', "as") < 0) return;
+  if (sd_bus_message_enter_container(message, 'a', "s") >= 0) {
+    texts.clear();
+    const char* text = nullptr;
+    while (sd_bus_message_read(message, "s", &text) > 0) texts.emplace(text);
+    sd_bus_message_exit_container(message);
+  }
+  sd_bus_message_exit_container(message);
+}
+
+// Reads "a{sv}" with properties of any interface of a unit.
+void ReadProperties(sd_bus_message* message, UnitState& state) {
+  if (sd_bus_message_enter_container(message, 'a', "{sv}") < 0) return;
+  while (sd_bus_message_enter_container(message, 'e', "sv") > 0) {
+    const char* name = nullptr;
+    if (sd_bus_message_read(message, "s", &name) < 0) break;
+    const std::string_view property = name;
+    if (property == "ActiveState") {
+      ReadText(message, state.active);
+    } else if (property == "MainPID") {
+      ReadNumber(message, "u", state.main_pid);
+    } else if (property == "ExecMainPID") {
+      ReadNumber(message, "u", state.exec_pid);
+    } else if (property == "ExecMainCode") {
+      ReadNumber(message, "i", state.exec_code);
+    } else if (property == "ExecMainStatus") {
+      ReadNumber(message, "i", state.exec_status);
+    } else if (property == "Environment") {
+      ReadTexts(message, state.environment);
+    } else {
+      sd_bus_message_skip(message, "v");
+    }
+    if (sd_bus_message_exit_container(message) < 0) break;
+  }
+  sd_bus_message_exit_container(message);
+}
+
+ProcessExit ExitOf(const UnitState& state, pid_t pid) {
+  ProcessExit exit;
+  if (static_cast<pid_t>(state.exec_pid) != pid || !state.ended()) return exit;
+  exit.number = state.exec_status;
+  if (state.exec_code == CLD_EXITED) exit.kind = ProcessExit::Kind::kExited;
+  if (state.exec_code == CLD_KILLED || state.exec_code == CLD_DUMPED) {
+    exit.kind = ProcessExit::Kind::kKilled;
+  }
+  return exit;
+}
+
+// Why nothing is known of the host.
+std::string TroubleOf(const HostBus& bus) {
+  if (!bus.trouble().empty()) return bus.trouble();
+  return bus.is_up() ? "it does not answer" : "it has not answered yet";
+}
+
+std::string ErrorText(const BusMessage& reply) {
+  const sd_bus_error* error = sd_bus_message_get_error(reply.get());
+  if (error == nullptr) return "unknown";
+  return error->message != nullptr ? error->message : error->name;
+}
+
+bool IsError(const BusMessage& reply, const char* name = nullptr) {
+  return sd_bus_message_is_method_error(reply.get(), name) > 0;
+}
+
+std::string PathOf(const std::string& unit) {
+  char* path = nullptr;
+  if (sd_bus_path_encode(kUnitPath, unit.c_str(), &path) < 0) return {};
+  std::string text = path;
+  free(path);  // NOLINT(cppcoreguidelines-no-malloc): sd-bus's
+  return text;
+}
+
+void AppendText(sd_bus_message* message, const char* name, const std::string& value) {
+  sd_bus_message_append(message, "(sv)", name, "s", value.c_str());
+}
+
+void AppendTexts(sd_bus_message* message, const std::vector<std::string>& texts) {
+  sd_bus_message_open_container(message, 'a', "s");
+  for (const std::string& text : texts) sd_bus_message_append(message, "s", text.c_str());
+  sd_bus_message_close_container(message);
+}
+
+// Opens the property's struct and variant; the caller appends the value and closes both.
+void OpenProperty(sd_bus_message* message, const char* name, const char* type) {
+  sd_bus_message_open_container(message, 'r', "sv");
+  sd_bus_message_append(message, "s", name);
+  sd_bus_message_open_container(message, 'v', type);
+}
+void CloseProperty(sd_bus_message* message) {
+  sd_bus_message_close_container(message);
+  sd_bus_message_close_container(message);
+}
+
+void AppendCommand(sd_bus_message* message, const std::vector<std::string>& argv) {
+  OpenProperty(message, "ExecStart", "a(sasb)");
+  sd_bus_message_open_container(message, 'a', "(sasb)");
+  sd_bus_message_open_container(message, 'r', "sasb");
+  sd_bus_message_append(message, "s", argv.front().c_str());
+  AppendTexts(message, argv);
+  sd_bus_message_append(message, "b", 0);
+  sd_bus_message_close_container(message);
+  sd_bus_message_close_container(message);
+  CloseProperty(message);
+}
+
+}  // namespace
+
+struct HostUnits::Host {
+  const HostConfig& config;
+  std::unique_ptr<HostBus> bus;
+  std::vector<Unit*> units = {};
+  std::string seen = {};  // its HostId() when its units were looked at last
+  bool reported = false;  // that it is out of reach
+};
+
+struct HostUnits::Unit {
+  Host& host;
+  std::string actuator;
+  std::string name;
+  std::string path;
+  UnitState state = {};
+  pid_t pid = 0;                           // of the process that was reported as started
+  std::optional<ProcessSpec> wanted = {};  // to be started
+  bool asked = false;                      // StartTransientUnit was sent
+  std::string job = {};                    // its job
+  int signal = 0;                          // to be sent, or sent and not confirmed
+  bool examining = false;
+  std::uint64_t examined = 0;                   // how often
+  transport::LoopHandlePtr deadline = nullptr;  // of the start
+  transport::LoopHandlePtr again = nullptr;
+};
+
+struct HostUnits::Search {
+  std::function<void(const std::vector<Found>&)> done;
+  std::map<const Unit*, std::uint64_t> until;  // units that have not been examined since
+  std::set<const Host*> failed;
+  bool over = false;
+  transport::LoopHandlePtr deadline;
+};
+
+std::string UnitNameOf(const std::string& machine, const std::string& actuator) {
+  return "musher-" + machine + "-" + actuator + ".service";
+}
+
+HostUnits::HostUnits(transport::EventLoop& loop, const MachineConfig& config,
+                     std::function<MachineIdentity()> machine)
+    : loop_(loop), config_(config), machine_(std::move(machine)) {
+  for (const HostConfig& host : config.hosts) {
+    HostBus::Options options;
+    options.ssh = SshArguments(host.address, host.user, host.key, host.known_hosts);
+    options.login = host.Login();
+    const std::string from = "type='signal',sender='org.freedesktop.systemd1',";
+    options.matches.push_back(from + "interface='" + kManager + "',member='JobRemoved'");
+    auto made = std::make_unique<Host>(Host{host, nullptr});
+    for (const ActuatorConfig& actuator : config.actuators) {
+      if (actuator.host != host.name) continue;
+      const std::string name = UnitNameOf(config.name, actuator.name);
+      auto unit = std::make_unique<Unit>(Unit{*made, actuator.name, name, PathOf(name)});
+      options.matches.push_back(from + "interface='" + kProperties +
+                                "',member='PropertiesChanged',path='" + unit->path + "'");
+      made->units.push_back(unit.get());
+      units_.emplace(actuator.name, std::move(unit));
+    }
+    if (made->units.empty()) continue;
+    HostBus::Hooks hooks;
+    hooks.on_up = [this, &one = *made] { OnUp(one); };
+    hooks.on_down = [this, &one = *made](bool was_up, bool for_good) {
+      OnDown(one, was_up, for_good);
+    };
+    hooks.on_signal = [this, &one = *made](const BusMessage& message) { OnSignal(one, message); };
+    made->bus = std::make_unique<HostBus>(loop, std::move(options), std::move(hooks));
+    hosts_.emplace(host.name, std::move(made));
+  }
+}
+
+HostUnits::~HostUnits() {
+  Close();
+}
+
+void HostUnits::Open(Hooks hooks) {
+  hooks_ = std::move(hooks);
+  open_ = true;
+  for (auto& [name, host] : hosts_) host->bus->Open();
+}
+
+void HostUnits::Close() {
+  open_ = false;
+  for (auto& [name, host] : hosts_) host->bus->Close();
+  searches_.clear();
+  for (auto& [name, unit] : units_) {
+    unit->wanted.reset();
+    unit->deadline = nullptr;
+    unit->again = nullptr;
+  }
+}
+
+// --- the hosts ---
+
+std::string HostUnits::Unreached(const Host& host) const {
+  return "host " + host.config.name + " (" + host.config.Login() + "): " + TroubleOf(*host.bus);
+}
+
+void HostUnits::OnUp(Host& host) {
+  const std::string& id = host.bus->host_id();
+  const bool rebooted = !host.seen.empty() && host.seen != id;
+  if (std::exchange(host.reported, false)) {
+    hooks_.on_reach(true, "host " + host.config.name + " is reached" +
+                              (rebooted ? ", and has been booted again" : ""));
+  }
+  for (Unit* unit : host.units) {
+    unit->state = {};
+    unit->examining = false;
+    unit->asked = false;
+    unit->job.clear();
+    unit->again = nullptr;
+  }
+  const std::vector<Unit*> units = host.units;
+  for (Unit* unit : units) {
+    if (rebooted && unit->pid != 0) {
+      unit->signal = 0;
+      hooks_.on_ended(unit->actuator, std::exchange(unit->pid, 0), {});
+    }
+  }
+  host.seen = id;
+  for (Unit* unit : units) Examine(*unit);
+}
+
+void HostUnits::OnDown(Host& host, bool was_up, bool for_good) {
+  const std::string why = Unreached(host);
+  for (auto& search : searches_) search->failed.insert(&host);
+  for (Unit* unit : host.units) {
+    unit->examining = false;
+    unit->again = nullptr;
+    if (unit->wanted && for_good) NotStarted(*unit, why);
+  }
+  if (!std::exchange(host.reported, true)) {
+    hooks_.on_reach(false, why + (was_up ? ". What runs there runs on, and is found again" : ""));
+  }
+  AnswerSearches();
+}
+
+void HostUnits::OnSignal(Host& host, const BusMessage& message) {
+  sd_bus_message* const signal = message.get();
+  if (sd_bus_message_is_signal(signal, kManager, "JobRemoved") > 0) {
+    std::uint32_t id = 0;
+    const char* job = nullptr;
+    const char* name = nullptr;
+    const char* result = nullptr;
+    if (sd_bus_message_read(signal, "uoss", &id, &job, &name, &result) < 0) return;
+    for (Unit* unit : host.units) {
+      if (unit->name == name) return OnJobRemoved(*unit, job, result);
+    }
+    return;
+  }
+  const char* interface = nullptr;
+  if (sd_bus_message_is_signal(signal, kProperties, "PropertiesChanged") <= 0 ||
+      sd_bus_message_read(signal, "s", &interface) < 0) {
+    return;
+  }
+  const std::string path = sd_bus_message_get_path(signal);
+  for (Unit* unit : host.units) {
+    if (unit->path != path) continue;
+    ReadProperties(signal, unit->state);
+    // systemd sends the properties of the service first, then those of the unit.
+    if (std::string_view(interface) == kUnitInterface) OnChange(*unit);
+    return;
+  }
+}
+
+// --- the state of a unit ---
+
+// Reads what systemd knows of it. A unit that is not loaded is inactive.
+void HostUnits::Examine(Unit& unit) {
+  HostBus& bus = *unit.host.bus;
+  if (!bus.is_up() || std::exchange(unit.examining, true)) return;
+  const auto get_all = [&](const char* interface, HostBus::OnReply done) {
+    const BusMessage call = bus.NewCall(unit.path, kProperties, "GetAll");
+    if (!call) return;
+    sd_bus_message_append(call.get(), "s", interface);
+    bus.Send(call, std::move(done));
+  };
+  get_all(kService, [&unit](const BusMessage& reply) {
+    unit.state = {};
+    if (!IsError(reply)) ReadProperties(reply.get(), unit.state);
+  });
+  get_all(kUnitInterface, [this, &unit](const BusMessage& reply) {
+    if (!IsError(reply)) ReadProperties(reply.get(), unit.state);
+    unit.examining = false;
+    Examined(unit);
+  });
+}
+
+void HostUnits::Examined(Unit& unit) {
+  ++unit.examined;
+  Conclude(unit);
+  if (unit.pid != 0 && unit.signal != 0) Kill(unit, unit.signal);
+  AnswerSearches();
+}
+
+void HostUnits::OnChange(Unit& unit) {
+  if (!unit.examining) Conclude(unit);
+}
+
+// Whether the unit of this name is this machine's.
+bool HostUnits::IsOurs(const Unit& unit) const {
+  const std::string id = machine_().id;
+  return id.empty() || unit.state.environment.contains("MUSHER_MACHINE_ID=" + id);
+}
+
+// What follows from the state of the unit.
+void HostUnits::Conclude(Unit& unit) {
+  if (!open_) return;
+  const UnitState& state = unit.state;
+  const auto main_pid = static_cast<pid_t>(state.main_pid);
+  if (unit.pid != 0) {
+    const bool same = main_pid == unit.pid || static_cast<pid_t>(state.exec_pid) == unit.pid;
+    if (state.ended() || (state.runs() && !same)) return Ended(unit);
+    if (unit.wanted && state.runs()) Started(unit, unit.pid, true);
+    return;
+  }
+  if (unit.asked) return;  // its job decides
+  if (state.runs() && main_pid != 0) {
+    if (IsOurs(unit)) return Started(unit, main_pid, true);
+    if (unit.wanted) {
+      NotStarted(unit, "host " + unit.host.config.name + " runs " + unit.name +
+                           " already, for another machine of this name; give one of the machines "
+                           "another name, or run `systemctl stop " +
+                           unit.name + "` there");
+    }
+    return;
+  }
+  if (unit.wanted && state.ended()) StartUnit(unit);
+}
+
+void HostUnits::Started(Unit& unit, pid_t pid, bool found) {
+  unit.pid = pid;
+  unit.wanted.reset();
+  unit.deadline = nullptr;
+  unit.again = nullptr;
+  hooks_.on_started(unit.actuator, pid, unit.host.bus->host_id(), found);
+}
+
+void HostUnits::NotStarted(Unit& unit, const std::string& why) {
+  unit.wanted.reset();
+  unit.deadline = nullptr;
+  unit.again = nullptr;
+  hooks_.on_not_started(unit.actuator, why);
+}
+
+void HostUnits::Ended(Unit& unit) {
+  const pid_t pid = std::exchange(unit.pid, 0);
+  unit.signal = 0;
+  const ProcessExit exit = ExitOf(unit.state, pid);
+  if (unit.state.active == "failed") Reset(unit);
+  if (unit.wanted) unit.again = loop_.At(loop_.Now(), [this, &unit] { Examine(unit); });
+  hooks_.on_ended(unit.actuator, pid, exit);
+}
+
+// A unit that has failed is kept by systemd, with its name, until it is reset.
+void HostUnits::Reset(Unit& unit) {
+  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kManager, "ResetFailedUnit");
+  if (!call) return;
+  sd_bus_message_append(call.get(), "s", unit.name.c_str());
+  unit.host.bus->Send(call, nullptr);
+}
+
+void HostUnits::Kill(Unit& unit, int signal) {
+  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kManager, "KillUnit");
+  if (!call) return;
+  sd_bus_message_append(call.get(), "ssi", unit.name.c_str(), "all", signal);
+  // Without a reply it may be lost with the connection: then it is sent again.
+  unit.host.bus->Send(call, [&unit, signal](const BusMessage&) {
+    if (unit.signal == signal) unit.signal = 0;
+  });
+}
+
+// --- starts ---
+
+void HostUnits::Start(const ProcessSpec& spec) {
+  Unit& unit = *units_.at(spec.name);
+  unit.wanted = spec;
+  unit.deadline = loop_.At(loop_.Now() + kStartWithin, [this, &unit] {
+    if (!unit.wanted) return;
+    const bool up = unit.host.bus->is_up();
+    NotStarted(unit, !up ? Unreached(unit.host)
+                         : "host " + unit.host.config.name + ": " + unit.name + " is " +
+                               unit.state.active + " for " +
+                               std::to_string(ToMilliseconds(kStartWithin) / 1000) +
+                               " s; see `systemctl status " + unit.name + "` there");
+  });
+  // Not inside this call.
+  unit.again = loop_.At(loop_.Now(), [this, &unit] {
+    unit.host.bus->Open();
+    Examine(unit);
+  });
+}
+
+void HostUnits::StartUnit(Unit& unit) {
+  if (unit.state.active == "failed") Reset(unit);
+  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kManager, "StartTransientUnit");
+  if (!call) return;
+  const ProcessSpec& spec = *unit.wanted;
+  sd_bus_message* const m = call.get();
+  sd_bus_message_append(m, "ss", unit.name.c_str(), "fail");
+  sd_bus_message_open_container(m, 'a', "(sv)");
+  AppendText(m, "Description", unit.actuator + " of the machine " + config_.name);
+  AppendText(m, "Type", "exec");  // its start fails if the program cannot be executed
+  AppendText(m, "SyslogIdentifier", unit.actuator);
+  if (!spec.cwd.empty()) AppendText(m, "WorkingDirectory", spec.cwd);
+  sd_bus_message_append(m, "(sv)", "TimeoutStopUSec", "t", kRestEndsWithin_us);
+  OpenProperty(m, "Environment", "as");
+  std::vector<std::string> environment;
+  environment.reserve(spec.env.size());
+  for (const auto& [name, value] : spec.env) environment.push_back(name + "=" + value);
+  AppendTexts(m, environment);
+  CloseProperty(m);
+  AppendCommand(m, spec.argv);
+  sd_bus_message_close_container(m);
+  sd_bus_message_append(m, "a(sa(sv))", 0);
+  unit.asked = true;
+  unit.job.clear();
+  unit.state = {};
+  unit.host.bus->Send(call,
+                      [this, &unit](const BusMessage& reply) { OnStartAnswered(unit, reply); });
+}
+
+void HostUnits::OnStartAnswered(Unit& unit, const BusMessage& reply) {
+  const char* job = nullptr;
+  if (!IsError(reply) && sd_bus_message_read(reply.get(), "o", &job) >= 0) {
+    unit.job = job;
+    return;
+  }
+  unit.asked = false;
+  if (!unit.wanted) return;
+  // Another controller was faster, or the unit before it has not been dropped yet.
+  if (IsError(reply, "org.freedesktop.systemd1.UnitExists")) {
+    unit.again = loop_.At(loop_.Now() + Milliseconds(50), [this, &unit] { Examine(unit); });
+    return;
+  }
+  const bool denied = IsError(reply, SD_BUS_ERROR_ACCESS_DENIED) ||
+                      IsError(reply, SD_BUS_ERROR_INTERACTIVE_AUTHORIZATION_REQUIRED);
+  NotStarted(unit, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
+                       "): " + ErrorText(reply) +
+                       (denied ? "; its systemd lets this user start no unit: set `user` to root, "
+                                 "or permit it by polkit (org.freedesktop.systemd1.manage-units)"
+                               : ""));
+}
+
+// The job of the start has ended. The signals about the unit have arrived before.
+void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::string& result) {
+  if (!unit.asked || unit.job != job) return;
+  unit.asked = false;
+  const auto pid = static_cast<pid_t>(unit.state.exec_pid);
+  const bool done = result == "done";
+  const bool not_executed = !done && unit.state.exec_code == CLD_EXITED &&
+                            unit.state.exec_status >= kFirstOfSystemd &&
+                            unit.state.exec_status <= kLastOfSystemd;
+  // Also a process that has exited before systemd has counted it as started.
+  if (pid != 0 && !not_executed && (done || unit.state.ended())) {
+    Started(unit, pid, !unit.wanted);
+    if (unit.state.ended() && unit.pid == pid) Ended(unit);
+    return;
+  }
+  if (unit.state.active == "failed") Reset(unit);
+  if (!unit.wanted) return;
+  const std::string program = unit.wanted->argv.front();
+  NotStarted(unit, "host " + unit.host.config.name + ": " +
+                       (not_executed
+                            ? program + " could not be executed there (systemd's exit code " +
+                                  std::to_string(unit.state.exec_status) + "); see"
+                            : "the start of " + unit.name + " has ended as '" + result + "'; see") +
+                       " `journalctl -u " + unit.name + "` there");
+}
+
+// --- signals and searches ---
+
+void HostUnits::Signal(const std::string& actuator, pid_t pid, int signal) {
+  Unit& unit = *units_.at(actuator);
+  if (unit.pid != pid || pid == 0) return;
+  if (unit.signal != SIGKILL) unit.signal = signal;
+  unit.host.bus->is_up() ? Kill(unit, signal) : unit.host.bus->Open();
+}
+
+void HostUnits::Find(std::function<void(const std::vector<Found>&)> done) {
+  auto search = std::make_unique<Search>();
+  search->done = std::move(done);
+  for (const auto& [actuator, unit] : units_) search->until[unit.get()] = unit->examined;
+  search->deadline = loop_.At(loop_.Now() + kFindWithin, [this, one = search.get()] {
+    one->over = true;
+    AnswerSearches();
+  });
+  searches_.push_back(std::move(search));
+  for (auto& [name, host] : hosts_) host->bus->Open();
+  for (auto& [actuator, unit] : units_) Examine(*unit);
+}
+
+void HostUnits::AnswerSearches() {
+  const auto waits = [](const Search& search) {
+    return !search.over && std::any_of(search.until.begin(), search.until.end(), [&](auto& one) {
+      return one.first->examined == one.second && !search.failed.contains(&one.first->host);
+    });
+  };
+  for (std::size_t i = 0; i < searches_.size();) {
+    if (waits(*searches_[i])) {
+      ++i;
+      continue;
+    }
+    const std::unique_ptr<Search> search = std::move(searches_[i]);
+    searches_.erase(searches_.begin() + static_cast<std::ptrdiff_t>(i));
+    std::vector<Found> found;
+    for (const auto& [unit, before] : search->until) {
+      Found& one = found.emplace_back(Found{unit->actuator, unit->pid, unit->host.seen, ""});
+      if (unit->examined != before) continue;
+      one.pid = 0;
+      one.unreached = TroubleOf(*unit->host.bus);
+    }
+    search->done(found);
+  }
+}
+
+}  // namespace musher

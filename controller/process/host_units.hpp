@@ -1,0 +1,82 @@
+#pragma once
+// Runs the processes of other hosts as transient units of the systemd there, one for each actuator:
+//
+//   musher-<machine>-<actuator>.service
+//
+// systemd starts it, knows how it has exited, and ends what it leaves behind; the signals of
+// systemd tell it to the controller (host_bus.hpp). The unit has the machine's id in its
+// environment: a unit of that name that runs already is this machine's, and is found again, or
+// another machine's, and is neither touched nor replaced. systemd never runs two units of one name.
+//
+// While a host is out of reach its units run on, and nothing is reported of them. When it is
+// reached again each is looked at: it runs still, or has ended meanwhile; after a reboot of the
+// host all have.
+//
+// Threads: loop thread only, callbacks too.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/controller/process/host_bus.hpp"
+#include "musher/controller/process/host_processes.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/transport/event_loop.hpp"
+
+namespace musher {
+
+// The name of the unit of an actuator.
+std::string UnitNameOf(const std::string& machine, const std::string& actuator);
+
+class HostUnits : public HostProcesses {
+ public:
+  // All must outlive it. `machine`: what the controller's machine is known by now.
+  HostUnits(transport::EventLoop& loop, const MachineConfig& config,
+            std::function<MachineIdentity()> machine);
+  ~HostUnits() override;
+
+  void Open(Hooks hooks) override;
+  void Start(const ProcessSpec& spec) override;
+  void Signal(const std::string& actuator, pid_t pid, int signal) override;
+  void Find(std::function<void(const std::vector<Found>&)> done) override;
+  void Close() override;
+
+ private:
+  struct Host;
+  struct Unit;
+  struct Search;
+
+  void OnUp(Host& host);
+  void OnDown(Host& host, bool was_up, bool for_good);
+  void OnSignal(Host& host, const BusMessage& message);
+  void Examine(Unit& unit);
+  void Examined(Unit& unit);
+  void OnChange(Unit& unit);
+  void StartUnit(Unit& unit);
+  void OnStartAnswered(Unit& unit, const BusMessage& reply);
+  void OnJobRemoved(Unit& unit, const std::string& job, const std::string& result);
+  void Started(Unit& unit, pid_t pid, bool found);
+  void NotStarted(Unit& unit, const std::string& why);
+  void Ended(Unit& unit);
+  void Reset(Unit& unit);
+  void Kill(Unit& unit, int signal);
+  void Conclude(Unit& unit);
+  void AnswerSearches();
+  bool IsOurs(const Unit& unit) const;
+  std::string Unreached(const Host& host) const;
+
+  transport::EventLoop& loop_;
+  const MachineConfig& config_;
+  const std::function<MachineIdentity()> machine_;
+  Hooks hooks_;
+  bool open_ = false;
+  std::map<std::string, std::unique_ptr<Unit>> units_;  // by actuator
+  std::vector<std::unique_ptr<Search>> searches_;
+  std::map<std::string, std::unique_ptr<Host>> hosts_;  // last: their connections call the others
+};
+
+}  // namespace musher

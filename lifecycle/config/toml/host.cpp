@@ -1,0 +1,130 @@
+// [host.<name>], and `host` of one [actuator.<name>].
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/suggest.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/lifecycle/config/toml/draft.hpp"
+
+namespace musher {
+
+bool SupportsHosts() {
+  return MUSHER_HOSTS;
+}
+
+}  // namespace musher
+
+namespace musher::config_toml {
+namespace {
+
+constexpr std::size_t kLongestLogin = 255;
+
+// What ssh takes for one word that is no option.
+bool IsWordForSsh(std::string_view text) {
+  return !text.empty() && text.size() <= kLongestLogin && text.front() != '-' &&
+         text.find_first_not_of(
+             "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+             "._:%-") == std::string_view::npos;
+}
+
+HostConfig ReadHost(const Member& member, const Table& table, Draft& draft) {
+  TableReader reader(table, member.value.at, "host." + member.key, draft.findings);
+  HostConfig host;
+  host.name = member.key;
+  if (!IsName(member.key)) {
+    draft.findings.Error(
+        member.at, "host: expected " + std::string(kNameRule) + ", found " + Quote(member.key));
+  }
+  reader.Require("address", "a string (of ssh: a name, an address or an alias)");
+  if (const auto address = reader.String("address")) {
+    host.address = address->text;
+    if (!IsWordForSsh(address->text)) {
+      const bool has_user = address->text.find('@') != std::string::npos;
+      reader.Fault(address->at, "address",
+                   "expected a name or an address, such as \"192.168.44.2\", found " +
+                       Quote(address->text) + (has_user ? "; write the user as `user`" : ""));
+    }
+  }
+  if (const auto user = reader.String("user")) {
+    host.user = user->text;
+    if (!IsWordForSsh(user->text)) {
+      reader.Fault(user->at, "user",
+                   "expected the name of a user of the host, found " + Quote(user->text));
+    }
+  }
+  const auto path = [&](std::string_view key) -> std::string {
+    const auto word = reader.String(key);
+    if (!word) return {};
+    if (!word->text.empty()) return Absolute(draft.folder, word->text);
+    reader.Fault(word->at, key, "expected a path, found an empty string");
+    return {};
+  };
+  host.key = path("key");
+  host.known_hosts = path("known_hosts");
+  reader.RefuseOthers();
+  return host;
+}
+
+}  // namespace
+
+void ReadHosts(TableReader& root, Draft& draft) {
+  const Table* tables = root.SubTable("host");
+  if (tables == nullptr) return;
+  if (!SupportsHosts()) {
+    draft.findings.Error(root.At("host"),
+                         "host: not supported by this build, which was made without "
+                         "libsystemd-dev: no process can be started on another host");
+  }
+  TableReader all(*tables, root.At("host"), "host", draft.findings);
+  for (const Member& member : *tables) {
+    draft.known_hosts.insert(member.key);
+    if (const auto* table = member.value.As<Table>()) {
+      draft.config.hosts.push_back(ReadHost(member, *table, draft));
+    } else {
+      all.Fault(member.value.at, member.key,
+                "expected a table, found " + std::string(TypeName(member.value)));
+    }
+  }
+}
+
+void WarnOfUnusedHosts(TableReader& root, Draft& draft) {
+  const Table* tables = root.SubTable("host");
+  if (tables == nullptr || draft.findings.HasErrors()) return;
+  for (const Member& member : *tables) {
+    if (draft.used_hosts.contains(member.key)) continue;
+    draft.findings.Warning(member.value.at, "host." + member.key + ": no actuator runs on it");
+  }
+}
+
+void ReadHostOf(TableReader& reader, ActuatorConfig& config, Draft& draft) {
+  constexpr std::string_view kKey = "host";
+  const auto host = reader.String(kKey);
+  if (!host) return;
+  if (!draft.known_hosts.contains(host->text)) {
+    const std::vector<std::string_view> known(draft.known_hosts.begin(), draft.known_hosts.end());
+    std::string guess = draft.findings.Guess(host->text, known);
+    if (guess.empty()) guess = "; expected a host with a table [host.<name>]";
+    reader.Fault(host->at, kKey, "unknown host " + Quote(host->text) + guess);
+    return;
+  }
+  config.host = host->text;
+  draft.used_hosts.insert(host->text);
+  if (!reader.Has("command")) {
+    reader.Fault(host->at, kKey, "needs a command, which is started there");
+  }
+  if (config.protocol != Protocol::kMusher) {
+    reader.Fault(host->at, kKey,
+                 "needs protocol = \"musher\": a process of another protocol is started on the "
+                 "controller's host only");
+  }
+  if (draft.config.transport == TransportProfile::kLocal) {
+    reader.Fault(host->at, kKey,
+                 "needs profile = \"lan\" in [transport]: with \"local\" no other host is reached");
+  }
+}
+
+}  // namespace musher::config_toml

@@ -1,0 +1,113 @@
+// The connection to the systemd of another host, up to D-Bus: with a shell in the place of ssh. The
+// units themselves are tested on a real systemd (test/integration/hosts).
+
+#include "musher/controller/process/host_bus.hpp"
+
+#include <gmock/gmock.h>
+
+#include <signal.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/base/files.hpp"
+#include "musher/test/support/temp_folder.hpp"
+#include "musher/test/support/wait.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::host_bus_test {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr Duration kSoon = std::chrono::seconds(30);
+
+class HostConnection : public ::testing::Test {
+ protected:
+  struct Down {
+    bool was_up = false;
+    bool for_good = false;
+  };
+
+  HostBus Make(const std::string& shell) {
+    HostBus::Hooks hooks;
+    hooks.on_up = [this] { ++ups_; };
+    hooks.on_down = [this](bool was_up, bool for_good) { downs_.push_back({was_up, for_good}); };
+    hooks.on_signal = [](const BusMessage&) {};
+    return HostBus(loop_, {{"sh", "-c", shell}, "root@10.0.0.2"}, std::move(hooks));
+  }
+  void AwaitDown(std::size_t count = 1) {
+    EXPECT_TRUE(loop_.RunUntil([&] { return downs_.size() >= count; }, testing::In(kSoon)));
+  }
+
+  transport::LinuxEventLoop loop_;
+  int ups_ = 0;
+  std::vector<Down> downs_;
+};
+
+TEST_F(HostConnection, ThatIsRefusedSaysWhyAndWhatToDo) {
+  HostBus bus = Make("echo 'root@10.0.0.2: Permission denied (publickey).' >&2; exit 255");
+  bus.Open();
+  EXPECT_THAT(downs_, IsEmpty());  // nothing is called inside Open()
+  AwaitDown();
+  EXPECT_THAT(bus.trouble(), AllOf(HasSubstr("Permission denied (publickey). put the public key"),
+                                   HasSubstr("`ssh root@10.0.0.2 true`")));
+  EXPECT_TRUE(downs_.front().for_good);
+  EXPECT_FALSE(downs_.front().was_up);
+  EXPECT_FALSE(bus.is_up());
+}
+
+TEST_F(HostConnection, ToAHostThatIsOffIsTriedAgain) {
+  HostBus bus = Make("echo 'connect to host 10.0.0.2 port 22: No route to host' >&2; exit 255");
+  bus.Open();
+  AwaitDown(3);
+  EXPECT_FALSE(downs_.back().for_good);
+  EXPECT_THAT(bus.trouble(), HasSubstr("No route to host; check that it runs"));
+}
+
+TEST_F(HostConnection, WithoutSshNamesThePackage) {
+  HostBus::Hooks hooks;
+  hooks.on_down = [this](bool was_up, bool for_good) { downs_.push_back({was_up, for_good}); };
+  HostBus bus(loop_, {{"/opt/none/ssh"}, "board"}, std::move(hooks));
+  bus.Open();
+  AwaitDown();
+  EXPECT_THAT(bus.trouble(), HasSubstr("install openssh-client"));
+}
+
+// What a login prints before is skipped; what follows the line is D-Bus, which this host ends.
+TEST_F(HostConnection, HasTheIdThatTheHostPrints) {
+  HostBus bus = Make("echo 'Welcome.'; echo 'musher-host 5f3c/4026531836'; exit 0");
+  bus.Open();
+  AwaitDown();
+  EXPECT_EQ(bus.host_id(), "5f3c/4026531836");
+  EXPECT_EQ(ups_, 0);
+}
+
+TEST_F(HostConnection, ThatIsClosedEndsItsProgramAndCallsNothing) {
+  const TempFolder folder;
+  HostBus bus = Make("echo $$ > " + (folder / "pid.new") + "; mv " + (folder / "pid.new") + " " +
+                     (folder / "pid") + "; exec sleep 1000");
+  bus.Open();
+  ASSERT_TRUE(
+      loop_.RunUntil([&] { return !ReadFile(folder / "pid").empty(); }, testing::In(kSoon)));
+  const pid_t pid = std::stoi(ReadFile(folder / "pid"));
+  bus.Close();
+  EXPECT_NE(kill(pid, 0), 0);
+  EXPECT_THAT(downs_, IsEmpty());
+}
+
+TEST(SshArguments, AskNothingAndTakeTheAddressForNoOption) {
+  const auto argv = SshArguments("10.0.0.2", "root", "/keys/id", "/keys/known hosts");
+  EXPECT_THAT(argv, AllOf(Contains("BatchMode=yes"), Contains("/keys/id"),
+                          Contains("UserKnownHostsFile=\"/keys/known hosts\"")));
+  EXPECT_THAT(std::vector<std::string>(argv.end() - 4, argv.end()),
+              ElementsAre("-l", "root", "--", "10.0.0.2"));
+  EXPECT_THAT(SshArguments("board", "", "", ""), Not(Contains("-i")));
+}
+
+}  // namespace musher::host_bus_test

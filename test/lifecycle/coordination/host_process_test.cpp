@@ -1,0 +1,175 @@
+// The process of an actuator that the systemd of another host runs for the controller. Its pid is
+// one of that host: the decision never takes it for a process of the controller's own host.
+
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
+
+namespace musher::testing::host_process_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::int32_t kPid = 41;
+constexpr RequestId kRequest = 71;
+
+// Actuator a runs on this host, b on host "vision", whose HostId() is "there".
+class HostProcess : public OneController {
+ protected:
+  HostProcess() {
+    for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run", actuator.name};
+    config_.transport = TransportProfile::kLan;
+    HostConfig& host = config_.hosts.emplace_back();
+    host.name = "vision";
+    host.address = "10.0.0.2";
+    config_.actuators[1].restart.policy = RestartPolicy::kOnFailure;
+    config_.actuators[1].host = "vision";
+  }
+  ActuatorReport ReportOfB(std::int32_t pid = kPid, const std::string& host = "there",
+                           const State& state = kSetUp) {
+    ActuatorReport report = Report(1, state);
+    report.pid = pid;
+    report.host = host;
+    report.incarnation = kFirst + 1;
+    return report;
+  }
+  void ComeB(std::int32_t pid = kPid, const std::string& host = "there") {
+    ActuatorReport report = ReportOfB(pid, host);
+    Say(1, report);
+    report.epoch = machine_.epoch;
+    Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
+  }
+  void ObeyB() {
+    const PendingCommand command = Of(1).command.value();
+    ActuatorReport report = ReportOfB(Of(1).report.pid, Of(1).report.host, command.target);
+    report.epoch = machine_.epoch;
+    report.number = report.outcome_number = command.number;
+    Do(event::Replied{1, command.number, false, Verdict::kDone, kCodeOk, "", report});
+  }
+  void ObeyBoth() {
+    for (int rounds = 0; rounds < 10; ++rounds) {
+      if (Of(0).command) Obey(0);
+      if (Of(1).command) ObeyB();
+    }
+  }
+  // Both are Active.
+  void StartUpBoth(bool found = false) {
+    Begin();
+    Do(event::ProcessStarted{0, 700});
+    Do(event::ProcessStarted{1, kPid, "there", found});
+    Come(0);
+    ComeB();
+    ObeyBoth();
+    ASSERT_EQ(machine_.state, kActive);
+    Forget();
+  }
+};
+
+TEST_F(HostProcess, IsRecordedWithItsHost) {
+  Begin();
+  Do(event::ProcessStarted{1, kPid, "there"});
+  EXPECT_TRUE(IsRecorded(texts::ProcessStartedOn("vision", "b", kPid, false)));
+  Do(event::ProcessStarted{1, kPid, "there", true});
+  EXPECT_TRUE(IsRecorded(texts::ProcessStartedOn("vision", "b", kPid, true)));
+}
+
+TEST_F(HostProcess, ThatExitsIsLostAtOnceAndStartedAgain) {
+  StartUpBoth();
+  Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
+  EXPECT_EQ(Of(1).presence, Presence::kLost);
+  EXPECT_EQ(Of(1).process.pid, 0);
+  EXPECT_THAT(Of(1).process.host, IsEmpty());
+  EXPECT_EQ(Of(1).process.dead, Of(1).report.incarnation);
+  Pass(Milliseconds(150));
+  ASSERT_THAT(Did<action::StartProcess>(), ::testing::SizeIs(1));
+  EXPECT_EQ(Did<action::StartProcess>().front().actuator, ActuatorIndex(1));
+}
+
+// The exit of a process of this number on the controller's host is not that of the one in use.
+TEST_F(HostProcess, IsNotTheProcessOfAnotherHostWithItsPid) {
+  StartUpBoth();
+  Of(1).report.host = "a third host";
+  Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
+  EXPECT_EQ(Of(1).presence, Presence::kPresent);
+  EXPECT_NE(Of(1).process.dead, Of(1).report.incarnation);
+}
+
+TEST_F(HostProcess, IsRestartedOnRequestAndNotRefusedAsOneOfAnotherHost) {
+  StartUpBoth();
+  Do(event::RestartRequested{kRequest, "b"});
+  EXPECT_THAT(Did<action::AnswerCall>(), IsEmpty());
+  ASSERT_TRUE(Of(1).command);
+  EXPECT_EQ(Of(1).command->target, kTearDown);
+  ObeyB();
+  Do(event::ProcessEnded{1, kPid, true, "exit code 0"});
+  Pass(Milliseconds(1));
+  EXPECT_THAT(Did<action::StartProcess>(), ::testing::SizeIs(1));
+}
+
+TEST_F(HostProcess, IsNeitherEndedNorStartedTwiceWhenItsConnectionIsLost) {
+  StartUpBoth();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  EXPECT_EQ(Of(1).presence, Presence::kLost);
+  Pass(std::chrono::seconds(60));
+  EXPECT_THAT(Did<action::StartProcess>(), IsEmpty());
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+  EXPECT_EQ(Of(1).process.pid, kPid);
+}
+
+TEST_F(HostProcess, IsStoredForTheNextControllerAsOneOfAnotherHost) {
+  Begin();
+  Do(event::ProcessStarted{1, kPid, "there"});
+  ComeB();
+  const auto saves = Did<action::SaveRemoteActuators>();
+  ASSERT_THAT(saves, ::testing::SizeIs(1));
+  EXPECT_THAT(saves.back().actuators, ElementsAre(RemoteActuator{"b", "there"}));
+}
+
+TEST_F(HostProcess, EndsWithTheMachine) {
+  StartUpBoth();
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  ObeyBoth();
+  Pass(Milliseconds(1100));
+  EXPECT_THAT(Did<action::SignalProcess>(),
+              ::testing::Contains(action::SignalProcess{1, kPid, false}));
+  Do(event::ProcessEnded{0, 700, true, "exit code 0"});
+  Do(event::ProcessEnded{1, kPid, true, "exit code 0"});
+  EXPECT_EQ(machine_.phase, Phase::kStopped);
+}
+
+TEST_F(HostProcess, OutOfReachIsNamedByTheTearDownWithItsHost) {
+  StartUpBoth();
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  Obey(0);
+  Do(event::ProcessEnded{0, 700, true, "exit code 0"});
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Forget();
+  Pass(config_.shutdown_budget * 95 / 100);
+  EXPECT_THAT(Did<action::FindProcesses>(), ::testing::SizeIs(1));
+  event::ProcessesFound found{{0, 0}};
+  found.hosts = {"", ""};
+  found.unreached = {"", "no route to host"};
+  Do(found);
+  Pass(config_.shutdown_budget);
+  ASSERT_EQ(machine_.phase, Phase::kStopped);
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_THAT(answers, ::testing::SizeIs(1));
+  EXPECT_EQ(answers.back().result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(answers.back().result.degraded, ElementsAre("b"));
+  EXPECT_THAT(answers.back().result.reason,
+              HasSubstr(texts::HostUnreached("vision", "no route to host").message));
+}
+
+TEST_F(HostProcess, ThatIsFoundByTheTearDownIsEndedOnItsHost) {
+  Begin();
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  Do(event::ProcessNotStarted{1, "none"});
+  event::ProcessesFound found{{0, kPid}};
+  found.hosts = {"", "there"};
+  found.unreached = {"", ""};
+  Do(found);
+  EXPECT_EQ(Of(1).process.host, "there");
+  EXPECT_THAT(Did<action::SignalProcess>(),
+              ::testing::Contains(action::SignalProcess{1, kPid, false}));
+}
+
+}  // namespace musher::testing::host_process_test
