@@ -8,7 +8,7 @@ Result<> Entry::Assign(const Value& from) {
   } else if (Result<> converted = value.SetAs(*type, from); !converted) {
     return converted;
   }
-  ++sequence;
+  NoteSet();
   return Ok();
 }
 
@@ -18,7 +18,7 @@ Result<> Entry::AssignNumber(double number) {
   } else if (Result<> converted = value.SetNumberAs(*type, number); !converted) {
     return converted;
   }
-  ++sequence;
+  NoteSet();
   return Ok();
 }
 
@@ -28,7 +28,7 @@ Result<> Entry::AssignText(std::string_view text) {
   } else if (Result<> converted = value.SetTextAs(*type, text); !converted) {
     return converted;
   }
-  ++sequence;
+  NoteSet();
   return Ok();
 }
 
@@ -65,6 +65,7 @@ void Board::Remap(std::string_view key, std::string_view outer) {
 Entry& Board::Own(std::string_view key) {
   own_.push_back(std::make_unique<Entry>());
   own_.back()->key = key;
+  own_.back()->clock = clock_;
   entries_.insert_or_assign(std::string(key), own_.back().get());
   return *own_.back();
 }

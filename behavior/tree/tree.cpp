@@ -35,8 +35,7 @@ Error OfOwnTree(const std::string& tree, const std::string& does) {
 Result<Status> Tree::TickExactlyOnce(Time now) {
   if (busy_) return OfOwnTree(name_, "ticks");
   const Busy busy(busy_);
-  tick_.now = std::max(tick_.now, now);
-  ++tick_.number;
+  BeginAt(now);
   tick_.woken = false;
   tick_.fault.clear();
   Node& root = *nodes_.front();
@@ -57,6 +56,12 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
     EndRun();
     return Fault(fault.node->id(), fault.what);
   }
+}
+
+void Tree::BeginAt(Time now) {
+  tick_.now = std::max(tick_.now, now);
+  ++tick_.number;
+  boards_.front()->SetTime(tick_.now);
 }
 
 void Tree::BeginRun() {
@@ -96,8 +101,7 @@ void Tree::Attach(const std::shared_ptr<Hooks>& hooks) {
 Result<> Tree::Halt(Time now) {
   if (busy_) return OfOwnTree(name_, "halts");
   const Busy busy(busy_);
-  tick_.now = std::max(tick_.now, now);
-  ++tick_.number;
+  BeginAt(now);
   tick_.fault.clear();
   nodes_.front()->Reset(tick_);
   EndRun();

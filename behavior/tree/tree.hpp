@@ -103,6 +103,7 @@ class Tree {
   friend class Builder;
   Tree(std::string name, std::size_t history);
   Error Fault(NodeId id, const std::string& what) const;
+  void BeginAt(Time now);
   void BeginRun();
   void EndRun();
   std::string NameAmongSiblings(NodeId id) const;
