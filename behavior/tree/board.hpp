@@ -3,13 +3,21 @@
 // one for each subtree; a remapped key of a subtree is an entry of the board around it. Keys become
 // entries when the tree is built, so that a tick looks nothing up.
 //
-// Threads: one at a time, like the tree.
+// A program may make the board of the main tree itself (BuildOptions::board), and one around it
+// that several trees share: "@key" is a key of the outermost board.
+//
+//   auto robot = std::make_shared<tree::Board>();
+//   auto patrol = Build(document, factory, {.board = std::make_shared<tree::Board>(robot)});
+//   auto watch = Build(other, factory, {.board = std::make_shared<tree::Board>(robot)});
+//
+// Threads: one at a time, like the tree; trees that share a board are ticked by one thread.
 
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "musher/base/time.hpp"
@@ -64,11 +72,14 @@ class Board {
   Board(const Board&) = delete;
   Board& operator=(const Board&) = delete;
 
+  // Board of a main tree within `outer`, which it keeps.
+  explicit Board(std::shared_ptr<Board> outer)
+      : parent_(outer.get()), kept_(std::move(outer)), clock_(parent_->clock_) {}
   // Board of a subtree. With `autoremap`, a key that does not begin with '_' is the parent's.
   Board(Board& parent, bool autoremap)
       : parent_(&parent), autoremap_(autoremap), clock_(parent.clock_) {}
 
-  // The entry of a key, which is made where it is missing. "@key" is a key of the main tree.
+  // The entry of a key, which is made where it is missing. "@key" is a key of the outermost board.
   Entry& At(std::string_view key);
   // Null: there is no such entry.
   Entry* Find(std::string_view key);
@@ -90,12 +101,17 @@ class Board {
   // The time of what is set from now on, in this board and all around it. A tree does this.
   void SetTime(Time now) { *clock_ = now; }
 
-  std::vector<std::string> Keys() const;  // sorted
-  std::size_t size() const { return entries_.size(); }
+  // Sorted. Those of the outermost board around a main tree begin with '@'.
+  std::vector<std::string> Keys() const;
+  std::size_t size() const;
   Board* parent() const { return parent_; }
 
  private:
+  Board& Outermost() { return const_cast<Board&>(std::as_const(*this).Outermost()); }
+  const Board& Outermost() const;
+
   Board* parent_ = nullptr;
+  std::shared_ptr<Board> kept_;  // the parent, of a main tree
   bool autoremap_ = false;
   Time now_{};
   Time* clock_ = &now_;  // of the outermost board

@@ -64,6 +64,36 @@ std::vector<const Document::Tree*> RootsFirst(const Document& document) {
   return trees;
 }
 
+// What the entries of a given board, and of the boards around it, are before the build.
+class GivenTypes {
+ public:
+  explicit GivenTypes(Board* board) : board_(board) {
+    ForEach([this](Entry& entry) { before_[&entry] = {entry.type, entry.declared}; });
+  }
+  void Restore() const {
+    ForEach([this](Entry& entry) {
+      const auto found = before_.find(&entry);
+      const auto before = found != before_.end() ? found->second : Before{};
+      entry.type = before.type;
+      entry.declared = before.declared;
+    });
+  }
+
+ private:
+  struct Before {
+    const Type* type = nullptr;
+    bool declared = false;
+  };
+  template <class Do>
+  void ForEach(const Do& act) const {
+    if (board_ == nullptr) return;
+    for (const std::string& key : board_->Keys()) act(*board_->Find(key));
+  }
+
+  Board* board_;
+  std::map<const Entry*, Before> before_;
+};
+
 bool IsCondition(std::string_view name) {
   return std::ranges::find(kConditionNames, name) != kConditionNames.end();
 }
@@ -143,11 +173,12 @@ std::vector<Diagnostic> Builder::Take() && {
   return diagnostics;
 }
 
-std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t history) {
+std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t history,
+                                    std::shared_ptr<Board> board) {
   tree_ = std::unique_ptr<Tree>(new Tree(main.id, history));
   tree_->enums_ = factory_.shared_enums();
   for (const Document::File& file : document_.files) tree_->files_.push_back(file.path);
-  tree_->boards_.push_back(std::make_unique<Board>());
+  tree_->boards_.push_back(board != nullptr ? std::move(board) : std::make_shared<Board>());
   elements_.clear();
   types_.clear();
   read_as_text_.clear();
@@ -159,6 +190,7 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   MakeContent(main, {});
   if (failed()) return nullptr;
   tree_->trace_.Resize(tree_->nodes_.size());
+  FitValues();
   SetConstants();
   Warn();
   return failed() ? nullptr : std::move(tree_);
@@ -391,13 +423,17 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
     return fail(options.tree.empty() && document.main ? document.main->value_at : Place{},
                 "there is no tree " + Quoted(name) + DidYouMean(name, TreeNames(document)));
   }
-  std::unique_ptr<Tree> tree = builder.Make(*main, options.history);
+  const GivenTypes given(options.board.get());
+  std::unique_ptr<Tree> tree = builder.Make(*main, options.history, options.board);
   // Trees that nothing uses are checked, too.
   for (const Document::Tree* other : trees) {
     const auto& used = builder.used();
-    if (std::ranges::find(used, other->id) == used.end()) builder.Make(*other, 0);
+    if (std::ranges::find(used, other->id) == used.end()) builder.Make(*other, 0, nullptr);
   }
-  if (builder.failed()) tree = nullptr;
+  if (builder.failed()) {
+    tree = nullptr;
+    given.Restore();
+  }
   return {std::move(tree), std::move(builder).Take()};
 }
 
@@ -453,8 +489,10 @@ void Builder::Unify(Entry& entry, Place place, const PortModel& model) {
     read_as_text_.insert(&entry);
     return;
   }
-  const auto [first, is_first] = types_.try_emplace(&entry, FirstUse{model.type, place});
-  if (is_first) {
+  const bool elsewhere = entry.type != nullptr;
+  const auto [first, is_first] =
+      types_.try_emplace(&entry, FirstUse{elsewhere ? entry.type : model.type, place, elsewhere});
+  if (is_first && !elsewhere) {
     entry.type = model.type;
     return;
   }
@@ -467,8 +505,10 @@ void Builder::Unify(Entry& entry, Place place, const PortModel& model) {
   const Diagnostic at = document_.At(first->second.place, Severity::kNote, "");
   Report(place, Severity::kError,
          PortText(model) + " uses '" + entry.key + "', which is of type " +
-             std::string(known->name) + " at " + at.file + ":" + std::to_string(at.line) + ":" +
-             std::to_string(at.column));
+             std::string(known->name) +
+             (first->second.elsewhere ? " in another tree that shares the board"
+                                      : " at " + at.file + ":" + std::to_string(at.line) + ":" +
+                                            std::to_string(at.column)));
 }
 
 void Builder::NoteScript(const Script& script, Place place) {
@@ -527,7 +567,7 @@ std::uint32_t Builder::MakeBoard(const Element& element, std::string_view id,
     if (!value) Report(auto_attribute->value_at, Severity::kError, value.error().message);
     autoremap = value && value.value();
   }
-  tree_->boards_.push_back(std::make_unique<Board>(outer, autoremap));
+  tree_->boards_.push_back(std::make_shared<Board>(outer, autoremap));
   const auto board_id = static_cast<std::uint32_t>(tree_->boards_.size() - 1);
   Board& board = *tree_->boards_.back();
   const auto give = [&](const std::string& name, const std::string& value, Place place,
@@ -566,6 +606,25 @@ std::uint32_t Builder::MakeBoard(const Element& element, std::string_view id,
     }
   }
   return board_id;
+}
+
+// What a given board has already becomes a value of the type of its ports.
+void Builder::FitValues() {
+  std::vector<std::pair<Entry*, Value>> fitting;
+  for (const auto& [entry, use] : types_) {
+    if (entry->type == nullptr || entry->value.empty()) continue;
+    if (entry->value.type() == entry->type) continue;
+    Value value;
+    if (const Result<> fits = value.SetAs(*entry->type, entry->value); !fits) {
+      Report(use.place, Severity::kError,
+             "'" + entry->key + "' of the given board is " + entry->value.Shown() + ": " +
+                 fits.error().message);
+    } else {
+      fitting.emplace_back(entry, std::move(value));
+    }
+  }
+  if (failed()) return;
+  for (auto& [entry, value] : fitting) entry->value = value;
 }
 
 // Fixed texts of subtrees become values once the types of their entries are known: a number where

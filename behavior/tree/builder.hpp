@@ -19,7 +19,8 @@ class Builder {
   Builder(const Document& document, const Factory& factory);
 
   // Null: the tree has errors.
-  std::unique_ptr<Tree> Make(const Document::Tree& main, std::size_t history);
+  std::unique_ptr<Tree> Make(const Document::Tree& main, std::size_t history,
+                             std::shared_ptr<Board> board);
   void Report(Place place, Severity severity, std::string message) {
     found_.emplace_back(place, severity, std::move(message));
   }
@@ -69,6 +70,7 @@ class Builder {
   void Unify(Entry& entry, Place place, const PortModel& model);
   NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
   Node* Keep(NodeId id, std::unique_ptr<Node> node);
+  void FitValues();
   void SetConstants();
   void Warn();  // warnings.cpp
   void WarnOfReactive(NodeId id, const std::vector<NodeId>& children);
@@ -98,8 +100,9 @@ class Builder {
   struct FirstUse {
     const Type* type = nullptr;
     Place place;
+    bool elsewhere = false;  // in another tree with the same board
   };
-  std::map<const Entry*, FirstUse> types_;
+  std::map<Entry*, FirstUse> types_;
   std::set<const Entry*> read_as_text_;
   struct Constant {
     Entry* entry = nullptr;

@@ -98,6 +98,8 @@ class Tree {
   Board& board() { return *boards_.front(); }
   // Board of the subtree that a node belongs to.
   Board& board(NodeId id) { return *boards_.at(infos_.at(id).board); }
+  // Of the main tree and of each subtree, in the order of their nodes.
+  const std::vector<std::shared_ptr<Board>>& boards() const { return boards_; }
 
  private:
   friend class Builder;
@@ -109,11 +111,11 @@ class Tree {
   std::string NameAmongSiblings(NodeId id) const;
 
   std::string name_;
-  std::vector<std::string> files_;      // that its nodes come from
-  bool busy_ = false;                   // within a tick or a halt
-  std::shared_ptr<const Enums> enums_;  // of the scripts
-  std::vector<std::unique_ptr<Board>> boards_;
-  std::vector<std::unique_ptr<Node>> nodes_;  // by id
+  std::vector<std::string> files_;              // that its nodes come from
+  bool busy_ = false;                           // within a tick or a halt
+  std::shared_ptr<const Enums> enums_;          // of the scripts
+  std::vector<std::shared_ptr<Board>> boards_;  // by subtree, the main tree first
+  std::vector<std::unique_ptr<Node>> nodes_;    // by id
   std::vector<NodeInfo> infos_;
   std::vector<std::pair<Node*, RunObserver*>> run_observers_;
   bool begins_ = true;  // the next tick is the first one of a run
