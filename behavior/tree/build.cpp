@@ -304,6 +304,22 @@ Node* Builder::Keep(NodeId id, std::unique_ptr<Node> node) {
   return kept;
 }
 
+// Null: it throws, which is reported.
+std::unique_ptr<Node> Builder::Call(const Factory::Registered& registered, Setup& setup,
+                                    const Element& element, std::string_view id) {
+  const auto fail = [&](const std::string& what) {
+    Report(element.at, Severity::kError, "node " + Quoted(id) + " can not be made: " + what);
+  };
+  try {
+    return registered.make(setup);
+  } catch (const std::exception& error) {
+    fail(error.what());
+  } catch (...) {
+    fail("an unknown exception");
+  }
+  return nullptr;
+}
+
 Node* Builder::MakeRegistered(const Element& element, std::string_view id,
                               const Factory::Registered& registered, const Around& around) {
   const NodeId node_id = Reserve(element, id, registered.kind, around);
@@ -311,26 +327,30 @@ Node* Builder::MakeRegistered(const Element& element, std::string_view id,
   Board& board = *tree_->boards_[around.board];
   Setup setup(this, element, board, factory_.enums());
   used_attributes_.clear();
-  std::unique_ptr<Node> made;
-  try {
-    made = registered.make(setup);
-  } catch (const std::exception& error) {
-    Report(element.at, Severity::kError,
-           "node " + Quoted(id) + " can not be made: " + error.what());
-    return nullptr;
-  } catch (...) {
-    Report(element.at, Severity::kError,
-           "node " + Quoted(id) + " can not be made: an unknown exception");
-    return nullptr;
-  }
+  std::unique_ptr<Node> made = Call(registered, setup, element, id);
+  if (made == nullptr) return nullptr;
   CheckAttributes(element, setup);
-  const TestNodeConfig* substitute =
+  const Substitution* substitute =
       factory_.has_substitutes() && element.children.empty()
           ? factory_.Substituted(tree_->infos_[node_id].name, PlainPath(node_id))
           : nullptr;
-  if (substitute != nullptr) {
-    made = MakeTestNode(setup, *substitute);
-    tree_->infos_[node_id].takes_time = substitute->delay > Duration{};
+  if (substitute != nullptr) substituted_.insert(substitute);
+  if (substitute != nullptr && substitute->node.empty()) {
+    made = MakeTestNode(setup, substitute->config);
+    tree_->infos_[node_id].takes_time =
+        substitute->config.delay > Duration{} || substitute->config.result_of;
+  } else if (substitute != nullptr) {
+    id = substitute->node;
+    const Factory::Registered& other = *factory_.Find(id);
+    const std::size_t found = found_.size();
+    Setup setup_of_other(this, element, board, factory_.enums());
+    made = Call(other, setup_of_other, element, id);
+    if (found_.size() > found) {
+      Report(element.at, Severity::kNote,
+             "a substitution makes it the node " + Quoted(id) + ", whose ports it needs");
+    }
+    if (made == nullptr) return nullptr;
+    tree_->infos_[node_id].takes_time = other.takes_time;
   }
   Node* node = Keep(node_id, std::move(made));
   SetConditions(element, *node, board);
@@ -430,6 +450,7 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
     const auto& used = builder.used();
     if (std::ranges::find(used, other->id) == used.end()) builder.Make(*other, 0, nullptr);
   }
+  builder.WarnOfSubstitutions();
   if (builder.failed()) {
     tree = nullptr;
     given.Restore();

@@ -28,6 +28,8 @@ class Builder {
   // The diagnostics by place, each once.
   std::vector<Diagnostic> Take() &&;
   const std::vector<std::string>& used() const { return used_; }  // ids of trees
+  // At the end, when all trees were made: substitutions that no node matches.
+  void WarnOfSubstitutions();
 
   // An input that neither the element nor its model sets: one warning for each class of nodes.
   void NoteUnset(const Element& element, const std::string& port);
@@ -58,6 +60,8 @@ class Builder {
   Node* MakeSubtree(const Element& element, const Around& around);
   Node* MakeRegistered(const Element& element, std::string_view id,
                        const Factory::Registered& registered, const Around& around);
+  std::unique_ptr<Node> Call(const Factory::Registered& registered, Setup& setup,
+                             const Element& element, std::string_view id);
   void MakeChildren(const Element& element, Node* node, NodeId id, const Around& around);
   void CheckChildren(const Element& element, const Node& node, std::string_view id);
   Node* MakeContent(const Document::Tree& tree, const Around& around);
@@ -96,6 +100,7 @@ class Builder {
   std::map<std::string, Unset, std::less<>> unset_;
   std::vector<std::string> inside_;  // the trees around the present node
   std::vector<std::string> used_;
+  std::set<const Substitution*> substituted_;
   std::vector<const Attribute*> used_attributes_;
   struct FirstUse {
     const Type* type = nullptr;
