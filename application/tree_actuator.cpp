@@ -163,6 +163,16 @@ class TreeActuator::Impl final : public ApplicationImpl {
                                [this](const std::string& line) { owner_.Log(line); });
   }
 
+  // Between two ticks of the clock: one more as soon as possible.
+  void ListenToWakeUps() {
+    if (!has_tree()) return;
+    loaded_.tree->OnWakeUp([this] {
+      ticks_.Post([this] {
+        if (ticking() && !resting_) Tick();
+      });
+    });
+  }
+
   void Record() {
     if (recording_ != nullptr) recording_->Begin(View(), *factory_);
   }
@@ -170,6 +180,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   void Use(Loaded loaded) {
     if (recording_ != nullptr) recording_->End();
     loaded_ = std::move(loaded);
+    ListenToWakeUps();
     ++revision_;
     result_ = tree::Status::kIdle;
     resting_ = loaded_.tree == nullptr || !MayBegin();

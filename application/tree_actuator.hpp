@@ -29,6 +29,9 @@
 //                  (during SetUp nothing runs yet: there is nothing to halt)
 // clang-format on
 //
+// A node may ask for a tick at once, by its WakeUp, when what it awaits has come; the ticks of the
+// rate go on as before.
+//
 // Without a command to begin since the process began, the tree rests in Active: a restarted process
 // moves nothing (begin.hpp). The command is START on the service `<actuator>/send_command`
 // (`musher behavior NAME --tree --send START`), Load() or Restart().

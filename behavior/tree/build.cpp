@@ -460,6 +460,11 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
 
 // --- attributes and entries of blackboards: ports, conditions, remapping ---
 
+WakeUp Builder::wake_up() const {
+  if (tree_->wake_up_ == nullptr) tree_->wake_up_ = std::make_shared<WakeUp::State>();
+  return WakeUp(tree_->wake_up_);
+}
+
 Setup::Connection Builder::Connect(const Element& element, Board& board, const PortModel& model) {
   const Attribute* attribute = element.Find(model.name);
   if (attribute == nullptr) {

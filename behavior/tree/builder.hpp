@@ -39,6 +39,7 @@ class Builder {
   // Connection of a port of the present node, for Setup.
   Setup::Connection Connect(const Element& element, Board& board, const PortModel& model);
   void MarkUsed(const Attribute& attribute) { used_attributes_.push_back(&attribute); }
+  WakeUp wake_up() const;
 
   // What a node does with an entry, for the warnings.
   void NoteRead(const Entry& entry, Place place) { reads_.emplace_back(&entry, place); }

@@ -9,7 +9,9 @@ Tree::Tree(std::string name, std::size_t history) : name_(std::move(name)), trac
   tick_.trace = &trace_;
 }
 
-Tree::~Tree() = default;
+Tree::~Tree() {
+  OnWakeUp(nullptr);
+}
 
 namespace {
 
@@ -38,6 +40,17 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
   BeginAt(now);
   tick_.woken = false;
   tick_.fault.clear();
+  if (wake_up_ == nullptr) return TickNodes();
+  wake_up_->requested = false;
+  wake_up_->again = false;
+  wake_up_->ticks = true;
+  Result<Status> result = TickNodes();
+  wake_up_->ticks = false;
+  tick_.woken |= wake_up_->again;
+  return result;
+}
+
+Result<Status> Tree::TickNodes() {
   Node& root = *nodes_.front();
   const std::shared_ptr<Hooks> hooks = hooks_.lock();
   if (hooks != nullptr) hooks->BeginTick();
@@ -89,6 +102,10 @@ Result<Status> Tree::TickOnce(Time now) {
     result = TickExactlyOnce(now);
   }
   return result;
+}
+
+void Tree::OnWakeUp(std::function<void()> notify) {
+  if (wake_up_ != nullptr) wake_up_->notify = std::move(notify);
 }
 
 void Tree::Attach(const std::shared_ptr<Hooks>& hooks) {

@@ -15,6 +15,7 @@
 //
 // Threads: one at a time. A node can neither tick nor halt its own tree: that is refused.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,7 @@
 #include "musher/behavior/tree/factory.hpp"
 #include "musher/behavior/tree/hooks.hpp"
 #include "musher/behavior/tree/node.hpp"
+#include "musher/behavior/tree/wake_up.hpp"
 
 namespace musher::tree {
 
@@ -59,10 +61,13 @@ class Tree {
   // One tick.
   Result<Status> TickExactlyOnce(Time now);
   // One tick, and a further one as long as a node has asked for it (Repeat, RetryUntilSuccessful,
-  // SequenceWithMemory, AsyncSequence), at most kMostTicksAtOnce.
+  // SequenceWithMemory, AsyncSequence, WakeUp), at most kMostTicksAtOnce.
   Result<Status> TickOnce(Time now);
   // Halts every running node once. An error has the path of a node that threw, and what it threw.
   Result<> Halt(Time now);
+  // `notify` is called when a node asks for a tick between two ticks, by WakeUp. It returns at
+  // once, and neither ticks nor destroys the tree: later. Null: nothing is called any more.
+  void OnWakeUp(std::function<void()> notify);
   // The clock has jumped back: further ticks may be before the last. Nothing may be running.
   void SetTime(Time now) { tick_.now = now; }
 
@@ -104,6 +109,7 @@ class Tree {
  private:
   friend class Builder;
   Tree(std::string name, std::size_t history);
+  Result<Status> TickNodes();
   Error Fault(NodeId id, const std::string& what) const;
   void BeginAt(Time now);
   void BeginRun();
@@ -122,6 +128,7 @@ class Tree {
   Trace trace_;
   Tick tick_;
   std::weak_ptr<Hooks> hooks_;
+  std::shared_ptr<WakeUp::State> wake_up_;  // null: no node has asked for one
 };
 
 // For Graphviz: the nodes with their status, in colour.

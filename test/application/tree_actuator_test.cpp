@@ -80,6 +80,36 @@ TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThen
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
 }
 
+TEST_F(ATreeActuator, TicksAtOnceWhereANodeWakesItUp) {
+  ActuatorRunner<Course> course({.rate_hz = 50, .begin = Begin::kAtActive});
+  Begin(course);
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning));
+  const tree::WakeUp wake_up = course.Of([](Course& c) { return c.data().wake_up; });
+  course.RunOnLoop([&] { wake_up.Request(); });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning)) << "its time has not passed";
+  course.RunOnLoop([&] {
+    wake_up.Request();
+    wake_up.Request();
+  });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning)) << "once for both";
+  ASSERT_TRUE(Go("LowPower"));
+  course.TakeTicks();
+  course.RunOnLoop([&] { wake_up.Request(); });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre()) << "it is paused";
+  ASSERT_TRUE(Go("Active"));
+  ASSERT_TRUE(
+      course.LoadText("<root BTCPP_format=\"4\"><BehaviorTree ID=\"New\">"
+                      "<Walk ticks=\"9\"/></BehaviorTree></root>"));
+  harness_.Tick(course, 1);
+  course.TakeTicks();
+  course.RunOnLoop([&] { wake_up.Request(); });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre()) << "its tree is gone";
+  const tree::WakeUp next = course.Of([](Course& c) { return c.data().wake_up; });
+  course.RunOnLoop([&] { next.Request(); });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning));
+}
+
 TEST_F(ATreeActuator, StandsInActiveUntilItIsCommanded) {
   ActuatorRunner<Course> course({.rate_hz = 50});
   Begin(course);

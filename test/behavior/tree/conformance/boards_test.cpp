@@ -64,6 +64,17 @@ TEST_F(AGivenBoard, AroundTwoTreesIsSharedByTheKeysThatBeginWithAt) {
   EXPECT_EQ(outer->Find("speed")->stamp().at, At(30)) << "the time of the tree that sets it";
   EXPECT_EQ(two->board().Find("seen")->stamp().at, At(50));
 }
+TEST_F(AGivenBoard, AroundTreesIsGivenToEach) {
+  const Document document = ReadTree(Main("<Script code=\"@n := 1\"/>"), "t.xml").document;
+  const Document other = ReadTree(Main("<ScriptCondition code=\"@n == 1\"/>"), "t.xml").document;
+  // [around]
+  const auto robot = std::make_shared<Board>();
+  const Built patrol = Build(document, factory, {.board = std::make_shared<Board>(robot)});
+  const Built watch = Build(other, factory, {.board = std::make_shared<Board>(robot)});
+  // [around end]
+  EXPECT_EQ(Ticks(*patrol.tree, 1), "S");
+  EXPECT_EQ(Ticks(*watch.tree, 1), "S");
+}
 TEST_F(AGivenBoard, IsShownWithTheKeysOfTheBoardAroundIt) {
   const auto outer = std::make_shared<Board>();
   ASSERT_TRUE(outer->Set("speed", 6));
