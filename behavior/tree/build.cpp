@@ -181,6 +181,7 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   tree_->boards_.push_back(board != nullptr ? std::move(board) : std::make_shared<Board>());
   elements_.clear();
   types_.clear();
+  pointers_.clear();
   read_as_text_.clear();
   constants_.clear();
   reads_.clear();
@@ -188,6 +189,7 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   made_.clear();
   needed_.clear();
   MakeContent(main, {});
+  UnifyPointers();
   if (failed()) return nullptr;
   tree_->trace_.Resize(tree_->nodes_.size());
   FitValues();
@@ -458,12 +460,12 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
   return {std::move(tree), std::move(builder).Take()};
 }
 
-// --- attributes and entries of blackboards: ports, conditions, remapping ---
-
 WakeUp Builder::wake_up() const {
   if (tree_->wake_up_ == nullptr) tree_->wake_up_ = std::make_shared<WakeUp::State>();
   return WakeUp(tree_->wake_up_);
 }
+
+// --- attributes and entries of blackboards: ports, conditions, remapping ---
 
 Setup::Connection Builder::Connect(const Element& element, Board& board, const PortModel& model) {
   const Attribute* attribute = element.Find(model.name);
@@ -515,17 +517,26 @@ void Builder::Unify(Entry& entry, Place place, const PortModel& model) {
     read_as_text_.insert(&entry);
     return;
   }
+  const auto read_at =
+      model.direction != Direction::kOut ? std::optional<Place>(place) : std::nullopt;
+  const bool writes = model.direction != Direction::kIn;
   const bool elsewhere = entry.type != nullptr;
   const auto [first, is_first] =
       types_.try_emplace(&entry, FirstUse{elsewhere ? entry.type : model.type, place, elsewhere});
-  if (is_first && !elsewhere) {
-    entry.type = model.type;
+  if (is_first && !elsewhere) entry.type = model.type;
+  const Type* known = first->second.type;
+  if (known == model.type) {
+    if (!first->second.read_at) first->second.read_at = read_at;
+    first->second.writes |= writes;
     return;
   }
-  const Type* known = first->second.type;
-  if (entry.type == nullptr || known == model.type) return;
+  if (entry.type == nullptr) return;
   if (known == TypeOf<std::string>() || model.type == TypeOf<std::string>()) {
     entry.type = nullptr;
+    return;
+  }
+  if (CommonBase(*known, *model.type) != nullptr) {
+    pointers_[&entry].push_back({model.type, place, false, writes, read_at});
     return;
   }
   const Diagnostic at = document_.At(first->second.place, Severity::kNote, "");
@@ -535,6 +546,33 @@ void Builder::Unify(Entry& entry, Place place, const PortModel& model) {
              (first->second.elsewhere ? " in another tree that shares the board"
                                       : " at " + at.file + ":" + std::to_string(at.line) + ":" +
                                             std::to_string(at.column)));
+}
+
+// Pointers to classes of which one is the base of the others: the entry has the nearest common base
+// of what is written.
+void Builder::UnifyPointers() {
+  for (auto& [entry, uses] : pointers_) {
+    const FirstUse first = types_.at(entry);
+    uses.push_back(first);
+    const Type* written = first.elsewhere ? first.type : nullptr;
+    for (const FirstUse& use : uses) {
+      if (!use.writes || first.elsewhere) continue;
+      written = written == nullptr ? use.type : CommonBase(*written, *use.type);
+    }
+    entry->type = written;
+    if (written == nullptr) continue;  // the program sets it
+    const std::string is = "'" + entry->key + "' is of type " + std::string(written->name) +
+                           (first.elsewhere ? " in another tree that shares the board"
+                                            : ", the base of all that is written to it");
+    for (const FirstUse& use : uses) {
+      const std::string port = "; a port of type " + std::string(use.type->name);
+      if (use.writes && !DerivesFrom(*use.type, *written)) {
+        Report(use.place, Severity::kError, is + port + " can not write it");
+      } else if (use.read_at && !DerivesFrom(*written, *use.type)) {
+        Report(*use.read_at, Severity::kError, is + port + " can not read it");
+      }
+    }
+  }
 }
 
 void Builder::NoteScript(const Script& script, Place place) {

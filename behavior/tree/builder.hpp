@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -38,8 +39,8 @@ class Builder {
 
   // Connection of a port of the present node, for Setup.
   Setup::Connection Connect(const Element& element, Board& board, const PortModel& model);
-  void MarkUsed(const Attribute& attribute) { used_attributes_.push_back(&attribute); }
   WakeUp wake_up() const;
+  void MarkUsed(const Attribute& attribute) { used_attributes_.push_back(&attribute); }
 
   // What a node does with an entry, for the warnings.
   void NoteRead(const Entry& entry, Place place) { reads_.emplace_back(&entry, place); }
@@ -73,6 +74,7 @@ class Builder {
   std::string PlainPath(NodeId id) const;
   Entry& Use(Entry& entry, Place place, const PortModel& model);
   void Unify(Entry& entry, Place place, const PortModel& model);
+  void UnifyPointers();
   NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
   Node* Keep(NodeId id, std::unique_ptr<Node> node);
   void FitValues();
@@ -107,8 +109,12 @@ class Builder {
     const Type* type = nullptr;
     Place place;
     bool elsewhere = false;  // in another tree with the same board
+    bool writes = false;     // one of the ports with the type does
+    std::optional<Place> read_at{};
   };
   std::map<Entry*, FirstUse> types_;
+  // Further uses, with another type that has a base in common with the first.
+  std::map<Entry*, std::vector<FirstUse>> pointers_;
   std::set<const Entry*> read_as_text_;
   struct Constant {
     Entry* entry = nullptr;
