@@ -138,8 +138,11 @@ class TreeActuator::Impl final : public ApplicationImpl {
   }
 
   Result<> Build(Loaded& loaded, const tree::Factory& factory) {
-    auto tree = BuildTree(loaded.document, factory,
-                          {.tree = loaded.main, .history = options_.history}, warn_);
+    tree::BuildOptions options{.tree = loaded.main, .history = options_.history};
+    if (options_.outer_board != nullptr) {
+      options.board = std::make_shared<tree::Board>(options_.outer_board);
+    }
+    auto tree = BuildTree(loaded.document, factory, options, warn_);
     if (!tree) return tree.error();
     tree::Board& board = tree.value()->board();
     if (Result<> filled = owner_.FillBlackboard(board); !filled) return filled;

@@ -96,6 +96,8 @@ class TreeActuator : public MachineActuator {
     std::string file{};              // XML, for LoadTree()
     std::string tree{};              // its id; empty: main_tree_to_execute, or the only one
     TreeRecordingOptions record{};   // what `musher tree replay` shows; default: none
+    // Around the board of each tree: its keys "@key". Keeps its values when another tree is loaded.
+    std::shared_ptr<tree::Board> outer_board{};
   };
   // Keys of the blackboard of the main tree with their values as texts.
   using Entries = std::vector<std::pair<std::string, std::string>>;

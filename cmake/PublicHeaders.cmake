@@ -29,6 +29,7 @@ set(MUSHER_ALSO_PUBLIC
   behavior/skill/wait.hpp
   behavior/tree/btcpp.hpp
   behavior/tree/build.hpp
+  behavior/tree/json/boards_json.hpp
   behavior/tree/json/json_fields.hpp
   behavior/tree/json/substitutions.hpp
   behavior/tree/models.hpp

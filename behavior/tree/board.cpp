@@ -70,6 +70,12 @@ Entry& Board::Own(std::string_view key) {
   return *own_.back();
 }
 
+bool Board::Owns(std::string_view key) const {
+  const auto found = entries_.find(key);
+  return found != entries_.end() &&
+         std::ranges::find(own_, found->second, &std::unique_ptr<Entry>::get) != own_.end();
+}
+
 std::size_t Board::size() const {
   return entries_.size() + (kept_ == nullptr ? 0 : Outermost().entries_.size());
 }

@@ -104,6 +104,8 @@ class Board {
   // Sorted. Those of the outermost board around a main tree begin with '@'.
   std::vector<std::string> Keys() const;
   std::size_t size() const;
+  // Whether a key is an entry of this board, and not of another one.
+  bool Owns(std::string_view key) const;
   Board* parent() const { return parent_; }
 
  private:

@@ -110,6 +110,29 @@ TEST_F(ATreeActuator, TicksAtOnceWhereANodeWakesItUp) {
   EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning));
 }
 
+TEST_F(ATreeActuator, KeepsTheBoardAroundItsTreesWhenAnotherOneIsLoaded) {
+  const auto outer = std::make_shared<tree::Board>();
+  ActuatorRunner<Course> course({.rate_hz = 50, .outer_board = outer});
+  Begin(course);
+  const auto load = [&course](const std::string& code) {
+    return course.LoadText("<root BTCPP_format=\"4\"><BehaviorTree ID=\"New\"><Script code=\"" +
+                           code + "\"/></BehaviorTree></root>");
+  };
+  ASSERT_TRUE(load("@mission := 'fetch'; own := 1"));
+  harness_.Tick(course, 1);
+  ASSERT_TRUE(load("seen := @mission .. '!'"));
+  harness_.Tick(course, 1);
+  const auto seen =
+      course.Of([](Course& c) { return c.tree().board().Get<std::string>("seen").value(); });
+  EXPECT_EQ(seen, "fetch!");
+  EXPECT_FALSE(course.Of([](Course& c) { return c.tree().board().Get<int>("own").ok(); }));
+  msg::GetTree::Request request;
+  request.entries = true;
+  std::vector<std::string> keys;
+  for (const auto& entry : Get(request).entries) keys.push_back(entry.key);
+  EXPECT_THAT(keys, ::testing::ElementsAre("@mission", "seen", "ticks"));
+}
+
 TEST_F(ATreeActuator, StandsInActiveUntilItIsCommanded) {
   ActuatorRunner<Course> course({.rate_hz = 50});
   Begin(course);

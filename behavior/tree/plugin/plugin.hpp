@@ -19,6 +19,7 @@
 // What both have to have in common, beside the headers: the compiler with its standard library.
 #define MUSHER_TREE_PLUGIN_BUILD "musher tree plugin 1, compiler " __VERSION__
 
+// NOLINTBEGIN(bugprone-macro-parentheses): the argument is the name of a parameter.
 // The body of a function that adds nodes to `factory`, and returns a Result<>.
 #define MUSHER_TREE_PLUGIN(factory)                                                              \
   static musher::Result<> MusherAddNodes(musher::tree::Factory& factory);                        \
@@ -27,6 +28,7 @@
                                                    musher::tree::TypeOf<double>(),               \
                                                    musher::tree::kPluginSizes, &MusherAddNodes}; \
   static musher::Result<> MusherAddNodes([[maybe_unused]] musher::tree::Factory& factory)
+// NOLINTEND(bugprone-macro-parentheses)
 
 namespace musher::tree {
 
