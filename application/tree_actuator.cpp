@@ -138,8 +138,11 @@ class TreeActuator::Impl final : public ApplicationImpl {
   }
 
   Result<> Build(Loaded& loaded, const tree::Factory& factory) {
-    auto tree = BuildTree(loaded.document, factory,
-                          {.tree = loaded.main, .history = options_.history}, warn_);
+    tree::BuildOptions options{.tree = loaded.main, .history = options_.history};
+    if (options_.outer_board != nullptr) {
+      options.board = std::make_shared<tree::Board>(options_.outer_board);
+    }
+    auto tree = BuildTree(loaded.document, factory, options, warn_);
     if (!tree) return tree.error();
     tree::Board& board = tree.value()->board();
     if (Result<> filled = owner_.FillBlackboard(board); !filled) return filled;
@@ -163,6 +166,16 @@ class TreeActuator::Impl final : public ApplicationImpl {
                                [this](const std::string& line) { owner_.Log(line); });
   }
 
+  // Between two ticks of the clock: one more as soon as possible.
+  void ListenToWakeUps() {
+    if (!has_tree()) return;
+    loaded_.tree->OnWakeUp([this] {
+      ticks_.Post([this] {
+        if (ticking() && !resting_) Tick();
+      });
+    });
+  }
+
   void Record() {
     if (recording_ != nullptr) recording_->Begin(View(), *factory_);
   }
@@ -170,6 +183,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   void Use(Loaded loaded) {
     if (recording_ != nullptr) recording_->End();
     loaded_ = std::move(loaded);
+    ListenToWakeUps();
     ++revision_;
     result_ = tree::Status::kIdle;
     resting_ = loaded_.tree == nullptr || !MayBegin();

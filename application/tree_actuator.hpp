@@ -29,6 +29,9 @@
 //                  (during SetUp nothing runs yet: there is nothing to halt)
 // clang-format on
 //
+// A node may ask for a tick at once, by its WakeUp, when what it awaits has come; the ticks of the
+// rate go on as before.
+//
 // Without a command to begin since the process began, the tree rests in Active: a restarted process
 // moves nothing (begin.hpp). The command is START on the service `<actuator>/send_command`
 // (`musher behavior NAME --tree --send START`), Load() or Restart().
@@ -93,6 +96,8 @@ class TreeActuator : public MachineActuator {
     std::string file{};              // XML, for LoadTree()
     std::string tree{};              // its id; empty: main_tree_to_execute, or the only one
     TreeRecordingOptions record{};   // what `musher tree replay` shows; default: none
+    // Around the board of each tree: its keys "@key". Keeps its values when another tree is loaded.
+    std::shared_ptr<tree::Board> outer_board{};
   };
   // Keys of the blackboard of the main tree with their values as texts.
   using Entries = std::vector<std::pair<std::string, std::string>>;

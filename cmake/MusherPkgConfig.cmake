@@ -26,6 +26,8 @@ function(musher_pkg_config_words target out_packages out_flags)
       list(APPEND flags -pthread)
     elseif(library STREQUAL SYSTEMD_LIBRARY)
       list(APPEND packages libsystemd)
+    elseif(library STREQUAL "dl")  # CMAKE_DL_LIBS
+      list(APPEND flags -ldl)
     elseif(library STREQUAL ZMQ_LIBRARY)
       list(APPEND flags -lzmq)
     else()

@@ -29,9 +29,13 @@ set(MUSHER_ALSO_PUBLIC
   behavior/skill/wait.hpp
   behavior/tree/btcpp.hpp
   behavior/tree/build.hpp
+  behavior/tree/json/boards_json.hpp
   behavior/tree/json/json_fields.hpp
+  behavior/tree/json/substitutions.hpp
   behavior/tree/models.hpp
   behavior/tree/nav2/nodes.hpp
+  behavior/tree/plugin/load_plugin.hpp
+  behavior/tree/plugin/plugin.hpp
   behavior/tree/xml/tree_xml.hpp
   # A program that leads, commands or watches a machine, also CyberDog's.
   controller/client/stop_latch.hpp

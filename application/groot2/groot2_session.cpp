@@ -24,10 +24,16 @@ T Field(const Json& json, const char* key) {
   return json.at(key).get<T>();
 }
 
-// Of a hook that is before the tick of its node.
+constexpr int kBefore = 0;  // positions
+constexpr int kAfter = 1;
+
+bool IsAfter(const Json& json) {
+  return Field<int>(json, "position") == kAfter;
+}
+
 Result<tree::NodeId> NodeOf(const Json& json, const tree::Tree& tree) {
-  if (Field<int>(json, "position") != 0) {
-    return Refused("only hooks before the tick of a node are served: position 0");
+  if (Field<int>(json, "position") != kBefore && !IsAfter(json)) {
+    return Refused("a position is 0 or 1");
   }
   const auto uid = Field<std::int64_t>(json, "uid");
   if (uid < 1 || uid > static_cast<std::int64_t>(tree.size())) return Refused(kNoNode);
@@ -54,7 +60,8 @@ Result<tree::Hook> HookFrom(const Json& json, const tree::Tree& tree) {
                     .enabled = Field<bool>(json, "enabled"),
                     .holds = mode == kHold,
                     .once = Field<bool>(json, "once"),
-                    .instead = status.value()};
+                    .instead = status.value(),
+                    .after = IsAfter(json)};
 }
 
 // All of them or none.
@@ -73,7 +80,8 @@ Result<> Release(const Json& json, tree::NodeId node, tree::Hooks& hooks) {
   const Result<tree::Status> status = StatusFrom(json);
   if (!status) return status.error();
   const bool once = Field<bool>(json, "remove_when_done");
-  return hooks.Release(node, status.value(), once) ? Ok() : Result<>(Refused(kNoNode));
+  return hooks.Release(node, status.value(), once, IsAfter(json)) ? Ok()
+                                                                  : Result<>(Refused(kNoNode));
 }
 
 // By a request I, R or U.
@@ -82,7 +90,7 @@ Result<> ChangeHook(char type, const Json& json, const tree::Tree& tree, tree::H
   const Result<tree::NodeId> node = NodeOf(json, tree);
   if (!node) return node.error();
   if (type == 'U') return Release(json, node.value(), hooks);
-  return hooks.Remove(node.value()) ? Ok() : Result<>(Refused(kNoNode));
+  return hooks.Remove(node.value(), IsAfter(json)) ? Ok() : Result<>(Refused(kNoNode));
 }
 
 void AppendBytes(std::string& text, std::uint64_t number, int bytes) {
@@ -209,7 +217,7 @@ std::string Session::Dump() const {
                      {"mode", hook.holds ? kHold : kReplace},
                      {"once", hook.once},
                      {"desired_status", tree::Name(hook.instead)},
-                     {"position", 0}});
+                     {"position", hook.after ? kAfter : kBefore}});
   });
   return hooks.dump();
 }

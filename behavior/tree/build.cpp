@@ -64,6 +64,36 @@ std::vector<const Document::Tree*> RootsFirst(const Document& document) {
   return trees;
 }
 
+// What the entries of a given board, and of the boards around it, are before the build.
+class GivenTypes {
+ public:
+  explicit GivenTypes(Board* board) : board_(board) {
+    ForEach([this](Entry& entry) { before_[&entry] = {entry.type, entry.declared}; });
+  }
+  void Restore() const {
+    ForEach([this](Entry& entry) {
+      const auto found = before_.find(&entry);
+      const auto before = found != before_.end() ? found->second : Before{};
+      entry.type = before.type;
+      entry.declared = before.declared;
+    });
+  }
+
+ private:
+  struct Before {
+    const Type* type = nullptr;
+    bool declared = false;
+  };
+  template <class Do>
+  void ForEach(const Do& act) const {
+    if (board_ == nullptr) return;
+    for (const std::string& key : board_->Keys()) act(*board_->Find(key));
+  }
+
+  Board* board_;
+  std::map<const Entry*, Before> before_;
+};
+
 bool IsCondition(std::string_view name) {
   return std::ranges::find(kConditionNames, name) != kConditionNames.end();
 }
@@ -143,13 +173,15 @@ std::vector<Diagnostic> Builder::Take() && {
   return diagnostics;
 }
 
-std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t history) {
+std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t history,
+                                    std::shared_ptr<Board> board) {
   tree_ = std::unique_ptr<Tree>(new Tree(main.id, history));
   tree_->enums_ = factory_.shared_enums();
   for (const Document::File& file : document_.files) tree_->files_.push_back(file.path);
-  tree_->boards_.push_back(std::make_unique<Board>());
+  tree_->boards_.push_back(board != nullptr ? std::move(board) : std::make_shared<Board>());
   elements_.clear();
   types_.clear();
+  pointers_.clear();
   read_as_text_.clear();
   constants_.clear();
   reads_.clear();
@@ -157,8 +189,10 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   made_.clear();
   needed_.clear();
   MakeContent(main, {});
+  UnifyPointers();
   if (failed()) return nullptr;
   tree_->trace_.Resize(tree_->nodes_.size());
+  FitValues();
   SetConstants();
   Warn();
   return failed() ? nullptr : std::move(tree_);
@@ -272,6 +306,22 @@ Node* Builder::Keep(NodeId id, std::unique_ptr<Node> node) {
   return kept;
 }
 
+// Null: it throws, which is reported.
+std::unique_ptr<Node> Builder::Call(const Factory::Registered& registered, Setup& setup,
+                                    const Element& element, std::string_view id) {
+  const auto fail = [&](const std::string& what) {
+    Report(element.at, Severity::kError, "node " + Quoted(id) + " can not be made: " + what);
+  };
+  try {
+    return registered.make(setup);
+  } catch (const std::exception& error) {
+    fail(error.what());
+  } catch (...) {
+    fail("an unknown exception");
+  }
+  return nullptr;
+}
+
 Node* Builder::MakeRegistered(const Element& element, std::string_view id,
                               const Factory::Registered& registered, const Around& around) {
   const NodeId node_id = Reserve(element, id, registered.kind, around);
@@ -279,26 +329,30 @@ Node* Builder::MakeRegistered(const Element& element, std::string_view id,
   Board& board = *tree_->boards_[around.board];
   Setup setup(this, element, board, factory_.enums());
   used_attributes_.clear();
-  std::unique_ptr<Node> made;
-  try {
-    made = registered.make(setup);
-  } catch (const std::exception& error) {
-    Report(element.at, Severity::kError,
-           "node " + Quoted(id) + " can not be made: " + error.what());
-    return nullptr;
-  } catch (...) {
-    Report(element.at, Severity::kError,
-           "node " + Quoted(id) + " can not be made: an unknown exception");
-    return nullptr;
-  }
+  std::unique_ptr<Node> made = Call(registered, setup, element, id);
+  if (made == nullptr) return nullptr;
   CheckAttributes(element, setup);
-  const TestNodeConfig* substitute =
+  const Substitution* substitute =
       factory_.has_substitutes() && element.children.empty()
           ? factory_.Substituted(tree_->infos_[node_id].name, PlainPath(node_id))
           : nullptr;
-  if (substitute != nullptr) {
-    made = MakeTestNode(setup, *substitute);
-    tree_->infos_[node_id].takes_time = substitute->delay > Duration{};
+  if (substitute != nullptr) substituted_.insert(substitute);
+  if (substitute != nullptr && substitute->node.empty()) {
+    made = MakeTestNode(setup, substitute->config);
+    tree_->infos_[node_id].takes_time =
+        substitute->config.delay > Duration{} || substitute->config.result_of;
+  } else if (substitute != nullptr) {
+    id = substitute->node;
+    const Factory::Registered& other = *factory_.Find(id);
+    const std::size_t found = found_.size();
+    Setup setup_of_other(this, element, board, factory_.enums());
+    made = Call(other, setup_of_other, element, id);
+    if (found_.size() > found) {
+      Report(element.at, Severity::kNote,
+             "a substitution makes it the node " + Quoted(id) + ", whose ports it needs");
+    }
+    if (made == nullptr) return nullptr;
+    tree_->infos_[node_id].takes_time = other.takes_time;
   }
   Node* node = Keep(node_id, std::move(made));
   SetConditions(element, *node, board);
@@ -391,14 +445,24 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
     return fail(options.tree.empty() && document.main ? document.main->value_at : Place{},
                 "there is no tree " + Quoted(name) + DidYouMean(name, TreeNames(document)));
   }
-  std::unique_ptr<Tree> tree = builder.Make(*main, options.history);
+  const GivenTypes given(options.board.get());
+  std::unique_ptr<Tree> tree = builder.Make(*main, options.history, options.board);
   // Trees that nothing uses are checked, too.
   for (const Document::Tree* other : trees) {
     const auto& used = builder.used();
-    if (std::ranges::find(used, other->id) == used.end()) builder.Make(*other, 0);
+    if (std::ranges::find(used, other->id) == used.end()) builder.Make(*other, 0, nullptr);
   }
-  if (builder.failed()) tree = nullptr;
+  builder.WarnOfSubstitutions();
+  if (builder.failed()) {
+    tree = nullptr;
+    given.Restore();
+  }
   return {std::move(tree), std::move(builder).Take()};
+}
+
+WakeUp Builder::wake_up() const {
+  if (tree_->wake_up_ == nullptr) tree_->wake_up_ = std::make_shared<WakeUp::State>();
+  return WakeUp(tree_->wake_up_);
 }
 
 // --- attributes and entries of blackboards: ports, conditions, remapping ---
@@ -453,22 +517,62 @@ void Builder::Unify(Entry& entry, Place place, const PortModel& model) {
     read_as_text_.insert(&entry);
     return;
   }
-  const auto [first, is_first] = types_.try_emplace(&entry, FirstUse{model.type, place});
-  if (is_first) {
-    entry.type = model.type;
+  const auto read_at =
+      model.direction != Direction::kOut ? std::optional<Place>(place) : std::nullopt;
+  const bool writes = model.direction != Direction::kIn;
+  const bool elsewhere = entry.type != nullptr;
+  const auto [first, is_first] =
+      types_.try_emplace(&entry, FirstUse{elsewhere ? entry.type : model.type, place, elsewhere});
+  if (is_first && !elsewhere) entry.type = model.type;
+  const Type* known = first->second.type;
+  if (known == model.type) {
+    if (!first->second.read_at) first->second.read_at = read_at;
+    first->second.writes |= writes;
     return;
   }
-  const Type* known = first->second.type;
-  if (entry.type == nullptr || known == model.type) return;
+  if (entry.type == nullptr) return;
   if (known == TypeOf<std::string>() || model.type == TypeOf<std::string>()) {
     entry.type = nullptr;
+    return;
+  }
+  if (CommonBase(*known, *model.type) != nullptr) {
+    pointers_[&entry].push_back({model.type, place, false, writes, read_at});
     return;
   }
   const Diagnostic at = document_.At(first->second.place, Severity::kNote, "");
   Report(place, Severity::kError,
          PortText(model) + " uses '" + entry.key + "', which is of type " +
-             std::string(known->name) + " at " + at.file + ":" + std::to_string(at.line) + ":" +
-             std::to_string(at.column));
+             std::string(known->name) +
+             (first->second.elsewhere ? " in another tree that shares the board"
+                                      : " at " + at.file + ":" + std::to_string(at.line) + ":" +
+                                            std::to_string(at.column)));
+}
+
+// Pointers to classes of which one is the base of the others: the entry has the nearest common base
+// of what is written.
+void Builder::UnifyPointers() {
+  for (auto& [entry, uses] : pointers_) {
+    const FirstUse first = types_.at(entry);
+    uses.push_back(first);
+    const Type* written = first.elsewhere ? first.type : nullptr;
+    for (const FirstUse& use : uses) {
+      if (!use.writes || first.elsewhere) continue;
+      written = written == nullptr ? use.type : CommonBase(*written, *use.type);
+    }
+    entry->type = written;
+    if (written == nullptr) continue;  // the program sets it
+    const std::string is = "'" + entry->key + "' is of type " + std::string(written->name) +
+                           (first.elsewhere ? " in another tree that shares the board"
+                                            : ", the base of all that is written to it");
+    for (const FirstUse& use : uses) {
+      const std::string port = "; a port of type " + std::string(use.type->name);
+      if (use.writes && !DerivesFrom(*use.type, *written)) {
+        Report(use.place, Severity::kError, is + port + " can not write it");
+      } else if (use.read_at && !DerivesFrom(*written, *use.type)) {
+        Report(*use.read_at, Severity::kError, is + port + " can not read it");
+      }
+    }
+  }
 }
 
 void Builder::NoteScript(const Script& script, Place place) {
@@ -527,7 +631,7 @@ std::uint32_t Builder::MakeBoard(const Element& element, std::string_view id,
     if (!value) Report(auto_attribute->value_at, Severity::kError, value.error().message);
     autoremap = value && value.value();
   }
-  tree_->boards_.push_back(std::make_unique<Board>(outer, autoremap));
+  tree_->boards_.push_back(std::make_shared<Board>(outer, autoremap));
   const auto board_id = static_cast<std::uint32_t>(tree_->boards_.size() - 1);
   Board& board = *tree_->boards_.back();
   const auto give = [&](const std::string& name, const std::string& value, Place place,
@@ -566,6 +670,25 @@ std::uint32_t Builder::MakeBoard(const Element& element, std::string_view id,
     }
   }
   return board_id;
+}
+
+// What a given board has already becomes a value of the type of its ports.
+void Builder::FitValues() {
+  std::vector<std::pair<Entry*, Value>> fitting;
+  for (const auto& [entry, use] : types_) {
+    if (entry->type == nullptr || entry->value.empty()) continue;
+    if (entry->value.type() == entry->type) continue;
+    Value value;
+    if (const Result<> fits = value.SetAs(*entry->type, entry->value); !fits) {
+      Report(use.place, Severity::kError,
+             "'" + entry->key + "' of the given board is " + entry->value.Shown() + ": " +
+                 fits.error().message);
+    } else {
+      fitting.emplace_back(entry, std::move(value));
+    }
+  }
+  if (failed()) return;
+  for (auto& [entry, value] : fitting) entry->value = value;
 }
 
 // Fixed texts of subtrees become values once the types of their entries are known: a number where

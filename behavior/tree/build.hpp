@@ -5,7 +5,8 @@
 //
 // Errors: an unknown node, a wrong number of children, a port that the node does not have, a
 // required one that is missing, a text that is not of the port's type, an entry that ports use with
-// different types, a script that is wrong, a missing or recursive subtree.
+// different types, a script that is wrong, a missing or recursive subtree, a value of a given board
+// that is not of the type of its ports. A board is as it was before where the build fails.
 // Warnings: see docs/behavior-trees.md, "Warnings".
 
 #include <cstddef>
@@ -21,9 +22,10 @@
 namespace musher::tree {
 
 struct BuildOptions {
-  std::string tree{};         // empty: main_tree_to_execute, or the only tree of the document
-  std::size_t history = 256;  // changes that are kept
-  bool any_root = false;      // where none is named, the first tree that no other one uses
+  std::string tree{};              // empty: main_tree_to_execute, or the only tree of the document
+  std::size_t history = 256;       // changes that are kept
+  bool any_root = false;           // where none is named, the first tree that no other one uses
+  std::shared_ptr<Board> board{};  // of the main tree; null: a new one
 };
 
 struct Built {

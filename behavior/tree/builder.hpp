@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -19,7 +20,8 @@ class Builder {
   Builder(const Document& document, const Factory& factory);
 
   // Null: the tree has errors.
-  std::unique_ptr<Tree> Make(const Document::Tree& main, std::size_t history);
+  std::unique_ptr<Tree> Make(const Document::Tree& main, std::size_t history,
+                             std::shared_ptr<Board> board);
   void Report(Place place, Severity severity, std::string message) {
     found_.emplace_back(place, severity, std::move(message));
   }
@@ -27,6 +29,8 @@ class Builder {
   // The diagnostics by place, each once.
   std::vector<Diagnostic> Take() &&;
   const std::vector<std::string>& used() const { return used_; }  // ids of trees
+  // At the end, when all trees were made: substitutions that no node matches.
+  void WarnOfSubstitutions();
 
   // An input that neither the element nor its model sets: one warning for each class of nodes.
   void NoteUnset(const Element& element, const std::string& port);
@@ -35,6 +39,7 @@ class Builder {
 
   // Connection of a port of the present node, for Setup.
   Setup::Connection Connect(const Element& element, Board& board, const PortModel& model);
+  WakeUp wake_up() const;
   void MarkUsed(const Attribute& attribute) { used_attributes_.push_back(&attribute); }
 
   // What a node does with an entry, for the warnings.
@@ -57,6 +62,8 @@ class Builder {
   Node* MakeSubtree(const Element& element, const Around& around);
   Node* MakeRegistered(const Element& element, std::string_view id,
                        const Factory::Registered& registered, const Around& around);
+  std::unique_ptr<Node> Call(const Factory::Registered& registered, Setup& setup,
+                             const Element& element, std::string_view id);
   void MakeChildren(const Element& element, Node* node, NodeId id, const Around& around);
   void CheckChildren(const Element& element, const Node& node, std::string_view id);
   Node* MakeContent(const Document::Tree& tree, const Around& around);
@@ -67,8 +74,10 @@ class Builder {
   std::string PlainPath(NodeId id) const;
   Entry& Use(Entry& entry, Place place, const PortModel& model);
   void Unify(Entry& entry, Place place, const PortModel& model);
+  void UnifyPointers();
   NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
   Node* Keep(NodeId id, std::unique_ptr<Node> node);
+  void FitValues();
   void SetConstants();
   void Warn();  // warnings.cpp
   void WarnOfReactive(NodeId id, const std::vector<NodeId>& children);
@@ -94,12 +103,18 @@ class Builder {
   std::map<std::string, Unset, std::less<>> unset_;
   std::vector<std::string> inside_;  // the trees around the present node
   std::vector<std::string> used_;
+  std::set<const Substitution*> substituted_;
   std::vector<const Attribute*> used_attributes_;
   struct FirstUse {
     const Type* type = nullptr;
     Place place;
+    bool elsewhere = false;  // in another tree with the same board
+    bool writes = false;     // one of the ports with the type does
+    std::optional<Place> read_at{};
   };
-  std::map<const Entry*, FirstUse> types_;
+  std::map<Entry*, FirstUse> types_;
+  // Further uses, with another type that has a base in common with the first.
+  std::map<Entry*, std::vector<FirstUse>> pointers_;
   std::set<const Entry*> read_as_text_;
   struct Constant {
     Entry* entry = nullptr;

@@ -9,6 +9,12 @@
 //
 // beside the type. A type without it passes between nodes, but has no text. A type may also have
 // JSON, by FromJson and ToJson, which json/json_fields.hpp makes: then "json:{...}" is a value.
+//
+// A pointer to a derived class is read by ports of its base class with
+//
+//   template <>
+//   struct musher::tree::Convert<std::shared_ptr<Gripper>> : musher::tree::PointerWithBase<Tool>
+//   {};
 
 #include <charconv>
 #include <concepts>
@@ -38,6 +44,15 @@ concept HasJson = requires(std::string_view json, const T& value) {
   { Convert<T>::FromJson(json) } -> std::same_as<Result<T>>;
   { Convert<T>::ToJson(value) } -> std::same_as<std::string>;
 };
+
+// Base for Convert of a pointer to a class that derives from Class.
+template <class Class>
+struct PointerWithBase {
+  using Base = std::shared_ptr<Class>;
+};
+
+template <class T>
+concept HasBase = std::convertible_to<const T&, typename Convert<T>::Base>;
 
 // The text behind "json:"; nothing: it has no such beginning.
 std::optional<std::string_view> JsonIn(std::string_view text);

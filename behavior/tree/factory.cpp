@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "musher/base/check.hpp"
+#include "musher/base/suggest.hpp"
 
 namespace musher::tree {
 namespace {
@@ -103,6 +104,12 @@ Result<> Factory::Register(std::string_view name, Registered registered) {
   if (!CanBeElement(name) || std::ranges::find(kReserved, name) != kReserved.end()) {
     return Error{kCodeFailed, "'" + std::string(name) + "' can not be the name of a node"};
   }
+  for (const auto& [field, value] : registered.metadata) {
+    if (CanBeElement(field)) continue;
+    return Error{kCodeFailed, "'" + field +
+                                  "' can not be the name of a field of the metadata of '" +
+                                  std::string(name) + "'"};
+  }
   if (!nodes_.emplace(name, std::move(registered)).second) {
     return Error{kCodeFailed, "there is already a node '" + std::string(name) + "'"};
   }
@@ -110,7 +117,16 @@ Result<> Factory::Register(std::string_view name, Registered registered) {
 }
 
 void Factory::Substitute(std::string pattern, TestNodeConfig config) {
-  substitutes_.emplace_back(std::move(pattern), std::move(config));
+  substitutes_.push_back({std::move(pattern), std::move(config), ""});
+}
+
+Result<> Factory::SubstituteByNode(std::string pattern, std::string_view node) {
+  if (Find(node) == nullptr) {
+    return Error{kCodeFailed,
+                 "there is no node '" + std::string(node) + "'" + DidYouMean(node, Names())};
+  }
+  substitutes_.push_back({std::move(pattern), {}, std::string(node)});
+  return Ok();
 }
 
 const Factory::Registered* Factory::Find(std::string_view name) const {
@@ -124,9 +140,9 @@ std::vector<std::string> Factory::Names() const {
   return names;
 }
 
-const TestNodeConfig* Factory::Substituted(std::string_view name, std::string_view path) const {
-  for (const auto& [pattern, config] : substitutes_) {
-    if (Matches(pattern, name) || Matches(pattern, path)) return &config;
+const Substitution* Factory::Substituted(std::string_view name, std::string_view path) const {
+  for (const Substitution& each : substitutes_) {
+    if (Matches(each.pattern, name) || Matches(each.pattern, path)) return &each;
   }
   return nullptr;
 }

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "musher/base/result.hpp"
@@ -34,7 +35,18 @@ struct TestNodeConfig {
   std::string success_script{};
   std::string failure_script{};
   std::string post_script{};
+  LeafFunction result_of{};  // its status in place of `result`; RUNNING: it is called again
 };
+
+// What takes the place of the nodes whose name or path matches.
+struct Substitution {
+  std::string pattern;
+  TestNodeConfig config{};
+  std::string node{};  // the name of a node; empty: a test node of `config`
+};
+
+// What is known of a node beside its ports, for people and editors: "author", "Ada".
+using MetadataFields = std::vector<std::pair<std::string, std::string>>;
 
 class Factory {
  public:
@@ -46,28 +58,32 @@ class Factory {
     bool placeholder = false;   // of a model: whether it takes time is unknown
     std::string description{};  // for people
     std::string uses{};  // the part of the robot that only one node can use at a time: "base"
+    MetadataFields metadata{};
   };
 
   Factory();
   // One without any node.
   static Factory Empty();
 
-  // Fails where the name is taken, or can not be the name of an XML element.
+  // Fails where the name is taken, or can not be the name of an XML element. A node may have
+  // `static tree::MetadataFields Metadata()`.
   template <class N, class... Args>
   Result<> Add(std::string_view name, Args&&... args) {
-    return Register(name,
-                    {KindOf<N>(), std::is_base_of_v<StatefulAction, N>,
-                     [kept = std::tuple<Args...>(std::forward<Args>(args)...)](Setup& setup) {
-                       return std::apply(
-                           [&setup](auto&... each) -> std::unique_ptr<Node> {
-                             if constexpr (std::is_constructible_v<N, Setup&, decltype(each)...>) {
-                               return std::make_unique<N>(setup, each...);
-                             } else {
-                               return std::make_unique<N>(each...);
-                             }
-                           },
-                           kept);
-                     }});
+    Registered registered{
+        KindOf<N>(), std::is_base_of_v<StatefulAction, N>,
+        [kept = std::tuple<Args...>(std::forward<Args>(args)...)](Setup& setup) {
+          return std::apply(
+              [&setup](auto&... each) -> std::unique_ptr<Node> {
+                if constexpr (std::is_constructible_v<N, Setup&, decltype(each)...>) {
+                  return std::make_unique<N>(setup, each...);
+                } else {
+                  return std::make_unique<N>(each...);
+                }
+              },
+              kept);
+        }};
+    if constexpr (requires { MetadataFields(N::Metadata()); }) registered.metadata = N::Metadata();
+    return Register(name, std::move(registered));
   }
   Result<> AddAction(std::string_view name, LeafFunction function);
   Result<> AddCondition(std::string_view name, LeafFunction function);
@@ -80,13 +96,18 @@ class Factory {
   }
   // Nodes whose name or path matches, with '*' for any characters, become test nodes.
   void Substitute(std::string pattern, TestNodeConfig config);
+  // They become nodes of another name, which gets those ports of theirs that it has. Fails where
+  // there is no such node.
+  Result<> SubstituteByNode(std::string pattern, std::string_view node);
 
   const Registered* Find(std::string_view name) const;  // null: there is none
   std::vector<std::string> Names() const;               // sorted
   const Enums& enums() const { return *enums_; }
   std::shared_ptr<const Enums> shared_enums() const { return enums_; }
   bool has_substitutes() const { return !substitutes_.empty(); }
-  const TestNodeConfig* Substituted(std::string_view name, std::string_view path) const;
+  // The first one that matches; null: there is none.
+  const std::vector<Substitution>& substitutions() const { return substitutes_; }
+  const Substitution* Substituted(std::string_view name, std::string_view path) const;
   // The ports of a node.
   std::vector<PortModel> PortsOf(std::string_view name) const;
 
@@ -105,7 +126,7 @@ class Factory {
 
   std::map<std::string, Registered, std::less<>> nodes_;
   std::shared_ptr<Enums> enums_ = std::make_shared<Enums>();
-  std::vector<std::pair<std::string, TestNodeConfig>> substitutes_;
+  std::vector<Substitution> substitutes_;
 };
 
 // The nodes of BehaviorTree.CPP 4.

@@ -5,11 +5,11 @@
 namespace musher::tree {
 
 void Hooks::Set(const Hook& hook) {
-  hooks_[hook.node].hook = hook;
+  hooks_[{hook.node, hook.after}].hook = hook;
 }
 
-bool Hooks::Release(NodeId node, Status instead, bool once) {
-  const auto found = hooks_.find(node);
+bool Hooks::Release(NodeId node, Status instead, bool once, bool after) {
+  const auto found = hooks_.find({node, after});
   if (found == hooks_.end()) return false;
   State& state = found->second;
   state.hook.instead = instead;
@@ -19,28 +19,46 @@ bool Hooks::Release(NodeId node, Status instead, bool once) {
 }
 
 void Hooks::DisableAll() {
-  for (auto& [node, state] : hooks_) state.hook.enabled = false;
+  for (auto& [at, state] : hooks_) state.hook.enabled = false;
+}
+
+Hooks::State* Hooks::Find(NodeId node, bool after) {
+  const auto found = hooks_.find({node, after});
+  return found == hooks_.end() || !found->second.hook.enabled ? nullptr : &found->second;
+}
+
+bool Hooks::Holds(State& state) {
+  if (std::exchange(state.released, false)) return false;
+  // Ticks without it in between: its branch was halted, and it is reached again.
+  const bool arrives = state.held_in + 1 < ticks_;
+  state.held_in = ticks_;
+  if (arrives && on_reached_) on_reached_(state.hook.node);
+  return true;
+}
+
+Status Hooks::Pass(const State& state) {
+  const Hook hook = state.hook;
+  if (!hook.holds && on_reached_) on_reached_(hook.node);
+  if (hook.once) Remove(hook.node, hook.after);
+  return hook.instead;
 }
 
 Status Hooks::Before(NodeId node, bool running) {
-  const auto found = hooks_.find(node);
-  if (found == hooks_.end() || !found->second.hook.enabled) return Status::kSkipped;
-  State& state = found->second;
-  if (state.hook.holds) {
+  State* const state = Find(node, false);
+  if (state == nullptr) return Status::kSkipped;
+  if (state->hook.holds) {
     if (running) return Status::kSkipped;
-    if (!std::exchange(state.released, false)) {
-      // Ticks without it in between: its branch was halted, and it is reached again.
-      const bool arrives = state.held_in + 1 < ticks_;
-      state.held_in = ticks_;
-      if (arrives && on_reached_) on_reached_(node);
-      return Status::kRunning;
-    }
-  } else if (on_reached_) {
-    on_reached_(node);
+    if (Holds(*state)) return Status::kRunning;
   }
-  const Status instead = state.hook.instead;
-  if (state.hook.once) hooks_.erase(found);
-  return instead;
+  return Pass(*state);
+}
+
+Status Hooks::After(NodeId node, Status result) {
+  State* const state = Find(node, true);
+  if (state == nullptr) return result;
+  if (state->hook.holds && Holds(*state)) return Status::kRunning;
+  const Status instead = Pass(*state);
+  return IsCompleted(instead) ? instead : result;
 }
 
 }  // namespace musher::tree

@@ -1,11 +1,13 @@
 #pragma once
 // Breakpoints and results in place of nodes, for a person who debugs a tree while it runs.
 //
-// A hook stands before the tick of one node, behind its conditions. A breakpoint holds a node that
-// is about to start: it is RUNNING for its parent, and stays IDLE itself, until it is released or
-// its branch is halted. A node that is already RUNNING is not held, because nothing would watch
-// what it does meanwhile. Without a breakpoint, the node is replaced in each tick: one that is
-// RUNNING is halted first.
+// A hook stands before or after the tick of one node, behind its conditions. Before it, a
+// breakpoint holds a node that is about to start: it is RUNNING for its parent, and stays IDLE
+// itself, until it is released or its branch is halted. A node that is already RUNNING is not held,
+// because nothing would watch what it does meanwhile. Without a breakpoint, the node is replaced in
+// each tick: one that is RUNNING is halted first. After its tick, a node that has completed is
+// held, or gets another result: it keeps its own one while it is held, is not ticked again, and
+// runs the scripts of the last one.
 //
 //   auto hooks = std::make_shared<tree::Hooks>();
 //   hooks->Set({.node = 5});                                    // hold it
@@ -31,6 +33,7 @@ struct Hook {
   bool holds = true;                  // a breakpoint
   bool once = false;                  // is removed when the node goes on
   Status instead = Status::kSkipped;  // SUCCESS or FAILURE in place of a tick; SKIPPED: its tick
+  bool after = false;                 // its tick
 };
 
 class Hooks {
@@ -39,26 +42,29 @@ class Hooks {
   explicit Hooks(std::function<void(NodeId)> on_reached = {})
       : on_reached_(std::move(on_reached)) {}
 
-  // Adds the hook, or replaces the hook of the same node. If the new one is no breakpoint, the node
-  // is released.
+  // Adds the hook, or replaces the hook at the same place. If the new one is no breakpoint, the
+  // node is released.
   void Set(const Hook& hook);
   // False: there is none.
-  bool Remove(NodeId node) { return hooks_.erase(node) > 0; }
-  // Lets a held node go on; if the node is not held yet, its next start. False: there is none.
-  bool Release(NodeId node, Status instead, bool once);
+  bool Remove(NodeId node, bool after = false) { return hooks_.erase({node, after}) > 0; }
+  // Lets a held node go on; if the node is not held yet, its next start or end. False: there is
+  // none.
+  bool Release(NodeId node, Status instead, bool once, bool after = false);
   void Clear() { hooks_.clear(); }
   // None holds any more.
   void DisableAll();
   bool empty() const { return hooks_.empty(); }
   template <class Look>
   void ForEach(const Look& look) const {
-    for (const auto& [node, state] : hooks_) look(state.hook);
+    for (const auto& [at, state] : hooks_) look(state.hook);
   }
 
   // For the tree: a further tick.
   void BeginTick() { ++ticks_; }
   // For a node: SKIPPED: it is ticked; RUNNING: it is held; else its result.
   Status Before(NodeId node, bool running);
+  // For a node that has completed. RUNNING: it is held; else its result.
+  Status After(NodeId node, Status result);
 
  private:
   struct State {
@@ -67,8 +73,16 @@ class Hooks {
     std::uint64_t held_in = 0;  // tick
   };
 
+  using Hooked = std::map<std::pair<NodeId, bool>, State>;  // by node, before and after its tick
+
+  // Null: there is none that is enabled.
+  State* Find(NodeId node, bool after);
+  // Whether it waits for its release.
+  bool Holds(State& state);
+  Status Pass(const State& state);
+
   const std::function<void(NodeId)> on_reached_;
-  std::map<NodeId, State> hooks_;
+  Hooked hooks_;
   std::uint64_t ticks_ = 1;
 };
 

@@ -63,9 +63,14 @@ std::string NodeXml(const Factory& factory, const std::string& name, NodeKind ki
   std::string inside;
   for (const PortModel& port : factory.PortsOf(name)) inside += PortXml(port);
   const std::string_view does = Does(factory, name);
-  if (!does.empty()) {
-    inside += "      <MetadataFields>\n        <Metadata description=\"" + XmlEscaped(does) +
-              "\"/>\n      </MetadataFields>\n";
+  std::string fields;
+  const auto add = [&fields](std::string_view field, std::string_view value) {
+    fields += "        <Metadata " + std::string(field) + "=\"" + XmlEscaped(value) + "\"/>\n";
+  };
+  if (!does.empty()) add("description", does);
+  for (const auto& [field, value] : factory.Find(name)->metadata) add(field, value);
+  if (!fields.empty()) {
+    inside += "      <MetadataFields>\n" + fields + "      </MetadataFields>\n";
   }
   const std::string begin = "    <" + element + " ID=\"" + XmlEscaped(name) + "\"";
   return inside.empty() ? begin + "/>\n" : begin + ">\n" + inside + "    </" + element + ">\n";
@@ -125,6 +130,9 @@ std::string ModelsMarkdown(const Factory& factory) {
       text += "### `" + name + "`\n\n";
       const std::string_view does = Does(factory, name);
       if (!does.empty()) text += std::string(does) + "\n\n";
+      for (const auto& [field, value] : factory.Find(name)->metadata) {
+        text += field + ": " + value + "\n\n";
+      }
       const std::vector<PortModel> ports = factory.PortsOf(name);
       if (ports.empty()) continue;
       text += "| port | direction | type | default | meaning |\n|---|---|---|---|---|\n";

@@ -36,6 +36,7 @@ void Node::FailAsEnded(const char* what, Tick& tick) {
 }
 
 Status Node::ExecuteSpecially(Tick& tick) {
+  if (std::exchange(held_, false) && IsCompleted(status_)) return EndByHook(status_, tick);
   if (conditions_ != nullptr) {
     try {
       if (!running()) {
@@ -59,7 +60,20 @@ Status Node::ExecuteSpecially(Tick& tick) {
       return *instead == Status::kRunning ? *instead : End(*instead, tick);
     }
   }
-  return End(Run(tick), tick);
+  return EndByHook(Run(tick), tick);
+}
+
+Status Node::EndByHook(Status status, Tick& tick) {
+  if (tick.hooks != nullptr && IsCompleted(status)) {
+    const Status instead = tick.hooks->After(id_, status);
+    if (instead == Status::kRunning) {
+      held_ = true;
+      Become(status, tick);
+      return instead;
+    }
+    status = instead;
+  }
+  return End(status, tick);
 }
 
 Status Node::End(Status status, Tick& tick) {

@@ -131,6 +131,7 @@ class Node {
   [[noreturn]] void FailAsEnded(const char* what, Tick& tick);
   Status ExecuteSpecially(Tick& tick);
   std::optional<Status> CallHook(Tick& tick);
+  Status EndByHook(Status status, Tick& tick);
   Status End(Status status, Tick& tick);
   void Halt(Tick& tick);
   void CallOnHalt(Tick& tick);
@@ -139,6 +140,7 @@ class Node {
   Status status_ = Status::kIdle;
   bool special_ = false;
   bool leaf_ = true;
+  bool held_ = false;  // by a hook, with its result
   NodeId id_ = 0;
   std::unique_ptr<Conditions> conditions_;
 

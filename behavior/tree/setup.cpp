@@ -78,6 +78,10 @@ std::string Setup::EnumNames() const {
   return names;
 }
 
+WakeUp Setup::wake_up() const {
+  return builder_ != nullptr ? builder_->wake_up() : WakeUp();
+}
+
 void Setup::NoteUnset(const std::string& port) {
   if (builder_ != nullptr) builder_->NoteUnset(element_, port);
 }

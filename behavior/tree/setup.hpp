@@ -18,6 +18,7 @@
 #include "musher/behavior/tree/document.hpp"
 #include "musher/behavior/tree/port.hpp"
 #include "musher/behavior/tree/script.hpp"
+#include "musher/behavior/tree/wake_up.hpp"
 
 namespace musher::tree {
 
@@ -107,6 +108,8 @@ class Setup {
 
   const std::string& name() const { return name_; }  // of the node
   Board& board() { return board_; }
+  // For a node that awaits something outside the tree: asks for a tick as soon as it has come.
+  WakeUp wake_up() const;
   const Enums& enums() const { return enums_; }
   // An error or a warning at an attribute, or at the node where that is missing.
   void Report(std::string_view attribute, Severity severity, std::string what);

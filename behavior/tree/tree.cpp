@@ -9,7 +9,9 @@ Tree::Tree(std::string name, std::size_t history) : name_(std::move(name)), trac
   tick_.trace = &trace_;
 }
 
-Tree::~Tree() = default;
+Tree::~Tree() {
+  OnWakeUp(nullptr);
+}
 
 namespace {
 
@@ -35,10 +37,20 @@ Error OfOwnTree(const std::string& tree, const std::string& does) {
 Result<Status> Tree::TickExactlyOnce(Time now) {
   if (busy_) return OfOwnTree(name_, "ticks");
   const Busy busy(busy_);
-  tick_.now = std::max(tick_.now, now);
-  ++tick_.number;
+  BeginAt(now);
   tick_.woken = false;
   tick_.fault.clear();
+  if (wake_up_ == nullptr) return TickNodes();
+  wake_up_->requested = false;
+  wake_up_->again = false;
+  wake_up_->ticks = true;
+  Result<Status> result = TickNodes();
+  wake_up_->ticks = false;
+  tick_.woken |= wake_up_->again;
+  return result;
+}
+
+Result<Status> Tree::TickNodes() {
   Node& root = *nodes_.front();
   const std::shared_ptr<Hooks> hooks = hooks_.lock();
   if (hooks != nullptr) hooks->BeginTick();
@@ -57,6 +69,12 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
     EndRun();
     return Fault(fault.node->id(), fault.what);
   }
+}
+
+void Tree::BeginAt(Time now) {
+  tick_.now = std::max(tick_.now, now);
+  ++tick_.number;
+  boards_.front()->SetTime(tick_.now);
 }
 
 void Tree::BeginRun() {
@@ -86,6 +104,10 @@ Result<Status> Tree::TickOnce(Time now) {
   return result;
 }
 
+void Tree::OnWakeUp(std::function<void()> notify) {
+  if (wake_up_ != nullptr) wake_up_->notify = std::move(notify);
+}
+
 void Tree::Attach(const std::shared_ptr<Hooks>& hooks) {
   hooks_ = hooks;
   hooks->ForEach([this](const Hook& hook) {
@@ -96,8 +118,7 @@ void Tree::Attach(const std::shared_ptr<Hooks>& hooks) {
 Result<> Tree::Halt(Time now) {
   if (busy_) return OfOwnTree(name_, "halts");
   const Busy busy(busy_);
-  tick_.now = std::max(tick_.now, now);
-  ++tick_.number;
+  BeginAt(now);
   tick_.fault.clear();
   nodes_.front()->Reset(tick_);
   EndRun();

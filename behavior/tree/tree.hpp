@@ -15,6 +15,7 @@
 //
 // Threads: one at a time. A node can neither tick nor halt its own tree: that is refused.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,7 @@
 #include "musher/behavior/tree/factory.hpp"
 #include "musher/behavior/tree/hooks.hpp"
 #include "musher/behavior/tree/node.hpp"
+#include "musher/behavior/tree/wake_up.hpp"
 
 namespace musher::tree {
 
@@ -59,10 +61,13 @@ class Tree {
   // One tick.
   Result<Status> TickExactlyOnce(Time now);
   // One tick, and a further one as long as a node has asked for it (Repeat, RetryUntilSuccessful,
-  // SequenceWithMemory, AsyncSequence), at most kMostTicksAtOnce.
+  // SequenceWithMemory, AsyncSequence, WakeUp), at most kMostTicksAtOnce.
   Result<Status> TickOnce(Time now);
   // Halts every running node once. An error has the path of a node that threw, and what it threw.
   Result<> Halt(Time now);
+  // `notify` is called when a node asks for a tick between two ticks, by WakeUp. It returns at
+  // once, and neither ticks nor destroys the tree: later. Null: nothing is called any more.
+  void OnWakeUp(std::function<void()> notify);
   // The clock has jumped back: further ticks may be before the last. Nothing may be running.
   void SetTime(Time now) { tick_.now = now; }
 
@@ -98,27 +103,32 @@ class Tree {
   Board& board() { return *boards_.front(); }
   // Board of the subtree that a node belongs to.
   Board& board(NodeId id) { return *boards_.at(infos_.at(id).board); }
+  // Of the main tree and of each subtree, in the order of their nodes.
+  const std::vector<std::shared_ptr<Board>>& boards() const { return boards_; }
 
  private:
   friend class Builder;
   Tree(std::string name, std::size_t history);
+  Result<Status> TickNodes();
   Error Fault(NodeId id, const std::string& what) const;
+  void BeginAt(Time now);
   void BeginRun();
   void EndRun();
   std::string NameAmongSiblings(NodeId id) const;
 
   std::string name_;
-  std::vector<std::string> files_;      // that its nodes come from
-  bool busy_ = false;                   // within a tick or a halt
-  std::shared_ptr<const Enums> enums_;  // of the scripts
-  std::vector<std::unique_ptr<Board>> boards_;
-  std::vector<std::unique_ptr<Node>> nodes_;  // by id
+  std::vector<std::string> files_;              // that its nodes come from
+  bool busy_ = false;                           // within a tick or a halt
+  std::shared_ptr<const Enums> enums_;          // of the scripts
+  std::vector<std::shared_ptr<Board>> boards_;  // by subtree, the main tree first
+  std::vector<std::unique_ptr<Node>> nodes_;    // by id
   std::vector<NodeInfo> infos_;
   std::vector<std::pair<Node*, RunObserver*>> run_observers_;
   bool begins_ = true;  // the next tick is the first one of a run
   Trace trace_;
   Tick tick_;
   std::weak_ptr<Hooks> hooks_;
+  std::shared_ptr<WakeUp::State> wake_up_;  // null: no node has asked for one
 };
 
 // For Graphviz: the nodes with their status, in colour.

@@ -13,6 +13,18 @@ constexpr double kWholeNumbers = 0x1p63;  // below it a number may be a 64-bit i
 
 }  // namespace
 
+bool DerivesFrom(const Type& type, const Type& base) {
+  const Type* at = &type;
+  while (at != nullptr && at != &base) at = at->base;
+  return at != nullptr;
+}
+
+const Type* CommonBase(const Type& a, const Type& b) {
+  const Type* at = &a;
+  while (at != nullptr && !DerivesFrom(b, *at)) at = at->base;
+  return at;
+}
+
 Value& Value::operator=(const Value& other) {
   if (this == &other) return *this;
   if (type_ == other.type_) {
@@ -52,6 +64,17 @@ Result<> Value::SetAs(const Type& type, const Value& other) {
   double number = 0;
   if (other.type_ == &type) {
     *this = other;
+    return Ok();
+  }
+  if (other.type_ != nullptr && DerivesFrom(*other.type_, type)) {
+    Value pointer = other;
+    while (pointer.type_ != &type) {
+      Value base;
+      pointer.type_->to_base(base.room_, pointer.room_);
+      base.type_ = pointer.type_->base;
+      pointer = base;
+    }
+    *this = pointer;
     return Ok();
   }
   if (const auto* text = other.Text()) return SetTextAs(type, *text);

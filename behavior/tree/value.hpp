@@ -26,7 +26,14 @@ struct Type {
   Result<> (*from_text)(void* room, std::string_view text) = nullptr;
   Result<> (*from_json)(void* room, std::string_view json) = nullptr;
   std::string (*to_json)(const void* value) = nullptr;
+  const Type* base = nullptr;                                // of pointers to its base class
+  void (*to_base)(void* room, const void* value) = nullptr;  // into raw room
 };
+
+// Whether each value of `type` is one of `base`.
+bool DerivesFrom(const Type& type, const Type& base);
+// The nearest type that both derive from; null: there is none.
+const Type* CommonBase(const Type& a, const Type& b);
 
 // A whole number within T, or any for a floating-point type.
 template <Numeric T>
@@ -85,6 +92,11 @@ struct Room {
 };
 
 template <class T>
+constexpr Type MakeType();
+template <class T>
+inline constexpr Type kType = MakeType<T>();
+
+template <class T>
 constexpr Type MakeType() {
   using In = Room<T>;
   Type type{.name = TypeName<T>(),
@@ -126,11 +138,13 @@ constexpr Type MakeType() {
     };
     type.to_json = [](const void* value) { return Convert<T>::ToJson(In::At(value)); };
   }
+  if constexpr (HasBase<T>) {
+    using Base = typename Convert<T>::Base;
+    type.base = &kType<Base>;
+    type.to_base = [](void* room, const void* value) { Room<Base>::Make(room, In::At(value)); };
+  }
   return type;
 }
-
-template <class T>
-inline constexpr Type kType = MakeType<T>();
 
 }  // namespace internal
 
@@ -183,7 +197,8 @@ class Value {
   // As JSON. Nothing: its type has none.
   std::optional<std::string> Json() const;
 
-  // Becomes `other` as a value of `type`: a number or text is converted, the same type is copied.
+  // Becomes `other` as a value of `type`: a number or text is converted, the same type is copied, a
+  // pointer becomes one to its base class.
   Result<> SetAs(const Type& type, const Value& other);
   Result<> SetNumberAs(const Type& type, double number);
   Result<> SetTextAs(const Type& type, std::string_view text);

@@ -139,6 +139,15 @@ void Builder::WarnOfUnset() {
   }
 }
 
+// The test would run the robot's own node.
+void Builder::WarnOfSubstitutions() {
+  for (const Substitution& each : factory_.substitutions()) {
+    if (substituted_.contains(&each)) continue;
+    Report({}, Severity::kWarning,
+           "no leaf has the name or path '" + each.pattern + "', which has a substitution");
+  }
+}
+
 // An assignment with '=' ends the tick where the entry does not exist.
 void Builder::WarnOfUnmade() {
   for (const auto& [entry, place] : needed_) {

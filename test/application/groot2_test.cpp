@@ -134,15 +134,18 @@ class AGroot2Client : public ::testing::Test {
 
 constexpr int kFirstUid = 2;  // of the node `first`
 
-std::string HookJson(int uid, int mode, const std::string& status, bool once = false) {
-  return nlohmann::json{{"enabled", true},          {"uid", uid},   {"mode", mode}, {"once", once},
-                        {"desired_status", status}, {"position", 0}}
+std::string HookJson(int uid, int mode, const std::string& status, bool once = false,
+                     int position = 0) {
+  return nlohmann::json{{"enabled", true}, {"uid", uid},           {"mode", mode},
+                        {"once", once},    {"position", position}, {"desired_status", status}}
       .dump();
 }
 
-std::string ReleaseJson(int uid, const std::string& status, bool remove) {
-  return nlohmann::json{
-      {"uid", uid}, {"position", 0}, {"desired_status", status}, {"remove_when_done", remove}}
+std::string ReleaseJson(int uid, const std::string& status, bool remove, int position = 0) {
+  return nlohmann::json{{"uid", uid},
+                        {"position", position},
+                        {"desired_status", status},
+                        {"remove_when_done", remove}}
       .dump();
 }
 
@@ -311,6 +314,22 @@ TEST_F(AGroot2Debugger, ReplacesARunningNodeWhichIsHaltedFirst) {
   EXPECT_EQ(Hooks(), "[]") << "once";
 }
 
+TEST_F(AGroot2Debugger, HoldsANodeWithItsResultAfterItsTick) {
+  const std::string hook = HookJson(kFirstUid, 0, "SKIPPED", false, 1);
+  EXPECT_EQ(Ask({Header('I'), hook}).size(), 1U);
+  EXPECT_EQ(nlohmann::json::parse(Hooks()), nlohmann::json::parse("[" + hook + "]"));
+  Activate();
+  harness_.Tick(watched_, 6);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts")) << "the next one waits";
+  EXPECT_EQ(watched_.Status(kFirstUid - 1), "SUCCESS");
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", true)}).at(0), "error")
+      << "no hook is before its tick";
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", true, 1)}).size(), 1U);
+  harness_.Tick(watched_, 1);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("second starts"));
+  EXPECT_EQ(Hooks(), "[]");
+}
+
 TEST_F(AGroot2Debugger, DisablesAndRemovesHooks) {
   Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
   Activate();
@@ -328,7 +347,7 @@ TEST_F(AGroot2Debugger, DisablesAndRemovesHooks) {
 TEST_F(AGroot2Debugger, IsRefusedAHookThatIsWrongAndThoseBesideIt) {
   const std::string good = HookJson(kFirstUid, 0, "SKIPPED");
   nlohmann::json after = nlohmann::json::parse(good);
-  after["position"] = 1;
+  after["position"] = 2;
   nlohmann::json half = nlohmann::json::parse(good);
   half.erase("once");
   for (const std::string& wrong :

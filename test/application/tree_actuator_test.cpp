@@ -80,6 +80,59 @@ TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThen
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
 }
 
+TEST_F(ATreeActuator, TicksAtOnceWhereANodeWakesItUp) {
+  ActuatorRunner<Course> course({.rate_hz = 50, .begin = Begin::kAtActive});
+  Begin(course);
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning));
+  const tree::WakeUp wake_up = course.Of([](Course& c) { return c.data().wake_up; });
+  course.RunOnLoop([&] { wake_up.Request(); });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning)) << "its time has not passed";
+  course.RunOnLoop([&] {
+    wake_up.Request();
+    wake_up.Request();
+  });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning)) << "once for both";
+  ASSERT_TRUE(Go("LowPower"));
+  course.TakeTicks();
+  course.RunOnLoop([&] { wake_up.Request(); });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre()) << "it is paused";
+  ASSERT_TRUE(Go("Active"));
+  ASSERT_TRUE(
+      course.LoadText("<root BTCPP_format=\"4\"><BehaviorTree ID=\"New\">"
+                      "<Walk ticks=\"9\"/></BehaviorTree></root>"));
+  harness_.Tick(course, 1);
+  course.TakeTicks();
+  course.RunOnLoop([&] { wake_up.Request(); });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre()) << "its tree is gone";
+  const tree::WakeUp next = course.Of([](Course& c) { return c.data().wake_up; });
+  course.RunOnLoop([&] { next.Request(); });
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning));
+}
+
+TEST_F(ATreeActuator, KeepsTheBoardAroundItsTreesWhenAnotherOneIsLoaded) {
+  const auto outer = std::make_shared<tree::Board>();
+  ActuatorRunner<Course> course({.rate_hz = 50, .outer_board = outer});
+  Begin(course);
+  const auto load = [&course](const std::string& code) {
+    return course.LoadText("<root BTCPP_format=\"4\"><BehaviorTree ID=\"New\"><Script code=\"" +
+                           code + "\"/></BehaviorTree></root>");
+  };
+  ASSERT_TRUE(load("@mission := 'fetch'; own := 1"));
+  harness_.Tick(course, 1);
+  ASSERT_TRUE(load("seen := @mission .. '!'"));
+  harness_.Tick(course, 1);
+  const auto seen =
+      course.Of([](Course& c) { return c.tree().board().Get<std::string>("seen").value(); });
+  EXPECT_EQ(seen, "fetch!");
+  EXPECT_FALSE(course.Of([](Course& c) { return c.tree().board().Get<int>("own").ok(); }));
+  msg::GetTree::Request request;
+  request.entries = true;
+  std::vector<std::string> keys;
+  for (const auto& entry : Get(request).entries) keys.push_back(entry.key);
+  EXPECT_THAT(keys, ::testing::ElementsAre("@mission", "seen", "ticks"));
+}
+
 TEST_F(ATreeActuator, StandsInActiveUntilItIsCommanded) {
   ActuatorRunner<Course> course({.rate_hz = 50});
   Begin(course);

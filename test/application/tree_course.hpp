@@ -27,6 +27,7 @@ struct CourseData {
   std::vector<std::string> log;
   std::map<std::string, std::string> throws;
   std::map<std::string, std::function<void()>> does;
+  tree::WakeUp wake_up;  // of the present tree
 
   void Do(const std::string& what) {
     log.push_back(what);
@@ -41,7 +42,9 @@ struct CourseData {
 class Walk : public tree::StatefulAction {
  public:
   Walk(tree::Setup& setup, CourseData& data)
-      : data_(data), name_(setup.name()), ticks_(setup.Input<int>("ticks", 1)) {}
+      : data_(data), name_(setup.name()), ticks_(setup.Input<int>("ticks", 1)) {
+    data.wake_up = setup.wake_up();
+  }
 
  private:
   tree::Status OnStart(const tree::Tick&) override {

@@ -4,30 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "musher/behavior/tree/json/json_places.hpp"
+
 namespace musher::tree::internal {
 namespace {
 
-constexpr std::size_t kLongestJson = 1U << 20U;
-constexpr int kDeepestJson = 100;
 constexpr double kExactWholeNumbers = 0x1p53;
-
-// The parser calls itself for each level.
-bool IsTooDeep(std::string_view json) {
-  int depth = 0;
-  bool in_text = false;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    if (in_text && json[i] == '\\') {
-      ++i;
-    } else if (json[i] == '"') {
-      in_text = !in_text;
-    } else if (!in_text && (json[i] == '{' || json[i] == '[')) {
-      if (++depth > kDeepestJson) return true;
-    } else if (!in_text && (json[i] == '}' || json[i] == ']')) {
-      --depth;
-    }
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -49,7 +31,7 @@ struct JsonReader::State {
 };
 
 JsonReader::JsonReader(std::string_view json) : state_(std::make_unique<State>()) {
-  if (json.size() > kLongestJson || IsTooDeep(json)) {
+  if (IsTooLargeJson(json)) {
     state_->json = nlohmann::json::value_t::discarded;
     error_ = "the JSON is larger than 1 MiB, or nested deeper than 100";
   } else {

@@ -131,10 +131,12 @@ class TestNode : public StatefulAction {
   }
   Status OnRunning(const Tick& tick) override {
     if (tick.now - since_ < config_.delay) return Status::kRunning;
-    if (config_.result == Status::kSuccess && success_) success_->Run();
-    if (config_.result == Status::kFailure && failure_) failure_->Run();
+    const Status result = config_.result_of ? config_.result_of(tick) : config_.result;
+    if (result == Status::kRunning) return result;
+    if (result == Status::kSuccess && success_) success_->Run();
+    if (result == Status::kFailure && failure_) failure_->Run();
     if (post_) post_->Run();
-    return config_.result;
+    return result;
   }
 
   const TestNodeConfig config_;

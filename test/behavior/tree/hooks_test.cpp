@@ -140,6 +140,61 @@ TEST_F(Hooked, ACleanupWithinAHaltIsNeitherHeldNorReplaced) {
   EXPECT_THAT(reached, IsEmpty());
 }
 
+TEST_F(Hooked, ANodeIsHeldAfterItsTickWithItsResult) {
+  Make(
+      "<Sequence><Say name=\"a\" does=\"RS\" _onSuccess=\"done := 1\"/>"
+      "<Say name=\"b\" does=\"S\"/></Sequence>");
+  Set({.node = kA, .after = true});
+  EXPECT_EQ(Run(4), "RRRR a^ a ") << "it is not ticked again, and its parent waits";
+  EXPECT_EQ(tree->status(kA), Status::kSuccess);
+  EXPECT_FALSE(tree->board().Get<int>("done")) << "its scripts run when it goes on";
+  EXPECT_THAT(reached, ElementsAre(kA));
+  EXPECT_FALSE(hooks->Release(kA, Status::kSkipped, false)) << "there is none before its tick";
+  EXPECT_TRUE(hooks->Release(kA, Status::kSkipped, false, true));
+  EXPECT_EQ(Run(1), "S b^ ");
+  EXPECT_EQ(tree->board().Get<int>("done").value(), 1);
+  EXPECT_EQ(Run(3), "RRR a^ a ") << "its next end is held again";
+}
+TEST_F(Hooked, AResultIsReplacedAfterTheTickWithTheScriptsOfTheLastOne) {
+  Make(
+      "<Fallback><Say name=\"a\" does=\"RS\" _onFailure=\"why := 'test'\"/>"
+      "<Say name=\"b\" does=\"S\"/></Fallback>");
+  Set({.node = kA, .holds = false, .instead = Status::kFailure, .after = true});
+  EXPECT_EQ(Run(2), "RS a^ a b^ ") << "not while it runs";
+  EXPECT_EQ(tree->board().Get<std::string>("why").value(), "test");
+  EXPECT_THAT(reached, ElementsAre(kA));
+  Set({.node = kA, .once = true, .after = true});
+  EXPECT_EQ(Run(3), "RRR a^ a ");
+  EXPECT_TRUE(hooks->Release(kA, Status::kFailure, false, true));
+  EXPECT_EQ(Run(1), "S b^ ");
+  EXPECT_TRUE(hooks->empty());
+}
+TEST_F(Hooked, ANodeThatIsHeldWithItsResultIsNotHalted) {
+  MakeSequence("S");
+  Set({.node = kA, .after = true});
+  Set({.node = kB});
+  EXPECT_EQ(Run(2), "RR a^ ");
+  ASSERT_TRUE(tree->Halt(At(100)));
+  EXPECT_EQ(Take(), "") << "it has completed";
+  next = 11;
+  EXPECT_EQ(Run(2), "RR a^ ") << "and begins again";
+  hooks->Release(kA, Status::kSkipped, true, true);
+  EXPECT_EQ(Run(2), "RR ") << "now the next one is held before its tick";
+  EXPECT_TRUE(hooks->Remove(kB));
+  EXPECT_FALSE(hooks->Remove(kB, true));
+}
+TEST_F(Hooked, ANodeThatIsHeldWithItsResultGoesOnWithItOnceItsHookIsGone) {
+  MakeSequence("S");
+  for (const auto& end :
+       std::vector<std::function<void()>>{[this] { hooks->DisableAll(); },
+                                          [this] { hooks->Clear(); }, [this] { hooks.reset(); }}) {
+    Set({.node = kA, .after = true});
+    EXPECT_EQ(Run(2), "RR a^ ");
+    end();
+    EXPECT_EQ(Run(1), "S b^ ");
+  }
+}
+
 TEST_F(Hooked, ATimeoutEndsTheWaitOfAHeldNode) {
   Make("<Timeout msec=\"25\"><Say name=\"a\" does=\"R\"/></Timeout>");
   Set({.node = kA});

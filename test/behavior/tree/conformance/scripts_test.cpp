@@ -146,6 +146,11 @@ TEST_F(ScriptsAsDocumented, WholeNumbersThatAreReadAsTextsPrintAsWholeNumbers) {
   }
 }
 
+TEST_F(ScriptsAsDocumented, ANumberThatALetterFollowsIsAnErrorAtItsPlace) {
+  EXPECT_EQ(Findings(Main("<Script code=\"n := 1x\"/>")),
+            "t.xml:3:20: error: script in code: expected a number such as 2, 0.5, 1e3 or 0x1F\n");
+}
+
 // Each would need as many frames of the stack as it has operators.
 TEST_F(ScriptsAsDocumented, AScriptWhoseDepthWouldExhaustTheStackIsRefused) {
   const auto repeated = [](int times, const std::string& text) {
