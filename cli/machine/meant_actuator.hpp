@@ -11,6 +11,7 @@
 //
 // Threads: loop thread only.
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,6 +34,11 @@ class MeantActuator {
   // first call runs the loop until that actuator is discovered, at most for link.discovery(), and
   // until others have had time for it, too.
   std::optional<Failure> Check(const std::string& actuator);
+  // The same for the actuators that serve an action, by their participants, whatever their names
+  // are. `what`: "plan dispatcher". One is discovered already.
+  std::optional<Failure> CheckServers(
+      const std::function<std::vector<transport::ParticipantId>()>& servers,
+      const std::string& what);
   // Why no request may be sent to all of these, each of which is meant: they are of several
   // machines.
   std::optional<Failure> CheckTogether(const std::vector<std::string>& actuators) const;
@@ -43,13 +49,23 @@ class MeantActuator {
 
  private:
   MeantActuator(Link& link, const GlobalOptions& global) : link_(link), global_(global) {}
+  struct Known {
+    msg::ActuatorStatus status;
+    transport::ParticipantId participant;
+  };
+
   std::vector<msg::ActuatorStatus> OfName(const std::string& actuator) const;
+  std::vector<msg::ActuatorStatus> OfParticipants(
+      const std::vector<transport::ParticipantId>& participants) const;
+  // `what`: "actuator arm"; `several`: the sentence where several machines have it.
+  std::optional<Failure> CheckFound(const std::vector<msg::ActuatorStatus>& found,
+                                    const std::string& what, const std::string& several) const;
   bool IsNamed(const msg::ActuatorStatus& status) const;
 
   Link& link_;
   const GlobalOptions& global_;
-  std::set<std::string> had_time_;                              // to be discovered
-  std::map<transport::EndpointId, msg::ActuatorStatus> known_;  // by their writer
+  std::set<std::string> had_time_;                     // to be discovered
+  std::map<transport::EndpointId, Known> known_;       // by their writer
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };
 
