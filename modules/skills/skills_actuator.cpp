@@ -42,7 +42,8 @@ Result<> SkillsActuator::RegisterSkills(skill::Registry& registry) {
 void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics, machine_config().name_space);
   const auto nav2 = std::make_shared<Nav2Goals>(
-      Nav2Goals::Context{robot_, manager(), [this] { return CheckTicking(); }},
+      Nav2Goals::Context{robot_, manager(), [this] { return CheckTicking(); },
+                         [this](LogLevel level, const std::string& line) { Log(level, line); }},
       robot_.config().names, topics);
   topics.Keep(nav2);
   nav2_ = nav2;

@@ -113,7 +113,8 @@ class Reader {
                      prefix + "navigate_through_poses",
                      prefix + "follow_waypoints",
                      "/tf",
-                     prefix + "battery"};
+                     prefix + "battery",
+                     prefix + "goal_pose"};
   }
 
   void ReadTopics(TableReader& reader) {
@@ -134,6 +135,7 @@ class Reader {
     Topic(reader, "navigate_to_pose", names.navigate_to_pose, true);
     Topic(reader, "navigate_through_poses", names.navigate_through_poses, true);
     Topic(reader, "follow_waypoints", names.follow_waypoints, true);
+    Topic(reader, "goal_pose", names.goal_pose, true);
     Topic(reader, "tf", names.tf, true);
     Topic(reader, "battery", names.battery, true);
   }

@@ -38,6 +38,8 @@ struct InterfaceNames {
   std::string follow_waypoints;
   std::string tf;       // tf2_msgs/TFMessage; beside it <tf>_static
   std::string battery;  // sensor_msgs/BatteryState
+  // geometry_msgs/PoseStamped, as RViz's button for a goal publishes it.
+  std::string goal_pose;
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.

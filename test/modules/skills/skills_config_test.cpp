@@ -31,6 +31,7 @@ TEST(SkillsConfig, NeedsOnlyTheRobotAndItsKind) {
   EXPECT_FALSE(reading.config->hand);
   EXPECT_EQ(reading.config->ceiling_m, std::nullopt);
   EXPECT_EQ(reading.config->names.battery, "dog_1/battery");
+  EXPECT_EQ(reading.config->names.goal_pose, "dog_1/goal_pose");
   EXPECT_EQ(reading.config->low_battery_percent, 0);
 }
 
