@@ -68,36 +68,35 @@ std::optional<Failure> MeantActuator::Check(const std::string& actuator) {
     link_.RunUntil([] { return false; }, kOthersAnswerWithin);
   }
   if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
-  return CheckFound(OfName(actuator), "actuator " + actuator,
-                    actuator + " is an actuator of several machines");
+  return CheckFound(OfName(actuator), {"no actuator " + actuator + " of machine ",
+                                       ", has no running actuator " + actuator,
+                                       actuator + " is an actuator of several machines"});
 }
 
 std::optional<Failure> MeantActuator::CheckServers(
-    const std::function<std::vector<transport::ParticipantId>()>& servers,
-    const std::string& what) {
+    const std::function<std::vector<transport::ParticipantId>()>& servers, const Words& words) {
   if (statuses_) {
     const auto all_known = [&] { return OfParticipants(servers()).size() >= servers().size(); };
     link_.RunUntil(all_known, kStatusComesWithin);
   }
   link_.RunUntil([] { return false; }, kOthersAnswerWithin);
   if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
-  return CheckFound(OfParticipants(servers()), what, "several machines have a " + what);
+  return CheckFound(OfParticipants(servers()), words);
 }
 
-std::optional<Failure> MeantActuator::CheckFound(const Statuses& found, const std::string& what,
-                                                 const std::string& several) const {
+std::optional<Failure> MeantActuator::CheckFound(const Statuses& found, const Words& words) const {
   const std::string where = " in " + NamespaceText(global_.name_space);
   const std::string machines = found.empty() ? "" : "; found " + MachinesText(found);
   if (!global_.machine.empty() &&
       std::ranges::none_of(found, [this](const auto& one) { return IsNamed(one); })) {
-    return Failure{ExitCode::kNoController,
-                   {kCodeNetError, "no " + what + " of machine " + global_.machine + where +
-                                       machines + ". Nothing was done"}};
+    return Failure{
+        ExitCode::kNoController,
+        {kCodeNetError, words.none + global_.machine + where + machines + ". Nothing was done"}};
   }
   if (found.empty()) return std::nullopt;
   if (!AreOfOneMachine(found)) {
     return Failure{ExitCode::kUsage,
-                   {kCodeTargetBusy, several + where + ": " + MachinesText(found) +
+                   {kCodeTargetBusy, words.several + where + ": " + MachinesText(found) +
                                          ". Nothing was done: each of them would receive it; give "
                                          "each a namespace"}};
   }
@@ -106,11 +105,10 @@ std::optional<Failure> MeantActuator::CheckFound(const Statuses& found, const st
   if (!global_.machine.empty() || runs_here) return std::nullopt;
   const auto here = MachineOfFilesHere(global_);
   if (!here || SameMachine(*here, MachineOf(found.front()))) return std::nullopt;
-  return Failure{
-      ExitCode::kNoController,
-      {kCodeNetError, "the machine of this host, " + MachineText(*here) + ", has no running " +
-                          what + where + machines +
-                          ". Nothing was done; --machine NAME speaks to another machine"}};
+  return Failure{ExitCode::kNoController,
+                 {kCodeNetError,
+                  "the machine of this host, " + MachineText(*here) + words.lacks + where +
+                      machines + ". Nothing was done; --machine NAME speaks to another machine"}};
 }
 
 std::optional<Failure> MeantActuator::CheckTogether(

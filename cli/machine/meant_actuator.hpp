@@ -26,6 +26,13 @@ namespace musher::cli {
 
 class MeantActuator {
  public:
+  // What its refusals say of those that a request would reach.
+  struct Words {
+    std::string none;     // "no actuator arm of machine "
+    std::string lacks;    // ", has no running actuator arm": after the machine of this host
+    std::string several;  // "arm is an actuator of several machines"
+  };
+
   // Subscribes to the statuses. Both references must outlive it.
   static Result<std::unique_ptr<MeantActuator>> Begin(Link& link, const GlobalOptions& global);
 
@@ -35,10 +42,9 @@ class MeantActuator {
   // until others have had time for it, too.
   std::optional<Failure> Check(const std::string& actuator);
   // The same for the actuators that serve an action, by their participants, whatever their names
-  // are. `what`: "plan dispatcher". One is discovered already.
+  // are. One is discovered already.
   std::optional<Failure> CheckServers(
-      const std::function<std::vector<transport::ParticipantId>()>& servers,
-      const std::string& what);
+      const std::function<std::vector<transport::ParticipantId>()>& servers, const Words& words);
   // Why no request may be sent to all of these, each of which is meant: they are of several
   // machines.
   std::optional<Failure> CheckTogether(const std::vector<std::string>& actuators) const;
@@ -57,9 +63,8 @@ class MeantActuator {
   std::vector<msg::ActuatorStatus> OfName(const std::string& actuator) const;
   std::vector<msg::ActuatorStatus> OfParticipants(
       const std::vector<transport::ParticipantId>& participants) const;
-  // `what`: "actuator arm"; `several`: the sentence where several machines have it.
   std::optional<Failure> CheckFound(const std::vector<msg::ActuatorStatus>& found,
-                                    const std::string& what, const std::string& several) const;
+                                    const Words& words) const;
   bool IsNamed(const msg::ActuatorStatus& status) const;
 
   Link& link_;

@@ -110,8 +110,10 @@ ExitCode RunPlan(const SkillPlanOptions& options, const GlobalOptions& global, C
     if (link.value()->interrupted()) return ExitCode::kInterrupted;
     return console.Fail(link.value()->NotFound("plan dispatcher"));
   }
-  const auto refused =
-      meant.value()->CheckServers([&run] { return run.goal().Servers(); }, "plan dispatcher");
+  const auto refused = meant.value()->CheckServers(
+      [&run] { return run.goal().Servers(); },
+      {"no plan dispatcher of machine ", ", has no running plan dispatcher",
+       "several machines have a plan dispatcher"});
   if (refused) return console.Fail(*refused);
   offers.value()->AwaitAny(kOffersTime);
   const auto errors = CheckPlanFile(*reading.plan, offers.value()->all(), options.file);
