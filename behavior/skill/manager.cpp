@@ -237,6 +237,14 @@ Result<> Manager::CancelNow(std::string_view skill, const std::string& why) {
   return Ok();
 }
 
+Result<> Manager::FailNow(std::string_view skill, const std::string& why) {
+  const Result<Run*> run = Running(skill);
+  if (!run) return run.error();
+  const InStep guard(in_step_);
+  run.value()->FailNow(why);
+  return Ok();
+}
+
 void Manager::CancelAll(const std::string& why) {
   const InStep guard(in_step_);
   for (const auto& run : runs_) run->Cancel(why);

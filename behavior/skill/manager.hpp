@@ -65,6 +65,7 @@ class Manager {
   // See Run. Fails for a skill that does not run.
   Result<> Cancel(std::string_view skill, const std::string& why);
   Result<> CancelNow(std::string_view skill, const std::string& why);
+  Result<> FailNow(std::string_view skill, const std::string& why);
   void CancelAll(const std::string& why);
   void CancelAllNow(const std::string& why);
   // Removes the run, its data, errors and history; a running one is cancelled at once before.

@@ -306,6 +306,10 @@ void Run::CancelNow(const std::string& why) {
   End(Status::kCancelled, Cause::kCancelled, "");
 }
 
+void Run::FailNow(const std::string& why) {
+  if (!in_step_) FailByFault(why);
+}
+
 void Run::ShowState() {
   feedback_.state = Path();
 }

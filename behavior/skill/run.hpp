@@ -34,7 +34,7 @@ enum class Cause : std::uint8_t {
   kReplanned,
   kLimit,      // of time or of retries
   kCancelled,  // by a request
-  kFault,      // an exception, or a transition that is not declared
+  kFault,      // an exception, a transition that is not declared, or FailNow()
 };
 std::string_view Name(Cause cause);  // "requested", "decided", ...
 
@@ -102,6 +102,8 @@ class Run {
   void Cancel(const std::string& why);
   // Ends it at once, without the skill's own cancellation.
   void CancelNow(const std::string& why);
+  // The same, as a failure: the robot cannot go on with it, for example with its battery.
+  void FailNow(const std::string& why);
 
   bool running() const { return state_ != kIdle && !IsEnd(state_); }
   bool ended() const { return IsEnd(state_); }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "musher/cli/console/console.hpp"
 #include "musher/cli/machine/link.hpp"
@@ -52,6 +53,8 @@ class GoalRun {
   bool AwaitServer() {
     return link_.RunUntil([this] { return client_->Ready(); }, link_.discovery());
   }
+  // After Open(): who serves the action.
+  std::vector<transport::ParticipantId> Servers() const { return client_->Servers(); }
   // After Open().
   void Send(const typename A::Goal& goal, OnFeedback on_feedback) {
     constexpr Duration kStartTime = std::chrono::seconds(5);  // for the reply to the request

@@ -12,6 +12,7 @@ namespace musher::cli {
 namespace {
 
 // Those of other hosts are discovered one after the other.
+constexpr Duration kStatusComesWithin = Milliseconds(1000);  // of a server that is discovered
 constexpr Duration kOthersAnswerWithin = Milliseconds(300);
 
 using Statuses = std::vector<msg::ActuatorStatus>;
@@ -51,7 +52,7 @@ Result<std::unique_ptr<MeantActuator>> MeantActuator::Begin(Link& link,
   auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       link.node(), transport::ActuatorStatusTopic(global.name_space),
       [self = meant.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
-        if (transport::IsFrom(status, info)) self->known_[info.writer] = status;
+        if (transport::IsFrom(status, info)) self->known_[info.writer] = {status, info.participant};
       },
       qos, std::move(events));
   // An observer may lack the permission: then nothing is known of them.
@@ -67,20 +68,35 @@ std::optional<Failure> MeantActuator::Check(const std::string& actuator) {
     link_.RunUntil([] { return false; }, kOthersAnswerWithin);
   }
   if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
-  const Statuses found = OfName(actuator);
+  return CheckFound(OfName(actuator), {"no actuator " + actuator + " of machine ",
+                                       ", has no running actuator " + actuator,
+                                       actuator + " is an actuator of several machines"});
+}
+
+std::optional<Failure> MeantActuator::CheckServers(
+    const std::function<std::vector<transport::ParticipantId>()>& servers, const Words& words) {
+  if (statuses_) {
+    const auto all_known = [&] { return OfParticipants(servers()).size() >= servers().size(); };
+    link_.RunUntil(all_known, kStatusComesWithin);
+  }
+  link_.RunUntil([] { return false; }, kOthersAnswerWithin);
+  if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
+  return CheckFound(OfParticipants(servers()), words);
+}
+
+std::optional<Failure> MeantActuator::CheckFound(const Statuses& found, const Words& words) const {
   const std::string where = " in " + NamespaceText(global_.name_space);
   const std::string machines = found.empty() ? "" : "; found " + MachinesText(found);
   if (!global_.machine.empty() &&
       std::ranges::none_of(found, [this](const auto& one) { return IsNamed(one); })) {
-    return Failure{ExitCode::kNoController,
-                   {kCodeNetError, "no actuator " + actuator + " of machine " + global_.machine +
-                                       where + machines + ". Nothing was done"}};
+    return Failure{
+        ExitCode::kNoController,
+        {kCodeNetError, words.none + global_.machine + where + machines + ". Nothing was done"}};
   }
   if (found.empty()) return std::nullopt;
   if (!AreOfOneMachine(found)) {
     return Failure{ExitCode::kUsage,
-                   {kCodeTargetBusy, actuator + " is an actuator of several machines" + where +
-                                         ": " + MachinesText(found) +
+                   {kCodeTargetBusy, words.several + where + ": " + MachinesText(found) +
                                          ". Nothing was done: each of them would receive it; give "
                                          "each a namespace"}};
   }
@@ -89,11 +105,10 @@ std::optional<Failure> MeantActuator::Check(const std::string& actuator) {
   if (!global_.machine.empty() || runs_here) return std::nullopt;
   const auto here = MachineOfFilesHere(global_);
   if (!here || SameMachine(*here, MachineOf(found.front()))) return std::nullopt;
-  return Failure{
-      ExitCode::kNoController,
-      {kCodeNetError, "the machine of this host, " + MachineText(*here) +
-                          ", has no running actuator " + actuator + where + machines +
-                          ". Nothing was done; --machine NAME speaks to another machine"}};
+  return Failure{ExitCode::kNoController,
+                 {kCodeNetError,
+                  "the machine of this host, " + MachineText(*here) + words.lacks + where +
+                      machines + ". Nothing was done; --machine NAME speaks to another machine"}};
 }
 
 std::optional<Failure> MeantActuator::CheckTogether(
@@ -122,10 +137,20 @@ bool MeantActuator::IsOfAnother(const std::string& actuator) const {
 
 Statuses MeantActuator::OfName(const std::string& actuator) const {
   Statuses of_name;
-  for (const auto& [writer, status] : known_) {
-    if (status.name == actuator) of_name.push_back(status);
+  for (const auto& [writer, known] : known_) {
+    if (known.status.name == actuator) of_name.push_back(known.status);
   }
   return of_name;
+}
+
+Statuses MeantActuator::OfParticipants(
+    const std::vector<transport::ParticipantId>& participants) const {
+  Statuses of_them;
+  for (const auto& [writer, known] : known_) {
+    const bool is_one = std::ranges::find(participants, known.participant) != participants.end();
+    if (is_one) of_them.push_back(known.status);
+  }
+  return of_them;
 }
 
 bool MeantActuator::IsNamed(const msg::ActuatorStatus& status) const {

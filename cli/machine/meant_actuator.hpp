@@ -11,6 +11,7 @@
 //
 // Threads: loop thread only.
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,6 +26,13 @@ namespace musher::cli {
 
 class MeantActuator {
  public:
+  // What its refusals say of those that a request would reach.
+  struct Words {
+    std::string none;     // "no actuator arm of machine "
+    std::string lacks;    // ", has no running actuator arm": after the machine of this host
+    std::string several;  // "arm is an actuator of several machines"
+  };
+
   // Subscribes to the statuses. Both references must outlive it.
   static Result<std::unique_ptr<MeantActuator>> Begin(Link& link, const GlobalOptions& global);
 
@@ -33,6 +41,10 @@ class MeantActuator {
   // first call runs the loop until that actuator is discovered, at most for link.discovery(), and
   // until others have had time for it, too.
   std::optional<Failure> Check(const std::string& actuator);
+  // The same for the actuators that serve an action, by their participants, whatever their names
+  // are. One is discovered already.
+  std::optional<Failure> CheckServers(
+      const std::function<std::vector<transport::ParticipantId>()>& servers, const Words& words);
   // Why no request may be sent to all of these, each of which is meant: they are of several
   // machines.
   std::optional<Failure> CheckTogether(const std::vector<std::string>& actuators) const;
@@ -43,13 +55,22 @@ class MeantActuator {
 
  private:
   MeantActuator(Link& link, const GlobalOptions& global) : link_(link), global_(global) {}
+  struct Known {
+    msg::ActuatorStatus status;
+    transport::ParticipantId participant;
+  };
+
   std::vector<msg::ActuatorStatus> OfName(const std::string& actuator) const;
+  std::vector<msg::ActuatorStatus> OfParticipants(
+      const std::vector<transport::ParticipantId>& participants) const;
+  std::optional<Failure> CheckFound(const std::vector<msg::ActuatorStatus>& found,
+                                    const Words& words) const;
   bool IsNamed(const msg::ActuatorStatus& status) const;
 
   Link& link_;
   const GlobalOptions& global_;
-  std::set<std::string> had_time_;                              // to be discovered
-  std::map<transport::EndpointId, msg::ActuatorStatus> known_;  // by their writer
+  std::set<std::string> had_time_;                     // to be discovered
+  std::map<transport::EndpointId, Known> known_;       // by their writer
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };
 

@@ -1,5 +1,6 @@
 #include "musher/modules/skills/skills_actuator.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -41,7 +42,8 @@ Result<> SkillsActuator::RegisterSkills(skill::Registry& registry) {
 void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics, machine_config().name_space);
   const auto nav2 = std::make_shared<Nav2Goals>(
-      Nav2Goals::Context{robot_, manager(), [this] { return CheckTicking(); }},
+      Nav2Goals::Context{robot_, manager(), [this] { return CheckTicking(); },
+                         [this](LogLevel level, const std::string& line) { Log(level, line); }},
       robot_.config().names, topics);
   topics.Keep(nav2);
   nav2_ = nav2;
@@ -50,6 +52,21 @@ void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
     CancelSkills("its process ends");  // and OnPause()
     robot_.Rest();
   })));
+}
+
+void SkillsActuator::BeforeTick(Time now) {
+  robot_.BeginStep(now);
+  if (const std::string low = robot_.LowBattery(); !low.empty()) EndMotions(low);
+}
+
+void SkillsActuator::EndMotions(const std::string& why) {
+  for (const skill::Run* run : manager().Runs()) {
+    const bool moves = std::ranges::any_of(
+        run->parts(), [](const std::string& part) { return part == kBase || part == kArm; });
+    if (!run->running() || !moves || run->name() == "land") continue;
+    static_cast<void>(manager().FailNow(run->name(), run->name() + " has ended: " + why));
+    robot_.StopMotion();  // `land` commands it again in its next step
+  }
 }
 
 void SkillsActuator::AfterTick(Time /*now*/) {

@@ -10,6 +10,9 @@
 // SelfCheck fails without odometry. What else cannot be reached makes it degraded. It also cancels
 // the drives that a crashed process has left to the controller.
 //
+// With a low battery the skills that move the robot fail, before their first step as well; `land`
+// goes on. A flyer lands in every state.
+//
 // Threads: those of SkillActuator.
 
 #include <memory>
@@ -37,9 +40,10 @@ class SkillsActuator : public SkillActuator {
   Result<> RegisterSkills(skill::Registry& registry) override;
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> SelfCheck() override;
-  void BeforeTick(Time now) override { robot_.BeginStep(now); }
+  void BeforeTick(Time now) override;
   void AfterTick(Time now) override;
   void OnPause() override;
+  void EndMotions(const std::string& why);
 
   RosRobot& robot_;
   const program::EndSignals* signals_ = nullptr;

@@ -48,6 +48,14 @@ double NearestAhead(const std::vector<Point>& points, const Pose& pose, const Ve
   return least_m;
 }
 
+// How fast a body may go in addition to its reference, to correct an error: so that it can brake
+// before the error is corrected with a part of its acceleration. The control does not know that
+// limit, and would go to and fro.
+double MostCorrection(double error, double velocity_error, double acceleration) {
+  constexpr double kShare = 0.4;
+  return std::sqrt(2 * kShare * acceleration * std::abs(error)) + std::abs(velocity_error);
+}
+
 double FiniteOr(double value, double otherwise) {
   return std::isfinite(value) ? value : otherwise;
 }
@@ -204,14 +212,25 @@ Velocity Follower::Control(const Pose& pose, const Velocity& velocity) {
   const std::array<double, 4> errors = {
       pose.at.x_m - now.pose.at.x_m, pose.at.y_m - now.pose.at.y_m, pose.at.z_m - now.pose.at.z_m,
       Wrapped(pose.yaw_rad - now.pose.yaw_rad)};
-  std::array<double, 4> commands{};
+  std::array<double, 4> leads{}, corrections{}, velocity_errors{};
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     if (rules_.flat && axis == 2) continue;
-    const double reference = references[axis].velocity[0];
-    commands[axis] = axes_[axis].Solve(errors[axis], FiniteOr(body[axis], reference) - reference,
-                                       references[axis]);
+    const AxisReference& reference = references[axis];
+    leads[axis] = reference.velocity[0] + rules_.lag_s * reference.acceleration[0];
+    velocity_errors[axis] = FiniteOr(body[axis], reference.velocity[0]) - reference.velocity[0];
+    corrections[axis] =
+        axes_[axis].Solve(errors[axis], velocity_errors[axis], reference) - leads[axis];
   }
-  Velocity command = {commands[0], commands[1], commands[2], commands[3]};
+  const auto size = [this](const std::array<double, 4>& values) {
+    return std::hypot(values[0], values[1], rules_.flat ? 0 : values[2]);
+  };
+  const double most =
+      MostCorrection(size(errors), size(velocity_errors), rules_.limits.acceleration_m_s2);
+  const double kept = std::min(1.0, most / std::max(size(corrections), 1e-9));
+  const double most_yaw = MostCorrection(errors[3], velocity_errors[3], rules_.limits.yaw_rad_s2);
+  Velocity command = {leads[0] + kept * corrections[0], leads[1] + kept * corrections[1],
+                      leads[2] + kept * corrections[2],
+                      leads[3] + std::clamp(corrections[3], -most_yaw, most_yaw)};
   const bool brakes = pace_ > highest_pace_;  // to a limit of the speed
   const double most_m_s =
       brakes ? rules_.limits.speed_m_s : std::min(rules_.limits.speed_m_s, speed_limit_m_s_);

@@ -29,10 +29,19 @@ double Turned(const Pose& from, const Pose& to) {
 
 }  // namespace
 
+bool MotionGuard::Commanded::IsEnough() const {
+  return way_m >= kCommandedM || turn_rad >= kCommandedRad;
+}
+
+void MotionGuard::Commanded::Add(const Velocity& velocity, double seconds) {
+  way_m += Speed(velocity) * seconds;
+  turn_rad += std::abs(velocity.yaw_rad_s) * seconds;
+  if (velocity != Velocity{}) driven_s += seconds;
+}
+
 void MotionGuard::Restart() {
   anchor_.reset();
-  changed_ = false;
-  commanded_m_ = commanded_rad_ = driven_s_ = 0;
+  since_anchor_ = since_change_ = {};
   sent_ = {};
   sent_at_.reset();
   resting_since_.reset();
@@ -69,15 +78,14 @@ std::optional<Error> MotionGuard::OnPose(const Pose& pose, Duration stamp, Time 
   std::optional<Error> fault;
   if (!seen_.empty()) fault = Jump(seen_.back(), here);
   if (!seen_.empty() && !fault) fault = Jump(seen_.front(), here);
+  if (!seen_.empty() && !(pose == seen_.back().pose)) since_change_ = {};
   if (fault) seen_.clear();
   seen_.push_back(here);
   while (seen_.front().at < now - kJumpWithin) seen_.pop_front();
   if (!anchor_) anchor_ = pose;
-  changed_ = changed_ || !(pose == *anchor_);
   if (Distance(pose.at, anchor_->at) >= kMovedM || Turned(pose, *anchor_) >= kMovedRad) {
     anchor_ = pose;
-    changed_ = false;
-    commanded_m_ = commanded_rad_ = driven_s_ = 0;
+    since_anchor_ = {};
   }
   return fault;
 }
@@ -85,19 +93,19 @@ std::optional<Error> MotionGuard::OnPose(const Pose& pose, Duration stamp, Time 
 std::optional<Error> MotionGuard::Stuck(double seconds, Time now) {
   // Without odometry it is not known.
   if (seen_.empty() || now - seen_.back().at > kOdometryStale) return std::nullopt;
-  const double length_m = Speed(sent_) * seconds, turn_rad = std::abs(sent_.yaw_rad_s) * seconds;
-  commanded_m_ += length_m;
-  commanded_rad_ += turn_rad;
-  if (length_m > 0 || turn_rad > 0) driven_s_ += seconds;
-  if (commanded_m_ < kCommandedM && commanded_rad_ < kCommandedRad) return std::nullopt;
-  if (driven_s_ < (changed_ ? ToSeconds(rules_.stuck) : kFrozenS)) return std::nullopt;
+  since_anchor_.Add(sent_, seconds);
+  since_change_.Add(sent_, seconds);
+  const bool stands = since_change_.IsEnough() && since_change_.driven_s >= kFrozenS;
+  const bool stuck = since_anchor_.IsEnough() && since_anchor_.driven_s >= ToSeconds(rules_.stuck);
+  if (!stands && !stuck) return std::nullopt;
+  const Commanded& commanded = stands ? since_change_ : since_anchor_;
   return MakeError(
       Fault::kStuck,
       fmt::format(
           "commanded {:.2f} m and {:.2f} rad in {:.1f} s, but its odometry {}: it is stuck, "
           "its wheels slip, or its odometry stands",
-          commanded_m_, commanded_rad_, driven_s_,
-          changed_ ? "shows no motion" : "does not change at all"));
+          commanded.way_m, commanded.turn_rad, commanded.driven_s,
+          stands ? "does not change at all" : "shows no motion"));
 }
 
 std::optional<Error> MotionGuard::Pushed(Time now) {

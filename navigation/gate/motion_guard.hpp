@@ -49,6 +49,16 @@ class MotionGuard {
     Time at{};
   };
 
+  // What was commanded while the pose has shown no motion.
+  struct Commanded {
+    double way_m = 0;
+    double turn_rad = 0;
+    double driven_s = 0;
+
+    bool IsEnough() const;  // to see whether it moves
+    void Add(const Velocity& velocity, double seconds);
+  };
+
   std::optional<Error> Jump(const Seen& from, const Seen& to) const;
   std::optional<Error> Stuck(double seconds, Time now);
   std::optional<Error> Pushed(Time now);
@@ -56,10 +66,8 @@ class MotionGuard {
   const GuardRules rules_;
   std::deque<Seen> seen_;       // of the last half second
   std::optional<Pose> anchor_;  // where it has last moved on from
-  bool changed_ = false;        // any number of the pose, since then
-  double commanded_m_ = 0;      // since then
-  double commanded_rad_ = 0;
-  double driven_s_ = 0;
+  Commanded since_anchor_;
+  Commanded since_change_;  // of any number of the pose
   Velocity sent_;
   std::optional<Time> sent_at_;
   std::optional<Time> resting_since_;

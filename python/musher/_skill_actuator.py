@@ -69,8 +69,8 @@ class SkillActuator(Actuator):
         self._now_s = 0.0
         self._stepping = False
         self._is_set_up = False
-        self._goals: Dict[str, "_Request"] = {}  # by skill
-        self._shown: Dict[str, str] = {}
+        self._goals: Dict[int, "_Request"] = {}  # by the number of the run, as what was shown of it
+        self._shown: Dict[int, str] = {}
 
     # What a derived class writes.
 
@@ -159,13 +159,20 @@ class SkillActuator(Actuator):
     def _make(self) -> None:
         try:
             self._manager = SkillManager(self.make_robot(), self.skills, lambda: self._now_s)
-            self._manager.on_removal = lambda skill: self._publish()
+            self._manager.on_removal = self._on_removal
         except SkillError as error:
             raise Failure(_FAILED, str(error)) from None
         if not self._manager.skills:
             raise Failure(_FAILED, "no skill is registered: @SkillManager.register()")
+        for request in self._goals.values():
+            request.end(False, "cancelled: the skills are set up again")
         self._goals.clear()
         self._shown.clear()
+
+    def _on_removal(self, skill: str) -> None:
+        self._publish()
+        run = self.manager._run(skill)
+        self._shown.pop(run.number, None)
 
     def _go_on(self) -> None:
         if self.emergency_stopped:
@@ -226,7 +233,8 @@ class SkillActuator(Actuator):
                 raise SkillError(f"expected one skill in skill_list, found {len(wanted.skill_list)}")
             self._begin(wanted.skill_list[0], request)
             request.skill = wanted.skill_list[0].skill
-            self._goals[request.skill] = request
+            request.run = self.manager._run(request.skill).number
+            self._goals[request.run] = request
             self.log.info(f"{request.skill} started" + (f", requested by {request.by}" if request.by else ""))
         except SkillError as error:
             self.log.warning(f"goal refused: {error}")
@@ -244,7 +252,7 @@ class SkillActuator(Actuator):
         run.goal_id, run.requested_by = request.id, request.by
 
     def _cancel(self, request: "_Request") -> None:
-        if self._goals.get(request.skill) is not request:
+        if self._goals.get(request.run) is not request:
             return
         try:
             self.manager.cancel_skill(request.skill, "by its client")
@@ -258,19 +266,17 @@ class SkillActuator(Actuator):
         """The feedback of each run that has changed, and the ends of goals."""
         if self._manager is None or self._ticks is None:
             return
-        for name in self._manager.skills:
-            feedback = self._manager.feedback_of(name)
-            if feedback is None:
-                continue
+        for name, run in list(self._manager._runs.items()):
+            feedback = run.feedback
             text = self._text_of(name)
-            request = self._goals.get(name)
-            if self._shown.get(name) != text + feedback["state"]:
-                self._shown[name] = text + feedback["state"]
+            request = self._goals.get(run.number)
+            if self._shown.get(run.number) != text + feedback["state"]:
+                self._shown[run.number] = text + feedback["state"]
                 self._feedback_topic.publish(self._message(name))
                 if request is not None and feedback["status"] == PROCESSING:
                     request.goal.feedback(SkillExecution.Feedback(text))
             if request is not None and feedback["status"] != PROCESSING:
-                del self._goals[name]
+                del self._goals[run.number]
                 self.log.info(f"{name} {text}")
                 request.end(feedback["status"] == COMPLETED, text)
 
@@ -375,6 +381,7 @@ class _Request:
         self.id = "".join(f"{byte:02x}" for byte in goal._id.uuid)
         self.by = goal.client[:_LONGEST]
         self.skill = ""
+        self.run = 0  # its number
         self.completed = False
         self.text = ""
         self.ended = threading.Event()

@@ -93,8 +93,9 @@ class Skill:
 
 
 class _Run:
-    def __init__(self, skill: Skill, parameters: Dict[str, Any], timeout_s: float) -> None:
+    def __init__(self, skill: Skill, parameters: Dict[str, Any], timeout_s: float, number: int) -> None:
         self.skill = skill
+        self.number = number  # of the runs of its manager, from 1 on; a later run of the same skill has another one
         self.parameters = parameters
         self.timeout_s = timeout_s
         self.elapsed_s = 0.0
@@ -152,6 +153,7 @@ class SkillManager:
         for chosen in self._chosen or ():
             self._lookup(chosen)
         self._runs: Dict[str, _Run] = {}
+        self._last_number = 0  # of a run
 
     # Of skills.
 
@@ -167,11 +169,7 @@ class SkillManager:
         return None if run is None else run.state
 
     def set_skill_state(self, skill: str, state: str) -> None:
-        run = self._run(skill)
-        if run.state == state:
-            return
-        old, run.state = run.state, state
-        self.on_state_changed(skill, old, state)
+        self._set_state(self._run(skill), state)
 
     def get_skill_data(self, skill: str, key: str, default: Any = None) -> Any:
         """Also after the end of the run, until it is started again or reset."""
@@ -201,7 +199,8 @@ class SkillManager:
             raise SkillError(f"{skill} is running already")
         self._check_free(found)
         self._remove(skill)
-        self._runs[skill] = _Run(found, given, found.timeout_s if timeout is None else timeout)
+        self._last_number += 1
+        self._runs[skill] = _Run(found, given, found.timeout_s if timeout is None else timeout, self._last_number)
 
     def step(self, skill: str) -> Feedback:
         """One step of a run; after its end nothing but its feedback."""
@@ -357,20 +356,27 @@ class SkillManager:
         name = run.skill.name
         if status == COMPLETED and run.cancel_why is not None:
             status, message = CANCELLED, run.cancel_why
-        run.feedback.update(status=status, message=message)
+        progress = run.feedback["progress"]
+        run.feedback.update(status=status, message=message, state=_ENDS[status])
+        if status == COMPLETED:
+            run.feedback["progress"] = 100
         if run.skill.on_end is not None and run.pause_why is None:
             try:
                 run.skill.on_end(self.robot, status)
             except Exception as error:  # the outputs may not be neutral: no success
-                run.feedback.update(status=FAILED, message=f"on_end: {type(error).__name__}: {error}")
+                run.feedback.update(status=FAILED, message=f"on_end: {type(error).__name__}: {error}",
+                                    state=_ENDS[FAILED], progress=progress)
         status = run.feedback["status"]
-        run.feedback["state"] = _ENDS[status]
-        if status == COMPLETED:
-            run.feedback["progress"] = 100
-        if status == FAILED:
+        if status == FAILED and self._runs.get(name) is run:  # on_end may have started the skill again
             self.skill_errors[name] = run.feedback["message"]
-        self.set_skill_state(name, _ENDS[status])
+        self._set_state(run, _ENDS[status])
         return run.feedback
+
+    def _set_state(self, run: _Run, state: str) -> None:
+        if run.state == state:
+            return
+        old, run.state = run.state, state
+        self.on_state_changed(run.skill.name, old, state)
 
 
 def text_of(feedback: Feedback) -> str:

@@ -120,8 +120,10 @@ class FakeDispatcher {
  public:
   using Goal = transport::ServerGoal<msg::PlanExecution>;
 
-  FakeDispatcher() : thread_(transport::NodeThread::Start().value()) {
-    thread_->RunOnLoop([this] {
+  // With a `machine` it publishes the status of an actuator of that machine, of another host.
+  explicit FakeDispatcher(const MachineIdentity& machine = {}, const std::string& name = "plans")
+      : thread_(transport::NodeThread::Start().value()) {
+    thread_->RunOnLoop([&] {
       endpoints_ = std::make_unique<transport::Endpoints>(thread_->node(), "");
       transport::ActionHandlers<msg::PlanExecution> handlers;
       handlers.start = [this](Goal goal) { Start(goal); };
@@ -130,6 +132,15 @@ class FakeDispatcher {
         goal_.reset();
       };
       endpoints_->ServeAction<msg::PlanExecution>("plan_execution", handlers);
+      if (machine.name.empty()) return;
+      msg::ActuatorStatus status;
+      status.name = name;
+      status.state = "Active";
+      status.host = "another boot/1";
+      status.machine = machine.name;
+      status.machine_id = machine.id;
+      endpoints_->PublishFunction<msg::ActuatorStatus>(transport::ActuatorStatusTopic(""),
+                                                       transport::kLatchedQos)(status);
     });
   }
   ~FakeDispatcher() {
@@ -141,8 +152,15 @@ class FakeDispatcher {
   FakeDispatcher(const FakeDispatcher&) = delete;
   FakeDispatcher& operator=(const FakeDispatcher&) = delete;
 
+  int plans() {
+    int plans = 0;
+    thread_->RunOnLoop([&] { plans = plans_; });
+    return plans;
+  }
+
  private:
   void Start(Goal goal) {
+    ++plans_;
     const msg::RobotSkill& first = goal.goal().plan.steps.at(0).robots.at(0);
     const std::string skill = first.skill_list.at(0).skill;
     if (skill == "refuse") return static_cast<void>(goal.Abort({false, "another plan runs"}));
@@ -155,6 +173,7 @@ class FakeDispatcher {
 
   std::shared_ptr<transport::NodeThread> thread_;
   std::optional<Goal> goal_;
+  int plans_ = 0;
   std::unique_ptr<transport::Endpoints> endpoints_;
 };
 
@@ -212,6 +231,39 @@ TEST_F(PlanCommand, CancelsThePlanByCtrlC) {
   EXPECT_EQ(ended.exit, 130);
   EXPECT_THAT(ended.err, HasSubstr("cancelling the plan; Ctrl-C again returns without waiting"));
   EXPECT_THAT(ended.err, HasSubstr("the plan was cancelled after "));
+}
+
+const MachineIdentity kDog{"dog", "d0900000-0000-4000-8000-000000000002"};
+const MachineIdentity kCat{"cat", "cafe0000-0000-4000-8000-000000000001"};
+
+TEST_F(PlanCommand, SendsNoPlanToTheDispatcherOfAnotherMachine) {
+  FakeDispatcher of_cat(kCat);
+  const FakeSkills robot("cf2x_0");
+  const Ran of_dog = RunProgram({"skill", "plan", File("rise"), "--machine", "dog"});
+  EXPECT_EQ(of_dog.exit, 3) << of_dog.out;
+  EXPECT_THAT(of_dog.err, HasSubstr("no plan dispatcher of machine dog in the default namespace; "
+                                    "found cat (id cafe0000). Nothing was done"));
+  EXPECT_EQ(of_cat.plans(), 0);
+  EXPECT_EQ(RunProgram({"skill", "plan", File("rise"), "--machine", "cat"}).exit, 0);
+  EXPECT_EQ(of_cat.plans(), 1);
+}
+
+// Both would execute it, whatever their names are.
+TEST_F(PlanCommand, SendsNoPlanWhereTheDispatchersOfTwoMachinesWouldReceiveIt) {
+  FakeDispatcher of_cat(kCat, "cat_plans"), of_dog(kDog, "dog_plans");
+  const FakeSkills robot("cf2x_0");
+  const std::string file = File("rise");
+  for (const std::vector<std::string>& more :
+       std::vector<std::vector<std::string>>{{}, {"--machine", "dog"}}) {
+    std::vector<std::string> words{"skill", "plan", file};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran ran = RunProgram(words);
+    EXPECT_EQ(ran.exit, 2) << ran.out;
+    EXPECT_THAT(ran.err, HasSubstr("several machines have a plan dispatcher in the default "
+                                   "namespace: "));
+    EXPECT_THAT(ran.err, HasSubstr("Nothing was done"));
+  }
+  EXPECT_EQ(of_cat.plans() + of_dog.plans(), 0);
 }
 
 TEST_F(PlanCommand, RefusesAPlanBeforeItIsSent) {

@@ -52,6 +52,18 @@ TEST_F(Guard, SaysThatAnOdometryStandsBesideCommands) {
   EXPECT_LE(now_ - begin, Milliseconds(1100));
 }
 
+TEST_F(Guard, SaysThatAnOdometryStandsWhereverItHasStoppedToChange) {
+  for (const int more : {1, 2, 3, 4}) {
+    guard_.Restart();
+    EXPECT_FALSE(RunFor(2 + 0.02 * more, {1, 0, 0, 0}, {1, 0, 0, 0}));
+    const Time begin = now_;
+    const auto fault = RunFor(5, {1, 0, 0, 0}, {});
+    ASSERT_TRUE(fault);
+    EXPECT_THAT(fault->message, HasSubstr("its odometry does not change at all"));
+    EXPECT_LE(now_ - begin, Milliseconds(1100));
+  }
+}
+
 TEST_F(Guard, SaysThatABodyIsStuckAlsoWhenItTrembles) {
   const Time begin = now_;
   std::optional<Error> fault;

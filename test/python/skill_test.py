@@ -52,6 +52,18 @@ def walk(robot, to, skill_manager):
     return skill_manager.form_feedback("processing", f"to {to}")
 
 
+def _again(robot, status):
+    if robot.again:
+        robot.again.pop()
+        robot.skills.start("short")
+
+
+@SkillManager.register(on_end=_again)
+def short(robot, skill_manager):
+    skill_manager.set_skill_state("short", "RUNNING")
+    return skill_manager.form_feedback("completed", "Done")
+
+
 @SkillManager.register()
 def odd(robot, returns=None, raises=None, **kwargs):
     if raises:
@@ -82,6 +94,22 @@ class AManager(unittest.TestCase):
         self.now += 0.1
         self.drone.height += 0.1 * self.drone.climb
         return self.skills.execute_skill(skill, **parameters)
+
+    def test_a_run_that_the_end_of_the_one_before_has_started_is_another_one(self):
+        robot = Drone()
+        robot.again, ends = [1], []
+        robot.skills = manager = SkillManager(robot, clock=lambda: 0.0)
+        manager.on_removal = lambda skill: ends.append(dict(manager.feedback_of(skill)))
+        manager.start("short")
+        first = manager._run("short")
+        self.assertEqual(manager.step("short")["state"], "SUCCEEDED")
+        self.assertEqual([(end["status"], end["state"], end["progress"]) for end in ends],
+                         [("completed", "SUCCEEDED", 100)])
+        second = manager._run("short")
+        self.assertGreater(second.number, first.number)
+        self.assertIsNone(manager.get_skill_state("short"), "its end is not that of the new run")
+        self.assertEqual(manager.running(), ["short"])
+        self.assertEqual(manager.step("short")["status"], "completed")
 
     def test_runs_a_skill_to_its_end(self):
         changes = []

@@ -62,7 +62,8 @@ class GoalReached : public Condition {
  private:
   Status Evaluate(const Tick&) override {
     const std::optional<Pose> pose = robot_.pose();
-    return StatusOf(pose && Apart(robot_, goal_.Get(), *pose) <= robot_.goal_tolerance_m());
+    const Pose& goal = goal_.Get();
+    return StatusOf(pose && Apart(robot_, goal, *pose) <= robot_.goal_tolerance_m(goal));
   }
 
   InPort<Pose> goal_;
@@ -231,7 +232,7 @@ void AddConditionNodes(Factory& factory, Robot& robot) {
                              "halts.");
   AddNode<GoalReached>(factory, "GoalReached", kKind, false,
                        "SUCCESS where the robot is at the goal, within 0.25 m; robots of "
-                       "musher-skills within 0.5 m.",
+                       "musher-skills also where their drive has arrived at this goal.",
                        robot);
   AddNode<DistanceTraveled>(factory, "DistanceTraveled", kKind, false,
                             "SUCCESS each time the robot has travelled so far.", robot);

@@ -86,8 +86,8 @@ class Robot {
   virtual double speed_m_s() const = 0;
   // On the ground the height of a place does not count.
   virtual bool flies() const { return false; }
-  // The tolerance of GoalReached.
-  virtual double goal_tolerance_m() const { return 0.25; }
+  // The tolerance of GoalReached; it may be larger for a goal at which a drive has arrived.
+  virtual double goal_tolerance_m(const Pose& /*goal*/) const { return 0.25; }
 
   // Whether FollowPath() uses the controller of that name; false: there is one.
   virtual bool selects_controllers() const { return true; }

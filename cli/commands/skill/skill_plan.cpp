@@ -10,6 +10,7 @@
 #include "musher/cli/commands/skill/skill_progress.hpp"
 #include "musher/cli/console/error_json.hpp"
 #include "musher/cli/machine/goal_run.hpp"
+#include "musher/cli/machine/meant_actuator.hpp"
 #include "musher/cli/machine/skill_offers.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/skill_plan.hpp"
@@ -103,10 +104,17 @@ ExitCode RunPlan(const SkillPlanOptions& options, const GlobalOptions& global, C
   }
   const auto offers = SkillOffers::Begin(*link.value(), global);
   if (!offers) return console.Fail(offers.error());
+  const auto meant = MeantActuator::Begin(*link.value(), global);
+  if (!meant) return console.Fail(meant.error());
   if (!run.goal().AwaitServer()) {
     if (link.value()->interrupted()) return ExitCode::kInterrupted;
     return console.Fail(link.value()->NotFound("plan dispatcher"));
   }
+  const auto refused = meant.value()->CheckServers(
+      [&run] { return run.goal().Servers(); },
+      {"no plan dispatcher of machine ", ", has no running plan dispatcher",
+       "several machines have a plan dispatcher"});
+  if (refused) return console.Fail(*refused);
   offers.value()->AwaitAny(kOffersTime);
   const auto errors = CheckPlanFile(*reading.plan, offers.value()->all(), options.file);
   if (!errors.empty()) return FailWith(errors, console);

@@ -20,9 +20,21 @@ constexpr double kAlignedRad = 0.35;  // between the motion and a path on which 
 constexpr double kMapWithinM = 0.15;  // a point so near to a wall of the map is of it
 constexpr double kAsideGain = 0.7;    // rad/m: how much an aside velocity turns a differential body
 
+// Of the trajectories and the reference. The command of a body with a lag leads its velocity by
+// lag_s times the acceleration, which changes at once; what is left lets the command follow.
+MotionLimits PlannedLimits(const ControllerRobot& robot) {
+  constexpr double kShareWithLag = 0.8;
+  MotionLimits limits = robot.limits;
+  if (robot.lag_s > 0) {
+    limits.acceleration_m_s2 *= kShareWithLag;
+    limits.yaw_rad_s2 *= kShareWithLag;
+  }
+  return limits;
+}
+
 FollowerRules RulesOf(const ControllerRobot& robot, const ControllerConfig& config) {
   FollowerRules rules;
-  rules.limits = robot.limits;
+  rules.limits = PlannedLimits(robot);
   rules.lag_s = robot.lag_s;
   rules.flat = !robot.flies;
   rules.arrive_m = robot.arrive_m;
@@ -31,7 +43,7 @@ FollowerRules RulesOf(const ControllerRobot& robot, const ControllerConfig& conf
   rules.replan_after = config.obstacle_time;
   rules.obstacles.radius_m = robot.radius_m;
   rules.obstacles.margin_m = robot.margin_m;
-  rules.obstacles.brake_m_s2 = robot.limits.acceleration_m_s2;
+  rules.obstacles.brake_m_s2 = rules.limits.acceleration_m_s2;
   return rules;
 }
 
@@ -63,6 +75,7 @@ PathDrive::PathDrive(const ControllerRobot& robot, const ControllerConfig& confi
       follower_(RulesOf(robot, config)),
       seen_(config.memory),
       seen_at_(robot.scanners.size()),
+      limit_(robot.limits, robot.differential),
       gate_(GateOf(robot)),
       guard_(GuardOf(robot)) {}
 
@@ -245,7 +258,7 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
   leaves_out_map_ = map_ && Fits(joined, robot_.radius_m);
   if (robot_.differential) joined = LookingAhead(joined, start_speed_m_s > 0);
   TrajectoryRules rules;
-  rules.limits = robot_.limits;
+  rules.limits = PlannedLimits(robot_);
   rules.start_speed_m_s = start_speed_m_s;
   auto trajectory = MakeTrajectory(joined, rules);
   if (!trajectory) return refused(trajectory.error().message);
@@ -258,7 +271,10 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
   if (auto started = follower_.Start(std::move(trajectory).value(), now); !started) {
     return refused(started.error().message);
   }
-  if (!driving_) guard_.Restart();
+  if (!driving_) {
+    guard_.Restart();
+    limit_.Begin(now);
+  }
   fault_.reset();
   reference_ = {};
   driving_ = true;
@@ -279,13 +295,16 @@ DriveEnd PathDrive::Failure(const Error& error) {
   return {FollowCode::kFailedToMakeProgress, error.message};
 }
 
-// The command that is sent instead of `wanted`; an end where none may be.
-std::optional<DriveEnd> PathDrive::Gate(const Velocity& wanted, Time now, Step& step) {
+// What is sent of the command; an end where nothing may be.
+std::optional<DriveEnd> PathDrive::Gate(const Command& command, const Pose& pose, Time now,
+                                        Step& step) {
+  const Velocity wanted = limit_.BeforeGate(BodyCommand(command.velocity, pose.yaw_rad),
+                                            pose.yaw_rad, now, command.obstruction.has_value());
   const GateVerdict verdict = gate_.Check(wanted, now);
-  step.command = verdict.command;
+  step.command = limit_.AfterGate(verdict.command, pose.yaw_rad);
   step.held = Describe(verdict);
   if (verdict.kind != GateVerdict::Kind::kFree) follower_.NoteSlowed(now);
-  if (auto fault = guard_.OnCommand(verdict.command, now)) return Failure(*fault);
+  if (auto fault = guard_.OnCommand(step.command, now)) return Failure(*fault);
   const bool stopped = verdict.kind == GateVerdict::Kind::kStopped;
   if (!stopped || verdict.held < config_.obstacle_time) return std::nullopt;
   return DriveEnd{kObstacleStays,
@@ -328,13 +347,18 @@ PathDrive::Step PathDrive::Update(Time now) {
     }
     step.distance_m = lengths_m_.back();
     step.begins = std::exchange(begins_, false);
+    if (auto held = Gate({}, pose, now, step)) return end(std::move(*held));
     return step;
   }
   step.begins = std::exchange(begins_, false);
   reference_ = command.reference;
   step.distance_m = DistanceLeft(reference_);
   if (command.failure) return end(Failure(*command.failure));
-  if (command.progress == Progress::kArrived) return end({FollowCode::kNone, ""});
+  if (command.progress == Progress::kArrived) {
+    if (limit_.IsAtRest()) return end({FollowCode::kNone, ""});
+    if (auto held = Gate({}, pose, now, step)) return end(std::move(*held));
+    return step;
+  }
   if (command.replan && command.obstruction) {
     const Point& at = command.obstruction->at;
     return end({kObstacleStays,
@@ -349,9 +373,7 @@ PathDrive::Step PathDrive::Update(Time now) {
                             ToSeconds(rules.time),
                             command.obstruction ? ": an obstacle is in the way" : "")});
   }
-  if (auto held = Gate(BodyCommand(command.velocity, pose.yaw_rad), now, step)) {
-    return end(std::move(*held));
-  }
+  if (auto held = Gate(command, pose, now, step)) return end(std::move(*held));
   return step;
 }
 

@@ -14,6 +14,9 @@
 //   its way stop it.
 // - The velocity is in the frame of the body. A differential body gets none aside: its distance
 //   from the path turns it.
+// - From one command to the next the velocity changes no more than the limits say, unless it brakes
+//   for an obstacle, the gate slows it down, or the drive ends. A body with a known lag is driven
+//   with a part of its accelerations: the command leads it, and so changes more.
 // - Where the body is now: the last odometry, with its velocity since then.
 // - Every command goes through the gate, which knows only what the scanners see; a drive that it
 //   has stopped for `obstacle_time` ends. The guard ends one whose odometry cannot be true.
@@ -30,6 +33,7 @@
 #include "musher/messages/nav2_msgs/follow_path.hpp"
 #include "musher/modules/navigation/controller_server/controller_config.hpp"
 #include "musher/modules/navigation/messages/conversions.hpp"
+#include "musher/navigation/controller/command_limit.hpp"
 #include "musher/navigation/controller/follower.hpp"
 #include "musher/navigation/controller/progress_check.hpp"
 #include "musher/navigation/gate/motion_guard.hpp"
@@ -106,7 +110,7 @@ class PathDrive {
   void CompareWithMap(Time now);
   double AlignedSpeed(const Path& joined) const;
   Pose PoseNow(Time now) const;
-  std::optional<DriveEnd> Gate(const Velocity& wanted, Time now, Step& step);
+  std::optional<DriveEnd> Gate(const Command& command, const Pose& pose, Time now, Step& step);
   static DriveEnd Failure(const Error& error);
   Velocity BodyCommand(const Velocity& velocity, double yaw_rad) const;
   double DistanceLeft(Duration reference) const;
@@ -127,6 +131,7 @@ class PathDrive {
   std::vector<std::optional<Time>> seen_at_;  // by each scanner
   std::vector<Point> obstacles_;              // those of seen_ that count
   Duration reference_{};                      // on the trajectory
+  CommandLimit limit_;
   MotionGate gate_;
   MotionGuard guard_;
   std::optional<Error> fault_;  // found by the guard, or a new keep-out

@@ -17,6 +17,7 @@ using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Word;
 
+constexpr double kFlyerLowPercent = 10;
 constexpr double kCommandPeriodS = 0.05;  // a scan is followed by a command at once, others wait
 
 class Reader {
@@ -53,6 +54,13 @@ class Reader {
       TableReader reader(*line, root.At("line"), "line", findings_);
       config_.line.width_m = reader.Number("width_m", 0.01, 10).value_or(config_.line.width_m);
       config_.line.depth_m = reader.Number("depth_m", 0.01, 10).value_or(config_.line.depth_m);
+      reader.RefuseOthers();
+    }
+    if (config_.flies) config_.low_battery_percent = kFlyerLowPercent;
+    if (const Table* battery = root.SubTable("battery")) {
+      TableReader reader(*battery, root.At("battery"), "battery", findings_);
+      config_.low_battery_percent =
+          reader.Number("low_percent", 0, 99).value_or(config_.low_battery_percent);
       reader.RefuseOthers();
     }
     config_.gate.radius_m = config_.radius_m;
@@ -104,7 +112,9 @@ class Reader {
                      prefix + "navigate_to_pose",
                      prefix + "navigate_through_poses",
                      prefix + "follow_waypoints",
-                     "/tf"};
+                     "/tf",
+                     prefix + "battery",
+                     prefix + "goal_pose"};
   }
 
   void ReadTopics(TableReader& reader) {
@@ -125,7 +135,9 @@ class Reader {
     Topic(reader, "navigate_to_pose", names.navigate_to_pose, true);
     Topic(reader, "navigate_through_poses", names.navigate_through_poses, true);
     Topic(reader, "follow_waypoints", names.follow_waypoints, true);
+    Topic(reader, "goal_pose", names.goal_pose, true);
     Topic(reader, "tf", names.tf, true);
+    Topic(reader, "battery", names.battery, true);
   }
 
   static void Topic(TableReader& reader, std::string_view key, std::string& name, bool optional) {

@@ -36,7 +36,10 @@ struct InterfaceNames {
   std::string navigate_to_pose;
   std::string navigate_through_poses;
   std::string follow_waypoints;
-  std::string tf;  // tf2_msgs/TFMessage; beside it <tf>_static
+  std::string tf;       // tf2_msgs/TFMessage; beside it <tf>_static
+  std::string battery;  // sensor_msgs/BatteryState
+  // geometry_msgs/PoseStamped, as RViz's button for a goal publishes it.
+  std::string goal_pose;
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.
@@ -63,6 +66,8 @@ struct SkillsConfig {
   double radius_m = 0.25;
   std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
+  // With a battery at or below it, that does not charge, it does not move, and a flyer lands.
+  double low_battery_percent = 0;
   int priority = 0;  // where two robots meet; the higher one goes first
   // With the skills that ran when the process was killed; else they have failed.
   bool goes_on_after_restart = false;

@@ -82,7 +82,7 @@ class Ordering {
       if (seen[first]) continue;
       std::vector<std::size_t> part;
       for (std::size_t cell = 0; cell < seen.size(); ++cell) {
-        if (cell != first && Way(first * kEntries, cell * kEntries) == kNoWay) continue;
+        if (cell != first && !AreJoined(first, cell)) continue;
         part.push_back(cell);
         seen[cell] = true;
       }
@@ -102,7 +102,20 @@ class Ordering {
   }
 
  private:
-  double Way(std::size_t from, std::size_t to) const { return ways_m_[from][to]; }
+  // The first or the last lane of a cell may be isolated: then another entry leads to the cell.
+  bool AreJoined(std::size_t cell, std::size_t other) const {
+    for (std::size_t from = 0; from < kEntries; ++from) {
+      for (std::size_t to = 0; to < kEntries; ++to) {
+        if (ways_m_[cell * kEntries + from][other * kEntries + to] != kNoWay) return true;
+      }
+    }
+    return false;
+  }
+  // Where there is none, it is the last choice, so that each set of cells has an order.
+  double Way(std::size_t from, std::size_t to) const {
+    constexpr double kLastChoiceM = 1e7;
+    return std::min(ways_m_[from][to], kLastChoiceM);
+  }
   double Begin(std::size_t passage) const {
     return start_ ? Distance(*start_, passages_[passage].ends.front()) : 0;
   }
@@ -217,26 +230,74 @@ bool AppendLane(Tour& tour, const GroundPoint& from, const GroundPoint& to, Rout
   return false;
 }
 
+struct CellLane {
+  std::size_t cell = 0;
+  GroundPoint from;
+  GroundPoint to;
+};
+
+// A tour over lanes in their order, from one of them on.
+struct Attempt {
+  Tour tour;
+  std::vector<bool> covered;  // by lane
+  double length_m = 0;        // of the covered lanes
+};
+
+Attempt Cover(const std::vector<CellLane>& lanes, std::size_t first, Router& router) {
+  Attempt attempt{{}, std::vector<bool>(lanes.size(), false)};
+  for (std::size_t i = first; i < lanes.size(); ++i) {
+    const CellLane& lane = lanes[i];
+    if (!AppendLane(attempt.tour, lane.from, lane.to, router)) continue;
+    attempt.covered[i] = true;
+    attempt.length_m += Distance(lane.from, lane.to);
+  }
+  return attempt;
+}
+
+// An attempt that begins on a lane that is isolated leaves out the others: the next one begins on
+// the first lane that none has covered, as long as it can cover more.
+Attempt BestAttempt(const std::vector<CellLane>& lanes, Router& router) {
+  constexpr int kMost = 8;
+  std::vector<bool> tried(lanes.size(), false);
+  Attempt best;
+  for (int count = 0; count < kMost; ++count) {
+    double left_m = 0;
+    std::size_t first = lanes.size();
+    for (std::size_t i = lanes.size(); i-- > 0;) {
+      if (tried[i]) continue;
+      first = i;
+      left_m += Distance(lanes[i].from, lanes[i].to);
+    }
+    if (first == lanes.size() || (count > 0 && left_m <= best.length_m)) break;
+    Attempt attempt = Cover(lanes, first, router);
+    for (std::size_t i = 0; i < lanes.size(); ++i) tried[i] = tried[i] || attempt.covered[i];
+    if (count == 0 || attempt.length_m > best.length_m) best = std::move(attempt);
+  }
+  return best;
+}
+
 }  // namespace
 
 Tour TourOf(const std::vector<Cell>& cells, const std::optional<GroundPoint>& start,
             Router& router) {
-  Tour tour;
-  if (cells.empty()) return tour;
+  if (cells.empty()) return {};
   const Ordering ordering(cells, start, router);
-  const std::vector<std::size_t> part = ordering.LargestPart();
-  std::size_t whole = 0;
-  for (const std::size_t index : ordering.Order(part)) {
-    const std::vector<GroundPoint>& ends = ordering.passage(index).ends;
-    bool left_out = false;
+  const std::vector<std::size_t> order = ordering.Order(ordering.LargestPart());
+  std::vector<CellLane> lanes;
+  for (std::size_t cell = 0; cell < order.size(); ++cell) {
+    const std::vector<GroundPoint>& ends = ordering.passage(order[cell]).ends;
     for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
-      if (!AppendLane(tour, ends[i], ends[i + 1], router)) left_out = true;
+      lanes.push_back({cell, ends[i], ends[i + 1]});
     }
-    if (!left_out) ++whole;
   }
-  tour.cells = whole;
-  tour.cells_left_out = cells.size() - whole;
-  return tour;
+  Attempt best = BestAttempt(lanes, router);
+  std::vector<bool> whole(order.size(), true);
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    if (!best.covered[i]) whole[lanes[i].cell] = false;
+  }
+  best.tour.cells = static_cast<std::size_t>(std::ranges::count(whole, true));
+  best.tour.cells_left_out = cells.size() - best.tour.cells;
+  return std::move(best.tour);
 }
 
 }  // namespace musher::coverage

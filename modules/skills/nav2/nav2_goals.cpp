@@ -13,6 +13,7 @@
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/place_text.hpp"
 
 namespace musher::skills {
 namespace {
@@ -161,6 +162,29 @@ class Nav2Goals::MissionOf final : public Mission {
   transport::ServerGoal<Action> goal_;
 };
 
+// A goal of the topic: its client gets no reply.
+class Nav2Goals::TopicMission final : public Mission {
+ public:
+  TopicMission(const Nav2Goals& goals, const msg::PoseStamped& stamped,
+               const navigation::Pose& place, Time now)
+      : Mission(goals.goal_pose_, {.poses = {stamped}}, {place}, now),
+        log_(goals.context_.log),
+        goal_(fmt::format("the goal {} on {}",
+                          navigation::PlaceText(place.at, !goals.context_.robot.flies()),
+                          goals.goal_pose_)) {}
+
+  void Feedback(const Robot& /*robot*/, const skill::Run& /*run*/, Time /*now*/) override {}
+  void Succeed() override { log_(LogLevel::kInfo, goal_ + " is reached"); }
+  void Canceled() override { Abort("cancelled"); }
+  void Abort(const std::string& why) override {
+    log_(LogLevel::kWarning, goal_ + " is not reached: " + why);
+  }
+
+ private:
+  const std::function<void(LogLevel, const std::string&)> log_;
+  const std::string goal_;
+};
+
 std::string Nav2Goals::SkillFor(const std::vector<std::string>& names) {
   for (const char* skill : {"navigate_to", "nav_2d", "nav_3d"}) {
     if (std::ranges::find(names, skill) != names.end()) return skill;
@@ -172,11 +196,15 @@ Nav2Goals::Nav2Goals(Context context, const InterfaceNames& names, transport::En
     : context_(std::move(context)),
       skill_(SkillFor(context_.manager.Names())),
       node_(endpoints.node()),
-      clock_(endpoints.clock()) {
+      clock_(endpoints.clock()),
+      goal_pose_(names.goal_pose) {
   if (skill_.empty()) return;
   Serve<msg::NavigateToPose>(names.navigate_to_pose, endpoints);
   Serve<msg::NavigateThroughPoses>(names.navigate_through_poses, endpoints);
   Serve<msg::FollowWaypoints>(names.follow_waypoints, endpoints);
+  if (goal_pose_.empty()) return;
+  endpoints.Subscribe<msg::PoseStamped>(goal_pose_,
+                                        [this](const msg::PoseStamped& goal) { OnGoalPose(goal); });
 }
 
 Nav2Goals::~Nav2Goals() {
@@ -226,15 +254,30 @@ void Nav2Goals::Start(transport::ServerGoal<Action> goal) {
   if (const Result<> may = context_.may_start(); !may) {
     return refuse(Action::kUnknown, may.error().message);
   }
-  Update();  // as above
-  if (mission_) {
-    static_cast<void>(context_.manager.CancelNow(skill_, "by a newer goal"));
-    End(false, "a newer goal has replaced this one");
-  }
+  Replace();
   goal.Execute();
   std::string by = transport::NameOf(node_, goal.caller());
   mission_ = std::make_unique<MissionOf<Action>>(std::move(goal), std::move(by), std::move(places),
                                                  std::move(poses).value(), clock_.Now());
+  if (const Result<> driven = Drive(); !driven) End(false, driven.error().message);
+}
+
+void Nav2Goals::Replace() {
+  Update();  // its run may have ended since the last step, and one of another client begun
+  if (!mission_) return;
+  static_cast<void>(context_.manager.CancelNow(skill_, "by a newer goal"));
+  End(false, "a newer goal has replaced this one");
+}
+
+void Nav2Goals::OnGoalPose(const msg::PoseStamped& goal) {
+  const auto place = PlaceOf(goal);
+  const Result<> may = place ? context_.may_start() : Result<>(place.error());
+  if (!may) {
+    return context_.log(LogLevel::kWarning,
+                        "a goal on " + goal_pose_ + " is refused: " + may.error().message);
+  }
+  Replace();
+  mission_ = std::make_unique<TopicMission>(*this, goal, place.value(), clock_.Now());
   if (const Result<> driven = Drive(); !driven) End(false, driven.error().message);
 }
 

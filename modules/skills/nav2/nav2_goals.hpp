@@ -3,7 +3,10 @@
 // and FollowWaypoints. Each pose is a run of the robot's skill for that (navigate_to), one after
 // the other; so its limits, its recoveries, a pause and the gate are those of the skill.
 //
-//   a newer goal of any of the three replaces the present one, which is aborted
+// A pose on the topic goal_pose, as RViz's button for a goal publishes it, counts as a goal of
+// NavigateToPose; its end, or why it is refused, is logged.
+//
+//   a newer goal of any of them replaces the present one, which is aborted
 //   a goal while the base is used by another skill, or while no skills run, is aborted at once
 //   NavigateThroughPoses ends at the first pose that it does not reach; FollowWaypoints goes on,
 //   and its result lists what it has missed: then it is aborted
@@ -17,7 +20,9 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/log.hpp"
 #include "musher/behavior/skill/manager.hpp"
+#include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/modules/skills/config/skills_config.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -31,6 +36,7 @@ class Nav2Goals {
     Robot& robot;
     skill::Manager& manager;
     std::function<Result<>()> may_start;  // why no skill may be started now
+    std::function<void(LogLevel level, const std::string& line)> log;
   };
 
   // The skill of `names` that sends a robot to a place; empty: it has none.
@@ -51,11 +57,15 @@ class Nav2Goals {
   class Mission;
   template <class Action>
   class MissionOf;
+  class TopicMission;
 
   template <class Action>
   void Serve(const std::string& name, transport::Endpoints& endpoints);
   template <class Action>
   void Start(transport::ServerGoal<Action> goal);
+  void OnGoalPose(const msg::PoseStamped& goal);
+  // Of the present goal, by a newer one.
+  void Replace();
   Result<> Drive();
   void OnEndOfRun(const skill::Run& run);
   void End(bool success, const std::string& why);
@@ -64,6 +74,7 @@ class Nav2Goals {
   const std::string skill_;
   const transport::Node& node_;
   transport::Clock& clock_;
+  const std::string goal_pose_;       // the topic
   std::unique_ptr<Mission> mission_;  // null: there is no goal
 };
 

@@ -91,8 +91,9 @@ class Deadline {
 
 class PlanTask : public tree::nav2::Task {
  public:
-  PlanTask(const Robot& robot, const navigation::Pose& goal, skill::Future<navigation::Path> path)
-      : robot_(robot), goal_(goal), path_(std::move(path)) {}
+  PlanTask(const Robot& robot, Handover& handover, const navigation::Pose& goal,
+           skill::Future<navigation::Path> path)
+      : robot_(robot), handover_(handover), goal_(goal), path_(std::move(path)) {}
 
   std::optional<TaskEnd> Poll(Time now) override {
     if (!path_.valid()) {
@@ -111,6 +112,7 @@ class PlanTask : public tree::nav2::Task {
     const double off_m = why.empty() ? Apart(robot_, path.back().at, goal_.at) : 0;
     if (off_m > kArrivedWithinM) why = "the path ends " + LengthText(off_m) + " m from the goal";
     if (!why.empty()) return TaskEnd{.error_code = tree::nav2::kNoValidPath, .error = why};
+    handover_.NotePlan(goal_, path.back());
     TaskEnd end{.success = true};
     for (const navigation::Pose& pose : path) end.path.poses.push_back(ToTree(pose));
     return end;
@@ -118,6 +120,7 @@ class PlanTask : public tree::nav2::Task {
 
  private:
   const Robot& robot_;
+  Handover& handover_;
   const navigation::Pose goal_;
   skill::Future<navigation::Path> path_;
   Deadline deadline_;
@@ -153,6 +156,7 @@ class DriveTask : public tree::nav2::Task {
     const TaskEnd ended = EndOf(end.result());
     if (ended.success) {
       handover_.Forget();
+      handover_.NoteArrival(path_.back());
     } else {
       handover_.NoteEnd(path_);
     }
@@ -345,6 +349,7 @@ bool Handover::HasWaited(Time now) {
 void Handover::NoteBegin(navigation::Path path) {
   unfinished_ = std::move(path);
   ended_at_.reset();
+  arrived_at_.reset();
 }
 
 void Handover::NoteEnd(const navigation::Path& path) {
@@ -358,6 +363,22 @@ bool Handover::GoesOn(const navigation::Path& path) const {
          Apart(robot_, pose->at, ended_at_->at) <= kSamePlaceM;
 }
 
+void Handover::NotePlan(const navigation::Pose& goal, const navigation::Pose& end) {
+  constexpr std::size_t kMostPlans = 8;
+  plans_.push_back({goal, end});
+  if (plans_.size() > kMostPlans) plans_.pop_front();
+}
+
+std::optional<double> Handover::ArrivedWithin(const navigation::Pose& goal) const {
+  if (!arrived_at_) return std::nullopt;
+  const bool is_goal = Apart(robot_, goal.at, arrived_at_->at) < 1e-6 ||
+                       std::ranges::any_of(plans_, [&](const Plan& plan) {
+                         return plan.goal == goal && plan.end == *arrived_at_;
+                       });
+  if (!is_goal) return std::nullopt;
+  return kArrivedWithinM + Apart(robot_, goal.at, arrived_at_->at);
+}
+
 std::optional<tree::nav2::Pose> TreeRobot::pose() const {
   const std::optional<navigation::Pose> pose = robot_.pose();
   if (!pose || !navigation::IsFinite(*pose)) return std::nullopt;
@@ -369,9 +390,8 @@ double TreeRobot::speed_m_s() const {
   return pose ? navigation::InBodyFrame(robot_.velocity(), pose->yaw_rad).x_m_s : 0;
 }
 
-// A drive that ends there has arrived.
-double TreeRobot::goal_tolerance_m() const {
-  return kArrivedWithinM;
+double TreeRobot::goal_tolerance_m(const tree::nav2::Pose& goal) const {
+  return handover_.ArrivedWithin(FromTree(goal)).value_or(Robot::goal_tolerance_m(goal));
 }
 
 double TreeRobot::most_turn_rad_s() const {
@@ -389,7 +409,7 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
   if (start) from = FromTree(*start);
   const navigation::Pose to = FromTree(goal);
   return std::make_unique<PlanTask>(
-      robot_, to,
+      robot_, handover_, to,
       robot_.HasPlanner() ? robot_.ComputePath(to, from) : skill::Future<navigation::Path>());
 }
 

@@ -25,6 +25,7 @@
 //
 // Threads: the loop of the actuator.
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -47,7 +48,10 @@ class Handover {
   // The base is that of this motion until it is released. False: another motion has it.
   bool Take(const tree::nav2::Task& motion);
   void Release(const tree::nav2::Task& motion);
-  void NoteMotion() { moved_ = true; }
+  void NoteMotion() {
+    moved_ = true;
+    arrived_at_.reset();
+  }
   // Whether a motion has the base, or has ended and the robot does not stand yet.
   bool Rolls();
   bool HasMotion() const { return motion_ != nullptr; }
@@ -65,7 +69,20 @@ class Handover {
   bool GoesOn(const navigation::Path& path) const;
   void Forget() { NoteBegin({}); }
 
+  // A path for `goal` was planned, which ends at `end`.
+  void NotePlan(const navigation::Pose& goal, const navigation::Pose& end);
+  // The last drive has arrived at the end of its path, and nothing has moved the robot since.
+  void NoteArrival(const navigation::Pose& end) { arrived_at_ = end; }
+  // How far from `goal` that drive may have arrived; nullopt: it has not arrived, or at another
+  // goal.
+  std::optional<double> ArrivedWithin(const navigation::Pose& goal) const;
+
  private:
+  struct Plan {
+    navigation::Pose goal;
+    navigation::Pose end;
+  };
+
   Robot& robot_;
   std::vector<std::unique_ptr<Drive>> given_up_;
   const tree::nav2::Task* motion_ = nullptr;  // that has the base
@@ -74,6 +91,8 @@ class Handover {
   Time asked_at_{};                  // HasWaited()
   navigation::Path unfinished_;      // of the last drive, until it has arrived
   std::optional<navigation::Pose> ended_at_;
+  std::deque<Plan> plans_;  // the last ones
+  std::optional<navigation::Pose> arrived_at_;
 };
 
 class TreeRobot : public tree::nav2::Robot {
@@ -90,7 +109,8 @@ class TreeRobot : public tree::nav2::Robot {
   std::optional<tree::nav2::Pose> pose() const override;
   double speed_m_s() const override;  // forward, in the frame of the body
   bool flies() const override { return robot_.flies(); }
-  double goal_tolerance_m() const override;
+  // 0.25 m; where the last drive has arrived at this goal, as far from it as it may have.
+  double goal_tolerance_m(const tree::nav2::Pose& goal) const override;
   bool selects_controllers() const override { return false; }
   double most_turn_rad_s() const override;
   double most_drive_m_s() const override;

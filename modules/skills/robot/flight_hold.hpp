@@ -1,8 +1,9 @@
 #pragma once
 // Keeps a flyer at its place while no skill and no drive moves it: after each end of a skill, in a
-// pause and at a stop. A velocity of 0 does not: the wind carries it away.
+// pause and at a stop. A velocity of 0 does not: the wind carries it away. With a low battery it
+// descends there instead, until it stands, also where no skill has moved it: an empty one falls.
 //
-//   not needed ── used ──▶ armed ── not used, in the air, braked ──▶ holding
+//   not needed ── used, low ──▶ armed ── not used, in the air, braked ──▶ holding, or descending
 //        ▲                                                             │
 //        └── landed, or carried farther than kLostM: another process moves it ◀┘
 //
@@ -19,21 +20,31 @@ class FlightHold {
  public:
   static constexpr double kInTheAirM = 0.05;  // above the zero of the frame; a lower one stands
   static constexpr double kLostM = 1.5;
+  static constexpr double kDescentMps = 0.5;
+  static constexpr double kLastDescentMps = 0.2;  // near the ground, and without a height
 
   // A skill or a drive moves it.
   void Use();
   // It stands on the ground: it is not held there.
-  void Land() { armed_ = false; }
+  void Land();
+  // From now on it descends, or no more.
+  void SetBatteryLow(bool low);
 
   // The command, in the frame of the body, `step` after the last one; nullopt: none is needed.
-  // Without a pose it is 0. `speed_m_s`: of the body.
+  // Without a pose it is 0, and with a low battery down. `speed_m_s`: of the body.
   std::optional<navigation::Velocity> Command(const std::optional<navigation::Pose>& pose,
                                               double speed_m_s, Duration step);
 
  private:
+  std::optional<navigation::Velocity> Descend(const navigation::Pose& pose, Duration step);
+
   PositionHold hold_;
   bool armed_ = false;
+  bool landed_ = false;  // and no skill or drive has moved it since then
+  bool low_ = false;
   Duration braking_{};
+  Duration still_{};  // how long it has not come lower
+  double lowest_m_ = 0;
   std::optional<navigation::Pose> place_;
 };
 

@@ -59,6 +59,11 @@ RosRobot::Missing RosRobot::Look() const {
   return wire ? wire->Look() : Missing{kClosed, {}};
 }
 
+std::string RosRobot::LowBattery() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->LowBattery() : "";
+}
+
 std::optional<navigation::Pose> RosRobot::pose() const {
   const auto wire = wire_.lock();
   return wire ? wire->PoseNow() : std::nullopt;

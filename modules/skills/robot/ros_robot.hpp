@@ -40,6 +40,10 @@ class RosRobot final : public Robot {
   };
   Missing Look() const;
 
+  // Why it may not move with its battery: "the battery of r is at 9 %, its limit is 10 %"; empty:
+  // it may.
+  std::string LowBattery() const;
+
   const std::string& name() const override { return config_.robot; }
   const std::string& kind() const override { return config_.kind; }
   bool flies() const override { return config_.flies; }

@@ -1,6 +1,9 @@
 #include "musher/modules/skills/robot/wire.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "musher/base/toml/names.hpp"
@@ -15,6 +18,7 @@ namespace {
 
 // Topics that skills have named; of more, the one that was not asked for longest is dropped.
 constexpr std::size_t kMostTracked = 16;
+constexpr double kBatteryHysteresisPercent = 2;
 constexpr Duration kHoldPeriod = Milliseconds(100);       // of a flyer at its place
 constexpr Duration kClearTime = std::chrono::seconds(2);  // of planner and controller
 constexpr Duration kActiveWithin = Milliseconds(500);     // skills are stepped in Active only
@@ -151,8 +155,26 @@ void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
   velocity->Teleoperate(ToMapFrame(twist, 0));
 }
 
+// A value that is not measured changes nothing, and neither does a silent battery.
+void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
+  if (!std::isfinite(battery.percentage)) return;
+  const double percent = 100 * static_cast<double>(battery.percentage);
+  const double limit = config.low_battery_percent;
+  const double ends_above = limit + (low_battery_.empty() ? 0 : kBatteryHysteresisPercent);
+  const bool charges = battery.power_supply_status == msg::BatteryState::kStatusCharging ||
+                       battery.power_supply_status == msg::BatteryState::kStatusFull;
+  if (charges || percent > ends_above) {
+    low_battery_.clear();
+  } else {
+    low_battery_ = fmt::format("the battery of {} is at {:.0f} %, its limit is {:.0f} %",
+                               config.robot, std::max(percent, 0.0), limit);
+  }
+  if (config.flies) hold.SetBatteryLow(!low_battery_.empty());
+}
+
 // By its odometry alone: a flyer holds its place also while it has none in the map.
 void RosRobot::Wire::HoldPlace() {
+  if (!low_battery_.empty() && Drives()) navigator->CancelEarlierDrives();  // of other clients, too
   if (Drives() || (velocity->sending() && !holding_)) {
     if (holding_) StopMotion();
     hold.Use();
@@ -189,6 +211,10 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
   const InterfaceNames& names = config.names;
   endpoints.Subscribe<msg::Odometry>(names.odometry,
                                      [this](const msg::Odometry& message) { OnOdometry(message); });
+  if (!names.battery.empty()) {
+    endpoints.Subscribe<msg::BatteryState>(
+        names.battery, [this](const msg::BatteryState& battery) { OnBattery(battery); });
+  }
   if (!names.teleop.empty()) {
     endpoints.Subscribe<msg::Twist>(names.teleop,
                                     [this](const msg::Twist& twist) { OnTeleop(twist); });

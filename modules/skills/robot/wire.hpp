@@ -13,6 +13,7 @@
 #include "musher/messages/action_msgs/goal_status.hpp"
 #include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
@@ -70,6 +71,8 @@ struct RosRobot::Wire {
   // Where a frame of a message is in the map, as /tf says; an empty one counts as the map's. Fails
   // with the reason where that is not known.
   Result<navigation::Pose> InMap(const std::string& frame) const;
+  // "the battery of r is at 9 %, …"; empty: it is not low, or none reports.
+  const std::string& LowBattery() const { return low_battery_; }
   // Nullopt: no recent odometry.
   std::optional<navigation::Pose> PoseNow() const;
 
@@ -117,11 +120,13 @@ struct RosRobot::Wire {
   void SubscribeDrives(transport::Endpoints& endpoints);
   void OnOdometry(const msg::Odometry& message);
   void OnTeleop(const msg::Twist& twist);
+  void OnBattery(const msg::BatteryState& battery);
   void HoldPlace();
 
   navigation::FrameTree frames_;
   std::string body_frame_;  // of the twist of the odometry
   bool holding_ = false;    // the last command is that of `hold`
+  std::string low_battery_;
   Duration odometry_stamp_{};
   Duration line_stamp_{};  // of the last picture
   // Controllers with a goal that has not ended, by the last status of each. One that starts again

@@ -151,6 +151,109 @@ class RandomDrive {
   int steps_ = 0;
 };
 
+// Of a drive in open space: the largest changes of its commands in a second, until its end.
+struct Changes {
+  double linear_m_s2 = 0;
+  double yaw_rad_s2 = 0;
+  double passed_m = 0;  // beyond the goal, and beside it
+  bool arrived = false;
+};
+
+// A random path is driven with a known lag, exact odometry or one with noise, limits of the speed
+// that come and go, and paths that replace it.
+Changes ChangesOf(std::uint64_t seed) {
+  constexpr double kStepS = 1.0 / 60;
+  std::mt19937_64 random(seed);
+  const auto between = [&](double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random);
+  };
+  const auto one_in = [&](int count) { return random() % static_cast<std::uint64_t>(count) == 0; };
+  const Clearance open(Fenced(RandomBoxes(seed, 60, 0.5, 0)));
+  ControllerRobot robot;
+  robot.name = "r";
+  robot.odometry = "r/odom";
+  robot.differential = seed % 2 == 0;
+  robot.lag_s = seed % 3 == 0 ? 0 : between(0.02, 0.2);
+  robot.limits.acceleration_m_s2 = between(0.8, 2);
+  robot.limits.yaw_rad_s2 = between(1, 3);
+  const double noise_m_s = one_in(2) ? 0 : 0.05;
+  ScannedBodyOptions options;
+  options.lag_s = robot.lag_s;
+  options.acceleration_m_s2 = 10;
+  ScannedBody body(open, {{30, 30, 0}, between(-3, 3)}, options);
+  PathDrive drive(robot, {});
+  Time now = Time{} + std::chrono::seconds(10);
+  const auto sense = [&] {
+    Velocity velocity = InBodyFrame(body.velocity(), -body.pose().yaw_rad);
+    velocity.x_m_s += between(-noise_m_s, noise_m_s);
+    velocity.y_m_s += between(-noise_m_s, noise_m_s);
+    drive.OnOdometry({body.pose(), velocity}, now.time_since_epoch(), now);
+  };
+  const auto any_path = [&] {
+    Path path = {body.pose()};
+    for (int i = 0; i < 3; ++i) {
+      const Point& last = path.back().at;
+      path.push_back({{std::clamp(last.x_m + between(-4, 4), 5.0, 55.0),
+                       std::clamp(last.y_m + between(-4, 4), 5.0, 55.0), 0},
+                      between(-3, 3)});
+    }
+    return path;
+  };
+  Changes changes;
+  sense();
+  Path path = any_path();
+  EXPECT_FALSE(drive.Start(path, now));
+  Velocity last;
+  double last_yaw_rad = body.pose().yaw_rad;
+  for (int step = 0; step < 60 * 120; ++step) {
+    now += FromSeconds(kStepS);
+    if (step % 2 == 0 || !robot.differential) sense();
+    if (one_in(150)) drive.LimitSpeed(one_in(2) ? between(0.1, 1.2) : HUGE_VAL);
+    if (step < 60 * 40 && one_in(250)) {
+      path = any_path();
+      EXPECT_FALSE(drive.Start(path, now));
+    }
+    const PathDrive::Step result = drive.Update(now);
+    if (result.end) {
+      changes.arrived = result.end->error_code == FollowCode::kNone;
+      if (!changes.arrived) ADD_FAILURE() << "seed " << seed << ": " << result.end->reason;
+      break;
+    }
+    const double yaw_rad = body.pose().yaw_rad;
+    const Velocity a = robot.differential ? last : InBodyFrame(last, -last_yaw_rad);
+    const Velocity b = robot.differential ? result.command : InBodyFrame(result.command, -yaw_rad);
+    changes.linear_m_s2 =
+        std::max(changes.linear_m_s2, std::hypot(b.x_m_s - a.x_m_s, b.y_m_s - a.y_m_s) / kStepS);
+    changes.yaw_rad_s2 = std::max(changes.yaw_rad_s2, std::abs(b.yaw_rad_s - a.yaw_rad_s) / kStepS);
+    last = result.command;
+    last_yaw_rad = yaw_rad;
+    body.Move(result.command, kStepS);
+  }
+  changes.linear_m_s2 /= robot.limits.acceleration_m_s2;
+  changes.yaw_rad_s2 /= robot.limits.yaw_rad_s2;
+  for (int i = 0; i < 60; ++i) body.Move({}, kStepS);
+  changes.passed_m = Distance(body.pose().at, path.back().at);
+  return changes;
+}
+
+void ExpectCommandsWithinLimits(std::uint64_t from, std::uint64_t to) {
+  for (std::uint64_t seed = from; seed < to; ++seed) {
+    const Changes changes = ChangesOf(seed);
+    EXPECT_TRUE(changes.arrived) << "seed " << seed;
+    EXPECT_LT(changes.linear_m_s2, 1.1) << "of its limit, seed " << seed;
+    EXPECT_LT(changes.yaw_rad_s2, 1.01) << "of its limit, seed " << seed;
+    EXPECT_LT(changes.passed_m, 0.35) << "seed " << seed;
+  }
+}
+
+TEST(RandomCommands, StayWithinTheAccelerationsAlsoWithALagAndNewPaths) {
+  ExpectCommandsWithinLimits(1, 25);
+}
+
+TEST(RandomCommandsNightly, StayWithinTheAccelerationsAlsoWithALagAndNewPaths) {
+  ExpectCommandsWithinLimits(1000, 1300);
+}
+
 // How many of them have arrived.
 int ExpectEnds(std::uint64_t from, std::uint64_t to) {
   int arrived = 0;

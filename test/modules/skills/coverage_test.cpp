@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "musher/modules/skills/coverage/coverage.hpp"
+#include "musher/modules/skills/coverage/tour.hpp"
 
 namespace musher::coverage::coverage_test {
 
@@ -305,6 +306,47 @@ TEST(Coverage, LeavesOutALaneToWhichThereIsNoWay) {
   const Seen seen = Watch(region, plan.value(), options);
   EXPECT_TRUE(seen.inside);
   EXPECT_GE(seen.nearest_m, options.robot_radius_m - 1e-4);
+}
+
+// Two rooms above each other, with a gap that is too narrow for the robot, and cells that reach
+// over both: the lane at y = 1 m is isolated from the others.
+TEST(Coverage, CoversTheRestOfACellWhoseFirstLaneIsIsolated) {
+  const Region rooms{{{0, 0},
+                      {10, 0},
+                      {10, 2},
+                      {5.3, 2},
+                      {5.3, 3},
+                      {10, 3},
+                      {10, 10},
+                      {0, 10},
+                      {0, 3},
+                      {4.7, 3},
+                      {4.7, 2},
+                      {0, 2}},
+                     {}};
+  const FreeSpace space(rooms, 0.5);
+  const auto lane = [](double y_m, double from_m, double to_m) {
+    return Lane{y_m, {from_m, to_m}};
+  };
+  const Cell low_left{{lane(1, 0.5, 4.5), lane(4, 0.5, 4.5)}};
+  const Cell low_right{{lane(1, 5.5, 9.5), lane(4, 5.5, 9.5)}};
+  const Cell high{{lane(6, 0.5, 9.5), lane(8, 0.5, 9.5)}};
+  const Cell all{{lane(1, 0.5, 9.5), lane(4, 0.5, 9.5), lane(6, 0.5, 9.5), lane(8, 0.5, 9.5)}};
+  struct Case {
+    std::vector<Cell> cells;
+    int lanes = 0;  // that are not isolated
+  };
+  for (const Case& one :
+       {Case{{all}, 3}, Case{{low_left, low_right, high}, 4}, Case{{high, low_right}, 3}}) {
+    for (const GroundPoint start : {GroundPoint{1, 1}, {9, 1}, {1, 8}, {9, 8}}) {
+      Router router(space, rooms);
+      const Tour tour = TourOf(one.cells, start, router);
+      EXPECT_EQ(std::ranges::count(tour.on_lane, true), one.lanes);
+      for (const GroundPoint& corner : tour.corners) EXPECT_GT(corner.y_m, 3);
+      EXPECT_EQ(tour.cells + tour.cells_left_out, one.cells.size());
+      EXPECT_GT(tour.cells_left_out, 0U);
+    }
+  }
 }
 
 // A star of random corners with random boxes as holes, as far as they are a region.

@@ -83,4 +83,50 @@ TEST(FlightHold, EndsWhenSomethingElseCarriesTheFlyerAway) {
   EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep)) << "until it is used again";
 }
 
+// A flyer that is not held falls when the battery is empty.
+TEST(FlightHold, DescendsAtItsPlaceWithALowBatteryUntilItStands) {
+  for (const double ground_m : {0.0, 0.75}) {
+    Flyer flyer;
+    FlightHold hold;
+    hold.Use();
+    for (int i = 0; i < 50; ++i) flyer.Move(*hold.Command(flyer.pose, flyer.speed_m_s(), kStep));
+    const navigation::Point place = flyer.pose.at;
+    hold.SetBatteryLow(true);
+    int steps = 0;
+    for (; steps < 300; ++steps) {
+      const auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+      if (!command) break;
+      flyer.Move(*command);
+      flyer.pose.at.z_m = std::max(flyer.pose.at.z_m, ground_m);
+      const double aside_m =
+          std::hypot(flyer.pose.at.x_m - place.x_m, flyer.pose.at.y_m - place.y_m);
+      ASSERT_LT(aside_m, 0.3) << "it descends straight down";
+    }
+    EXPECT_LT(steps, 100);
+    EXPECT_NEAR(flyer.pose.at.z_m, ground_m, 0.01);
+    EXPECT_FALSE(hold.Command(flyer.pose, 0, kStep)) << "it has landed";
+  }
+}
+
+TEST(FlightHold, LandsAFlyerThatNoSkillHasMovedWhenItsBatteryGetsLow) {
+  FlightHold hold;
+  const navigation::Pose air{{0, 0, 1}, 0};
+  ASSERT_FALSE(hold.Command(air, 0, kStep));
+  hold.SetBatteryLow(true);
+  const auto down = hold.Command(air, 0, kStep);
+  ASSERT_TRUE(down);
+  EXPECT_LT(down->z_m_s, 0);
+  const auto blind = hold.Command(std::nullopt, 0, kStep);
+  ASSERT_TRUE(blind) << "without odometry, too";
+  EXPECT_LT(blind->z_m_s, 0);
+}
+
+TEST(FlightHold, LeavesALandedFlyerWithALowBatteryAloneUntilItMovesAgain) {
+  FlightHold hold;
+  hold.Use();
+  hold.Land();
+  hold.SetBatteryLow(true);
+  EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 0.7}, 0}, 0, kStep)) << "it stands on a table";
+}
+
 }  // namespace musher::skills::flight_hold_test

@@ -13,6 +13,8 @@
 
 namespace musher::skills::nav2_goals_test {
 
+using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::MovingRobot;
 using ::testing::SizeIs;
@@ -38,8 +40,11 @@ class Nav2 : public ::testing::Test {
     names.navigate_to_pose = "navigate_to_pose";
     names.navigate_through_poses = "navigate_through_poses";
     names.follow_waypoints = "follow_waypoints";
+    names.goal_pose = "goal_pose";
     nav2_ = std::make_unique<Nav2Goals>(
-        Nav2Goals::Context{robot_, *manager_, [this] { return may_start_; }}, names, endpoints_);
+        Nav2Goals::Context{robot_, *manager_, [this] { return may_start_; },
+                           [this](LogLevel, const std::string& line) { log_.push_back(line); }},
+        names, endpoints_);
     EXPECT_TRUE(endpoints_.opened());
     steps_ = node_->loop().Every(Milliseconds(100), [this] {
       robot_.Advance(Milliseconds(100));
@@ -66,6 +71,15 @@ class Nav2 : public ::testing::Test {
   auto ToPose(const msg::PoseStamped& pose) {
     return Send<msg::NavigateToPose>("navigate_to_pose", {.pose = pose, .behavior_tree = {}});
   }
+  // As RViz does.
+  void Click(const msg::PoseStamped& pose) {
+    if (!button_) {
+      button_ = transport::MakePublisher<msg::PoseStamped>(*peer_, "goal_pose").value();
+      Run(1);  // discovery
+    }
+    EXPECT_TRUE(button_->Publish(pose));
+    Run(0.1);
+  }
   void Run(double seconds) { network_.RunFor(FromSeconds(seconds)); }
   template <class Action>
   bool Await(const Sent<Action>& sent, double seconds = 60) {
@@ -80,8 +94,10 @@ class Nav2 : public ::testing::Test {
   skill::Registry registry_;
   std::unique_ptr<skill::Manager> manager_;
   Result<> may_start_;
+  std::vector<std::string> log_;
   transport::Endpoints endpoints_{*node_, ""};
   std::unique_ptr<Nav2Goals> nav2_;
+  std::unique_ptr<transport::Publisher<msg::PoseStamped>> button_;
   transport::LoopHandlePtr steps_;
 };
 
@@ -127,6 +143,39 @@ TEST_F(Nav2, RefusesWhatItCannotBegin) {
   sent = ToPose(At(4, 3));
   ASSERT_TRUE(Await(*sent));
   EXPECT_EQ(sent->end->result.error_msg, "it runs no skills in DeActive");
+}
+
+TEST_F(Nav2, DrivesToAPoseOfTheTopicOfRViz) {
+  Click(At(4, 3));
+  Run(20);
+  EXPECT_NEAR(robot_.at.at.x_m, 4, 0.2);
+  EXPECT_NEAR(robot_.at.at.y_m, 3, 0.2);
+  EXPECT_THAT(log_, ElementsAre("the goal (4.00, 3.00) on goal_pose is reached"));
+  const auto sent = ToPose(At(40, 3));
+  Run(2);
+  Click(At(2, 3));
+  ASSERT_TRUE(Await(*sent));
+  EXPECT_EQ(sent->end->result.error_msg, "a newer goal has replaced this one");
+  Run(20);
+  EXPECT_NEAR(robot_.at.at.x_m, 2, 0.2);
+}
+
+TEST_F(Nav2, RefusesAPoseOfTheTopicOfRVizWithTheReason) {
+  may_start_ = Error{kCodeStateInvalid, "it runs no skills in DeActive"};
+  Click(At(4, 3));
+  may_start_ = Ok();
+  auto other_frame = At(4, 3);
+  other_frame.header.frame_id = "odom";
+  Click(other_frame);
+  ASSERT_TRUE(manager_->Start("track", {{"target_topic", std::string("/t")}}));
+  Click(At(4, 3));
+  EXPECT_THAT(log_,
+              ElementsAre("a goal on goal_pose is refused: it runs no skills in DeActive",
+                          HasSubstr("is refused: the frame of the goal is 'odom'"),
+                          AllOf(HasSubstr("the goal (4.00, 3.00) on goal_pose is not reached"),
+                                HasSubstr("track"))));
+  Run(3);
+  EXPECT_EQ(robot_.drives, 0);
 }
 
 TEST_F(Nav2, StandsAtACancellation) {

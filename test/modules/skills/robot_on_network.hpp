@@ -12,6 +12,7 @@
 #include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
 #include "musher/messages/nav2_msgs/follow_path.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
@@ -50,6 +51,7 @@ class Peers {
     camera = endpoints.Advertise<msg::Image>("r/camera/image", transport::kSensorDataQos);
     target = endpoints.Advertise<msg::Odometry>("/target_0/odom");
     teleop = endpoints.Advertise<msg::Twist>("r/teleop");
+    battery = endpoints.Advertise<msg::BatteryState>("r/battery");
     endpoints.Subscribe<msg::Twist>("r/cmd_vel",
                                     [this](const msg::Twist& twist) { commands.push_back(twist); });
     transport::ActionHandlers<msg::ComputePathToPose> plan;
@@ -104,6 +106,7 @@ class Peers {
   transport::Publisher<msg::Image>* camera = nullptr;
   transport::Publisher<msg::Odometry>* target = nullptr;
   transport::Publisher<msg::Twist>* teleop = nullptr;
+  transport::Publisher<msg::BatteryState>* battery = nullptr;
   transport::Endpoints endpoints;
 };
 

@@ -384,7 +384,15 @@ class ARosFlyer : public ARosRobot {
     config.flies = true;
     config.gate.scanners.clear();
     config.gate.blind_m_s = navigation::kFlyerBlindMS;
+    config.low_battery_percent = 10;
     return config;
+  }
+  void ReportBattery(float share, std::uint8_t status = msg::BatteryState::kStatusDischarging) {
+    msg::BatteryState battery;
+    battery.percentage = share;
+    battery.power_supply_status = status;
+    EXPECT_TRUE(peers_->battery->Publish(battery));
+    Run(50);
   }
   // In a wind along x, for so long; returns where it is.
   double Fly(double seconds) {
@@ -457,6 +465,41 @@ TEST_F(ARosFlyer, IsNotHeldAgainstADriveOfAnotherClient) {
   const double place_m = Fly(2);
   EXPECT_FALSE(robot_.Drives());
   EXPECT_NEAR(Fly(20), place_m, 0.2) << "held at its new place";
+}
+
+TEST_F(ARosFlyer, LandsInEveryStateWhenItsBatteryIsLow) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.Rest();  // as at an emergency stop
+  Fly(2);
+  ReportBattery(0.11F);
+  EXPECT_EQ(robot_.LowBattery(), "");
+  Fly(1);
+  EXPECT_NEAR(peers_->commands.back().linear.z, 0, 0.05);
+  ReportBattery(0.09F);
+  EXPECT_EQ(robot_.LowBattery(), "the battery of r is at 9 %, its limit is 10 %");
+  Fly(1);
+  EXPECT_LT(peers_->commands.back().linear.z, -0.1);
+  ReportBattery(std::numeric_limits<float>::quiet_NaN());
+  ReportBattery(0.11F);
+  EXPECT_NE(robot_.LowBattery(), "") << "it does not end with the noise of a sensor";
+  ReportBattery(0.09F, msg::BatteryState::kStatusCharging);
+  EXPECT_EQ(robot_.LowBattery(), "");
+}
+
+TEST_F(ARosFlyer, CancelsADriveOfAnotherClientAndLandsWhenItsBatteryIsLow) {
+  const auto client =
+      Must(transport::MakeActionClient<msg::FollowPath>(*world_, "dog/r/follow_path"));
+  Run(500);
+  client->SendGoal({}, Milliseconds(1000), {});
+  Fly(1);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  ReportBattery(0.05F);
+  Fly(2);
+  EXPECT_EQ(peers_->cancels, 1);
+  EXPECT_FALSE(robot_.Drives());
+  ASSERT_FALSE(peers_->commands.empty());
+  EXPECT_LT(peers_->commands.back().linear.z, -0.1);
 }
 
 TEST_F(ARosRobot, GetsAPathFromThePlannerOrItsReason) {

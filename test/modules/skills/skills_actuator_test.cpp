@@ -7,6 +7,7 @@
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
+#include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/modules/skills/load_skills.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
 #include "musher/test/application/show.hpp"
@@ -24,6 +25,7 @@ class Go : public skill::Skill {
   explicit Go(Robot& robot) : robot_(robot) {}
   void Declare(skill::Table& table) override {
     table.Does("Drives ahead");
+    table.UsesWhen(kBase, [](const skill::Values& values) { return values.Number("speed") > 0; });
     table.Takes("speed", 0.5, "m/s");
     table.Takes("names", skill::Numbers{}, "");
     table.To(table.State("GOING"), skill::kSucceeded, "never");
@@ -88,6 +90,8 @@ class ASkillsActuator : public ::testing::Test {
       commands_in_.reset();
       client_.reset();
       button_.reset();
+      battery_again_.reset();
+      battery_.reset();
     });
   }
 
@@ -161,9 +165,10 @@ class ASkillsActuator : public ::testing::Test {
   std::vector<msg::Twist> commands_;
   std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button_;
+  std::unique_ptr<transport::Publisher<msg::BatteryState>> battery_;
   std::unique_ptr<transport::Subscription> commands_in_;
   std::unique_ptr<Client> client_;
-  transport::LoopHandlePtr again_;
+  transport::LoopHandlePtr again_, battery_again_;
   RosRobot robot_{Config()};
   ActuatorRunner<TestSkills> skills_{robot_};
 };
@@ -229,6 +234,39 @@ TEST_F(ASkillsActuator, RefusesAGoalWithTheReason) {
   for (const std::string value : {"[1, 2", "1, 2]", "[1, nan]", "[[1]]", "{}"}) {
     EXPECT_THAT(ReasonOf({"go"}, "names", value), HasSubstr("go: parameter names: ")) << value;
   }
+}
+
+TEST_F(ASkillsActuator, EndsWhatMovesTheRobotWithALowBatteryAndNamesIt) {
+  BeginActive();
+  BeginMoving();
+  Loop([this] {
+    battery_ =
+        transport::MakePublisher<msg::BatteryState>(harness_.node().node(), "r/battery").value();
+    msg::BatteryState battery;
+    battery.power_supply_status = msg::BatteryState::kStatusDischarging;
+    battery_again_ = harness_.node().loop().Every(
+        Milliseconds(50), [this, battery] { static_cast<void>(battery_->Publish(battery)); });
+  });
+  const auto status_of = [this](const std::string& skill) {
+    return skills_.Of([&](TestSkills& s) {
+      const skill::Run* run = s.manager().Find(skill);
+      return run == nullptr ? std::string() : skill::ToText(run->feedback());
+    });
+  };
+  EXPECT_TRUE(testing::Until([&] {
+    harness_.Tick(skills_, 5);
+    return status_of("go").starts_with("failed");
+  })) << status_of("go");
+  EXPECT_EQ(status_of("go"),
+            "failed: go has ended: the battery of r is at 0 %, its limit is 0 % (0%)");
+  ExpectStand();
+  EXPECT_TRUE(skills_.Of([](TestSkills& s) { return s.manager().Start("go").ok(); }));
+  EXPECT_TRUE(skills_.Of([](TestSkills& s) {
+    return s.manager().Start("run", {{"speed", 0.0}}).ok();
+  }));
+  harness_.Tick(skills_, 10);
+  EXPECT_THAT(status_of("go"), HasSubstr("the battery of r is at 0 %"));
+  EXPECT_THAT(status_of("run"), HasSubstr("processing")) << "it does not move the robot";
 }
 
 class ASkillConfig : public ::testing::Test {

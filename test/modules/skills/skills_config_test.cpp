@@ -30,6 +30,19 @@ TEST(SkillsConfig, NeedsOnlyTheRobotAndItsKind) {
   EXPECT_EQ(reading.config->skill_config, "");
   EXPECT_FALSE(reading.config->hand);
   EXPECT_EQ(reading.config->ceiling_m, std::nullopt);
+  EXPECT_EQ(reading.config->names.battery, "dog_1/battery");
+  EXPECT_EQ(reading.config->names.goal_pose, "dog_1/goal_pose");
+  EXPECT_EQ(reading.config->low_battery_percent, 0);
+}
+
+TEST(SkillsConfig, LandsAFlyerBeforeItsBatteryIsEmpty) {
+  const std::string flyer = "robot = \"f\"\nkind = \"cf2x\"\nflies = true\n";
+  const auto usual = ReadSkillsText(flyer, "/a/f.toml");
+  ASSERT_TRUE(usual.config);
+  EXPECT_EQ(usual.config->low_battery_percent, 10);
+  const auto given = ReadSkillsText(flyer + "[battery]\nlow_percent = 25\n", "/a/f.toml");
+  ASSERT_TRUE(given.config);
+  EXPECT_EQ(given.config->low_battery_percent, 25);
 }
 
 TEST(SkillsConfig, ReadsEachKey) {

@@ -126,6 +126,14 @@ TEST_F(ANav2Tree, GoesOnToAGoalThatComesJustBeforeTheEndAtTheOneBefore) {
   EXPECT_EQ(Run(30), 'S');
   EXPECT_NEAR(robot.at.at.y_m, 2, 0.01);
 }
+TEST_F(ANav2Tree, GoesOnToAGoalThatMovesLessThanTheToleranceJustBeforeTheEnd) {
+  Make(kNavigation);
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 3}));
+  for (int i = 0; i < 100 && robot.at.at.x_m < 2.85; ++i) Run(0.1);
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 3, .y_m = 0.4}));
+  EXPECT_EQ(Run(30), 'S');
+  EXPECT_NEAR(robot.at.at.y_m, 0.4, 0.01) << "it has arrived at the goal before, not at this one";
+}
 TEST_F(ANav2Tree, RecoversFromAnObstacleUntilItIsGone) {
   bool blocked = true;
   robot.blocked = [&blocked](const navigation::Point& point) { return blocked && point.x_m > 3; };

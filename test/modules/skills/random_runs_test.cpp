@@ -1,0 +1,301 @@
+// Random runs of each skill that moves a robot on the ground: on random maps, with faults of what
+// it senses and things that appear, cancelled or not; planner, controller, skills, gate and body on
+// a simulated network. The body touches nothing that its scan sees, each run ends within its time,
+// and then the robot stands. Flights have body_property_test.cpp.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "musher/behavior/skill/manager.hpp"
+#include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/navigation/controller_server/controller_server.hpp"
+#include "musher/modules/navigation/planner_server/planner_server.hpp"
+#include "musher/modules/skills/robot/ros_robot.hpp"
+#include "musher/modules/skills/skills/navigation_skills.hpp"
+#include "musher/test/modules/navigation/loop_background.hpp"
+#include "musher/test/modules/navigation/simulated_robot.hpp"
+#include "musher/test/navigation/maps.hpp"
+#include "musher/test/navigation/scanned_body.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::random_runs_test {
+
+using navigation::testing::LoopBackground;
+using navigation::testing::SimulatedRobot;
+
+constexpr double kRadiusM = 0.2;
+constexpr double kTimeoutS = 25;
+
+struct Outcome {
+  bool ended = false;
+  bool stands = false;
+  double least_room_m = 0;
+  double travelled_m = 0;  // turns too, at its edge
+  std::string text;
+};
+
+class RandomRun {
+ public:
+  RandomRun(const std::string& skill, std::uint64_t seed)
+      : skill_(skill),
+        random_(seed),
+        walls_(navigation::testing::Fenced(
+            navigation::testing::RandomBoxes(seed, 9, 0.05, 0.02 + 0.08 * Share()))),
+        robot_(Config()),
+        endpoints_(*node_, "") {
+    SimulatedRobot::Options options;
+    options.name = "r";
+    options.start = {navigation::testing::FreePlace(walls_, 0.3, random_), Between(-3, 3)};
+    options.lag_s = OneIn(2) ? 0 : Between(0, 0.1);
+    body_ = std::make_unique<SimulatedRobot>(*peers_, walls_, options);
+    last_ = body_->pose();
+    StartServers();
+    grid_ =
+        Must(transport::MakePublisher<msg::OccupancyGrid>(*peers_, "map", transport::kLatchedQos));
+    line_ = Must(
+        transport::MakePublisher<msg::YellowLines>(*peers_, "line", transport::kSensorDataQos));
+    target_ = Must(transport::MakePublisher<msg::Odometry>(*peers_, "target/odom"));
+    PublishMap();
+    watch_ = peers_->loop().Every(Milliseconds(10), [this] { Watch(); });
+    inputs_ = peers_->loop().Every(Milliseconds(100), [this] { PublishInputs(); });
+    robot_.Open(endpoints_, "");
+    skill::Registry registry;
+    EXPECT_TRUE(RegisterNavigationSkills(registry, robot_));
+    manager_ = std::make_unique<skill::Manager>(registry.All());
+    steps_ = node_->loop().Every(Milliseconds(100), [this] {
+      robot_.BeginStep(node_->loop().Now());
+      manager_->RunOnce(node_->loop().Now());
+    });
+    network_.RunFor(FromSeconds(1.5));
+  }
+
+  Outcome Run() {
+    Outcome outcome;
+    const auto started = manager_->StartWithTexts(skill_, Parameters());
+    EXPECT_TRUE(started) << skill_ << ": " << started.error().message;
+    if (!started) return outcome;
+    const double cancel_s = OneIn(4) ? Between(0, 20) : 1e9;
+    constexpr double kBoundS = kTimeoutS + 8;  // a cancellation has 5 s
+    for (double at_s = 0; at_s < kBoundS && !run().ended(); at_s += 0.5) {
+      if (OneIn(8)) InjectFault();
+      if (at_s >= cancel_s) static_cast<void>(manager_->Cancel(skill_, "by the test"));
+      network_.RunFor(FromSeconds(0.5));
+    }
+    outcome.ended = run().ended();
+    outcome.text = skill::ToText(run().feedback());
+    body_->stuck = false;
+    network_.RunFor(FromSeconds(2));
+    outcome.stands = body_->speed_m_s() < 0.01;
+    outcome.least_room_m = std::min(body_->least_room_m(), least_disc_m_);
+    outcome.travelled_m = travelled_m_;
+    return outcome;
+  }
+
+ private:
+  template <class T>
+  static T Must(Result<T> result) {
+    if (!result) ADD_FAILURE() << result.error().message;
+    return std::move(result).value();
+  }
+  static skills::SkillsConfig Config() {
+    const auto reading = skills::ReadSkillsText(
+        "robot = \"r\"\nkind = \"jetbot\"\nradius_m = 0.2\n[topics]\nobjects = \"\"\n"
+        "line = \"line\"\n[gate]\nreaction_ms = 300\n",
+        "/tmp/r.toml");
+    return *reading.config;
+  }
+  template <class Robot>
+  static Robot TableOf() {
+    Robot robot;
+    robot.name = "r";
+    robot.odometry = "r/odom";
+    robot.scanners = {{.topic = "r/scan"}};
+    return robot;
+  }
+  void StartServers() {
+    navigation::PlannerConfig planner;
+    auto planned = TableOf<navigation::PlannerRobot>();
+    planned.action = "r/compute_path_to_pose";
+    planned.path = "r/planned_path";
+    planned.refuge = "r/compute_refuge";
+    planner.robots.push_back(planned);
+    navigation::ControllerConfig controller;
+    auto driven = TableOf<navigation::ControllerRobot>();
+    driven.action = "r/follow_path";
+    driven.trajectory = "r/timed_trajectory";
+    driven.command = "r/cmd_vel";
+    driven.gate.reaction_s = 0.3;
+    controller.robots.push_back(driven);
+    const auto log = [](LogLevel, const std::string&) {};
+    planner_ = Must(navigation::PlannerServer::Make(
+        {*planner_node_, *planner_clock_, "", log}, planner, [this] {
+          return std::make_unique<LoopBackground>(planner_node_->loop(), Milliseconds(20));
+        }));
+    controller_ = Must(navigation::ControllerServer::Make(
+        {*controller_node_, *controller_clock_, "", log}, controller,
+        std::make_unique<LoopBackground>(controller_node_->loop(), Milliseconds(5))));
+    planner_->Permit(true, "");
+    controller_->Permit(true, "");
+  }
+
+  double Share() { return std::uniform_real_distribution<double>(0, 1)(random_); }
+  double Between(double least, double most) { return least + (most - least) * Share(); }
+  bool OneIn(int count) { return random_() % static_cast<std::uint64_t>(count) == 0; }
+  const skill::Run& run() const { return *manager_->Find(skill_); }
+
+  // The true one, or one without the boxes.
+  void PublishMap() {
+    const navigation::CellMap empty =
+        navigation::testing::Fenced(navigation::testing::RandomBoxes(1, 9, 0.05, 0));
+    EXPECT_TRUE(grid_->Publish(navigation::testing::GridOf(OneIn(3) ? empty : walls_.map())));
+  }
+
+  std::string AnyPlace() {
+    const auto place = navigation::testing::FreePlace(walls_, 0.35, random_);
+    return "[" + std::to_string(place.x_m) + ", " + std::to_string(place.y_m) + ", 0]";
+  }
+  std::vector<std::pair<std::string, std::string>> Parameters() {
+    std::vector<std::pair<std::string, std::string>> texts{{"timeout", std::to_string(kTimeoutS)}};
+    if (skill_ == "navigate_to") texts.emplace_back("goal_pos", AnyPlace());
+    if (skill_ == "move") {
+      texts.emplace_back("path", "[" + AnyPlace() + ", " + AnyPlace() + "]");
+    }
+    if (skill_ == "explore") {
+      texts.emplace_back("boundary", "[[0.5, 0.5], [8.5, 0.5], [8.5, 8.5], [0.5, 8.5]]");
+    }
+    if (skill_ == "avoid_obstacle") {
+      texts.emplace_back("heading", std::to_string(Between(-3, 3)));
+      texts.emplace_back("speed", "1");
+    }
+    if (skill_ == "follow_line") texts.emplace_back("speed", std::to_string(Between(0.3, 1)));
+    if (skill_ == "track") {
+      texts.emplace_back("target_topic", "/target/odom");
+      texts.emplace_back("track_period", "2");
+    }
+    return texts;
+  }
+
+  void InjectFault() {
+    switch (random_() % 7) {
+      case 0:
+        body_->odometry_off = {Between(-1, 1), Between(-1, 1), 0};
+        break;
+      case 1:
+        body_->odometry_frozen = !body_->odometry_frozen;
+        break;
+      case 2:
+        body_->odometry_silent = !body_->odometry_silent;
+        break;
+      case 3:
+        // What appears while it sees nothing is not what its scan sees.
+        if (body_->discs.empty()) body_->scan_silent = !body_->scan_silent;
+        break;
+      case 4:
+        body_->stuck = !body_->stuck;
+        break;
+      case 5:
+        if (!body_->scan_silent) AddDisc();
+        break;
+      default:
+        PublishMap();
+        body_->odometry_off = {};
+        body_->odometry_frozen = body_->odometry_silent = false;
+    }
+  }
+  // A person stands there all of a sudden, farther away than the body brakes from its highest
+  // speed.
+  void AddDisc() {
+    const double angle_rad = Between(-M_PI, M_PI), away_m = Between(2, 4);
+    const navigation::Point& at = body_->pose().at;
+    body_->discs.push_back(
+        {{at.x_m + away_m * std::cos(angle_rad), at.y_m + away_m * std::sin(angle_rad), 0},
+         kRadiusM});
+  }
+  void Watch() {
+    for (const auto& disc : body_->discs) {
+      const double room_m =
+          navigation::Distance(disc.at, body_->pose().at) - disc.radius_m - kRadiusM;
+      least_disc_m_ = std::min(least_disc_m_, room_m);
+    }
+    travelled_m_ += navigation::Distance(last_.at, body_->pose().at) +
+                    kRadiusM * std::abs(navigation::Wrapped(body_->pose().yaw_rad - last_.yaw_rad));
+    last_ = body_->pose();
+  }
+  // A line that bends, and a target that goes round.
+  void PublishInputs() {
+    const Duration now = peers_->loop().Now().time_since_epoch();
+    const double now_s = ToSeconds(now);
+    msg::YellowLines lines;
+    lines.header.stamp = msg::ToStamp(now);
+    lines.contours = 1;
+    lines.middle_offset = static_cast<float>(0.2 * std::sin(now_s / 3));
+    static_cast<void>(line_->Publish(lines));
+    msg::Odometry target;
+    target.header.stamp = msg::ToStamp(now);
+    target.header.frame_id = "map";
+    target.pose.pose.position.x = 4.5 + 3 * std::cos(now_s / 10);
+    target.pose.pose.position.y = 4.5 + 3 * std::sin(now_s / 10);
+    target.pose.pose.orientation.w = 1;
+    static_cast<void>(target_->Publish(target));
+  }
+
+  const std::string skill_;
+  std::mt19937_64 random_;
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> planner_node_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> controller_node_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> node_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> peers_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Clock> planner_clock_ =
+      transport::Clock::Steady(planner_node_->loop());
+  std::unique_ptr<transport::Clock> controller_clock_ =
+      transport::Clock::Steady(controller_node_->loop());
+  const navigation::Clearance walls_;
+  std::unique_ptr<SimulatedRobot> body_;
+  navigation::Pose last_;
+  double least_disc_m_ = 10;
+  double travelled_m_ = 0;
+  std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> grid_;
+  std::unique_ptr<transport::Publisher<msg::YellowLines>> line_;
+  std::unique_ptr<transport::Publisher<msg::Odometry>> target_;
+  std::unique_ptr<navigation::PlannerServer> planner_;
+  std::unique_ptr<navigation::ControllerServer> controller_;
+  skills::RosRobot robot_;
+  transport::Endpoints endpoints_;
+  std::unique_ptr<skill::Manager> manager_;
+  transport::LoopHandlePtr watch_, inputs_, steps_;
+};
+
+void ExpectNoContact(std::uint64_t from, std::uint64_t to) {
+  for (const char* skill : {"navigate_to", "move", "explore", "avoid_obstacle", "follow_line",
+                            "track", "back_up", "spin", "leave_tight_start"}) {
+    double travelled_m = 0;
+    std::string ends;
+    for (std::uint64_t seed = from; seed < to; ++seed) {
+      const Outcome outcome = RandomRun(skill, seed).Run();
+      const std::string what = std::string(skill) + ", seed " + std::to_string(seed) + ": ";
+      EXPECT_TRUE(outcome.ended) << what << outcome.text;
+      EXPECT_TRUE(outcome.stands) << what << outcome.text;
+      EXPECT_GT(outcome.least_room_m, 0) << what << outcome.text;
+      travelled_m += outcome.travelled_m;
+      ends += outcome.text + "\n";
+    }
+    EXPECT_GT(travelled_m, 0) << skill << " moves the robot in some of them: " << ends;
+  }
+}
+
+TEST(RandomRuns, OfEachSkillTouchNothingThatTheScanSeesAndEnd) {
+  ExpectNoContact(1, 4);
+}
+
+TEST(RandomRunsNightly, OfEachSkillTouchNothingThatTheScanSeesAndEnd) {
+  ExpectNoContact(100, 150);
+}
+
+}  // namespace musher::random_runs_test
