@@ -189,6 +189,9 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
   }
   SwitchResult result = *machine_.stopping->result;
   result.degraded = Degraded(config_, machine_);
+  const bool is_begun =
+      result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
+  if (!is_begun) return result;
   // A host that could not be asked says more than how its actuator was lost.
   std::optional<ActuatorIndex> left;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
