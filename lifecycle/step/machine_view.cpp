@@ -40,7 +40,7 @@ bool MachineView::RunsElsewhere(ActuatorIndex i) const {
   const bool connected =
       known.presence == Presence::kPresent || known.presence == Presence::kStarting;
   const ActuatorReport& report = known.report;
-  // A process of this host that only waits beside the one in use is not the one that is meant.
+  // A process of this host that only waits beside the process in use is not meant.
   const bool waits_here = known.other && known.other->host == view_.host;
   return connected && (known.process.pid == 0 || waits_here) && report.incarnation != 0 &&
          report.incarnation != known.process.dead && !report.host.empty() &&

@@ -17,9 +17,9 @@ class MachineView {
   const KnownActuator& Of(ActuatorIndex i) const { return view_.actuators[i]; }
   const ActuatorConfig& ConfigOf(ActuatorIndex i) const { return config_.actuators[i]; }
 
-  // Whether it is starting, though it is not present yet.
+  // Whether the actuator is starting and not present yet.
   bool IsComing(ActuatorIndex i) const;
-  // Whether the controller may send it a command of its own.
+  // Whether the controller may send the actuator a command of its own.
   bool IsFree(ActuatorIndex i) const;
   bool MayRestart(ActuatorIndex i) const;
   // The process that can be signalled: it was started by us, or it publishes as the actuator from
@@ -28,8 +28,8 @@ class MachineView {
   // The process that has to exit with the machine: this controller, or an earlier one, has started
   // it. Processes started by other parties are not ended. 0: none.
   std::int32_t OwnProcess(ActuatorIndex i) const;
-  // Whether the process that is in use runs on another host: a second one here would run in
-  // parallel, or waits already until that one is lost.
+  // Whether the process that is in use runs on another host: a second process here would run beside
+  // it, or already waits until the first one is lost.
   bool RunsElsewhere(ActuatorIndex i) const;
   // Whether the last report of the actuator is of process `pid` of this host: a process of another
   // host may have the same pid.
@@ -38,25 +38,26 @@ class MachineView {
   // started it, or `pid` was only the program that started it.
   bool AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const;
 
-  // Whether it may be in the state of the machine: it has passed its check, or is present without
-  // one, in Error.
+  // Whether the actuator may be in the state of the machine: it has passed its check, or is present
+  // without a check, in Error.
   bool Fits(ActuatorIndex i) const;
-  // Whether it may be driven to the state of the machine: down always, up only after its check.
+  // Whether the actuator may be driven to the state of the machine: down always, up only after its
+  // check.
   bool MayFollow(ActuatorIndex i) const;
   // The most active state that the actuator may have while the machine is in a step of a start:
   // DeActive if the actuator lists it, else LowPower. Empty: it lists neither.
   State RestOf(ActuatorIndex i) const;
-  // Whether it is more active than the machine or, in a step of a start, than RestOf().
+  // Whether the actuator is more active than the machine or, in a step of a start, than RestOf().
   bool IsAbovePlace(ActuatorIndex i) const;
-  // Its target: the state of the machine; while suspended, DeActive or LowPower, and never higher
-  // than its present state.
+  // The target of the actuator: the state of the machine; while suspended, DeActive or LowPower,
+  // and never higher than its present state.
   State PlaceOf(ActuatorIndex i) const;
 
   // Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.
   bool NeedsMet(ActuatorIndex i, std::optional<RecordText>& blocker) const;
   // The record of the fault that blocks the actuator; 0: none.
   RecordId CauseOfBlocker(ActuatorIndex i) const;
-  // The suspended actuator in its `after` that it waits for, if any.
+  // The suspended actuator in the `after` of `i` that `i` waits for, if any.
   std::optional<RecordText> WaitsForSuspended(ActuatorIndex i) const;
 
   // Whether each actuator of the stages so far is present, or will not be.
