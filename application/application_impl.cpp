@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/application/refusal.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 
@@ -53,7 +54,7 @@ void ApplicationImpl::ServeCommands(transport::Endpoints& topics,
 
 Result<> ApplicationImpl::CheckNoStop() const {
   if (!actuator_.EmergencyStopped()) return Ok();
-  return Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
+  return Refused<ApplicationRefusal::kStoppedMeanwhile>();
 }
 
 void ApplicationImpl::StartTicks() {

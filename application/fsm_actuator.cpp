@@ -7,6 +7,7 @@
 
 #include "musher/application/application_impl.hpp"
 #include "musher/application/behavior_report.hpp"
+#include "musher/application/refusal.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -32,9 +33,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
         commanded_ = true;
         return StartOrResume();
       }
-      return Error{kCodeStateInvalid, owner_.name() +
-                                          " stands and waits for START: musher behavior " +
-                                          owner_.name() + " --send START"};
+      return Refused<ApplicationRefusal::kWaitsForStart>(owner_.name(), owner_.name());
     }
     const Result<> ready = CheckTicking();
     return ready ? machine_->Send(command) : ready;
@@ -43,7 +42,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   // A command queued for hours would no longer be wanted.
   Result<> CheckTicking() const {
     if (ticking()) return Ok();
-    return Error{kCodeStateInvalid, owner_.name() + " is paused in " + Whereabouts()};
+    return Refused<ApplicationRefusal::kPaused>(owner_.name(), Whereabouts());
   }
 
   // For calls that are on the loop only.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "musher/application/application_impl.hpp"
+#include "musher/application/refusal.hpp"
 #include "musher/application/saved_skills.hpp"
 #include "musher/application/skill_report.hpp"
 #include "musher/base/check.hpp"
@@ -31,8 +32,7 @@ struct Request {
 Result<Request> RequestOf(const Goal& goal) {
   const auto& skills = goal.goal().skill_request.skill_list;
   if (skills.size() != 1) {
-    return Error{kCodeParametersInvalid,
-                 "expected one skill in skill_list, found " + std::to_string(skills.size())};
+    return Refused<ApplicationRefusal::kNotOneSkill>(skills.size());
   }
   Request request{skills.front().skill, {}};
   for (const msg::SkillParameter& parameter : skills.front().params) {
@@ -66,7 +66,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
 
   Result<> CheckTicking() const {
     if (ticking()) return Ok();
-    return Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + Whereabouts()};
+    return Refused<ApplicationRefusal::kRunsNoSkills>(owner_.name(), Whereabouts());
   }
 
   void CancelAtOnce(const std::string& why) {
@@ -266,8 +266,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
     const std::string& asked = goal.goal().skill_request.robot_id;
     const std::string& own = options_.robot;
     if (own.empty() || asked.empty() || asked == own || asked == owner_.name()) return Ok();
-    return Error{kCodeParametersInvalid,
-                 "the skill is for the robot '" + asked.substr(0, 80) + "', and this is " + own};
+    return Refused<ApplicationRefusal::kOtherRobot>(asked.substr(0, 80), own);
   }
 
   void Cancel(const Goal& goal) {

@@ -7,6 +7,7 @@
 
 #include "musher/application/application_impl.hpp"
 #include "musher/application/load_tree.hpp"
+#include "musher/application/refusal.hpp"
 #include "musher/application/tree_report.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
@@ -32,7 +33,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
 
   Result<> Load(tree::Document document, const Entries& entries, const std::string& main) {
     if (in_tree_) {
-      return Error{kCodeStateInvalid, "a node can not replace the tree that it belongs to"};
+      return Refused<ApplicationRefusal::kInsideOwnTree>();
     }
     Loaded loaded{std::move(document), entries, main, nullptr};
     if (Result<> built = Build(loaded, *factory_); !built) return built;
@@ -123,12 +124,10 @@ class TreeActuator::Impl final : public ApplicationImpl {
 
   Result<> Send(const std::string& command) {
     if (command != kStartCommand) {
-      return Error{kCodeParametersInvalid,
-                   "there is no command '" + command + "'; expected " + kStartCommand};
+      return Refused<ApplicationRefusal::kUnknownCommand>(command, kStartCommand);
     }
     if (!ticking()) {
-      return Error{kCodeStateInvalid,
-                   owner_.name() + " begins in Active only; it is in " + Whereabouts()};
+      return Refused<ApplicationRefusal::kBeginsInActive>(owner_.name(), Whereabouts());
     }
     Result<> sent;
     if (const auto thrown = Thrown("OnStartCommand", [&] { sent = owner_.OnStartCommand(); })) {

@@ -111,7 +111,7 @@ class Controller {
   std::shared_ptr<StateStore> store_;  // null if the folder is unusable; pending saves hold it, too
   std::unique_ptr<JournalSink> journal_;
   Journal* file_journal_ = nullptr;       // the same, when there is a store
-  std::optional<HistoryReader> history_;  // of that one
+  std::optional<HistoryReader> history_;  // of file_journal_
   std::optional<NameLock> name_;          // of the leader of this namespace on this host
   std::size_t held_ = 0;                  // actuators of this host whose name is held
   std::string taken_from_;                // state folder of the controller that was taken over

@@ -343,17 +343,18 @@ struct RefusalValue {
       : text(std::to_string(number.value())) {}
 };
 
-// The code of the form, and its sentence. The values go into the places of the sentence in their
-// order, one into each.
-Error MakeRefusal(const RefusalForm& form, std::initializer_list<RefusalValue> values);
+// The values go into the places of the sentence in their order, one into each.
+Error MakeRefusal(std::int32_t code, std::string_view sentence,
+                  std::initializer_list<RefusalValue> values);
 
-// The same; a number of values that does not fit the sentence does not compile.
+// The code of the form, and its sentence; a number of values that does not fit the sentence does
+// not compile.
 template <Refusal kWhy, typename... Values>
 Error Refused(const Values&... values) {
   static_assert(FormOf(kWhy).why == kWhy, "kRefusals has the order of Refusal");
   static_assert(PlacesIn(FormOf(kWhy).sentence) == sizeof...(Values),
                 "one value for each place of the sentence");
-  return MakeRefusal(FormOf(kWhy), {RefusalValue(values)...});
+  return MakeRefusal(FormOf(kWhy).code, FormOf(kWhy).sentence, {RefusalValue(values)...});
 }
 
 }  // namespace musher

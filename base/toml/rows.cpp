@@ -93,15 +93,9 @@ Row Program(std::string_view key, std::vector<std::string>& argv, std::filesyste
   };
 }
 
-Row Topic(std::string_view key, std::string& value, std::string_view example) {
+Row Topic(std::string_view key, std::string& value, std::string_view example, TopicRule rule) {
   return [=, &value](TableReader& reader) {
-    const auto topic = reader.String(key);
-    if (!topic) return;
-    if (!IsTopic(topic->text)) {
-      reader.Fault(topic->at, key,
-                   "expected the name of a topic, as in \"" + std::string(example) + "\"");
-    }
-    value = topic->text;
+    if (auto topic = reader.Topic(key, example, rule)) value = std::move(topic->text);
   };
 }
 

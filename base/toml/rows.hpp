@@ -57,7 +57,7 @@ Row File(std::string_view key, std::string& value, std::filesystem::path folder)
 Row Program(std::string_view key, std::vector<std::string>& argv, std::filesystem::path folder,
             ListRule rule = {.may_repeat = true});
 // `example` is a name that a topic of this key has, in messages.
-Row Topic(std::string_view key, std::string& value, std::string_view example);
+Row Topic(std::string_view key, std::string& value, std::string_view example, TopicRule rule = {});
 // One of a few words, each with its meaning.
 template <typename T>
 Row Choice(std::string_view key, T& value,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "musher/base/toml/names.hpp"
+
 namespace musher::config_toml {
 namespace {
 
@@ -69,6 +71,18 @@ std::optional<bool> TableReader::Bool(std::string_view key) {
   if (value == nullptr) return std::nullopt;
   if (const auto* boolean = value->As<bool>()) return *boolean;
   Mismatch(key, "true or false", *value);
+  return std::nullopt;
+}
+
+std::optional<Word> TableReader::Topic(std::string_view key, std::string_view example,
+                                       const TopicRule& rule) {
+  std::optional<Word> name = String(key);
+  if (!name || (rule.may_be_empty && name->text.empty())) return name;
+  if (rule.relative ? IsRelativeTopic(name->text) : IsTopic(name->text)) return name;
+  Fault(name->at, key,
+        "expected the name of " + std::string(rule.of) +
+            (rule.relative ? " relative to the namespace" : "") + ", as in " + Quote(example) +
+            (rule.may_be_empty ? ", or \"\" for none" : "") + ", found " + Quote(name->text));
   return std::nullopt;
 }
 

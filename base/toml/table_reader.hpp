@@ -28,6 +28,13 @@ struct ListRule {
   bool may_repeat = false;
 };
 
+// Which names TableReader::Topic() permits. Services and actions have names of the same form.
+struct TopicRule {
+  std::string_view of = "a topic";  // what has the name, in messages
+  bool relative = false;            // to the namespace: not "/scan"
+  bool may_be_empty = false;        // for none
+};
+
 // Each reading function gives nothing where the key is missing, which is an error only after
 // Require(), or where its value is invalid, which it reports.
 class TableReader {
@@ -45,6 +52,9 @@ class TableReader {
   std::optional<Duration> Time(std::string_view key, std::int64_t least_ms = 1);
   std::optional<double> Number(std::string_view key, double least, double most);
   std::optional<bool> Bool(std::string_view key);
+  // `example` is a name that a topic of this key has, in messages.
+  std::optional<Word> Topic(std::string_view key, std::string_view example,
+                            const TopicRule& rule = {});
   // The valid elements; invalid and repeated ones are reported and left out.
   std::optional<std::vector<Word>> Strings(std::string_view key, ListRule rule = {});
   std::optional<std::vector<Duration>> Times(std::string_view key);

@@ -46,13 +46,14 @@ class LeaderWatch {
     // The machine of this host instead of the first, also when another one was found before; once
     // it was found, none of another host.
     bool prefer_here = false;
-    // Without a leader none of another name than the last one. A machine that was started again
-    // with another state folder has another id.
+    // After the loss of a leader, only a machine of the same name is taken. A machine that was
+    // started again with another state folder has another id.
     bool one_name = false;
     // By which a person chooses it: its name, or the beginning of its id; empty: any.
     std::string word = {};
   };
-  // The leader of that status is over. `how` follows its name: "has exited", "sends no heartbeat".
+  // The leader with this status has ended. `how` follows its name: "has exited", "sends no
+  // heartbeat".
   using OnEnd = std::function<void(const msg::MachineStatus& leader, const std::string& how)>;
   using OnStatus = std::function<void(const msg::MachineStatus&)>;
 

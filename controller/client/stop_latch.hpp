@@ -4,10 +4,11 @@
 //
 //   published ──a controller of the machine that it names publishes its release──▶ withdrawn
 //
-// A stop that is published longer would come back into a module that is restarted. A release counts
-// as it does for a controller (shell/controller_presence.hpp): only from a participant whose own
-// heartbeat says that it is a controller of that machine. A panel, or a bridge that repeats samples
-// of others, withdraws nothing. Such a heartbeat comes within its period, also after the release.
+// If the stop were published longer, a restarted module would latch it again. A release counts as
+// it does for a controller (shell/controller_presence.hpp): only from a participant whose own
+// heartbeat says that it is a controller of the machine. A panel, or a bridge that repeats the
+// samples of other participants, withdraws nothing. The heartbeat may come after the release,
+// within its period.
 //
 // Threads: loop thread only.
 
@@ -126,8 +127,8 @@ class StopLatch {
   bool withdrawn() const { return !stops_; }
 
   // Whether waiting brings no more: every actuator of the machine has latched the stop, as far as
-  // it can. Without a controller that lists them not before their discovery has had its time: the
-  // first one that is found is not all of them.
+  // it can. Without a controller, which would list the actuators, not before the time of discovery
+  // is over: the first actuator that is found may not be the only one.
   bool IsOver(const EstopReport& report) const;
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 // Reads the journal for callers on the loop, on a thread of its own: one request after the other,
-// each with everything that was appended before it began. While the disk fails, the entries that
-// wait in memory stand behind those of the file, and the damage says since when.
+// each with everything that was appended before the request began. While the disk fails, the
+// entries that wait in memory stand behind the entries of the file, and the damage says since when.
 //
 // Threads: loop thread only, except for the reading itself.
 
@@ -22,8 +22,8 @@ using OnHistory = std::function<void(const Result<JournalReading>&)>;
 using ReadHistory =
     std::function<void(std::int64_t since_wall_ns, std::size_t limit, OnHistory done)>;
 
-// A reading of the file with the entries that are not in it yet, and since when and why they are
-// not. What is only in memory is there also if the file cannot be read.
+// A reading of the file together with the entries that are not written yet, and since when and why
+// they are not. Entries in memory are returned also if the file cannot be read.
 Result<JournalReading> WithUnwritten(Result<JournalReading> reading,
                                      const UnwrittenEntries& unwritten, std::int64_t since_wall_ns,
                                      std::size_t limit);

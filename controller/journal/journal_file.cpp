@@ -35,8 +35,8 @@ constexpr int kBusyTimeoutMs =
 constexpr Duration kQuickCheckWithin = Milliseconds(1000);
 constexpr int kStepsBetweenLooks = 1000;  // of SQLite's virtual machine
 
-// Errors that a whole file does not give: the statements are always the same, so that even one that
-// cannot be prepared, or violates a constraint, shows a damaged schema.
+// Errors that a whole file does not give. The statements are always the same, so a statement that
+// cannot be prepared, or that violates a constraint, shows a damaged schema.
 bool MeansDamage(int code) {
   switch (code & 0xff) {
     case SQLITE_CORRUPT:

@@ -27,7 +27,7 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
                                    std::size_t limit);
 
 struct JournalRow {
-  std::int64_t id = 0;  // one more than that of the previous row, unless rows are missing
+  std::int64_t id = 0;  // the previous row has the number before, unless rows are missing
   JournalItem item;
 };
 

@@ -64,14 +64,14 @@ class ProcessRunner {
   virtual Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) = 0;
 
   // Watches a running process: for example, a process of the previous controller. Where a process
-  // hosts several actuators, each of them may watch it. For a process that this
-  // controller did not start the exit code is unknown. Fails if there is no such process. The
+  // hosts several actuators, it may be watched once for each. The exit code of a process that this
+  // controller did not start is unknown. Fails if there is no such process. The
   // caller must have verified the host of the pid (HostId) and its actuator (ProcessProbe::Prove).
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
 
-  // Watches a process that an earlier controller has started as its child. When it exits, the rest
-  // of its group, and all that it has started, is killed, as for a child of ours. `start_time`: of
-  // StartTimeOf(); fails if another process has the pid meanwhile.
+  // Watches a process that an earlier controller has started as its child. When the process exits,
+  // the rest of its group, and all that it has started, is killed, as for a child of this
+  // controller. `start_time`: from StartTimeOf(); fails if another process has the pid meanwhile.
   virtual Result<> Adopt(pid_t pid, std::uint64_t /*start_time*/, OnExit on_exit) {
     return Watch(pid, std::move(on_exit));
   }

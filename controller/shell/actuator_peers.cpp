@@ -161,8 +161,8 @@ void ActuatorPeers::OnWriterLost(transport::EndpointId writer) {
 
 // --- the sender of a status ---
 
-// The participant of a process, from its status. Once the status has had its number, a status
-// without one is not of that process.
+// The participant of a process, from its status. Once a status of the process has named its
+// participant, a status that names none is not of that process.
 bool ActuatorPeers::TakeSender(ActuatorIndex actuator, const msg::ActuatorStatus& status,
                                transport::ParticipantId participant) {
   Process& process = ProcessOf(actuator, transport::FromMessage(status));

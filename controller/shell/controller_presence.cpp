@@ -20,7 +20,7 @@ constexpr transport::Qos kStopsQos{transport::Qos::Reliability::kReliable,
 // Another host discovers a controller within 500 ms, with credentials within some seconds.
 constexpr Duration kListenTime = Milliseconds(1000);
 constexpr Duration kSecuredListenTime = Milliseconds(4000);
-// A controller that starts on another host takes over from one that is silent while it listens.
+// A controller that starts on another host takes over from a controller that is silent meanwhile.
 constexpr Duration kLongestSilence = kListenTime / 2;
 // Another machine is reported again after this time, and is gone after a silence of some
 // heartbeats.

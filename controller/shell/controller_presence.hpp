@@ -58,7 +58,7 @@ class ControllerPresence {
   // Before Announce(): the id of this controller's machine.
   void SetMachineId(std::string id) { identity_.machine_id = std::move(id); }
   MachineIdentity machine() const { return {config_.name, identity_.machine_id}; }
-  // The same of this controller, for one that takes over, on another host.
+  // Rival::awaits_request of this controller, for a controller of another host that takes over.
   // Published at once: a successor that listens may see neither the stop nor its release.
   void SetAwaitsRequest(bool awaits);
   // Publishes the heartbeat at once and periodically from now on.

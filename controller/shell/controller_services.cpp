@@ -204,7 +204,7 @@ void ControllerServices::OnGetPlan(const msg::GetPlan::Request& request,
   reply(response);
 }
 
-// Own switches are in memory, those of an earlier controller in the journal, if it is the same one.
+// Own switches are in memory, switches of an earlier controller in the journal, if both use one.
 void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
                                      const Reply<msg::GetSwitch>& reply,
                                      transport::ParticipantId /*caller*/) {

@@ -1,5 +1,5 @@
 #pragma once
-// Writes the records of a controller to its journal, and keeps those of its last switches.
+// Writes the records of a controller to its journal, and keeps the records of its last switches.
 //
 // Threads: loop thread only.
 

@@ -346,7 +346,8 @@ void LogFiles::LookNow() {
   Report();
 }
 
-// Changes nothing for a file that is watched already; one that was made again is not.
+// Changes nothing for a file that is watched already. A file that was made again is not watched
+// yet.
 void LogFiles::Watch() {
   if (!changes_.valid()) return;
   for (const State::Log& log : state_->logs) {

@@ -5,9 +5,9 @@
 //   by their processes       MUSHER_CONFIG or --config of the actuators that run here
 //   by their configs         given ones, and robot.toml of the working directory
 //
-// An emergency stop must reach every actuator of a machine, also those of other hosts. They are
-// known from its config, and from what its last controller has stored. What this user may not read
-// may be of a machine with other hosts, whatever the configs say that it reads.
+// An emergency stop must reach every actuator of a machine, also on other hosts. These actuators
+// are known from the config, and from what the last controller has stored. What this user may not
+// read may belong to a machine with other hosts, whatever the readable configs say.
 //
 // Threads: any; it reads /proc and the disk.
 

@@ -1,8 +1,8 @@
 #pragma once
-// A machine whose config has no `state_dir` has its state folder in the default place of who starts
-// it: a user's, or the one of systemd's unit. So one machine can have several state folders, one a
-// way to start it. The emergency stops that are engaged in the others hold as well, and so does
-// what a released one has switched off: a robot that was stopped by hand must not move because
+// Without `state_dir` in its config a machine has its state folder in a default place, which
+// depends on how it is started: by a user, or by systemd's unit. So one machine can have several
+// state folders. The emergency stops that are engaged in the other folders hold as well, and what a
+// released stop has switched off stays off: a robot that was stopped by hand must not move because
 // systemd starts it at the next boot.
 //
 // Threads: any; they read the disk.

@@ -224,7 +224,7 @@ Result<std::vector<std::string>> StateStore::SaveRemoved() {
   return saved;
 }
 
-// Whether the lock's file was removed: another controller could take the one that is there now.
+// Whether the file of the lock was removed: another controller could lock the file in its place.
 Result<bool> StateStore::TakeLockAgain() {
   const std::string path = dir_ + "/controller.lock";
   struct stat held {};
@@ -263,7 +263,7 @@ Result<> StateStore::Replace(const std::string& path, const std::string& content
   return written;
 }
 
-// "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; "awaits request";
+// "engaged ID" with its lines "by …" and "reason …", and "released ID"; "awaits request";
 // "unread MARK OWNER FOLDER", or "answered …" once a person has requested a state; a last line
 // "end".
 Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {

@@ -25,7 +25,7 @@ constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no m
 constexpr const char* kPermitKey = "[safety] permit_ms";
 // An actuator discovers within this time who gives the permits.
 constexpr Duration kFirstPermit = std::chrono::seconds(1);
-// Of a second, how much two clocks may diverge in it: 1/1000. Crystals do by 1/10000 at most.
+// Two clocks may diverge by 1/1000 of the time. Crystals do by 1/10000 at most.
 constexpr std::int64_t kFastestDrift = 1000;
 // The number of senders of permits that are kept: those received last.
 constexpr std::size_t kPermitSendersKept = 64;
@@ -272,9 +272,9 @@ class Decision {
     return std::nullopt;
   }
 
-  // A sample is as late as it was slower than the fastest one of its sender. So one that was held
-  // back on the way, or is repeated, permits no more than when it was given, whatever other senders
-  // do meanwhile.
+  // The lateness of a sample is its delay beyond that of the fastest sample of its sender. So a
+  // sample that was held back on the way, or is repeated, permits no more than when it was given,
+  // whatever other senders do meanwhile.
   Duration LatenessOf(const event::PermitReceived& received) {
     const Duration taken = now_ - received.stamp;
     PermitSender sender{received.sender, taken, now_};
@@ -297,8 +297,9 @@ class Decision {
     return !IsPermitted() && now_ < core_.permit.first_by && IsAboveDeActive(machine_, target);
   }
 
-  // Engages a stop if the actuator has no permit for `state`, in which it is or that it begins.
-  // Under another stop as soon as that is released: so a stop has one reason.
+  // Engages a stop if the actuator has no permit for `state`, its present state or the state that
+  // it is about to enter. While another stop is engaged, only once that one is released: so a stop
+  // has one reason.
   void StopWithoutPermit(const State& state) {
     if (IsPermitted() || !core_.stops.empty() || !IsAboveDeActive(machine_, state)) return;
     Permit& permit = core_.permit;

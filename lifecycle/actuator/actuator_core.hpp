@@ -27,15 +27,15 @@
 //   - What a stop has switched off stays off after the release, until a callback that does not
 //     lead down succeeds without a stop: until then the actuator is held by the stop, and a
 //     command to its present state runs the callback.
-//   - A release names the last command of its controller before it: no command up to that one
-//     switches on, as one that was late or is repeated. One that a successor repeats names none,
-//     since it may be older than what the controller before has requested.
+//   - A release names the last command that its controller has sent before. No command up to that
+//     number switches anything on: it is late, or repeated. A release that a successor repeats
+//     names no command: it may be older than the last requests of the controller before.
 //   - With [safety] permit_ms an actuator above DeActive, or on the way there, latches a stop of
 //     its own when no permit arrives in time. A permit that is late or repeated, compared with the
 //     others of its sender, counts for nothing. In a process that has just started a command waits
-//     for the first one.
-//   - TearDown is the last state: after it, another TearDown is done at once, also one that has
-//     waited for it, and any other command is refused.
+//     for the first permit.
+//   - TearDown is the last state. After it, another TearDown is done at once, even if that command
+//     has waited, and any other command is refused.
 //   - A manager without epochs may command until a controller has sent a command or query, and its
 //     command never waits.
 
@@ -173,7 +173,7 @@ struct Permit {
   Time first_by{};                    // the deadline of the first permit of this process
   std::vector<PermitSender> senders;  // the sender of the last permit is at the end
   Time stamp{};                       // of the sample that counts, by the clock of its sender
-  std::string by;                     // whose it was
+  std::string by;                     // the name of its sender
   std::uint64_t stops = 0;            // engaged so far because no permit arrived in time
   friend bool operator==(const Permit&, const Permit&) = default;
 };
@@ -199,7 +199,7 @@ struct ActuatorCore {
       announced;                     // the participants that announced themselves as controllers
   std::vector<EmergencyStop> stops;  // the engaged stops, oldest first
   std::vector<StopId> released;      // released stops: later samples of them are ignored
-  CommandNumber last_before_release = 0;  // a command up to it switches nothing on
+  CommandNumber last_before_release = 0;  // commands up to this one switch nothing on
   bool stopped_meanwhile = false;         // an emergency stop was engaged while the callback ran
   bool under_stop = false;                // the same, or the callback began under one
   Permit permit;

@@ -9,7 +9,7 @@
 //     └── received again ──┤ silent for its limit
 //                          ▼
 //          on this host:    Examine ──▶ waited for CPU or disk: starved   else, or stopped: hung
-//          on another host: others of it are received ──▶ crashed   none is ──▶ partitioned
+//          on another host: its other actuators are received ──▶ crashed   none is ──▶ partitioned
 //
 // The exit of a process is not handled here: the kernel reports it at once. A program of another
 // protocol without heartbeats is never evaluated, except a ROS 2 node with a checkpoint, which
@@ -49,7 +49,7 @@ struct Examination {
   enum class Process { kRunning, kStopped, kTraced, kExited };
 
   Process process = Process::kRunning;
-  Duration waited{};   // the longest wait for a CPU since the mark, its and our own
+  Duration waited{};   // the longest wait for a CPU since the mark, of that process or of ours
   Duration on_disk{};  // and for the disk, beside that
 };
 
@@ -84,7 +84,7 @@ class HealthMonitor {
   // Its process has exited.
   void Forget(ActuatorIndex actuator);
 
-  // A sample came from it: a status, an answer.
+  // A sample of the actuator arrived: a status, or an answer.
   std::vector<HealthEvent> OnSample(ActuatorIndex actuator, Incarnation incarnation, Time now);
   std::vector<HealthEvent> OnSample(ActuatorIndex actuator, Incarnation incarnation,
                                     const Heartbeat& heartbeat, Time now);

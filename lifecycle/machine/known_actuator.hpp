@@ -101,7 +101,7 @@ struct FailedChecks {
 
 // Whether this controller controls an actuator.
 struct ControlState {
-  Incarnation incarnation = 0;  // that TakeControl() was sent to
+  Incarnation incarnation = 0;  // of the process that TakeControl() was sent to
   std::optional<Time> again;    // it has not answered yet; retry at this time
   // The actuator has a higher epoch: take control then, unless a controller leads with that epoch.
   std::optional<Time> rival_until;
@@ -153,7 +153,7 @@ struct KnownActuator {
   friend bool operator==(const KnownActuator&, const KnownActuator&) = default;
 };
 
-// Whether the time of its SetUp is over, and it is not there.
+// Whether the time for its SetUp is over, and it is not present.
 inline bool IsOverdue(const KnownActuator& known, Time now) {
   return known.set_up_by && *known.set_up_by <= now && known.presence != Presence::kPresent;
 }

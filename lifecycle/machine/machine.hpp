@@ -7,7 +7,7 @@
 //                         ▼  └ by hand ┘            │
 //                       failed ─────────────────────┘
 //
-// Each of them leads to fenced, when another controller has taken the machine over.
+// Every phase leads to fenced, once another controller has taken the machine over.
 
 #include <algorithm>
 #include <optional>
@@ -111,7 +111,7 @@ struct Machine {
   std::optional<Stopping> stopping;
   EmergencyStopState emergency;
   RecordId last_record = 0;  // id of the last record
-  State recorded_state;      // the last one that was recorded
+  State recorded_state;      // the state in the last record of it
   SavesState saves;
   PolicyState policy;
 

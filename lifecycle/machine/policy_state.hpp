@@ -54,7 +54,7 @@ struct Lowering {
 
 // What has to survive the controller.
 struct StoredPolicy {
-  std::optional<bool> low_power;  // the switch, once it was stored
+  std::optional<bool> low_power;  // the LowPower switch, once it was stored
   std::optional<Lowering> lowering;
   BatteryLevel level = BatteryLevel::kFree;  // the last known, at most LowPower
 
@@ -96,10 +96,10 @@ struct BatterySource {
 
 // Samples in a row that allow a level, by the steady clock.
 struct LevelRun {
-  BatteryLevel level = BatteryLevel::kFree;  // the lowest charge that one of them has reported
+  BatteryLevel level = BatteryLevel::kFree;  // the lowest level of these samples
   Time since{};
   int samples = 0;
-  int higher = 0;  // the last of them, which allow more
+  int higher = 0;  // how many samples at the end allow a higher level
 
   friend bool operator==(const LevelRun&, const LevelRun&) = default;
 };
@@ -109,8 +109,8 @@ struct PolicyState {
   bool loaded = false;  // all stages have been up, or given up: the battery rules begin
 
   std::vector<BatterySource> batteries;  // the last to report stands last
-  std::optional<int> battery;            // in percent, the lowest of them
-  bool charging = false;                 // all of them report it
+  std::optional<int> battery;            // in percent, the lowest of `batteries`
+  bool charging = false;                 // all of `batteries` report it
   bool battery_silent = false;
   bool invalid_recorded = false;             // an out-of-range value was recorded
   bool jump_recorded = false;                // a change that no battery can make was recorded
@@ -119,11 +119,11 @@ struct PolicyState {
   RecordId level_cause = 0;                  // the record of the level
   std::optional<LevelRun> lifting;           // samples that would lift the ceiling to their level
   std::optional<LevelRun> emptying;          // samples that report the battery empty
-  bool empty = false;                        // they have confirmed it: the robot is powered off
+  bool empty = false;                        // confirmed: the robot is powered off
 
   StoredPolicy stored;
   std::optional<Lowering> withheld;  // the higher state that the battery does not allow yet
-  bool low_power = false;            // the switch
+  bool low_power = false;            // the LowPower switch
   bool still = false;                // the robot lies still
   std::optional<Time> still_since;   // since when it lies still
   std::optional<Keep> keep;

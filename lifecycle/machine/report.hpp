@@ -53,9 +53,9 @@ struct ActuatorReport {
   // Detached: its state, or the one it is switching to, was set for it alone and is independent of
   // the machine's state.
   bool detached = false;
-  StopId emergency_stop = 0;  // the one that it has latched; 0: none
+  StopId emergency_stop = 0;  // the stop that it has latched; 0: none
   // A stop has switched off what its state had switched on, and since then no callback has
-  // succeeded without a stop, except one that leads down. It outlasts the release.
+  // succeeded without a stop, except for callbacks that lead down. It outlasts the release.
   bool held_by_stop = false;
   // Its last self-check passed as degraded: part of it does not work. The code and the reason; 0:
   // all works.
@@ -64,7 +64,7 @@ struct ActuatorReport {
   // Participant and reason of `emergency_stop`, as it was engaged; empty where unknown.
   std::string emergency_stop_by;
   std::string emergency_stop_reason;
-  // Those that it has latched beside `emergency_stop`, oldest first.
+  // The stops that it has latched beside `emergency_stop`, oldest first.
   std::vector<StopId> other_stops;
   // The stop of the last release that it has received from its controller; 0: none.
   StopId released_stop = 0;

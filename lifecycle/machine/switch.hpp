@@ -1,6 +1,6 @@
 #pragma once
-// The switch under way, the one that waits, and TearDown. Plain values. A switch has the goal of
-// its plan (plan.hpp), and each leg the goal of its step.
+// The switch under way, the switch that waits, and TearDown. Plain values. A switch has the goal
+// of its plan (plan.hpp), and each leg has the goal of a step of the plan.
 
 #include <cstdint>
 #include <optional>

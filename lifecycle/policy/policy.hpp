@@ -1,10 +1,10 @@
 #pragma once
-// The manager's rules (battery, lying still, keep, power): the parts of them that are pure
-// functions of numbers. The rules themselves are in rules/.
+// The pure functions of numbers that the rules of the manager use (battery, lying still, keep,
+// power). The rules themselves are in rules/.
 //
 // The battery sets a ceiling, the most active state allowed. It depends on the present level, not
 // on a crossing: whatever the percentage was before, the machine may be no more active than the
-// present one allows. So a jump of the percentage is handled, too.
+// present percentage allows. So a jump is handled, too.
 
 #include <optional>
 #include <string>

@@ -77,8 +77,8 @@ std::optional<State> TargetOf(const Ros2Transition& transition, const ActuatorCo
 std::optional<State> TargetOf(const Ros2Transition& transition, const MachineConfig& machine);
 
 // A rate-limited log of refused requests: the first one at once, then at most one line in ten
-// seconds with the number of those since the last line. The number after the last line of a flood
-// is logged with the next refusal.
+// seconds with the number of refusals since the last line. What a flood leaves uncounted is logged
+// with the next refusal.
 class RefusalLog {
  public:
   // The line to log now; nullopt: none.

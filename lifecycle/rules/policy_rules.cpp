@@ -11,7 +11,7 @@ namespace {
 constexpr int kFullBattery = 100;
 // In percent, between two samples of one publisher: no battery changes so fast.
 constexpr int kMostChange = 10;
-// More publishers than a robot has: of them the lowest count.
+// More publishers than a robot has. Of more, those with the lowest charge count.
 constexpr std::size_t kMostSources = 8;
 
 bool ReportsEmpty(const BatteryPolicy& policy, const BatterySource& source) {
@@ -55,8 +55,8 @@ void PolicyRules::On(const event::BatterySourceSilent& silent) {
   Combine();
 }
 
-// Records what no battery reports: a jump, and a second publisher. One that has reported between
-// two samples of another is no successor of it.
+// Records what no battery reports: a jump, and a second publisher. A publisher that has reported
+// between two samples of another one is not its successor.
 void PolicyRules::NoteSource(const event::BatterySeen& seen) {
   PolicyState& policy = machine_.policy;
   std::vector<BatterySource>& batteries = policy.batteries;

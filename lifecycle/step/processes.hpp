@@ -26,12 +26,12 @@ class Processes : StepPart {
   // The process to be terminated has exited, or there would be no successor.
   void ForgetEnd(ActuatorIndex i);
 
-  // Its process has exited, or could not be started: decides what follows.
+  // The process of the actuator has exited, or could not be started: decides what follows.
   void Recover(ActuatorIndex i, const event::ProcessEnded& ended = {});
   // The actuator is present again: its restarts count until it has run for a while.
   void EvaluateArrival(ActuatorIndex i);
   void StartAgain(ActuatorIndex i);
-  // Another party has started it first.
+  // Another party has started the process first.
   void CancelRestart(ActuatorIndex i);
 
   // Whether the exit code says that a restart does not help.

@@ -38,8 +38,8 @@ std::vector<RemoteActuator> Saver::RemoteActuators() const {
   return remote;
 }
 
-// Whether it runs on another host, by its last status. A process whose protocol does not name its
-// host may be on another one with profile lan only.
+// Whether the actuator runs on another host, by its last status. Where its protocol names no host,
+// it may be on another one with profile lan only.
 bool Saver::IsElsewhere(ActuatorIndex i) const {
   const ActuatorReport& report = Of(i).report;
   const bool runs_here = Of(i).process.pid != 0 && Of(i).process.host.empty() && !RunsElsewhere(i);

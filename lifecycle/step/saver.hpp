@@ -1,6 +1,6 @@
 #pragma once
-// What has to survive the controller: handed to the disk thread, which only TearDown waits for, and
-// saved once the disk thread reports it.
+// Hands what has to survive the controller to the disk thread. It counts as saved once that thread
+// reports so; only TearDown waits for that.
 
 #include <vector>
 

@@ -44,7 +44,7 @@ class StepPart : protected MachineView {
   // Machine.
   RecordId Record(action::Record record);
   RecordId RecordMachine(std::int32_t code, const RecordText& text, RecordId cause = 0);
-  // `only`: of one actuator instead of the machine; `number` 0: it has not begun.
+  // `only`: of one actuator instead of the machine; `number` 0: the switch has not begun.
   RecordId RecordSwitch(std::optional<ActuatorIndex> only, CommandNumber number, std::int32_t code,
                         const RecordText& text, RecordId cause = 0);
   RecordId RecordBegin(const Switch& s, RecordId cause);
@@ -57,8 +57,8 @@ class StepPart : protected MachineView {
 
   // Records the fault, once; the record becomes the cause of what follows from the fault.
   void Degrade(ActuatorIndex i, std::int32_t code, const RecordText& text, RecordId cause = 0);
-  // An actuator is unavailable: the machine goes down to its on_lost, if it has one, as soon as no
-  // switch is under way. Of several the least active counts.
+  // The actuator is unavailable: the machine goes down to the actuator's on_lost, if it has one, as
+  // soon as no switch is under way. Of several actuators the least active on_lost counts.
   void FallBack(ActuatorIndex i);
 
   // Whether a self-check that has passed as degraded is to be repeated now: of an actuator at rest,

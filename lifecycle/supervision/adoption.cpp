@@ -48,8 +48,8 @@ std::optional<State> Adoption::LowestFound() const {
   return Lowest(found);
 }
 
-// The least active of `found`. Of several on the same level the one in which most of the actuators
-// are that could be in each of them; then in which most actuators are; then the config's first.
+// The least active of `found`. Of several states on the same level: the state with most actuators
+// that list all of these states; then with most actuators; then the first in the config.
 State Adoption::Lowest(const std::vector<Found>& found) const {
   const auto votes = [&](const State& state) {
     const auto rank = config_.RankOf(state);
@@ -87,8 +87,8 @@ bool Adoption::FoundInSelfCheck() const {
 }
 
 // Whether the previous controller crashed during a switch: an actuator is switching to another
-// state than the machine's, comes down to it, or runs its callback again, as in a rollback. One
-// that comes up to the state of the machine was restarted, or was late.
+// state than the machine's, comes down to it, or runs its callback again, as in a rollback. An
+// actuator that comes up to the state of the machine was restarted, or was late.
 bool Adoption::FoundSwitching() const {
   const auto rank = config_.RankOf(view_.state);
   return std::any_of(

@@ -1,6 +1,6 @@
 #pragma once
-// binds_to: an actuator that needs another is suspended while that one is not up, and is driven to
-// the state of the machine when the other is in that state again; that it is present is not enough.
+// binds_to: an actuator that needs another one is suspended while the other is not up. It is driven
+// to the state of the machine once the other is in that state again; to be present is not enough.
 // The rule depends on the present situation only, not on what led to it.
 
 #include <string>

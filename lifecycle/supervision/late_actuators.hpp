@@ -1,7 +1,7 @@
 #pragma once
-// Drives single actuators to the state of the machine: an actuator of a late stage, a restarted
-// one, one that was overdue. In a step of a start it drives down an actuator that an undone switch
-// has left too active. Switches go first: an actuator that joins waits for them.
+// Drives single actuators to the state of the machine: actuators of a late stage, restarted and
+// overdue actuators. In a step of a start it drives down what an undone switch has left too active.
+// Switches go first: an actuator that joins waits for them.
 
 #include <string>
 

@@ -18,14 +18,14 @@ class StartUp : StepPart {
 
   void Begin(const event::Begin& begin);
   void On(const event::SetUpAwaited& awaited);
-  // Gives that actuator up, if it is overdue, with the reason.
+  // Gives the examined actuator up if it is overdue, and records why.
   void On(const event::StartExamined& examined);
-  // A switch has ended: of the start-up, or one by hand that makes the machine usable.
+  // A switch of the start-up has ended, or a requested switch that makes the machine usable.
   void OnSwitchEnded(const EndedSwitch& ended);
   // Each returns whether something changed.
   bool StartProcesses();
   bool Advance();
-  // Gives up actuators that were not set up in time, without knowing why. Each of those with a
+  // Gives up the actuators that were not set up in time, without knowing why. An actuator with a
   // process may have been examined before.
   void CheckDeadlines();
 

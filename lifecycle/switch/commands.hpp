@@ -37,7 +37,7 @@ class Commands : StepPart {
   bool SendAgain(ActuatorIndex i);
   // Stores a newer report.
   void Accept(ActuatorIndex i, const ActuatorReport& report);
-  // The deadline of its command has passed.
+  // The deadline of the command under way has passed.
   void QueryOrLose(ActuatorIndex i);
   // The outcome of the command by the latched status of a queried actuator.
   CommandResult EvaluateReport(ActuatorIndex i, const PendingCommand& command) const;
@@ -48,7 +48,7 @@ class Commands : StepPart {
 
   void Lose(ActuatorIndex i, const RecordText& how, RecordId cause = 0,
             std::int32_t code = kCodeNetError);
-  // The connection to it is lost. The state of a process that this controller has started is
+  // The connection to the actuator is lost. The state of a process that this controller started is
   // determined: if it has exited or hangs, it is restarted.
   void LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause = 0);
   // A hung actuator is killed if it may be restarted, once its backtrace was taken. An actuator

@@ -13,13 +13,13 @@ void Control::Take(ActuatorIndex i, bool denied) {
     known.control.rival_until.reset();
     return Degrade(i, kCodePermissionDenied, texts::EpochOutOfRange(seen));
   }
-  // Our own epoch may be from a query of ours that a new process has received instead of the one
-  // before: it is another controller's if it denies ours.
+  // The actuator may have our own epoch by a query that a new process has received in place of the
+  // process before. It obeys another controller if it denies ours.
   const bool of_other = seen == machine_.epoch && !ours && (denied || known.control.rival_until);
   if (seen > machine_.epoch || of_other) {
     if (!MayRaise() && !machine_.start_up.restarted) return LeaveToOther(i);
-    // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
-    // control.
+    // Perhaps a running controller leads with that epoch: its heartbeat will arrive, and this
+    // controller releases control.
     if (!known.control.rival_until)
       known.control.rival_until = now_ + (config_.keys.empty() ? kRivalGrace : kSecuredRivalGrace);
     if (now_ < *known.control.rival_until) {
@@ -61,7 +61,7 @@ void Control::LeaveToOther(ActuatorIndex i) {
   known.control.again.reset();
   known.control.rival_until.reset();
   known.set_up_by.reset();
-  // A status of it that comes later is no new loss: a person may have gone on without it.
+  // A later status of the actuator is no new loss: a person may have gone on without it.
   const bool again = known.fault && known.fault->event == EventName::kControlledByAnother;
   Degrade(i, kCodePermissionDenied, texts::ControlledByAnother(known.report.epoch), known.cause);
   if (!again) FallBack(i);

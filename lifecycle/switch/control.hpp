@@ -2,9 +2,10 @@
 // An actuator obeys one controller: this one takes control of an actuator that has published its
 // status, and the actuator is present once it answers.
 //
-// A starting controller raises its epoch, once, if an earlier one had the actuator with a higher
-// one: its disk is behind. A running one never does: such an actuator is another controller's, and
-// if it was attached to this one before, this one has been replaced (authority.hpp).
+// A starting controller raises its epoch, once, if the actuator obeyed a higher epoch before: the
+// disk of this controller is behind. A running controller never does: such an actuator obeys
+// another controller, and if it was attached here before, this controller has been replaced
+// (authority.hpp).
 
 #include <cstdint>
 
@@ -31,13 +32,13 @@ class Control : StepPart {
 
   // Takes control of an actuator that has published its status. The answer has its status and a
   // fresh stamp, from which the actuator later computes the age of a command.
-  // `denied`: it has denied our epoch, which another controller has as well.
+  // `denied`: the actuator has denied our epoch, which another controller has as well.
   void Take(ActuatorIndex i, bool denied = false);
   // The actuator has answered: it is present.
   void Attach(ActuatorIndex i);
-  // Whether another controller has replaced this one since a supervisor restarted it: an actuator
-  // has an epoch that no actuator of this host has, so it is not from a predecessor of this
-  // controller. It is left alone for the grace.
+  // Whether another controller has replaced this one since its restart by a supervisor: the
+  // actuator has an epoch that no actuator of this host has, so the epoch is not from a predecessor
+  // of this controller. The actuator is left alone for the grace.
   bool IsReplacedElsewhere(ActuatorIndex i) const;
 
  private:

@@ -131,7 +131,7 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
 }
 
 // Before a switch up out of a state of rest, actuators whose last self-check has passed as degraded
-// have another one; the switch waits for it. Returns whether there is one.
+// are checked again; the switch waits for that. Returns whether any is checked.
 bool Requests::CheckDegraded(const Plan& plan) {
   const bool up = !plan.refusal && !plan.only && plan.direction == Direction::kUp;
   if (!up || machine_.current || machine_.phase != Phase::kRunning) return false;

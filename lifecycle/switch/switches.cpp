@@ -62,9 +62,9 @@ class Order {
 };
 
 // How the actuators of a TearDown share its time. Where their times do not fit into what is left,
-// those that are torn down one after another each get a part in proportion to their time: an
-// actuator that hangs does not use the time of those that are torn down after it. Where the times
-// fit, each has all of its own.
+// actuators that are torn down one after another each get a part in proportion to their time: an
+// actuator that hangs does not use up the time of its successors. Where the times fit, each
+// actuator has its whole time.
 
 // For each actuator with a leg: the longest time that a chain of legs takes which begins with this
 // actuator, each of the others waiting for the one before.
@@ -247,8 +247,8 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
   const Switch& s = *machine_.current;
   const bool level = !s.rollback.under_way && s.direction != Direction::kUp;
   // What an emergency stop has switched off waits for a request, also where the machine goes down
-  // by itself to a state above that of the actuator, or to the same one. The actuator may begin in
-  // the state that a command before this one leads to.
+  // by itself to the actuator's state or to a higher one. The actuator may begin in the state that
+  // the command before this one leads to.
   const bool by_itself = s.purpose == Purpose::kFallback || s.purpose == Purpose::kPolicy;
   const bool held = s.stopped || (by_itself && MustBeSetAgain(machine_, known));
   const bool goes_elsewhere = known.command && known.command->target != kSelfCheck;
@@ -425,7 +425,7 @@ void Switches::Apply(const Switch& s, bool undone) {
     if (leg.outcome == ActuatorOutcome::kDone) {
       if (!undone && !check) known.held = s.only.has_value() && leg.target != machine_.state;
       // An actuator that has passed late is driven to the state of the machine. Before the machine
-      // is usable, one whose rollback had failed is driven back: its fault is cleared by the check.
+      // is usable, an actuator after a failed rollback is driven back: the check clears its fault.
       const bool passed = check && known.checked;  // by the present process
       const bool runs = machine_.phase == Phase::kRunning;
       const bool away = runs ? known.state() != machine_.state : IsAbovePlace(leg.actuator);
@@ -445,7 +445,7 @@ void Switches::Apply(const Switch& s, bool undone) {
     const bool was_held = std::exchange(Of(i).held, false);
     const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;
     if (was_held && away) FallBack(i);  // from now on its loss counts
-    // When the machine stops, only what becomes of its process counts.
+    // When the machine stops, only the end of the process counts.
     if (other.outcome == ActuatorOutcome::kUnsupported && s.purpose != Purpose::kStop) {
       Degrade(i, other.code, {EventName::kStateUnsupported, other.message}, s.cause);
     }

@@ -59,13 +59,9 @@ void CheckOutput(TableReader& root, const OutputConfig& output) {
 }
 
 void ReadTopic(TableReader& reader, const std::vector<CueTopic>& others, std::string& value) {
-  const auto topic = reader.String("topic");
+  const auto topic = reader.Topic("topic", "/show/play");
   if (!topic) return;
   value = topic->text;
-  if (!config_toml::IsTopic(topic->text)) {
-    reader.Fault(topic->at, "topic",
-                 "expected a topic, as in \"/show/play\", found " + Quote(topic->text));
-  }
   for (const CueTopic& other : others) {
     if (other.topic != topic->text) continue;
     reader.Fault(topic->at, "topic", Quote(topic->text) + " has its cues already");

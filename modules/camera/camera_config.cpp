@@ -24,7 +24,9 @@ using config_toml::Word;
 
 constexpr std::int64_t kLargestPx = 8192;
 constexpr double kFastestHz = 240;
-constexpr double kWidestDeg = 175;  // a pinhole camera cannot be wider
+constexpr double kWidestDeg = 175;                // a pinhole camera cannot be wider
+constexpr std::string_view kTopic = "image_rgb";  // in messages
+constexpr config_toml::TopicRule kRelative = {.relative = true};
 
 class Reader {
  public:
@@ -42,7 +44,7 @@ class Reader {
                     [this](TableReader& reader) { config_.skip = Names(reader, "skip"); },
                     [this](TableReader& reader) { config_.critical = Names(reader, "critical"); },
                     row::Sub("service", {[&](TableReader& reader) { ReadServiceCamera(reader); },
-                                         RelativeTopic("topic", service.topic),
+                                         row::Topic("topic", service.topic, kTopic, kRelative),
                                          row::File("folder", service.folder, folder_)})});
     for (const CameraConfig& camera : config_.cameras) {
       if (camera.topic != config_.service.topic) continue;
@@ -89,9 +91,8 @@ class Reader {
     camera.name = name;
     camera.frame_id = "camera_" + name;
     reader.Require("topic", "the topic of its pictures");
-    if (const auto topic = reader.String("topic")) {
+    if (const auto topic = reader.Topic("topic", kTopic, kRelative)) {
       camera.topic = topic->text;
-      CheckTopic(reader, "topic", *topic);
       for (const CameraConfig& other : config_.cameras) {
         if (other.topic != topic->text) continue;
         reader.Fault(topic->at, "topic",
@@ -115,12 +116,15 @@ class Reader {
   }
 
   std::string From(TableReader& reader, SourceKind source, const Word& from) {
-    if (source == SourceKind::kWorld) CheckTopic(reader, "from", from);
+    if (source == SourceKind::kWorld) {
+      reader.Topic("from", kTopic, kRelative);
+      return from.text;
+    }
     if (from.text.empty()) reader.Fault(from.at, "from", "expected a path, found nothing");
     const bool number =
         !from.text.empty() && std::all_of(from.text.begin(), from.text.end(),
                                           [](char c) { return c >= '0' && c <= '9'; });
-    if (source == SourceKind::kWorld || (source == SourceKind::kDevice && number)) return from.text;
+    if (source == SourceKind::kDevice && number) return from.text;
     return config_toml::Absolute(folder_, from.text);
   }
 
@@ -157,22 +161,6 @@ class Reader {
     if (!name) return;
     config_.service.camera = name->text;
     CheckName(reader, "camera", *name);
-  }
-
-  static Row RelativeTopic(std::string_view key, std::string& value) {
-    return [=, &value](TableReader& reader) {
-      const auto topic = reader.String(key);
-      if (!topic) return;
-      value = topic->text;
-      CheckTopic(reader, key, *topic);
-    };
-  }
-
-  static void CheckTopic(TableReader& reader, std::string_view key, const Word& topic) {
-    if (config_toml::IsRelativeTopic(topic.text)) return;
-    reader.Fault(topic.at, key,
-                 "expected a topic relative to the namespace, as in \"image_rgb\", found " +
-                     Quote(topic.text));
   }
 
   void CheckName(TableReader& reader, std::string_view key, const Word& name) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
+#include "musher/application/refusal.hpp"
 #include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::line_walker {
@@ -64,8 +65,8 @@ Result<> WalkerActuator::Enter(const State& state) {
   node_->RunOnLoop([&] {
     if (state != kActive) return topics_->Permit(false, "it is in " + state);
     if (!EmergencyStopped()) return topics_->Permit(true, "");
-    entered = Error{MakeCode(cyberdog::module_code::kFollow, KeyCode::kStateInvalid),
-                    "an emergency stop was engaged meanwhile"};
+    entered = RefusedWith<ApplicationRefusal::kStoppedMeanwhile>(
+        MakeCode(cyberdog::module_code::kFollow, KeyCode::kStateInvalid));
   });
   return entered;
 }

@@ -106,15 +106,7 @@ class CourseReader {
   }
 
   static Row TopicRow(std::string_view key, std::string& topic) {
-    return row::Required(key, "a topic", [key, &topic](TableReader& table) {
-      const auto word = table.String(key);
-      if (!word) return;
-      topic = word->text;
-      if (config_toml::IsTopic(topic)) return;
-      table.Fault(
-          word->at, key,
-          "expected a topic, as in \"/qr_detector/sighting\", found " + config_toml::Quote(topic));
-    });
+    return row::Required(key, "a topic", row::Topic(key, topic, "/qr_detector/sighting"));
   }
 
   // The state of a key of the file, another one than those of the keys before it.

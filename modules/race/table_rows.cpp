@@ -44,17 +44,8 @@ Rows RobotRows(const std::filesystem::path& folder, RobotRules& robot) {
 }
 
 Rows OdometryRows(OdometryRules& odometry) {
-  const auto read_topic = [&](TableReader& table) {
-    const auto topic = table.String("topic");
-    if (!topic) return;
-    odometry.topic = topic->text;
-    if (topic->text.empty() || config_toml::IsTopic(topic->text)) return;
-    table.Fault(topic->at, "topic",
-                "expected a topic, as in \"odom_out\", or \"\" for none, found " +
-                    config_toml::Quote(topic->text));
-  };
   return {
-      read_topic,
+      row::Topic("topic", odometry.topic, "odom_out", {.may_be_empty = true}),
       row::Number("least_share", odometry.least_share, 0.2, 1),
       row::Number("most_share", odometry.most_share, 1, 5),
       row::Time("fresh_ms", odometry.fresh),

@@ -100,11 +100,9 @@ class Reader {
     if (key != "satellites") {
       reader.Require(key, "the topic of its readings, as in \"world/scan\"");
     }
-    const auto topic = reader.String(key);
+    const auto topic = reader.Topic(key, "world/scan", {.relative = true});
     if (!topic) return "";
-    if (!config_toml::IsRelativeTopic(topic->text)) {
-      reader.Fault(topic->at, key, "expected a relative topic name, as in \"world/scan\"");
-    } else if (kOwnTopics.contains(topic->text)) {
+    if (kOwnTopics.contains(topic->text)) {
       reader.Fault(topic->at, key, "this is a topic that the module publishes itself");
     } else if (!used_.insert(topic->text).second) {
       reader.Fault(topic->at, key, "another sensor has this topic already");

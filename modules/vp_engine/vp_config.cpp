@@ -29,19 +29,8 @@ Row Folder(std::string_view key, std::string& value, std::filesystem::path folde
   };
 }
 
-// A service, and its time in the key behind it.
-Row Call(std::string_view name, std::string& service, Duration& time) {
-  return [=, &service, &time](TableReader& calls) {
-    if (const std::optional<Word> word = calls.String(name)) {
-      service = word->text;
-      if (!config_toml::IsTopic(service)) {
-        calls.Fault(
-            word->at, name,
-            "expected a service as in \"led_execute\", found " + config_toml::Quote(word->text));
-      }
-    }
-    time = calls.Time(std::string(name) + "_ms").value_or(time);
-  };
+Row Service(std::string_view key, std::string& service) {
+  return row::Topic(key, service, "led_execute", {.of = "a service"});
 }
 
 VpConfig Read(const Table& table, const std::string& path, Findings& findings) {
@@ -56,9 +45,10 @@ VpConfig Read(const Table& table, const std::string& path, Findings& findings) {
             row::Text("groot2_address", config.groot2_address),
             row::Bool("groot2_hooks", config.groot2_hooks), row::Text("record", config.record),
             row::Integer("record_mib", config.record_mib, 1, 256),
-            row::Sub("services", {Call("speech", config.speech, config.speech_time),
-                                  Call("motion", config.motion, config.motion_time),
-                                  Call("light", config.light, config.light_time)})});
+            row::Sub("services",
+                     {Service("speech", config.speech), row::Time("speech_ms", config.speech_time),
+                      Service("motion", config.motion), row::Time("motion_ms", config.motion_time),
+                      Service("light", config.light), row::Time("light_ms", config.light_time)})});
   return config;
 }
 

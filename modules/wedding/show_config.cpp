@@ -24,18 +24,6 @@ Row NeedOf(std::string_view key, Need& need) {
       {{"required", Need::kRequired}, {"optional", Need::kOptional}, {"none", Need::kNone}});
 }
 
-Row CameraService(std::string& name) {
-  return [&](TableReader& photo) {
-    const auto service = photo.String("service");
-    if (!service) return;
-    name = service->text;
-    if (service->text.empty() || config_toml::IsTopic(service->text)) return;
-    photo.Fault(service->at, "service",
-                "expected the name of a service, as in \"camera_service\", or \"\", found " +
-                    config_toml::Quote(service->text));
-  };
-}
-
 Rows CheckRows(WeddingConfig& config) {
   return {
       row::Time("time_ms", config.self_check_time),
@@ -88,9 +76,13 @@ Rows TrackingRows(ShowConfig& show, const bool& gives_lost) {
 Rows PhotoRows(WeddingConfig& config) {
   PhotoRules& photo = config.show.photo;
   return {
-      row::Time("confirm_ms", photo.confirm),     row::Time("pose_ms", photo.pose),
-      row::Time("countdown_ms", photo.countdown), row::Time("shutter_ms", photo.shutter),
-      CameraService(config.camera_service),       row::Time("timeout_ms", config.photo_timeout),
+      row::Time("confirm_ms", photo.confirm),
+      row::Time("pose_ms", photo.pose),
+      row::Time("countdown_ms", photo.countdown),
+      row::Time("shutter_ms", photo.shutter),
+      row::Topic("service", config.camera_service, "camera_service",
+                 {.of = "a service", .may_be_empty = true}),
+      row::Time("timeout_ms", config.photo_timeout),
   };
 }
 

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "musher/base/toml/names.hpp"
-
 namespace musher::navigation {
 namespace {
 
@@ -74,12 +72,7 @@ GateZone ReadZone(TableReader& reader) {
 ScanMount ReadScanner(TableReader& reader) {
   ScanMount mount;
   reader.Require("topic", "the topic of its scans, as in \"jetbot_0/scan\"");
-  if (const auto topic = reader.String("topic")) {
-    mount.topic = topic->text;
-    if (!config_toml::IsTopic(topic->text)) {
-      reader.Fault(topic->at, "topic", "expected the name of a topic, as in \"jetbot_0/scan\"");
-    }
-  }
+  if (const auto topic = reader.Topic("topic", "jetbot_0/scan")) mount.topic = topic->text;
   Set(reader, "x_m", -kFarM, kFarM, mount.on_body.at.x_m);
   Set(reader, "y_m", -kFarM, kFarM, mount.on_body.at.y_m);
   Set(reader, "z_m", -kFarM, kFarM, mount.on_body.at.z_m);

@@ -6,6 +6,7 @@
 #include "musher/behavior/fsm/nested.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/application/show.hpp"
+#include "musher/test/support/refusals.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::fsm_actuator_fault_test {
@@ -103,7 +104,7 @@ TEST_F(AFaultyFsmActuator, QueuesNoCommandFromATopicWhileItIsPaused) {
   show.RunOnLoop([&] {
     const Result<> sent = show.Send("again");
     ASSERT_FALSE(sent);
-    EXPECT_EQ(sent.error().message, "show is paused in LowPower");
+    EXPECT_EQ(sent.error(), Refused<ApplicationRefusal::kPaused>("show", "LowPower"));
   });
   ASSERT_TRUE(harness_.controller().Switch("Active").done());
   harness_.Tick(show, 1);

@@ -7,6 +7,7 @@
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/test/application/show.hpp"
+#include "musher/test/support/refusals.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::fsm_actuator_test {
@@ -153,7 +154,7 @@ TEST_F(AnFsmActuator, StandsInActiveUntilItIsCommandedWithThatOption) {
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
   const auto early = show.Of([](Show& s) { return s.Send("again"); });
   ASSERT_FALSE(early);
-  EXPECT_NE(early.error().message.find("show stands and waits for START"), std::string::npos);
+  EXPECT_THAT(early.error(), testing::IsRefused(ApplicationRefusal::kWaitsForStart));
   ASSERT_TRUE(Go("LowPower"));
   EXPECT_FALSE(show.Of([](Show& s) { return s.Send("START"); })) << "in Active only";
   ASSERT_TRUE(Go("Active"));

@@ -11,12 +11,14 @@
 #include "musher/test/application/skill_tasks.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
+#include "musher/test/support/refusals.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::skill_actuator_test {
 
 using ::testing::Contains;
 using testing::Harness;
+using testing::HasRefusal;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::StartsWith;
@@ -136,7 +138,8 @@ TEST_F(APauseOfOneSkill, LastsOverAPauseOfTheRobotAndIsResumedInActiveOnly) {
   AwaitAccepted(sent);
   EXPECT_EQ(Ask("wait", true), "true WAITING");
   ASSERT_TRUE(Go("LowPower"));
-  EXPECT_EQ(Ask("wait", false), "false show runs no skills in LowPower");
+  EXPECT_EQ(Ask("wait", false),
+            "false " + Refused<ApplicationRefusal::kRunsNoSkills>("show", "LowPower").message);
   ASSERT_TRUE(Go("Active"));
   harness_.Tick(tasks, 50);
   EXPECT_EQ(tasks.StateOf("wait"), "WAITING") << "it stays paused";
@@ -324,13 +327,25 @@ TEST_F(ASkillActuator, RefusesWhatItCannotStartWithTheReason) {
   EXPECT_EQ(EndOf(Send("wiat")),
             "aborted false there is no skill 'wiat'; did you mean 'wait'? There are fail and wait");
   EXPECT_THAT(EndOf(Send("wait", {{"duration", "1"}})), HasSubstr("did you mean 'duration_s'?"));
-  EXPECT_THAT(EndOf(SendGoal({})), HasSubstr("expected one skill in skill_list, found 0"));
+  EXPECT_THAT(EndOf(SendGoal({})), HasRefusal(ApplicationRefusal::kNotOneSkill));
   const auto first = Send("wait", {{"duration_s", "9"}});
   AwaitAccepted(first);
   EXPECT_EQ(EndOf(Send("wait")), "aborted false wait is running already");
   EXPECT_EQ(tasks.StateOf("wait"), "WAITING");
   ASSERT_TRUE(Go("Protected"));
-  EXPECT_THAT(EndOf(Send("fail")), HasSubstr("show runs no skills in Protected"));
+  EXPECT_THAT(EndOf(Send("fail")), HasRefusal(ApplicationRefusal::kRunsNoSkills));
+}
+
+TEST_F(ASkillActuator, RefusesAGoalOfAnotherRobot) {
+  ActuatorRunner<Tasks> tasks({.rate_hz = 50, .robot = "robot_0"});
+  Begin(tasks);
+  msg::SkillExecution::Goal goal;
+  goal.skill_request.robot_id = "robot_7";
+  goal.skill_request.skill_list.resize(1);
+  goal.skill_request.skill_list[0].skill = "fail";
+  EXPECT_THAT(EndOf(SendGoal(goal)), HasRefusal(ApplicationRefusal::kOtherRobot));
+  goal.skill_request.robot_id = "robot_0";
+  AwaitAccepted(SendGoal(goal));
 }
 
 TEST_F(ASkillActuator, CancelsTheSkillOfAGoal) {

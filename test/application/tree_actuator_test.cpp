@@ -7,6 +7,7 @@
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
 #include "musher/test/application/tree_course.hpp"
+#include "musher/test/support/refusals.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::tree_actuator_test {
@@ -138,9 +139,10 @@ TEST_F(ATreeActuator, StandsInActiveUntilItIsCommanded) {
   Begin(course);
   harness_.Tick(course, 5);
   EXPECT_THAT(course.TakeLog(), ElementsAre("resumes")) << "its controller has brought it there";
-  EXPECT_EQ(Send("GO"), "there is no command 'GO'; expected START");
+  EXPECT_EQ(Send("GO"), Refused<ApplicationRefusal::kUnknownCommand>("GO", "START").message);
   ASSERT_TRUE(Go("LowPower"));
-  EXPECT_THAT(Send("START"), HasSubstr("show begins in Active only; it is in LowPower"));
+  EXPECT_EQ(Send("START"),
+            Refused<ApplicationRefusal::kBeginsInActive>("show", "LowPower").message);
   ASSERT_TRUE(Go("Active"));
   harness_.Tick(course, 2);
   course.TakeLog();
@@ -302,8 +304,9 @@ TEST_F(ATreeActuator, KeepsItsTreeWhereAnotherOneIsWrong) {
 TEST_F(ATreeActuator, DoesWhatANodeRequestsAfterTheTick) {
   ActuatorRunner<Course> course;
   course.data().does["second starts"] = [&] {
-    EXPECT_FALSE(course.Load(tree::ReadTree(testing::kCourse, "x.xml").document))
-        << "not within the tick";
+    const Result<> loaded = course.Load(tree::ReadTree(testing::kCourse, "x.xml").document);
+    ASSERT_FALSE(loaded) << "not within the tick";
+    EXPECT_THAT(loaded.error(), testing::IsRefused(ApplicationRefusal::kInsideOwnTree));
     course.Restart();
   };
   Begin(course);

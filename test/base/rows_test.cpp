@@ -29,6 +29,7 @@ struct Lamp {
   std::string name = "lamp";
   std::string file = "/etc/lamp.png";
   std::string topic = "lamp/state";
+  std::string light_switch = "switch_lamp";
   std::vector<std::string> dimmer;
   double x_m = 1;
   double y_m = 2;
@@ -53,6 +54,8 @@ Reading Read(std::string_view text) {
                         row::Time("wait_ms", lamp.wait, 10), row::Bool("on", lamp.on),
                         row::Text("name", lamp.name), row::File("file", lamp.file, "/etc"),
                         row::Topic("topic", lamp.topic, "lamp/state"),
+                        row::Topic("switch", lamp.light_switch, "switch_lamp",
+                                   {.of = "a service", .relative = true, .may_be_empty = true}),
                         row::Program("dimmer", lamp.dimmer, "/opt"),
                         row::Numbers("at_m", {&lamp.x_m, &lamp.y_m}, -5, 5,
                                      "expected [x, y] in metres, each -5 to 5"),
@@ -128,9 +131,21 @@ TEST(Rows, ReportEachWrongValueWithItsLine) {
           "lamp.toml:2:14: error: turned_deg: expected a number from -180 to 180, found 200",
           "lamp.toml:3:11: error: wait_ms: expected an integer from 10 to 3600000 "
           "(milliseconds), found 5",
-          "lamp.toml:4:9: error: topic: expected the name of a topic, as in \"lamp/state\"",
+          "lamp.toml:4:9: error: topic: expected the name of a topic, as in \"lamp/state\", found "
+          "\"1\"",
           "lamp.toml:5:10: error: colour: expected one of red and blue, found \"bleu\"; did you "
           "mean \"blue\"?"));
+}
+
+TEST(Rows, HaveTopicsServicesAndActionsByOneRule) {
+  EXPECT_EQ(Read("switch = \"\"\n").lamp->light_switch, "");
+  EXPECT_EQ(Read("topic = \"/lamp/state\"\n").lamp->topic, "/lamp/state");
+  EXPECT_THAT(
+      ErrorsOf("topic = \"\"\nswitch = \"/switch_lamp\"\n"),
+      ElementsAre("lamp.toml:1:9: error: topic: expected the name of a topic, as in "
+                  "\"lamp/state\", found \"\"",
+                  "lamp.toml:2:10: error: switch: expected the name of a service relative to the "
+                  "namespace, as in \"switch_lamp\", or \"\" for none, found \"/switch_lamp\""));
 }
 
 TEST(Rows, ReportTheFirstOfSeveralNumbersThatIsWrongAndAListOfAnotherSize) {

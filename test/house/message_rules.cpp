@@ -161,13 +161,23 @@ std::vector<std::string> UnexplainedRecords(const SourceFile& page,
   return wrong;
 }
 
+namespace {
+
+// Those of the controller and of an actuator, and those of applications.
+std::string RefusalForms(const std::vector<SourceFile>& tree) {
+  return TextOf(tree, "lifecycle/refusal.hpp") + TextOf(tree, "application/refusal.hpp");
+}
+
+}  // namespace
+
 std::vector<std::string> UnexplainedRefusals(const SourceFile& page,
                                              const std::vector<SourceFile>& tree) {
-  static const std::regex form(R"re(\{Refusal::(k\w+), \w+,\s*"((?:[^"\\]|\\.)*)"\})re");
+  static const std::regex form(
+      R"re(\{(?:Application)?Refusal::(k\w+), \w+,\s*"((?:[^"\\]|\\.)*)"\})re");
   static const std::regex optional_place(R"(\{[^{}]*\?\})");
   static const std::regex place(R"(\{[^{}]*\})");
   static const std::regex quote(R"(\\")");
-  const std::string forms = WithJoinedLiterals(TextOf(tree, "lifecycle/refusal.hpp"));
+  const std::string forms = WithJoinedLiterals(RefusalForms(tree));
   const std::vector<Row> rows = RowsOf(page, "Refusals");
   std::vector<std::string> wrong;
   std::set<std::string> used;
@@ -191,7 +201,7 @@ std::vector<std::string> UnexplainedRefusals(const SourceFile& page,
 }
 
 std::vector<std::string> UntestedRefusals(const std::vector<SourceFile>& tree) {
-  static const std::regex form(R"(\{Refusal::(k\w+),)");
+  static const std::regex form(R"(\{(?:Application)?Refusal::(k\w+),)");
   static const std::string kept = "Refusal::";
   std::set<std::string> tested;
   for (const SourceFile& file : tree) {
@@ -202,7 +212,7 @@ std::vector<std::string> UntestedRefusals(const std::vector<SourceFile>& tree) {
       tested.emplace(part.begin(), end);
     }
   }
-  const std::string forms = TextOf(tree, "lifecycle/refusal.hpp");
+  const std::string forms = RefusalForms(tree);
   std::vector<std::string> untested;
   for (std::sregex_iterator i(forms.begin(), forms.end(), form), end; i != end; ++i) {
     if (!tested.contains((*i)[1])) untested.push_back("no test provokes Refusal::" + (*i)[1].str());
@@ -213,10 +223,11 @@ std::vector<std::string> UntestedRefusals(const std::vector<SourceFile>& tree) {
 std::vector<std::string> RefusalsElsewhere(const std::vector<SourceFile>& tree) {
   // Codes that only a refusal has: nothing else is forbidden, busy or unsupported.
   static const std::regex made(
-      R"(Error\{\s*kCode(?:StateInvalid|PermissionDenied|TargetBusy|UnSupport|ProtectedError),\s*")");
+      R"(Error\{\s*kCode(?:StateInvalid|PermissionDenied|TargetBusy|UnSupport|ProtectedError),)"
+      R"([^}]*")");
   std::vector<std::string> wrong;
   for (const SourceFile& file : tree) {
-    if (!file.In("lifecycle/") || file.path == "lifecycle/refusal.hpp") continue;
+    if (!file.In("lifecycle/") && !file.In("application/")) continue;
     if (std::regex_search(file.text, made)) wrong.push_back(file.path);
   }
   return wrong;

@@ -88,12 +88,27 @@ TEST(MessageRules, ReportARefusalThatNoTestProvokes) {
               ElementsAre("no test provokes Refusal::kBusy"));
 }
 
+TEST(MessageRules, ReportARefusalOfApplicationsWithoutARowOrATest) {
+  const SourceFile forms = {
+      "application/refusal.hpp",
+      "    {ApplicationRefusal::kPaused, kCodeStateInvalid, \"it waits\"},\n"};
+  EXPECT_THAT(UnexplainedRefusals(PageWith("Refusals", "| `it waits` | why | do |\n"), {forms}),
+              IsEmpty());
+  EXPECT_THAT(UnexplainedRefusals(PageWith("Refusals", ""), {forms}),
+              ElementsAre("no row explains kPaused: it waits"));
+  EXPECT_THAT(UntestedRefusals({forms}), ElementsAre("no test provokes Refusal::kPaused"));
+  const SourceFile test = {"test/application/a_test.cpp", "ApplicationRefusal::kPaused"};
+  EXPECT_THAT(UntestedRefusals({forms, test}), IsEmpty());
+}
+
 TEST(MessageRules, ReportARefusalWhoseSentenceIsElsewhere) {
   const std::vector<SourceFile> tree = {
       {"lifecycle/switch/plan.cpp", "return Error{kCodeTargetBusy,\n             \"it is busy\"};"},
       {"lifecycle/switch/other.cpp", "return Error{kCodeTargetBusy, why};"},
+      {"application/a.cpp", "return Error{kCodeStateInvalid, name + \" waits\"};"},
       {"controller/a.cpp", "return Error{kCodeTargetBusy, \"it is busy\"};"}};
-  EXPECT_THAT(RefusalsElsewhere(tree), ElementsAre("lifecycle/switch/plan.cpp"));
+  EXPECT_THAT(RefusalsElsewhere(tree),
+              ElementsAre("lifecycle/switch/plan.cpp", "application/a.cpp"));
 }
 
 TEST(MessageRules, ReportASentenceThatNoProgramPrints) {

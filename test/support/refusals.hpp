@@ -1,12 +1,13 @@
 #pragma once
-// What a test expects of a refusal: its id, which stands for its code and its sentence. A test of a
-// house rule finds the ids that no test has.
+// What a test expects of a refusal, a Refusal or an ApplicationRefusal: its id, which stands for
+// its code and its sentence. A test of a house rule finds the ids that no test has.
 
 #include <gmock/gmock.h>
 
 #include <ostream>
 #include <string_view>
 
+#include "musher/application/refusal.hpp"
 #include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
@@ -15,12 +16,16 @@ namespace musher {
 inline void PrintTo(Refusal why, std::ostream* out) {
   *out << FormOf(why).code << ": " << FormOf(why).sentence;
 }
+inline void PrintTo(ApplicationRefusal why, std::ostream* out) {
+  *out << FormOf(why).code << ": " << FormOf(why).sentence;
+}
 
 namespace testing {
 
 // Whether `text` has the sentence of `why` with any values in its places: as a whole, or with other
 // text around it.
-inline bool HasSentence(std::string_view text, Refusal why, bool whole) {
+template <class Why>
+bool HasSentence(std::string_view text, Why why, bool whole) {
   std::string_view form = FormOf(why).sentence;
   bool anywhere = !whole;  // the next words of the sentence
   while (true) {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "musher/base/check.hpp"
-#include "musher/base/toml/names.hpp"
 #include "musher/base/toml/rows.hpp"
 #include "musher/lifecycle/config/toml/draft.hpp"
 #include "musher/lifecycle/config/toml/manager_policy.hpp"
@@ -28,14 +27,7 @@ class PolicyRows {
   explicit PolicyRows(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   void Topic(std::string_view key, std::string& topic) {
-    rows.push_back([key, &topic](TableReader& reader) {
-      const auto word = reader.String(key);
-      if (!word) return;
-      if (word->text.empty() || !IsNamespace(word->text)) {
-        reader.Fault(word->at, key, "expected a topic's name, found " + Quote(word->text));
-      }
-      topic = word->text;
-    });
+    rows.push_back(row::Topic(key, topic, "bms_status", {.relative = true}));
   }
   void Percent(std::string_view key, int& percent) {
     rows.push_back(row::Integer(key, percent, 0, kFull, " (percent)"));

@@ -28,16 +28,8 @@ Row OptionalFile(std::string_view key, std::string& path, const std::filesystem:
   };
 }
 
-// Of a topic, a service or an action.
 Row Name(std::string_view key, std::string& name) {
-  return [key, &name](TableReader& root) {
-    const auto word = root.String(key);
-    if (!word) return;
-    name = word->text;
-    if (config_toml::IsTopic(name)) return;
-    root.Fault(word->at, key,
-               "expected a name as in \"mf_action_seq\", found " + config_toml::Quote(name));
-  };
+  return row::Topic(key, name, "mf_action_seq", {.of = "a topic, service or action"});
 }
 
 void ReadWheelOrder(TableReader& root, std::array<std::size_t, 4>& wheels) {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/application/refusal.hpp"
 #include "musher/cyberdog/codes/module_codes.hpp"
 
 namespace musher::meilin {
@@ -29,8 +30,8 @@ Result<> PlannerActuator::Run(const State& state) {
   node_->RunOnLoop([&] {
     if (state != kActive) return endpoint_->Permit(false, "it is in " + state);
     if (!EmergencyStopped()) return endpoint_->Permit(true, "");
-    entered = Error{MakeCode(cyberdog::module_code::kApp, KeyCode::kStateInvalid),
-                    "an emergency stop was engaged meanwhile"};
+    entered = RefusedWith<ApplicationRefusal::kStoppedMeanwhile>(
+        MakeCode(cyberdog::module_code::kApp, KeyCode::kStateInvalid));
   });
   return entered;
 }

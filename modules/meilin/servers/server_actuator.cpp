@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
+#include "musher/application/refusal.hpp"
 #include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/transport/clock.hpp"
 
@@ -46,8 +47,8 @@ Result<> ServerActuator::Enter(const State& state) {
     return Ok();
   }
   if (EmergencyStopped()) {
-    return Error{MakeCode(cyberdog::module_code::kApp, KeyCode::kStateInvalid),
-                 "an emergency stop was engaged meanwhile"};
+    return RefusedWith<ApplicationRefusal::kStoppedMeanwhile>(
+        MakeCode(cyberdog::module_code::kApp, KeyCode::kStateInvalid));
   }
   Permit(true, "");
   return Ok();

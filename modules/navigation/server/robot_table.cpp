@@ -19,13 +19,8 @@ void SetTime(TableReader& reader, std::string_view key, Duration& value) {
 }
 
 void SetTopic(TableReader& reader, std::string_view key, std::string& value, bool may_be_empty) {
-  const auto topic = reader.String(key);
-  if (!topic) return;
-  const bool left_out = may_be_empty && topic->text.empty();
-  if (!left_out && !config_toml::IsTopic(topic->text)) {
-    reader.Fault(topic->at, key, "expected the name of a topic, as in \"jetbot_0/odom\"");
-  }
-  value = topic->text;
+  const auto topic = reader.Topic(key, "jetbot_0/odom", {.may_be_empty = may_be_empty});
+  if (topic) value = topic->text;
 }
 
 void SetFrame(TableReader& reader, std::string& value) {

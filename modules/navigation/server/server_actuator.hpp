@@ -20,6 +20,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/actuator/program/await.hpp"
 #include "musher/actuator/program/end_signals.hpp"
+#include "musher/application/refusal.hpp"
 #include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/transport/clock.hpp"
 
@@ -81,8 +82,8 @@ class ServerActuator : public MachineActuator {
     node_->RunOnLoop([&] {
       if (state != kActive) return server_->Permit(false, "it is in " + state);
       if (!EmergencyStopped()) return server_->Permit(true, "");
-      entered = Error{MakeCode(cyberdog::module_code::kNavigation, KeyCode::kStateInvalid),
-                      "an emergency stop was engaged meanwhile"};
+      entered = RefusedWith<ApplicationRefusal::kStoppedMeanwhile>(
+          MakeCode(cyberdog::module_code::kNavigation, KeyCode::kStateInvalid));
     });
     return entered;
   }

@@ -141,14 +141,9 @@ class Reader {
   }
 
   static void Topic(TableReader& reader, std::string_view key, std::string& name, bool optional) {
-    const std::optional<Word> topic = reader.String(key);
-    if (!topic) return;
-    name = topic->text;
-    if ((optional && name.empty()) || config_toml::IsTopic(name)) return;
-    reader.Fault(topic->at, key,
-                 "expected a name as in \"jetbot_0/odom\"" +
-                     std::string(optional ? ", or \"\" for none" : "") + ", found " +
-                     config_toml::Quote(name));
+    const auto topic = reader.Topic(key, "jetbot_0/odom",
+                                    {.of = "a topic, service or action", .may_be_empty = optional});
+    if (topic) name = topic->text;
   }
 
   void ReadCameras(TableReader& root) {

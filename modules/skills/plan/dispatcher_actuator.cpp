@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "musher/application/refusal.hpp"
+
 namespace musher::skills {
 
 DispatcherActuator::DispatcherActuator(const std::string& actuator_name, DispatcherConfig config)
@@ -37,7 +39,7 @@ Result<> DispatcherActuator::Run(const State& state) {
   RunOnLoop([&] {
     const auto server = server_.lock();
     if (state == kActive && EmergencyStopped()) {
-      entered = Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
+      entered = Refused<ApplicationRefusal::kStoppedMeanwhile>();
     } else if (server) {
       server->Permit(state == kActive, "it is in " + state);
     }

@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "musher/base/toml/names.hpp"
+#include "musher/base/toml/rows.hpp"
 #include "musher/modules/vision/course/course_parameters.hpp"
 
 namespace musher::vision {
 namespace {
 
+namespace row = config_toml::row;
 using config_toml::Findings;
 using config_toml::Quote;
 using config_toml::TableReader;
@@ -58,13 +60,13 @@ class EntriesReader {
     CourseEntry entry;
     ReadName(reader, entry);
     const auto kind = ReadKind(reader);
-    Topic(reader, "picture", entry.picture);
-    Topic(reader, "camera_info", entry.camera_info);
+    row::Topic("picture", entry.picture, "image_rgb")(reader);
+    row::Topic("camera_info", entry.camera_info, "image_rgb")(reader);
     if (const auto degrees = reader.Number("hfov_deg", 1, 170)) {
       entry.hfov_rad = *degrees * M_PI / 180;
     }
     entry.rate_hz = reader.Number("rate_hz", 0, 1000).value_or(entry.rate_hz);
-    Topic(reader, "publish", entry.publish);
+    row::Topic("publish", entry.publish, "image_rgb")(reader);
     entry.limits.hang = reader.Time("hang_ms").value_or(entry.limits.hang);
     if (const auto failures = reader.Integer("failures", 1, 1000)) {
       entry.limits.failures = static_cast<int>(*failures);
@@ -116,15 +118,6 @@ class EntriesReader {
                                               {"marker", CourseKind::kMarker},
                                               {"light", CourseKind::kLight},
                                               {"lines", CourseKind::kLines}});
-  }
-
-  static void Topic(TableReader& reader, std::string_view key, std::string& topic) {
-    const auto found = reader.String(key);
-    if (!found) return;
-    if (!config_toml::IsTopic(found->text)) {
-      reader.Fault(found->at, key, "expected the name of a topic, as in \"image_rgb\"");
-    }
-    topic = found->text;
   }
 
   void CheckOutputs(TableReader& reader, const CourseEntry& entry) {

@@ -118,16 +118,7 @@ Row Center(Eigen::Ref<Vector2d> center_m) {
 }
 
 Row Topic(std::string_view key, std::string& topic) {
-  return [key, &topic](TableReader& reader) {
-    const auto word = reader.String(key);
-    if (!word) return;
-    if (config_toml::IsTopic(word->text)) {
-      topic = word->text;
-      return;
-    }
-    reader.Fault(word->at, key,
-                 "expected a topic, as in \"/show/pose\", found " + config_toml::Quote(word->text));
-  };
+  return config_toml::row::Topic(key, topic, "/show/pose");
 }
 
 Row Colour(std::string_view key, Color& color, Findings& findings) {

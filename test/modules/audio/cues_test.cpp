@@ -210,20 +210,22 @@ TEST(CueTopics, ReportAllErrorsOfAllFiles) {
   const AudioReading reading = ReadAudioText(
       "phrases = \"phrases.toml\"\n"
       "[[cues]]\ntopic = \"/show play\"\nfile = \"cues.toml\"\n"
-      "[[cues]]\ntopic = \"/show play\"\nfile = \"absent.toml\"\n"
-      "[[cues]]\nfile = \"\"\nqueue = 3\n",
+      "[[cues]]\ntopic = \"/show/play\"\nfile = \"absent.toml\"\n"
+      "[[cues]]\nfile = \"\"\nqueue = 3\n"
+      "[[cues]]\ntopic = \"/show/play\"\nfile = \"gone.toml\"\n",
       folder / "audio.toml");
   EXPECT_FALSE(reading.config);
-  EXPECT_THAT(Texts(reading.diagnostics),
-              ElementsAre(HasSubstr("audio.toml:3:9: error: cues.topic: expected a topic"),
-                          HasSubstr("audio.toml:6:9: error: cues.topic: expected a topic"),
-                          HasSubstr("audio.toml:6:9: error: cues.topic: \"/show play\" has its"),
-                          HasSubstr("audio.toml:8:1: error: cues: the key \"topic\" is missing"),
-                          HasSubstr("audio.toml:9:8: error: cues.file: expected a name"),
-                          HasSubstr("audio.toml:10:1: error: cues: unknown key \"queue\""),
-                          HasSubstr("phrases.toml: error: the file cannot be read"),
-                          HasSubstr("cues.toml:2:6: error: cue.id"),
-                          HasSubstr("absent.toml: error: the file cannot be read")));
+  EXPECT_THAT(
+      Texts(reading.diagnostics),
+      ElementsAre(HasSubstr("audio.toml:3:9: error: cues.topic: expected the name of a topic"),
+                  HasSubstr("audio.toml:8:1: error: cues: the key \"topic\" is missing"),
+                  HasSubstr("audio.toml:9:8: error: cues.file: expected a name"),
+                  HasSubstr("audio.toml:10:1: error: cues: unknown key \"queue\""),
+                  HasSubstr("audio.toml:12:9: error: cues.topic: \"/show/play\" has its"),
+                  HasSubstr("phrases.toml: error: the file cannot be read"),
+                  HasSubstr("cues.toml:2:6: error: cue.id"),
+                  HasSubstr("absent.toml: error: the file cannot be read"),
+                  HasSubstr("gone.toml: error: the file cannot be read")));
 }
 
 TEST(CueTopics, OfTheWeddingRobotHaveEverySoundInBothLanguages) {

@@ -97,7 +97,9 @@ source = "world"
 from = "world/camera/left"
 )",
         {"cameras.toml:1:9: error: skip: expected one of front and left",
-         "cameras.toml:3:9: error: camera.front.topic: expected a topic",
+         "cameras.toml:3:9: error: camera.front.topic: expected the name of a topic relative to "
+         "the "
+         "namespace, as in \"image_rgb\", found \"/image\"",
          "cameras.toml:4:10: error: camera.front.source",
          "cameras.toml:6:12: error: camera.front.width_px: expected both",
          "cameras.toml:7:1: error: camera.front: unknown key \"colour\""}},

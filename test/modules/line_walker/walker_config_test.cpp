@@ -31,7 +31,7 @@ TEST(WalkerConfig, ReportsWhatIsWrongAndWhere) {
        {"a topic that is no name",
         "[topics]\nleft = \"a b\"\n",
         {"walker.toml:2:8: error: topics.left: expected the name of a topic, as in "
-         "\"odom_out\""}},
+         "\"odom_out\", found \"a b\""}},
        {"a gap beyond the end",
         "[end]\nend_gap_m = 2.0\n",
         {"walker.toml:2:13: error: end.end_gap_m: must be less than end_within_m"}},

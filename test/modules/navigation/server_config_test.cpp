@@ -120,7 +120,7 @@ TEST(PlannerFile, ReportsErrorsAtTheirPlace) {
             "planner.toml:1:9: error: frame: expected the frame of the map, as in \"map\"");
   EXPECT_EQ(PlannerError("[[robot]]\nname = \"a\"\nscan = \"a b\"\n"),
             "planner.toml:3:8: error: robot.scan: expected the name of a topic, as in "
-            "\"jetbot_0/odom\"");
+            "\"jetbot_0/odom\", or \"\" for none, found \"a b\"");
 }
 
 TEST(ControllerFile, ReportsErrorsAtTheirPlace) {

@@ -154,8 +154,10 @@ TEST(CourseFile, ReportsConditionsOfStepsThatAreNone) {
 TEST(CourseFile, ReportsRulesOfDoubtAndOdometryThatAreNone) {
   EXPECT_THAT(Faults("most_given_up = 5", "most_given_up = -1"),
               ElementsAre(HasSubstr("expected an integer from 0 to 1000, found -1")));
-  EXPECT_THAT(Faults("topic = \"odom_out\"", "topic = \"odom out\""),
-              ElementsAre(HasSubstr("expected a topic, as in \"odom_out\", or \"\" for none")));
+  EXPECT_THAT(
+      Faults("topic = \"odom_out\"", "topic = \"odom out\""),
+      ElementsAre(HasSubstr("expected the name of a topic, as in \"odom_out\", or \"\" for none, "
+                            "found \"odom out\"")));
   EXPECT_THAT(Faults("topic = \"odom_out\"", "topic = \"\""), IsEmpty());
   EXPECT_THAT(Faults("least_share = 0.8", "least_share = 1.1"),
               ElementsAre(HasSubstr("expected a number from 0.2 to 1")));

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "musher/behavior/fsm/replay.hpp"
-#include "musher/test/modules/race/race_rig.hpp"
+#include "musher/test/modules/race/race_replay.hpp"
 
 namespace musher::race::odometry_test {
 
@@ -226,21 +225,8 @@ TEST(WalkByOdometry, IsReplayedFromItsRecording) {
   rig.script.slip = 0.12;
   rig.Command("START:S2_TO_L1");
   ASSERT_TRUE(rig.RunTo("IN_QRB"));
-  const auto read = fsm::ReadRecording(rig.recording, "race.record");
-  ASSERT_TRUE(read) << read.error().message;
   EXPECT_THAT(rig.recording, HasSubstr("input odometry "));
-  Field field;
-  fsm::Machine machine({.name = "race"});
-  Race race(TheCourse(), field);
-  ASSERT_TRUE(race.Build(machine));
-  race.Resume({});
-  const auto replayed = fsm::Replay(
-      read.value(), machine,
-      [&](std::string_view input, std::string_view text) { return race.Apply(input, text); });
-  ASSERT_TRUE(replayed) << replayed.error().message;
-  EXPECT_EQ(replayed.value().difference.value_or(""), "");
-  EXPECT_EQ(field.frames, rig.field.frames);
-  EXPECT_EQ(race.memory().reserved(), rig.race->memory().reserved());
+  ExpectReplays(rig);
 }
 
 // A pause between two halves of a walk: neither is counted twice.

@@ -2,8 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/behavior/fsm/replay.hpp"
-#include "musher/test/modules/race/race_rig.hpp"
+#include "musher/test/modules/race/race_replay.hpp"
 
 namespace musher::race::route_test {
 
@@ -77,22 +76,7 @@ TEST(Route, OfOneCourseIsReplayedFromItsRecording) {
   rig.Run(std::chrono::seconds(20));
   rig.Command("START");
   ASSERT_TRUE(rig.RunTo("IN_L1") || rig.state() == "END") << rig.race->InfoText();
-
-  const auto read = fsm::ReadRecording(rig.recording, "race.record");
-  ASSERT_TRUE(read) << read.error().message;
-  Field field;
-  fsm::Machine machine({.name = "race"});
-  Race race(TheCourse(), field);
-  ASSERT_TRUE(race.Build(machine));
-  race.Resume({});
-  const auto replayed = fsm::Replay(
-      read.value(), machine,
-      [&](std::string_view input, std::string_view text) { return race.Apply(input, text); });
-  ASSERT_TRUE(replayed) << replayed.error().message;
-  EXPECT_EQ(replayed.value().difference.value_or(""), "");
-  EXPECT_EQ(race.state(), rig.state());
-  EXPECT_EQ(field.frames, rig.field.frames);
-  EXPECT_EQ(field.spoken, rig.field.spoken);
+  ExpectReplays(rig);
 }
 
 }  // namespace musher::race::route_test

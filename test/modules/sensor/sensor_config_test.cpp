@@ -82,12 +82,13 @@ TEST(SensorManagerConfig, ReportsAllErrorsAtOnce) {
                     "and gps, found \"lida\"; did you mean \"lidar\"?"),
           HasSubstr(":2:13: error: critical: a sensor that is skipped cannot be critical"),
           HasSubstr(":3:17: error: self_check_ms: expected an integer from 1"),
-          HasSubstr(":5:10: error: lidar.source: expected a relative topic name, as in"),
+          HasSubstr(":5:10: error: lidar.source: expected the name of a topic relative to the "
+                    "namespace, as in \"world/scan\", found \"/scan\""),
           HasSubstr(":6:11: error: lidar.rate_hz: expected a number from 0.01 to 1000"),
           HasSubstr(":8:10: error: ultrasonic.source: this is a topic that the module publishes"),
           HasSubstr(":9:1: error: tof: the key \"right_rear\" is missing"),
           HasSubstr(":11:14: error: tof.right_head: another sensor has this topic already"),
-          HasSubstr(":12:13: error: tof.left_rear: expected a relative topic name"),
+          HasSubstr(":12:13: error: tof.left_rear: expected the name of a topic relative to the"),
           HasSubstr(":13:1: error: gps: the key \"source\" is missing"),
           HasSubstr(":14:14: error: gps.silence_ms: expected"),
           HasSubstr(":15:1: error: gps: unknown key \"rate\"; expected one of source")));

@@ -109,11 +109,12 @@ fov = 60
   EXPECT_FALSE(reading.config);
   EXPECT_THAT(
       Lines(reading.diagnostics),
-      ElementsAre("dog.toml:4:6: error: detector.qr: expected a table, found an integer",
-                  HasSubstr("dog.toml:5:1: error: detector.arrow: the key \"width_m\" is missing"),
-                  HasSubstr("dog.toml:5:1: error: detector.arrow: the key \"fov_deg\" is missing"),
-                  HasSubstr("dog.toml:6:9: error: detector.arrow.topic: expected a name"),
-                  HasSubstr("dog.toml:7:1: error: detector.arrow: unknown key \"fov\"")));
+      ElementsAre(
+          "dog.toml:4:6: error: detector.qr: expected a table, found an integer",
+          HasSubstr("dog.toml:5:1: error: detector.arrow: the key \"width_m\" is missing"),
+          HasSubstr("dog.toml:5:1: error: detector.arrow: the key \"fov_deg\" is missing"),
+          HasSubstr("dog.toml:6:9: error: detector.arrow.topic: expected the name of a topic"),
+          HasSubstr("dog.toml:7:1: error: detector.arrow: unknown key \"fov\"")));
 }
 
 TEST(SkillsConfig, ReportsAllErrorsWithTheirPlaces) {
@@ -136,8 +137,8 @@ front = 3
           "with no digit, at most 64 long, found \"1dog\"",
           "dog.toml:2:12: error: radius_m: expected a number from 0.01 to 10, found 50",
           "dog.toml:3:1: error: unknown key \"hnd\"; did you mean \"hand\"?",
-          "dog.toml:5:12: error: topics.odometry: expected a name as in "
-          "\"jetbot_0/odom\", found \"\"",
+          "dog.toml:5:12: error: topics.odometry: expected the name of a topic, service or "
+          "action, as in \"jetbot_0/odom\", found \"\"",
           "dog.toml:7:9: error: cameras.front: expected a string, found an integer"));
 }
 
@@ -150,8 +151,8 @@ TEST(DispatcherConfig, MayBeEmptyAndReportsAllErrors) {
                 .diagnostics),
       ElementsAre("plan.toml:1:18: error: server_wait_ms: expected an integer from 1 to 3600000 "
                   "(milliseconds), found 0",
-                  "plan.toml:2:16: error: robot_action: expected the name of an action, as in "
-                  "\"skill_execution\", found \"/a\""));
+                  "plan.toml:2:16: error: robot_action: expected the name of an action relative to "
+                  "the namespace, as in \"skill_execution\", found \"/a\""));
 }
 
 TEST(DispatcherConfig, OfTheExampleIsValid) {

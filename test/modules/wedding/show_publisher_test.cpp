@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "musher/behavior/fsm/replay.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
 namespace musher::wedding::show_publisher_test {
@@ -107,21 +106,7 @@ TEST_F(ShowPublishers, ARecordingOfSeveralReplaysIdentically) {
   TickLong();
   Faces(R"({"is_frontal": true, "area": 0.1, "center_x": 0.25, "center_y": 0.75})");
   Tick();
-  const std::string last(state());
-
-  const auto recording = fsm::ReadRecording(recording_, "show.record");
-  ASSERT_TRUE(recording) << recording.error().message;
-  Script again;
-  fsm::Machine machine({.name = "wedding"});
-  Show show(ShowConfig{}, again);
-  ASSERT_TRUE(show.Build(machine));
-  show.Resume({});
-  const auto replayed = fsm::Replay(
-      recording.value(), machine,
-      [&](std::string_view input, std::string_view text) { return show.Apply(input, text); });
-  ASSERT_TRUE(replayed) << replayed.error().message;
-  EXPECT_FALSE(replayed.value().difference) << *replayed.value().difference;
-  EXPECT_EQ(show.state(), last);
+  ExpectReplays({});
 }
 
 TEST_F(ShowPublishers, AFrontalFaceOfFacesJsonIsAFaceWithoutATarget) {

@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "musher/behavior/fsm/replay.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
 namespace musher::wedding::show_rest_test {
@@ -26,20 +25,7 @@ TEST_F(RestingShow, RecordsThatAGuestWasTooCloseBeforeTheStart) {
   ASSERT_TRUE(machine_->Start(now_));
   Tick(50);
   ASSERT_EQ(state(), "SAFE_STOP");
-
-  const auto recording = fsm::ReadRecording(recording_, "show.record");
-  ASSERT_TRUE(recording) << recording.error().message;
-  Script again;
-  fsm::Machine machine({.name = "wedding"});
-  Show show(ShowConfig{}, again);
-  ASSERT_TRUE(show.Build(machine));
-  show.Resume({});
-  const auto replayed = fsm::Replay(
-      recording.value(), machine,
-      [&](std::string_view input, std::string_view text) { return show.Apply(input, text); });
-  ASSERT_TRUE(replayed) << replayed.error().message;
-  EXPECT_FALSE(replayed.value().difference) << *replayed.value().difference;
-  EXPECT_EQ(show.state(), "SAFE_STOP");
+  ExpectReplays({});
 }
 
 TEST_F(RestingShow, DoesNotFillItsHistoryWithPausesInIdle) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/behavior/fsm/replay.hpp"
 #include "musher/modules/wedding/show.hpp"
 
 namespace musher::wedding {
@@ -96,6 +97,26 @@ class ShowRig : public ::testing::Test {
     Face();
     Tick();
     ASSERT_EQ(state(), "TRACKING");
+  }
+  // Another show of this config replays the recording, and ends as this one. How many changes of
+  // its state that has.
+  std::uint64_t ExpectReplays(const ShowConfig& config) const {
+    const auto recording = fsm::ReadRecording(recording_, "show.record");
+    EXPECT_TRUE(recording) << (recording ? "" : recording.error().message);
+    if (!recording) return 0;
+    Script again;
+    fsm::Machine machine({.name = "wedding"});
+    Show show(config, again);
+    EXPECT_TRUE(show.Build(machine));
+    show.Resume({});
+    const auto replayed = fsm::Replay(
+        recording.value(), machine,
+        [&](std::string_view input, std::string_view text) { return show.Apply(input, text); });
+    EXPECT_TRUE(replayed) << (replayed ? "" : replayed.error().message);
+    if (!replayed) return 0;
+    EXPECT_EQ(replayed.value().difference.value_or(""), "");
+    EXPECT_EQ(show.state(), state());
+    return replayed.value().changes;
   }
   // So many ticks are in `time`.
   int Ticks(Duration time) const { return static_cast<int>(time / step_); }

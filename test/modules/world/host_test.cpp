@@ -15,9 +15,9 @@
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/test/modules/world/scenes.hpp"
+#include "musher/test/modules/world/world_on_network.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/clock.hpp"
-#include "musher/transport/sim/network.hpp"
 
 namespace musher::world::host_test {
 
@@ -26,18 +26,16 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using transport::SampleInfo;
 
-class WorldHostTest : public ::testing::Test {
+class WorldHostTest : public WorldOnNetwork {
  protected:
+  WorldHostTest() : WorldOnNetwork("dog1") {}
+
   void Open(const Scene& scene) {
     HostOptions options;
-    options.name_space = "dog1";
     options.picture_path = folder_ / "world.png";
-    options.log = [this](const std::string& line) { log_.push_back(line); };
     options.in_background = [](const std::function<void()>& work) { work(); };
-    options.shooter = &shooter_;
-    host_ = WorldHost::Start(*world_node_, scene, options).value();
+    StartWorld(scene, &shooter_, std::move(options));
     clock_ = Listen<msg::Clock>("clock", clocks_, transport::kClockQos);
     bodies_ = Listen<msg::BodyState>("dog1/world/body_state", states_);
     batteries_ = Listen<msg::BatteryState>("dog1/world/battery", charges_);
@@ -49,17 +47,6 @@ class WorldHostTest : public ::testing::Test {
     clocks_.clear();
     states_.clear();
     charges_.clear();
-  }
-
-  template <class M>
-  std::unique_ptr<transport::Subscription> Listen(
-      const std::string& topic, std::vector<M>& received,
-      const transport::Qos& qos = transport::kDefaultQos) {
-    return transport::MakeSubscription<M>(
-               *desk_, topic,
-               [&received](const M& message, const SampleInfo&) { received.push_back(message); },
-               qos)
-        .value();
   }
 
   template <class M>
@@ -95,17 +82,11 @@ class WorldHostTest : public ::testing::Test {
     return command;
   }
 
-  PromptWorker shooter_;
-  transport::sim::Network network_{3};
   const TempFolder folder_;
-  std::vector<std::string> log_;
   std::vector<msg::Clock> clocks_;
   std::vector<msg::BodyState> states_;
   std::vector<msg::BatteryState> charges_;
   std::vector<msg::Int32> touches_;
-  std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<WorldHost> host_;
   std::unique_ptr<transport::Subscription> clock_, bodies_, batteries_, touching_;
 };
 

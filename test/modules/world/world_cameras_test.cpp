@@ -9,11 +9,10 @@
 
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
+#include "musher/test/modules/world/world_on_network.hpp"
 #include "musher/transport/clock.hpp"
-#include "musher/transport/sim/network.hpp"
 
 namespace musher::world::world_cameras_test {
 
@@ -44,35 +43,15 @@ class CountingWorker : public PromptWorker {
   int runs = 0;
 };
 
-class WorldCamerasTest : public ::testing::Test {
+class WorldCamerasTest : public WorldOnNetwork {
  protected:
-  void Open(const Scene& scene, Worker& worker) {
-    HostOptions options;
-    options.name_space = "dog1";
-    options.log = [this](const std::string& line) { log_.push_back(line); };
-    options.shooter = &worker;
-    host_ = WorldHost::Start(*world_node_, scene, options).value();
-  }
+  WorldCamerasTest() : WorldOnNetwork("dog1") {}
+
+  void Open(const Scene& scene, Worker& worker) { StartWorld(scene, &worker); }
   std::unique_ptr<transport::Subscription> Watch(const std::string& camera,
                                                  std::vector<msg::Image>& seen) {
-    return transport::MakeSubscription<msg::Image>(
-               *desk_, "dog1/world/camera/" + camera,
-               [&seen](const msg::Image& image, const auto&) { seen.push_back(image); },
-               transport::kSensorDataQos)
-        .value();
+    return Listen(Name("world/camera/" + camera), seen, transport::kSensorDataQos);
   }
-  void InjectFault(const std::string& fault) {
-    const auto say = transport::MakePublisher<msg::String>(*desk_, "dog1/world/fault").value();
-    network_.RunFor(Milliseconds(500));
-    ASSERT_TRUE(say->Publish({fault}));
-    network_.RunFor(Milliseconds(500));
-  }
-
-  transport::sim::Network network_{3};
-  std::vector<std::string> log_;
-  std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<WorldHost> host_;
 };
 
 TEST_F(WorldCamerasTest, DrawNothingWithoutASubscriber) {

@@ -10,10 +10,9 @@
 
 #include "musher/modules/world/body/camera_model.hpp"
 #include "musher/modules/world/body/humanoid_kinematics.hpp"
-#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/rooms.hpp"
 #include "musher/test/modules/world/scenes.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/world/world_on_network.hpp"
 
 namespace musher::world::world_frames_test {
 
@@ -34,12 +33,10 @@ std::set<std::string> All(const std::string& text, const std::string& expression
   return found;
 }
 
-class WorldFramesTest : public ::testing::Test {
+class WorldFramesTest : public WorldOnNetwork {
  protected:
   void Open(const Scene& scene) {
-    HostOptions options;
-    options.log = [](const std::string&) {};
-    host_ = WorldHost::Start(*world_node_, scene, options).value();
+    StartWorld(scene);
     for (const char* topic : {"tf", "tf_static"}) {
       const bool fixed = topic == std::string("tf_static");
       kept_.push_back(transport::MakeSubscription<msg::TfMessage>(
@@ -84,11 +81,6 @@ class WorldFramesTest : public ::testing::Test {
     for (const std::string& link : links) Find(link, root);
   }
 
-  transport::sim::Network network_{3};
-  std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("world");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<WorldHost> host_;
-  std::vector<std::unique_ptr<transport::Subscription>> kept_;
   std::map<std::string, std::pair<std::string, Isometry3d>> parents_;  // by the child
   int samples_ = 0;
   int static_samples_ = 0;

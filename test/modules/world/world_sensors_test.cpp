@@ -8,9 +8,8 @@
 
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/world/world_on_network.hpp"
 
 namespace musher::world::world_sensors_test {
 
@@ -18,40 +17,23 @@ using std::chrono::seconds;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class WorldSensorsTest : public ::testing::Test {
+class WorldSensorsTest : public WorldOnNetwork {
  protected:
+  WorldSensorsTest() : WorldOnNetwork("dog1") {}
+
   void Open(const Scene& scene) {
-    HostOptions options;
-    options.name_space = "dog1";
-    options.log = [this](const std::string& line) { log_.push_back(line); };
-    host_ = WorldHost::Start(*world_node_, scene, options).value();
+    StartWorld(scene);
     network_.RunFor(Milliseconds(500));
   }
   template <class M>
   std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
                                                   std::vector<M>& received) {
     auto subscription =
-        transport::MakeSubscription<M>(
-            *desk_, "dog1/world/" + topic,
-            [&received](const M& message, const auto&) { received.push_back(message); },
-            transport::kSensorDataQos)
-            .value();
+        WorldOnNetwork::Listen(Name("world/" + topic), received, transport::kSensorDataQos);
     network_.RunFor(Milliseconds(500));
     received.clear();
     return subscription;
   }
-  void InjectFault(const std::string& fault) {
-    const auto say = transport::MakePublisher<msg::String>(*desk_, "dog1/world/fault").value();
-    network_.RunFor(Milliseconds(500));
-    ASSERT_TRUE(say->Publish({fault}));
-    network_.RunFor(Milliseconds(500));
-  }
-
-  transport::sim::Network network_{3};
-  std::vector<std::string> log_;
-  std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<WorldHost> host_;
 };
 
 TEST_F(WorldSensorsTest, PublishEachAtItsRateWithTheWorldsTime) {

@@ -8,9 +8,8 @@
 #include <limits>
 
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/world/world_on_network.hpp"
 
 namespace musher::world::world_show_test {
 
@@ -42,22 +41,11 @@ Scene Show() {
   return scene;
 }
 
-class WorldShowTest : public ::testing::Test {
+class WorldShowTest : public WorldOnNetwork {
  protected:
-  void Open(const Scene& scene) {
-    HostOptions options;
-    options.name_space = "robot1";
-    options.log = [this](const std::string& line) { log_.push_back(line); };
-    host_ = WorldHost::Start(*world_node_, scene, options).value();
-  }
-  template <class M>
-  std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
-                                                  std::vector<M>& received) {
-    return transport::MakeSubscription<M>(
-               *desk_, topic,
-               [&received](const M& message, const auto&) { received.push_back(message); })
-        .value();
-  }
+  WorldShowTest() : WorldOnNetwork("robot1") {}
+
+  void Open(const Scene& scene) { StartWorld(scene); }
   template <class M>
   void Say(const std::string& topic, const std::vector<M>& messages) {
     const auto say = transport::MakePublisher<M>(*desk_, topic).value();
@@ -73,12 +61,6 @@ class WorldShowTest : public ::testing::Test {
     message.point.y = y;
     return message;
   }
-
-  transport::sim::Network network_{3};
-  std::vector<std::string> log_;
-  std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<WorldHost> host_;
 };
 
 TEST_F(WorldShowTest, PublishesItsJointsEachStepWithTheWorldsTime) {

@@ -103,7 +103,8 @@ TEST(ServerFile, SaysWhereAnErrorIsAndWhatIsExpected) {
       {"server = \"arm\"\nlimit_ms = 0", "arm.toml:2:12: error: limit_ms: "},
       {"server = \"spear\"\nruntime_state = \"x\"", "arm.toml:2:1: error: unknown key"},
       {"server = \"arm\"\nreport = \"a b\"",
-       "arm.toml:2:10: error: report: expected the name of a topic, as in \"r0x0203\""},
+       "arm.toml:2:10: error: report: expected the name of a topic, as in \"r0x0203\", "
+       "found \"a b\""},
       {"server = \"move_to_pose\"\nx_pid = [1, 2]",
        "arm.toml:2:9: error: x_pid: expected three numbers from 0 to 1000: [p, i, d]"},
       {"server = \"move_to_pose\"\nx_pid = [1, 2.5, -1]",
