@@ -23,6 +23,8 @@ constexpr const char* kProperties = "org.freedesktop.DBus.Properties";
 
 // How long a start waits for a host that is booting, or for the unit before it to end.
 constexpr Duration kStartWithin = Milliseconds(10'000);
+// A search is a part of a TearDown, which has to know before its budget is used up which hosts have
+// not answered. A connection that is just being made needs some time.
 constexpr Duration kFindWithin = Milliseconds(1'000);
 // What a process leaves behind gets SIGTERM, and SIGKILL after this time.
 constexpr std::uint64_t kRestEndsWithin_us = 2'000'000;
@@ -542,7 +544,8 @@ void HostUnits::Find(std::function<void(const std::vector<Found>&)> done) {
   auto search = std::make_unique<Search>();
   search->done = std::move(done);
   for (const auto& [actuator, unit] : units_) search->until[unit.get()] = unit->examined;
-  search->deadline = loop_.At(loop_.Now() + kFindWithin, [this, one = search.get()] {
+  const Duration within = std::max(kFindWithin, config_.shutdown_budget * 3 / 10);
+  search->deadline = loop_.At(loop_.Now() + within, [this, one = search.get()] {
     one->over = true;
     AnswerSearches();
   });

@@ -98,6 +98,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     info.pid = known.process.pid != 0 ? known.process.pid : may_run ? known.report.pid : 0;
     // If it was out of reach before this controller began: what the disk says.
     info.host = known.report.host.empty() ? known.elsewhere.value_or("") : known.report.host;
+    if (!known.process.host.empty()) info.host = known.process.host;  // that of its pid
     info.stage = config.actuators[i].stage;
     info.critical = config.actuators[i].critical;
     info.held = known.held;

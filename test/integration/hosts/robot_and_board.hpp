@@ -201,7 +201,6 @@ class RobotAndBoard : public MachineFixture {
     std::ofstream(config_) << "[controller]\nname = \"robot\"\nactuators = [\"legs\", \"eyes\"]\n"
                            << "states = " << states << "\ndefault_time = 2000\nnamespace = \""
                            << name_space_ << "\"\nstate_dir = \"state\"\n"
-                           << "shutdown_budget_ms = 6000\n"
                            << "[transport]\nprofile = \"lan\"\ninterfaces = [\"" << kLink
                            << "\"]\n[host.board]\naddress = \"" << kBoardAddress
                            << "\"\nuser = \"root\"\nkey = \"" << root_->Key()
