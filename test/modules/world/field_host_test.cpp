@@ -8,10 +8,9 @@
 
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/climber.hpp"
 #include "musher/test/modules/world/scenes.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/world/world_on_network.hpp"
 
 namespace musher::world::field_host_test {
 
@@ -23,7 +22,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using Floats = msg::Float32MultiArray;
 
-class FieldHostTest : public ::testing::Test {
+class FieldHostTest : public WorldOnNetwork {
  protected:
   FieldHostTest() {
     Scene scene;
@@ -32,57 +31,26 @@ class FieldHostTest : public ::testing::Test {
     scene.field = Stairs({0, 200});
     scene.field->boxes = {{"box", KfsKind::kKfs1, {1, 0}}};
     scene.field->robot.start_m = {0.2, 0};
-    HostOptions options;
-    options.log = [this](const std::string& line) { log_.push_back(line); };
-    options.shooter = &shooter_;
-    host_ = WorldHost::Start(*world_node_, scene, options).value();
+    StartWorld(scene, &shooter_);
     network_.RunFor(Milliseconds(200));
   }
-  template <class M>
-  std::vector<M>& Listen(const std::string& topic, std::vector<M>& received) {
-    kept_.push_back(
-        transport::MakeSubscription<M>(*desk_, topic, [&received](const M& message, const auto&) {
-          received.push_back(message);
-        }).value());
-    network_.RunFor(Milliseconds(200));
-    return received;
-  }
-  // Publishes it ten times a second, for that long.
   void Send(const std::string& topic, const std::vector<float>& numbers,
             Duration time = Milliseconds(100)) {
-    auto publisher = transport::MakePublisher<Floats>(*desk_, topic).value();
-    network_.RunFor(Milliseconds(100));
-    for (Duration done{}; done < time; done += Milliseconds(100)) {
-      ASSERT_TRUE(publisher->Publish({{}, numbers}));
-      network_.RunFor(Milliseconds(100));
-    }
+    WorldOnNetwork::Send<Floats>(topic, {{}, numbers}, time);
   }
-  void Fault(const std::string& fault) {
-    auto publisher = transport::MakePublisher<msg::String>(*desk_, "world/fault").value();
-    network_.RunFor(Milliseconds(100));
-    ASSERT_TRUE(publisher->Publish({fault}));
-    network_.RunFor(Milliseconds(100));
-  }
-
-  PromptWorker shooter_;
-  transport::sim::Network network_{3};
-  std::vector<std::string> log_;
-  std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("world");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<WorldHost> host_;
-  std::vector<std::shared_ptr<void>> kept_;
+  void Fault(const std::string& fault) { InjectFault(fault, Milliseconds(100)); }
 };
 
 TEST_F(FieldHostTest, PublishesItsSensorsAtTheirRates) {
   std::vector<Floats> suspension, distances, arm, spear;
   std::vector<msg::PoseStamped> poses;
   std::vector<msg::Bool> ready;
-  Listen("r0x0201", suspension);
-  Listen("sensor_distances", distances);
-  Listen("r0x0203", arm);
-  Listen("r0x0204", spear);
-  Listen("transformed/pose", poses);
-  Listen("r1_ready", ready);
+  Keep("r0x0201", suspension);
+  Keep("sensor_distances", distances);
+  Keep("r0x0203", arm);
+  Keep("r0x0204", spear);
+  Keep("transformed/pose", poses);
+  Keep("r1_ready", ready);
   for (auto* floats : {&suspension, &distances, &arm, &spear}) floats->clear();
   poses.clear();
   ready.clear();
@@ -111,7 +79,7 @@ TEST_F(FieldHostTest, DrivesAndLiftsByTheHardwareTopics) {
 TEST_F(FieldHostTest, ReportsThatACommandOfTheArmIsDone) {
   Send("t0x0102_action", {230, 230, 230, 230}, seconds(1));
   std::vector<Floats> arm;
-  Listen("r0x0203", arm);
+  Keep("r0x0203", arm);
   Send("t0x0103_", {1, 0, 0, 0});
   EXPECT_EQ(arm.back().data[0], 0);
   network_.RunFor(seconds(3));
@@ -121,7 +89,7 @@ TEST_F(FieldHostTest, ReportsThatACommandOfTheArmIsDone) {
 
 TEST_F(FieldHostTest, PublishesThatThePartnerIsReadyAfterTheDocking) {
   std::vector<msg::Bool> ready;
-  Listen("r1_ready", ready);
+  Keep("r1_ready", ready);
   Send("t0x0104_", {3, 0, 0, 0});
   network_.RunFor(seconds(4));
   EXPECT_FALSE(ready.back().data);
@@ -143,10 +111,10 @@ TEST_F(FieldHostTest, RefusesInvalidNumbersAndLogsItOnce) {
 TEST_F(FieldHostTest, KeepsFaultySensorsSilentUntilTheFaultEnds) {
   std::vector<Floats> suspension, distances, arm;
   std::vector<msg::PoseStamped> poses;
-  Listen("r0x0201", suspension);
-  Listen("sensor_distances", distances);
-  Listen("r0x0203", arm);
-  Listen("transformed/pose", poses);
+  Keep("r0x0201", suspension);
+  Keep("sensor_distances", distances);
+  Keep("r0x0203", arm);
+  Keep("transformed/pose", poses);
   for (const char* fault : {"suspension silent", "arm silent", "pose silent", "distances lost"}) {
     Fault(fault);
   }

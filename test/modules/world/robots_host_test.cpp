@@ -15,9 +15,8 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/rooms.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/world/world_on_network.hpp"
 
 namespace musher::world::robots_host_test {
 
@@ -28,35 +27,15 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using Control = msg::ManipulationControl;
 
-class RobotsHostTest : public ::testing::Test {
+class RobotsHostTest : public WorldOnNetwork {
  protected:
   void Open(const Scene& scene) {
-    HostOptions options;
-    options.log = [this](const std::string& line) { log_.push_back(line); };
-    options.shooter = &shooter_;
-    host_ = WorldHost::Start(*world_node_, scene, options).value();
+    StartWorld(scene, &shooter_);
     network_.RunFor(Milliseconds(200));
   }
-  template <class M>
-  std::vector<M>& Listen(const std::string& topic, std::vector<M>& received,
-                         const transport::Qos& qos = transport::kDefaultQos) {
-    kept_.push_back(transport::MakeSubscription<M>(
-                        *desk_, topic,
-                        [&received](const M& message, const auto&) { received.push_back(message); },
-                        qos)
-                        .value());
-    network_.RunFor(Milliseconds(200));
-    return received;
-  }
-  // Publishes it ten times a second, for that long.
   template <class Twist>
   void Drive(const std::string& robot, const Twist& twist, Duration time) {
-    auto publisher = transport::MakePublisher<Twist>(*desk_, robot + "/cmd_vel").value();
-    network_.RunFor(Milliseconds(100));
-    for (Duration done{}; done < time; done += Milliseconds(100)) {
-      ASSERT_TRUE(publisher->Publish(twist));
-      network_.RunFor(Milliseconds(100));
-    }
+    Send(robot + "/cmd_vel", twist, time);
   }
   Control::Response UseHand(const std::string& robot, const Control::Request& request) {
     auto client = transport::MakeClient<Control>(*desk_, robot + "/manipulation_control").value();
@@ -69,20 +48,12 @@ class RobotsHostTest : public ::testing::Test {
     network_.RunFor(seconds(1));
     return response;
   }
-
-  PromptWorker shooter_;
-  transport::sim::Network network_{3};
-  std::vector<std::string> log_;
-  std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("world");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<WorldHost> host_;
-  std::vector<std::shared_ptr<void>> kept_;
 };
 
 TEST_F(RobotsHostTest, DrivesARobotAndPublishesItsOdometry50TimesASecond) {
   Open(RobotYard());
   std::vector<msg::Odometry> odometry;
-  Listen("jetbot_0/odom", odometry);
+  Keep("jetbot_0/odom", odometry);
   msg::Twist ahead;
   ahead.linear.x = 1;
   Drive("jetbot_0", ahead, seconds(2));
@@ -122,8 +93,8 @@ TEST_F(RobotsHostTest, LatchesTheMapsForWhateverSubscribesLater) {
   Open(RobotYard());
   std::vector<msg::OccupancyGrid> maps;
   std::vector<msg::PointCloud2> clouds;
-  Listen("map", maps, transport::kLatchedQos);
-  Listen("map_point_cloud", clouds, transport::kLatchedQos);
+  Keep("map", maps, transport::kLatchedQos);
+  Keep("map_point_cloud", clouds, transport::kLatchedQos);
   ASSERT_THAT(maps, SizeIs(1));
   EXPECT_EQ(maps[0].header.frame_id, "map");
   EXPECT_NEAR(maps[0].info.resolution, 0.05, 1e-6);
@@ -136,7 +107,7 @@ TEST_F(RobotsHostTest, PublishesTheMapsAgainWithTheObjectsThatStandThere) {
   scene.objects = {BoxOf("box_red", {0.8, 0, 0.075})};
   Open(scene);
   std::vector<msg::OccupancyGrid> maps;
-  Listen("map", maps, transport::kLatchedQos);
+  Keep("map", maps, transport::kLatchedQos);
   auto client = transport::MakeClient<msg::SetBool>(*desk_, "world/map").value();
   network_.RunFor(Milliseconds(200));
   for (const bool objects : {true, false}) {
@@ -154,7 +125,7 @@ TEST_F(RobotsHostTest, PublishesTheMapsAgainWithTheObjectsThatStandThere) {
 TEST_F(RobotsHostTest, PublishesAWrongOdometryUntilItIsRightAgain) {
   Open(RobotYard());
   std::vector<msg::Odometry> odometry;
-  Listen("jetbot_0/odom", odometry);
+  Keep("jetbot_0/odom", odometry);
   auto faults = transport::MakePublisher<msg::String>(*desk_, "world/jetbot_0/odometry").value();
   network_.RunFor(Milliseconds(200));
   const auto set = [&](const std::string& text) {
@@ -187,7 +158,7 @@ TEST_F(RobotsHostTest, PublishesTheLinesInTheViewOfARobot) {
   scene.lines.push_back({.points_m = {{-1, 0.2}, {0.5, 0.2}}});
   Open(scene);
   std::vector<msg::YellowLines> lines;
-  Listen("jetbot_0/lines", lines);
+  Keep("jetbot_0/lines", lines);
   network_.RunFor(seconds(1));
   ASSERT_FALSE(lines.empty());
   const msg::YellowLines& last = lines.back();
@@ -214,11 +185,11 @@ TEST_F(RobotsHostTest, PublishesScansBatteriesObjectsAndTrackedMoversAtTheirRate
   std::vector<msg::BatteryState> batteries;
   std::vector<msg::ObjectStates> objects;
   std::vector<msg::Odometry> target, person;
-  Listen("cf2x_0/scan", scans, transport::kSensorDataQos);
-  Listen("jetbot_1/battery", batteries);
-  Listen("world/objects", objects);
-  Listen("target_0/odom", target);
-  Listen("person_0/odom", person);
+  Keep("cf2x_0/scan", scans, transport::kSensorDataQos);
+  Keep("jetbot_1/battery", batteries);
+  Keep("world/objects", objects);
+  Keep("target_0/odom", target);
+  Keep("person_0/odom", person);
   scans.clear();
   batteries.clear();
   objects.clear();
@@ -250,7 +221,7 @@ TEST_F(RobotsHostTest, ServesTheHandOfARobotThatHasOne) {
   EXPECT_FALSE(unknown.success);
   EXPECT_THAT(unknown.message, HasSubstr("unknown action 9"));
   std::vector<msg::ObjectStates> objects;
-  Listen("world/objects", objects);
+  Keep("world/objects", objects);
   EXPECT_EQ(objects.back().objects[0].held_by, "jetbot_0");
   const Control::Response released =
       UseHand("jetbot_0",
@@ -271,7 +242,7 @@ TEST_F(RobotsHostTest, RendersACameraOnlyForASubscriberWithTheOtherRobotInIt) {
   scene.robots[0].camera = camera;
   Open(scene);
   std::vector<msg::Image> images;
-  Listen("jetbot_0/camera/image", images, transport::kSensorDataQos);
+  Keep("jetbot_0/camera/image", images, transport::kSensorDataQos);
   images.clear();
   network_.RunFor(seconds(2));
   ASSERT_THAT(images, SizeIs(10));
@@ -285,7 +256,7 @@ TEST_F(RobotsHostTest, RendersACameraOnlyForASubscriberWithTheOtherRobotInIt) {
 TEST_F(RobotsHostTest, PublishesNothingOfTheBodyWithoutOne) {
   Open(RobotYard());
   std::vector<msg::BodyState> bodies;
-  Listen("world/body_state", bodies);
+  Keep("world/body_state", bodies);
   network_.RunFor(seconds(1));
   EXPECT_THAT(bodies, IsEmpty());
 }
