@@ -136,6 +136,7 @@ void Coordinator::Advance() {
   while (changed) {
     changed = AdvanceSwitch();
     if (phase == Phase::kStopping) {
+      changed |= tear_down_.BeginWaiting();
       tear_down_.Advance();
     } else if (phase != Phase::kIdle && phase != Phase::kStopped) {
       changed |= requests_.BeginWaiting();

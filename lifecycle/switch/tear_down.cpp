@@ -60,7 +60,8 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
   if (!silent) BeginSwitch(plan);
 }
 
-// It has no part in TearDown, or only the callback.
+// Before the switch, of an actuator that is not awaited. Without a part in it the process is ended
+// by a signal.
 void TearDown::EndWithout(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.control.again.reset();
@@ -84,7 +85,8 @@ void TearDown::BeginSwitch(const Plan& plan) {
 bool TearDown::MayAnnounceItself(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const bool silent = known.presence == Presence::kAbsent || known.presence == Presence::kStarting;
-  if (!silent || known.fault || machine_.start_up.finishing) return false;  // or awaited already
+  // The start that finishes a TearDown has awaited all of them.
+  if (!silent || known.fault || machine_.start_up.finishing) return false;
   const bool elsewhere = known.elsewhere && known.report.incarnation == 0;
   const bool holds_name =
       ConfigOf(i).protocol == Protocol::kMusher && config_.transport != TransportProfile::kLan;
@@ -99,14 +101,17 @@ std::optional<ActuatorIndex> TearDown::FirstSilent() const {
   return std::nullopt;
 }
 
-// Begins the switch once all have announced themselves, or their time is over.
-void TearDown::AwaitAnnouncements() {
-  if (now_ < *machine_.stopping->announced_by && FirstSilent()) return;
+// Begins the switch once all have announced themselves, or their time is over. Returns whether it
+// has.
+bool TearDown::BeginWaiting() {
+  if (!machine_.stopping->announced_by) return false;
+  if (now_ < *machine_.stopping->announced_by && FirstSilent()) return false;
   const Plan plan = MakePlan(config_, machine_, State(kTearDown));
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (MayAnnounceItself(i)) EndWithout(i);
   }
   BeginSwitch(plan);
+  return true;
 }
 
 // Of several TearDown requests, the one counts that keeps the machine down.
@@ -137,7 +142,6 @@ void TearDown::OnTornDown(SwitchResult result) {
 void TearDown::Advance() {
   Stopping& stopping = *machine_.stopping;
   using Signal = Stopping::Signal;
-  if (stopping.announced_by) AwaitAnnouncements();
   if (stopping.terminate_at && now_ >= *stopping.terminate_at && stopping.sent == Signal::kNone) {
     stopping.sent = Signal::kTerminate;
     SignalProcesses(false);

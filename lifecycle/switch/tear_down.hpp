@@ -50,6 +50,9 @@ class TearDown : StepPart {
   // Another request for the TearDown under way. Of several, the one counts that keeps the machine
   // down.
   void Join(const event::SetStateRequested& requested);
+  // Begins the switch to TearDown, once it need not wait for actuators any more. Returns whether it
+  // has.
+  bool BeginWaiting();
   // Whether the first TearDown still waits for the intent to be on disk.
   bool WaitsForIntent();
   // The switch to TearDown has ended.
@@ -64,7 +67,6 @@ class TearDown : StepPart {
  private:
   bool MayAnnounceItself(ActuatorIndex i) const;
   std::optional<ActuatorIndex> FirstSilent() const;
-  void AwaitAnnouncements();
   void EndWithout(ActuatorIndex i);
   void BeginSwitch(const Plan& plan);
   void ListSurvivors();

@@ -35,10 +35,16 @@ const std::string kMusher = BinDir() + "/musher";
 
 class SkillCommand : public ::testing::Test {
  protected:
-  SkillCommand() { setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1); }
+  // Without the robots that were run on this computer.
+  SkillCommand() {
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+    setenv("XDG_STATE_HOME", state_.path().c_str(), 1);
+  }
+  ~SkillCommand() override { unsetenv("XDG_STATE_HOME"); }
   static nlohmann::json Json(const std::string& text) {
     return nlohmann::json::parse(text, nullptr, false);
   }
+  const TempFolder state_;
 };
 
 TEST_F(SkillCommand, ListsTheSkillsOfEveryActuatorAndTheParametersOfOne) {
@@ -157,18 +163,15 @@ TEST_F(SkillCommand, RunsASkillOfTheMachineThatIsNamed) {
 
 // The robot on which it is typed does not run.
 TEST_F(SkillCommand, RunsNoSkillOfAnotherMachineThanThisHostHasFilesOf) {
-  const TempFolder place;
-  setenv("XDG_STATE_HOME", place.path().c_str(), 1);
   {
-    auto store = StateStore::Open(place / "musher/dog",
-                                  {"dog", "", transport::TestDomain(), place / "robot.toml"});
+    auto store = StateStore::Open(state_ / "musher/dog",
+                                  {"dog", "", transport::TestDomain(), state_ / "robot.toml"});
     ASSERT_TRUE(store);
     store.value().SetMachineId(kDog.id);
     ASSERT_TRUE(store.value().SaveMachineId());
   }
   FakeSkills of_cat("arm", "", kCat);
   const Ran ran = RunProgram({"skill", "run", "rise"});
-  unsetenv("XDG_STATE_HOME");
   EXPECT_EQ(ran.exit, 3) << ran.out;
   EXPECT_THAT(ran.err, AllOf(HasSubstr("the machine of this host, dog (id d0900000), has no "
                                        "running actuator arm"),
