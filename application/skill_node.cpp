@@ -1,6 +1,7 @@
 #include "musher/application/skill_node.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <utility>
@@ -23,6 +24,7 @@ constexpr Duration kFoundWithin = std::chrono::seconds(3);
 constexpr Duration kStartTime = std::chrono::seconds(5);    // for the reply to a goal
 constexpr Duration kCancelTime = std::chrono::seconds(1);   // then the cancellation is repeated
 constexpr Duration kEndsWithin = std::chrono::seconds(10);  // an earlier goal that is cancelled
+constexpr Duration kEndTime = std::chrono::seconds(10);     // of a lost goal that is cancelled
 
 std::string Trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\n");
@@ -45,20 +47,52 @@ struct SkillGoal {
   std::shared_ptr<Client> client;
   std::string action;
   transport::GoalId id{};
-  bool cancelled = false;
+  bool released = false;  // its node was halted, or has read the outcome
+  int cancels = 0;        // without a reply yet
   double progress = 0;
   std::optional<transport::GoalOutcome<Action>> outcome;
+  bool stopped = false;  // its server has ended it, or does not know it, after it was lost
+
+  bool lost() const { return outcome && outcome->end == transport::GoalEnd::kLost; }
+  bool MayRun() const { return !outcome || (lost() && !stopped); }
 };
+
+void Cancel(const std::shared_ptr<SkillGoal>& goal);
+
+// Of a lost goal, after its server has replied to its cancellation.
+void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
+  if (return_code == msg::CancelGoal::kErrorUnknownGoalId ||
+      return_code == msg::CancelGoal::kErrorGoalTerminated) {
+    goal->stopped = true;
+    return;
+  }
+  goal->client->GetOutcome(goal->id, kEndTime, [weak = std::weak_ptr(goal)](const auto& outcome) {
+    const auto own = weak.lock();
+    if (!own) return;
+    own->stopped = outcome.ok();
+    if (!own->stopped) Cancel(own);
+  });
+}
 
 // Again and again, until the goal has ended: a request or its reply may be lost, and the actuator
 // may not know the goal yet.
 void Cancel(const std::shared_ptr<SkillGoal>& goal) {
-  goal->cancelled = true;
-  if (goal->outcome) return;
+  if (!goal->MayRun()) return;
+  ++goal->cancels;
   goal->client->Cancel(goal->id, kCancelTime, [weak = std::weak_ptr(goal)](const auto& reply) {
     const auto own = weak.lock();
-    if (own && !own->outcome && !reply) Cancel(own);
+    if (!own) return;
+    --own->cancels;
+    if (!own->MayRun()) return;
+    if (!reply) return Cancel(own);
+    if (own->lost()) AwaitEnd(own, reply.value().return_code);
   });
+}
+
+void TakeOutcome(const std::shared_ptr<SkillGoal>& goal,
+                 const transport::GoalOutcome<Action>& outcome) {
+  goal->outcome = outcome;
+  if (goal->lost() && goal->cancels == 0) Cancel(goal);
 }
 
 }  // namespace
@@ -93,11 +127,12 @@ class SkillNodes::Wire {
     return found;
   }
 
-  // Whether a goal for that action is cancelled and has not ended.
+  // Whether a goal for that action is cancelled, or lost, and may still run.
   bool IsEnding(const std::string& action) {
-    std::erase_if(goals_, [](const auto& goal) { return goal->outcome.has_value(); });
-    return std::ranges::any_of(
-        goals_, [&](const auto& goal) { return goal->cancelled && goal->action == action; });
+    std::erase_if(goals_, [](const auto& goal) { return goal->released && !goal->MayRun(); });
+    return std::ranges::any_of(goals_, [&](const auto& goal) {
+      return goal->action == action && goal->MayRun() && (goal->released || goal->lost());
+    });
   }
 
   Result<std::shared_ptr<SkillGoal>> Send(const msg::SkillOffers& offers, const std::string& skill,
@@ -118,14 +153,14 @@ class SkillNodes::Wire {
     transport::GoalEvents<Action> events;
     events.on_accepted = [weak = std::weak_ptr(goal)] {
       const auto own = weak.lock();
-      if (own && own->cancelled) Cancel(own);
+      if (own && own->released) Cancel(own);
     };
     events.on_feedback = [weak = std::weak_ptr(goal)](const Action::Feedback& feedback) {
       const auto own = weak.lock();
       if (own) own->progress = ProgressIn(feedback.status).value_or(own->progress);
     };
     events.on_end = [weak = std::weak_ptr(goal)](const auto& outcome) {
-      if (const auto own = weak.lock()) own->outcome = outcome;
+      if (const auto own = weak.lock()) TakeOutcome(own, outcome);
     };
     goal->id = goal->client->SendGoal(request, kStartTime, std::move(events));
     goals_.push_back(goal);
@@ -169,8 +204,14 @@ class RunSkill : public tree::StatefulAction {
     if (!goal) return Fail("its topics were closed while it ran");
     progress_.Set(goal->progress);
     if (!goal->outcome) return tree::Status::kRunning;
+    goal->released = true;
     const auto& outcome = *goal->outcome;
     const std::string text = outcome.reason.empty() ? outcome.result.message : outcome.reason;
+    if (goal->lost()) {
+      return Fail(
+          (goal->MayRun() ? "lost; it may still run, and is cancelled once possible: " : "lost: ") +
+          text);
+    }
     if (outcome.end != transport::GoalEnd::kSucceeded) return Fail(text);
     progress_.Set(100);
     message_.Set(text);
@@ -178,7 +219,9 @@ class RunSkill : public tree::StatefulAction {
   }
   void OnHalted(const tree::Tick& /*tick*/) override {
     const auto goal = goal_.lock();
-    if (std::exchange(sent_, false) && goal) Cancel(goal);
+    if (!std::exchange(sent_, false) || !goal) return;
+    goal->released = true;
+    Cancel(goal);
   }
 
   tree::Status Begin(SkillNodes::Wire& wire, const tree::Tick& tick) {
@@ -198,7 +241,7 @@ class RunSkill : public tree::StatefulAction {
     }
     if (wire.IsEnding(found[0]->action)) {
       if (waited < kEndsWithin) return tree::Status::kRunning;
-      return Fail("a goal of " + found[0]->actuator + " that was cancelled has not ended");
+      return Fail("a goal of " + found[0]->actuator + " that was cancelled or lost has not ended");
     }
     auto sent = wire.Send(*found[0], skill, values_);
     if (!sent) return Fail(sent.error().message);
