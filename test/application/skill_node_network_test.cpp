@@ -1,7 +1,8 @@
 // RunSkill on a simulated network in virtual time, with fakes of the skill actuators: what it does
-// when a connection is lost and when an actuator crashes.
+// when a connection is lost, when an actuator crashes, and where several machines have skills.
 
 #include "musher/application/skill_node.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
@@ -12,9 +13,20 @@ namespace musher::skill_node_network_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using tree::Status;
 
 constexpr Duration kLease = std::chrono::seconds(1);
+
+// Latches the status of an actuator of that machine.
+void PublishStatus(transport::Endpoints& endpoints, const std::string& actuator,
+                   const std::string& machine) {
+  msg::ActuatorStatus status;
+  status.name = actuator;
+  status.machine = machine;
+  endpoints.PublishFunction<msg::ActuatorStatus>("musher/actuator_status",
+                                                 transport::kLatchedQos)(status);
+}
 
 // A skill actuator with the skills `wait` and `home`, whose runs the test ends.
 class FakeRobot {
@@ -23,6 +35,7 @@ class FakeRobot {
   struct Options {
     std::string actuator = "show";
     std::string action = "/skill_execution";
+    std::string machine{};  // empty: it publishes no status
   };
 
   explicit FakeRobot(std::unique_ptr<transport::Node> node) : FakeRobot(std::move(node), {}) {}
@@ -43,6 +56,7 @@ class FakeRobot {
     msg::SkillOffers offers{options.actuator, options.action, {}};
     for (const char* skill : {"wait", "home"}) offers.skills.push_back({skill, "", {}});
     endpoints_.PublishFunction<msg::SkillOffers>("skills", transport::kLatchedQos)(offers);
+    if (!options.machine.empty()) PublishStatus(endpoints_, options.actuator, options.machine);
   }
 
   transport::Node& node() { return *node_; }
@@ -74,6 +88,16 @@ class RunSkill : public ::testing::Test {
     return ticked ? ticked.value() : Status::kIdle;
   }
   void Run(double seconds) { network_.RunFor(Milliseconds(static_cast<int>(1000 * seconds))); }
+  // Once the offers are received, and as long as the node looks for more.
+  Status Begin() {
+    Run(0.5);
+    Status status = Tick();
+    for (int i = 0; i < 8 && status == Status::kRunning; ++i) {
+      Run(0.5);
+      status = Tick();
+    }
+    return status;
+  }
   std::string Entry(const std::string& key) {
     const auto entry = tree_->board().Get<std::string>(key);
     return entry ? entry.value() : "";
@@ -88,6 +112,7 @@ class RunSkill : public ::testing::Test {
   transport::Endpoints endpoints_{*node_, ""};
 };
 
+constexpr const char* kWait = R"(<RunSkill skill="wait" message="{message}"/>)";
 constexpr const char* kWaitOrHome = R"(<Fallback>
   <RunSkill skill="wait" message="{message}"/>
   <RunSkill skill="home" message="{home}"/>
@@ -169,6 +194,61 @@ TEST_F(RunSkill, StartsAnotherSkillWhenTheActuatorHasRestartedAndDoesNotKnowTheL
   EXPECT_EQ(Tick(), Status::kRunning);
   Run(1);
   EXPECT_THAT(restarted.log, ElementsAre("home starts"));
+}
+
+TEST_F(RunSkill, StartsASkillOfAnActuatorThatHasRestartedBeforeTheOneThatCrashedIsLost) {
+  network_.SetLease(std::chrono::seconds(60));
+  auto crashed = std::make_unique<FakeRobot>(network_.MakeNode("robot"));
+  Run(0.5);
+  network_.Crash(crashed->node());
+  FakeRobot restarted(network_.MakeNode("robot"));
+  Make(kWait);
+  EXPECT_EQ(Begin(), Status::kRunning) << Entry("message");
+  EXPECT_THAT(restarted.log, ElementsAre("wait starts"));
+}
+
+TEST_F(RunSkill, FailsForAnOfferWithoutAnAction) {
+  FakeRobot robot(network_.MakeNode("robot"), {.action = ""});
+  Make(kWait);
+  EXPECT_EQ(Begin(), Status::kFailure);
+  EXPECT_EQ(Entry("message"), "show offers wait without an action");
+}
+
+TEST_F(RunSkill, StartsNoSkillOfTheActuatorOfAnotherMachine) {
+  PublishStatus(endpoints_, "patrol", "dog");
+  FakeRobot cat(network_.MakeNode("cat"), {.machine = "cat"});
+  Make(kWait);
+  EXPECT_EQ(Begin(), Status::kFailure);
+  EXPECT_EQ(Entry("message"),
+            "no actuator of dog that runs offers the skill wait; it is offered by show of cat");
+  Make(R"(<RunSkill skill="wait" actuator="show" message="{message}"/>)");
+  EXPECT_EQ(Begin(), Status::kFailure);
+  EXPECT_EQ(Entry("message"),
+            "no actuator show of dog offers the skill wait; it is offered by show of cat");
+  EXPECT_THAT(cat.log, IsEmpty());
+}
+
+TEST_F(RunSkill, StartsTheSkillOfItsOwnMachineWhereAnotherOneHasItToo) {
+  PublishStatus(endpoints_, "patrol", "dog");
+  FakeRobot cat(network_.MakeNode("cat"), {.action = "/cat/skill_execution", .machine = "cat"});
+  FakeRobot dog(network_.MakeNode("dog"), {.action = "/dog/skill_execution", .machine = "dog"});
+  Make(kWait);
+  EXPECT_EQ(Begin(), Status::kRunning) << Entry("message");
+  EXPECT_THAT(dog.log, ElementsAre("wait starts"));
+  EXPECT_THAT(cat.log, IsEmpty());
+}
+
+TEST_F(RunSkill, StartsNoSkillByAnActionThatTwoMachinesServe) {
+  PublishStatus(endpoints_, "patrol", "dog");
+  FakeRobot cat(network_.MakeNode("cat"), {.actuator = "purr", .machine = "cat"});
+  FakeRobot dog(network_.MakeNode("dog"), {.machine = "dog"});
+  Make(R"(<RunSkill skill="wait" actuator="show" message="{message}"/>)");
+  EXPECT_EQ(Begin(), Status::kFailure);
+  EXPECT_EQ(Entry("message"),
+            "/skill_execution is served by cat, too, which would receive the goal; give each "
+            "machine a namespace");
+  EXPECT_THAT(dog.log, IsEmpty());
+  EXPECT_THAT(cat.log, IsEmpty());
 }
 
 }  // namespace musher::skill_node_network_test
