@@ -1,6 +1,7 @@
 #include "musher/application/skill_node.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <utility>
@@ -9,9 +10,12 @@
 #include "musher/base/joined.hpp"
 #include "musher/behavior/tree/node.hpp"
 #include "musher/behavior/tree/setup.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/action.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
 namespace {
@@ -23,6 +27,7 @@ constexpr Duration kFoundWithin = std::chrono::seconds(3);
 constexpr Duration kStartTime = std::chrono::seconds(5);    // for the reply to a goal
 constexpr Duration kCancelTime = std::chrono::seconds(1);   // then the cancellation is repeated
 constexpr Duration kEndsWithin = std::chrono::seconds(10);  // an earlier goal that is cancelled
+constexpr Duration kEndTime = std::chrono::seconds(10);     // of a lost goal that is cancelled
 
 std::string Trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\n");
@@ -45,31 +50,74 @@ struct SkillGoal {
   std::shared_ptr<Client> client;
   std::string action;
   transport::GoalId id{};
-  bool cancelled = false;
+  bool released = false;  // its node was halted, or has read the outcome
+  int cancels = 0;        // without a reply yet
   double progress = 0;
   std::optional<transport::GoalOutcome<Action>> outcome;
+  bool stopped = false;  // its server has ended it, or does not know it, after it was lost
+
+  bool lost() const { return outcome && outcome->end == transport::GoalEnd::kLost; }
+  bool MayRun() const { return !outcome || (lost() && !stopped); }
 };
+
+void Cancel(const std::shared_ptr<SkillGoal>& goal);
+
+// Of a lost goal, after its server has replied to its cancellation.
+void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
+  if (return_code == msg::CancelGoal::kErrorUnknownGoalId ||
+      return_code == msg::CancelGoal::kErrorGoalTerminated) {
+    goal->stopped = true;
+    return;
+  }
+  goal->client->GetOutcome(goal->id, kEndTime, [weak = std::weak_ptr(goal)](const auto& outcome) {
+    const auto own = weak.lock();
+    if (!own) return;
+    own->stopped = outcome.ok();
+    if (!own->stopped) Cancel(own);
+  });
+}
 
 // Again and again, until the goal has ended: a request or its reply may be lost, and the actuator
 // may not know the goal yet.
 void Cancel(const std::shared_ptr<SkillGoal>& goal) {
-  goal->cancelled = true;
-  if (goal->outcome) return;
+  if (!goal->MayRun()) return;
+  ++goal->cancels;
   goal->client->Cancel(goal->id, kCancelTime, [weak = std::weak_ptr(goal)](const auto& reply) {
     const auto own = weak.lock();
-    if (own && !own->outcome && !reply) Cancel(own);
+    if (!own) return;
+    --own->cancels;
+    if (!own->MayRun()) return;
+    if (!reply) return Cancel(own);
+    if (own->lost()) AwaitEnd(own, reply.value().return_code);
   });
+}
+
+void TakeOutcome(const std::shared_ptr<SkillGoal>& goal,
+                 const transport::GoalOutcome<Action>& outcome) {
+  goal->outcome = outcome;
+  if (goal->lost() && goal->cancels == 0) Cancel(goal);
 }
 
 }  // namespace
 
 class SkillNodes::Wire {
  public:
+  struct Offer {
+    msg::SkillOffers offers;
+    transport::ParticipantId participant;
+    std::uint64_t number = 0;  // grows with each that is received
+  };
+  struct Offering {
+    std::vector<const Offer*> own;  // of this machine, as far as known: the newest of each actuator
+    std::vector<const Offer*> others;  // of other machines
+  };
+
   explicit Wire(transport::Endpoints& endpoints) : node_(endpoints.node()) {
-    endpoints.SubscribeEach<msg::SkillOffers>(
+    ReceiveStatuses(endpoints.name_space());
+    endpoints.SubscribeWithInfo<msg::SkillOffers>(
         "skills",
-        [this](const msg::SkillOffers& offers, transport::EndpointId writer) {
-          offers_[writer] = offers;
+        [this](const msg::SkillOffers& offers, const transport::SampleInfo& info) {
+          offers_[info.writer] = {offers, info.participant, ++received_};
         },
         [this](transport::EndpointId writer) { offers_.erase(writer); },
         transport::kLatchedFromManyQos);
@@ -80,24 +128,52 @@ class SkillNodes::Wire {
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
-  // The offers with that skill, of that actuator; empty: of all.
-  std::vector<const msg::SkillOffers*> Find(const std::string& skill,
-                                            const std::string& actuator) const {
-    std::vector<const msg::SkillOffers*> found;
-    for (const auto& [writer, offers] : offers_) {
-      if (!actuator.empty() && offers.actuator != actuator) continue;
-      const bool has = std::ranges::any_of(offers.skills,
-                                           [&](const auto& offer) { return offer.skill == skill; });
-      if (has) found.push_back(&offers);
+  // The offers with that skill, of that actuator; empty: of all. A process that has crashed keeps
+  // its offers until its lease ends.
+  Offering Find(const std::string& skill, const std::string& actuator) const {
+    std::map<std::string, const Offer*> newest;
+    Offering found;
+    const auto has = [&](const Offer& offer) {
+      return std::ranges::any_of(offer.offers.skills,
+                                 [&](const auto& one) { return one.skill == skill; });
+    };
+    for (const auto& [writer, offer] : offers_) {
+      if (!actuator.empty() && offer.offers.actuator != actuator) continue;
+      if (IsOfAnother(offer)) {
+        if (has(offer)) found.others.push_back(&offer);
+        continue;
+      }
+      const Offer*& known = newest[offer.offers.actuator];
+      if (known == nullptr || known->number < offer.number) known = &offer;
+    }
+    for (const auto& [name, offer] : newest) {
+      if (has(*offer)) found.own.push_back(offer);
     }
     return found;
   }
 
-  // Whether a goal for that action is cancelled and has not ended.
+  // The machine of this process; nullopt: not known.
+  std::optional<MachineIdentity> own_machine() const { return MachineOf(node_.participant()); }
+  std::optional<MachineIdentity> MachineOf(transport::ParticipantId participant) const {
+    for (const auto& [writer, status] : statuses_) {
+      if (status.participant == participant && !status.machine.name.empty()) return status.machine;
+    }
+    return std::nullopt;
+  }
+  // Offers of another machine by that action, whose actuator would receive a goal, too; or null.
+  const Offer* OfAnotherBy(const std::string& action) const {
+    const auto found = std::ranges::find_if(offers_, [&](const auto& entry) {
+      return entry.second.offers.action == action && IsOfAnother(entry.second);
+    });
+    return found == offers_.end() ? nullptr : &found->second;
+  }
+
+  // Whether a goal for that action is cancelled, or lost, and may still run.
   bool IsEnding(const std::string& action) {
-    std::erase_if(goals_, [](const auto& goal) { return goal->outcome.has_value(); });
-    return std::ranges::any_of(
-        goals_, [&](const auto& goal) { return goal->cancelled && goal->action == action; });
+    std::erase_if(goals_, [](const auto& goal) { return goal->released && !goal->MayRun(); });
+    return std::ranges::any_of(goals_, [&](const auto& goal) {
+      return goal->action == action && goal->MayRun() && (goal->released || goal->lost());
+    });
   }
 
   Result<std::shared_ptr<SkillGoal>> Send(const msg::SkillOffers& offers, const std::string& skill,
@@ -118,14 +194,14 @@ class SkillNodes::Wire {
     transport::GoalEvents<Action> events;
     events.on_accepted = [weak = std::weak_ptr(goal)] {
       const auto own = weak.lock();
-      if (own && own->cancelled) Cancel(own);
+      if (own && own->released) Cancel(own);
     };
     events.on_feedback = [weak = std::weak_ptr(goal)](const Action::Feedback& feedback) {
       const auto own = weak.lock();
       if (own) own->progress = ProgressIn(feedback.status).value_or(own->progress);
     };
     events.on_end = [weak = std::weak_ptr(goal)](const auto& outcome) {
-      if (const auto own = weak.lock()) own->outcome = outcome;
+      if (const auto own = weak.lock()) TakeOutcome(own, outcome);
     };
     goal->id = goal->client->SendGoal(request, kStartTime, std::move(events));
     goals_.push_back(goal);
@@ -133,9 +209,36 @@ class SkillNodes::Wire {
   }
 
  private:
+  struct Status {
+    MachineIdentity machine;
+    transport::ParticipantId participant;
+  };
+
+  // Without the permission to read them no machine is known.
+  void ReceiveStatuses(const std::string& name_space) {
+    transport::SubscriptionEvents events;
+    events.on_writer_lost = [this](transport::EndpointId writer) { statuses_.erase(writer); };
+    auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
+        node_, transport::ActuatorStatusTopic(name_space),
+        [this](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+          if (!transport::IsFrom(status, info)) return;
+          statuses_[info.writer] = {{status.machine, status.machine_id}, info.participant};
+        },
+        transport::kLatchedFromManyQos, std::move(events));
+    if (statuses) subscription_ = std::move(statuses).value();
+  }
+  bool IsOfAnother(const Offer& offer) const {
+    const auto own = own_machine();
+    const auto other = MachineOf(offer.participant);
+    return own && other && !SameMachine(*own, *other);
+  }
+
   transport::Node& node_;
-  std::map<transport::EndpointId, msg::SkillOffers> offers_;
-  std::vector<std::shared_ptr<SkillGoal>> goals_;  // that may not have ended
+  std::map<transport::EndpointId, Offer> offers_;
+  std::map<transport::EndpointId, Status> statuses_;
+  std::uint64_t received_ = 0;
+  std::vector<std::shared_ptr<SkillGoal>> goals_;          // that may not have ended
+  std::unique_ptr<transport::Subscription> subscription_;  // last: its callbacks use statuses_
 };
 
 namespace {
@@ -169,8 +272,14 @@ class RunSkill : public tree::StatefulAction {
     if (!goal) return Fail("its topics were closed while it ran");
     progress_.Set(goal->progress);
     if (!goal->outcome) return tree::Status::kRunning;
+    goal->released = true;
     const auto& outcome = *goal->outcome;
     const std::string text = outcome.reason.empty() ? outcome.result.message : outcome.reason;
+    if (goal->lost()) {
+      return Fail(
+          (goal->MayRun() ? "lost; it may still run, and is cancelled once possible: " : "lost: ") +
+          text);
+    }
     if (outcome.end != transport::GoalEnd::kSucceeded) return Fail(text);
     progress_.Set(100);
     message_.Set(text);
@@ -178,7 +287,9 @@ class RunSkill : public tree::StatefulAction {
   }
   void OnHalted(const tree::Tick& /*tick*/) override {
     const auto goal = goal_.lock();
-    if (std::exchange(sent_, false) && goal) Cancel(goal);
+    if (!std::exchange(sent_, false) || !goal) return;
+    goal->released = true;
+    Cancel(goal);
   }
 
   tree::Status Begin(SkillNodes::Wire& wire, const tree::Tick& tick) {
@@ -186,25 +297,55 @@ class RunSkill : public tree::StatefulAction {
     const std::string actuator = actuator_.Or("");
     const auto found = wire.Find(skill, actuator);
     const Duration waited = tick.now - begun_;
-    if (found.empty()) {
-      if (waited < kFoundWithin) return tree::Status::kRunning;
-      return Fail((actuator.empty() ? "no actuator that runs" : "no actuator " + actuator) +
-                  " offers the skill " + skill);
+    const bool may_wait = waited < kFoundWithin;
+    if (found.own.empty()) {
+      if (may_wait) return tree::Status::kRunning;
+      return Fail(NoneText(wire, skill, actuator, found.others));
     }
-    if (found.size() > 1) {
+    // The status of an actuator may be received after its offers.
+    const bool all_known =
+        !wire.own_machine() || std::ranges::all_of(found.own, [&](const auto* offer) {
+          return wire.MachineOf(offer->participant).has_value();
+        });
+    if (!all_known && may_wait) return tree::Status::kRunning;
+    if (found.own.size() > 1) {
       std::vector<std::string> names;
-      for (const msg::SkillOffers* offers : found) names.push_back(offers->actuator);
+      for (const auto* offer : found.own) names.push_back(offer->offers.actuator);
       return Fail(skill + " is offered by " + Joined(names) + "; the port actuator chooses one");
     }
-    if (wire.IsEnding(found[0]->action)) {
-      if (waited < kEndsWithin) return tree::Status::kRunning;
-      return Fail("a goal of " + found[0]->actuator + " that was cancelled has not ended");
+    const msg::SkillOffers& offers = found.own[0]->offers;
+    if (offers.action.size() < 2) {
+      return Fail(offers.actuator + " offers " + skill + " without an action");
     }
-    auto sent = wire.Send(*found[0], skill, values_);
+    if (const auto* other = wire.OfAnotherBy(offers.action)) {
+      return Fail(offers.action + " is served by " +
+                  MachineText(*wire.MachineOf(other->participant)) +
+                  ", too, which would receive the goal; give each machine a namespace");
+    }
+    if (wire.IsEnding(offers.action)) {
+      if (waited < kEndsWithin) return tree::Status::kRunning;
+      return Fail("a goal of " + offers.actuator + " that was cancelled or lost has not ended");
+    }
+    auto sent = wire.Send(offers, skill, values_);
     if (!sent) return Fail(sent.error().message);
     goal_ = sent.value();
     sent_ = true;
     return tree::Status::kRunning;
+  }
+  static std::string NoneText(const SkillNodes::Wire& wire, const std::string& skill,
+                              const std::string& actuator,
+                              const std::vector<const SkillNodes::Wire::Offer*>& others) {
+    std::string whose;
+    std::vector<std::string> names;
+    for (const auto* offer : others) {  // of another machine: both are known
+      whose = " of " + MachineText(*wire.own_machine());
+      names.push_back(offer->offers.actuator + " of " +
+                      MachineText(*wire.MachineOf(offer->participant)));
+    }
+    return (actuator.empty() ? "no actuator" + whose + " that runs"
+                             : "no actuator " + actuator + whose) +
+           " offers the skill " + skill +
+           (names.empty() ? "" : "; it is offered by " + Joined(names));
   }
   tree::Status Fail(const std::string& why) {
     message_.Set(why);

@@ -11,17 +11,24 @@
 //   <RunSkill skill="navigate_to" actuator="jetbot_0" parameters="goal_pos=[2,1,0]; timeout=60"
 //             progress="{percent}" message="{why}"/>
 //
+// clang-format off
 //   idle ──▶ RUNNING ──▶ SUCCESS     the skill has completed
-//              │    └──▶ FAILURE     it has failed, was refused, or was cancelled by another
-//              client; │                     no actuator offers it; its actuator is lost. `message`
-//              says why └─ halted ──▶ idle    its goal is cancelled, also before the actuator knows
-//              it
+//              │    └──▶ FAILURE     it has failed, was refused, or was cancelled by another client;
+//              │                     no actuator offers it; its actuator is lost. `message` says why
+//              └─ halted ──▶ idle    its goal is cancelled, also before the actuator knows it
+// clang-format on
 //
 // - The actuator is found by the topic `skills`, for 3 s at most; `actuator` chooses among several.
+// - It is one of this machine, as far as the statuses of the actuators say. An action that another
+//   machine serves, too, is refused: both would receive the goal.
 // - `parameters` is a list of KEY=VALUE with ";" between them; one within brackets or quotes is
 //   part of the value; quotes around a value are not.
 // - A node that starts a skill while a goal of an earlier node for the same action is still being
 //   cancelled waits for its end, 10 s at most.
+// - A goal is lost when its actuator does not reply within 5 s, or is not connected for 3 s. Its
+//   skill may still run, so it is cancelled as soon as the actuator replies, and counts as one that
+//   is still being cancelled. A run that an actuator continues after a restart has no goal any
+//   more: it is not cancelled.
 // - Without topics, as in a fault-injection test, it fails.
 //
 // Threads: the loop's. It must outlive the trees; dropping the endpoints cancels its goals.

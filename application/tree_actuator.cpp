@@ -1,5 +1,6 @@
 #include "musher/application/tree_actuator.hpp"
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -87,7 +88,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
     if (!document) return document.error();
     Loaded loaded{std::move(document).value(), {}, options_.tree, nullptr};
     if (!loaded.document.trees.empty()) {
-      if (Result<> built = Build(loaded, *factory); !built) return built;
+      if (Result<> built = BuildFirst(loaded, *factory); !built) return built;
     }
     Result<std::unique_ptr<TreeRecording>> recording = OpenRecording();
     if (!recording) return recording.error();
@@ -134,6 +135,23 @@ class TreeActuator::Impl final : public ApplicationImpl {
       return Error{kCodeFailed, *thrown};
     }
     return sent;
+  }
+
+  // On the loop where other trees, which are ticked there, may have the same outer board: the build
+  // adds keys to it. An exception fails SetUp either way.
+  Result<> BuildFirst(Loaded& loaded, const tree::Factory& factory) {
+    if (options_.outer_board == nullptr) return Build(loaded, factory);
+    Result<> built;
+    std::exception_ptr thrown;
+    owner_.RunOnLoop([&] {
+      try {
+        built = Build(loaded, factory);
+      } catch (...) {
+        thrown = std::current_exception();
+      }
+    });
+    if (thrown) std::rethrow_exception(thrown);
+    return built;
   }
 
   Result<> Build(Loaded& loaded, const tree::Factory& factory) {

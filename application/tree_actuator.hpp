@@ -60,10 +60,10 @@
 // clock: the tree is built and halted, and is not ticked.
 //
 // Threads: the tree, the hooks and the handlers of topics run on the loop, one at a time, so they
-// share data without locks. RegisterNodes(), LoadTree(), SelfCheck() and the first FillBlackboard()
-// run on the actuator's worker. Times are the machine's, see [controller] clock: `now` of a node is
-// Now(). When that clock jumps back, because a simulated world was restarted, the tree is halted
-// and begins at its root.
+// share data without locks. RegisterNodes(), LoadTree(), SelfCheck() and, without an outer_board,
+// the first FillBlackboard() run on the actuator's worker. Times are the machine's, see
+// [controller] clock: `now` of a node is Now(). When that clock jumps back, because a simulated
+// world was restarted, the tree is halted and begins at its root.
 
 #include <cstddef>
 #include <cstdint>
@@ -97,6 +97,7 @@ class TreeActuator : public MachineActuator {
     std::string tree{};              // its id; empty: main_tree_to_execute, or the only one
     TreeRecordingOptions record{};   // what `musher tree replay` shows; default: none
     // Around the board of each tree: its keys "@key". Keeps its values when another tree is loaded.
+    // Actuators that share it must share their node, too: its loop builds and ticks their trees.
     std::shared_ptr<tree::Board> outer_board{};
   };
   // Keys of the blackboard of the main tree with their values as texts.

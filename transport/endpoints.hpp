@@ -34,6 +34,7 @@ class Endpoints {
   Endpoints& operator=(const Endpoints&) = delete;
 
   Node& node() { return node_; }
+  const std::string& name_space() const { return name_space_; }
 
   // Offers a service. The handler may reply later.
   template <msg::Service S>
@@ -53,15 +54,24 @@ class Endpoints {
                               std::function<void(const M&, EndpointId publisher)> handler,
                               std::function<void(EndpointId publisher)> on_publisher_lost,
                               const Qos& qos = kDefaultQos) {
-    if (!opened_) return nullptr;
-    SubscriptionEvents events;
-    events.on_writer_lost = std::move(on_publisher_lost);
-    return Keep(MakeSubscription<M>(
-        node_, Resolve(name),
+    return SubscribeWithInfo<M>(
+        name,
         [handler = std::move(handler)](const M& sample, const SampleInfo& info) {
           handler(sample, info.writer);
         },
-        qos, std::move(events)));
+        std::move(on_publisher_lost), qos);
+  }
+  // The same with all that is known of each sample.
+  template <msg::Message M>
+  Subscription* SubscribeWithInfo(const std::string& name,
+                                  std::function<void(const M&, const SampleInfo&)> handler,
+                                  std::function<void(EndpointId publisher)> on_publisher_lost,
+                                  const Qos& qos = kDefaultQos) {
+    if (!opened_) return nullptr;
+    SubscriptionEvents events;
+    events.on_writer_lost = std::move(on_publisher_lost);
+    return Keep(
+        MakeSubscription<M>(node_, Resolve(name), std::move(handler), qos, std::move(events)));
   }
   // Subscribes to a `topic` that is already resolved.
   template <msg::Message M>

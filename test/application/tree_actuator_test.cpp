@@ -111,6 +111,49 @@ TEST_F(ATreeActuator, TicksAtOnceWhereANodeWakesItUp) {
   EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning));
 }
 
+// Keeps the thread on which its tree was built first.
+class BuiltCourse : public Course {
+ public:
+  using Course::Course;
+  bool WasBuiltOnLoop() {
+    return Of([this](Course&) { return built_on_ == std::this_thread::get_id(); });
+  }
+
+  bool throws = false;  // before Start()
+
+ private:
+  musher::Result<> FillBlackboard(tree::Board& board) override {
+    built_on_ = std::this_thread::get_id();
+    if (throws) throw std::runtime_error("no map");
+    return board.Set("ticks", 3);
+  }
+
+  std::thread::id built_on_;
+};
+
+TEST_F(ATreeActuator, BuildsItsTreeOnTheLoopWhereOthersMayShareTheBoardAroundIt) {
+  ActuatorRunner<BuiltCourse> course(
+      {.rate_hz = 50, .outer_board = std::make_shared<tree::Board>()});
+  harness_.Open(course);
+  EXPECT_TRUE(course.WasBuiltOnLoop());
+}
+
+TEST_F(ATreeActuator, IsNotSetUpWhereTheBuildOnTheLoopThrows) {
+  ActuatorRunner<BuiltCourse> course(
+      {.rate_hz = 50, .outer_board = std::make_shared<tree::Board>()});
+  course.throws = true;
+  ASSERT_TRUE(course.Init(harness_.path()));
+  const musher::Result<> started = course.Start();
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error().message, HasSubstr("no map"));
+}
+
+TEST_F(ATreeActuator, BuildsItsTreeOnItsWorkerWithoutABoardAroundIt) {
+  ActuatorRunner<BuiltCourse> course({.rate_hz = 50});
+  harness_.Open(course);
+  EXPECT_FALSE(course.WasBuiltOnLoop());
+}
+
 TEST_F(ATreeActuator, KeepsTheBoardAroundItsTreesWhenAnotherOneIsLoaded) {
   const auto outer = std::make_shared<tree::Board>();
   ActuatorRunner<Course> course({.rate_hz = 50, .outer_board = outer});
