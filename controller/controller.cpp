@@ -499,7 +499,7 @@ void Controller::TakeIdentity() {
   for (const auto& [actuator, status] : shell_->peers().statuses_before_begin()) {
     // One that this host starts belongs here; elsewhere a process of its name is another machine's.
     const ActuatorConfig& config = config_.actuators[actuator];
-    const bool belongs = status.host == HostId() || config.command.empty() || !config.host.empty();
+    const bool belongs = status.host == HostId() || config.command.empty();
     if (id.empty() && belongs && status.machine == config_.name) id = status.machine_id;
   }
   store_->SetMachineId(id.empty() ? NewMachineId() : id);

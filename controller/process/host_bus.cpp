@@ -10,7 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <limits>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "musher/base/exit_status.hpp"
@@ -25,10 +29,13 @@ constexpr Duration kConnectWithin = Milliseconds(8'000);  // ssh's own limit for
 constexpr std::size_t kLongestGreeting = 65'536;          // with what a login may print before it
 constexpr std::size_t kMostErrors = 4'096;
 constexpr std::string_view kGreeting = "musher-host ";
-// A HostId(), as base/host.cpp makes it, then D-Bus. Another shell than sh may read the line.
+constexpr std::size_t kBootIdLength = 36;
+// A HostId(), as base/host.cpp makes it, and the uptime, then D-Bus. Another shell than sh may read
+// the line.
 constexpr const char* kRemoteCommand =
-    "exec sh -c 'printf \"musher-host %s/%s\\n\" \"$(cat /proc/sys/kernel/random/boot_id)\" "
-    "\"$(stat -Lc %i /proc/self/ns/pid)\" && exec systemd-stdio-bridge'";
+    "exec sh -c 'read -r up idle </proc/uptime; printf \"musher-host %s/%s %s\\n\" "
+    "\"$(cat /proc/sys/kernel/random/boot_id)\" \"$(stat -Lc %i /proc/self/ns/pid)\" \"$up\" && "
+    "exec systemd-stdio-bridge'";
 
 BusMessage Own(sd_bus_message* message) {
   return {message, [](sd_bus_message* m) { sd_bus_message_unref(m); }};
@@ -40,6 +47,33 @@ std::string LastLine(const std::string& text) {
   const std::size_t begin = text.find_last_of("\r\n", end);
   return text.substr(begin == std::string::npos ? 0 : begin + 1,
                      end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+}
+
+struct Greeting {
+  std::string host_id;
+  Duration running{};
+};
+
+// Reads "<boot id>/<pid namespace> <uptime in seconds>". A host that is short of memory prints less
+// than that, and would be taken for one that was booted again.
+std::optional<Greeting> ReadGreetingLine(std::string_view text) {
+  const auto all = [](std::string_view part, std::string_view of) {
+    return !part.empty() && part.find_first_not_of(of) == std::string_view::npos;
+  };
+  const std::size_t space = text.find(' ');
+  if (space == std::string_view::npos || space <= kBootIdLength) return std::nullopt;
+  const std::string_view id = text.substr(0, space);
+  const std::string_view up = text.substr(space + 1);
+  const bool named = all(id.substr(0, kBootIdLength), "0123456789abcdef-") &&
+                     id[kBootIdLength] == '/' && all(id.substr(kBootIdLength + 1), "0123456789");
+  const std::string_view whole = up.substr(0, up.find('.'));
+  std::int64_t seconds = 0;
+  if (!named || !all(whole, "0123456789") ||
+      std::from_chars(whole.data(), whole.data() + whole.size(), seconds).ec != std::errc() ||
+      seconds > std::numeric_limits<std::int32_t>::max()) {
+    return std::nullopt;
+  }
+  return Greeting{std::string(id), std::chrono::seconds(seconds)};
 }
 
 struct Cure {
@@ -56,6 +90,10 @@ constexpr std::array kCures = {
          "its key is not known here, or has changed: compare it, then put it into known_hosts (see "
          "ssh-keyscan)"},
     Cure{"Could not resolve", false, "correct its address"},
+    Cure{"another host answers", false,
+         "give each board its own address; if the board was replaced, restart the controller"},
+    Cure{"does not say which host", false,
+         "run `ssh {login} cat /proc/sys/kernel/random/boot_id`; the host may be out of memory"},
     Cure{"systemd-stdio-bridge", true, "install systemd there; its processes need it"},
     Cure{"No such file or directory", true, "install openssh-client here"},
 };
@@ -185,7 +223,14 @@ void HostBus::ReadGreeting() {
     const std::size_t line = greeting_.rfind('\n', greeting_.size() - 2);
     const std::string text = greeting_.substr(line == std::string::npos ? 0 : line + 1);
     if (!text.starts_with(kGreeting)) continue;
-    host_id_ = text.substr(kGreeting.size(), text.size() - kGreeting.size() - 1);
+    const auto greeting = ReadGreetingLine(
+        std::string_view(text).substr(kGreeting.size(), text.size() - kGreeting.size() - 1));
+    if (!greeting) return End("it does not say which host it is");
+    if (hooks_.refuse) {
+      const std::string why = hooks_.refuse(greeting->host_id, greeting->running);
+      if (!why.empty()) return End(why);
+    }
+    host_id_ = greeting->host_id;
     return Subscribe();
   }
 }

@@ -46,6 +46,9 @@ class HostBus {
     // connection is lost.
     std::function<void(bool was_up, bool for_good)> on_down;
     std::function<void(const BusMessage&)> on_signal;
+    // Why the host that answers is not used, before D-Bus is begun; empty: it is. None: each is.
+    // `running`: since its kernel was booted.
+    std::function<std::string(const std::string& host_id, Duration running)> refuse = nullptr;
   };
   // The reply, which may be an error; see sd_bus_message_is_method_error().
   using OnReply = std::function<void(const BusMessage&)>;

@@ -26,6 +26,8 @@ class HostProcesses {
     std::function<void(const std::string& actuator, pid_t pid, const ProcessExit& exit)> on_ended;
     // A host is out of reach, or is reached again.
     std::function<void(bool reached, const std::string& message)> on_reach;
+    // Whether a signal that waited for its host is still to be sent to this process.
+    std::function<bool(const std::string& actuator, pid_t pid)> still_ends;
   };
 
   // What Find() knows of the process of an actuator.
@@ -33,7 +35,7 @@ class HostProcesses {
     std::string actuator;
     pid_t pid = 0;          // 0: none runs
     std::string host;       // HostId()
-    std::string unreached;  // why the host was not asked; empty: it was
+    std::string unreached;  // why it is not known whether one runs; empty: it is
   };
 
   // Leaves the processes running.
@@ -45,8 +47,8 @@ class HostProcesses {
   // Starts the process of an actuator. If one runs already, from an earlier controller or since its
   // host was out of reach, that one is reported instead.
   virtual void Start(const ProcessSpec& spec) = 0;
-  // Sends a signal to all processes of the unit, once its host is reached; not if another process
-  // runs there meanwhile.
+  // Sends a signal to all processes of the unit. If its host is out of reach, once it is reached
+  // again, unless another process runs there meanwhile or the reason has passed (still_ends).
   virtual void Signal(const std::string& actuator, pid_t pid, int signal) = 0;
   // Asks all hosts, within some seconds.
   virtual void Find(std::function<void(const std::vector<Found>&)> done) = 0;

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 #include <systemd/sd-bus.h>
+#include <time.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -26,8 +27,15 @@ constexpr Duration kStartWithin = Milliseconds(10'000);
 // A search is a part of a TearDown, which has to know before its budget is used up which hosts have
 // not answered. A connection that is just being made needs some time.
 constexpr Duration kFindWithin = Milliseconds(1'000);
+constexpr Duration kExamineAgain = Milliseconds(500);
+// How long a host may have been off before its connection is found to be lost (ssh: 6 s).
+constexpr Duration kLossSeenWithin = Milliseconds(10'000);
 // What a process leaves behind gets SIGTERM, and SIGKILL after this time.
 constexpr std::uint64_t kRestEndsWithin_us = 2'000'000;
+constexpr const char* kDeniedCure =
+    "; its systemd lets this user start and end no unit: set `user` to root, or permit it by "
+    "polkit "
+    "(org.freedesktop.systemd1.manage-units)";
 // Exit codes of systemd itself: the program was not executed (systemd.exec(5)).
 constexpr int kFirstOfSystemd = 200;
 constexpr int kLastOfSystemd = 243;
@@ -121,6 +129,22 @@ bool IsError(const BusMessage& reply, const char* name = nullptr) {
   return sd_bus_message_is_method_error(reply.get(), name) > 0;
 }
 
+bool IsDenied(const BusMessage& reply) {
+  return IsError(reply, SD_BUS_ERROR_ACCESS_DENIED) ||
+         IsError(reply, SD_BUS_ERROR_INTERACTIVE_AUTHORIZATION_REQUIRED);
+}
+
+// Also while this host is suspended.
+Duration SinceBoot() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+std::string_view BootOf(std::string_view host_id) {
+  return host_id.substr(0, host_id.find('/'));
+}
+
 std::string PathOf(const std::string& unit) {
   char* path = nullptr;
   if (sd_bus_path_encode(kUnitPath, unit.c_str(), &path) < 0) return {};
@@ -150,13 +174,14 @@ void CloseProperty(sd_bus_message* message) {
   sd_bus_message_close_container(message);
 }
 
+// Without the flag systemd replaces $NAME in the arguments.
 void AppendCommand(sd_bus_message* message, const std::vector<std::string>& argv) {
-  OpenProperty(message, "ExecStart", "a(sasb)");
-  sd_bus_message_open_container(message, 'a', "(sasb)");
-  sd_bus_message_open_container(message, 'r', "sasb");
+  OpenProperty(message, "ExecStartEx", "a(sasas)");
+  sd_bus_message_open_container(message, 'a', "(sasas)");
+  sd_bus_message_open_container(message, 'r', "sasas");
   sd_bus_message_append(message, "s", argv.front().c_str());
   AppendTexts(message, argv);
-  sd_bus_message_append(message, "b", 0);
+  AppendTexts(message, {"no-env-expand"});
   sd_bus_message_close_container(message);
   sd_bus_message_close_container(message);
   CloseProperty(message);
@@ -168,8 +193,9 @@ struct HostUnits::Host {
   const HostConfig& config;
   std::unique_ptr<HostBus> bus;
   std::vector<Unit*> units = {};
-  std::string seen = {};  // its HostId() when its units were looked at last
-  bool reported = false;  // that it is out of reach
+  std::string seen = {};                 // its HostId() when its units were looked at last
+  bool reported = false;                 // that it is out of reach
+  std::optional<Duration> lost_at = {};  // SinceBoot() when its connection was lost last
 };
 
 struct HostUnits::Unit {
@@ -183,7 +209,9 @@ struct HostUnits::Unit {
   bool asked = false;                      // StartTransientUnit was sent
   std::string job = {};                    // its job
   int signal = 0;                          // to be sent, or sent and not confirmed
+  bool refused = false;                    // a signal was, which was reported
   bool examining = false;
+  std::string unread = {};                      // why its state could not be read
   std::uint64_t examined = 0;                   // how often
   transport::LoopHandlePtr deadline = nullptr;  // of the start
   transport::LoopHandlePtr again = nullptr;
@@ -227,6 +255,9 @@ HostUnits::HostUnits(transport::EventLoop& loop, const MachineConfig& config,
       OnDown(one, was_up, for_good);
     };
     hooks.on_signal = [this, &one = *made](const BusMessage& message) { OnSignal(one, message); };
+    hooks.refuse = [this, &one = *made](const std::string& id, Duration running) {
+      return WhyRefused(one, id, running);
+    };
     made->bus = std::make_unique<HostBus>(loop, std::move(options), std::move(hooks));
     hosts_.emplace(host.name, std::move(made));
   }
@@ -259,6 +290,17 @@ std::string HostUnits::Unreached(const Host& host) const {
   return "host " + host.config.name + " (" + host.config.Login() + "): " + TroubleOf(*host.bus);
 }
 
+// Its address may be that of another board now, with the same key if one image was copied to both.
+// That board was not booted since this one was reached last. A container has the uptime of its
+// host, and with it the boot id.
+std::string HostUnits::WhyRefused(const Host& host, const std::string& id, Duration running) const {
+  if (host.seen.empty() || !host.lost_at || BootOf(host.seen) == BootOf(id)) return {};
+  const Duration lost_for = SinceBoot() - *host.lost_at;
+  if (running <= lost_for + kLossSeenWithin) return {};
+  return "another host answers at " + host.config.address + ", which was not booted since " +
+         host.config.name + " was reached last";
+}
+
 void HostUnits::OnUp(Host& host) {
   const std::string& id = host.bus->host_id();
   const bool rebooted = !host.seen.empty() && host.seen != id;
@@ -269,6 +311,7 @@ void HostUnits::OnUp(Host& host) {
   for (Unit* unit : host.units) {
     unit->state = {};
     unit->examining = false;
+    unit->unread.clear();
     unit->asked = false;
     unit->job.clear();
     unit->again = nullptr;
@@ -286,6 +329,7 @@ void HostUnits::OnUp(Host& host) {
 
 void HostUnits::OnDown(Host& host, bool was_up, bool for_good) {
   const std::string why = Unreached(host);
+  if (was_up) host.lost_at = SinceBoot();
   for (auto& search : searches_) search->failed.insert(&host);
   for (Unit* unit : host.units) {
     unit->examining = false;
@@ -307,7 +351,9 @@ void HostUnits::OnSignal(Host& host, const BusMessage& message) {
     const char* result = nullptr;
     if (sd_bus_message_read(signal, "uoss", &id, &job, &name, &result) < 0) return;
     for (Unit* unit : host.units) {
-      if (unit->name == name) return OnJobRemoved(*unit, job, result);
+      if (unit->name != name) continue;
+      OnJobRemoved(*unit, job, result);
+      return AnswerSearches();
     }
     return;
   }
@@ -339,12 +385,20 @@ void HostUnits::Examine(Unit& unit) {
     bus.Send(call, std::move(done));
   };
   get_all(kService, [&unit](const BusMessage& reply) {
-    unit.state = {};
-    if (!IsError(reply)) ReadProperties(reply.get(), unit.state);
+    unit.unread = IsError(reply) ? ErrorText(reply) : "";
+    if (!unit.unread.empty()) return;
+    unit.state = {.active = unit.state.active};
+    ReadProperties(reply.get(), unit.state);
   });
   get_all(kUnitInterface, [this, &unit](const BusMessage& reply) {
-    if (!IsError(reply)) ReadProperties(reply.get(), unit.state);
     unit.examining = false;
+    if (IsError(reply)) unit.unread = ErrorText(reply);
+    // An error says nothing of the process.
+    if (!unit.unread.empty()) {
+      unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
+      return;
+    }
+    ReadProperties(reply.get(), unit.state);
     Examined(unit);
   });
 }
@@ -352,18 +406,35 @@ void HostUnits::Examine(Unit& unit) {
 void HostUnits::Examined(Unit& unit) {
   ++unit.examined;
   Conclude(unit);
-  if (unit.pid != 0 && unit.signal != 0) Kill(unit, unit.signal);
+  if (unit.pid != 0 && unit.signal != 0) {
+    // The actuator may have recovered while its host was out of reach.
+    hooks_.still_ends(unit.actuator, unit.pid) ? Kill(unit, unit.signal)
+                                               : static_cast<void>(unit.signal = 0);
+  }
   AnswerSearches();
 }
 
 void HostUnits::OnChange(Unit& unit) {
-  if (!unit.examining) Conclude(unit);
+  if (unit.examining) return;
+  // A unit that this controller did not start: its environment was not read yet.
+  if (unit.pid == 0 && !unit.asked && unit.state.runs()) return Examine(unit);
+  Conclude(unit);
+  AnswerSearches();
 }
 
 // Whether the unit of this name is this machine's.
 bool HostUnits::IsOurs(const Unit& unit) const {
+  const std::string entry = "MUSHER_MACHINE_ID=";
   const std::string id = machine_().id;
-  return id.empty() || unit.state.environment.contains("MUSHER_MACHINE_ID=" + id);
+  const std::set<std::string>& environment = unit.state.environment;
+  if (!id.empty()) return environment.contains(entry + id);
+  return std::ranges::none_of(environment,
+                              [&](const std::string& one) { return one.starts_with(entry); });
+}
+
+// Whether a process of this machine is about to run there, or may not have ended yet.
+bool HostUnits::IsChanging(const Unit& unit) const {
+  return unit.pid == 0 && (unit.asked || (!unit.state.ended() && IsOurs(unit)));
 }
 
 // What follows from the state of the unit.
@@ -393,6 +464,7 @@ void HostUnits::Conclude(Unit& unit) {
 
 void HostUnits::Started(Unit& unit, pid_t pid, bool found) {
   unit.pid = pid;
+  unit.refused = false;
   unit.wanted.reset();
   unit.deadline = nullptr;
   unit.again = nullptr;
@@ -428,9 +500,21 @@ void HostUnits::Kill(Unit& unit, int signal) {
   if (!call) return;
   sd_bus_message_append(call.get(), "ssi", unit.name.c_str(), "all", signal);
   // Without a reply it may be lost with the connection: then it is sent again.
-  unit.host.bus->Send(call, [&unit, signal](const BusMessage&) {
+  unit.host.bus->Send(call, [this, &unit, signal](const BusMessage& reply) {
     if (unit.signal == signal) unit.signal = 0;
+    const bool refused = IsError(reply) && !IsError(reply, "org.freedesktop.systemd1.NoSuchUnit");
+    if (!refused || std::exchange(unit.refused, true)) return;
+    hooks_.on_reach(false, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
+                               "): the signal to " + unit.name + " was refused: " +
+                               ErrorText(reply) + (IsDenied(reply) ? kDeniedCure : ""));
   });
+}
+
+void HostUnits::Stop(Unit& unit) {
+  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kManager, "StopUnit");
+  if (!call) return;
+  sd_bus_message_append(call.get(), "ss", unit.name.c_str(), "replace");
+  unit.host.bus->Send(call, nullptr);
 }
 
 // --- starts ---
@@ -441,11 +525,14 @@ void HostUnits::Start(const ProcessSpec& spec) {
   unit.deadline = loop_.At(loop_.Now() + kStartWithin, [this, &unit] {
     if (!unit.wanted) return;
     const bool up = unit.host.bus->is_up();
+    if (up && unit.asked) Stop(unit);  // it would start after it was given up
+    const std::string how = unit.unread.empty()
+                                ? " is " + unit.state.active + " for " +
+                                      std::to_string(ToMilliseconds(kStartWithin) / 1000) + " s"
+                                : "'s state cannot be read: " + unit.unread;
     NotStarted(unit, !up ? Unreached(unit.host)
-                         : "host " + unit.host.config.name + ": " + unit.name + " is " +
-                               unit.state.active + " for " +
-                               std::to_string(ToMilliseconds(kStartWithin) / 1000) +
-                               " s; see `systemctl status " + unit.name + "` there");
+                         : "host " + unit.host.config.name + ": " + unit.name + how +
+                               "; see `systemctl status " + unit.name + "` there");
   });
   // Not inside this call.
   unit.again = loop_.At(loop_.Now(), [this, &unit] {
@@ -496,13 +583,8 @@ void HostUnits::OnStartAnswered(Unit& unit, const BusMessage& reply) {
     unit.again = loop_.At(loop_.Now() + Milliseconds(50), [this, &unit] { Examine(unit); });
     return;
   }
-  const bool denied = IsError(reply, SD_BUS_ERROR_ACCESS_DENIED) ||
-                      IsError(reply, SD_BUS_ERROR_INTERACTIVE_AUTHORIZATION_REQUIRED);
   NotStarted(unit, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
-                       "): " + ErrorText(reply) +
-                       (denied ? "; its systemd lets this user start no unit: set `user` to root, "
-                                 "or permit it by polkit (org.freedesktop.systemd1.manage-units)"
-                               : ""));
+                       "): " + ErrorText(reply) + (IsDenied(reply) ? kDeniedCure : ""));
 }
 
 // The job of the start has ended. The signals about the unit have arrived before.
@@ -555,9 +637,11 @@ void HostUnits::Find(std::function<void(const std::vector<Found>&)> done) {
 }
 
 void HostUnits::AnswerSearches() {
-  const auto waits = [](const Search& search) {
+  const auto waits = [this](const Search& search) {
     return !search.over && std::any_of(search.until.begin(), search.until.end(), [&](auto& one) {
-      return one.first->examined == one.second && !search.failed.contains(&one.first->host);
+      const Unit& unit = *one.first;
+      if (search.failed.contains(&unit.host)) return false;
+      return unit.examined == one.second || IsChanging(unit);
     });
   };
   for (std::size_t i = 0; i < searches_.size();) {
@@ -570,9 +654,17 @@ void HostUnits::AnswerSearches() {
     std::vector<Found> found;
     for (const auto& [unit, before] : search->until) {
       Found& one = found.emplace_back(Found{unit->actuator, unit->pid, unit->host.seen, ""});
-      if (unit->examined != before) continue;
+      const bool examined = unit->examined != before;
+      if (examined && !IsChanging(*unit)) continue;
       one.pid = 0;
-      one.unreached = TroubleOf(*unit->host.bus);
+      const bool up = unit->host.bus->is_up();
+      if (up && examined) {
+        one.unreached = unit->name + " is " + (unit->asked ? "about to start" : unit->state.active);
+      } else if (up && !unit->unread.empty()) {
+        one.unreached = unit->name + "'s state cannot be read: " + unit->unread;
+      } else {
+        one.unreached = TroubleOf(*unit->host.bus);
+      }
     }
     search->done(found);
   }

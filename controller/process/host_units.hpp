@@ -10,7 +10,8 @@
 //
 // While a host is out of reach its units run on, and nothing is reported of them. When it is
 // reached again each is looked at: it runs still, or has ended meanwhile; after a reboot of the
-// host all have.
+// host all have. A host at its address that has run for longer than it was out of reach is another
+// one: it is not used.
 //
 // Threads: loop thread only, callbacks too.
 
@@ -52,6 +53,7 @@ class HostUnits : public HostProcesses {
 
   void OnUp(Host& host);
   void OnDown(Host& host, bool was_up, bool for_good);
+  std::string WhyRefused(const Host& host, const std::string& id, Duration running) const;
   void OnSignal(Host& host, const BusMessage& message);
   void Examine(Unit& unit);
   void Examined(Unit& unit);
@@ -64,9 +66,11 @@ class HostUnits : public HostProcesses {
   void Ended(Unit& unit);
   void Reset(Unit& unit);
   void Kill(Unit& unit, int signal);
+  void Stop(Unit& unit);
   void Conclude(Unit& unit);
   void AnswerSearches();
   bool IsOurs(const Unit& unit) const;
+  bool IsChanging(const Unit& unit) const;
   std::string Unreached(const Host& host) const;
 
   transport::EventLoop& loop_;

@@ -70,6 +70,12 @@ void ActuatorProcesses::OpenHosts() {
   hooks.on_reach = [this](bool reached, const std::string& message) {
     context_.records.Remark(reached ? kCodeOk : kCodeNetError, message);
   };
+  hooks.still_ends = [this](const std::string& actuator, pid_t pid) {
+    const Machine& machine = context_.machine;
+    const auto& termination = machine.actuators[*config_.IndexOf(actuator)].process.termination;
+    return machine.phase == Phase::kStopping || machine.phase == Phase::kStopped ||
+           (termination && termination->pid == pid);
+  };
   dependencies_.hosts->Open(std::move(hooks));
 }
 
@@ -143,8 +149,7 @@ ProcessSpec ActuatorProcesses::SpecOf(ActuatorIndex i) const {
   return spec;
 }
 
-// The processes of this host.
-event::ProcessesFound ActuatorProcesses::FindHere() const {
+event::ProcessesFound ActuatorProcesses::FindHere() {
   event::ProcessesFound found;
   found.processes.resize(config_.actuators.size());
   std::vector<ActuatorIndex> with_command;
@@ -155,19 +160,22 @@ event::ProcessesFound ActuatorProcesses::FindHere() const {
     names.push_back(config_.actuators[i].name);
   }
   const std::vector<pid_t> pids = dependencies_.process_probe->Find(names);
-  for (std::size_t n = 0; n < with_command.size(); ++n) found.processes[with_command[n]] = pids[n];
+  for (std::size_t n = 0; n < with_command.size(); ++n) {
+    const ActuatorIndex i = with_command[n];
+    if (WatchFound(i, pids[n], nullptr)) found.processes[i] = pids[n];
+  }
   return found;
 }
 
 void ActuatorProcesses::Do(const action::FindProcesses&) {
-  event::ProcessesFound found = FindHere();
-  for (const ActuatorIndex i : found.processes.Indices()) {
-    if (!WatchFound(i, found.processes[i], nullptr)) found.processes[i] = 0;
-  }
-  if (dependencies_.hosts == nullptr) return context_.handle(found);
-  found.hosts.resize(config_.actuators.size());
-  found.unreached.resize(config_.actuators.size());
-  dependencies_.hosts->Find([this, found](const std::vector<HostProcesses::Found>& there) mutable {
+  if (dependencies_.hosts == nullptr) return context_.handle(FindHere());
+  const std::uint64_t search = ++searches_;
+  dependencies_.hosts->Find([this, search](const std::vector<HostProcesses::Found>& there) {
+    if (search != searches_) return;  // what it knows may be older than the last request
+    // Only now: a process of this host may have exited while the other hosts were asked.
+    event::ProcessesFound found = FindHere();
+    found.hosts.resize(config_.actuators.size());
+    found.unreached.resize(config_.actuators.size());
     for (const HostProcesses::Found& one : there) {
       const ActuatorIndex i = *config_.IndexOf(one.actuator);
       found.processes[i] = one.pid;

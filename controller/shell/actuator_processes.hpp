@@ -4,6 +4,7 @@
 //
 // Threads: loop thread only.
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -42,7 +43,8 @@ class ActuatorProcesses {
   bool IsOnHost(ActuatorIndex actuator) const;
   // Whether the process that the controller has started runs there.
   bool RunsOnHost(ActuatorIndex actuator) const;
-  event::ProcessesFound FindHere() const;
+  // The processes of this host, which are watched then.
+  event::ProcessesFound FindHere();
   ProcessSpec SpecOf(ActuatorIndex actuator) const;
   bool WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child);
   void NoteChild(ActuatorIndex actuator, pid_t pid);
@@ -59,6 +61,7 @@ class ActuatorProcesses {
   bool children_unsaved_ = false;                   // the last save failed, which was reported
   bool power_command_runs_ = false;                 // the command of power-off or reboot
   std::map<ActuatorIndex, transport::LoopHandlePtr> starts_later_;
+  std::uint64_t searches_ = 0;  // of the other hosts; the last one is answered
 };
 
 }  // namespace musher

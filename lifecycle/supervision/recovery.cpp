@@ -75,6 +75,11 @@ void Recovery::On(const event::BacktraceTaken& taken) {
 void Recovery::AssumeExited(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   const std::int32_t pid = known.process.termination->pid;
+  // The systemd of another host reports each exit: until then the signal may not have reached it.
+  if (!known.process.host.empty() && known.process.pid == pid) {
+    known.process.termination->kill_at = now_ + kEndTime;
+    return Do(action::SignalProcess{i, pid, true});
+  }
   RecordProcess(i, kCodeTimeout, texts::ProcessExitAssumed(pid));
   if (known.process.pid == pid) processes_.ForgetProcess(i);
   known.process.dead = known.report.incarnation;
@@ -130,6 +135,11 @@ void Recovery::On(const event::ProcessStarted& started) {
   known.process.pid = started.pid;
   known.process.host = started.host;
   EndLaunch(known);
+  // Its exit was a false report, and the process that has published runs on.
+  const ActuatorReport& report = known.report;
+  const bool reported = !started.host.empty() && report.host == started.host &&
+                        (report.pid == started.pid || report.pid == 0);
+  if (started.found && reported) known.process.dead = 0;
   const ActuatorConfig& config = ConfigOf(started.actuator);
   known.cause = RecordProcess(
       started.actuator, kCodeOk,
@@ -140,6 +150,11 @@ void Recovery::On(const event::ProcessStarted& started) {
   // The machine was torn down while the process was starting.
   const bool stopped = machine_.phase == Phase::kStopped;
   if (!stopped && machine_.phase != Phase::kStopping) return;
+  // TearDown commands it, and SignalProcesses() ends it if it does not exit after that.
+  const bool driven =
+      started.found && !stopped && machine_.stopping->sent == Stopping::Signal::kNone &&
+      (known.presence == Presence::kPresent || known.presence == Presence::kStarting);
+  if (driven) return;
   Do(action::SignalProcess{started.actuator, started.pid,
                            stopped || machine_.stopping->sent == Stopping::Signal::kKill});
 }
@@ -151,7 +166,11 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
   // Another party has started it.
   const bool announced = Of(failed.actuator).control.again.has_value();
   if (Of(failed.actuator).presence == Presence::kPresent || announced) return;
-  Of(failed.actuator).presence = Presence::kAbsent;
+  // On a host that is out of reach, the process that has published may run on.
+  const ActuatorReport& report = Of(failed.actuator).report;
+  const bool may_run = !ConfigOf(failed.actuator).host.empty() && report.incarnation != 0 &&
+                       report.incarnation != Of(failed.actuator).process.dead;
+  Of(failed.actuator).presence = may_run ? Presence::kLost : Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, texts::ProcessNotStarted(failed.why),
           Of(failed.actuator).cause);
   processes_.Recover(failed.actuator);
@@ -171,7 +190,12 @@ void Recovery::On(const event::ProcessEnded& ended) {
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                     texts::ProcessExited(ConfigOf(ended.actuator).name, ended.pid, ended.how),
                     known.fault ? known.cause : 0);
-  if (another) return;
+  if (another) {
+    // Its pid, without its host, would mean a process of this host.
+    const auto& termination = known.process.termination;
+    if (termination && termination->pid == ended.pid) processes_.ForgetEnd(ended.actuator);
+    return;
+  }
   // The exit status of a process that we have not started is unknown.
   if (ended.clean || known.process.launch == Launch::kFoundRunning)
     commands_.AssumeTornDown(ended.actuator);

@@ -1,5 +1,5 @@
 // The connection to the systemd of another host, up to D-Bus: with a shell in the place of ssh. The
-// units themselves are tested on a real systemd (test/integration/hosts).
+// units themselves are tested in host_units_test.cpp and test/integration/hosts.
 
 #include "musher/controller/process/host_bus.hpp"
 
@@ -26,6 +26,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 constexpr Duration kSoon = std::chrono::seconds(30);
+constexpr const char* kHost = "01234567-89ab-cdef-0123-456789abcdef/4026531836";
 
 class HostConnection : public ::testing::Test {
  protected:
@@ -81,11 +82,28 @@ TEST_F(HostConnection, WithoutSshNamesThePackage) {
 
 // What a login prints before is skipped; what follows the line is D-Bus, which this host ends.
 TEST_F(HostConnection, HasTheIdThatTheHostPrints) {
-  HostBus bus = Make("echo 'Welcome.'; echo 'musher-host 5f3c/4026531836'; exit 0");
+  HostBus bus =
+      Make("echo 'Welcome.'; echo 'musher-host " + std::string(kHost) + " 12.34'; exit 0");
   bus.Open();
   AwaitDown();
-  EXPECT_EQ(bus.host_id(), "5f3c/4026531836");
+  EXPECT_EQ(bus.host_id(), kHost);
   EXPECT_EQ(ups_, 0);
+}
+
+// What a host prints that has no memory for `cat`, or no /proc.
+TEST_F(HostConnection, ToAHostThatDoesNotSayWhichItIsIsNotUsed) {
+  for (const std::string greeting :
+       {"musher-host /4026531836 12.34", "musher-host 5f3c/4026531836 12.34",
+        "musher-host 01234567-89ab-cdef-0123-456789abcdef/ 12.34",
+        "musher-host 01234567-89ab-cdef-0123-456789abcdef/4026531836",
+        "musher-host 01234567-89ab-cdef-0123-456789abcdef/4026531836 "}) {
+    downs_.clear();
+    HostBus bus = Make("echo '" + greeting + "'; exec sleep 1000");
+    bus.Open();
+    AwaitDown();
+    EXPECT_THAT(bus.trouble(), HasSubstr("it does not say which host it is; run `ssh root@"));
+    EXPECT_THAT(bus.host_id(), IsEmpty());
+  }
 }
 
 TEST_F(HostConnection, ThatIsClosedEndsItsProgramAndCallsNothing) {

@@ -172,4 +172,86 @@ TEST_F(HostProcess, ThatIsFoundByTheTearDownIsEndedOnItsHost) {
               ::testing::Contains(action::SignalProcess{1, kPid, false}));
 }
 
+// An early SIGTERM would cancel the callback.
+TEST_F(HostProcess, ThatIsFoundDuringItsTearDownIsNotSignalledBeforeTheCallbackEnds) {
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Come(0);
+  ComeB();
+  ObeyBoth();
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  ASSERT_TRUE(Of(1).command);
+  Do(event::ProcessStarted{1, kPid, "there", true});
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+  ObeyBoth();
+  Pass(Milliseconds(1100));
+  EXPECT_THAT(Did<action::SignalProcess>(),
+              ::testing::Contains(action::SignalProcess{1, kPid, false}));
+}
+
+TEST_F(HostProcess, ThatIsFoundAgainAfterAFalseExitIsUsedAgain) {
+  StartUpBoth();
+  Do(event::ProcessEnded{1, kPid, false, "exit code unknown"});
+  ASSERT_EQ(Of(1).process.dead, Of(1).report.incarnation);
+  Do(event::ProcessStarted{1, kPid, "there", true});
+  ComeB();
+  EXPECT_EQ(Of(1).presence, Presence::kPresent);
+}
+
+TEST_F(HostProcess, ThatIsFoundInsteadOfItsRestartIsUsedAgain) {
+  StartUpBoth();
+  Do(event::ProcessEnded{1, kPid, false, "exit code unknown"});
+  Pass(Milliseconds(150));
+  ASSERT_THAT(Did<action::StartProcess>(), ::testing::SizeIs(1));
+  Do(event::ProcessStarted{1, kPid, "there", true});
+  ComeB();
+  EXPECT_EQ(Of(1).presence, Presence::kPresent);
+}
+
+TEST_F(HostProcess, OfAnotherPidIsNotTheOneThatHasExited) {
+  StartUpBoth();
+  Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
+  Do(event::ProcessStarted{1, kPid + 1, "there", true});
+  EXPECT_EQ(Of(1).process.dead, Of(1).report.incarnation);
+}
+
+TEST_F(HostProcess, IsNotTakenToHaveExitedUntilItsHostReportsThat) {
+  StartUpBoth();
+  Do(event::Vanished{1, kFirst + 1, true, "killed"});
+  Pass(std::chrono::seconds(30));
+  EXPECT_FALSE(IsRecorded(texts::ProcessExitAssumed(kPid)));
+  EXPECT_EQ(Of(1).process.pid, kPid);
+  EXPECT_THAT(Did<action::StartProcess>(), IsEmpty());
+  EXPECT_THAT(Did<action::SignalProcess>(),
+              ::testing::Contains(action::SignalProcess{1, kPid, true}));
+  Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
+  Pass(Milliseconds(150));
+  EXPECT_THAT(Did<action::StartProcess>(), ::testing::SizeIs(1));
+}
+
+TEST_F(HostProcess, ThatCannotBeStartedIsLostAndNotAbsentWhenAnEarlierOneMayRun) {
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Come(0);
+  ComeB();
+  ObeyBoth();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Do(event::RestartRequested{kRequest, "b"});
+  Pass(Milliseconds(1));
+  ASSERT_THAT(Did<action::StartProcess>(), ::testing::Contains(action::StartProcess{1}));
+  Do(event::ProcessNotStarted{1, "host vision (10.0.0.2): no route to host"});
+  EXPECT_EQ(Of(1).presence, Presence::kLost);
+}
+
+// On the controller's host its pid belongs to a process of another kind.
+TEST_F(HostProcess, ThatHasExitedIsNotSignalledAnyMore) {
+  StartUpBoth();
+  Of(1).process.termination = Termination{kPid, std::nullopt, now_ + Milliseconds(2000), false};
+  Of(1).report.host = "a third host";
+  Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
+  Pass(std::chrono::seconds(10));
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+  EXPECT_EQ(Of(1).presence, Presence::kPresent);
+}
+
 }  // namespace musher::testing::host_process_test

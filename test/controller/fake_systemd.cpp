@@ -1,0 +1,187 @@
+// What a test reaches instead of another host: `controller_fake_systemd FOLDER` is the end of an
+// ssh connection, and answers the calls of D-Bus as systemd does, for one unit. It has no process.
+//
+//   FOLDER/unit           ActiveState, MainPID and one variable of the environment, a line each
+//   FOLDER/refuse-MEMBER  the calls of this member are answered with the error in it
+//   FOLDER/changed        PropertiesChanged is sent once, without the environment; removed after
+//   FOLDER/down           the connection ends; removed before
+//   FOLDER/calls          written: the calls, a line each
+//   FOLDER/reads          written: the same of the calls that read its state
+
+#include <systemd/sd-bus.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace {
+
+struct Unit {
+  std::string active = "inactive";
+  std::uint32_t pid = 0;
+  std::string variable;
+};
+
+class FakeSystemd {
+ public:
+  explicit FakeSystemd(std::string folder) : folder_(std::move(folder)) {}
+
+  int Run() {
+    sd_id128_t id{};
+    const bool made = sd_id128_randomize(&id) >= 0 && sd_bus_new(&bus_) >= 0 &&
+                      sd_bus_set_fd(bus_, STDIN_FILENO, STDOUT_FILENO) >= 0 &&
+                      sd_bus_set_server(bus_, 1, id) >= 0 && sd_bus_set_anonymous(bus_, 1) >= 0 &&
+                      sd_bus_add_filter(bus_, nullptr, &OnMessage, this) >= 0 &&
+                      sd_bus_start(bus_) >= 0;
+    if (!made) return 1;
+    constexpr std::uint64_t kLookEach_us = 5'000;
+    for (;;) {
+      const int more = sd_bus_process(bus_, nullptr);
+      if (more < 0) return 0;
+      if (more > 0) continue;
+      if (Take("down")) return 0;
+      if (!path_.empty() && Has("changed")) {
+        SendChange();
+        Take("changed");
+      }
+      if (sd_bus_wait(bus_, kLookEach_us) < 0) return 0;
+    }
+  }
+
+ private:
+  static int OnMessage(sd_bus_message* message, void* self, sd_bus_error* /*error*/) {
+    if (sd_bus_message_is_method_call(message, nullptr, nullptr) <= 0) return 0;
+    static_cast<FakeSystemd*>(self)->Answer(message);
+    return 1;
+  }
+
+  void Answer(sd_bus_message* call) {
+    const std::string member = sd_bus_message_get_member(call);
+    if (Has("refuse-" + member)) {
+      std::ifstream file(folder_ + "/refuse-" + member);
+      std::string name;
+      file >> name;
+      Note(member + " refused");
+      sd_bus_reply_method_errorf(call, name.c_str(), "refused by the test");
+    } else if (member == "Hello") {
+      sd_bus_reply_method_return(call, "s", ":1.1");
+    } else if (member == "GetAll") {
+      AnswerProperties(call);
+    } else if (member == "KillUnit") {
+      const char* unit = nullptr;
+      const char* whom = nullptr;
+      std::int32_t signal = 0;
+      sd_bus_message_read(call, "ssi", &unit, &whom, &signal);
+      Note("KillUnit " + std::to_string(signal));
+      sd_bus_reply_method_return(call, "");
+    } else if (member == "StartTransientUnit") {
+      NoteCommand(call);
+      sd_bus_reply_method_return(call, "o", "/org/freedesktop/systemd1/job/1");
+    } else {
+      sd_bus_reply_method_return(call, "");
+    }
+    sd_bus_flush(bus_);
+  }
+
+  void AnswerProperties(sd_bus_message* call) {
+    path_ = sd_bus_message_get_path(call);
+    Note("GetAll", "reads");
+    const char* interface = nullptr;
+    sd_bus_message_read(call, "s", &interface);
+    sd_bus_message* reply = nullptr;
+    if (sd_bus_message_new_method_return(call, &reply) < 0) return;
+    const Unit unit = Read();
+    if (std::string_view(interface).ends_with(".Service")) {
+      sd_bus_message_append(reply, "a{sv}", 3, "MainPID", "u", unit.pid, "ExecMainPID", "u",
+                            unit.pid, "Environment", "as", 1, unit.variable.c_str());
+    } else {
+      sd_bus_message_append(reply, "a{sv}", 1, "ActiveState", "s", unit.active.c_str());
+    }
+    sd_bus_send(bus_, reply, nullptr);
+    sd_bus_message_unref(reply);
+  }
+
+  void SendChange() {
+    const Unit unit = Read();
+    for (const bool service : {true, false}) {
+      sd_bus_message* signal = nullptr;
+      if (sd_bus_message_new_signal(bus_, &signal, path_.c_str(), "org.freedesktop.DBus.Properties",
+                                    "PropertiesChanged") < 0) {
+        return;
+      }
+      sd_bus_message_set_sender(signal, "org.freedesktop.systemd1");
+      if (service) {
+        sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Service", 2, "MainPID",
+                              "u", unit.pid, "ExecMainPID", "u", unit.pid, 0);
+      } else {
+        sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Unit", 1, "ActiveState",
+                              "s", unit.active.c_str(), 0);
+      }
+      sd_bus_send(bus_, signal, nullptr);
+      sd_bus_message_unref(signal);
+    }
+    sd_bus_flush(bus_);
+  }
+
+  // Notes how the command is given, and its arguments.
+  void NoteCommand(sd_bus_message* call) {
+    const char* unit = nullptr;
+    const char* mode = nullptr;
+    sd_bus_message_read(call, "ss", &unit, &mode);
+    sd_bus_message_enter_container(call, 'a', "(sv)");
+    while (sd_bus_message_enter_container(call, 'r', "sv") > 0) {
+      const char* name = nullptr;
+      sd_bus_message_read(call, "s", &name);
+      if (std::string_view(name) == "ExecStartEx") {
+        std::string words;
+        sd_bus_message_enter_container(call, 'v', "a(sasas)");
+        sd_bus_message_enter_container(call, 'a', "(sasas)");
+        sd_bus_message_enter_container(call, 'r', "sasas");
+        const char* program = nullptr;
+        sd_bus_message_read(call, "s", &program);
+        for (int list = 0; list < 2; ++list) {
+          sd_bus_message_enter_container(call, 'a', "s");
+          const char* word = nullptr;
+          while (sd_bus_message_read(call, "s", &word) > 0) words += std::string(" ") + word;
+          sd_bus_message_exit_container(call);
+        }
+        for (int level = 0; level < 3; ++level) sd_bus_message_exit_container(call);
+        Note("ExecStartEx" + words);
+      } else {
+        Note(name);
+        sd_bus_message_skip(call, "v");
+      }
+      sd_bus_message_exit_container(call);
+    }
+    Note("StartTransientUnit");
+  }
+
+  Unit Read() const {
+    Unit unit;
+    std::ifstream(folder_ + "/unit") >> unit.active >> unit.pid >> unit.variable;
+    return unit;
+  }
+  bool Has(const std::string& name) const {
+    return access((folder_ + "/" + name).c_str(), F_OK) == 0;
+  }
+  bool Take(const std::string& name) const {
+    return std::remove((folder_ + "/" + name).c_str()) == 0;
+  }
+  void Note(const std::string& line, const std::string& file = "calls") const {
+    std::ofstream(folder_ + "/" + file, std::ios::app) << line << "\n";
+  }
+
+  const std::string folder_;
+  sd_bus* bus_ = nullptr;
+  std::string path_;  // of the unit
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return argc == 2 ? FakeSystemd(argv[1]).Run() : 2;
+}

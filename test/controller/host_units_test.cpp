@@ -1,0 +1,230 @@
+// The units of another host, on a fake systemd (fake_systemd.cpp) behind a script in the place of
+// ssh. With a real systemd they are tested in test/integration/hosts.
+
+#include "musher/controller/process/host_units.hpp"
+
+#include <gmock/gmock.h>
+
+#include <signal.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/base/files.hpp"
+#include "musher/test/support/paths.hpp"
+#include "musher/test/support/temp_folder.hpp"
+#include "musher/test/support/wait.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::host_units_test {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr Duration kSoon = std::chrono::seconds(30);
+constexpr const char* kOurs = "MUSHER_MACHINE_ID=ours";
+constexpr const char* kFirstBoot = "01234567-89ab-cdef-0123-456789abcdef/4026531836";
+constexpr const char* kSecondBoot = "76543210-89ab-cdef-0123-456789abcdef/4026531836";
+
+class UnitOfAnotherHost : public ::testing::Test {
+ protected:
+  UnitOfAnotherHost() {
+    const std::string ssh = folder_ / "ssh";
+    std::ofstream(ssh) << "#!/bin/sh\ncat " << (folder_ / "greeting") << "\nexec " << BinDir()
+                       << "/controller_fake_systemd " << folder_.path() << "\n";
+    std::filesystem::permissions(ssh, std::filesystem::perms::owner_all);
+    setenv("PATH", (folder_.path() + ":" + path_).c_str(), 1);
+    config_.name = "robot";
+    HostConfig& host = config_.hosts.emplace_back();
+    host.name = "vision";
+    host.address = "10.0.0.2";
+    ActuatorConfig eyes;
+    eyes.name = "eyes";
+    eyes.host = "vision";
+    eyes.command = {"/opt/eyes", "$HOME"};
+    config_.actuators.push_back(eyes);
+    Greet(kFirstBoot, 1000);
+    units_ = std::make_unique<HostUnits>(loop_, config_, [this] {
+      return MachineIdentity{"robot", id_};
+    });
+  }
+  ~UnitOfAnotherHost() override {
+    units_->Close();
+    setenv("PATH", path_.c_str(), 1);
+  }
+
+  void Write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / (name + ".new")) << text;
+    std::filesystem::rename(folder_ / (name + ".new"), folder_ / name);
+  }
+  void Greet(const std::string& host_id, int uptime_s) const {
+    Write("greeting", "musher-host " + host_id + " " + std::to_string(uptime_s) + ".5\n");
+  }
+  void SetUnit(const std::string& active, pid_t pid, const std::string& variable = kOurs) const {
+    Write("unit", active + " " + std::to_string(pid) + " " + variable + "\n");
+  }
+  void Open() {
+    HostProcesses::Hooks hooks;
+    hooks.on_started = [this](const std::string&, pid_t pid, const std::string&, bool) {
+      started_.push_back(pid);
+    };
+    hooks.on_not_started = [](const std::string&, const std::string&) {};
+    hooks.on_ended = [this](const std::string&, pid_t pid, const ProcessExit&) {
+      ended_.push_back(pid);
+    };
+    hooks.on_reach = [this](bool reached, const std::string& message) {
+      (reached ? reached_ : troubles_).push_back(message);
+    };
+    hooks.still_ends = [this](const std::string&, pid_t) { return still_ends_; };
+    units_->Open(std::move(hooks));
+  }
+  void Await(const std::function<bool()>& holds) {
+    ASSERT_TRUE(loop_.RunUntil(holds, testing::In(kSoon)));
+  }
+  // A process of this machine runs there.
+  void OpenWithProcess(pid_t pid) {
+    SetUnit("active", pid);
+    Open();
+    Await([&] { return !started_.empty(); });
+    ASSERT_THAT(started_, ElementsAre(pid));
+  }
+  HostProcesses::Found Find() {
+    std::vector<HostProcesses::Found> found;
+    units_->Find([&](const std::vector<HostProcesses::Found>& there) { found = there; });
+    EXPECT_TRUE(loop_.RunUntil([&] { return !found.empty(); }, testing::In(kSoon)));
+    return found.empty() ? HostProcesses::Found() : found.front();
+  }
+  void LoseConnection() {
+    const std::size_t before = troubles_.size();
+    Write("down", "");
+    Await([&] { return troubles_.size() > before; });
+  }
+  std::string Calls() const { return ReadFile(folder_ / "calls"); }
+
+  const std::string path_ = getenv("PATH");
+  const TempFolder folder_;
+  MachineConfig config_;
+  std::string id_ = "ours";
+  bool still_ends_ = true;
+  std::vector<pid_t> started_;
+  std::vector<pid_t> ended_;
+  std::vector<std::string> reached_;
+  std::vector<std::string> troubles_;
+  transport::LinuxEventLoop loop_;
+  std::unique_ptr<HostUnits> units_;
+};
+
+TEST_F(UnitOfAnotherHost, RunsOnWhenItsStateCannotBeRead) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("refuse-GetAll", "org.freedesktop.DBus.Error.NoMemory");
+  EXPECT_THAT(Find().unreached, HasSubstr("cannot be read: refused by the test"));
+  EXPECT_THAT(ended_, IsEmpty());
+  std::filesystem::remove(folder_ / "refuse-GetAll");
+  EXPECT_EQ(Find().pid, 41);
+  EXPECT_THAT(ended_, IsEmpty());
+}
+
+TEST_F(UnitOfAnotherHost, ThatAnotherMachineStartsLaterIsNotTaken) {
+  SetUnit("inactive", 0, kOurs);
+  Open();
+  EXPECT_EQ(Find().pid, 0);
+  SetUnit("active", 52, "MUSHER_MACHINE_ID=theirs");
+  const std::string reads = ReadFile(folder_ / "reads");
+  Write("changed", "");
+  Await([&] { return !started_.empty() || ReadFile(folder_ / "reads") != reads; });
+  EXPECT_EQ(Find().pid, 0);
+  EXPECT_THAT(started_, IsEmpty());
+}
+
+TEST_F(UnitOfAnotherHost, OfAMachineWithAnIdIsNotTakenByOneWithout) {
+  id_.clear();
+  SetUnit("active", 52);
+  Open();
+  EXPECT_EQ(Find().pid, 0);
+  EXPECT_THAT(started_, IsEmpty());
+}
+
+TEST_F(UnitOfAnotherHost, WhoseSignalIsRefusedIsReportedOnce) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("refuse-KillUnit", "org.freedesktop.DBus.Error.AccessDenied");
+  units_->Signal("eyes", 41, SIGTERM);
+  units_->Signal("eyes", 41, SIGKILL);
+  Find();
+  EXPECT_EQ(Calls(), "KillUnit refused\nKillUnit refused\n");
+  ASSERT_THAT(troubles_, SizeIs(1));
+  EXPECT_THAT(troubles_.front(), AllOf(HasSubstr("the signal to musher-robot-eyes.service"),
+                                       HasSubstr("refused by the test"), HasSubstr("polkit")));
+}
+
+TEST_F(UnitOfAnotherHost, GetsTheSignalThatWaitedForItsHost) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  units_->Signal("eyes", 41, SIGKILL);
+  Await([this] { return !reached_.empty(); });
+  Find();
+  Find();  // its calls follow the signal
+  EXPECT_EQ(Calls(), "KillUnit 9\n");
+}
+
+TEST_F(UnitOfAnotherHost, GetsNoSignalWhoseReasonHasPassed) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  units_->Signal("eyes", 41, SIGKILL);
+  still_ends_ = false;  // it has recovered
+  Await([this] { return !reached_.empty(); });
+  Find();
+  Find();  // its calls follow the signal
+  EXPECT_THAT(Calls(), IsEmpty());
+}
+
+TEST_F(UnitOfAnotherHost, HasEndedWithARebootOfTheHost) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Greet(kSecondBoot, 1);
+  SetUnit("inactive", 0);
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !reached_.empty(); });
+  EXPECT_THAT(ended_, ElementsAre(41));
+}
+
+// It has run for longer than the connection was lost: it has not been booted meanwhile.
+TEST_F(UnitOfAnotherHost, RunsOnWhenAnotherHostHasTakenTheAddress) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Greet(kSecondBoot, 1000);
+  SetUnit("inactive", 0);
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  const std::string why = "another host answers at 10.0.0.2";
+  HostProcesses::Found found;
+  for (int tries = 0; tries < 100 && !found.unreached.starts_with(why); ++tries) found = Find();
+  EXPECT_THAT(found.unreached, HasSubstr(why));
+  EXPECT_THAT(ended_, IsEmpty());
+  EXPECT_THAT(reached_, IsEmpty());
+}
+
+// systemd would replace $HOME.
+TEST_F(UnitOfAnotherHost, HasTheArgumentsOfTheConfig) {
+  SetUnit("inactive", 0);
+  Open();
+  ProcessSpec spec;
+  spec.name = "eyes";
+  spec.argv = config_.actuators[0].command;
+  units_->Start(spec);
+  Await([this] { return Calls().find("StartTransientUnit") != std::string::npos; });
+  EXPECT_THAT(Calls(), HasSubstr("ExecStartEx /opt/eyes $HOME no-env-expand\n"));
+}
+
+TEST_F(UnitOfAnotherHost, ThatIsAboutToRunIsNotTakenForEnded) {
+  SetUnit("activating", 0);
+  Open();
+  EXPECT_EQ(Find().unreached, "musher-robot-eyes.service is activating");
+}
+
+}  // namespace musher::host_units_test
