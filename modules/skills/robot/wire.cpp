@@ -194,10 +194,11 @@ void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
 
 void RosRobot::Wire::RefuseBattery(const msg::BatteryState& battery) {
   if (std::exchange(battery_refused_, true)) return;
-  const std::string why =
-      battery.present ? fmt::format("its percentage is {:g}, expected 0 to 1", battery.percentage)
-                      : "it says that no battery is present";
-  Log(LogLevel::kWarning, config.names.battery + " is not used: " + why);
+  const std::string& topic = config.names.battery;
+  Log(LogLevel::kWarning,
+      battery.present ? fmt::format("{} is not used: its percentage is {:g}, expected 0 to 1",
+                                    topic, battery.percentage)
+                      : fmt::format("{} is not used: it says that no battery is present", topic));
 }
 
 // By its odometry alone: a flyer holds its place also while it has none in the map.
