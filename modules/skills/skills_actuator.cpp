@@ -40,10 +40,10 @@ Result<> SkillsActuator::RegisterSkills(skill::Registry& registry) {
 }
 
 void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
-  robot_.Open(topics, machine_config().name_space);
+  const auto log = [this](LogLevel level, const std::string& line) { Log(level, line); };
+  robot_.Open(topics, machine_config().name_space, log);
   const auto nav2 = std::make_shared<Nav2Goals>(
-      Nav2Goals::Context{robot_, manager(), [this] { return CheckTicking(); },
-                         [this](LogLevel level, const std::string& line) { Log(level, line); }},
+      Nav2Goals::Context{robot_, manager(), [this] { return CheckMayMove(); }, log},
       robot_.config().names, topics);
   topics.Keep(nav2);
   nav2_ = nav2;
@@ -52,6 +52,13 @@ void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
     CancelSkills("its process ends");  // and OnPause()
     robot_.Rest();
   })));
+}
+
+Result<> SkillsActuator::CheckMayMove() const {
+  Result<> may = CheckTicking();
+  const std::string low = robot_.LowBattery();
+  if (may && !low.empty()) may = Error{kCodeProtectedError, low};
+  return may;
 }
 
 void SkillsActuator::BeforeTick(Time now) {

@@ -44,6 +44,8 @@ class SkillsActuator : public SkillActuator {
   void AfterTick(Time now) override;
   void OnPause() override;
   void EndMotions(const std::string& why);
+  // Whether a goal of nav2 may begin, or go on to its next pose.
+  Result<> CheckMayMove() const;
 
   RosRobot& robot_;
   const program::EndSignals* signals_ = nullptr;

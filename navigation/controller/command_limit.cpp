@@ -31,6 +31,11 @@ std::optional<double> ShareWithin(const Velocity& velocity, const Velocity& last
   return share >= 0 ? std::optional(std::min(share, 1.0)) : std::nullopt;
 }
 
+// A rate up to `most` faster than the last one, or slower than that: a turn may end at once.
+double YawWithin(double wanted, double last, double most) {
+  return std::clamp(wanted, std::min(last, 0.0) - most, std::max(last, 0.0) + most);
+}
+
 }  // namespace
 
 void CommandLimit::Begin(Time now) {
@@ -61,8 +66,12 @@ Velocity CommandLimit::AfterGate(const Velocity& passed, double yaw_rad) {
   if (speed_m_s > last_m_s && Speed(Difference(command, sent_)) > most + 1e-6) {
     share = ShareWithin(command, sent_, most).value_or(last_m_s / speed_m_s);
   }
+  const double yaw_rad_s =
+      YawWithin(share * command.yaw_rad_s, sent_.yaw_rad_s, limits_.yaw_rad_s2 * step_s_);
   sent_ = Scaled(command, share);
-  return Scaled(passed, share);
+  Velocity sent = Scaled(passed, share);
+  sent_.yaw_rad_s = sent.yaw_rad_s = yaw_rad_s;
+  return sent;
 }
 
 bool CommandLimit::IsAtRest() const {

@@ -66,7 +66,7 @@ struct SkillsConfig {
   double radius_m = 0.25;
   std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
-  // With a battery at or below it, that does not charge, it does not move, and a flyer lands.
+  // With a battery at or below it, that does not charge, no skill moves it, and a flyer lands.
   double low_battery_percent = 0;
   int priority = 0;  // where two robots meet; the higher one goes first
   // With the skills that ran when the process was killed; else they have failed.

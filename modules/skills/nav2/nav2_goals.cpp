@@ -12,6 +12,7 @@
 #include "musher/messages/nav2_msgs/navigate_to_pose.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
+#include "musher/modules/skills/skills/travel.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 #include "musher/navigation/place_text.hpp"
 
@@ -251,7 +252,9 @@ void Nav2Goals::Start(transport::ServerGoal<Action> goal) {
     }
     return refuse(code, poses.error().message);
   }
-  if (const Result<> may = context_.may_start(); !may) {
+  if (const Result<> may =
+          MayBegin(places.goes_on ? std::vector<navigation::Pose>{} : poses.value());
+      !may) {
     return refuse(Action::kUnknown, may.error().message);
   }
   Replace();
@@ -269,9 +272,25 @@ void Nav2Goals::Replace() {
   End(false, "a newer goal has replaced this one");
 }
 
+// Before a newer goal replaces the present one.
+Result<> Nav2Goals::MayBegin(const std::vector<navigation::Pose>& places) const {
+  if (Result<> may = context_.may_start(); !may) return may;
+  const Robot& robot = context_.robot;
+  for (const navigation::Pose& place : places) {
+    if (Result<> may = CheckAltitude(robot, "the goal", place.at.z_m); !may) return may;
+  }
+  return Ok();
+}
+
 void Nav2Goals::OnGoalPose(const msg::PoseStamped& goal) {
-  const auto place = PlaceOf(goal);
-  const Result<> may = place ? context_.may_start() : Result<>(place.error());
+  auto place = PlaceOf(goal);
+  Result<> may = place ? Ok() : Result<>(place.error());
+  const auto here = context_.robot.flies() ? context_.robot.pose() : std::nullopt;
+  if (may && here && place.value().at.z_m == 0) {  // a button for a goal gives no height
+    may = CheckInTheAir(context_.robot, here->at.z_m);
+    place.value().at.z_m = here->at.z_m;
+  }
+  if (may) may = MayBegin({place.value()});
   if (!may) {
     return context_.log(LogLevel::kWarning,
                         "a goal on " + goal_pose_ + " is refused: " + may.error().message);
@@ -318,7 +337,8 @@ void Nav2Goals::OnEndOfRun(const skill::Run& run) {
     mission_->missed.push_back(mission_->at);
   }
   if (mission_->Next()) {
-    const Result<> driven = Drive();
+    Result<> driven = context_.may_start();
+    if (driven) driven = Drive();
     return driven ? void() : End(false, driven.error().message);
   }
   const std::size_t missed = mission_->missed.size();

@@ -4,9 +4,12 @@
 // the other; so its limits, its recoveries, a pause and the gate are those of the skill.
 //
 // A pose on the topic goal_pose, as RViz's button for a goal publishes it, counts as a goal of
-// NavigateToPose; its end, or why it is refused, is logged.
+// NavigateToPose; its end, or why it is refused, is logged. It has no height: a flyer goes there at
+// its present one.
 //
 //   a newer goal of any of them replaces the present one, which is aborted
+//   a goal that is refused, also for its height, leaves the present one
+//   no pose is gone to once no skill may start, for example with a low battery: the goal is aborted
 //   a goal while the base is used by another skill, or while no skills run, is aborted at once
 //   NavigateThroughPoses ends at the first pose that it does not reach; FollowWaypoints goes on,
 //   and its result lists what it has missed: then it is aborted
@@ -64,6 +67,7 @@ class Nav2Goals {
   template <class Action>
   void Start(transport::ServerGoal<Action> goal);
   void OnGoalPose(const msg::PoseStamped& goal);
+  Result<> MayBegin(const std::vector<navigation::Pose>& places) const;
   // Of the present goal, by a newer one.
   void Replace();
   Result<> Drive();

@@ -1,7 +1,9 @@
 #pragma once
 // Keeps a flyer at its place while no skill and no drive moves it: after each end of a skill, in a
 // pause and at a stop. A velocity of 0 does not: the wind carries it away. With a low battery it
-// descends there instead, until it stands, also where no skill has moved it: an empty one falls.
+// descends there instead, until it stands on the ground, also where no skill has moved it and it is
+// found in the air: an empty one falls. Where it comes no lower far above the ground, on a roof or
+// in an updraught, the descent goes on slowly until it is charged.
 //
 //   not needed ── used, low ──▶ armed ── not used, in the air, braked ──▶ holding, or descending
 //        ▲                                                             │
@@ -27,11 +29,18 @@ class FlightHold {
   void Use();
   // It stands on the ground: it is not held there.
   void Land();
-  // From now on it descends, or no more.
+  // From now on it descends, or no more; a repetition changes nothing.
   void SetBatteryLow(bool low);
+  // Its battery is charged: one that stands high is not held there.
+  void NoteCharging();
+  // The last command did not reach the body, so that it comes no lower shows nothing.
+  void NoteStopped();
+  // It descends and comes no lower, far above the ground.
+  bool StandsHigh() const;
 
   // The command, in the frame of the body, `step` after the last one; nullopt: none is needed.
-  // Without a pose it is 0, and with a low battery down. `speed_m_s`: of the body.
+  // Without a pose it is 0, and with a low battery down, unless it stood on the ground.
+  // `speed_m_s`: of the body.
   std::optional<navigation::Velocity> Command(const std::optional<navigation::Pose>& pose,
                                               double speed_m_s, Duration step);
 
@@ -42,6 +51,8 @@ class FlightHold {
   bool armed_ = false;
   bool landed_ = false;  // and no skill or drive has moved it since then
   bool low_ = false;
+  bool arms_ = false;    // if the next pose is in the air
+  bool stands_ = false;  // on the ground, by the last pose, and has not flown since Use()
   Duration braking_{};
   Duration still_{};  // how long it has not come lower
   double lowest_m_ = 0;

@@ -32,8 +32,8 @@ class NoDrive : public Drive {
 
 }  // namespace
 
-void RosRobot::Open(transport::Endpoints& endpoints, const std::string& name_space) {
-  const auto wire = std::make_shared<Wire>(config_, endpoints, name_space);
+void RosRobot::Open(transport::Endpoints& endpoints, const std::string& name_space, WriteLine log) {
+  const auto wire = std::make_shared<Wire>(config_, endpoints, name_space, std::move(log));
   now_ = wire->Now();
   wire_ = wire;
   if (std::exchange(cancels_earlier_, false)) wire->navigator->CancelEarlierDrives();

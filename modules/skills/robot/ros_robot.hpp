@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/log.hpp"
 #include "musher/modules/skills/config/skills_config.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -26,8 +27,10 @@ class RosRobot final : public Robot {
 
   const SkillsConfig& config() const { return config_; }
 
+  using WriteLine = std::function<void(LogLevel level, const std::string& line)>;
+
   // Opens its topics, for as long as these endpoints exist. `name_space`: theirs.
-  void Open(transport::Endpoints& endpoints, const std::string& name_space);
+  void Open(transport::Endpoints& endpoints, const std::string& name_space, WriteLine log = {});
   // Before the skills make a step at this time.
   void BeginStep(Time now);
   // The robot stands, its drives are cancelled.

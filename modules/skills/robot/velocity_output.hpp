@@ -59,6 +59,8 @@ class VelocityOutput {
 
   // Whether a skill, or a person, moves the robot.
   bool sending() const { return sending_ != nullptr; }
+  // The command that was sent last.
+  const navigation::Velocity& passed() const { return verdict_.command; }
   // What the gate stops it for; empty: nothing.
   std::string HeldBy() const;
 

@@ -19,6 +19,8 @@ namespace {
 // Topics that skills have named; of more, the one that was not asked for longest is dropped.
 constexpr std::size_t kMostTracked = 16;
 constexpr double kBatteryHysteresisPercent = 2;
+constexpr Duration kBatterySettles = std::chrono::seconds(2);  // samples of so long agree
+constexpr double kSinkingMS = -0.01;  // a command that reaches the body and leads down
 constexpr Duration kHoldPeriod = Milliseconds(100);       // of a flyer at its place
 constexpr Duration kClearTime = std::chrono::seconds(2);  // of planner and controller
 constexpr Duration kActiveWithin = Milliseconds(500);     // skills are stepped in Active only
@@ -29,11 +31,12 @@ constexpr transport::Qos kTfQos{transport::Qos::Reliability::kReliable,
 }  // namespace
 
 RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& endpoints,
-                     std::string machine_name_space)
+                     std::string machine_name_space, RosRobot::WriteLine log)
     : config(robot_config),
       node(endpoints.node()),
       clock(endpoints.clock()),
       name_space(std::move(machine_name_space)),
+      log_(std::move(log)),
       frames_(robot_config.tf_stale) {
   const InterfaceNames& names = config.names;
   velocity = std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity),
@@ -152,24 +155,50 @@ void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
   const bool active = active_at && Now() - *active_at <= kActiveWithin;
   if (!active || Drives()) return;
   if (holding_) StopMotion();
-  velocity->Teleoperate(ToMapFrame(twist, 0));
+  navigation::Velocity command = ToMapFrame(twist, 0);
+  if (config.flies && !low_battery_.empty()) {  // a person chooses where it lands, and not whether
+    command.z_m_s = std::min(command.z_m_s, -FlightHold::kLastDescentMps);
+  }
+  velocity->Teleoperate(command);
 }
 
-// A value that is not measured changes nothing, and neither does a silent battery.
+// A value that is not measured changes nothing, and neither do a silent battery and one sample that
+// differs from those around it.
 void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
-  if (!std::isfinite(battery.percentage)) return;
+  if (std::isnan(battery.percentage)) return;
+  if (!battery.present || battery.percentage < 0 || battery.percentage > 1) {
+    return RefuseBattery(battery);
+  }
   const double percent = 100 * static_cast<double>(battery.percentage);
   const double limit = config.low_battery_percent;
-  const double ends_above = limit + (low_battery_.empty() ? 0 : kBatteryHysteresisPercent);
+  const bool was_low = !low_battery_.empty();
+  const double ends_above = limit + (was_low ? kBatteryHysteresisPercent : 0);
   const bool charges = battery.power_supply_status == msg::BatteryState::kStatusCharging ||
                        battery.power_supply_status == msg::BatteryState::kStatusFull;
-  if (charges || percent > ends_above) {
-    low_battery_.clear();
+  const bool low = !charges && percent <= ends_above;
+  if (low == was_low) {
+    battery_differs_since_.reset();
   } else {
-    low_battery_ = fmt::format("the battery of {} is at {:.0f} %, its limit is {:.0f} %",
-                               config.robot, std::max(percent, 0.0), limit);
+    if (!battery_differs_since_) battery_differs_since_ = Now();
+    if (Now() - *battery_differs_since_ < kBatterySettles) return;
+    battery_differs_since_.reset();
   }
-  if (config.flies) hold.SetBatteryLow(!low_battery_.empty());
+  low_battery_ = low ? fmt::format("the battery of {} is at {:.0f} %, its limit is {:.0f} %",
+                                   config.robot, percent, limit)
+                     : "";
+  if (!config.flies) return;
+  if (!low) stood_high_ = false;
+  if (charges) hold.NoteCharging();
+  hold.SetBatteryLow(low);
+}
+
+void RosRobot::Wire::RefuseBattery(const msg::BatteryState& battery) {
+  if (std::exchange(battery_refused_, true)) return;
+  const std::string& topic = config.names.battery;
+  Log(LogLevel::kWarning,
+      battery.present ? fmt::format("{} is not used: its percentage is {:g}, expected 0 to 1",
+                                    topic, battery.percentage)
+                      : fmt::format("{} is not used: it says that no battery is present", topic));
 }
 
 // By its odometry alone: a flyer holds its place also while it has none in the map.
@@ -190,6 +219,15 @@ void RosRobot::Wire::HoldPlace() {
   }
   velocity->Set(*command);
   holding_ = true;
+  const bool sinks = velocity->passed().z_m_s < kSinkingMS;
+  if (command->z_m_s < kSinkingMS && !sinks) hold.NoteStopped();
+  const bool stands_high = hold.StandsHigh();
+  if (stands_high && !std::exchange(stood_high_, stands_high)) {
+    Log(LogLevel::kWarning,
+        fmt::format("{} lands with a low battery and comes no lower at {:.2f} m above the zero of "
+                    "its odometry; it descends on until it is charged",
+                    config.robot, now == nullptr ? 0.0 : now->pose.at.z_m));
+  }
 }
 
 void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
@@ -212,8 +250,12 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
   endpoints.Subscribe<msg::Odometry>(names.odometry,
                                      [this](const msg::Odometry& message) { OnOdometry(message); });
   if (!names.battery.empty()) {
-    endpoints.Subscribe<msg::BatteryState>(
-        names.battery, [this](const msg::BatteryState& battery) { OnBattery(battery); });
+    const auto take = [this](const msg::BatteryState& battery) { OnBattery(battery); };
+    const auto* battery =
+        endpoints.Subscribe<msg::BatteryState>(names.battery, take, transport::kSensorDataQos);
+    if (config.flies) optional[names.battery] = battery;
+    // One that is only published when it changes.
+    endpoints.Subscribe<msg::BatteryState>(names.battery, take, transport::kLatchedQos);
   }
   if (!names.teleop.empty()) {
     endpoints.Subscribe<msg::Twist>(names.teleop,

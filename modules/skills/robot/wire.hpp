@@ -30,7 +30,8 @@ namespace musher::skills {
 
 struct RosRobot::Wire {
   // Opens what the config names.
-  Wire(const SkillsConfig& config, transport::Endpoints& endpoints, std::string name_space);
+  Wire(const SkillsConfig& config, transport::Endpoints& endpoints, std::string name_space,
+       RosRobot::WriteLine log);
   ~Wire() {
     holds_.reset();
     Rest();
@@ -121,12 +122,20 @@ struct RosRobot::Wire {
   void OnOdometry(const msg::Odometry& message);
   void OnTeleop(const msg::Twist& twist);
   void OnBattery(const msg::BatteryState& battery);
+  void RefuseBattery(const msg::BatteryState& battery);
   void HoldPlace();
+  void Log(LogLevel level, const std::string& line) const {
+    if (log_) log_(level, line);
+  }
 
+  const RosRobot::WriteLine log_;
   navigation::FrameTree frames_;
-  std::string body_frame_;  // of the twist of the odometry
-  bool holding_ = false;    // the last command is that of `hold`
+  std::string body_frame_;   // of the twist of the odometry
+  bool holding_ = false;     // the last command is that of `hold`
+  bool stood_high_ = false;  // with a low battery; logged once
   std::string low_battery_;
+  std::optional<Time> battery_differs_since_;  // from low_battery_, in all samples
+  bool battery_refused_ = false;               // logged once
   Duration odometry_stamp_{};
   Duration line_stamp_{};  // of the last picture
   // Controllers with a goal that has not ended, by the last status of each. One that starts again

@@ -84,27 +84,71 @@ TEST(FlightHold, EndsWhenSomethingElseCarriesTheFlyerAway) {
 }
 
 // A flyer that is not held falls when the battery is empty.
-TEST(FlightHold, DescendsAtItsPlaceWithALowBatteryUntilItStands) {
-  for (const double ground_m : {0.0, 0.75}) {
-    Flyer flyer;
-    FlightHold hold;
-    hold.Use();
-    for (int i = 0; i < 50; ++i) flyer.Move(*hold.Command(flyer.pose, flyer.speed_m_s(), kStep));
-    const navigation::Point place = flyer.pose.at;
-    hold.SetBatteryLow(true);
-    int steps = 0;
-    for (; steps < 300; ++steps) {
-      const auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
-      if (!command) break;
-      flyer.Move(*command);
-      flyer.pose.at.z_m = std::max(flyer.pose.at.z_m, ground_m);
-      const double aside_m =
-          std::hypot(flyer.pose.at.x_m - place.x_m, flyer.pose.at.y_m - place.y_m);
-      ASSERT_LT(aside_m, 0.3) << "it descends straight down";
-    }
-    EXPECT_LT(steps, 100);
-    EXPECT_NEAR(flyer.pose.at.z_m, ground_m, 0.01);
-    EXPECT_FALSE(hold.Command(flyer.pose, 0, kStep)) << "it has landed";
+TEST(FlightHold, DescendsAtItsPlaceWithALowBatteryUntilItStandsAlsoWhenItIsReportedAgainAndAgain) {
+  Flyer flyer;
+  FlightHold hold;
+  hold.Use();
+  for (int i = 0; i < 50; ++i) flyer.Move(*hold.Command(flyer.pose, flyer.speed_m_s(), kStep));
+  const navigation::Point place = flyer.pose.at;
+  int steps = 0;
+  for (; steps < 300; ++steps) {
+    if (steps % 10 == 0) hold.SetBatteryLow(true);
+    const auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+    if (!command) break;
+    flyer.Move(*command);
+    flyer.pose.at.z_m = std::max(flyer.pose.at.z_m, 0.0);
+    const double aside_m = std::hypot(flyer.pose.at.x_m - place.x_m, flyer.pose.at.y_m - place.y_m);
+    ASSERT_LT(aside_m, 0.3) << "it descends straight down";
+  }
+  EXPECT_LT(steps, 100);
+  EXPECT_NEAR(flyer.pose.at.z_m, 0, 0.01);
+  EXPECT_FALSE(hold.Command(flyer.pose, 0, kStep)) << "it has landed";
+  hold.SetBatteryLow(false);
+  flyer.pose.at.x_m += 0.5;
+  flyer.pose.at.z_m = 0.8;
+  EXPECT_FALSE(hold.Command(flyer.pose, 0, kStep)) << "it is charged, and carried";
+}
+
+TEST(FlightHold, GoesOnSlowlyWithADescentThatComesNoLowerFarAboveTheGround) {
+  FlightHold hold;
+  navigation::Pose pose{{0, 0, 1.2}, 0};
+  hold.Use();
+  hold.SetBatteryLow(true);
+  std::optional<navigation::Velocity> command;
+  for (int i = 0; i < 100; ++i) {
+    command = hold.Command(pose, 0, kStep);
+    ASSERT_TRUE(command) << "it may be in an updraught, or its height an estimate that stands";
+    ASSERT_LT(command->z_m_s, 0);
+  }
+  EXPECT_EQ(command->z_m_s, -FlightHold::kLastDescentMps);
+  EXPECT_TRUE(hold.StandsHigh());
+  pose.at.z_m = 1;
+  command = hold.Command(pose, 0, kStep);
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->z_m_s, -FlightHold::kDescentMps);
+  EXPECT_FALSE(hold.StandsHigh());
+}
+
+TEST(FlightHold, IsNotHeldOnARoofWhereItIsCharged) {
+  FlightHold hold;
+  navigation::Pose roof{{0, 0, 1.2}, 0};
+  hold.Use();
+  hold.SetBatteryLow(true);
+  for (int i = 0; i < 30; ++i) ASSERT_TRUE(hold.Command(roof, 0, kStep));
+  hold.NoteCharging();
+  hold.SetBatteryLow(false);
+  roof.at.x_m += 0.5;
+  EXPECT_FALSE(hold.Command(roof, 0, kStep)) << "a person carries it";
+}
+
+TEST(FlightHold, HasNotLandedWhereItsCommandsDoNotReachTheBody) {
+  FlightHold hold;
+  hold.Use();
+  hold.SetBatteryLow(true);
+  const navigation::Pose low{{0, 0, 0.25}, 0};
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(hold.Command(low, 0, kStep));
+    hold.NoteStopped();
   }
 }
 
@@ -119,6 +163,26 @@ TEST(FlightHold, LandsAFlyerThatNoSkillHasMovedWhenItsBatteryGetsLow) {
   const auto blind = hold.Command(std::nullopt, 0, kStep);
   ASSERT_TRUE(blind) << "without odometry, too";
   EXPECT_LT(blind->z_m_s, 0);
+}
+
+TEST(FlightHold, LeavesAFlyerThatStandsAtTheStartAloneWhenItsBatteryIsLow) {
+  FlightHold hold;
+  hold.SetBatteryLow(true);
+  EXPECT_FALSE(hold.Command(std::nullopt, 0, kStep)) << "it may stand";
+  EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 0.1}, 0}, 0, kStep)) << "on a box";
+  EXPECT_FALSE(hold.Command(std::nullopt, 0, kStep));
+  EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep)) << "a person lifts it";
+}
+
+TEST(FlightHold, LeavesAFlyerThatStoodAloneWithoutOdometry) {
+  FlightHold hold;
+  hold.Use();
+  hold.SetBatteryLow(true);
+  const auto blind = hold.Command(std::nullopt, 0, kStep);
+  ASSERT_TRUE(blind) << "a skill has moved it";
+  EXPECT_LT(blind->z_m_s, 0);
+  EXPECT_FALSE(hold.Command(navigation::Pose{}, 0, kStep));
+  EXPECT_FALSE(hold.Command(std::nullopt, 0, kStep));
 }
 
 TEST(FlightHold, LeavesALandedFlyerWithALowBatteryAloneUntilItMovesAgain) {

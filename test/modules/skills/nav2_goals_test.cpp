@@ -293,6 +293,53 @@ TEST_F(Nav2WithRunsOfThreeSeconds, DrivesToNoOtherWayPointWhenARunFailsDuringIts
   EXPECT_TRUE(robot_.Rests());
 }
 
+// With a low battery the run of a skill ends, and the next one began before it was known again.
+TEST_F(Nav2, DrivesToNoOtherWayPointOnceNoSkillMayStart) {
+  const auto sent = Send<msg::FollowWaypoints>(
+      "follow_waypoints",
+      {.number_of_loops = 1000, .goal_index = 0, .poses = {At(40, 0), At(0, 40)}});
+  Run(2);
+  ASSERT_EQ(robot_.drives, 1);
+  may_start_ = Error{kCodeProtectedError, "the battery of r is at 0 %, its limit is 0 %"};
+  ASSERT_TRUE(manager_->FailNow("navigate_to", "navigate_to has ended: the battery"));
+  ASSERT_TRUE(Await(*sent));
+  EXPECT_EQ(sent->end->end, GoalEnd::kAborted);
+  EXPECT_EQ(sent->end->result.error_msg, "the battery of r is at 0 %, its limit is 0 %");
+  EXPECT_THAT(sent->end->result.missed_waypoints, SizeIs(1));
+  may_start_ = Ok();
+  Run(3);
+  EXPECT_EQ(robot_.drives, 1) << "charged, it does not drive off by itself";
+}
+
+TEST_F(Nav2, FliesToAPoseOfTheTopicOfRVizAtThePresentHeight) {
+  robot_.robot_kind = "cf2x";
+  robot_.at.at.z_m = 1.5;
+  Click(At(4, 3));
+  Run(20);
+  EXPECT_NEAR(robot_.at.at.x_m, 4, 0.2);
+  EXPECT_NEAR(robot_.at.at.z_m, 1.5, 0.2);
+  EXPECT_THAT(log_, ElementsAre("the goal (4.00, 3.00, 1.50) on goal_pose is reached"));
+}
+
+TEST_F(Nav2, KeepsThePresentGoalWhenTheHeightOfANewerOneIsRefused) {
+  robot_.robot_kind = "cf2x";
+  robot_.ceiling = 3;
+  robot_.at.at.z_m = 1.5;
+  auto far = At(20, 0), high = At(4, 3), low = At(4, 3);
+  far.pose.position.z = 1.5;
+  high.pose.position.z = 9;
+  const auto sent = ToPose(far);
+  Run(2);
+  Click(high);
+  EXPECT_THAT(log_, ElementsAre(AllOf(HasSubstr("is refused: "), HasSubstr("the ceiling"))));
+  const auto refused = ToPose(low);
+  ASSERT_TRUE(Await(*refused));
+  EXPECT_THAT(refused->end->result.error_msg, HasSubstr("expected more than 0 m"));
+  EXPECT_FALSE(sent->end);
+  ASSERT_TRUE(Await(*sent));
+  EXPECT_EQ(sent->end->end, GoalEnd::kSucceeded);
+}
+
 TEST_F(Nav2, RefusesGoalsWithoutPoses) {
   const auto empty = Send<msg::FollowWaypoints>("follow_waypoints", {});
   ASSERT_TRUE(Await(*empty));

@@ -387,12 +387,22 @@ class ARosFlyer : public ARosRobot {
     config.low_battery_percent = 10;
     return config;
   }
-  void ReportBattery(float share, std::uint8_t status = msg::BatteryState::kStatusDischarging) {
+  void ReportOnce(float share, std::uint8_t status = msg::BatteryState::kStatusDischarging,
+                  bool present = true) {
     msg::BatteryState battery;
     battery.percentage = share;
     battery.power_supply_status = status;
+    battery.present = present;
     EXPECT_TRUE(peers_->battery->Publish(battery));
-    Run(50);
+    Run(20);
+  }
+  // Ten times in 5 s, in the air.
+  void ReportBattery(float share, std::uint8_t status = msg::BatteryState::kStatusDischarging,
+                     bool present = true) {
+    for (int i = 0; i < 10; ++i) {
+      ReportOnce(share, status, present);
+      Fly(0.48);
+    }
   }
   // In a wind along x, for so long; returns where it is.
   double Fly(double seconds) {
@@ -401,13 +411,13 @@ class ARosFlyer : public ARosRobot {
       x_m_ += 0.02 * ((recent ? peers_->commands.back().linear.x : 0) + 0.1);
       msg::Odometry odometry;
       odometry.header.frame_id = frame_;
-      odometry.pose.pose = ToMessage(navigation::Pose{{x_m_, 0, 1}, 0}, {}).pose;
+      odometry.pose.pose = ToMessage(navigation::Pose{{x_m_, 0, z_m_}, 0}, {}).pose;
       EXPECT_TRUE(peers_->odometry->Publish(odometry));
       Run(20);
     }
     return x_m_;
   }
-  double x_m_ = 0;
+  double x_m_ = 0, z_m_ = 1;
   std::string frame_;
 };
 
@@ -485,6 +495,80 @@ TEST_F(ARosFlyer, LandsInEveryStateWhenItsBatteryIsLow) {
   EXPECT_NE(robot_.LowBattery(), "") << "it does not end with the noise of a sensor";
   ReportBattery(0.09F, msg::BatteryState::kStatusCharging);
   EXPECT_EQ(robot_.LowBattery(), "");
+}
+
+TEST_F(ARosFlyer, EndsItsLandingOnTheGroundWhileItsBatteryReports) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  Fly(1);
+  ReportBattery(0.05F);
+  z_m_ = 0.02;
+  ReportBattery(0.05F);
+  const std::size_t count = peers_->commands.size();
+  ReportBattery(0.05F);
+  EXPECT_EQ(peers_->commands.size(), count) << "it stands";
+  ReportBattery(0.05F, msg::BatteryState::kStatusCharging);
+  z_m_ = 0.5;
+  ReportBattery(0.2F, msg::BatteryState::kStatusCharging);
+  EXPECT_EQ(peers_->commands.size(), count) << "it is carried";
+}
+
+TEST_F(ARosFlyer, TakesNoSingleMessageOfItsBatteryForItsLevel) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  for (int i = 0; i < 5; ++i) {
+    ReportBattery(0.5F);
+    ReportOnce(0.01F);
+    EXPECT_EQ(robot_.LowBattery(), "");
+  }
+  ReportBattery(0.05F);
+  ASSERT_NE(robot_.LowBattery(), "");
+  ReportOnce(0.9F);
+  EXPECT_NE(robot_.LowBattery(), "");
+  ReportBattery(0.05F);
+  ReportOnce(0.05F, msg::BatteryState::kStatusCharging);
+  EXPECT_NE(robot_.LowBattery(), "");
+}
+
+TEST_F(ARosFlyer, RefusesLevelsOfNoBatteryAndThoseThatNoBatteryHas) {
+  for (const float share : {-1.0F, -0.01F, 87.0F, std::numeric_limits<float>::infinity()}) {
+    ReportBattery(share);
+    EXPECT_EQ(robot_.LowBattery(), "") << share;
+  }
+  ReportBattery(0, msg::BatteryState::kStatusUnknown, false);
+  EXPECT_EQ(robot_.LowBattery(), "");
+  ReportBattery(0.05F);
+  ASSERT_NE(robot_.LowBattery(), "");
+  ReportBattery(87.0F);
+  EXPECT_NE(robot_.LowBattery(), "") << "the last level counts";
+}
+
+TEST_F(ARosFlyer, ReadsABatteryThatIsPublishedAsSensorDataAndSaysWhenThereIsNone) {
+  Stand(0, 0);
+  EXPECT_THAT(robot_.Look().others, IsEmpty());
+  peers_->battery =
+      peers_->endpoints.Advertise<msg::BatteryState>("r/battery", transport::kSensorDataQos);
+  Run(500);
+  ReportBattery(0.05F);
+  EXPECT_NE(robot_.LowBattery(), "");
+  network_.Crash(*world_);
+  Run(30'000);
+  EXPECT_THAT(robot_.Look().others, Contains("no publisher of r/battery"));
+}
+
+TEST_F(ARosFlyer, IsNotHeldUpByAPersonWhileItLandsWithALowBattery) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  ReportBattery(0.05F);
+  msg::Twist up;
+  up.linear = {0.2, 0, 0.5};
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(peers_->teleop->Publish(up));
+    Fly(0.1);
+  }
+  EXPECT_NEAR(peers_->commands.back().linear.x, 0.2, 1e-9) << "to a free place";
+  EXPECT_LT(peers_->commands.back().linear.z, -0.1);
 }
 
 TEST_F(ARosFlyer, CancelsADriveOfAnotherClientAndLandsWhenItsBatteryIsLow) {

@@ -244,6 +244,7 @@ TEST_F(ASkillsActuator, EndsWhatMovesTheRobotWithALowBatteryAndNamesIt) {
         transport::MakePublisher<msg::BatteryState>(harness_.node().node(), "r/battery").value();
     msg::BatteryState battery;
     battery.power_supply_status = msg::BatteryState::kStatusDischarging;
+    battery.present = true;
     battery_again_ = harness_.node().loop().Every(
         Milliseconds(50), [this, battery] { static_cast<void>(battery_->Publish(battery)); });
   });
