@@ -9,6 +9,7 @@
 namespace musher::motion {
 namespace {
 
+constexpr std::int8_t kModeNone = -1;  // of a frame that is a heartbeat and no command
 constexpr std::int8_t kModeOff = 0;
 constexpr std::int8_t kModeDamping = 7;
 constexpr std::int8_t kModeWalk = 11;
@@ -92,6 +93,7 @@ bool LcmLink::MaySend(const BodyCommand& command, Time now) const {
 
 LinkOutput LcmLink::OnCommand(const BodyCommand& command, Time now) {
   LinkOutput output;
+  if (HasHung(now)) Look(std::nullopt);
   if (command.life_count == wanted_) return output;  // repeated: the link does so by itself
   taken_ = 0;
   unconfirmed_.reset();
@@ -104,29 +106,46 @@ LinkOutput LcmLink::OnCommand(const BodyCommand& command, Time now) {
   if (stopped_) looking_ = false;
   recounts_ = counted_ ? 0 : 1;  // a stop or recovery stand, which may be taken twice
   Begin(command, now, output, stopped_ ? kStopCopies : 1);
-  unconfirmed_ = now;
-  tick_at_ = now + Period(now);
+  own_ = false;
   return output;
 }
 
 Duration LcmLink::Period(Time now) const {
-  constexpr Duration kMost = Milliseconds(200);
-  return unconfirmed_ && now - *unconfirmed_ < kMost ? kUntilTaken : kHeartbeatPeriod;
+  const bool repeated = unconfirmed_ || ambiguous_;
+  return repeated && now - begun_at_ < kRepeatTime ? kUntilTaken : kHeartbeatPeriod;
 }
 
 void LcmLink::Begin(const BodyCommand& command, Time now, LinkOutput& output, int copies) {
+  begun_at_ = now;
+  unconfirmed_ = now;
+  ambiguous_ = body_.report.mode == command.mode && body_.report.gait == command.gait;
   frame_ = command;
+  Renew(now, output, copies);
+}
+
+// The frame is new to the board, again.
+void LcmLink::Renew(Time now, LinkOutput& output, int copies) {
   frame_->life_count = static_cast<std::int8_t>(++life_);
   counted_ = true;
-  tick_at_ = now + kHeartbeatPeriod;
+  tick_at_ = now + Period(now);
   output.frames.insert(output.frames.end(), static_cast<std::size_t>(copies), *frame_);
 }
 
-void LcmLink::Look(Time end) {
+// `end` nullopt: 100 ms after the next response.
+void LcmLink::Look(std::optional<Time> end) {
   looking_ = true;
   look_end_ = end;
   frame_.reset();
+  unconfirmed_.reset();
   counted_ = false;
+}
+
+// This process or its host was suspended: the board has let the body lie down, and may have had
+// another commander since. An emergency stop is kept.
+bool LcmLink::HasHung(Time now) {
+  if (now - tick_at_ < kNoResponse) return false;
+  tick_at_ = now;
+  return !stopped_;
 }
 
 // The body goes on as it is, where it is.
@@ -145,6 +164,7 @@ void LcmLink::Hold(Time now, LinkOutput& output) {
   hold.step_height = {kStepHeightM, kStepHeightM};
   recounts_ = 1;
   Begin(hold, now, output, 1);
+  own_ = true;
 }
 
 // --- the board ---
@@ -202,9 +222,14 @@ void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
 LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, Time now) {
   LinkOutput output;
   ++in_second_;
+  const bool was_silent = responses_.at && Silent(now);
   const NewestOnly::Age age = Take(responses_, sender, now, output);
   if (age == NewestOnly::Age::kOld) return output;
-  if (age == NewestOnly::Age::kRestarted) Restart(sender.name, now, output);
+  if (age == NewestOnly::Age::kRestarted) {
+    Restart(sender.name, now, output);
+  } else if (was_silent && !stopped_ && !WaitsForStop()) {
+    Look(now + kLookTime);  // it may have restarted all the same
+  }
   const Temperatures temperatures = body_.report.motor_temperature;
   body_.report = report;
   body_.report.motor_temperature = temperatures;
@@ -217,6 +242,11 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
   return output;
 }
 
+// For a stop of the motion manager to be taken.
+bool LcmLink::WaitsForStop() const {
+  return frame_ && unconfirmed_ && !own_ && Stops(*frame_);
+}
+
 // The board does not say which command it has taken: its motion shows it.
 void LcmLink::NoteTaken(Time now) {
   if (!unconfirmed_ || !frame_ || now - *unconfirmed_ < kControlPeriod) return;
@@ -226,7 +256,7 @@ void LcmLink::NoteTaken(Time now) {
                     report.gait == frame_->gait;
   const bool off = stopped_ && (report.mode == kModeOff || IsStatus(report, SwitchStatus::kEstop));
   if (!off && !changing && !same) return;
-  taken_ = wanted_;
+  if (!own_) taken_ = wanted_;
   unconfirmed_.reset();
 }
 
@@ -323,6 +353,7 @@ LinkOutput LcmLink::OnTime(Time now) {
     if (!stopped_) Look(now);
   }
   if (now < tick_at_) return output;
+  if (HasHung(now)) Look(std::nullopt);
   tick_at_ = now + Period(now);
   const bool alone = !Held(now) && !Silent(now);
   if (alone && look_end_ && now >= *look_end_) looking_ = false;
@@ -341,23 +372,41 @@ void LcmLink::Repeat(Time now, LinkOutput& output) {
     frame.mode = kModeWalk;
     frame.gait = kGaitStand;
     frame.vel = {};
-    unconfirmed_.reset();
     Begin(frame, now, output, 1);
-  } else if (unconfirmed_ && now - *unconfirmed_ >= options_.give_up && !Stops(frame)) {
+    own_ = true;
+  } else if (unconfirmed_ && !own_ && now - *unconfirmed_ >= options_.give_up && !Stops(frame)) {
     unconfirmed_.reset();
-    // A frame that the board has refused stays as heartbeat. Another one would begin whenever the
-    // board can take it, long after the answer that it has failed.
+    // A frame that the board has refused stays, for heartbeats. Another one would begin whenever
+    // the board can take it, long after the answer that it has failed.
     if (!Silent(now) && IsStatus(body_.report, SwitchStatus::kBanTransition)) {
-      output.frames.push_back(frame);
+      output.frames.push_back(Heartbeat());
     } else {
       frame_.reset();
     }
   } else if (recounts_ > 0) {
     --recounts_;
-    Begin(frame, now, output, 1);
+    Renew(now, output, 1);
+  } else if (IsKnown(now)) {
+    output.frames.push_back(Heartbeat());
   } else {
     output.frames.push_back(frame);
   }
+}
+
+// Whether the board has the frame, so that only heartbeats follow: a board that has restarted, or
+// whose last frame was another program's, would take the frame for a new command. A stop may be
+// taken again.
+bool LcmLink::IsKnown(Time now) const {
+  if (Stops(*frame_)) return false;
+  if (now - begun_at_ >= kRepeatTime) return own_ || !unconfirmed_;
+  return !unconfirmed_ && !ambiguous_;
+}
+
+BodyCommand LcmLink::Heartbeat() const {
+  BodyCommand heartbeat;
+  heartbeat.mode = kModeNone;
+  heartbeat.life_count = frame_->life_count;
+  return heartbeat;
 }
 
 Time LcmLink::NextDeadline() const {

@@ -16,6 +16,12 @@
 //     after 500 ms without a frame. Each command gets the next count and is repeated, because
 //     datagrams are lost: 50 times a second until the board has taken it, for 200 ms at most, then
 //     20 times. A process that hangs sends nothing, so the body lies down.
+//   - Once the board has taken a command, heartbeats follow: frames of the same count and mode -1,
+//     which is no command. The command itself would be new to a board that has restarted, and to
+//     one whose last frame was another program's. Where no report can show that it is taken,
+//     because the body was in the same mode and gait before, it is repeated for 200 ms. Stops are
+//     repeated as they are.
+//   - After 500 ms in which this process hung, or the board was silent, the link looks again.
 //   - A command that the board has not taken after LinkOptions.give_up has failed: it is sent no
 //     longer, because it would begin whenever the board can take it. Only stops are kept.
 //   - A process begins by looking: it sends nothing before it has received responses for 100 ms.
@@ -53,8 +59,9 @@ namespace musher::motion {
 
 inline constexpr Duration kHeartbeatPeriod = Milliseconds(50);  // between two frames: 20 Hz
 inline constexpr Duration kUntilTaken = Milliseconds(20);       // the same, while it is not taken
-inline constexpr Duration kLookTime = Milliseconds(100);        // from the first response
-inline constexpr Duration kNoResponse = Milliseconds(500);      // then the board is silent
+inline constexpr Duration kRepeatTime = Milliseconds(200);  // of a command that reports cannot show
+inline constexpr Duration kLookTime = Milliseconds(100);    // from the first response
+inline constexpr Duration kNoResponse = Milliseconds(500);  // then the board is silent
 // After the last frame of another program it has ended: a board takes frames from 2 Hz on.
 inline constexpr Duration kOtherSender = Milliseconds(600);
 inline constexpr Duration kRestartPause = Milliseconds(200);  // after which counts may restart
@@ -150,10 +157,15 @@ class LcmLink {
   // another one.
   NewestOnly::Age Take(Stream& stream, const Sender& sender, Time now, LinkOutput& output);
   void Restart(const std::string& sender, Time now, LinkOutput& output);
-  void Look(Time end);
+  void Look(std::optional<Time> end);
+  bool HasHung(Time now);
+  bool WaitsForStop() const;
   void Hold(Time now, LinkOutput& output);
   void Begin(const BodyCommand& command, Time now, LinkOutput& output, int copies);
+  void Renew(Time now, LinkOutput& output, int copies);
   void Repeat(Time now, LinkOutput& output);
+  bool IsKnown(Time now) const;
+  BodyCommand Heartbeat() const;
   Duration Period(Time now) const;
   void NoteTaken(Time now);
   void HandOn(Time now, LinkOutput& output);
@@ -169,7 +181,10 @@ class LcmLink {
   int recounts_ = 0;                 // frames that still get another life count
   std::int8_t wanted_ = 0;           // life count of the motion manager's last command
   std::int8_t taken_ = 0;            // the same, once the board has taken it
-  std::optional<Time> unconfirmed_;  // since when that command waits to be taken
+  bool own_ = false;                 // frame_ is the link's: it holds or stops the body
+  Time begun_at_{};                  // frame_
+  std::optional<Time> unconfirmed_;  // since when frame_ waits to be taken
+  bool ambiguous_ = false;           // reports do not show it: the body was in that motion before
   Time tick_at_;                     // of the next frame
   bool stopped_ = false;             // emergency stop: only recovery stand follows
 

@@ -31,14 +31,14 @@ class LcmChain : public ::testing::Test {
   void Respond() {
     const BodyReport report = board_.Report(now_);
     ++sequence_;
-    if (hangs_ || Lost()) return;
+    if (hangs_ || Lost(loss_ + loss_of_responses_)) return;
     Handle(link_.OnResponse({"192.168.44.233:1", sequence_}, report, now_));
   }
-  bool Lost() { return std::uniform_real_distribution<>()(random_) < loss_; }
+  bool Lost(double loss) { return std::uniform_real_distribution<>()(random_) < loss; }
 
   void Handle(const LinkOutput& output) {
     for (const BodyCommand& frame : output.frames) {
-      if (!Lost()) board_.Take(frame, now_);
+      if (!Lost(loss_)) board_.Take(frame, now_);
     }
     for (const LinkFault& fault : output.faults) {
       Do(motion_event::BoardFault{fault.code, fault.text});
@@ -82,10 +82,11 @@ class LcmChain : public ::testing::Test {
   MotionConfig config_;
   Gate gate_ = [](const std::string&) { return Ok(); };
   MotionCore core_;
-  LcmLink link_{now_};
+  LcmLink link_{now_, {config_.board_feedback, ""}};
   WireBoard board_;
   std::mt19937 random_{7};
   double loss_ = 0;
+  double loss_of_responses_ = 0;  // beside that of all
   bool hangs_ = false;
   std::uint32_t sequence_ = 0;
   RequestToken token_ = 0;
@@ -160,6 +161,19 @@ TEST_F(LcmChain, DoesNotWalkOnAfterARestartOfTheBoardBeforeTheStreamHasPaused) {
   RunFor(Milliseconds(300));
   Stream(Milliseconds(5000));
   EXPECT_EQ(board_.Report(now_).gait, 27) << "a new stream: it stands up and walks";
+}
+
+TEST_F(LcmChain, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {
+  RunFor(Milliseconds(500));
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
+  RunFor(Milliseconds(500));
+  loss_of_responses_ = 1;  // it starts more slowly than it takes frames
+  board_.Restart();
+  RunFor(Milliseconds(2000));
+  loss_of_responses_ = 0;
+  RunFor(Milliseconds(2000));
+  EXPECT_EQ(board_.Report(now_).mode, 7);
+  for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
 }
 
 TEST_F(LcmChain, LetsALyingBodyLieThatWasCommandedToStandWhileTheCableWasOut) {

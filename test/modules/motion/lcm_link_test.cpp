@@ -4,11 +4,14 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "musher/modules/motion/motion_code.hpp"
 
 namespace musher::motion::testing::lcm_link_test {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -61,6 +64,19 @@ class LcmLinkTest : public ::testing::Test {
     RunFor(Milliseconds(300));
     frames_.clear();
   }
+  // The motion manager repeats its command.
+  void Repeat(Duration duration, std::int8_t mode, std::int8_t gait) {
+    BodyCommand command = *link_.frame();
+    command.life_count = life_;
+    for (const Time end = now_ + duration; now_ < end; RunFor(Milliseconds(50), mode, gait)) {
+      Keep(link_.OnCommand(command, now_));
+    }
+  }
+  // This process is suspended: neither timers nor datagrams.
+  void Hang(Duration duration) { now_ += duration; }
+  int FramesOfMode(std::int8_t mode) const {
+    return static_cast<int>(std::ranges::count(frames_, mode, &BodyCommand::mode));
+  }
   int NewCounts() const {
     int counts = 0;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -92,21 +108,89 @@ TEST_F(LcmLinkTest, SendsNothingBeforeItHasLookedAtTheBoard) {
 }
 
 TEST_F(LcmLinkTest, HoldsAStandingBodyWithTwoLifeCounts) {
-  RunFor(Milliseconds(500));
+  RunFor(Milliseconds(250));
   ASSERT_FALSE(frames_.empty());
   for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 12);
   EXPECT_EQ(NewCounts(), 2) << "one may be that of the commander before";
 }
 
 TEST_F(LcmLinkTest, HoldsAWalkingBodyWithZeroSpeed) {
-  RunFor(Milliseconds(500), 11, 27);
+  RunFor(Milliseconds(250), 11, 27);
   ASSERT_FALSE(frames_.empty());
   for (const BodyCommand& frame : frames_) {
     EXPECT_EQ(frame.mode, 11);
     EXPECT_EQ(frame.gait, 27);
     EXPECT_EQ(frame.vel, (std::array<float, 3>{}));
   }
-  EXPECT_EQ(NewCounts(), 2);
+}
+
+TEST_F(LcmLinkTest, SendsHeartbeatsThatAreNoCommandOnceTheBoardHasTakenIt) {
+  Stand();
+  Command(62, 2);
+  const BodyCommand command = frames_.front();
+  EXPECT_EQ(command.mode, 62);
+  RunFor(Milliseconds(400), 62, 2);
+  frames_.clear();
+  RunFor(Milliseconds(1000), 62, 2);
+  EXPECT_THAT(frames_, SizeIs(20));
+  EXPECT_EQ(FramesOfMode(-1), 20) << "a board that has restarted must not begin it again";
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.life_count, command.life_count);
+}
+
+TEST_F(LcmLinkTest, SendsHeartbeatsThatAreNoCommandOnceItHoldsTheBody) {
+  RunFor(Milliseconds(600));
+  frames_.clear();
+  RunFor(Milliseconds(500));
+  EXPECT_EQ(FramesOfMode(-1), 10);
+}
+
+TEST_F(LcmLinkTest, RepeatsACommandFor200msThatTheReportOfTheBoardCannotConfirm) {
+  Stand();
+  Command(21, 0);
+  RunFor(Milliseconds(400), 21, 0);
+  frames_.clear();
+  Command(21, 0);  // another pose, of the same mode and gait
+  RunFor(Milliseconds(190), 21, 0);
+  EXPECT_GE(FramesOfMode(21), 10);
+  EXPECT_EQ(FramesOfMode(-1), 0);
+}
+
+TEST_F(LcmLinkTest, HoldsTheBodyAsItFindsItAfterItHasHung) {
+  Stand();
+  Command(12, 0);
+  RunFor(Milliseconds(500));
+  frames_.clear();
+  Hang(std::chrono::seconds(2));
+  Command(11, 27, 0.5F);  // queued meanwhile
+  RunFor(Milliseconds(600), 7, 1);
+  EXPECT_EQ(FramesOfMode(12), 0) << "the board has let the body lie down";
+  EXPECT_EQ(FramesOfMode(11), 0);
+  EXPECT_GT(FramesOfMode(7), 0);
+}
+
+TEST_F(LcmLinkTest, KeepsAnEmergencyStopAfterItHasHung) {
+  Stand();
+  Command(0, 0);
+  RunFor(Milliseconds(500), 0, 0, 2);
+  frames_.clear();
+  Hang(std::chrono::seconds(2));
+  RunFor(Milliseconds(100), 7, 1);
+  EXPECT_GT(FramesOfMode(0), 0);
+}
+
+// Its count may go on where it was: then nothing but the silence shows a restart.
+TEST_F(LcmLinkTest, HoldsTheBodyAsItFindsItAfterTheBoardWasSilent) {
+  Stand();
+  Command(12, 0);
+  RunFor(Milliseconds(500));
+  responds_ = false;
+  RunFor(Milliseconds(1000));
+  responds_ = true;
+  frames_.clear();
+  RunFor(Milliseconds(1000), 7, 1);
+  EXPECT_FALSE(restarted_);
+  EXPECT_EQ(FramesOfMode(12), 0);
+  EXPECT_EQ(frames_.back().mode, 7);
 }
 
 TEST_F(LcmLinkTest, KeepsALyingBodyLying) {
@@ -203,7 +287,7 @@ TEST_F(LcmLinkTest, LetsOnlyRecoveryStandPassAfterAStopOfTheBoard) {
     Command(12, 0);
     EXPECT_THAT(frames_, SizeIs(1));
     RunFor(Milliseconds(500));
-    for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 12);
+    for (const BodyCommand& frame : frames_) EXPECT_THAT(frame.mode, AnyOf(12, -1));
   }
 }
 
@@ -277,7 +361,7 @@ TEST_F(LcmLinkTest, HoldsTheBodyAfterACommandThatTheBoardHasNotTaken) {
   frames_.clear();
   RunFor(Milliseconds(500), 12, 0);
   ASSERT_FALSE(frames_.empty());
-  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 12) << "no jump";
+  for (const BodyCommand& frame : frames_) EXPECT_NE(frame.mode, 16) << "no jump";
 }
 
 TEST_F(LcmLinkTest, KeepsARefusedCommandAsItsHeartbeat) {
@@ -386,7 +470,7 @@ TEST_F(LcmLinkTest, KeepsAnEmergencyStopWhenTheBoardRestarts) {
   RunFor(Milliseconds(300), 7, 0);
   ASSERT_FALSE(frames_.empty());
   for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 0);
-  EXPECT_EQ(NewCounts(), 2) << "the board that was switched on must take it as new";
+  EXPECT_GE(NewCounts(), 2) << "the board that was switched on must take it as new";
 }
 
 TEST_F(LcmLinkTest, IgnoresASecondBoardAndNamesIt) {
