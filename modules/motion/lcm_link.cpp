@@ -176,6 +176,16 @@ bool LcmLink::IsBoard(const Stream& stream, const Sender& sender) const {
   return &stream == &responses_ || host == HostOf(responses_.sender);
 }
 
+// It takes the commands of the same group, so that they would move two bodies.
+void LcmLink::NoteSecondBoard(const Stream& stream, const std::string& board, const Sender& second,
+                              Time now, LinkOutput& output) {
+  if (&stream != &responses_) return;
+  Yield("two motion boards take these commands: " + board + ", " + second.name +
+            "; switch one of them off, or give it other multicast groups",
+        now, output);
+  second_board_at_ = now;
+}
+
 NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, LinkOutput& output) {
   using Age = NewestOnly::Age;
   if (!IsBoard(stream, sender)) {
@@ -185,6 +195,7 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
           {MotionCode(KeyCode::kTargetBusy), "messages of a motion board from " + sender.name +
                                                  " are ignored: the motion board is " + board},
           now, output);
+    NoteSecondBoard(stream, board, sender, now, output);
     return Age::kOld;
   }
   const bool lost = !stream.at || now - *stream.at >= kRestartPause;
@@ -194,6 +205,7 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
                                                  " and is ignored; the first one is at " +
                                                  stream.sender},
           now, output);
+    NoteSecondBoard(stream, stream.sender, sender, now, output);
     return Age::kOld;
   }
   const bool another = !stream.sender.empty() && sender.name != stream.sender;
@@ -289,10 +301,17 @@ LinkOutput LcmLink::OnTemperatures(const Sender& sender, const Temperatures& tem
 
 // --- faults ---
 
+void LcmLink::Yield(const std::string& why, Time now, LinkOutput& output) {
+  if (!Held(now)) output.held_by = why;
+  held_ = true;
+}
+
 LinkOutput LcmLink::OnOtherFrame(const std::string& sender, const BodyCommand& frame, Time now) {
   LinkOutput output;
   const std::string who = sender + " (" + MotionText(frame) + ")";
-  if (!Held(now)) output.held_by = who;
+  Yield("another program commands the motion board: " + who +
+            "; close the app or the other motion manager",
+        now, output);
   other_at_ = now;
   Fault(
       "other sender",
@@ -347,8 +366,8 @@ LinkOutput LcmLink::OnTime(Time now) {
   LinkOutput output;
   if (pending_ && now - *handed_on_ >= kBetweenReports) HandOn(now, output);
   WatchRate(now, output);
-  if (other_at_ && !Held(now)) {
-    other_at_.reset();
+  if (held_ && !Held(now)) {
+    held_ = false;
     output.held_by = "";
     if (!stopped_) Look(now);
   }
@@ -366,7 +385,11 @@ LinkOutput LcmLink::OnTime(Time now) {
 }
 
 void LcmLink::Repeat(Time now, LinkOutput& output) {
-  if (Held(now) && !stopped_) return;
+  if (HasOtherSender(now) && !stopped_) return;
+  if (Held(now) && !Stops(*frame_)) {
+    output.frames.push_back(Heartbeat());
+    return;
+  }
   BodyCommand frame = *frame_;
   if (Silent(now) && HasSpeed(frame)) {
     frame.mode = kModeWalk;

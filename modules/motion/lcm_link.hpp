@@ -35,7 +35,8 @@
 //   - While the board reports an emergency stop, its damping mode or that it is off because the
 //     body is tilted too far, only recovery stand and the emergency stop are sent.
 //   - Without a response for 500 ms a walk is stopped, and no motion begins.
-//   - While another program commands the board, only commands that stop are sent.
+//   - While another program commands the board, only commands that stop are sent. The same for 1 s
+//     after a response of a second board, which takes the same commands; heartbeats go on then.
 //   - The board is the host that LinkOptions.board names, else the first one that responds.
 //   Messages
 //     of other hosts are dropped.
@@ -64,6 +65,7 @@ inline constexpr Duration kLookTime = Milliseconds(100);    // from the first re
 inline constexpr Duration kNoResponse = Milliseconds(500);  // then the board is silent
 // After the last frame of another program it has ended: a board takes frames from 2 Hz on.
 inline constexpr Duration kOtherSender = Milliseconds(600);
+inline constexpr Duration kSecondBoard = Milliseconds(1000);  // the same of a second board
 inline constexpr Duration kRestartPause = Milliseconds(200);  // after which counts may restart
 inline constexpr Duration kControlPeriod = Milliseconds(10);  // an answer takes one at least
 inline constexpr Duration kBetweenReports = Milliseconds(10);
@@ -96,7 +98,8 @@ struct LinkOutput {
   std::vector<BodyCommand> frames;  // to send at once, in this order
   std::optional<BodyState> body;    // to hand on
   bool restarted = false;           // the board: what it was doing is void
-  // Another program commands the board ("192.168.44.1:41234 …"); "": no longer. nullopt: as before.
+  // Why only stops are sent: "another program commands the motion board: 192.168.44.1:41234 …", or
+  // that there are two boards; "": no longer. nullopt: as before.
   std::optional<std::string> held_by;
   std::vector<LinkFault> faults;
 };
@@ -149,13 +152,20 @@ class LcmLink {
     std::optional<Time> at;
   };
 
-  bool Held(Time now) const { return other_at_ && now - *other_at_ < kOtherSender; }
+  bool HasOtherSender(Time now) const { return other_at_ && now - *other_at_ < kOtherSender; }
+  bool HasSecondBoard(Time now) const {
+    return second_board_at_ && now - *second_board_at_ < kSecondBoard;
+  }
+  bool Held(Time now) const { return HasOtherSender(now) || HasSecondBoard(now); }
   bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
   bool MaySend(const BodyCommand& command, Time now) const;
   bool IsBoard(const Stream& stream, const Sender& sender) const;
   // Whether the message is to be used; kRestarted: and its count has restarted, or the sender is
   // another one.
   NewestOnly::Age Take(Stream& stream, const Sender& sender, Time now, LinkOutput& output);
+  void NoteSecondBoard(const Stream& stream, const std::string& board, const Sender& second,
+                       Time now, LinkOutput& output);
+  void Yield(const std::string& why, Time now, LinkOutput& output);
   void Restart(const std::string& sender, Time now, LinkOutput& output);
   void Look(std::optional<Time> end);
   bool HasHung(Time now);
@@ -200,7 +210,9 @@ class LcmLink {
   Time second_began_;
   int in_second_ = 0;  // responses
 
-  std::optional<Time> other_at_;  // the last frame of another program
+  bool held_ = false;                    // as reported by held_by
+  std::optional<Time> other_at_;         // the last frame of another program
+  std::optional<Time> second_board_at_;  // the last response of one
   std::map<std::string, Time> reported_;
 };
 

@@ -177,10 +177,7 @@ Result<> Decision::CheckPlay(const motion_event::PlayArrived& event) const {
 
 // Whether the board can be commanded.
 Result<> Decision::CheckBoard() const {
-  if (!core_.board_held_by.empty()) {
-    return Error{MotionCode(KeyCode::kTargetBusy),
-                 "another program commands the motion board: " + core_.board_held_by};
-  }
+  if (!core_.board_held.empty()) return Error{MotionCode(KeyCode::kTargetBusy), core_.board_held};
   if (core_.BoardSilent()) {
     return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
   }
@@ -305,9 +302,8 @@ void Decision::Take(const motion_event::BoardRestarted&) {
 }
 
 void Decision::Take(const motion_event::BoardHeld& event) {
-  core_.board_held_by = event.by;
-  if (event.by.empty()) return;
-  const std::string why = "another program commands the motion board: " + event.by;
+  const std::string& why = core_.board_held = event.why;
+  if (why.empty()) return;
   if (core_.servo) StopServo(why);
   if (!core_.job || core_.job->own) return;
   const JobMotion motion = core_.job->todo.front();

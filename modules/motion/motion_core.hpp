@@ -116,9 +116,10 @@ struct WorldRestarted {};
 // The board was switched off and on: what it was commanded is void. A servo stream has to end, or
 // to pause, before the body follows it again.
 struct BoardRestarted {};
-// Another program commands the board; "": no longer.
+// Why only stops may be sent to the board: another program commands it, or there are two boards;
+// "": no longer.
 struct BoardHeld {
-  std::string by;
+  std::string why;
 };
 // The link to the board has one; it reports each of them rarely.
 struct BoardFault {
@@ -229,7 +230,7 @@ struct MotionCore {
   std::optional<BodyReport> body;
   Time body_reported_at{};
   bool board_silent = false;  // since its last report
-  std::string board_held_by;  // another program that commands the board; "": none
+  std::string board_held;     // why only stops may be sent to it; "": free
   // The last frame of a servo stream that the board's restart has interrupted.
   std::optional<Time> interrupted_stream;
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then

@@ -93,8 +93,8 @@ Result<std::unique_ptr<MotionBackend>> MotionManager::MakeLcmBackend(
   events.on_restart = [this] {
     if (shell_) shell_->Do(motion_event::BoardRestarted{});
   };
-  events.on_held = [this](const std::string& other) {
-    if (shell_) shell_->Do(motion_event::BoardHeld{other});
+  events.on_held = [this](const std::string& why) {
+    if (shell_) shell_->Do(motion_event::BoardHeld{why});
   };
   events.on_fault = [this](std::int32_t code, const std::string& text) {
     if (shell_) shell_->Do(motion_event::BoardFault{code, text});

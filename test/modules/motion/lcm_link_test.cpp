@@ -482,6 +482,33 @@ TEST_F(LcmLinkTest, IgnoresASecondBoardAndNamesIt) {
   EXPECT_THAT(faults_[0].text, AllOf(HasSubstr("192.168.44.5:1"), HasSubstr(kBoard)));
 }
 
+TEST_F(LcmLinkTest, SendsOnlyStopsWhileTwoBoardsTakeItsCommands) {
+  Stand();
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(100), 11, 27);
+  BodyReport other;
+  other.mode = 7;
+  frames_.clear();
+  for (std::uint32_t i = 1; i < 100; ++i) {
+    Keep(link_.OnResponse({"192.168.44.5:1", i}, other, now_));
+    if (i == 1) Command(11, 1);
+    if (i > 1) Command(62, 2);
+    RunFor(Milliseconds(20), 11, i < 5 ? 27 : 1);
+  }
+  EXPECT_EQ(held_by_.substr(0, held_by_.find(';')),
+            "two motion boards take these commands: 192.168.44.233:40000, 192.168.44.5:1");
+  EXPECT_EQ(FramesOfMode(62), 0);
+  EXPECT_GT(FramesOfMode(11), 0) << "the walk is stopped";
+  EXPECT_EQ(FramesOfMode(11) + FramesOfMode(-1), static_cast<int>(frames_.size()));
+  EXPECT_GT(frames_.size(), 30U) << "heartbeats: the body does not lie down";
+  RunFor(Milliseconds(900), 11, 1);
+  EXPECT_NE(held_by_, "");
+  RunFor(Milliseconds(300), 11, 1);
+  EXPECT_EQ(held_by_, "") << "the second one has ended";
+  Command(62, 2);
+  EXPECT_EQ(frames_.back().mode, 62);
+}
+
 TEST_F(LcmLinkTest, TakesPositionsAndTemperaturesOfTheHostThatRespondsOnly) {
   BoardLocation location;
   link_.OnLocation({"192.168.44.5:1", 1}, location, Milliseconds(7), now_);
