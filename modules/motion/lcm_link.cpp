@@ -119,6 +119,7 @@ void LcmLink::Begin(const BodyCommand& command, Time now, LinkOutput& output, in
   begun_at_ = now;
   unconfirmed_ = now;
   ambiguous_ = body_.report.mode == command.mode && body_.report.gait == command.gait;
+  was_changing_ = IsStatus(body_.report, SwitchStatus::kTransitioning);
   frame_ = command;
   Renew(now, output, copies);
 }
@@ -259,11 +260,13 @@ bool LcmLink::WaitsForStop() const {
   return frame_ && unconfirmed_ && !own_ && Stops(*frame_);
 }
 
-// The board does not say which command it has taken: its motion shows it.
+// The board does not say which command it has taken: its motion shows it. A transition that began
+// before the command belongs to another one.
 void LcmLink::NoteTaken(Time now) {
   if (!unconfirmed_ || !frame_ || now - *unconfirmed_ < kControlPeriod) return;
   const BodyReport& report = body_.report;
-  const bool changing = IsStatus(report, SwitchStatus::kTransitioning);
+  if (!IsStatus(report, SwitchStatus::kTransitioning)) was_changing_ = false;
+  const bool changing = IsStatus(report, SwitchStatus::kTransitioning) && !was_changing_;
   const bool same = IsStatus(report, SwitchStatus::kNormal) && report.mode == frame_->mode &&
                     report.gait == frame_->gait;
   const bool off = stopped_ && (report.mode == kModeOff || IsStatus(report, SwitchStatus::kEstop));

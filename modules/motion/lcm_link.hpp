@@ -105,8 +105,8 @@ struct LinkOutput {
 };
 
 struct LinkOptions {
-  // How long a command is repeated that the board has not taken: at least as long as its caller
-  // waits for that.
+  // How long a command is repeated that the board has not taken: as long as its caller waits for
+  // that. Afterwards it must not begin.
   Duration give_up = kNoResponse;
   std::string board;  // its address, "192.168.44.233"; empty: the first host that responds
 };
@@ -195,6 +195,7 @@ class LcmLink {
   Time begun_at_{};                  // frame_
   std::optional<Time> unconfirmed_;  // since when frame_ waits to be taken
   bool ambiguous_ = false;           // reports do not show it: the body was in that motion before
+  bool was_changing_ = false;        // the body was in a transition when frame_ began, and still is
   Time tick_at_;                     // of the next frame
   bool stopped_ = false;             // emergency stop: only recovery stand follows
 

@@ -622,6 +622,17 @@ TEST_F(LcmLinkTest, TakesTheMotionOfTheBoardForItsAnswer) {
   EXPECT_EQ(Respond(62, 2, 1).body->report.life_count, life_);
 }
 
+TEST_F(LcmLinkTest, TakesNoTransitionForItsAnswerThatHadBegunBefore) {
+  Stand();
+  RunFor(Milliseconds(100), 12, 0, 1);
+  Command(16, 1);
+  RunFor(Milliseconds(100), 12, 0, 1);
+  EXPECT_NE(bodies_.back().report.life_count, life_);
+  RunFor(Milliseconds(100), 12, 0, 0);
+  RunFor(Milliseconds(100), 12, 0, 1);
+  EXPECT_EQ(bodies_.back().report.life_count, life_) << "a new transition";
+}
+
 TEST_F(LcmLinkTest, NeverTakesAModeThatWasNotAskedForAsAnAnswer) {
   Stand();
   Command(11, 27, 0.5F);

@@ -167,6 +167,37 @@ TEST_F(LcmBoard, TakesAFrameOfModeMinusOneAsAHeartbeatOnly) {
   EXPECT_THAT(log_, Not(HasSubstr("lies down")));
 }
 
+// A board that takes nothing, and stands.
+TEST_F(LcmBoard, SendsACommandNoLongerThatHasBeenAnsweredAsFailed) {
+  const auto open = [&](const std::string& url, transport::LcmSocket::OnSample on_sample) {
+    return transport::LcmSocket::Open(loop_, {transport::ReadLcmUrl(url).value(), "lo", 0},
+                                      std::move(on_sample))
+        .value();
+  };
+  const auto responses = open(config_.lcm.response_url, [](const transport::LcmSample&) {});
+  musher_lcm::robot_control_response_lcmt response{};
+  response.mode = 12;
+  const auto sending = loop_.Every(Milliseconds(20), [&] {
+    static_cast<void>(responses->Send("robot_control_response", transport::EncodeLcm(response)));
+  });
+  int jumps = 0;
+  const auto commands = open(config_.lcm.command_url, [&](const transport::LcmSample& sample) {
+    const auto frame = motion::DecodeCommand(sample.packet->data);
+    if (frame && frame.value().mode == 16) ++jumps;
+  });
+  StartMotion();
+  ASSERT_TRUE(RunUntil([&] { return reports_ > 30; })) << log_;
+  motion_->Do(motion::motion_event::PlayArrived{0, 0, {{132, {}}}});
+  ASSERT_TRUE(RunUntil([&] { return log_.find("has not taken it") != std::string::npos; }));
+  EXPECT_GT(jumps, 0);
+  const auto end = loop_.Now() + Milliseconds(40);  // datagrams on their way
+  loop_.RunUntil([&] { return loop_.Now() > end; }, testing::In(seconds(60)));
+  jumps = 0;
+  reports_ = 0;
+  ASSERT_TRUE(RunUntil([&] { return reports_ > 30; })) << log_;
+  EXPECT_EQ(jumps, 0);
+}
+
 TEST_F(LcmBoard, DoesNotLieDownWhereTimeIsFasterThanItsHeartbeats) {
   scene_.speed = 15;  // a frame of each 50 ms is 750 ms of world time after the last one
   StartWorld();
