@@ -94,6 +94,7 @@ bool LcmLink::MaySend(const BodyCommand& command, Time now) const {
 LinkOutput LcmLink::OnCommand(const BodyCommand& command, Time now) {
   LinkOutput output;
   if (HasHung(now)) Look(std::nullopt);
+  kept_at_ = now;
   if (command.life_count == wanted_) return output;  // repeated: the link does so by itself
   taken_ = 0;
   unconfirmed_.reset();
@@ -394,7 +395,8 @@ void LcmLink::Repeat(Time now, LinkOutput& output) {
     return;
   }
   BodyCommand frame = *frame_;
-  if (Silent(now) && HasSpeed(frame)) {
+  const bool kept = now - kept_at_ < kNoRepetition;
+  if (HasSpeed(frame) && (Silent(now) || !kept)) {
     frame.mode = kModeWalk;
     frame.gait = kGaitStand;
     frame.vel = {};

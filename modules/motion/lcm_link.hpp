@@ -34,7 +34,9 @@
 //     and repeated until recovery stand follows. Only recovery stand follows it.
 //   - While the board reports an emergency stop, its damping mode or that it is off because the
 //     body is tilted too far, only recovery stand and the emergency stop are sent.
-//   - Without a response for 500 ms a walk is stopped, and no motion begins.
+//   - Without a response for 500 ms a walk is stopped, and no motion begins. A walk is stopped,
+//   too,
+//     that the motion manager has not repeated for 500 ms: its clock may stand still.
 //   - While another program commands the board, only commands that stop are sent. The same for 1 s
 //     after a response of a second board, which takes the same commands; heartbeats go on then.
 //   - The board is the host that LinkOptions.board names, else the first one that responds.
@@ -63,6 +65,7 @@ inline constexpr Duration kUntilTaken = Milliseconds(20);       // the same, whi
 inline constexpr Duration kRepeatTime = Milliseconds(200);  // of a command that reports cannot show
 inline constexpr Duration kLookTime = Milliseconds(100);    // from the first response
 inline constexpr Duration kNoResponse = Milliseconds(500);  // then the board is silent
+inline constexpr Duration kNoRepetition = Milliseconds(500);  // of a walk: it is stopped then
 // After the last frame of another program it has ended: a board takes frames from 2 Hz on.
 inline constexpr Duration kOtherSender = Milliseconds(600);
 inline constexpr Duration kSecondBoard = Milliseconds(1000);  // the same of a second board
@@ -190,6 +193,7 @@ class LcmLink {
   bool counted_ = false;             // the board's count is one of ours: the next one is new to it
   int recounts_ = 0;                 // frames that still get another life count
   std::int8_t wanted_ = 0;           // life count of the motion manager's last command
+  Time kept_at_{};                   // the motion manager's last command, repeated or not
   std::int8_t taken_ = 0;            // the same, once the board has taken it
   bool own_ = false;                 // frame_ is the link's: it holds or stops the body
   Time begun_at_{};                  // frame_

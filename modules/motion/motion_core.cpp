@@ -57,6 +57,7 @@ class Decision {
 
  private:
   bool LooksAgain();
+  std::optional<BodyCommand> Walk() const;
   void ForgetBody();
 
   // Checks.
@@ -274,10 +275,27 @@ void Decision::Take(const motion_event::EmergencyStop&) {
 }
 
 void Decision::Take(const motion_event::WorldRestarted&) {
+  const auto walk = Walk();
   if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world was restarted");
   core_.servo.reset();
   core_.logged.clear();
   ForgetBody();
+  if (walk) Stand(*walk);
+}
+
+// The command of the walk in progress.
+std::optional<BodyCommand> Decision::Walk() const {
+  const auto limited = [&](const BodyCommand& command) {
+    return rules_.table.Find(command.id)->limit.has_value();
+  };
+  if (core_.servo && core_.servo->moving) {
+    if (!EndsStanding(core_.servo->command, core_.closed)) return std::nullopt;
+    return core_.servo->command;
+  }
+  if (core_.job && limited(core_.job->todo.front().command)) {
+    return core_.job->todo.front().command;
+  }
+  return std::nullopt;
 }
 
 void Decision::ForgetBody() {

@@ -64,6 +64,7 @@ Result<> MotionManager::OpenShell() {
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
+  if (const auto warning = WarningOfClock(config_, machine_config().clock)) Log(*warning);
   const std::string& name_space = machine_config().name_space;
   auto shell = MotionShell::Make(
       {node, *clock_, table_, config_, name_space,

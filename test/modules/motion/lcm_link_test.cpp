@@ -396,6 +396,19 @@ TEST_F(LcmLinkTest, SendsAStopUntilTheBoardTakesIt) {
   }
 }
 
+TEST_F(LcmLinkTest, StopsAWalkThatTheMotionManagerNoLongerRepeats) {
+  Stand();
+  Command(11, 27, 0.5F);
+  Repeat(std::chrono::seconds(2), 11, 27);
+  EXPECT_EQ(link_.frame()->vel[0], 0.5F);
+  frames_.clear();
+  RunFor(Milliseconds(600), 11, 27);
+  ASSERT_FALSE(frames_.empty());
+  EXPECT_EQ(frames_.back().mode, 11);
+  EXPECT_EQ(frames_.back().gait, 1) << "WALK_STAND";
+  EXPECT_EQ(frames_.back().vel[0], 0);
+}
+
 TEST_F(LcmLinkTest, DropsAResponseThatIsOlderThanTheNewest) {
   Stand();
   now_ += Milliseconds(20);
