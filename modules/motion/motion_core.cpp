@@ -57,6 +57,8 @@ class Decision {
 
  private:
   bool LooksAgain();
+  bool IsStopped() const;
+  void LatchEmergencyStop();
   std::optional<BodyCommand> Walk() const;
   void ForgetBody();
 
@@ -195,12 +197,27 @@ bool Decision::Dancing() const {
 
 void Decision::Take(const motion_event::BoardReported& event) {
   const BodyReport before = core_.body.value_or(BodyReport{});
+  const bool first = !core_.body;
   core_.body = event.report;
+  if (first && IsStopped()) LatchEmergencyStop();
   ReportMotors(before);
   core_.body_reported_at = now_;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
   AdvanceJob(false);
+}
+
+// By an emergency stop that this process may not know of.
+bool Decision::IsStopped() const {
+  const Motion* present = Present();
+  return (present != nullptr && present->id == kEmergencyStop) ||
+         core_.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
+}
+
+void Decision::LatchEmergencyStop() {
+  if (std::exchange(core_.emergency_stop, true)) return;
+  actions_.emplace_back(motion_action::Log{
+      "the body is stopped, or off: it takes no motion before recovery stand (111)"});
 }
 
 void Decision::Take(const motion_event::PlayArrived& event) {

@@ -16,7 +16,8 @@
 //
 // Rules:
 //   - Emergency stop (motion 0) is taken in every state, at once, from every source. It is a
-//     latch: until recovery stand (111) is taken, no other motion is.
+//     latch: until recovery stand (111) is taken, no other motion is. The first report of a body
+//     that is stopped or off sets it as well: an earlier process may have been commanded to stop.
 //   - A servo frame is taken from a source with the same or a higher priority than the source that
 //     controls the body.
 //   - A result command (one motion or several) is taken when the body is idle; get-down also
