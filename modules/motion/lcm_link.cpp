@@ -97,7 +97,7 @@ LinkOutput LcmLink::OnCommand(const BodyCommand& command, Time now) {
   kept_at_ = now;
   if (command.life_count == wanted_) return output;  // repeated: the link does so by itself
   taken_ = 0;
-  unconfirmed_.reset();
+  if (!WaitsForStop()) unconfirmed_.reset();
   if (!MaySend(command, now)) {
     wanted_ = 0;
     return output;
@@ -220,9 +220,9 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
 
 void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
   output.restarted = true;
-  unconfirmed_.reset();
   if (stopped_) {  // which is kept
     recounts_ = 1;
+    unconfirmed_ = now;
   } else {
     wanted_ = taken_ = 0;
     Look(now + kLookTime);
@@ -256,24 +256,53 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
   return output;
 }
 
+// Whether the body does what the stop wants. A body that lies needs none of a walk.
+bool LcmLink::HasStopped() const {
+  const BodyReport& report = body_.report;
+  if (report.mode == kModeOff || IsStatus(report, SwitchStatus::kEstop)) return true;
+  if (IsEmergencyStop(*frame_)) return false;
+  if (report.mode == kModeDamping) return true;
+  return report.mode == frame_->mode && report.gait == frame_->gait &&
+         IsStatus(report, SwitchStatus::kNormal);
+}
+
+// The frame gets a new count while it stops the body and the board does not show it: another
+// program may have used its count before.
+bool LcmLink::IsRenewed(Time now) const {
+  if (!unconfirmed_) return false;
+  if (Stops(*frame_)) return !HasStopped();
+  const bool walks = own_ && frame_->mode == kModeWalk;
+  return walks && now - begun_at_ < kHoldTime && !IsStill();
+}
+
+// By its odometry since the frame began.
+bool LcmLink::IsStill() const {
+  constexpr double kStillM_s = 0.05;
+  constexpr double kStillRad_s = 0.1;
+  return locations_.at && *locations_.at > begun_at_ && body_.motion.v_B.norm() < kStillM_s &&
+         body_.motion.w_B.norm() < kStillRad_s;
+}
+
 // For a stop of the motion manager to be taken.
 bool LcmLink::WaitsForStop() const {
   return frame_ && unconfirmed_ && !own_ && Stops(*frame_);
 }
 
 // The board does not say which command it has taken: its motion shows it. A transition that began
-// before the command belongs to another one.
+// before the command belongs to another one. A stop is sent on until the body has stopped.
 void LcmLink::NoteTaken(Time now) {
   if (!unconfirmed_ || !frame_ || now - *unconfirmed_ < kControlPeriod) return;
   const BodyReport& report = body_.report;
   if (!IsStatus(report, SwitchStatus::kTransitioning)) was_changing_ = false;
-  const bool changing = IsStatus(report, SwitchStatus::kTransitioning) && !was_changing_;
-  const bool same = IsStatus(report, SwitchStatus::kNormal) && report.mode == frame_->mode &&
-                    report.gait == frame_->gait;
+  const bool shown = report.mode == frame_->mode && report.gait == frame_->gait;
+  const bool changing =
+      IsStatus(report, SwitchStatus::kTransitioning) && (!was_changing_ || (shown && !ambiguous_));
+  const bool same = IsStatus(report, SwitchStatus::kNormal) && shown;
   const bool off = stopped_ && (report.mode == kModeOff || IsStatus(report, SwitchStatus::kEstop));
-  if (!off && !changing && !same) return;
+  if (own_ && !Stops(*frame_)) return;  // IsRenewed()
+  if (!off && !same && !changing) return;
   if (!own_) taken_ = wanted_;
-  unconfirmed_.reset();
+  if (off || same || !Stops(*frame_)) unconfirmed_.reset();
 }
 
 void LcmLink::HandOn(Time now, LinkOutput& output) {
@@ -411,8 +440,8 @@ void LcmLink::Repeat(Time now, LinkOutput& output) {
     } else {
       frame_.reset();
     }
-  } else if (recounts_ > 0) {
-    --recounts_;
+  } else if (recounts_ > 0 || IsRenewed(now)) {
+    recounts_ = std::max(recounts_ - 1, 0);
     Renew(now, output, 1);
   } else if (IsKnown(now)) {
     output.frames.push_back(Heartbeat());

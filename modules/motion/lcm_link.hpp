@@ -21,6 +21,8 @@
 //     one whose last frame was another program's. Where no report can show that it is taken,
 //     because the body was in the same mode and gait before, it is repeated for 200 ms. Stops are
 //     repeated as they are.
+//   - A stop gets the next count with each frame until the board shows it. The same for the hold of
+//     a body that walks, until the odometry shows that it is still, for 500 ms at most.
 //   - After 500 ms in which this process hung, or the board was silent, the link looks again.
 //   - A command that the board has not taken after LinkOptions.give_up has failed: it is sent no
 //     longer, because it would begin whenever the board can take it. Only stops are kept.
@@ -63,6 +65,7 @@ namespace musher::motion {
 inline constexpr Duration kHeartbeatPeriod = Milliseconds(50);  // between two frames: 20 Hz
 inline constexpr Duration kUntilTaken = Milliseconds(20);       // the same, while it is not taken
 inline constexpr Duration kRepeatTime = Milliseconds(200);  // of a command that reports cannot show
+inline constexpr Duration kHoldTime = Milliseconds(500);    // of a walk, at most
 inline constexpr Duration kLookTime = Milliseconds(100);    // from the first response
 inline constexpr Duration kNoResponse = Milliseconds(500);  // then the board is silent
 inline constexpr Duration kNoRepetition = Milliseconds(500);  // of a walk: it is stopped then
@@ -177,6 +180,9 @@ class LcmLink {
   void Begin(const BodyCommand& command, Time now, LinkOutput& output, int copies);
   void Renew(Time now, LinkOutput& output, int copies);
   void Repeat(Time now, LinkOutput& output);
+  bool HasStopped() const;
+  bool IsRenewed(Time now) const;
+  bool IsStill() const;
   bool IsKnown(Time now) const;
   BodyCommand Heartbeat() const;
   Duration Period(Time now) const;

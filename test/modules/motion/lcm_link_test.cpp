@@ -124,6 +124,24 @@ TEST_F(LcmLinkTest, HoldsAWalkingBodyWithZeroSpeed) {
   }
 }
 
+TEST_F(LcmLinkTest, RenewsTheHoldOfAWalkUntilTheBodyIsStill) {
+  BoardLocation location;
+  location.motion.v_B.x() = 0.3;
+  const auto run = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      Keep(link_.OnLocation({kBoard, static_cast<std::uint32_t>(++sequence_)}, location, {}, now_));
+      RunFor(Milliseconds(20), 11, 27);
+    }
+  };
+  run(15);
+  EXPECT_GT(NewCounts(), 5) << "one of them arrives";
+  location.motion.v_B.x() = 0;
+  run(2);
+  frames_.clear();
+  run(20);
+  EXPECT_EQ(NewCounts(), 1);
+}
+
 TEST_F(LcmLinkTest, SendsHeartbeatsThatAreNoCommandOnceTheBoardHasTakenIt) {
   Stand();
   Command(62, 2);
@@ -394,6 +412,31 @@ TEST_F(LcmLinkTest, SendsAStopUntilTheBoardTakesIt) {
     ASSERT_FALSE(frames_.empty());
     for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, mode);
   }
+}
+
+TEST_F(LcmLinkTest, RenewsAStopUntilTheBoardTakesIt) {
+  Stand();
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(100), 11, 27, 1);
+  frames_.clear();
+  Command(11, 1);
+  RunFor(Milliseconds(200), 11, 27, 1);
+  EXPECT_GE(NewCounts(), 5) << "another program may have used its count";
+  EXPECT_NE(bodies_.back().report.life_count, life_) << "it is in another transition";
+  RunFor(Milliseconds(40), 11, 1);
+  EXPECT_EQ(bodies_.back().report.life_count, life_);
+  frames_.clear();
+  RunFor(Milliseconds(500), 11, 1);
+  EXPECT_EQ(NewCounts(), 1);
+}
+
+TEST_F(LcmLinkTest, DoesNotRenewAStopOfABodyThatLies) {
+  Stand();
+  Command(11, 1);
+  RunFor(Milliseconds(100), 7, 1);
+  frames_.clear();
+  RunFor(Milliseconds(500), 7, 1);
+  EXPECT_LE(NewCounts(), 1);
 }
 
 TEST_F(LcmLinkTest, StopsAWalkThatTheMotionManagerNoLongerRepeats) {
