@@ -77,6 +77,7 @@ class Decision {
   void BeginServo();
   void StopServo(const std::string& why);
   void WatchServo();
+  void WatchLying();
   void ReportServo();
   void RefuseServo(const ServoCommand& command, const Error& error);
 
@@ -95,6 +96,7 @@ class Decision {
   void DropJob(std::int32_t code, const std::string& message);
   void HaltBody(const JobMotion& motion);
   bool Lies() const;
+  bool IsDown() const;
 
   // The board.
   void WatchBoard();
@@ -204,7 +206,23 @@ void Decision::Take(const motion_event::BoardReported& event) {
   core_.body_reported_at = now_;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
+  WatchLying();
   AdvanceJob(false);
+}
+
+// The board lets the body lie down by itself, as after a hang of this process. What streams servo
+// commands has to notice that.
+void Decision::WatchLying() {
+  if (!core_.servo || !core_.servo->moving) return;
+  Servo& servo = *core_.servo;
+  if (!IsDown()) return servo.down_since.reset();
+  if (!servo.down_since) {
+    servo.down_since = now_;
+    Quiet();
+  }
+  if (now_ - *servo.down_since < kLiesTime) return;
+  StopServo("the body lies");
+  core_.interrupted_stream = now_;
 }
 
 // By an emergency stop that this process may not know of.
@@ -526,7 +544,8 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
   }
   if (core_.interrupted_stream) {
     return Error{MotionCode(Key::kBoardSilent),
-                 "the motion board has restarted; end the stream, or pause it for 200 ms"};
+                 "the motion board has restarted, or the body has lain down by itself; end the "
+                 "stream, or pause it for 200 ms"};
   }
   return core_.servo ? Ok() : CheckBoard();
 }
@@ -590,7 +609,7 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
       servo.moving = true;
       Command(servo.command, true);
     }
-  } else if (servo.moving) {
+  } else if (servo.moving && !IsDown()) {
     Command(servo.command, false);
   }
   ReportServo();
@@ -615,7 +634,7 @@ void Decision::StopServo(const std::string& why) {
   const Servo servo = *std::exchange(core_.servo, std::nullopt);
   if (core_.job && core_.job->for_servo) core_.job->for_servo = false;  // it finishes standing up
   if (servo.moving) {
-    if (EndsStanding(servo.command, core_.closed)) {
+    if (EndsStanding(servo.command, core_.closed) && !IsDown()) {
       Stand(servo.command);
     } else {
       Quiet();
@@ -862,9 +881,13 @@ void Decision::HaltBody(const JobMotion& motion) {
 bool Decision::Lies() const {
   const Motion* present = Present();
   if (present == nullptr || core_.BoardSilent()) return false;
-  if (present->id == kEmergencyStop) return true;
-  const bool is_down = present->id == kGetDown || present->id == kPassiveGetDown;
-  return is_down && core_.body->bar > kDoneBar;
+  return present->id == kEmergencyStop || (IsDown() && core_.body->bar > kDoneBar);
+}
+
+// It lies, or lies down.
+bool Decision::IsDown() const {
+  const Motion* present = Present();
+  return present != nullptr && (present->id == kGetDown || present->id == kPassiveGetDown);
 }
 
 // --- interface ---

@@ -24,6 +24,9 @@
 //     during a dance; the machine's own lie-down always.
 //   - The capability of a motion is checked when a command arrives and again when its motion
 //     begins: the state may have changed in between.
+//   - A servo motion ends when the body lies, by a rule of its board: it does not stand up again
+//   for
+//     a stream that only goes on.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
@@ -46,6 +49,7 @@
 namespace musher::motion {
 
 inline constexpr Duration kServoWatchdog = Milliseconds(200);
+inline constexpr Duration kLiesTime = Milliseconds(300);    // until a servo motion ends
 inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of frames to the board: 20 Hz
 inline constexpr Duration kLate =
     Milliseconds(50);  // a turn this late waits for one more before a timeout
@@ -210,7 +214,8 @@ struct Servo {
   bool moving = false;  // false: waits for a recovery stand
   Time last_frame{};
   Time next_report{};
-  bool limit_logged = false;  // that the speed is too high
+  std::optional<Time> down_since;  // the body lies although it is moving
+  bool limit_logged = false;       // that the speed is too high
 
   friend bool operator==(const Servo&, const Servo&) = default;
 };
@@ -232,7 +237,8 @@ struct MotionCore {
   Time body_reported_at{};
   bool board_silent = false;  // since its last report
   std::string board_held;     // why only stops may be sent to it; "": free
-  // The last frame of a servo stream that the board's restart has interrupted.
+  // The last frame of a servo stream that the board has interrupted: it has restarted, or the body
+  // has lain down.
   std::optional<Time> interrupted_stream;
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted

@@ -176,6 +176,22 @@ TEST_F(LcmChain, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {
   for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
 }
 
+TEST_F(LcmChain, DoesNotCommandAWalkToABodyThatLiesAfterTheManagerHung) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(1000));
+  hangs_ = true;
+  RunFor(Milliseconds(600));
+  hangs_ = false;
+  board_.taken.clear();
+  board_.refuses = false;
+  Stream(Milliseconds(2000));
+  for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
+  EXPECT_EQ(response_.code, 3035);
+  RunFor(Milliseconds(300));
+  Stream(Milliseconds(5000));
+  EXPECT_EQ(board_.Report(now_).gait, 27) << "a new stream: it stands up and walks";
+}
+
 TEST_F(LcmChain, LetsALyingBodyLieThatWasCommandedToStandWhileTheCableWasOut) {
   board_.Become(7, 1);
   RunFor(Milliseconds(500));

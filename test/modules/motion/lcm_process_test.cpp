@@ -123,6 +123,24 @@ TEST_F(LcmProcess, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {
   }
 }
 
+TEST_F(LcmProcess, DoesNotCommandAWalkToABodyThatLiesAfterTheManagerHung) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  Process streamer({BinDir() + "/musher-motion", "servo", "--vx", "0.3", "--seconds", "60"});
+  EXPECT_NE(board->LineWith("mode 11 gait 27"), "");
+  const pid_t manager = DescendantNamed("musher-motion-m", getpid());
+  ASSERT_GT(manager, 0);
+  kill(manager, SIGSTOP);
+  EXPECT_NE(board->LineWith("no frame: lies down"), "");
+  kill(manager, SIGCONT);
+  EXPECT_TRUE(robot.AwaitLog("is stopped: the body lies")) << robot.Log();
+  for (std::string line;
+       (line = board->NextLine(musher::testing::In(Milliseconds(1000))).value_or("")) != "";) {
+    EXPECT_THAT(line, HasSubstr("mode 7"));
+  }
+}
+
 TEST_F(LcmProcess, NamesAnotherProgramThatCommandsTheBoard) {
   const auto board = StartBoard("12", "0");
   RobotRig robot(Config());
