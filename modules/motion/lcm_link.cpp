@@ -418,7 +418,8 @@ LinkOutput LcmLink::OnTime(Time now) {
 }
 
 void LcmLink::Repeat(Time now, LinkOutput& output) {
-  if (HasOtherSender(now) && !stopped_) return;
+  const bool repeats_stop = WaitsForStop() && now - begun_at_ < kRepeatTime;
+  if (HasOtherSender(now) && !stopped_ && !repeats_stop) return;
   if (Held(now) && !Stops(*frame_)) {
     output.frames.push_back(Heartbeat());
     return;

@@ -39,7 +39,9 @@
 //   - Without a response for 500 ms a walk is stopped, and no motion begins. A walk is stopped,
 //   too,
 //     that the motion manager has not repeated for 500 ms: its clock may stand still.
-//   - While another program commands the board, only commands that stop are sent. The same for 1 s
+//   - While another program commands the board, only commands that stop are sent, for 200 ms or
+//   until
+//     the board has taken them. The same for 1 s
 //     after a response of a second board, which takes the same commands; heartbeats go on then.
 //   - The board is the host that LinkOptions.board names, else the first one that responds.
 //   Messages

@@ -452,6 +452,24 @@ TEST_F(LcmLinkTest, StopsAWalkThatTheMotionManagerNoLongerRepeats) {
   EXPECT_EQ(frames_.back().vel[0], 0);
 }
 
+TEST_F(LcmLinkTest, RepeatsAStopWhileAnotherProgramCommands) {
+  Stand();
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(100), 11, 27);
+  BodyCommand other;
+  other.mode = 11;
+  other.gait = 10;
+  Keep(link_.OnOtherFrame("192.168.44.1:7", other, now_));
+  frames_.clear();
+  Command(11, 1);
+  RunFor(Milliseconds(190), 11, 27);
+  EXPECT_GE(NewCounts(), 5) << "a datagram may be lost";
+  RunFor(Milliseconds(20), 11, 27);
+  frames_.clear();
+  RunFor(Milliseconds(200), 11, 27);
+  EXPECT_THAT(frames_, IsEmpty()) << "the other program commands";
+}
+
 TEST_F(LcmLinkTest, DropsAResponseThatIsOlderThanTheNewest) {
   Stand();
   now_ += Milliseconds(20);
