@@ -28,6 +28,9 @@ bool IsRecoveryStand(const BodyCommand& command) {
 bool HasSpeed(const BodyCommand& command) {
   return std::any_of(command.vel.begin(), command.vel.end(), [](float v) { return v != 0; });
 }
+bool Walks(const BodyCommand& command) {
+  return HasSpeed(command);
+}
 // After it the body moves no further.
 bool Stops(const BodyCommand& command) {
   return IsEmergencyStop(command) || command.mode == kModeDamping ||
@@ -239,9 +242,10 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
   const bool was_silent = responses_.at && Silent(now);
   const NewestOnly::Age age = Take(responses_, sender, now, output);
   if (age == NewestOnly::Age::kOld) return output;
+  const bool returns = was_silent && !stopped_ && !WaitsForStop();
   if (age == NewestOnly::Age::kRestarted) {
     Restart(sender.name, now, output);
-  } else if (was_silent && !stopped_ && !WaitsForStop()) {
+  } else if (returns && !GoesOn(report, now)) {
     Look(now + kLookTime);  // it may have restarted all the same
   }
   const Temperatures temperatures = body_.report.motor_temperature;
@@ -249,6 +253,11 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
   body_.report.motor_temperature = temperatures;
   if (looking_ && !look_end_) look_end_ = now + kLookTime;
   NoteTaken(now);
+  if (returns && frame_) {  // only heartbeats follow: they are no command to a board that restarted
+    unconfirmed_.reset();
+    ambiguous_ = false;
+    recounts_ = 0;
+  }
   // What was commanded before the board stopped by itself must not begin when it recovers.
   if (NeedsRecovery(report) && frame_ && !stopped_ && !IsRecoveryStand(*frame_)) frame_.reset();
   pending_ = true;
@@ -458,6 +467,12 @@ bool LcmLink::IsKnown(Time now) const {
   if (Stops(*frame_)) return false;
   if (now - begun_at_ >= kRepeatTime) return own_ || !unconfirmed_;
   return !unconfirmed_ && !ambiguous_;
+}
+
+// Whether heartbeats keep the body in the motion of the frame after the board was silent.
+bool LcmLink::GoesOn(const BodyReport& report, Time now) const {
+  if (!frame_ || Stops(*frame_) || Walks(*frame_)) return false;
+  return IsKnown(now) || (report.mode == frame_->mode && report.gait == frame_->gait);
 }
 
 BodyCommand LcmLink::Heartbeat() const {

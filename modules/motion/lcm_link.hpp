@@ -23,7 +23,8 @@
 //     repeated as they are.
 //   - A stop gets the next count with each frame until the board shows it. The same for the hold of
 //     a body that walks, until the odometry shows that it is still, for 500 ms at most.
-//   - After 500 ms in which this process hung, or the board was silent, the link looks again.
+//   - After 500 ms in which this process hung the link looks again. The same after 500 ms of a
+//     silent board, but a motion that neither walks nor stops is kept up by heartbeats.
 //   - A command that the board has not taken after LinkOptions.give_up has failed: it is sent no
 //     longer, because it would begin whenever the board can take it. Only stops are kept.
 //   - A process begins by looking: it sends nothing before it has received responses for 100 ms.
@@ -186,6 +187,7 @@ class LcmLink {
   bool IsRenewed(Time now) const;
   bool IsStill() const;
   bool IsKnown(Time now) const;
+  bool GoesOn(const BodyReport& report, Time now) const;
   BodyCommand Heartbeat() const;
   Duration Period(Time now) const;
   void NoteTaken(Time now);

@@ -68,10 +68,10 @@ class LcmChain : public ::testing::Test {
     for (int i = 0; i < 20'000 && answers_.count(token) == 0; ++i) RunFor(Milliseconds(10));
     return answers_[token];
   }
-  void Stream(Duration duration, float speed = 0.3F) {
+  void Stream(Duration duration, float speed = 0.3F, std::int32_t id = kUserTrot) {
     for (const Time end = now_ + duration; now_ < end; RunFor(Milliseconds(50))) {
       ServoCommand command;
-      command.requested.id = kUserTrot;
+      command.requested.id = id;
       command.requested.arguments.vel_des = {speed, 0, 0};
       Do(motion_event::ServoArrived{command});
     }
@@ -174,6 +174,20 @@ TEST_F(LcmChain, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {
   RunFor(Milliseconds(2000));
   EXPECT_EQ(board_.Report(now_).mode, 7);
   for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk) << "once it is commanded";
+}
+
+TEST_F(LcmChain, KeepsAStreamedPoseUpWhileItsBoardIsSilent) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(1000), 0, kForceControl);
+  loss_of_responses_ = 1;
+  Stream(Milliseconds(600), 0, kForceControl);
+  loss_of_responses_ = 0;
+  board_.taken.clear();
+  Stream(Milliseconds(2000), 0, kForceControl);
+  EXPECT_FALSE(board_.lay_down);
+  EXPECT_EQ(board_.Report(now_).mode, 3);
+  EXPECT_GT(board_.taken.size(), 30U) << "it follows the stream";
 }
 
 TEST_F(LcmChain, DoesNotCommandAWalkToABodyThatLiesAfterTheManagerHung) {

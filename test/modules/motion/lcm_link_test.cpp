@@ -197,7 +197,7 @@ TEST_F(LcmLinkTest, KeepsAnEmergencyStopAfterItHasHung) {
 }
 
 // Its count may go on where it was: then nothing but the silence shows a restart.
-TEST_F(LcmLinkTest, HoldsTheBodyAsItFindsItAfterTheBoardWasSilent) {
+TEST_F(LcmLinkTest, LetsALyingBodyLieAfterTheBoardWasSilent) {
   Stand();
   Command(12, 0);
   RunFor(Milliseconds(500));
@@ -207,8 +207,54 @@ TEST_F(LcmLinkTest, HoldsTheBodyAsItFindsItAfterTheBoardWasSilent) {
   frames_.clear();
   RunFor(Milliseconds(1000), 7, 1);
   EXPECT_FALSE(restarted_);
-  EXPECT_EQ(FramesOfMode(12), 0);
-  EXPECT_EQ(frames_.back().mode, 7);
+  ASSERT_FALSE(frames_.empty());
+  EXPECT_EQ(FramesOfMode(-1), static_cast<int>(frames_.size())) << "it goes on lying";
+}
+
+TEST_F(LcmLinkTest, KeepsAPoseOrADanceUpAfterTheBoardWasSilent) {
+  for (const std::int8_t mode : {std::int8_t{3}, std::int8_t{62}}) {
+    link_ = LcmLink(now_);
+    Stand();
+    Command(mode, 0);
+    RunFor(Milliseconds(400), mode, 0);
+    responds_ = false;
+    RunFor(Milliseconds(600));
+    responds_ = true;
+    frames_.clear();
+    RunFor(Milliseconds(1000), mode, 0);
+    EXPECT_GE(FramesOfMode(-1), 19) << "without them the body lies down, mode " << int{mode};
+    EXPECT_EQ(FramesOfMode(-1), static_cast<int>(frames_.size()));
+    EXPECT_FALSE(link_.looking());
+  }
+}
+
+TEST_F(LcmLinkTest, FollowsAStreamOfPosesAfterTheBoardWasSilent) {
+  Stand();
+  const auto stream = [&](Duration duration) {
+    for (const Time end = now_ + duration; now_ < end; RunFor(Milliseconds(50), 3, 0)) {
+      Command(3, 0);
+    }
+  };
+  stream(Milliseconds(1000));
+  responds_ = false;
+  stream(Milliseconds(550));
+  responds_ = true;
+  frames_.clear();
+  stream(Milliseconds(500));
+  EXPECT_GT(FramesOfMode(3), 10);
+}
+
+TEST_F(LcmLinkTest, HoldsAWalkingBodyInItsPlaceAfterTheBoardWasSilent) {
+  Stand();
+  Command(62, 2);
+  responds_ = false;
+  RunFor(Milliseconds(600));
+  responds_ = true;
+  frames_.clear();
+  RunFor(Milliseconds(300), 11, 27);  // it has taken another command
+  ASSERT_GT(FramesOfMode(11), 0);
+  EXPECT_EQ(frames_.back().gait, 27);
+  EXPECT_EQ(frames_.back().vel[0], 0);
 }
 
 TEST_F(LcmLinkTest, KeepsALyingBodyLying) {
