@@ -14,6 +14,7 @@ constexpr std::int8_t kModeOff = 0;
 constexpr std::int8_t kModeDamping = 7;
 constexpr std::int8_t kModeWalk = 11;
 constexpr std::int8_t kModeStand = 12;
+constexpr std::array<std::int8_t, 3> kModesOfWalks = {kModeWalk, 81, 82};
 constexpr std::int8_t kGaitStand = 1;  // of kModeWalk
 // Of kModeWalk: with zero speed the body stays in its place. It does not in pronks, bounds and the
 // gaits of users.
@@ -28,8 +29,9 @@ bool IsRecoveryStand(const BodyCommand& command) {
 bool HasSpeed(const BodyCommand& command) {
   return std::any_of(command.vel.begin(), command.vel.end(), [](float v) { return v != 0; });
 }
+// Other motions do not use the speed that their request may have.
 bool Walks(const BodyCommand& command) {
-  return HasSpeed(command);
+  return std::ranges::find(kModesOfWalks, command.mode) != kModesOfWalks.end() && HasSpeed(command);
 }
 // After it the body moves no further.
 bool Stops(const BodyCommand& command) {
@@ -435,7 +437,7 @@ void LcmLink::Repeat(Time now, LinkOutput& output) {
   }
   BodyCommand frame = *frame_;
   const bool kept = now - kept_at_ < kNoRepetition;
-  if (HasSpeed(frame) && (Silent(now) || !kept)) {
+  if (Walks(frame) && (Silent(now) || !kept)) {
     frame.mode = kModeWalk;
     frame.gait = kGaitStand;
     frame.vel = {};

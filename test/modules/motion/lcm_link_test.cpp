@@ -498,6 +498,25 @@ TEST_F(LcmLinkTest, StopsAWalkThatTheMotionManagerNoLongerRepeats) {
   EXPECT_EQ(frames_.back().vel[0], 0);
 }
 
+TEST_F(LcmLinkTest, StopsWalksOnlyWhenTheMotionManagerNoLongerRepeatsThem) {
+  for (const std::int8_t mode : {std::int8_t{11}, std::int8_t{81}, std::int8_t{82}}) {
+    link_ = LcmLink(now_);
+    Stand();
+    Command(mode, 0, 0.5F);
+    RunFor(Milliseconds(700), mode, 0);
+    EXPECT_EQ(frames_.back().mode, 11) << int{mode};
+    EXPECT_EQ(frames_.back().gait, 1) << "WALK_STAND";
+  }
+  for (const std::int8_t mode : {std::int8_t{3}, std::int8_t{21}, std::int8_t{62}}) {
+    link_ = LcmLink(now_);
+    Stand();
+    Command(mode, 0, 0.5F);  // a speed that its motion does not use
+    RunFor(Milliseconds(2000), mode, 0);
+    EXPECT_EQ(FramesOfMode(11), 0) << int{mode};
+    EXPECT_EQ(frames_.back().mode, -1);
+  }
+}
+
 TEST_F(LcmLinkTest, RepeatsAStopWhileAnotherProgramCommands) {
   Stand();
   Command(11, 27, 0.5F);
