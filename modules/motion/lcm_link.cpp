@@ -187,7 +187,9 @@ bool LcmLink::IsBoard(const Stream& stream, const Sender& sender) const {
 void LcmLink::NoteSecondBoard(const Stream& stream, const std::string& board, const Sender& second,
                               Time now, LinkOutput& output) {
   if (&stream != &responses_) return;
+  const bool same_host = HostOf(board) == HostOf(second.name);
   Yield("two motion boards take these commands: " + board + ", " + second.name +
+            (same_host ? ", or the board has restarted" : "") +
             "; switch one of them off, or give it other multicast groups",
         now, output);
   second_board_at_ = now;
@@ -208,9 +210,9 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
   const bool lost = !stream.at || now - *stream.at >= kRestartPause;
   if (sender.name != stream.sender && !lost) {
     Fault("second board",
-          {MotionCode(KeyCode::kTargetBusy), "a second motion board answers from " + sender.name +
-                                                 " and is ignored; the first one is at " +
-                                                 stream.sender},
+          {MotionCode(KeyCode::kTargetBusy),
+           "a second motion board answers from " + sender.name +
+               " and is ignored, or the board has restarted; the first one is at " + stream.sender},
           now, output);
     NoteSecondBoard(stream, stream.sender, sender, now, output);
     return Age::kOld;
@@ -424,6 +426,8 @@ LinkOutput LcmLink::OnTime(Time now) {
     Repeat(now, output);
   } else if (alone && !looking_) {
     Hold(now, output);
+  } else if (KeepsBodyUp(now)) {
+    output.frames.push_back(Heartbeat());
   }
   return output;
 }
@@ -480,8 +484,18 @@ bool LcmLink::GoesOn(const BodyReport& report, Time now) const {
 BodyCommand LcmLink::Heartbeat() const {
   BodyCommand heartbeat;
   heartbeat.mode = kModeNone;
-  heartbeat.life_count = frame_->life_count;
+  heartbeat.life_count = frame_ ? frame_->life_count : static_cast<std::int8_t>(life_);
   return heartbeat;
+}
+
+// Without a frame, while only stops may be sent because of a second board, which the same board may
+// be after a restart. A walk or a dance of an earlier commander must not go on.
+bool LcmLink::KeepsBodyUp(Time now) const {
+  if (!HasSecondBoard(now) || HasOtherSender(now) || Silent(now)) return false;
+  if (!look_end_ || now < *look_end_ || NeedsRecovery(body_.report)) return false;
+  const BodyReport& report = body_.report;
+  if (report.mode == kModeWalk) return report.gait == kGaitStand;
+  return report.mode == kModeDamping || (report.mode == kModeStand && report.gait == 0);
 }
 
 Time LcmLink::NextDeadline() const {

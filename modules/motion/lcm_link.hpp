@@ -37,16 +37,14 @@
 //     and repeated until recovery stand follows. Only recovery stand follows it.
 //   - While the board reports an emergency stop, its damping mode or that it is off because the
 //     body is tilted too far, only recovery stand and the emergency stop are sent.
-//   - Without a response for 500 ms a walk is stopped, and no motion begins. A walk is stopped,
-//   too,
-//     that the motion manager has not repeated for 500 ms: its clock may stand still.
+//   - Without a response for 500 ms a walk is stopped, and no motion begins. A walk that the motion
+//     manager has not repeated for 500 ms is stopped, too: its clock may stand still.
 //   - While another program commands the board, only commands that stop are sent, for 200 ms or
-//   until
-//     the board has taken them. The same for 1 s
-//     after a response of a second board, which takes the same commands; heartbeats go on then.
+//     until the board has taken them. The same for 1 s after a response of a second board, which
+//     takes the same commands. Heartbeats go on then; without a command only to a body that lies
+//     or stands.
 //   - The board is the host that LinkOptions.board names, else the first one that responds.
-//   Messages
-//     of other hosts are dropped.
+//     Messages of other hosts are dropped.
 //   - A datagram that is older than the newest of its sender is dropped. A board that answers from
 //     another address, or counts from the beginning, after 200 ms of silence has restarted: nothing
 //     that was commanded before holds.
@@ -188,6 +186,7 @@ class LcmLink {
   bool IsStill() const;
   bool IsKnown(Time now) const;
   bool GoesOn(const BodyReport& report, Time now) const;
+  bool KeepsBodyUp(Time now) const;
   BodyCommand Heartbeat() const;
   Duration Period(Time now) const;
   void NoteTaken(Time now);

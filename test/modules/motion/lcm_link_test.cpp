@@ -648,6 +648,43 @@ TEST_F(LcmLinkTest, SendsOnlyStopsWhileTwoBoardsTakeItsCommands) {
   EXPECT_EQ(frames_.back().mode, 62);
 }
 
+// Its process has restarted: for 200 ms its answers are those of a second board.
+TEST_F(LcmLinkTest, SendsHeartbeatsToABoardThatAnswersFromAnotherPort) {
+  Stand();
+  Command(62, 2);
+  RunFor(Milliseconds(400), 62, 2);
+  responds_ = false;
+  BodyReport standing;
+  standing.mode = 12;
+  std::uint32_t count = 0;
+  const auto run = [&](Duration duration) {
+    for (const Time end = now_ + duration; now_ < end; RunFor(Milliseconds(20))) {
+      Keep(link_.OnResponse({"192.168.44.233:51111", ++count}, standing, now_));
+    }
+  };
+  run(Milliseconds(100));
+  EXPECT_THAT(held_by_, HasSubstr("or the board has restarted"));
+  run(Milliseconds(200));
+  EXPECT_TRUE(restarted_);
+  EXPECT_FALSE(link_.frame());
+  frames_.clear();
+  run(Milliseconds(500));
+  EXPECT_NE(held_by_, "");
+  EXPECT_GE(FramesOfMode(-1), 7) << "without them the body lies down";
+  EXPECT_EQ(FramesOfMode(-1), static_cast<int>(frames_.size()));
+}
+
+TEST_F(LcmLinkTest, DoesNotKeepAMotionUpThatItFindsWhileTwoBoardsTakeItsCommands) {
+  for (const std::int8_t mode : {std::int8_t{11}, std::int8_t{62}, std::int8_t{0}}) {
+    link_ = LcmLink(now_);
+    for (std::uint32_t i = 1; i < 50; ++i) {
+      RunFor(Milliseconds(20), mode, 27);
+      Keep(link_.OnResponse({"192.168.44.5:1", i}, BodyReport(), now_));
+    }
+    EXPECT_THAT(frames_, IsEmpty()) << "it ends by the rule of the board, mode " << int{mode};
+  }
+}
+
 TEST_F(LcmLinkTest, TakesPositionsAndTemperaturesOfTheHostThatRespondsOnly) {
   BoardLocation location;
   link_.OnLocation({"192.168.44.5:1", 1}, location, Milliseconds(7), now_);
