@@ -586,14 +586,16 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
   }
   Servo& servo = *core_.servo;
   servo.source = command.source;
-  servo.command = MakeCommand(motion, command.requested.arguments);
+  // A body that lies changes no motion: the stream ends soon, unless the report was only old.
+  const bool waits = changes && !core_.job && servo.down_since;
+  if (!waits) servo.command = MakeCommand(motion, command.requested.arguments);
   servo.last_frame = now_;
   ++core_.servo_commands;
   if (TooFast(motion, command.requested.arguments) && !std::exchange(servo.limit_logged, true)) {
     Log(kCodeOk, "servo motion " + std::to_string(motion.id) + " of " + SourceName(command.source) +
                      " is limited to its maximum speed");
   }
-  if (changes && !core_.job) {
+  if (changes && !core_.job && !waits) {
     if (const auto way = WayTo(motion); !way.empty()) {
       servo.moving = false;
       Job job;

@@ -319,6 +319,29 @@ TEST(MotionServo, ContinuesAfterAReportOfABodyThatLiesWhichWasOnlyOld) {
   EXPECT_THAT(harness.Commanded(), ElementsAre(303));
 }
 
+TEST(MotionServo, DoesNotStandALyingBodyUpWhenTheStreamChangesItsMotion) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(1000));
+  harness.board = Board();
+  harness.Body(kGetDown);
+  harness.sent.clear();
+  harness.Stream(308, Milliseconds(1000));
+  EXPECT_THAT(harness.sent, IsEmpty());
+  EXPECT_FALSE(harness.core.servo);
+  EXPECT_EQ(harness.ServoCode(), 3035);
+}
+
+TEST(MotionServo, ChangesItsMotionAfterAReportOfABodyThatLiesWhichWasOnlyOld) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(1000));
+  BodyReport old = harness.board.report;
+  old.mode = 7;
+  old.gait = 1;
+  harness.Do(motion_event::BoardReported{old});
+  harness.Stream(308, Milliseconds(1000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, 308));
+}
+
 TEST(MotionServo, PublishesTheBoardsFeedbackPeriodically) {
   Harness harness;
   harness.Stream(303, Milliseconds(1000));
