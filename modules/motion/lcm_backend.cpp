@@ -1,6 +1,5 @@
 #include "musher/modules/motion/lcm_backend.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
@@ -30,7 +29,7 @@ Result<std::unique_ptr<LcmBackend>> LcmBackend::Make(transport::EventLoop& loop,
                                                      const transport::Clock& clock,
                                                      const MotionConfig& config, Events events) {
   LinkOptions options;
-  options.give_up = std::max(options.give_up, config.board_feedback);
+  options.give_up = config.board_feedback;  // its caller is answered then
   options.board = config.lcm.board;
   std::unique_ptr<LcmBackend> backend(
       new LcmBackend(loop, clock, std::move(options), std::move(events)));

@@ -21,7 +21,7 @@ class LcmBackend : public MotionBackend {
   struct Events {
     OnBody on_body;
     std::function<void()> on_restart;                         // of the board
-    std::function<void(const std::string& other)> on_held;    // "": no longer
+    std::function<void(const std::string& why)> on_held;      // LinkOutput.held_by
     std::function<void(std::int32_t, std::string)> on_fault;  // code and sentence
   };
 

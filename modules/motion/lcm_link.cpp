@@ -9,10 +9,12 @@
 namespace musher::motion {
 namespace {
 
+constexpr std::int8_t kModeNone = -1;  // of a frame that is a heartbeat and no command
 constexpr std::int8_t kModeOff = 0;
 constexpr std::int8_t kModeDamping = 7;
 constexpr std::int8_t kModeWalk = 11;
 constexpr std::int8_t kModeStand = 12;
+constexpr std::array<std::int8_t, 3> kModesOfWalks = {kModeWalk, 81, 82};
 constexpr std::int8_t kGaitStand = 1;  // of kModeWalk
 // Of kModeWalk: with zero speed the body stays in its place. It does not in pronks, bounds and the
 // gaits of users.
@@ -26,6 +28,10 @@ bool IsRecoveryStand(const BodyCommand& command) {
 }
 bool HasSpeed(const BodyCommand& command) {
   return std::any_of(command.vel.begin(), command.vel.end(), [](float v) { return v != 0; });
+}
+// Other motions do not use the speed that their request may have.
+bool Walks(const BodyCommand& command) {
+  return std::ranges::find(kModesOfWalks, command.mode) != kModesOfWalks.end() && HasSpeed(command);
 }
 // After it the body moves no further.
 bool Stops(const BodyCommand& command) {
@@ -92,9 +98,11 @@ bool LcmLink::MaySend(const BodyCommand& command, Time now) const {
 
 LinkOutput LcmLink::OnCommand(const BodyCommand& command, Time now) {
   LinkOutput output;
+  if (HasHung(now)) Look(std::nullopt);
+  kept_at_ = now;
   if (command.life_count == wanted_) return output;  // repeated: the link does so by itself
   taken_ = 0;
-  unconfirmed_.reset();
+  if (!WaitsForStop()) unconfirmed_.reset();
   if (!MaySend(command, now)) {
     wanted_ = 0;
     return output;
@@ -104,29 +112,47 @@ LinkOutput LcmLink::OnCommand(const BodyCommand& command, Time now) {
   if (stopped_) looking_ = false;
   recounts_ = counted_ ? 0 : 1;  // a stop or recovery stand, which may be taken twice
   Begin(command, now, output, stopped_ ? kStopCopies : 1);
-  unconfirmed_ = now;
-  tick_at_ = now + Period(now);
+  own_ = false;
   return output;
 }
 
 Duration LcmLink::Period(Time now) const {
-  constexpr Duration kMost = Milliseconds(200);
-  return unconfirmed_ && now - *unconfirmed_ < kMost ? kUntilTaken : kHeartbeatPeriod;
+  const bool repeated = unconfirmed_ || ambiguous_;
+  return repeated && now - begun_at_ < kRepeatTime ? kUntilTaken : kHeartbeatPeriod;
 }
 
 void LcmLink::Begin(const BodyCommand& command, Time now, LinkOutput& output, int copies) {
+  begun_at_ = now;
+  unconfirmed_ = now;
+  ambiguous_ = body_.report.mode == command.mode && body_.report.gait == command.gait;
+  was_changing_ = IsStatus(body_.report, SwitchStatus::kTransitioning);
   frame_ = command;
+  Renew(now, output, copies);
+}
+
+// The frame is new to the board, again.
+void LcmLink::Renew(Time now, LinkOutput& output, int copies) {
   frame_->life_count = static_cast<std::int8_t>(++life_);
   counted_ = true;
-  tick_at_ = now + kHeartbeatPeriod;
+  tick_at_ = now + Period(now);
   output.frames.insert(output.frames.end(), static_cast<std::size_t>(copies), *frame_);
 }
 
-void LcmLink::Look(Time end) {
+// `end` nullopt: 100 ms after the next response.
+void LcmLink::Look(std::optional<Time> end) {
   looking_ = true;
   look_end_ = end;
   frame_.reset();
+  unconfirmed_.reset();
   counted_ = false;
+}
+
+// This process or its host was suspended: the board has let the body lie down, and may have had
+// another commander since. An emergency stop is kept.
+bool LcmLink::HasHung(Time now) {
+  if (now - tick_at_ < kNoResponse) return false;
+  tick_at_ = now;
+  return !stopped_;
 }
 
 // The body goes on as it is, where it is.
@@ -145,6 +171,7 @@ void LcmLink::Hold(Time now, LinkOutput& output) {
   hold.step_height = {kStepHeightM, kStepHeightM};
   recounts_ = 1;
   Begin(hold, now, output, 1);
+  own_ = true;
 }
 
 // --- the board ---
@@ -156,6 +183,18 @@ bool LcmLink::IsBoard(const Stream& stream, const Sender& sender) const {
   return &stream == &responses_ || host == HostOf(responses_.sender);
 }
 
+// It takes the commands of the same group, so that they would move two bodies.
+void LcmLink::NoteSecondBoard(const Stream& stream, const std::string& board, const Sender& second,
+                              Time now, LinkOutput& output) {
+  if (&stream != &responses_) return;
+  const bool same_host = HostOf(board) == HostOf(second.name);
+  Yield("two motion boards take these commands: " + board + ", " + second.name +
+            (same_host ? ", or the board has restarted" : "") +
+            "; switch one of them off, or give it other multicast groups",
+        now, output);
+  second_board_at_ = now;
+}
+
 NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, LinkOutput& output) {
   using Age = NewestOnly::Age;
   if (!IsBoard(stream, sender)) {
@@ -165,15 +204,17 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
           {MotionCode(KeyCode::kTargetBusy), "messages of a motion board from " + sender.name +
                                                  " are ignored: the motion board is " + board},
           now, output);
+    NoteSecondBoard(stream, board, sender, now, output);
     return Age::kOld;
   }
   const bool lost = !stream.at || now - *stream.at >= kRestartPause;
   if (sender.name != stream.sender && !lost) {
     Fault("second board",
-          {MotionCode(KeyCode::kTargetBusy), "a second motion board answers from " + sender.name +
-                                                 " and is ignored; the first one is at " +
-                                                 stream.sender},
+          {MotionCode(KeyCode::kTargetBusy),
+           "a second motion board answers from " + sender.name +
+               " and is ignored, or the board has restarted; the first one is at " + stream.sender},
           now, output);
+    NoteSecondBoard(stream, stream.sender, sender, now, output);
     return Age::kOld;
   }
   const bool another = !stream.sender.empty() && sender.name != stream.sender;
@@ -186,9 +227,9 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
 
 void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
   output.restarted = true;
-  unconfirmed_.reset();
   if (stopped_) {  // which is kept
     recounts_ = 1;
+    unconfirmed_ = now;
   } else {
     wanted_ = taken_ = 0;
     Look(now + kLookTime);
@@ -202,14 +243,25 @@ void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
 LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, Time now) {
   LinkOutput output;
   ++in_second_;
+  const bool was_silent = responses_.at && Silent(now);
   const NewestOnly::Age age = Take(responses_, sender, now, output);
   if (age == NewestOnly::Age::kOld) return output;
-  if (age == NewestOnly::Age::kRestarted) Restart(sender.name, now, output);
+  const bool returns = was_silent && !stopped_ && !WaitsForStop();
+  if (age == NewestOnly::Age::kRestarted) {
+    Restart(sender.name, now, output);
+  } else if (returns && !GoesOn(report, now)) {
+    Look(now + kLookTime);  // it may have restarted all the same
+  }
   const Temperatures temperatures = body_.report.motor_temperature;
   body_.report = report;
   body_.report.motor_temperature = temperatures;
   if (looking_ && !look_end_) look_end_ = now + kLookTime;
   NoteTaken(now);
+  if (returns && frame_) {  // only heartbeats follow: they are no command to a board that restarted
+    unconfirmed_.reset();
+    ambiguous_ = false;
+    recounts_ = 0;
+  }
   // What was commanded before the board stopped by itself must not begin when it recovers.
   if (NeedsRecovery(report) && frame_ && !stopped_ && !IsRecoveryStand(*frame_)) frame_.reset();
   pending_ = true;
@@ -217,17 +269,53 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
   return output;
 }
 
-// The board does not say which command it has taken: its motion shows it.
+// Whether the body does what the stop wants. A body that lies needs none of a walk.
+bool LcmLink::HasStopped() const {
+  const BodyReport& report = body_.report;
+  if (report.mode == kModeOff || IsStatus(report, SwitchStatus::kEstop)) return true;
+  if (IsEmergencyStop(*frame_)) return false;
+  if (report.mode == kModeDamping) return true;
+  return report.mode == frame_->mode && report.gait == frame_->gait &&
+         IsStatus(report, SwitchStatus::kNormal);
+}
+
+// The frame gets a new count while it stops the body and the board does not show it: another
+// program may have used its count before.
+bool LcmLink::IsRenewed(Time now) const {
+  if (!unconfirmed_) return false;
+  if (Stops(*frame_)) return !HasStopped();
+  const bool walks = own_ && frame_->mode == kModeWalk;
+  return walks && now - begun_at_ < kHoldTime && !IsStill();
+}
+
+// By its odometry since the frame began.
+bool LcmLink::IsStill() const {
+  constexpr double kStillM_s = 0.05;
+  constexpr double kStillRad_s = 0.1;
+  return locations_.at && *locations_.at > begun_at_ && body_.motion.v_B.norm() < kStillM_s &&
+         body_.motion.w_B.norm() < kStillRad_s;
+}
+
+// For a stop of the motion manager to be taken.
+bool LcmLink::WaitsForStop() const {
+  return frame_ && unconfirmed_ && !own_ && Stops(*frame_);
+}
+
+// The board does not say which command it has taken: its motion shows it. A transition that began
+// before the command belongs to another one. A stop is sent on until the body has stopped.
 void LcmLink::NoteTaken(Time now) {
   if (!unconfirmed_ || !frame_ || now - *unconfirmed_ < kControlPeriod) return;
   const BodyReport& report = body_.report;
-  const bool changing = IsStatus(report, SwitchStatus::kTransitioning);
-  const bool same = IsStatus(report, SwitchStatus::kNormal) && report.mode == frame_->mode &&
-                    report.gait == frame_->gait;
+  if (!IsStatus(report, SwitchStatus::kTransitioning)) was_changing_ = false;
+  const bool shown = report.mode == frame_->mode && report.gait == frame_->gait;
+  const bool changing =
+      IsStatus(report, SwitchStatus::kTransitioning) && (!was_changing_ || (shown && !ambiguous_));
+  const bool same = IsStatus(report, SwitchStatus::kNormal) && shown;
   const bool off = stopped_ && (report.mode == kModeOff || IsStatus(report, SwitchStatus::kEstop));
-  if (!off && !changing && !same) return;
-  taken_ = wanted_;
-  unconfirmed_.reset();
+  if (own_ && !Stops(*frame_)) return;  // IsRenewed()
+  if (!off && !same && !changing) return;
+  if (!own_) taken_ = wanted_;
+  if (off || same || !Stops(*frame_)) unconfirmed_.reset();
 }
 
 void LcmLink::HandOn(Time now, LinkOutput& output) {
@@ -259,10 +347,17 @@ LinkOutput LcmLink::OnTemperatures(const Sender& sender, const Temperatures& tem
 
 // --- faults ---
 
+void LcmLink::Yield(const std::string& why, Time now, LinkOutput& output) {
+  if (!Held(now)) output.held_by = why;
+  held_ = true;
+}
+
 LinkOutput LcmLink::OnOtherFrame(const std::string& sender, const BodyCommand& frame, Time now) {
   LinkOutput output;
   const std::string who = sender + " (" + MotionText(frame) + ")";
-  if (!Held(now)) output.held_by = who;
+  Yield("another program commands the motion board: " + who +
+            "; close the app or the other motion manager",
+        now, output);
   other_at_ = now;
   Fault(
       "other sender",
@@ -317,12 +412,13 @@ LinkOutput LcmLink::OnTime(Time now) {
   LinkOutput output;
   if (pending_ && now - *handed_on_ >= kBetweenReports) HandOn(now, output);
   WatchRate(now, output);
-  if (other_at_ && !Held(now)) {
-    other_at_.reset();
+  if (held_ && !Held(now)) {
+    held_ = false;
     output.held_by = "";
     if (!stopped_) Look(now);
   }
   if (now < tick_at_) return output;
+  if (HasHung(now)) Look(std::nullopt);
   tick_at_ = now + Period(now);
   const bool alone = !Held(now) && !Silent(now);
   if (alone && look_end_ && now >= *look_end_) looking_ = false;
@@ -330,34 +426,76 @@ LinkOutput LcmLink::OnTime(Time now) {
     Repeat(now, output);
   } else if (alone && !looking_) {
     Hold(now, output);
+  } else if (KeepsBodyUp(now)) {
+    output.frames.push_back(Heartbeat());
   }
   return output;
 }
 
 void LcmLink::Repeat(Time now, LinkOutput& output) {
-  if (Held(now) && !stopped_) return;
+  const bool repeats_stop = WaitsForStop() && now - begun_at_ < kRepeatTime;
+  if (HasOtherSender(now) && !stopped_ && !repeats_stop) return;
+  if (Held(now) && !Stops(*frame_)) {
+    output.frames.push_back(Heartbeat());
+    return;
+  }
   BodyCommand frame = *frame_;
-  if (Silent(now) && HasSpeed(frame)) {
+  const bool kept = now - kept_at_ < kNoRepetition;
+  if (Walks(frame) && (Silent(now) || !kept)) {
     frame.mode = kModeWalk;
     frame.gait = kGaitStand;
     frame.vel = {};
-    unconfirmed_.reset();
     Begin(frame, now, output, 1);
-  } else if (unconfirmed_ && now - *unconfirmed_ >= options_.give_up && !Stops(frame)) {
+    own_ = true;
+  } else if (unconfirmed_ && !own_ && now - *unconfirmed_ >= options_.give_up && !Stops(frame)) {
     unconfirmed_.reset();
-    // A frame that the board has refused stays as heartbeat. Another one would begin whenever the
-    // board can take it, long after the answer that it has failed.
+    // A frame that the board has refused stays, for heartbeats. Another one would begin whenever
+    // the board can take it, long after the answer that it has failed.
     if (!Silent(now) && IsStatus(body_.report, SwitchStatus::kBanTransition)) {
-      output.frames.push_back(frame);
+      output.frames.push_back(Heartbeat());
     } else {
       frame_.reset();
     }
-  } else if (recounts_ > 0) {
-    --recounts_;
-    Begin(frame, now, output, 1);
+  } else if (recounts_ > 0 || IsRenewed(now)) {
+    recounts_ = std::max(recounts_ - 1, 0);
+    Renew(now, output, 1);
+  } else if (IsKnown(now)) {
+    output.frames.push_back(Heartbeat());
   } else {
     output.frames.push_back(frame);
   }
+}
+
+// Whether the board has the frame, so that only heartbeats follow: a board that has restarted, or
+// whose last frame was another program's, would take the frame for a new command. A stop may be
+// taken again.
+bool LcmLink::IsKnown(Time now) const {
+  if (Stops(*frame_)) return false;
+  if (now - begun_at_ >= kRepeatTime) return own_ || !unconfirmed_;
+  return !unconfirmed_ && !ambiguous_;
+}
+
+// Whether heartbeats keep the body in the motion of the frame after the board was silent.
+bool LcmLink::GoesOn(const BodyReport& report, Time now) const {
+  if (!frame_ || Stops(*frame_) || Walks(*frame_)) return false;
+  return IsKnown(now) || (report.mode == frame_->mode && report.gait == frame_->gait);
+}
+
+BodyCommand LcmLink::Heartbeat() const {
+  BodyCommand heartbeat;
+  heartbeat.mode = kModeNone;
+  heartbeat.life_count = frame_ ? frame_->life_count : static_cast<std::int8_t>(life_);
+  return heartbeat;
+}
+
+// Without a frame, while only stops may be sent because of a second board, which the same board may
+// be after a restart. A walk or a dance of an earlier commander must not go on.
+bool LcmLink::KeepsBodyUp(Time now) const {
+  if (!HasSecondBoard(now) || HasOtherSender(now) || Silent(now)) return false;
+  if (!look_end_ || now < *look_end_ || NeedsRecovery(body_.report)) return false;
+  const BodyReport& report = body_.report;
+  if (report.mode == kModeWalk) return report.gait == kGaitStand;
+  return report.mode == kModeDamping || (report.mode == kModeStand && report.gait == 0);
 }
 
 Time LcmLink::NextDeadline() const {

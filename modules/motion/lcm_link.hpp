@@ -16,6 +16,15 @@
 //     after 500 ms without a frame. Each command gets the next count and is repeated, because
 //     datagrams are lost: 50 times a second until the board has taken it, for 200 ms at most, then
 //     20 times. A process that hangs sends nothing, so the body lies down.
+//   - Once the board has taken a command, heartbeats follow: frames of the same count and mode -1,
+//     which is no command. The command itself would be new to a board that has restarted, and to
+//     one whose last frame was another program's. Where no report can show that it is taken,
+//     because the body was in the same mode and gait before, it is repeated for 200 ms. Stops are
+//     repeated as they are.
+//   - A stop gets the next count with each frame until the board shows it. The same for the hold of
+//     a body that walks, until the odometry shows that it is still, for 500 ms at most.
+//   - After 500 ms in which this process hung the link looks again. The same after 500 ms of a
+//     silent board, but a motion that neither walks nor stops is kept up by heartbeats.
 //   - A command that the board has not taken after LinkOptions.give_up has failed: it is sent no
 //     longer, because it would begin whenever the board can take it. Only stops are kept.
 //   - A process begins by looking: it sends nothing before it has received responses for 100 ms.
@@ -28,11 +37,14 @@
 //     and repeated until recovery stand follows. Only recovery stand follows it.
 //   - While the board reports an emergency stop, its damping mode or that it is off because the
 //     body is tilted too far, only recovery stand and the emergency stop are sent.
-//   - Without a response for 500 ms a walk is stopped, and no motion begins.
-//   - While another program commands the board, only commands that stop are sent.
+//   - Without a response for 500 ms a walk is stopped, and no motion begins. A walk that the motion
+//     manager has not repeated for 500 ms is stopped, too: its clock may stand still.
+//   - While another program commands the board, only commands that stop are sent, for 200 ms or
+//     until the board has taken them. The same for 1 s after a response of a second board, which
+//     takes the same commands. Heartbeats go on then; without a command only to a body that lies
+//     or stands.
 //   - The board is the host that LinkOptions.board names, else the first one that responds.
-//   Messages
-//     of other hosts are dropped.
+//     Messages of other hosts are dropped.
 //   - A datagram that is older than the newest of its sender is dropped. A board that answers from
 //     another address, or counts from the beginning, after 200 ms of silence has restarted: nothing
 //     that was commanded before holds.
@@ -53,10 +65,14 @@ namespace musher::motion {
 
 inline constexpr Duration kHeartbeatPeriod = Milliseconds(50);  // between two frames: 20 Hz
 inline constexpr Duration kUntilTaken = Milliseconds(20);       // the same, while it is not taken
-inline constexpr Duration kLookTime = Milliseconds(100);        // from the first response
-inline constexpr Duration kNoResponse = Milliseconds(500);      // then the board is silent
+inline constexpr Duration kRepeatTime = Milliseconds(200);  // of a command that reports cannot show
+inline constexpr Duration kHoldTime = Milliseconds(500);    // of a walk, at most
+inline constexpr Duration kLookTime = Milliseconds(100);    // from the first response
+inline constexpr Duration kNoResponse = Milliseconds(500);  // then the board is silent
+inline constexpr Duration kNoRepetition = Milliseconds(500);  // of a walk: it is stopped then
 // After the last frame of another program it has ended: a board takes frames from 2 Hz on.
 inline constexpr Duration kOtherSender = Milliseconds(600);
+inline constexpr Duration kSecondBoard = Milliseconds(1000);  // the same of a second board
 inline constexpr Duration kRestartPause = Milliseconds(200);  // after which counts may restart
 inline constexpr Duration kControlPeriod = Milliseconds(10);  // an answer takes one at least
 inline constexpr Duration kBetweenReports = Milliseconds(10);
@@ -89,14 +105,15 @@ struct LinkOutput {
   std::vector<BodyCommand> frames;  // to send at once, in this order
   std::optional<BodyState> body;    // to hand on
   bool restarted = false;           // the board: what it was doing is void
-  // Another program commands the board ("192.168.44.1:41234 …"); "": no longer. nullopt: as before.
+  // Why only stops are sent: "another program commands the motion board: 192.168.44.1:41234 …", or
+  // that there are two boards; "": no longer. nullopt: as before.
   std::optional<std::string> held_by;
   std::vector<LinkFault> faults;
 };
 
 struct LinkOptions {
-  // How long a command is repeated that the board has not taken: at least as long as its caller
-  // waits for that.
+  // How long a command is repeated that the board has not taken: as long as its caller waits for
+  // that. Afterwards it must not begin.
   Duration give_up = kNoResponse;
   std::string board;  // its address, "192.168.44.233"; empty: the first host that responds
 };
@@ -142,18 +159,35 @@ class LcmLink {
     std::optional<Time> at;
   };
 
-  bool Held(Time now) const { return other_at_ && now - *other_at_ < kOtherSender; }
+  bool HasOtherSender(Time now) const { return other_at_ && now - *other_at_ < kOtherSender; }
+  bool HasSecondBoard(Time now) const {
+    return second_board_at_ && now - *second_board_at_ < kSecondBoard;
+  }
+  bool Held(Time now) const { return HasOtherSender(now) || HasSecondBoard(now); }
   bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
   bool MaySend(const BodyCommand& command, Time now) const;
   bool IsBoard(const Stream& stream, const Sender& sender) const;
   // Whether the message is to be used; kRestarted: and its count has restarted, or the sender is
   // another one.
   NewestOnly::Age Take(Stream& stream, const Sender& sender, Time now, LinkOutput& output);
+  void NoteSecondBoard(const Stream& stream, const std::string& board, const Sender& second,
+                       Time now, LinkOutput& output);
+  void Yield(const std::string& why, Time now, LinkOutput& output);
   void Restart(const std::string& sender, Time now, LinkOutput& output);
-  void Look(Time end);
+  void Look(std::optional<Time> end);
+  bool HasHung(Time now);
+  bool WaitsForStop() const;
   void Hold(Time now, LinkOutput& output);
   void Begin(const BodyCommand& command, Time now, LinkOutput& output, int copies);
+  void Renew(Time now, LinkOutput& output, int copies);
   void Repeat(Time now, LinkOutput& output);
+  bool HasStopped() const;
+  bool IsRenewed(Time now) const;
+  bool IsStill() const;
+  bool IsKnown(Time now) const;
+  bool GoesOn(const BodyReport& report, Time now) const;
+  bool KeepsBodyUp(Time now) const;
+  BodyCommand Heartbeat() const;
   Duration Period(Time now) const;
   void NoteTaken(Time now);
   void HandOn(Time now, LinkOutput& output);
@@ -168,8 +202,13 @@ class LcmLink {
   bool counted_ = false;             // the board's count is one of ours: the next one is new to it
   int recounts_ = 0;                 // frames that still get another life count
   std::int8_t wanted_ = 0;           // life count of the motion manager's last command
+  Time kept_at_{};                   // the motion manager's last command, repeated or not
   std::int8_t taken_ = 0;            // the same, once the board has taken it
-  std::optional<Time> unconfirmed_;  // since when that command waits to be taken
+  bool own_ = false;                 // frame_ is the link's: it holds or stops the body
+  Time begun_at_{};                  // frame_
+  std::optional<Time> unconfirmed_;  // since when frame_ waits to be taken
+  bool ambiguous_ = false;           // reports do not show it: the body was in that motion before
+  bool was_changing_ = false;        // the body was in a transition when frame_ began, and still is
   Time tick_at_;                     // of the next frame
   bool stopped_ = false;             // emergency stop: only recovery stand follows
 
@@ -185,7 +224,9 @@ class LcmLink {
   Time second_began_;
   int in_second_ = 0;  // responses
 
-  std::optional<Time> other_at_;  // the last frame of another program
+  bool held_ = false;                    // as reported by held_by
+  std::optional<Time> other_at_;         // the last frame of another program
+  std::optional<Time> second_board_at_;  // the last response of one
   std::map<std::string, Time> reported_;
 };
 

@@ -92,6 +92,16 @@ MotionConfig Read(const Table& table, const std::string& path, Findings& finding
 
 }  // namespace
 
+std::optional<std::string> WarningOfClock(const MotionConfig& config, ClockSource clock) {
+  if (config.board != BoardKind::kLcm || clock != ClockSource::kTopic) return std::nullopt;
+  if (config.lcm.ttl == 0 || config.lcm.network_interface == "lo") return std::nullopt;
+  return "[board] kind is \"lcm\" and [controller] clock is \"topic\": while /clock stands still, "
+         "no "
+         "watchdog of the motion manager runs; set clock = \"steady\" for a robot, or ttl = 0 for "
+         "a "
+         "simulated body";
+}
+
 ConfigReading ReadMotionConfigText(std::string_view text, const std::string& path) {
   return config_toml::ReadTextWith<ConfigReading>(
       text, path,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "musher/base/diagnostic.hpp"
+#include "musher/base/network_profile.hpp"
 #include "musher/base/time.hpp"
 #include "musher/modules/motion/motion_source.hpp"
 
@@ -39,6 +40,9 @@ struct MotionConfig {
 
   friend bool operator==(const MotionConfig&, const MotionConfig&) = default;
 };
+
+// What is unsafe about it with this clock of the machine; nullopt: nothing.
+std::optional<std::string> WarningOfClock(const MotionConfig& config, ClockSource clock);
 
 struct ConfigReading {
   std::optional<MotionConfig> config;   // present exactly when no diagnostic is an error

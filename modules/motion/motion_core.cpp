@@ -57,6 +57,9 @@ class Decision {
 
  private:
   bool LooksAgain();
+  bool IsStopped() const;
+  void LatchEmergencyStop();
+  std::optional<BodyCommand> Walk() const;
   void ForgetBody();
 
   // Checks.
@@ -74,6 +77,7 @@ class Decision {
   void BeginServo();
   void StopServo(const std::string& why);
   void WatchServo();
+  void WatchLying();
   void ReportServo();
   void RefuseServo(const ServoCommand& command, const Error& error);
 
@@ -92,6 +96,7 @@ class Decision {
   void DropJob(std::int32_t code, const std::string& message);
   void HaltBody(const JobMotion& motion);
   bool Lies() const;
+  bool IsDown() const;
 
   // The board.
   void WatchBoard();
@@ -177,10 +182,7 @@ Result<> Decision::CheckPlay(const motion_event::PlayArrived& event) const {
 
 // Whether the board can be commanded.
 Result<> Decision::CheckBoard() const {
-  if (!core_.board_held_by.empty()) {
-    return Error{MotionCode(KeyCode::kTargetBusy),
-                 "another program commands the motion board: " + core_.board_held_by};
-  }
+  if (!core_.board_held.empty()) return Error{MotionCode(KeyCode::kTargetBusy), core_.board_held};
   if (core_.BoardSilent()) {
     return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
   }
@@ -197,12 +199,43 @@ bool Decision::Dancing() const {
 
 void Decision::Take(const motion_event::BoardReported& event) {
   const BodyReport before = core_.body.value_or(BodyReport{});
+  const bool first = !core_.body;
   core_.body = event.report;
+  if (first && IsStopped()) LatchEmergencyStop();
   ReportMotors(before);
   core_.body_reported_at = now_;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
+  WatchLying();
   AdvanceJob(false);
+}
+
+// The board lets the body lie down by itself, as after a hang of this process. What streams servo
+// commands has to notice that.
+void Decision::WatchLying() {
+  if (!core_.servo || !core_.servo->moving) return;
+  Servo& servo = *core_.servo;
+  if (!IsDown()) return servo.down_since.reset();
+  if (!servo.down_since) {
+    servo.down_since = now_;
+    Quiet();
+  }
+  if (now_ - *servo.down_since < kLiesTime) return;
+  StopServo("the body lies");
+  core_.interrupted_stream = now_;
+}
+
+// By an emergency stop that this process may not know of.
+bool Decision::IsStopped() const {
+  const Motion* present = Present();
+  return (present != nullptr && present->id == kEmergencyStop) ||
+         core_.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
+}
+
+void Decision::LatchEmergencyStop() {
+  if (std::exchange(core_.emergency_stop, true)) return;
+  actions_.emplace_back(motion_action::Log{
+      "the body is stopped, or off: it takes no motion before recovery stand (111)"});
 }
 
 void Decision::Take(const motion_event::PlayArrived& event) {
@@ -277,10 +310,27 @@ void Decision::Take(const motion_event::EmergencyStop&) {
 }
 
 void Decision::Take(const motion_event::WorldRestarted&) {
+  const auto walk = Walk();
   if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world was restarted");
   core_.servo.reset();
   core_.logged.clear();
   ForgetBody();
+  if (walk) Stand(*walk);
+}
+
+// The command of the walk in progress.
+std::optional<BodyCommand> Decision::Walk() const {
+  const auto limited = [&](const BodyCommand& command) {
+    return rules_.table.Find(command.id)->limit.has_value();
+  };
+  if (core_.servo && core_.servo->moving) {
+    if (!EndsStanding(core_.servo->command, core_.closed)) return std::nullopt;
+    return core_.servo->command;
+  }
+  if (core_.job && limited(core_.job->todo.front().command)) {
+    return core_.job->todo.front().command;
+  }
+  return std::nullopt;
 }
 
 void Decision::ForgetBody() {
@@ -305,9 +355,8 @@ void Decision::Take(const motion_event::BoardRestarted&) {
 }
 
 void Decision::Take(const motion_event::BoardHeld& event) {
-  core_.board_held_by = event.by;
-  if (event.by.empty()) return;
-  const std::string why = "another program commands the motion board: " + event.by;
+  const std::string& why = core_.board_held = event.why;
+  if (why.empty()) return;
   if (core_.servo) StopServo(why);
   if (!core_.job || core_.job->own) return;
   const JobMotion motion = core_.job->todo.front();
@@ -495,7 +544,8 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
   }
   if (core_.interrupted_stream) {
     return Error{MotionCode(Key::kBoardSilent),
-                 "the motion board has restarted; end the stream, or pause it for 200 ms"};
+                 "the motion board has restarted, or the body has lain down by itself; end the "
+                 "stream, or pause it for 200 ms"};
   }
   return core_.servo ? Ok() : CheckBoard();
 }
@@ -536,14 +586,16 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
   }
   Servo& servo = *core_.servo;
   servo.source = command.source;
-  servo.command = MakeCommand(motion, command.requested.arguments);
+  // A body that lies changes no motion: the stream ends soon, unless the report was only old.
+  const bool waits = changes && !core_.job && servo.down_since;
+  if (!waits) servo.command = MakeCommand(motion, command.requested.arguments);
   servo.last_frame = now_;
   ++core_.servo_commands;
   if (TooFast(motion, command.requested.arguments) && !std::exchange(servo.limit_logged, true)) {
     Log(kCodeOk, "servo motion " + std::to_string(motion.id) + " of " + SourceName(command.source) +
                      " is limited to its maximum speed");
   }
-  if (changes && !core_.job) {
+  if (changes && !core_.job && !waits) {
     if (const auto way = WayTo(motion); !way.empty()) {
       servo.moving = false;
       Job job;
@@ -559,7 +611,7 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
       servo.moving = true;
       Command(servo.command, true);
     }
-  } else if (servo.moving) {
+  } else if (servo.moving && !IsDown()) {
     Command(servo.command, false);
   }
   ReportServo();
@@ -584,7 +636,7 @@ void Decision::StopServo(const std::string& why) {
   const Servo servo = *std::exchange(core_.servo, std::nullopt);
   if (core_.job && core_.job->for_servo) core_.job->for_servo = false;  // it finishes standing up
   if (servo.moving) {
-    if (EndsStanding(servo.command, core_.closed)) {
+    if (EndsStanding(servo.command, core_.closed) && !IsDown()) {
       Stand(servo.command);
     } else {
       Quiet();
@@ -831,9 +883,13 @@ void Decision::HaltBody(const JobMotion& motion) {
 bool Decision::Lies() const {
   const Motion* present = Present();
   if (present == nullptr || core_.BoardSilent()) return false;
-  if (present->id == kEmergencyStop) return true;
-  const bool is_down = present->id == kGetDown || present->id == kPassiveGetDown;
-  return is_down && core_.body->bar > kDoneBar;
+  return present->id == kEmergencyStop || (IsDown() && core_.body->bar > kDoneBar);
+}
+
+// It lies, or lies down.
+bool Decision::IsDown() const {
+  const Motion* present = Present();
+  return present != nullptr && (present->id == kGetDown || present->id == kPassiveGetDown);
 }
 
 // --- interface ---

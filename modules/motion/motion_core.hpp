@@ -16,13 +16,17 @@
 //
 // Rules:
 //   - Emergency stop (motion 0) is taken in every state, at once, from every source. It is a
-//     latch: until recovery stand (111) is taken, no other motion is.
+//     latch: until recovery stand (111) is taken, no other motion is. The first report of a body
+//     that is stopped or off sets it as well: an earlier process may have been commanded to stop.
 //   - A servo frame is taken from a source with the same or a higher priority than the source that
 //     controls the body.
 //   - A result command (one motion or several) is taken when the body is idle; get-down also
 //     during a dance; the machine's own lie-down always.
 //   - The capability of a motion is checked when a command arrives and again when its motion
 //     begins: the state may have changed in between.
+//   - A servo motion ends when the body lies, by a rule of its board: it does not stand up again
+//   for
+//     a stream that only goes on.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
@@ -45,6 +49,7 @@
 namespace musher::motion {
 
 inline constexpr Duration kServoWatchdog = Milliseconds(200);
+inline constexpr Duration kLiesTime = Milliseconds(300);    // until a servo motion ends
 inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of frames to the board: 20 Hz
 inline constexpr Duration kLate =
     Milliseconds(50);  // a turn this late waits for one more before a timeout
@@ -116,9 +121,10 @@ struct WorldRestarted {};
 // The board was switched off and on: what it was commanded is void. A servo stream has to end, or
 // to pause, before the body follows it again.
 struct BoardRestarted {};
-// Another program commands the board; "": no longer.
+// Why only stops may be sent to the board: another program commands it, or there are two boards;
+// "": no longer.
 struct BoardHeld {
-  std::string by;
+  std::string why;
 };
 // The link to the board has one; it reports each of them rarely.
 struct BoardFault {
@@ -208,7 +214,8 @@ struct Servo {
   bool moving = false;  // false: waits for a recovery stand
   Time last_frame{};
   Time next_report{};
-  bool limit_logged = false;  // that the speed is too high
+  std::optional<Time> down_since;  // the body lies although it is moving
+  bool limit_logged = false;       // that the speed is too high
 
   friend bool operator==(const Servo&, const Servo&) = default;
 };
@@ -229,8 +236,9 @@ struct MotionCore {
   std::optional<BodyReport> body;
   Time body_reported_at{};
   bool board_silent = false;  // since its last report
-  std::string board_held_by;  // another program that commands the board; "": none
-  // The last frame of a servo stream that the board's restart has interrupted.
+  std::string board_held;     // why only stops may be sent to it; "": free
+  // The last frame of a servo stream that the board has interrupted: it has restarted, or the body
+  // has lain down.
   std::optional<Time> interrupted_stream;
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted

@@ -64,6 +64,7 @@ Result<> MotionManager::OpenShell() {
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
+  if (const auto warning = WarningOfClock(config_, machine_config().clock)) Log(*warning);
   const std::string& name_space = machine_config().name_space;
   auto shell = MotionShell::Make(
       {node, *clock_, table_, config_, name_space,
@@ -93,8 +94,8 @@ Result<std::unique_ptr<MotionBackend>> MotionManager::MakeLcmBackend(
   events.on_restart = [this] {
     if (shell_) shell_->Do(motion_event::BoardRestarted{});
   };
-  events.on_held = [this](const std::string& other) {
-    if (shell_) shell_->Do(motion_event::BoardHeld{other});
+  events.on_held = [this](const std::string& why) {
+    if (shell_) shell_->Do(motion_event::BoardHeld{why});
   };
   events.on_fault = [this](std::int32_t code, const std::string& text) {
     if (shell_) shell_->Do(motion_event::BoardFault{code, text});

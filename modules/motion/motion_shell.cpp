@@ -116,10 +116,7 @@ Result<> MotionShell::Check() const {
   if (core_.BoardSilent()) {
     return Error{failed, "the motion board is silent: no report on " + backend_->Source()};
   }
-  if (!core_.board_held_by.empty()) {
-    return Error{failed, "another program commands the motion board: " + core_.board_held_by +
-                             "; close the app or the other motion manager"};
-  }
+  if (!core_.board_held.empty()) return Error{failed, core_.board_held};
   const auto& errors = core_.body->motor_error;
   const auto bad = std::find_if(errors.begin(), errors.end(), [](auto e) { return e != 0; });
   if (bad != errors.end()) {

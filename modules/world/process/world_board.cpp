@@ -15,6 +15,7 @@ namespace musher::world {
 namespace {
 
 constexpr Duration kLiesDownAfter = Milliseconds(500);  // without a frame
+constexpr int kHeartbeatMode = -1;                      // of a frame that is no command
 constexpr int kOffMode = 0;
 constexpr int kLyingMode = 7;
 constexpr int kLyingGait = 1;
@@ -137,7 +138,8 @@ void WorldBoard::OnSample(const transport::LcmSample& sample) {
 // The body's counts are the board's own, because it also lies down by itself.
 void WorldBoard::Take(BoardCommand command) {
   frame_at_ = {loop_.Now(), world_.now()};
-  if (wire_count_ != command.life_count) {
+  if (command.mode == kHeartbeatMode && !wire_count_) return;
+  if (command.mode != kHeartbeatMode && wire_count_ != command.life_count) {
     wire_count_ = command.life_count;
     count_ = static_cast<std::int8_t>(static_cast<std::uint8_t>(count_) + 1);
   }

@@ -3,9 +3,10 @@
 // "lcm" in a scene): takes robot_control_cmd, and sends robot_control_response and global_to_robot
 // with each step of the world, and motor_temperature once a second.
 //
-// After 500 ms without a frame the body lies down, once a jump has ended: 500 ms of world time, and
-// of real time, in which a motion manager on LCM sends its frames. So it lies down neither because
-// world time is fast, nor because this process was suspended.
+// A frame of mode -1 is a heartbeat and no command. After 500 ms without a frame the body lies
+// down, once a jump has ended: 500 ms of world time, and of real time, in which a motion manager on
+// LCM sends its frames. So it lies down neither because world time is fast, nor because this
+// process was suspended.
 //
 // Threads: the loop's.
 

@@ -31,14 +31,14 @@ class LcmChain : public ::testing::Test {
   void Respond() {
     const BodyReport report = board_.Report(now_);
     ++sequence_;
-    if (hangs_ || Lost()) return;
+    if (hangs_ || Lost(loss_ + loss_of_responses_)) return;
     Handle(link_.OnResponse({"192.168.44.233:1", sequence_}, report, now_));
   }
-  bool Lost() { return std::uniform_real_distribution<>()(random_) < loss_; }
+  bool Lost(double loss) { return std::uniform_real_distribution<>()(random_) < loss; }
 
   void Handle(const LinkOutput& output) {
     for (const BodyCommand& frame : output.frames) {
-      if (!Lost()) board_.Take(frame, now_);
+      if (!Lost(loss_)) board_.Take(frame, now_);
     }
     for (const LinkFault& fault : output.faults) {
       Do(motion_event::BoardFault{fault.code, fault.text});
@@ -68,10 +68,10 @@ class LcmChain : public ::testing::Test {
     for (int i = 0; i < 20'000 && answers_.count(token) == 0; ++i) RunFor(Milliseconds(10));
     return answers_[token];
   }
-  void Stream(Duration duration, float speed = 0.3F) {
+  void Stream(Duration duration, float speed = 0.3F, std::int32_t id = kUserTrot) {
     for (const Time end = now_ + duration; now_ < end; RunFor(Milliseconds(50))) {
       ServoCommand command;
-      command.requested.id = kUserTrot;
+      command.requested.id = id;
       command.requested.arguments.vel_des = {speed, 0, 0};
       Do(motion_event::ServoArrived{command});
     }
@@ -82,10 +82,11 @@ class LcmChain : public ::testing::Test {
   MotionConfig config_;
   Gate gate_ = [](const std::string&) { return Ok(); };
   MotionCore core_;
-  LcmLink link_{now_};
+  LcmLink link_{now_, {config_.board_feedback, ""}};
   WireBoard board_;
   std::mt19937 random_{7};
   double loss_ = 0;
+  double loss_of_responses_ = 0;  // beside that of all
   bool hangs_ = false;
   std::uint32_t sequence_ = 0;
   RequestToken token_ = 0;
@@ -157,6 +158,49 @@ TEST_F(LcmChain, DoesNotWalkOnAfterARestartOfTheBoardBeforeTheStreamHasPaused) {
   for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
   EXPECT_EQ(response_.code, 3035);
   EXPECT_THAT(log_, Contains(HasSubstr("has restarted")));
+  RunFor(Milliseconds(300));
+  Stream(Milliseconds(5000));
+  EXPECT_EQ(board_.Report(now_).gait, 27) << "a new stream: it stands up and walks";
+}
+
+TEST_F(LcmChain, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {
+  RunFor(Milliseconds(500));
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
+  RunFor(Milliseconds(500));
+  loss_of_responses_ = 1;  // it starts more slowly than it takes frames
+  board_.Restart();
+  RunFor(Milliseconds(2000));
+  loss_of_responses_ = 0;
+  RunFor(Milliseconds(2000));
+  EXPECT_EQ(board_.Report(now_).mode, 7);
+  for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk) << "once it is commanded";
+}
+
+TEST_F(LcmChain, KeepsAStreamedPoseUpWhileItsBoardIsSilent) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(1000), 0, kForceControl);
+  loss_of_responses_ = 1;
+  Stream(Milliseconds(600), 0, kForceControl);
+  loss_of_responses_ = 0;
+  board_.taken.clear();
+  Stream(Milliseconds(2000), 0, kForceControl);
+  EXPECT_FALSE(board_.lay_down);
+  EXPECT_EQ(board_.Report(now_).mode, 3);
+  EXPECT_GT(board_.taken.size(), 30U) << "it follows the stream";
+}
+
+TEST_F(LcmChain, DoesNotCommandAWalkToABodyThatLiesAfterTheManagerHung) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(1000));
+  hangs_ = true;
+  RunFor(Milliseconds(600));
+  hangs_ = false;
+  board_.taken.clear();
+  board_.refuses = false;
+  Stream(Milliseconds(2000));
+  for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
+  EXPECT_EQ(response_.code, 3035);
   RunFor(Milliseconds(300));
   Stream(Milliseconds(5000));
   EXPECT_EQ(board_.Report(now_).gait, 27) << "a new stream: it stands up and walks";

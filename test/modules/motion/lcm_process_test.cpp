@@ -55,11 +55,12 @@ class LcmProcess : public ::testing::Test {
     return "kind = \"lcm\"\nttl = 0\ncommand_url = \"" + urls_[0] + "\"\nresponse_url = \"" +
            urls_[1] + "\"\nlocalization_url = \"" + urls_[2] + "\"\n";
   }
-  std::unique_ptr<Process> StartBoard(const std::string& mode, const std::string& gait) const {
+  // `silent_ms`: it takes frames for that time before its first response.
+  std::unique_ptr<Process> StartBoard(const std::string& mode, const std::string& gait,
+                                      const std::string& silent_ms = "0") const {
     std::vector<std::string> argv = {BinDir() + "/plain_board"};
     for (const std::string& url : urls_) argv.push_back(url + "?ttl=0");
-    argv.push_back(mode);
-    argv.push_back(gait);
+    argv.insert(argv.end(), {mode, gait, silent_ms});
     auto board = std::make_unique<Process>(argv);
     EXPECT_NE(board->LineWith("board ready"), "");
     return board;
@@ -106,6 +107,38 @@ TEST_F(LcmProcess, LetsTheBodyLieDownWhenTheManagerHangs) {
   kill(manager, SIGSTOP);
   EXPECT_NE(board->LineWith("no frame: lies down"), "");
   kill(manager, SIGCONT);
+}
+
+TEST_F(LcmProcess, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {
+  auto board = StartBoard("7", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  EXPECT_EQ(robot.RequestMotion(111), (msg::MotionResultCmd::Response{111, true, 0}));
+  board.reset();
+  board = StartBoard("7", "0", "1000");
+  EXPECT_TRUE(robot.AwaitLog("has restarted")) << robot.Log();
+  for (std::string line;
+       (line = board->NextLine(musher::testing::In(Milliseconds(500))).value_or("")) != "";) {
+    EXPECT_THAT(line, HasSubstr("mode 7"));
+  }
+}
+
+TEST_F(LcmProcess, DoesNotCommandAWalkToABodyThatLiesAfterTheManagerHung) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  Process streamer({BinDir() + "/musher-motion", "servo", "--vx", "0.3", "--seconds", "60"});
+  EXPECT_NE(board->LineWith("mode 11 gait 27"), "");
+  const pid_t manager = DescendantNamed("musher-motion-m", getpid());
+  ASSERT_GT(manager, 0);
+  kill(manager, SIGSTOP);
+  EXPECT_NE(board->LineWith("no frame: lies down"), "");
+  kill(manager, SIGCONT);
+  EXPECT_TRUE(robot.AwaitLog("is stopped: the body lies")) << robot.Log();
+  for (std::string line;
+       (line = board->NextLine(musher::testing::In(Milliseconds(1000))).value_or("")) != "";) {
+    EXPECT_THAT(line, HasSubstr("mode 7"));
+  }
 }
 
 TEST_F(LcmProcess, NamesAnotherProgramThatCommandsTheBoard) {

@@ -354,6 +354,25 @@ TEST(MotionResult, EndsWhenTheWorldIsRestarted) {
   EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3035) << "nothing is known of the body yet";
 }
 
+// A board on LCM repeats the last command by itself.
+TEST(MotionResult, OfAWalkIsStoppedWhenTheWorldIsRestarted) {
+  for (const bool servo : {true, false}) {
+    Harness harness;
+    if (servo) {
+      harness.Stream(303, Milliseconds(500));
+    } else {
+      MotionArguments arguments;
+      arguments.vel_des = {0.2F, 0, 0};
+      arguments.duration_ms = 5000;
+      harness.RequestMotion(303, 0, arguments);
+      harness.RunFor(Milliseconds(300));
+    }
+    ASSERT_EQ(harness.Commanded().back(), 303);
+    harness.Do(motion_event::WorldRestarted{});
+    EXPECT_EQ(harness.sent.back().command.id, kWalkStand) << servo;
+  }
+}
+
 // The reports that came while the program was suspended are read one after the other.
 TEST(MotionResult, DoesNotFailByAnOldReportInTheQueue) {
   Harness harness;

@@ -292,6 +292,56 @@ TEST(MotionServo, WaitsForAPauseOfTheStreamAfterARestartOfTheBoard) {
   EXPECT_FALSE(harness.sent.empty()) << "a new stream";
 }
 
+TEST(MotionServo, EndsWhenTheBodyHasLainDownByItself) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(1000));
+  harness.board = Board();
+  harness.Body(kGetDown);  // by the rule of the board: no frame for 500 ms
+  harness.sent.clear();
+  harness.Stream(303, Milliseconds(1000));
+  EXPECT_THAT(harness.sent, IsEmpty()) << "neither a walk nor WALK_STAND";
+  EXPECT_FALSE(harness.core.servo);
+  EXPECT_EQ(harness.ServoCode(), 3035);
+  EXPECT_THAT(harness.log, Contains(HasSubstr("is stopped: the body lies")));
+  harness.RunFor(Milliseconds(250));
+  harness.Stream(303, Milliseconds(2000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand, 303)) << "a new stream";
+}
+
+TEST(MotionServo, ContinuesAfterAReportOfABodyThatLiesWhichWasOnlyOld) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(1000));
+  BodyReport old = harness.board.report;
+  old.mode = 7;
+  old.gait = 1;
+  harness.Do(motion_event::BoardReported{old});
+  harness.Stream(303, Milliseconds(1000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303));
+}
+
+TEST(MotionServo, DoesNotStandALyingBodyUpWhenTheStreamChangesItsMotion) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(1000));
+  harness.board = Board();
+  harness.Body(kGetDown);
+  harness.sent.clear();
+  harness.Stream(308, Milliseconds(1000));
+  EXPECT_THAT(harness.sent, IsEmpty());
+  EXPECT_FALSE(harness.core.servo);
+  EXPECT_EQ(harness.ServoCode(), 3035);
+}
+
+TEST(MotionServo, ChangesItsMotionAfterAReportOfABodyThatLiesWhichWasOnlyOld) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(1000));
+  BodyReport old = harness.board.report;
+  old.mode = 7;
+  old.gait = 1;
+  harness.Do(motion_event::BoardReported{old});
+  harness.Stream(308, Milliseconds(1000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, 308));
+}
+
 TEST(MotionServo, PublishesTheBoardsFeedbackPeriodically) {
   Harness harness;
   harness.Stream(303, Milliseconds(1000));

@@ -258,6 +258,26 @@ TEST(MotionEmergencyStop, LatchesUntilRecoveryStand) {
   EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
 }
 
+// A manager that was started again does not know of the stop before.
+TEST(MotionEmergencyStop, IsLatchedWhenTheFirstReportShowsABodyThatIsStopped) {
+  for (const bool status : {true, false}) {
+    Harness harness;
+    harness.core = MotionCore();
+    harness.Do(motion_event::Opened{});
+    harness.board.report.mode = status ? std::int8_t{12} : std::int8_t{0};
+    harness.board.report.gait = 0;
+    harness.board.report.switch_status = status ? std::int8_t{2} : std::int8_t{0};
+    harness.Do(motion_event::BoardReported{harness.board.report});
+    harness.Stream(303, Milliseconds(500));
+    EXPECT_THAT(harness.sent, IsEmpty()) << "it neither stands up nor walks";
+    EXPECT_EQ(harness.ServoCode(), 3040);
+    harness.RunFor(Milliseconds(300));
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), kCodeOk);
+    harness.Stream(303, Milliseconds(500));
+    EXPECT_EQ(harness.Commanded().back(), 303);
+  }
+}
+
 // In the original id 0 was refused with 3003 in every state but Active and Protected.
 TEST(MotionEmergencyStop, IsTakenInEveryState) {
   for (const std::string_view state :

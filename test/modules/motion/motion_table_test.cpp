@@ -257,6 +257,19 @@ TEST(MotionConfigFile, OfTheCyberDog2TakesItsBoardOnly) {
   EXPECT_EQ(reading.config->lcm.board, "192.168.44.233");
 }
 
+TEST(MotionConfigFile, WarnsOfTheTopicClockWhereARobotMayBe) {
+  MotionConfig config;
+  EXPECT_FALSE(WarningOfClock(config, ClockSource::kTopic)) << "a simulated body";
+  config.board = BoardKind::kLcm;
+  EXPECT_TRUE(WarningOfClock(config, ClockSource::kTopic));
+  EXPECT_FALSE(WarningOfClock(config, ClockSource::kSteady));
+  config.lcm.ttl = 0;
+  EXPECT_FALSE(WarningOfClock(config, ClockSource::kTopic));
+  config.lcm.ttl = 1;
+  config.lcm.network_interface = "lo";
+  EXPECT_FALSE(WarningOfClock(config, ClockSource::kTopic));
+}
+
 TEST(MotionConfigFile, RefusesAWrongKindUrlAndAddressWithItsPlace) {
   const ConfigReading reading = ReadMotionConfigText(
       "[board]\nkind = \"lmc\"\ncommand_url = \"udpm://192.168.44.233:7671\"\nttl = 256\n"

@@ -1,8 +1,10 @@
 // A motion board that shares no code with Musher: LCM's own library, and the C code that lcm-gen
 // makes of the messages. It stands or walks as it is commanded, and lies down after 500 ms without
-// a frame. It prints "board ready", and a line for each new command.
+// a frame. A frame of mode -1 is no command, as for the robot's locomotion controller. It prints
+// "board ready", and a line for each new command. With SILENT_MS it takes frames for that time
+// before its first response.
 //
-//   plain_board COMMAND_URL RESPONSE_URL LOCALIZATION_URL MODE GAIT
+//   plain_board COMMAND_URL RESPONSE_URL LOCALIZATION_URL MODE GAIT [SILENT_MS]
 
 #include <lcm/lcm.h>
 #include <math.h>
@@ -41,7 +43,7 @@ static void OnCommand(const lcm_recv_buf_t* buffer, const char* channel,
   (void)buffer;
   (void)channel;
   board->last_frame_ms = NowMs();
-  if (board->life_count == (uint8_t)command->life_count) return;
+  if (board->life_count == (uint8_t)command->life_count || command->mode == -1) return;
   board->life_count = (uint8_t)command->life_count;
   board->mode = command->mode;
   board->gait = command->gait_id;
@@ -83,7 +85,7 @@ static void ReportTemperatures(lcm_t* responses) {
 }
 
 int main(int argc, char** argv) {
-  if (argc != 6) return 2;
+  if (argc != 6 && argc != 7) return 2;
   lcm_t* commands = lcm_create(argv[1]);
   lcm_t* responses = lcm_create(argv[2]);
   lcm_t* locations = lcm_create(argv[3]);
@@ -95,7 +97,7 @@ int main(int argc, char** argv) {
   musher_lcm_robot_control_cmd_lcmt_subscribe(commands, "robot_control_cmd", OnCommand, &board);
   printf("board ready\n");
   fflush(stdout);
-  int64_t next_ms = NowMs();
+  int64_t next_ms = NowMs() + (argc == 7 ? atoi(argv[6]) : 0);
   int64_t next_temperatures_ms = next_ms;
   for (;;) {
     const int64_t now_ms = NowMs();

@@ -1,6 +1,7 @@
 #pragma once
 // A motion board as an LCM link sees it, in memory and virtual time: it knows a new command by its
-// life count, does not say which one it has taken, and lies down after 500 ms without a frame.
+// life count, does not say which one it has taken, and lies down after 500 ms without a frame. A
+// frame of mode -1 is no command.
 
 #include <optional>
 #include <vector>
@@ -21,10 +22,13 @@ class WireBoard {
   }
   void Take(const BodyCommand& frame, Time now) {
     last_frame = now;
+    constexpr int kHeartbeat = -1;
+    if (frame.mode == kHeartbeat) return;
     if (count_ == frame.life_count) return;
     count_ = frame.life_count;
     constexpr int kLies = 7;
-    if (board.report.mode == kLies && frame.mode != 0 && frame.mode != kLies && frame.mode != 12) {
+    if (refuses && board.report.mode == kLies && frame.mode != 0 && frame.mode != kLies &&
+        frame.mode != 12) {
       board.report.switch_status = 5;  // refused
       return;
     }
@@ -53,6 +57,7 @@ class WireBoard {
   Board board;
   std::vector<BodyCommand> taken;  // each new command
   std::optional<Time> last_frame;
+  bool refuses = true;    // to walk when it lies
   bool lay_down = false;  // because no frame came
 
  private:

@@ -16,7 +16,9 @@
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/lcm_type.hpp"
 #include "musher/transport/linux_event_loop.hpp"
+#include "musher_lcm/robot_control_response_lcmt.hpp"
 
 namespace musher::world::lcm_board_test {
 
@@ -127,6 +129,73 @@ TEST_F(LcmBoard, LiesDownWithoutFramesAndStandsUpByThemAgain) {
   ASSERT_TRUE(RunUntil([&] { return reports_ > 15; }));
   motion_->Do(motion::motion_event::PlayArrived{0, 0, {{motion::kRecoveryStand, {}}}});
   EXPECT_TRUE(RunUntil([&] { return world_->world().body().mode() == 12; })) << log_;
+}
+
+TEST_F(LcmBoard, LetsABodyLieThatStoodBeforeItsBoardWasStartedAgain) {
+  scene_.start_standing = false;
+  StartWorld();
+  StartMotion();
+  ASSERT_TRUE(RunUntil([&] { return reports_ > 15; })) << log_;
+  motion_->Do(motion::motion_event::PlayArrived{0, 0, {{motion::kRecoveryStand, {}}}});
+  ASSERT_TRUE(RunUntil([&] { return last_.report.mode == 12 && last_.report.bar == 100; })) << log_;
+  world_.reset();
+  const auto end = loop_.Now() + Milliseconds(300);
+  loop_.RunUntil([&] { return loop_.Now() > end; }, testing::In(seconds(60)));
+  StartWorld();
+  reports_ = 0;
+  ASSERT_TRUE(RunUntil([&] { return reports_ > 100; })) << log_;
+  EXPECT_EQ(world_->world().body().mode(), 7) << log_;
+  EXPECT_THAT(log_, Not(HasSubstr("lies down"))) << "the manager sends heartbeats";
+}
+
+TEST_F(LcmBoard, TakesAFrameOfModeMinusOneAsAHeartbeatOnly) {
+  StartWorld();
+  const auto manager = transport::LcmSocket::Open(
+                           loop_, {transport::ReadLcmUrl(config_.lcm.command_url).value(), "lo", 0},
+                           [](const transport::LcmSample&) {})
+                           .value();
+  motion::BodyCommand frame;
+  frame.mode = 12;
+  const auto sending = loop_.Every(Milliseconds(20), [&] {
+    ++frame.life_count;
+    static_cast<void>(manager->Send(motion::kCommandChannel, motion::EncodeCommand(frame)));
+    frame.mode = -1;
+  });
+  EXPECT_TRUE(RunUntil([&] { return world_->world().now() > seconds(2); })) << log_;
+  EXPECT_EQ(world_->world().body().mode(), 12);
+  EXPECT_THAT(log_, Not(HasSubstr("refused")));
+  EXPECT_THAT(log_, Not(HasSubstr("lies down")));
+}
+
+// A board that takes nothing, and stands.
+TEST_F(LcmBoard, SendsACommandNoLongerThatHasBeenAnsweredAsFailed) {
+  const auto open = [&](const std::string& url, transport::LcmSocket::OnSample on_sample) {
+    return transport::LcmSocket::Open(loop_, {transport::ReadLcmUrl(url).value(), "lo", 0},
+                                      std::move(on_sample))
+        .value();
+  };
+  const auto responses = open(config_.lcm.response_url, [](const transport::LcmSample&) {});
+  musher_lcm::robot_control_response_lcmt response{};
+  response.mode = 12;
+  const auto sending = loop_.Every(Milliseconds(20), [&] {
+    static_cast<void>(responses->Send("robot_control_response", transport::EncodeLcm(response)));
+  });
+  int jumps = 0;
+  const auto commands = open(config_.lcm.command_url, [&](const transport::LcmSample& sample) {
+    const auto frame = motion::DecodeCommand(sample.packet->data);
+    if (frame && frame.value().mode == 16) ++jumps;
+  });
+  StartMotion();
+  ASSERT_TRUE(RunUntil([&] { return reports_ > 30; })) << log_;
+  motion_->Do(motion::motion_event::PlayArrived{0, 0, {{132, {}}}});
+  ASSERT_TRUE(RunUntil([&] { return log_.find("has not taken it") != std::string::npos; }));
+  EXPECT_GT(jumps, 0);
+  const auto end = loop_.Now() + Milliseconds(40);  // datagrams on their way
+  loop_.RunUntil([&] { return loop_.Now() > end; }, testing::In(seconds(60)));
+  jumps = 0;
+  reports_ = 0;
+  ASSERT_TRUE(RunUntil([&] { return reports_ > 30; })) << log_;
+  EXPECT_EQ(jumps, 0);
 }
 
 TEST_F(LcmBoard, DoesNotLieDownWhereTimeIsFasterThanItsHeartbeats) {
