@@ -98,12 +98,15 @@ void Follower::Fail(Error error) {
   failure_ = std::move(error);
 }
 
-bool Follower::HasArrived(const Pose& pose) const {
+// Wherever it comes to rest it is still within the distance.
+bool Follower::HasArrived(const Pose& pose, const Velocity& velocity) const {
   const Pose& goal = trajectory_.points.back().pose;
   const double away_m = rules_.flat
                             ? std::hypot(goal.at.x_m - pose.at.x_m, goal.at.y_m - pose.at.y_m)
                             : Distance(goal.at, pose.at);
-  return reference_ >= trajectory_.duration() && away_m <= rules_.arrive_m &&
+  const double brake_m = std::pow(Speed(velocity), 2) / (2 * rules_.limits.acceleration_m_s2);
+  const double passes_m = std::isfinite(brake_m) ? brake_m : 0;
+  return reference_ >= trajectory_.duration() && away_m + passes_m <= rules_.arrive_m &&
          std::abs(Wrapped(goal.yaw_rad - pose.yaw_rad)) <= rules_.arrive_rad;
 }
 
@@ -281,7 +284,7 @@ Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
     WatchApproach(now, pose, velocity, obstacles);
     MoveReference(now, dt_s, pose, velocity, obstacles);
     progress_ = obstruction_ ? Progress::kWaiting : Progress::kFollowing;
-    if (HasArrived(pose)) progress_ = Progress::kArrived;
+    if (HasArrived(pose, velocity)) progress_ = Progress::kArrived;
   }
   CountTime(now, FromSeconds(passed_s), reference_ - before, pose);
   command.replan = progress_ == Progress::kWaiting && waiting_ >= rules_.replan_after;

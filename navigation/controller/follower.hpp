@@ -112,7 +112,7 @@ class Follower {
   double Braking(double speed_m_s, const std::optional<Obstruction>& passed) const;
   void WatchApproach(Time now, const Pose& pose, const Velocity& velocity,
                      const std::vector<Point>& obstacles);
-  bool HasArrived(const Pose& pose) const;
+  bool HasArrived(const Pose& pose, const Velocity& velocity) const;
   void CountTime(Time now, Duration passed, Duration moved, const Pose& pose);
   void Fail(Error error);
 
