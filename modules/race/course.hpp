@@ -120,6 +120,7 @@ struct OdometryRules {
   double most_share = 1.25;            // and at most this one
   Duration fresh = Milliseconds(300);  // without a new sample for so long it is not believed
   Duration begin = Milliseconds(800);  // so long the body accelerates: the time counts
+  double most_turned_rad = 0.3;        // of a straight walk: more is a fault. 0: not checked
 
   bool used() const { return !topic.empty(); }
 };

@@ -120,6 +120,7 @@ void Locomotion::CountProgress(Duration now) {
   const bool begins = now - stream_from_ <= course_.odometry.begin;
   const bool by_time = begins || !odometer_.believed() || twist == Twist{};
   const auto moved = odometer_.Take(now);
+  if (moved && !twist.turns()) CountTurn(moved->yaw_rad);
   if (by_time || !odometer_.believed()) return Measure(std::exchange(unmeasured_, {}));
   if (!moved) return Measure({});
   const double speed = std::hypot(twist.forward_m_s, twist.left_m_s);
@@ -130,6 +131,15 @@ void Locomotion::CountProgress(Duration now) {
   unmeasured_ = {};
   const double counted = std::clamp(seconds / movement.odometry_share, -kMostSeconds, kMostSeconds);
   Measure(Times(std::chrono::seconds(1), counted));
+}
+
+void Locomotion::CountTurn(double yaw_rad) {
+  walk_->turned_rad += yaw_rad;
+  const double most_rad = course_.odometry.most_turned_rad;
+  if (most_rad == 0 || std::abs(walk_->turned_rad) <= most_rad) return;
+  const auto degrees = std::lround(std::abs(walk_->turned_rad) * 180 / M_PI);
+  Fail(course_.movements[walk_->movement].name + " has turned by " + std::to_string(degrees) +
+       " degrees by odometry: it has lost its way");
 }
 
 void Locomotion::Measure(Duration distance) {

@@ -59,6 +59,7 @@ Rows OdometryRows(OdometryRules& odometry) {
       row::Number("most_share", odometry.most_share, 1, 5),
       row::Time("fresh_ms", odometry.fresh),
       row::Time("begin_ms", odometry.begin, 0),
+      row::Number("most_turned_rad", odometry.most_turned_rad, 0, 3),
   };
 }
 

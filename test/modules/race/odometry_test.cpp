@@ -76,6 +76,20 @@ TEST(WalkByOdometry, ThatStandsStillEndsAndIsAReservation) {
   EXPECT_EQ(rig.reserved(), 1U);
 }
 
+// By pictures that stood still it was turned by 0.2 rad/s for 17 s.
+TEST(WalkByOdometry, OfAStraightWalkThatTurnsIsAFault) {
+  Ahead rig;
+  rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
+    truth.pose.yaw_rad = 0.3 * truth.pose.at.x_m;
+    return truth;
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(10)));
+  EXPECT_THAT(rig.race->InfoText(),
+              HasSubstr("Reason:QRA_TO_A1: forward has turned by 17 degrees by odometry"));
+  EXPECT_NEAR(rig.pose.at.x_m, 1.05, 0.1);
+}
+
 TEST(WalkByOdometry, ThatShowsTwiceTheDistanceIsBelievedForAFifthOfTheTime) {
   Ahead rig;
   rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
