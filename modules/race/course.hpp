@@ -102,6 +102,7 @@ struct Keep {
   double yaw_rad_s = 2;     // for an offset of the middle by the whole width of the region
   double most_rad_s = 0.3;  // either way
   Duration fresh = Milliseconds(500);  // an older picture does not count
+  bool one_line = false;               // of one line the middle is known: the camera has a mount
 };
 
 struct CheckRules {

@@ -272,6 +272,7 @@ class CourseReader {
         row::Number("yaw_rad_s", keep.yaw_rad_s, 0, 20),
         row::Number("most_rad_s", keep.most_rad_s, 0, 2),
         row::Time("fresh_ms", keep.fresh),
+        row::Bool("one_line", keep.one_line),
     };
   }
 

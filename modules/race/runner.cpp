@@ -15,6 +15,10 @@ constexpr int kLook = 1;
 constexpr int kCorrect = 2;
 constexpr int kRetry = 2;
 
+// Of the lane in which a walk keeps.
+constexpr int kUnseenTimes = 4;
+constexpr Duration kLongestUnseen = Milliseconds(3000);
+
 std::string Steps(int count) {
   return std::to_string(count) + (count == 1 ? " step" : " steps");
 }
@@ -44,6 +48,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   const bool begins = by_decision && state_ == course_.start;
   light_stops_ = returns_ = skips_ = false;
   SeesAgain();
+  unseen_since_.reset();
   unknown_.clear();
   if (back) {
     const Interrupted interrupted = *std::exchange(interrupted_, std::nullopt);
@@ -108,6 +113,7 @@ void Runner::Pause() {
   voice_.Pause();
   perception_.Close();
   SeesAgain();
+  unseen_since_.reset();
   if (light_) light_->Interrupt();
 }
 
@@ -151,6 +157,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
     if (outcome == Outcome::kTarget) return target_;
     if (outcome == Outcome::kRunning) return std::nullopt;
     at_ = {.step = at_.step + 1, .phase = 0, .since = now, .after = {}, .tries = 0};
+    unseen_since_.reset();
     if (outcome == Outcome::kDone) return std::nullopt;  // a new stream begins in the next tick
   }
   if (idle() || state_ == course_.error) return std::nullopt;
@@ -205,6 +212,12 @@ std::optional<Index> Runner::ChooseTransition() {
 
 Runner::Outcome Runner::Advance(Duration now, Time time) {
   if (Blind(now, time)) {
+    unseen_since_.reset();  // its cameras have a fault of their own
+    locomotion_.Wait();
+    return Outcome::kRunning;
+  }
+  if (Unseen(now)) {
+    if (WatchesLight()) perception_.Want(course_.light->detector);
     locomotion_.Wait();
     return Outcome::kRunning;
   }
@@ -325,16 +338,48 @@ bool Runner::StoppedByLight(Duration now, Time time) {
   return light_->Stops(perception_.SightingSince(course_.light->detector, since), now);
 }
 
-// Where only one line is seen its middle is not known: straight on.
-void Runner::Steer(const std::optional<Index>& keep, Time time) {
+// Where only one line is seen its middle may not be known: straight on.
+void Runner::Steer(const std::optional<Index>& keep, Duration now, Time time) {
+  keep_ = keep;
   if (!keep) return;
   const Keep& rule = course_.keeps[*keep];
   perception_.Want(rule.detector);
   const Lines* lines = perception_.LinesSince(rule.detector, time - rule.fresh);
-  const bool between = lines != nullptr && lines->contours >= 2 && lines->doubt.empty() &&
-                       std::isfinite(lines->middle_offset);
-  const double yaw_rad_s = between ? -rule.yaw_rad_s * lines->middle_offset : 0;
+  const bool seen = lines != nullptr && lines->contours >= 1 && lines->doubt.empty() &&
+                    std::isfinite(lines->middle_offset);
+  const bool has_middle = seen && (lines->contours >= 2 || rule.one_line);
+  const double yaw_rad_s = has_middle ? -rule.yaw_rad_s * lines->middle_offset : 0;
   locomotion_.Steer(std::clamp(yaw_rad_s, -rule.most_rad_s, rule.most_rad_s));
+  if (seen) {
+    unseen_since_.reset();
+    return;
+  }
+  unseen_why_ = lines == nullptr        ? "no picture is new enough"
+                : !lines->doubt.empty() ? lines->doubt
+                : lines->contours == 0  ? "no line is seen"
+                                        : "its middle is not known";
+  if (unseen_since_) return;
+  unseen_since_ = now;
+  unseen_said_ = false;
+}
+
+bool Runner::Unseen(Duration now) {
+  if (!keep_ || !unseen_since_) return false;
+  const Keep& rule = course_.keeps[*keep_];
+  const Duration most = kUnseenTimes * rule.fresh;
+  const Duration unseen = now - *unseen_since_;
+  if (unseen < most) return false;
+  const std::string what =
+      "the lane is not seen by the detector " + course_.detectors[rule.detector].name + " for ";
+  if (!std::exchange(unseen_said_, true)) {
+    Say(what + std::to_string(ToMilliseconds(most)) + " ms: " + unseen_why_ +
+        "; it stands until it is");
+  }
+  if (unseen >= most + kLongestUnseen) {
+    fault_ = what + std::to_string(ToMilliseconds(most + kLongestUnseen)) + " ms: " + unseen_why_;
+    unseen_since_.reset();  // in the error state it goes on
+  }
+  return true;
 }
 
 bool Runner::WalkEndsSoon() const {
@@ -374,7 +419,7 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
     }
     Phase(1, now);
   }
-  Steer(step.keep, time);
+  Steer(step.keep, now, time);
   const Outcome outcome = Advance(now, time);
   // Also in its last tick: a detector that is closed for a tick has to start once more.
   if (walks && (outcome == Outcome::kDone || WalkEndsSoon())) WantNext();
@@ -382,6 +427,7 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
 }
 
 Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
+  keep_.reset();
   const Check& check = course_.checks[step.check];
   if (at_.phase == 0) {
     at_.after = std::max(at_.after, locomotion_.walked_until() + course_.check.settle);
@@ -456,6 +502,7 @@ Runner::Outcome Runner::GiveUpCheck(const std::string& why) {
 }
 
 Runner::Outcome Runner::Run(const WaitStep& step, Duration now, Time time) {
+  keep_.reset();
   const Wait& wait = course_.waits[step.wait];
   if (!wait.detector) {
     return now - at_.since >= wait.limit ? Outcome::kDone : Outcome::kRunning;
@@ -527,7 +574,7 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
     Phase(1, now);
   }
   perception_.Want(until.detector);
-  Steer(step.keep, time);
+  Steer(step.keep, now, time);
   const auto store = [&](const WalkProgress& walk) {
     const int made = std::min(StepsOf(walk.made), most.count);  // the last tick may be beyond
     if (step.stores) memory_.SetCount(*step.stores, made);

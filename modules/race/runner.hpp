@@ -109,7 +109,10 @@ class Runner {
   bool StoppedByLight(Duration now, Time time);
   // Leaves the state for that of the light.
   void Interrupt();
-  void Steer(const std::optional<Index>& keep, Time time);
+  void Steer(const std::optional<Index>& keep, Duration now, Time time);
+  // The lane has not been seen for kUnseenTimes times Keep::fresh: the walk waits for it, at most
+  // kLongestUnseen, which is then a fault.
+  bool Unseen(Duration now);
   bool WalkEndsSoon() const;
   void WantNext();
   // Once for each text, at most some of a state.
@@ -154,7 +157,11 @@ class Runner {
   bool skips_ = false;        // see SkipSteps()
   bool blind_ = false;        // in this tick
   std::optional<Duration> blind_since_;
-  bool blind_said_ = false;     // in the log
+  bool blind_said_ = false;               // in the log
+  std::optional<Index> keep_;             // of the walk under way
+  std::optional<Duration> unseen_since_;  // its lane
+  bool unseen_said_ = false;              // in the log
+  std::string unseen_why_;
   bool by_time_ = false;        // a walk of this run went by its time, without odometry
   bool unsure_ = false;         // a check of this state was given up
   bool unsure_before_ = false;  // one of the state before

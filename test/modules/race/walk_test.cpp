@@ -146,9 +146,58 @@ TEST(Walk, KeepsInTheMiddleOfALaneWhileItIsSeen) {
   seen.middle_offset = -0.4;
   rig.Run(Milliseconds(500));
   EXPECT_DOUBLE_EQ(turn(), 0.3);  // at most
-  seen.contours = 1;              // of a single line the middle is not known
+  seen.contours = 1;              // by the camera's mount
+  seen.middle_offset = 0.05;
   rig.Run(Milliseconds(500));
-  EXPECT_EQ(turn(), 0);
+  EXPECT_DOUBLE_EQ(turn(), -0.1);
+}
+
+TEST(Walk, GoesStraightOnByOneLineOfACameraWithoutAMount) {
+  Course course = TheCourse();
+  course.keeps.front().one_line = false;
+  Rig rig(course);
+  rig.script.lines = [](const std::string&) {
+    return Lines{1, LineWord::kCenter, LineWord::kCenter, 0.4};
+  };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 0; }));
+  rig.Run(Milliseconds(4000));
+  EXPECT_TRUE(rig.field.streaming) << "one line is no reason to stand";
+  EXPECT_EQ(rig.field.frames.back().twist.yaw_rad_s, 0);
+}
+
+// It walked on by 85 steps, straight ahead and without a word.
+TEST(Walk, InALaneThatIsNotSeenStopsAndIsAFault) {
+  Lines seen{2, LineWord::kCenter, LineWord::kCenter, 0};
+  Rig rig;
+  rig.script.lines = [&seen](const std::string&) { return seen; };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 0; }));
+  seen.doubt = "the floor has the colour of the lines";
+  rig.Run(Milliseconds(1500));
+  EXPECT_TRUE(rig.field.streaming);
+  rig.Run(Milliseconds(1200));
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_EQ(rig.state(), "S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("the floor has the colour of the lines"));
+}
+
+TEST(Walk, InALaneThatIsSeenAgainGoesOn) {
+  Lines seen{2, LineWord::kCenter, LineWord::kCenter, 0};
+  Rig rig;
+  rig.script.lines = [&seen](const std::string&) { return seen; };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 0; }));
+  for (int times = 0; times < 2; ++times) {
+    seen.contours = 0;
+    rig.Run(Milliseconds(4000));
+    EXPECT_FALSE(rig.field.streaming);
+    seen.contours = 2;
+    rig.Run(Milliseconds(500));
+    EXPECT_TRUE(rig.field.streaming);
+  }
+  EXPECT_EQ(rig.state(), "S2_TO_L1");
 }
 
 TEST(Walk, UntilAMarkerIgnoresAPictureThatWasTakenBefore) {
