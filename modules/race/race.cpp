@@ -175,9 +175,9 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
                                now);
 }
 
-// Outside of a walk odometry does not count, and is not recorded.
+// Where odometry does not count it is not recorded.
 void Race::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time taken, Time now) {
-  if (!course_.odometry.used() || !runner_.locomotion().streaming()) return;
+  if (!course_.odometry.used() || !runner_.WantsOdometry(now)) return;
   now_ = now;
   const auto fits = [](double number, double most) { return std::abs(number) <= most; };
   const bool is_pose = fits(pose.at.x_m, kMostMetres) && fits(pose.at.y_m, kMostMetres) &&
@@ -192,7 +192,7 @@ void Race::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time 
            {std::to_string(stamp_ns), std::to_string((taken - *first_start_).count()),
             NumberText(pose.at.x_m), NumberText(pose.at.y_m), NumberText(pose.yaw_rad)});
   }
-  runner_.locomotion().OnOdometry(stamp_ns, pose, now - taken);
+  runner_.OnOdometry(stamp_ns, pose, now - taken, now);
 }
 
 void Race::OnWalkerStatus(Index walk, std::string_view status, Time now) {
@@ -373,7 +373,7 @@ void Race::Rest(Time now) {
                  " is dropped: the race is paused before the body was free for it");
     jump_ = Jump{course_.start, false};
   }
-  runner_.Pause();
+  runner_.Pause(now);
   ExecuteJump();
 }
 

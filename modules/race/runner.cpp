@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "musher/base/suggest.hpp"
@@ -18,6 +19,24 @@ constexpr int kRetry = 2;
 // Of the lane in which a walk keeps.
 constexpr int kUnseenTimes = 4;
 constexpr Duration kLongestUnseen = Milliseconds(3000);
+
+// Of a pause: the body comes to rest within the first, and its pose has to be known within the
+// second after the end. A body that stands up shifts by less than the rest.
+constexpr Duration kToRest = Milliseconds(1000);
+constexpr Duration kLatestPose = Milliseconds(1000);
+constexpr double kMostShiftM = 0.15;
+constexpr double kMostShiftRad = 0.2;
+
+// How far the body has been moved; empty: not.
+std::string MovedText(const navigation::Pose& from, const navigation::Pose& to) {
+  const double shift_m = std::hypot(to.at.x_m - from.at.x_m, to.at.y_m - from.at.y_m);
+  const double shift_rad = std::abs(navigation::Wrapped(to.yaw_rad - from.yaw_rad));
+  if (shift_m <= kMostShiftM && shift_rad <= kMostShiftRad) return {};
+  char text[100];
+  std::snprintf(text, sizeof text, "it was moved by %.2f m and turned by %.0f degrees in the pause",
+                shift_m, shift_rad * 180 / M_PI);
+  return text;
+}
 
 std::string Steps(int count) {
   return std::to_string(count) + (count == 1 ? " step" : " steps");
@@ -49,6 +68,10 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   light_stops_ = returns_ = skips_ = false;
   SeesAgain();
   unseen_since_.reset();
+  if (!by_decision) {  // by a command that knows where it is
+    checks_pose_from_.reset();
+    moved_.clear();
+  }
   unknown_.clear();
   if (back) {
     const Interrupted interrupted = *std::exchange(interrupted_, std::nullopt);
@@ -107,7 +130,12 @@ void Runner::SkipSteps() {
   skips_ = true;
 }
 
-void Runner::Pause() {
+void Runner::Pause(Time time) {
+  if (!paused_at_) {
+    paused_at_ = time;
+    rest_pose_.reset();
+  }
+  checks_pose_from_.reset();
   locomotion_.Pause();
   lane_walker_.Pause();
   voice_.Pause();
@@ -120,6 +148,43 @@ void Runner::Pause() {
 void Runner::Resume(Duration now) {
   const bool under_way = !idle() && state_ != course_.error && at_.step < rule().steps.size();
   locomotion_.Resume(under_way, now);
+  const bool was_paused = std::exchange(paused_at_, std::nullopt).has_value();
+  moved_.clear();
+  if (!was_paused || idle() || state_ == course_.error || !course_.odometry.used()) return;
+  if (rest_pose_) {
+    checks_pose_from_ = now;
+  } else {
+    ReservePose();
+  }
+}
+
+void Runner::ReservePose() {
+  const std::string reason =
+      "whether it was moved in the pause is not known: no odometry on " + course_.odometry.topic;
+  Reserve(reason);
+  Say(reason);
+}
+
+bool Runner::PoseOfRestAt(Time time) const {
+  return paused_at_ && time - *paused_at_ <= kToRest;
+}
+
+void Runner::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age,
+                        Time time) {
+  locomotion_.OnOdometry(stamp_ns, pose, age);
+  if (age > course_.odometry.fresh) return;
+  if (PoseOfRestAt(time)) rest_pose_ = pose;
+  if (paused_at_ || !checks_pose_from_ || !rest_pose_) return;
+  checks_pose_from_.reset();
+  moved_ = MovedText(*rest_pose_, pose);
+}
+
+bool Runner::ChecksPose(Duration now) {
+  if (!checks_pose_from_) return false;
+  if (now - *checks_pose_from_ < kLatestPose) return true;
+  checks_pose_from_.reset();
+  ReservePose();
+  return false;
 }
 
 std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
@@ -137,6 +202,8 @@ std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
 }
 
 std::optional<Index> Runner::RunSteps(Duration now, Time time) {
+  if (!moved_.empty()) return Fail(std::exchange(moved_, {}));
+  if (ChecksPose(now)) return std::nullopt;
   if (skips_) {
     if (locomotion_.busy()) return std::nullopt;
     at_.step = rule().steps.size();

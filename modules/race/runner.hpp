@@ -35,8 +35,15 @@ class Runner {
   std::optional<Index> Advance(Duration now, Time time, bool held);
   void Leave();
 
-  void Pause();
+  // `time` is that of the actuator's clock, as of OnOdometry().
+  void Pause(Time time);
   void Resume(Duration now);
+  // Odometry counts: during a walk, where the robot comes to rest in a pause, and after it.
+  bool WantsOdometry(Time time) const {
+    return locomotion_.streaming() || PoseOfRestAt(time) || checks_pose_from_.has_value();
+  }
+  // See Locomotion::OnOdometry().
+  void OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age, Time time);
   // The steps that are left are dropped: the next tick takes a transition.
   void SkipSteps();
 
@@ -77,6 +84,9 @@ class Runner {
     kTarget    // a state to go to, in target_
   };
 
+  bool PoseOfRestAt(Time time) const;
+  // After a pause the steps wait until a pose shows that it was not moved in it. False: go on.
+  bool ChecksPose(Duration now);
   std::optional<Index> RunSteps(Duration now, Time time);
   std::optional<Index> Fail(const std::string& reason);
   std::optional<Index> ChooseTransition();
@@ -127,6 +137,8 @@ class Runner {
   void Reserve(const std::string& reason) { memory_.Reserve({rule().name, reason}); }
   // What odometry says against the last walk, or that it says nothing: that once a run.
   void ReserveDistances();
+  // That its place after a pause is not known.
+  void ReservePose();
   // At the end of a run.
   void ReportReservations();
   void Phase(int phase, Duration now) {
@@ -166,8 +178,12 @@ class Runner {
   bool unsure_ = false;         // a check of this state was given up
   bool unsure_before_ = false;  // one of the state before
   Index target_ = 0;
-  std::vector<std::string> unknown_;  // texts without a meaning, in this state
-  std::string fault_;                 // found by a step in this tick
+  std::optional<Time> paused_at_;
+  std::optional<navigation::Pose> rest_pose_;  // where it has come to rest in the pause
+  std::optional<Duration> checks_pose_from_;   // after the pause
+  std::string moved_;                          // in the pause
+  std::vector<std::string> unknown_;           // texts without a meaning, in this state
+  std::string fault_;                          // found by a step in this tick
   std::string reason_;
 };
 

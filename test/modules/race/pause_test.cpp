@@ -2,11 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <tuple>
+
 #include "musher/test/modules/race/race_rig.hpp"
 
 namespace musher::race::pause_test {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 void PauseFor(Rig& rig, Duration time) {
   rig.race->Rest(rig.now);
@@ -182,6 +185,52 @@ TEST(Pause, OverrulesAJumpThatWaitsForTheBody) {
   EXPECT_EQ(rig.state(), "START");
   EXPECT_EQ(rig.field.streams, 0);
   EXPECT_TRUE(rig.field.Logged("START:QRA_TO_A1 is dropped"));
+}
+
+// An operator has picked it up: it went on "where it was", in another place.
+TEST(Pause, InWhichTheRobotIsMovedIsAFault) {
+  for (const auto& [ahead_m, turned_rad, reason] :
+       {std::tuple(0.4, 0.0, "it was moved by 0.40 m and turned by 0 degrees in the pause"),
+        std::tuple(0.0, 0.5, "it was moved by 0.00 m and turned by 29 degrees in the pause")}) {
+    Rig rig;
+    rig.script.odometry = Truth;
+    rig.Command("START:QRA_TO_A1");
+    rig.Run(Milliseconds(3000));
+    rig.race->Rest(rig.now);
+    rig.machine->Pause();
+    rig.Run(Milliseconds(5000));
+    rig.pose.at.x_m += ahead_m;
+    rig.pose.yaw_rad += turned_rad;
+    rig.Run(Milliseconds(1000));
+    rig.race->Resume(rig.now);
+    ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(3000))) << reason;
+    EXPECT_THAT(rig.race->InfoText(), HasSubstr(reason));
+    EXPECT_EQ(rig.field.streams, 1) << "it walks on";
+  }
+}
+
+TEST(Pause, InWhichTheRobotStandsUpIsNone) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(Milliseconds(5000));
+  rig.pose.at.x_m += 0.1;
+  rig.race->Resume(rig.now);
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_EQ(rig.race->memory().reserved(), 0U);
+}
+
+TEST(Pause, WithoutOdometryIsAReservation) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, Milliseconds(5000));
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_TRUE(rig.field.Logged("whether it was moved in the pause is not known"));
+  EXPECT_EQ(rig.race->memory().reserved(), 2U) << "and that it walks by its time";
 }
 
 // The walker was started again behind the lane's end.
