@@ -381,6 +381,9 @@ void Race::Resume(Time now) {
   now_ = now;
   Record(input::kResume, {});
   resting_ = false;
+  if (!std::exchange(has_run_, true)) {  // a walk of a process before, which has crashed
+    for (const LaneWalk& walk : course_.walks) outputs_.CommandWalker(walk, false);
+  }
   runner_.Resume(machine_ == nullptr ? Duration(0) : machine_->time());
 }
 

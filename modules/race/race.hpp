@@ -123,6 +123,7 @@ class Race : private fsm::Listener {
   bool decided_ = false;                     // the present change is by a transition of the state
   bool replays_ = false;
   bool resting_ = true;
+  bool has_run_ = false;  // since the process began
   Time now_{};
 };
 

@@ -106,6 +106,19 @@ TEST_F(WalkerTopicsTest, SubscribeToTheLinesOnlyDuringAWalk) {
   EXPECT_EQ(Readers(), 0);
 }
 
+// A race that crashed in the lane: no light was watched any more, and no STOP came.
+TEST_F(WalkerTopicsTest, EndTheWalkWhoseCommanderIsLost) {
+  StartWalking();
+  command_.reset();
+  Run(100);
+  See(5);
+  EXPECT_EQ(Ends(), 0);
+  See(10);
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_THAT(statuses_.back(), HasSubstr("End:stopped"));
+  EXPECT_THAT(log_.back(), HasSubstr("its commander is lost"));
+}
+
 TEST_F(WalkerTopicsTest, SendFramesOfAServoMotionTwentyTimesASecondAndOneEnd) {
   StartWalking();
   frames_.clear();

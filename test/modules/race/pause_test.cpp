@@ -245,6 +245,18 @@ TEST(Pause, AtTheEndOfTheLaneDoesNotStartTheWalkerAgain) {
   EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
 }
 
+// The race before has crashed while the line walker walked.
+TEST(Pause, BeforeTheFirstRunStopsTheWalkerOfAnEarlierProcess) {
+  Field field;
+  Race race(TheCourse(), field);
+  EXPECT_THAT(field.walker, ElementsAre());
+  race.Resume({});
+  EXPECT_THAT(field.walker, ElementsAre("STOP"));
+  race.Rest({});
+  race.Resume({});
+  EXPECT_THAT(field.walker, ElementsAre("STOP"));
+}
+
 TEST(Pause, OfTheMachineAtItsEndEndsTheStream) {
   Rig rig;
   rig.Command("START:QRA_TO_A1");

@@ -137,6 +137,10 @@ class RaceProcess : public test::ModuleProcess {
     }));
     ExpectDone("SelfCheck");
     ExpectDone("Active");
+    // That of a race that begins to run.
+    ASSERT_TRUE(peer_.Until([&] { return walker_.size() == 1; }));
+    EXPECT_EQ(walker_.front(), "STOP");
+    walker_.clear();
   }
   void Command(const std::string& text) { ASSERT_TRUE(command_->Publish({text})); }
   bool AwaitState(const std::string& text) {

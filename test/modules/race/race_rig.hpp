@@ -141,6 +141,7 @@ class Rig {
         *machine, [this](std::string_view line) { recording += line; });
     race->RecordTo(*recorder);
     race->Resume(now);
+    field.walker.clear();
     EXPECT_TRUE(machine->Start(now));
   }
 
