@@ -93,6 +93,7 @@ struct Check {
   Corrections usual;        // after a movement ahead, back or aside
   Corrections after_turn;   // after a turn
   std::optional<int> max_corrections;  // else that of CheckRules
+  bool required = false;               // given up, it is a fault
 };
 
 // Keeps a walk in the middle between two lines: it turns towards their middle.

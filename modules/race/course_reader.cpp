@@ -228,6 +228,7 @@ class CourseReader {
           const auto most = table.Integer("max_corrections", 0, 1000);
           if (most) check.max_corrections = static_cast<int>(*most);
         },
+        row::Bool("required", check.required),
         corrections(check.usual),
         [&check](TableReader&) { check.after_turn = check.usual; },
         row::Sub("after_turn", {corrections(check.after_turn)}),

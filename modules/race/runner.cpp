@@ -247,6 +247,10 @@ std::optional<Index> Runner::Fail(const std::string& reason) {
 
 bool Runner::Holds(const TransitionRule& transition) const {
   if (transition.result && memory_.Value(*transition.result) != transition.is) return false;
+  return HoldsBesideResult(transition);
+}
+
+bool Runner::HoldsBesideResult(const TransitionRule& transition) const {
   if (!transition.from.empty() &&
       std::ranges::find(transition.from, previous_) == transition.from.end())
     return false;
@@ -258,6 +262,13 @@ bool Runner::Holds(const TransitionRule& transition) const {
 
 std::optional<Index> Runner::ChooseTransition() {
   for (const TransitionRule& transition : rule().transitions) {
+    // A way for all other values is none for a value that is not known.
+    const bool is_unknown = transition.result && !memory_.Value(*transition.result);
+    if (is_unknown && HoldsBesideResult(transition)) {
+      const ResultRule& result = course_.results[*transition.result];
+      return Fail(result.name + " is not known" +
+                  (result.command.empty() ? "" : ": set it by " + result.command));
+    }
     if (!Holds(transition)) continue;
     if (transition.to != kInterrupted) return transition.to;
     if (!interrupted_) return Fail("no movement was interrupted, to which it could go back");
@@ -530,9 +541,9 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
     if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
     const Lines* lines = perception_.LinesSince(check.detector, at_.after);
     const bool in_doubt = lines != nullptr && !lines->doubt.empty();
-    return GiveUpCheck("check " + check.name + ": no picture of it within " +
-                       std::to_string(ToMilliseconds(rules.picture)) + " ms" +
-                       (in_doubt ? ": " + lines->doubt : ""));
+    return GiveUpCheck(check, "check " + check.name + ": no picture of it within " +
+                                  std::to_string(ToMilliseconds(rules.picture)) + " ms" +
+                                  (in_doubt ? ": " + lines->doubt : ""));
   }
   if (*word == LineWord::kCenter) return Outcome::kDone;
   const Corrections& corrections = after_turn ? check.after_turn : check.usual;
@@ -540,7 +551,7 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
   if (!correction) return Outcome::kDone;
   const std::string found = "check " + check.name + ": " + std::string(Name(*word));
   if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
-    return GiveUpCheck(found + " after " + std::to_string(at_.tries) + " corrections");
+    return GiveUpCheck(check, found + " after " + std::to_string(at_.tries) + " corrections");
   }
   ++at_.tries;
   Say(found + ", correction " + std::to_string(at_.tries) + ": " +
@@ -551,7 +562,11 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
 }
 
 // The race goes on with a reservation, but not with too many of them: then it is lost.
-Runner::Outcome Runner::GiveUpCheck(const std::string& why) {
+Runner::Outcome Runner::GiveUpCheck(const Check& check, const std::string& why) {
+  if (check.required) {
+    fault_ = why;
+    return Outcome::kRunning;
+  }
   Reserve(why);
   memory_.GiveUpCheck();
   unsure_ = true;

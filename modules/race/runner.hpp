@@ -91,6 +91,8 @@ class Runner {
   std::optional<Index> Fail(const std::string& reason);
   std::optional<Index> ChooseTransition();
   bool Holds(const TransitionRule& transition) const;
+  // Its conditions but that on a result.
+  bool HoldsBesideResult(const TransitionRule& transition) const;
 
   Outcome Run(const MoveStep& step, Duration now, Time time);
   Outcome Run(const CheckStep& step, Duration now, Time time);
@@ -129,7 +131,7 @@ class Runner {
   void ReportUnknown(const Wait& wait, const std::string& text);
   std::optional<LineWord> Word(const Check& check) const;
   Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
-  Outcome GiveUpCheck(const std::string& why);
+  Outcome GiveUpCheck(const Check& check, const std::string& why);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
   Outcome GiveUp(const Otherwise& otherwise, const std::string& what);
   // Whether the step is left out, as the sight was not found.
