@@ -96,6 +96,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     by_time_ = false;
     if (light_) light_->Reset();
   }
+  if (!by_decision && light_) light_->Reset();  // the stopped movement does not continue
   if (!by_decision || state == course_.error || begins) interrupted_.reset();
   unsure_before_ = by_decision && unsure_;
   unsure_ = false;
