@@ -14,7 +14,10 @@ namespace musher::race {
 namespace {
 
 constexpr double kMostSeconds = 60;  // of a walk, between two samples of odometry
-constexpr int kBadReports = 3;       // in a row: 0.3 s of motion_status
+// A walk of so long that comes less far than this share of what its time gives it is blocked.
+constexpr Duration kLatestMove = Milliseconds(1500);
+constexpr double kBlockedShare = 0.5;
+constexpr int kBadReports = 3;  // in a row: 0.3 s of motion_status
 constexpr Index kSwitchNames = 15;
 
 // Of MotionStatus::switch_status.
@@ -131,6 +134,7 @@ void Locomotion::CountProgress(Duration now) {
   unmeasured_ = {};
   const double counted = std::clamp(seconds / movement.odometry_share, -kMostSeconds, kMostSeconds);
   Measure(Times(std::chrono::seconds(1), counted));
+  FailIfBlocked(movement);
 }
 
 void Locomotion::CountTurn(double yaw_rad) {
@@ -149,6 +153,13 @@ void Locomotion::Measure(Duration distance) {
                     ? std::clamp(walk_->measured, Times(walk_->walked, 1 / rules.most_share),
                                  Times(walk_->walked, 1 / rules.least_share))
                     : walk_->measured;
+}
+
+void Locomotion::FailIfBlocked(const Movement& movement) {
+  if (walk_->walked < kLatestMove) return;
+  if (walk_->measured >= Times(walk_->made, kBlockedShare)) return;
+  Fail(movement.name + " has made " + DistanceText(movement, ToSeconds(walk_->measured)) + " of " +
+       DistanceText(movement, ToSeconds(walk_->walked)) + " by odometry: something is in the way");
 }
 
 void Locomotion::CompareWithTime(const WalkProgress& walk) {

@@ -132,6 +132,8 @@ class Locomotion {
   // Counts the time since the last frame, or what odometry shows.
   void CountProgress(Duration now);
   void Measure(Duration distance);
+  // A walk that comes far less far than its time is stopped by something.
+  void FailIfBlocked(const Movement& movement);
   // A straight walk that turns too far has lost its way.
   void CountTurn(double yaw_rad);
   // Where odometry and time differ too much.

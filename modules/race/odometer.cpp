@@ -25,8 +25,8 @@ void Odometer::Begin(Duration now) {
   pose_.reset();
   stamp_ns_.reset();
   moved_ = {};
-  is_new_ = frozen_ = false;
-  received_at_ = now;
+  is_new_ = frozen_ = still_ = false;
+  received_at_ = begun_at_ = now;
   late_.reset();
   jump_.clear();
   doubt_.clear();
@@ -38,6 +38,12 @@ void Odometer::OnSample(std::int64_t stamp_ns, const navigation::Pose& pose, Dur
   if (age > rules_.fresh) late_ = age;
   frozen_ = stamp_ns_ == stamp_ns;
   if (late_ || frozen_) return;
+  still_ = pose_ && pose.at.x_m == pose_->at.x_m && pose.at.y_m == pose_->at.y_m &&
+           pose.yaw_rad == pose_->yaw_rad;
+  if (still_ && stamp_ns > *stamp_ns_) {
+    stamp_ns_ = stamp_ns;
+    return;
+  }
   const navigation::Pose before = pose_.value_or(pose);
   const double seconds = !pose_ ? 0 : ToSeconds(Duration(stamp_ns - *stamp_ns_));
   pose_ = pose;
@@ -70,6 +76,7 @@ std::optional<Displacement> Odometer::Take(Duration now) {
     doubt_.clear();
     return std::exchange(moved_, {});
   }
+  if (still_ && now - begun_at_ < rules_.begin) received_at_ = now;
   if (now - received_at_ < rules_.fresh || !believed()) return std::nullopt;
   doubt_ = WhySilent();
   pose_.reset();  // what it moves until the next sample is counted by time
@@ -79,6 +86,7 @@ std::optional<Displacement> Odometer::Take(Duration now) {
 std::string Odometer::WhySilent() const {
   if (late_) return "the odometry is " + Fixed("%.1f s", ToSeconds(*late_)) + " old";
   if (frozen_) return "the stamps of the odometry stand still";
+  if (still_) return "the pose of the odometry stands still";
   return "no odometry on " + rules_.topic + " for " + std::to_string(ToMilliseconds(rules_.fresh)) +
          " ms";
 }

@@ -2,8 +2,8 @@
 // How far the body has come during a walk, by its odometry. Pure.
 //
 // It is not believed while no new sample comes for OdometryRules::fresh, nor for the rest of a walk
-// in which it jumps farther than a body can move. A sample that is old, or has the stamp of the one
-// before, is not a new one.
+// in which it jumps farther than a body can move. A sample that is old, or has the stamp or exactly
+// the pose of the one before, is not a new one; a body that begins to walk may still stand.
 //
 // Times are those of the machine, which stands still in a pause. One thread.
 
@@ -48,7 +48,9 @@ class Odometer {
   Displacement moved_;                    // since the last tick with a new sample
   bool is_new_ = false;                   // a sample since the last tick
   Duration received_at_{};
+  Duration begun_at_{};
   bool frozen_ = false;           // the last sample had the stamp of the one before
+  bool still_ = false;            // or its pose
   std::optional<Duration> late_;  // the age of the last sample, where it was old
   std::string jump_;              // in this walk
   std::string doubt_;

@@ -321,6 +321,7 @@ void Runner::ReserveDistances() {
   if (const auto difference = locomotion_.TakeDifference()) {
     Reserve(*difference);
     Say(*difference);
+    unsure_ = true;
   }
   if (by_time_ || !locomotion_.streaming() || locomotion_.doubt().empty()) return;
   by_time_ = true;
@@ -687,7 +688,8 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time time) {
 Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
     const bool unsure = step.unsure && (unsure_ || unsure_before_);
-    if (unsure) Say("it is not sure of the place: a check on the way was given up");
+    if (unsure)
+      Say("it is not sure of the place: a check on the way was given up, or a walk not confirmed");
     voice_.Begin(unsure ? *step.unsure : step.speech, memory_, now);
     Phase(1, now);
   }

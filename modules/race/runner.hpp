@@ -177,7 +177,7 @@ class Runner {
   bool unseen_said_ = false;              // in the log
   std::string unseen_why_;
   bool by_time_ = false;        // a walk of this run went by its time, without odometry
-  bool unsure_ = false;         // a check of this state was given up
+  bool unsure_ = false;         // a check of this state was given up, or a walk not confirmed
   bool unsure_before_ = false;  // one of the state before
   Index target_ = 0;
   std::optional<Time> paused_at_;

@@ -243,8 +243,8 @@ TEST_F(RaceProcess, KeepsAReservationWhereTheOdometryStandsStill) {
   odometry_ = Publisher<msg::Odometry>("odom_out", transport::kSensorDataQos);
   std::string course = kCourse;
   const std::string old = "count = 3";
-  course.replace(course.find(old), old.size(), "count = 10");
-  StartActive(course + "[odometry]\ntopic = \"odom_out\"\nfresh_ms = 10000\n");
+  course.replace(course.find(old), old.size(), "count = 20");
+  StartActive(course + "[odometry]\ntopic = \"odom_out\"\nfresh_ms = 1000\n");
   ASSERT_TRUE(peer_.Until([&] { return odometry_->MatchedReaders() == 1; }));
   Command("START");
   ASSERT_TRUE(AwaitState("State:3")) << peer_.Output();
@@ -254,10 +254,9 @@ TEST_F(RaceProcess, KeepsAReservationWhereTheOdometryStandsStill) {
   ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
   ASSERT_TRUE(peer_.Until([&] {
     return infos_.back().find(
-               ",TaskCompleted:True,Reservations:1,FirstReservation:DRIVE: forward: "
-               "10 steps made 0.") != std::string::npos;
+               ",TaskCompleted:True,Reservations:1,FirstReservation:DRIVE: walks without odometry; "
+               "by their time: the pose of the odometry stands still") != std::string::npos;
   })) << infos_.back();
-  EXPECT_THAT(infos_.back(), HasSubstr(" m of 0.80 m by odometry: the feet slip"));
   ExpectTornDown();
   EXPECT_EQ(RunTool({"replay", "race.record", "race.toml"}), 0) << Said();
   EXPECT_THAT(Said(), HasSubstr("identical"));
