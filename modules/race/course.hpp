@@ -113,6 +113,7 @@ struct CheckRules {
   Duration open = Milliseconds(2000);      // a detector is opened so long before the movement's end
   Duration silent = Milliseconds(10'000);  // a wanted detector without a sample has failed
   int most_given_up = 0;                   // of a run; one more is a fault. 0: no limit
+  int agreeing = 2;                        // pictures in a row with the same word, until it counts
 };
 
 // Walks by the distance that odometry shows, and not by their time alone.

@@ -180,6 +180,7 @@ class CourseReader {
         row::Time("open_ms", rules.open, 0),
         row::Time("silent_ms", rules.silent),
         row::Integer("most_given_up", rules.most_given_up, 0, 1000),
+        row::Integer("agreeing_pictures", rules.agreeing, 1, 100),
     };
   }
 

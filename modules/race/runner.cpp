@@ -1,6 +1,7 @@
 #include "musher/modules/race/runner.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -36,6 +37,17 @@ std::string MovedText(const navigation::Pose& from, const navigation::Pose& to) 
   std::snprintf(text, sizeof text, "it was moved by %.2f m and turned by %.0f degrees in the pause",
                 shift_m, shift_rad * 180 / M_PI);
   return text;
+}
+
+// The value that a text is, in upper or lower case.
+std::optional<Index> ValueOf(const ResultRule& result, const std::string& text) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  const auto is_text = [&](const std::string& value) {
+    return std::ranges::equal(value, text, {}, lower, lower);
+  };
+  const auto value = std::ranges::find_if(result.values, is_text);
+  if (value == result.values.end()) return std::nullopt;
+  return static_cast<Index>(value - result.values.begin());
 }
 
 std::string Steps(int count) {
@@ -224,7 +236,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
     if (const auto fault = locomotion_.Fault(now)) return Fail(*fault);
     if (outcome == Outcome::kTarget) return target_;
     if (outcome == Outcome::kRunning) return std::nullopt;
-    at_ = {.step = at_.step + 1, .phase = 0, .since = now, .after = {}, .tries = 0};
+    at_ = {.step = at_.step + 1, .since = now};
     unseen_since_.reset();
     if (outcome == Outcome::kDone) return std::nullopt;  // a new stream begins in the next tick
   }
@@ -522,18 +534,50 @@ Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
   return Outcome::kRunning;
 }
 
-// By a picture that is new enough; nothing where it shows no line, or not the thing.
-std::optional<LineWord> Runner::Word(const Check& check) const {
+// By pictures that are new enough; nothing where they show no line, or not the thing.
+std::optional<LineWord> Runner::Word(const Check& check) {
+  std::optional<LineWord> word;
+  bool clear = true;
   if (check.by == Check::By::kBox) {
     const Sighting* sighting = perception_.SightingSince(check.detector, at_.after);
-    if (sighting == nullptr || !sighting->seen) return std::nullopt;
-    if (!std::isfinite(sighting->offset)) return std::nullopt;  // it does not say where
-    if (sighting->offset > check.threshold) return LineWord::kLeft;
-    return sighting->offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
+    if (sighting == nullptr) return std::nullopt;
+    word = BoxWord(check, *sighting);
+  } else {
+    const Lines* lines = perception_.LinesSince(check.detector, at_.after);
+    if (lines == nullptr) return std::nullopt;
+    clear = lines->doubt.empty();
+    if (clear && lines->contours > 0) word = check.by == Check::By::kDy ? lines->dy : lines->ycy;
   }
-  const Lines* lines = perception_.LinesSince(check.detector, at_.after);
-  if (lines == nullptr || lines->contours == 0 || !lines->doubt.empty()) return std::nullopt;
-  return check.by == Check::By::kDy ? lines->dy : lines->ycy;
+  const auto index = word ? std::optional(static_cast<Index>(*word)) : std::nullopt;
+  return Agreed(check.detector, index, clear) ? word : std::nullopt;
+}
+
+std::optional<LineWord> Runner::BoxWord(const Check& check, const Sighting& sighting) const {
+  if (!sighting.seen || !std::isfinite(sighting.offset)) return std::nullopt;
+  const auto finds = [&](const Wait& wait) {
+    return wait.detector == check.detector && ValueOf(course_.results[wait.result], sighting.text);
+  };
+  const auto reads = [&](const Wait& wait) { return wait.detector == check.detector; };
+  if (std::ranges::any_of(course_.waits, reads) && std::ranges::none_of(course_.waits, finds)) {
+    return std::nullopt;  // another board
+  }
+  if (sighting.offset > check.threshold) return LineWord::kLeft;
+  return sighting.offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
+}
+
+std::optional<Index> Runner::Agreed(Index detector, std::optional<Index> word, bool clear) {
+  Agreement& so_far = at_.agreed;
+  const std::uint64_t picture = perception_.Pictures(detector);
+  if (so_far.picture == picture) return std::nullopt;
+  so_far.picture = picture;
+  ++so_far.pictures;
+  if (clear) ++so_far.clear;
+  if (!word) return std::nullopt;
+  so_far.in_row = so_far.word == word ? so_far.in_row + 1 : 1;
+  so_far.word = word;
+  const bool agrees =
+      so_far.in_row >= course_.check.agreeing && 2 * so_far.clear >= so_far.pictures;
+  return agrees ? word : std::nullopt;
 }
 
 Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, Time /*time*/) {
@@ -612,13 +656,15 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
   perception_.Want(*wait.detector);
   const Sighting* sighting = perception_.SightingSince(*wait.detector, at_.after);
   if (sighting != nullptr && sighting->seen) {
-    const auto value = std::ranges::find(result.values, sighting->text);
-    if (value != result.values.end()) {
-      memory_.Set(wait.result, static_cast<Index>(value - result.values.begin()));
-      Say(result.name + " is " + sighting->text);
+    const auto value = ValueOf(result, sighting->text);
+    // A detector of words says its word once.
+    const bool once = course_.detectors[*wait.detector].kind == Detector::Kind::kText;
+    if (value && (once || Agreed(*wait.detector, value, true))) {
+      memory_.Set(wait.result, *value);
+      Say(result.name + " is " + result.values[*value]);
       return Outcome::kDone;
     }
-    ReportUnknown(wait, sighting->text);
+    if (!value) ReportUnknown(wait, sighting->text);
   }
   if (now - at_.since < wait.limit) return Outcome::kRunning;
   const std::string none =

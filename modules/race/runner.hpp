@@ -60,6 +60,14 @@ class Runner {
   void ForgetReason() { reason_.clear(); }
 
  private:
+  // What the pictures of a look say, one after the other.
+  struct Agreement {
+    std::optional<std::uint64_t> picture;  // the newest, see Perception::Pictures()
+    std::optional<Index> word;             // the last one
+    int in_row = 0;                        // pictures with this word
+    int pictures = 0;
+    int clear = 0;  // of them without a doubt
+  };
   // Where the present state is.
   struct Activity {
     Index step = 0;
@@ -67,6 +75,7 @@ class Runner {
     Duration since{};  // of the phase
     Time after{};      // pictures taken before do not count
     int tries = 0;     // corrections or retries
+    Agreement agreed{};
   };
   struct Interrupted {
     Index state = 0;
@@ -129,7 +138,12 @@ class Runner {
   void WantNext();
   // Once for each text, at most some of a state.
   void ReportUnknown(const Wait& wait, const std::string& text);
-  std::optional<LineWord> Word(const Check& check) const;
+  std::optional<LineWord> Word(const Check& check);
+  // By the box of a thing whose text is a value that its detector is to find.
+  std::optional<LineWord> BoxWord(const Check& check, const Sighting& sighting) const;
+  // The word, where the last pictures with one have the same, and no more of the pictures were
+  // in doubt than not: one picture decides nothing.
+  std::optional<Index> Agreed(Index detector, std::optional<Index> word, bool clear);
   Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
   Outcome GiveUpCheck(const Check& check, const std::string& why);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
@@ -146,6 +160,7 @@ class Runner {
   void Phase(int phase, Duration now) {
     at_.phase = phase;
     at_.since = now;
+    at_.agreed = {};
   }
   int StepsOf(Duration time) const {
     return static_cast<int>((time + course_.step / 2) / course_.step);

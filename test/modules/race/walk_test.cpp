@@ -280,7 +280,7 @@ TEST(Check, TurnsTowardsTheBoardWhoseBoxIsBesideTheMiddle) {
   for (const double offset : {0.2, -0.2}) {
     Rig rig;
     rig.script.sight = [offset](const std::string& detector) {
-      return Sighting{detector == "qr", std::nan(""), "", "", offset};
+      return Sighting{detector == "qr", std::nan(""), "", "A-1", offset};
     };
     rig.Command("START:S1_TO_A1");
     ASSERT_TRUE(rig.RunUntil([&] { return rig.field.Logged("check board: "); }));
@@ -315,7 +315,38 @@ TEST(Check, NeedsAPictureThatIsHalfASecondNewerThanTheMovement) {
   EXPECT_FALSE(rig.field.Logged("correction"));
   rig.race->OnLines(lines, 2, "left", "center", 0.1, end + Milliseconds(500), rig.now);
   rig.Tick();
+  rig.race->OnLines(lines, 2, "left", "center", 0.1, end + Milliseconds(600), rig.now);
+  rig.Tick();
   EXPECT_TRUE(rig.field.Logged("QRA_TO_A1: check right_ycy: left, correction 1: backward 2"));
+}
+
+TEST(Check, NeedsAWordInTwoPictures) {
+  Rig rig;
+  int pictures = 0;
+  rig.script.lines = [&](const std::string& detector) {
+    if (detector != "right_lane") return Lines{2, LineWord::kCenter, LineWord::kCenter};
+    const bool odd = ++pictures % 2 == 0;
+    return Lines{2, odd ? LineWord::kLeft : LineWord::kRight, LineWord::kCenter};
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_FALSE(rig.field.Logged("correction 1"));
+  EXPECT_TRUE(rig.field.Logged("check right_ycy: no picture of it within 3000 ms"));
+}
+
+// One clear picture of many in doubt is chance.
+TEST(Check, NeedsHalfOfThePicturesWithoutDoubt) {
+  Rig rig;
+  int pictures = 0;
+  rig.script.lines = [&](const std::string& detector) {
+    if (detector != "right_lane") return Lines{2, LineWord::kCenter, LineWord::kCenter};
+    Lines lines{2, LineWord::kLeft, LineWord::kCenter};
+    if (++pictures % 4 != 0) lines.doubt = "the floor has the colour of the lines";
+    return lines;
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_FALSE(rig.field.Logged("correction 1"));
 }
 
 TEST(Check, ContinuesWithoutALineAfterItsLimitAndSaysSo) {
@@ -360,6 +391,33 @@ TEST(Wait, TakesTheDefaultsOfBayAndArrow) {
   ASSERT_TRUE(rig.RunTo("QRB_TO_B1", std::chrono::seconds(65)));
   rig.Command("START:IN_S2");
   ASSERT_TRUE(rig.RunTo("S2_TO_R1", std::chrono::seconds(20)));
+}
+
+// A reflection that was read once decided the way.
+TEST(Wait, NeedsAWordInTwoPictures) {
+  Rig rig;
+  rig.script.silent = {"qr"};
+  rig.Command("START:IN_QR_A");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.Wants("qr"); }));
+  const Index qr = FindByName(rig.course_.detectors, "qr").value();
+  rig.Tick(2);
+  rig.race->OnSighting(qr, Text("A-1"), rig.now, rig.now);
+  const Time taken = rig.now;
+  rig.Tick(2);
+  rig.race->OnSighting(qr, Text("A-1"), taken, rig.now);  // the same picture
+  rig.Tick(2);
+  rig.race->OnSighting(qr, Text("A-2"), rig.now, rig.now);
+  rig.Run(Milliseconds(500));
+  EXPECT_EQ(rig.race->memory().Text(0), "None");
+  rig.race->OnSighting(qr, Text("A-2"), rig.now, rig.now);
+  EXPECT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(1000)));
+}
+
+TEST(Wait, TakesAWordInAnyCase) {
+  Rig rig;
+  rig.script.sight = [](const std::string&) { return Text("a-2"); };
+  rig.Command("START:IN_QR_A");
+  ASSERT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(3000)));
 }
 
 TEST(Wait, IgnoresATextThatIsNoneOfItsValues) {
