@@ -83,6 +83,9 @@ std::string_view Name(LineWord word);
 
 using Corrections = std::array<std::optional<Stretch>, 4>;  // by LineWord, but of kCenter
 
+// So long a walk until a sight waits for a thing that is hidden.
+inline constexpr Duration kLongestHidden = Milliseconds(10'000);
+
 struct Check {
   std::string name;
   Index detector = 0;

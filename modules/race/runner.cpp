@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <string_view>
 #include <utility>
 
 #include "musher/base/suggest.hpp"
@@ -16,6 +17,9 @@ namespace {
 constexpr int kLook = 1;
 constexpr int kCorrect = 2;
 constexpr int kRetry = 2;
+
+// Of a sighting: something is before the thing.
+constexpr std::string_view kHidden = "hidden";
 
 // Of the lane in which a walk keeps.
 constexpr int kUnseenTimes = 4;
@@ -710,16 +714,48 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
     if (step.stores) memory_.SetCount(*step.stores, made);
     return Steps(made, std::min(StepsOf(walk.walked), most.count));
   };
-  const Sighting* sighting = perception_.SightingSince(until.detector, at_.after);
-  if (sighting != nullptr && sighting->phase == until.phase) {
+  const Sighting* sighting = perception_.SightingSince(until.detector, time - blind());
+  const bool of_walk = perception_.SightingSince(until.detector, at_.after) != nullptr;
+  if (sighting != nullptr && of_walk && sighting->phase == until.phase) {
     memory_.SetMissed(step.until, false);
     Say(until.name + " after " + store(locomotion_.Halt(time)));
     return Outcome::kDone;
+  }
+  if (WaitsForSight(until, sighting, now)) {
+    if (WatchesLight()) perception_.Want(course_.light->detector);
+    unseen_since_.reset();
+    locomotion_.Wait();
+    return Outcome::kRunning;
   }
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
   memory_.SetMissed(step.until, true);
   return GiveUp(until.otherwise, "no " + until.name + " within " + store(locomotion_.ended_walk()));
+}
+
+bool Runner::WaitsForSight(const Until& until, const Sighting* sighting, Duration now) {
+  if (sighting == nullptr) {
+    if (!perception_.HasStarted(until.detector)) return false;
+    if (!at_.stale_since) at_.stale_since = now;
+    if (now - *at_.stale_since >= course_.check.silent) {
+      fault_ = "all pictures for the detector " + course_.detectors[until.detector].name +
+               " are older than " + std::to_string(ToMilliseconds(blind())) + " ms, for " +
+               std::to_string(ToMilliseconds(course_.check.silent)) + " ms";
+      at_.stale_since.reset();  // in the error state it goes on
+    }
+    return true;
+  }
+  at_.stale_since.reset();
+  if (sighting->phase != kHidden) at_.hidden_since.reset();
+  if (sighting->phase != kHidden || at_.hidden_over) return false;
+  if (!at_.hidden_since) at_.hidden_since = now;
+  if (now - *at_.hidden_since < kLongestHidden) return true;
+  at_.hidden_over = true;
+  const std::string reason =
+      until.name + " has been hidden for " + std::to_string(ToMilliseconds(kLongestHidden)) + " ms";
+  Reserve(reason);
+  Say(reason + "; it walks on");
+  return false;
 }
 
 Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time time) {

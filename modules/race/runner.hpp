@@ -60,6 +60,8 @@ class Runner {
   void ForgetReason() { reason_.clear(); }
 
  private:
+  static constexpr Duration kBlind = Milliseconds(1000);  // of a course without a light
+
   // What the pictures of a look say, one after the other.
   struct Agreement {
     std::optional<std::uint64_t> picture;  // the newest, see Perception::Pictures()
@@ -76,6 +78,10 @@ class Runner {
     Time after{};      // pictures taken before do not count
     int tries = 0;     // corrections or retries
     Agreement agreed{};
+    // Of a walk until a sight: there is no new picture, or the thing is hidden, since then.
+    std::optional<Duration> stale_since{};
+    std::optional<Duration> hidden_since{};
+    bool hidden_over = false;  // it is not waited for any more
   };
   struct Interrupted {
     Index state = 0;
@@ -107,6 +113,9 @@ class Runner {
   Outcome Run(const CheckStep& step, Duration now, Time time);
   Outcome Run(const WaitStep& step, Duration now, Time time);
   Outcome Run(const UntilStep& step, Duration now, Time time);
+  // Whether a walk until a sight stands until there is a new picture, or what hides the thing is
+  // gone.
+  bool WaitsForSight(const Until& until, const Sighting* sighting, Duration now);
   Outcome Run(const WalkStep& step, Duration now, Time time);
   Outcome Run(const SayStep& step, Duration now, Time time);
   Outcome Run(const CountStep& step, Duration now, Time time);
@@ -130,6 +139,7 @@ class Runner {
   bool StoppedByLight(Duration now, Time time);
   // Leaves the state for that of the light.
   void Interrupt();
+  Duration blind() const { return course_.light ? course_.light->blind : kBlind; }
   void Steer(const std::optional<Index>& keep, Duration now, Time time);
   // The lane has not been seen for kUnseenTimes times Keep::fresh: the walk waits for it, at most
   // kLongestUnseen, which is then a fault.

@@ -214,6 +214,39 @@ TEST(Walk, UntilAMarkerIgnoresAPictureThatWasTakenBefore) {
   ASSERT_TRUE(rig.RunTo("IN_R1", Milliseconds(2000)));
 }
 
+TEST(Walk, UntilASightStandsWithoutAFreshPicture) {
+  Rig rig;
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 20; }));
+  rig.script.silent = {"barrier"};
+  rig.Run(Milliseconds(1300));
+  EXPECT_FALSE(rig.field.streaming) << "it walks on without looking for the barrier";
+  rig.script.silent.clear();
+  rig.Run(Milliseconds(500));
+  EXPECT_TRUE(rig.field.streaming);
+  rig.script.silent = {"barrier"};
+  EXPECT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(11)));
+}
+
+TEST(Walk, UntilASightThatIsHiddenWaitsForItAndGoesOn) {
+  Rig rig;
+  rig.script.sight = [&](const std::string& detector) -> Sighting {
+    const bool hidden = detector == "marker" && rig.FramesOf({0.4, 0, 0}) > 40;
+    return {false, kUnknown, hidden ? "hidden" : "", ""};
+  };
+  rig.Command("START:S2_TO_R1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 40; }));
+  rig.Run(Milliseconds(500));
+  const int frames = rig.FramesOf({0.4, 0, 0});
+  EXPECT_FALSE(rig.field.streaming);
+  rig.Run(Milliseconds(8500));
+  EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), frames);
+  rig.Run(Milliseconds(2000));
+  EXPECT_TRUE(rig.field.streaming);
+  EXPECT_TRUE(rig.field.Logged("marker has been hidden for 10000 ms"));
+  EXPECT_TRUE(rig.RunTo("IN_R1"));
+}
+
 TEST(Walk, AheadIsShorterByTheStepsOfTheRetriesAtTheBoard) {
   Rig rig;
   rig.Command("START:IN_QR_A");
