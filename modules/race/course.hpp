@@ -291,8 +291,9 @@ enum class Need : std::uint8_t { kRequired, kOptional, kNone };
 
 // The actuator around the course.
 struct RobotRules {
-  bool from_start = false;                   // after a pause; else where it was
-  std::string record;                        // a file; empty: nothing is recorded
+  bool from_start = false;                        // after a pause; else where it was
+  Duration resume_within = Milliseconds(60'000);  // after a longer pause only by START; 0: always
+  std::string record;                             // a file; empty: nothing is recorded
   Duration self_check = Milliseconds(5000);  // of the steady clock, until all programs are there
   Need motion = Need::kRequired;
   Need cameras = Need::kRequired;  // the publishers of all detectors

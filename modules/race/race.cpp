@@ -85,6 +85,7 @@ std::string Race::InfoText() const {
                      ",QRResult:" + memory().Shown() +
                      ",TaskCompleted:" + (memory().completed() ? "True" : "False");
   const bool failed = running() && runner_.state() == course_.error && !runner_.reason().empty();
+  if (waits_for_start_) text += ",Waits:START";
   if (memory().completed() || failed) text += ReservationsText();
   return failed ? text + ",Reason:" + runner_.reason() : text;
 }
@@ -366,7 +367,7 @@ void Race::ExecuteJump() {
 void Race::Rest(Time now) {
   now_ = now;
   Record(input::kRest, {});
-  resting_ = true;
+  if (!std::exchange(resting_, true)) rested_at_ = now;
   start_counts_ = false;
   if (jump_ && jump_->state != course_.start) {
     outputs_.Log("START:" + course_.states[jump_->state].name +
@@ -385,6 +386,22 @@ void Race::Resume(Time now) {
     for (const LaneWalk& walk : course_.walks) outputs_.CommandWalker(walk, false);
   }
   runner_.Resume(machine_ == nullptr ? Duration(0) : machine_->time());
+  // In a long pause people come near, or put the robot on its charger.
+  const std::optional<Time> rested_at = std::exchange(rested_at_, std::nullopt);
+  const Duration within = course_.robot.resume_within;
+  const Index state = runner_.state();
+  const bool under_way = state != course_.start && state != course_.end && state != course_.error;
+  if (!rested_at || !running() || !under_way || within == Duration(0)) return;
+  if (now - *rested_at <= within) return;
+  waits_for_start_ = true;
+  outputs_.Log(course_.states[state].name + ": the pause was longer than " +
+               std::to_string(ToMilliseconds(within)) + " ms: it goes on after START");
+}
+
+void Race::GoOn() {
+  waits_for_start_ = false;
+  outputs_.Log(course_.states[runner_.state()].name + ": goes on by START");
+  runner_.ComparePose(machine_->time());
 }
 
 void Race::OnInput(const fsm::Machine& machine, const fsm::Input& input) {
@@ -405,7 +422,10 @@ void Race::OnInput(const fsm::Machine& machine, const fsm::Input& input) {
 
 void Race::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   decided_ = change.cause == fsm::Cause::kDecided;
-  if (change.cause != fsm::Cause::kDecided) jump_.reset();
+  if (change.cause != fsm::Cause::kDecided) {
+    jump_.reset();
+    waits_for_start_ = false;
+  }
   if (change.cause == fsm::Cause::kReset) {
     runner_.memory().Forget();
     runner_.ForgetReason();

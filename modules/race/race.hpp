@@ -96,6 +96,8 @@ class Race : private fsm::Listener {
   void OnInput(const fsm::Machine& machine, const fsm::Input& input) override;
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
 
+  // By START, where it waits for that.
+  void GoOn();
   void Execute(std::string_view command);
   void Stop();
   bool ExecuteSet(std::string_view command);
@@ -124,6 +126,8 @@ class Race : private fsm::Listener {
   bool replays_ = false;
   bool resting_ = true;
   bool has_run_ = false;  // since the process began
+  std::optional<Time> rested_at_;
+  bool waits_for_start_ = false;  // after a long pause
   Time now_{};
 };
 

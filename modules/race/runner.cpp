@@ -175,6 +175,11 @@ void Runner::Resume(Duration now) {
   }
 }
 
+void Runner::ComparePose(Duration now) {
+  moved_.clear();
+  if (rest_pose_) checks_pose_from_ = now;
+}
+
 void Runner::ReservePose() {
   const std::string reason =
       "whether it was moved in the pause is not known: no odometry on " + course_.odometry.topic;

@@ -38,6 +38,8 @@ class Runner {
   // `time` is that of the actuator's clock, as of OnOdometry().
   void Pause(Time time);
   void Resume(Duration now);
+  // Its place may have changed since the pause: before it goes on it is compared once more.
+  void ComparePose(Duration now);
   // Odometry counts: during a walk, where the robot comes to rest in a pause, and after it.
   bool WantsOdometry(Time time) const {
     return locomotion_.streaming() || PoseOfRestAt(time) || checks_pose_from_.has_value();

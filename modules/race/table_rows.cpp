@@ -34,6 +34,7 @@ Rows RobotRows(const std::filesystem::path& folder, RobotRules& robot) {
   };
   return {
       row::Choice("resume", robot.from_start, {{"where_it_was", false}, {"start", true}}),
+      row::Time("resume_within_ms", robot.resume_within, 0),
       read_record,
       row::Time("self_check_ms", robot.self_check),
       need("motion", robot.motion),

@@ -28,7 +28,7 @@ TEST(Pause, EndsTheStreamAndContinuesWithTheRestAfterStandingUp) {
   rig.race->Rest(rig.now);  // idempotent
   EXPECT_EQ(rig.field.ends, 1);
   rig.machine->Pause();
-  rig.Run(std::chrono::minutes(10));
+  rig.Run(std::chrono::seconds(55));
   rig.race->Resume(rig.now);
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 2; }));
   EXPECT_THAT(rig.field.motions, ElementsAre(111, 111));
@@ -146,7 +146,7 @@ TEST(Pause, DoesNotCountTowardsALimit) {
   Rig rig;
   rig.Command("START:IN_QRB");
   rig.Run(std::chrono::seconds(30));
-  PauseFor(rig, std::chrono::minutes(5));
+  PauseFor(rig, std::chrono::seconds(55));
   rig.Run(std::chrono::seconds(25));
   EXPECT_EQ(rig.state(), "IN_QRB");
   EXPECT_TRUE(rig.RunTo("QRB_TO_B1", std::chrono::seconds(10)));
@@ -209,6 +209,46 @@ TEST(Pause, InWhichTheRobotIsMovedIsAFault) {
   }
 }
 
+// Charged, the robot walked off from its charger by itself.
+TEST(Pause, ThatIsLongIsFollowedByTheRestOnlyAfterStart) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Run(std::chrono::seconds(30));
+  EXPECT_EQ(rig.state(), "QRA_TO_A1");
+  EXPECT_EQ(rig.field.streams, 1);
+  EXPECT_THAT(rig.field.motions, ElementsAre(111));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr(",Waits:START"));
+  PauseFor(rig, std::chrono::seconds(1));
+  rig.Run(std::chrono::seconds(5));
+  EXPECT_EQ(rig.field.streams, 1) << "a short pause permits nothing";
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("IN_A1", std::chrono::seconds(60)));
+  EXPECT_THAT(rig.race->InfoText(), ::testing::Not(HasSubstr("Waits")));
+}
+
+TEST(Pause, ThatIsLongMayBeEndedByAnotherCommand) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Command("START:QRB_TO_B1");
+  EXPECT_TRUE(rig.RunTo("IN_B1", std::chrono::seconds(60)));
+}
+
+TEST(Pause, ThatIsLongAndInWhichItIsMovedAtItsEndIsAFault) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Run(std::chrono::seconds(5));
+  rig.pose.at.x_m += 0.4;
+  rig.Command("START");
+  EXPECT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+}
+
 TEST(Pause, InWhichTheRobotStandsUpIsNone) {
   Rig rig;
   rig.script.odometry = Truth;
@@ -240,7 +280,7 @@ TEST(Pause, AtTheEndOfTheLaneDoesNotStartTheWalkerAgain) {
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.walking_lane; }));
   rig.Run(Milliseconds(2000));
   rig.race->OnWalkerStatus(0, "State:IDLE,Active:False,End:course_end", rig.now);
-  PauseFor(rig, std::chrono::minutes(10));
+  PauseFor(rig, std::chrono::seconds(55));
   ASSERT_TRUE(rig.RunTo("IN_S2", std::chrono::seconds(10)));
   EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
 }
