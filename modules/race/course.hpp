@@ -127,6 +127,9 @@ struct OdometryRules {
   Duration fresh = Milliseconds(300);  // without a new sample for so long it is not believed
   Duration begin = Milliseconds(800);  // so long the body accelerates: the time counts
   double most_turned_rad = 0.3;        // of a straight walk: more is a fault. 0: not checked
+  double blocked_share = 0.5;  // a walk that shows less of its way is a fault. 0: not checked
+  double most_moved_m = 0.15;  // in a pause: more is a fault. 0: not checked
+  double most_moved_rad = 0.2;
 
   bool used() const { return !topic.empty(); }
 };

@@ -14,9 +14,8 @@ namespace musher::race {
 namespace {
 
 constexpr double kMostSeconds = 60;  // of a walk, between two samples of odometry
-// A walk of so long that comes less far than this share of what its time gives it is blocked.
+// A walk of so long that comes less far than OdometryRules::blocked_share is blocked.
 constexpr Duration kLatestMove = Milliseconds(1500);
-constexpr double kBlockedShare = 0.5;
 constexpr int kBadReports = 3;  // in a row: 0.3 s of motion_status
 constexpr Index kSwitchNames = 15;
 
@@ -124,8 +123,19 @@ void Locomotion::CountProgress(Duration now) {
   const bool by_time = begins || !odometer_.believed() || twist == Twist{};
   const auto moved = odometer_.Take(now);
   if (moved && !twist.turns()) CountTurn(moved->yaw_rad);
+  const bool checks = course_.odometry.blocked_share > 0 && twist != Twist{};
+  if (checks && odometer_.still() >= kLatestMove) {
+    Fail(movement.name +
+         ": the pose of the odometry stands still: something is in the way, or it is frozen");
+  }
   if (by_time || !odometer_.believed()) return Measure(std::exchange(unmeasured_, {}));
-  if (!moved) return Measure({});
+  if (!moved) {
+    // A pose that stands still has its next sample to say how far it was.
+    if (odometer_.still() > Duration(0)) {
+      unmeasured_ = std::min(unmeasured_, course_.odometry.fresh);
+    }
+    return Measure({});
+  }
   const double speed = std::hypot(twist.forward_m_s, twist.left_m_s);
   const double seconds =
       twist.turns() ? moved->yaw_rad / twist.yaw_rad_s
@@ -156,8 +166,9 @@ void Locomotion::Measure(Duration distance) {
 }
 
 void Locomotion::FailIfBlocked(const Movement& movement) {
-  if (walk_->walked < kLatestMove) return;
-  if (walk_->measured >= Times(walk_->made, kBlockedShare)) return;
+  const double share = course_.odometry.blocked_share;
+  if (share == 0 || walk_->walked < kLatestMove) return;
+  if (walk_->measured >= Times(walk_->made, share)) return;
   Fail(movement.name + " has made " + DistanceText(movement, ToSeconds(walk_->measured)) + " of " +
        DistanceText(movement, ToSeconds(walk_->walked)) + " by odometry: something is in the way");
 }

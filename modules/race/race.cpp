@@ -85,7 +85,7 @@ std::string Race::InfoText() const {
                      ",QRResult:" + memory().Shown() +
                      ",TaskCompleted:" + (memory().completed() ? "True" : "False");
   const bool failed = running() && runner_.state() == course_.error && !runner_.reason().empty();
-  if (waits_for_start_) text += ",Waits:START";
+  if (waits_for_start()) text += ",Waits:START";
   if (memory().completed() || failed) text += ReservationsText();
   return failed ? text + ",Reason:" + runner_.reason() : text;
 }
@@ -393,15 +393,15 @@ void Race::Resume(Time now) {
   const bool under_way = state != course_.start && state != course_.end && state != course_.error;
   if (!rested_at || !running() || !under_way || within == Duration(0)) return;
   if (now - *rested_at <= within) return;
-  waits_for_start_ = true;
+  if (!held_from_) held_from_ = machine_->time();
   outputs_.Log(course_.states[state].name + ": the pause was longer than " +
                std::to_string(ToMilliseconds(within)) + " ms: it goes on after START");
 }
 
 void Race::GoOn() {
-  waits_for_start_ = false;
+  const Duration now = machine_->time();
   outputs_.Log(course_.states[runner_.state()].name + ": goes on by START");
-  runner_.ComparePose(machine_->time());
+  runner_.GoOn(now, now - *std::exchange(held_from_, std::nullopt));
 }
 
 void Race::OnInput(const fsm::Machine& machine, const fsm::Input& input) {
@@ -424,7 +424,7 @@ void Race::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   decided_ = change.cause == fsm::Cause::kDecided;
   if (change.cause != fsm::Cause::kDecided) {
     jump_.reset();
-    waits_for_start_ = false;
+    held_from_.reset();
   }
   if (change.cause == fsm::Cause::kReset) {
     runner_.memory().Forget();

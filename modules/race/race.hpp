@@ -98,6 +98,7 @@ class Race : private fsm::Listener {
 
   // By START, where it waits for that.
   void GoOn();
+  bool waits_for_start() const { return held_from_.has_value(); }
   void Execute(std::string_view command);
   void Stop();
   bool ExecuteSet(std::string_view command);
@@ -127,7 +128,7 @@ class Race : private fsm::Listener {
   bool resting_ = true;
   bool has_run_ = false;  // since the process began
   std::optional<Time> rested_at_;
-  bool waits_for_start_ = false;  // after a long pause
+  std::optional<Duration> held_from_;  // of the machine: after a long pause, until START
   Time now_{};
 };
 

@@ -26,17 +26,18 @@ constexpr int kUnseenTimes = 4;
 constexpr Duration kLongestUnseen = Milliseconds(3000);
 
 // Of a pause: the body comes to rest within the first, and its pose has to be known within the
-// second after the end. A body that stands up shifts by less than the rest.
+// second after the end.
 constexpr Duration kToRest = Milliseconds(1000);
 constexpr Duration kLatestPose = Milliseconds(1000);
-constexpr double kMostShiftM = 0.15;
-constexpr double kMostShiftRad = 0.2;
 
 // How far the body has been moved; empty: not.
-std::string MovedText(const navigation::Pose& from, const navigation::Pose& to) {
+std::string MovedText(const OdometryRules& rules, const navigation::Pose& from,
+                      const navigation::Pose& to) {
   const double shift_m = std::hypot(to.at.x_m - from.at.x_m, to.at.y_m - from.at.y_m);
   const double shift_rad = std::abs(navigation::Wrapped(to.yaw_rad - from.yaw_rad));
-  if (shift_m <= kMostShiftM && shift_rad <= kMostShiftRad) return {};
+  const bool shifted = rules.most_moved_m > 0 && shift_m > rules.most_moved_m;
+  const bool turned = rules.most_moved_rad > 0 && shift_rad > rules.most_moved_rad;
+  if (!shifted && !turned) return {};
   char text[100];
   std::snprintf(text, sizeof text, "it was moved by %.2f m and turned by %.0f degrees in the pause",
                 shift_m, shift_rad * 180 / M_PI);
@@ -87,6 +88,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   if (!by_decision) {  // by a command that knows where it is
     checks_pose_from_.reset();
     moved_.clear();
+    place_checked_ = true;
   }
   unknown_.clear();
   if (back) {
@@ -150,7 +152,8 @@ void Runner::SkipSteps() {
 void Runner::Pause(Time time) {
   if (!paused_at_) {
     paused_at_ = time;
-    rest_pose_.reset();
+    keeps_rest_pose_ = !std::exchange(place_checked_, false);
+    if (!keeps_rest_pose_) rest_pose_.reset();
   }
   checks_pose_from_.reset();
   locomotion_.Pause();
@@ -166,18 +169,26 @@ void Runner::Resume(Duration now) {
   const bool under_way = !idle() && state_ != course_.error && at_.step < rule().steps.size();
   locomotion_.Resume(under_way, now);
   const bool was_paused = std::exchange(paused_at_, std::nullopt).has_value();
-  moved_.clear();
+  if (idle() || state_ == course_.error) moved_.clear();
   if (!was_paused || idle() || state_ == course_.error || !course_.odometry.used()) return;
-  if (rest_pose_) {
-    checks_pose_from_ = now;
-  } else {
-    ReservePose();
-  }
+  if (!rest_pose_) ReservePose();
+  ComparePose(now);
 }
 
 void Runner::ComparePose(Duration now) {
-  moved_.clear();
-  if (rest_pose_) checks_pose_from_ = now;
+  if (rest_pose_) {
+    checks_pose_from_ = now;
+  } else {
+    place_checked_ = true;  // it cannot be
+  }
+}
+
+void Runner::GoOn(Duration now, Duration held) {
+  at_.since += held;
+  if (at_.stale_since) *at_.stale_since += held;
+  if (at_.hidden_since) *at_.hidden_since += held;
+  voice_.Prolong(held);
+  ComparePose(now);
 }
 
 void Runner::ReservePose() {
@@ -188,7 +199,7 @@ void Runner::ReservePose() {
 }
 
 bool Runner::PoseOfRestAt(Time time) const {
-  return paused_at_ && time - *paused_at_ <= kToRest;
+  return paused_at_ && !keeps_rest_pose_ && time - *paused_at_ <= kToRest;
 }
 
 void Runner::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age,
@@ -198,14 +209,14 @@ void Runner::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Dur
   if (PoseOfRestAt(time)) rest_pose_ = pose;
   if (paused_at_ || !checks_pose_from_ || !rest_pose_) return;
   checks_pose_from_.reset();
-  moved_ = MovedText(*rest_pose_, pose);
+  moved_ = MovedText(course_.odometry, *rest_pose_, pose);
 }
 
 bool Runner::ChecksPose(Duration now) {
   if (!checks_pose_from_) return false;
   if (now - *checks_pose_from_ < kLatestPose) return true;
   checks_pose_from_.reset();
-  ReservePose();
+  if (moved_.empty()) ReservePose();
   return false;
 }
 
@@ -224,8 +235,9 @@ std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
 }
 
 std::optional<Index> Runner::RunSteps(Duration now, Time time) {
-  if (!moved_.empty()) return Fail(std::exchange(moved_, {}));
   if (ChecksPose(now)) return std::nullopt;
+  place_checked_ = true;
+  if (!moved_.empty()) return Fail(std::exchange(moved_, {}));
   if (skips_) {
     if (locomotion_.busy()) return std::nullopt;
     at_.step = rule().steps.size();
@@ -344,8 +356,9 @@ void Runner::ReserveDistances() {
     Say(*difference);
     unsure_ = true;
   }
-  if (by_time_ || !locomotion_.streaming() || locomotion_.doubt().empty()) return;
-  by_time_ = true;
+  if (!locomotion_.streaming() || locomotion_.doubt().empty()) return;
+  unsure_ = true;
+  if (std::exchange(by_time_, true)) return;
   const std::string reason = "walks without odometry, by their time: " + locomotion_.doubt();
   Reserve(reason);
   Say(reason);
@@ -740,7 +753,7 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
 
 bool Runner::WaitsForSight(const Until& until, const Sighting* sighting, Duration now) {
   if (sighting == nullptr) {
-    if (!perception_.HasStarted(until.detector)) return false;
+    if (!perception_.HasStarted(until.detector)) return true;  // at most CheckRules::silent
     if (!at_.stale_since) at_.stale_since = now;
     if (now - *at_.stale_since >= course_.check.silent) {
       fault_ = "all pictures for the detector " + course_.detectors[until.detector].name +
@@ -751,8 +764,12 @@ bool Runner::WaitsForSight(const Until& until, const Sighting* sighting, Duratio
     return true;
   }
   at_.stale_since.reset();
-  if (sighting->phase != kHidden) at_.hidden_since.reset();
-  if (sighting->phase != kHidden || at_.hidden_over) return false;
+  if (sighting->phase != kHidden) {
+    at_.hidden_since.reset();
+    at_.hidden_over = false;
+    return false;
+  }
+  if (at_.hidden_over) return false;
   if (!at_.hidden_since) at_.hidden_since = now;
   if (now - *at_.hidden_since < kLongestHidden) return true;
   at_.hidden_over = true;

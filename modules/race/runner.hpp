@@ -38,8 +38,9 @@ class Runner {
   // `time` is that of the actuator's clock, as of OnOdometry().
   void Pause(Time time);
   void Resume(Duration now);
-  // Its place may have changed since the pause: before it goes on it is compared once more.
-  void ComparePose(Duration now);
+  // After it was held for so long, which counts toward no limit. Its place may have changed: it is
+  // compared once more.
+  void GoOn(Duration now, Duration held);
   // Odometry counts: during a walk, where the robot comes to rest in a pause, and after it.
   bool WantsOdometry(Time time) const {
     return locomotion_.streaming() || PoseOfRestAt(time) || checks_pose_from_.has_value();
@@ -83,7 +84,7 @@ class Runner {
     // Of a walk until a sight: there is no new picture, or the thing is hidden, since then.
     std::optional<Duration> stale_since{};
     std::optional<Duration> hidden_since{};
-    bool hidden_over = false;  // it is not waited for any more
+    bool hidden_over = false;  // it is not waited for until it was seen
   };
   struct Interrupted {
     Index state = 0;
@@ -102,6 +103,7 @@ class Runner {
   };
 
   bool PoseOfRestAt(Time time) const;
+  void ComparePose(Duration now);
   // After a pause the steps wait until a pose shows that it was not moved in it. False: go on.
   bool ChecksPose(Duration now);
   std::optional<Index> RunSteps(Duration now, Time time);
@@ -208,6 +210,8 @@ class Runner {
   bool unsure_before_ = false;  // one of the state before
   Index target_ = 0;
   std::optional<Time> paused_at_;
+  bool place_checked_ = true;                  // since the pause before
+  bool keeps_rest_pose_ = false;               // in this pause: that of the one before counts
   std::optional<navigation::Pose> rest_pose_;  // where it has come to rest in the pause
   std::optional<Duration> checks_pose_from_;   // after the pause
   std::string moved_;                          // in the pause

@@ -61,6 +61,9 @@ Rows OdometryRows(OdometryRules& odometry) {
       row::Time("fresh_ms", odometry.fresh),
       row::Time("begin_ms", odometry.begin, 0),
       row::Number("most_turned_rad", odometry.most_turned_rad, 0, 3),
+      row::Number("blocked_share", odometry.blocked_share, 0, 1),
+      row::Number("most_moved_m", odometry.most_moved_m, 0, 10),
+      row::Number("most_moved_rad", odometry.most_moved_rad, 0, 3),
   };
 }
 

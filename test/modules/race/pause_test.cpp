@@ -209,6 +209,21 @@ TEST(Pause, InWhichTheRobotIsMovedIsAFault) {
   }
 }
 
+TEST(Pause, InWhichTheRobotIsMovedIsNoFaultWhereTheCourseDoesNotCompareIt) {
+  Course course = TheCourse();
+  course.odometry.most_moved_m = 0;
+  Rig rig(course);
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(Milliseconds(5000));
+  rig.pose.at.x_m += 0.4;
+  rig.race->Resume(rig.now);
+  EXPECT_TRUE(rig.RunTo("IN_A1"));
+}
+
 // Charged, the robot walked off from its charger by itself.
 TEST(Pause, ThatIsLongIsFollowedByTheRestOnlyAfterStart) {
   Rig rig;
@@ -247,6 +262,80 @@ TEST(Pause, ThatIsLongAndInWhichItIsMovedAtItsEndIsAFault) {
   rig.pose.at.x_m += 0.4;
   rig.Command("START");
   EXPECT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+}
+
+// The wait for START counted toward the limits: defaults were taken without one look.
+TEST(Pause, ThatIsLongAndTheWaitForStartDoNotCountTowardsALimit) {
+  Rig rig;
+  rig.Command("START:IN_QRB");
+  rig.Run(std::chrono::seconds(30));
+  PauseFor(rig, std::chrono::seconds(120));
+  rig.Run(std::chrono::seconds(20));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Run(std::chrono::seconds(20));
+  rig.Command("START");
+  rig.Run(std::chrono::seconds(25));
+  EXPECT_EQ(rig.state(), "IN_QRB");
+  EXPECT_TRUE(rig.RunTo("QRB_TO_B1", std::chrono::seconds(10)));
+}
+
+TEST(Pause, AndTheWaitForStartDoNotShortenWhatIsSpoken) {
+  Rig rig;
+  rig.script.speech_replies = false;
+  rig.Command("START:IN_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.spoken.size() == 1; }));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Run(std::chrono::seconds(60));
+  rig.Command("START");
+  rig.script.speech_replies = true;
+  ASSERT_TRUE(rig.RunTo("A1_TO_S1", std::chrono::seconds(10)));
+  EXPECT_THAT(rig.field.spoken, ElementsAre("已到达库位", "已到达库位"));
+}
+
+// The second pause took the new place for the one before the pause.
+TEST(Pause, ThatFollowsAtOnceDoesNotHideThatItWasMovedInTheFirst) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(Milliseconds(5000));
+  rig.pose.at.x_m += 0.4;
+  rig.race->Resume(rig.now);
+  PauseFor(rig, Milliseconds(2000));
+  ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("it was moved by 0.40 m"));
+}
+
+TEST(Pause, DuringTheWaitForStartDoesNotHideThatItWasMovedBefore) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(std::chrono::seconds(61));
+  rig.pose.at.x_m += 0.4;
+  rig.race->Resume(rig.now);
+  rig.Run(std::chrono::seconds(5));
+  PauseFor(rig, std::chrono::seconds(2));
+  rig.Run(std::chrono::seconds(5));
+  rig.Command("START");
+  EXPECT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+}
+
+TEST(Pause, AfterAPlaceThatWasComparedIsComparedWithItsOwn) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, Milliseconds(3000));
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streams == 2; }));
+  rig.Run(Milliseconds(1000));
+  PauseFor(rig, Milliseconds(3000));
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_EQ(rig.race->memory().reserved(), 0U);
 }
 
 TEST(Pause, InWhichTheRobotStandsUpIsNone) {

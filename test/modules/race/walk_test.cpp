@@ -247,6 +247,48 @@ TEST(Walk, UntilASightThatIsHiddenWaitsForItAndGoesOn) {
   EXPECT_TRUE(rig.RunTo("IN_R1"));
 }
 
+// It walked up to 10 s before its detector had started.
+TEST(Walk, UntilASightStandsUntilItsDetectorHasStarted) {
+  Rig rig;
+  rig.script.silent = {"barrier"};
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.Wants("barrier"); }));
+  rig.Run(Milliseconds(6000));
+  EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), 0);
+  rig.script.silent.clear();
+  rig.Run(Milliseconds(500));
+  EXPECT_TRUE(rig.field.streaming);
+}
+
+TEST(Walk, UntilASightWhoseDetectorDoesNotStartIsAFault) {
+  Rig rig;
+  rig.script.silent = {"barrier"};
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(30)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("no sample of the detector barrier"));
+  EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), 0);
+}
+
+TEST(Walk, UntilASightThatIsHiddenOnceMoreWaitsOnceMore) {
+  Rig rig;
+  bool hidden = false;
+  rig.script.sight = [&](const std::string& detector) -> Sighting {
+    return {false, kUnknown, hidden && detector == "marker" ? "hidden" : "", ""};
+  };
+  rig.Command("START:S2_TO_R1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 40; }));
+  for (int times = 0; times < 2; ++times) {
+    hidden = true;
+    rig.Run(Milliseconds(9000));
+    EXPECT_FALSE(rig.field.streaming) << times;
+    rig.Run(Milliseconds(2000));
+    EXPECT_TRUE(rig.field.streaming) << times;
+    hidden = false;
+    rig.Run(Milliseconds(1000));
+    EXPECT_TRUE(rig.field.streaming) << times;
+  }
+}
+
 TEST(Walk, AheadIsShorterByTheStepsOfTheRetriesAtTheBoard) {
   Rig rig;
   rig.Command("START:IN_QR_A");
