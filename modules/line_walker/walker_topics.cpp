@@ -12,6 +12,7 @@ namespace {
 constexpr Duration kFramePeriod = Milliseconds(50);
 constexpr Duration kStatusPeriod = Milliseconds(100);
 constexpr Duration kLongestAlone = Milliseconds(1000);
+constexpr Duration kLatestHeartbeat = Milliseconds(1500);
 constexpr Duration kQuiet = std::chrono::seconds(2);  // between warnings of one kind
 constexpr std::size_t kLongestWord = 40;              // of a refused command, in the log
 
@@ -81,6 +82,10 @@ void WalkerTopics::OnCommand(const std::string& word) {
     if (walker_.active()) EndWalk("STOP");
     return;
   }
+  if (word == "HEARTBEAT") {
+    if (walker_.active()) heartbeat_at_ = dependencies_.clock.Now();
+    return;
+  }
   warnings_.Log("word", "unknown command " + Quoted(word) + " refused: expected START or STOP",
                 dependencies_.clock.Now());
 }
@@ -96,6 +101,7 @@ void WalkerTopics::OnStart() {
   }
   walker_.Start(now);
   alone_since_.reset();
+  heartbeat_at_.reset();
   ticks_ = dependencies_.clock.Every(kFramePeriod, [this] { Tick(); });
   Log(LogLevel::kInfo, "START: walking in the lane");
   PublishStatus();
@@ -135,7 +141,9 @@ Result<> WalkerTopics::Subscribe() {
 
 void WalkerTopics::EndAlone() {
   const Time now = dependencies_.clock.Now();
-  if (command_->MatchedWriters() > 0) {
+  if (heartbeat_at_ && now - *heartbeat_at_ >= kLatestHeartbeat) {
+    walker_.Stop(now, "no heartbeat of its commander for " + SecondsText(kLatestHeartbeat));
+  } else if (command_->MatchedWriters() > 0) {
     alone_since_.reset();
   } else if (!alone_since_) {
     alone_since_ = now;

@@ -61,7 +61,8 @@ class WalkerTopics {
   void OnCommand(const std::string& word);
   void OnStart();
   void EndWalk(const std::string& why);
-  // Without a publisher of commands for kLongestAlone no STOP can come: the walk ends.
+  // No STOP can come any more, and the walk ends: without a publisher of commands for
+  // kLongestAlone, or without the next heartbeat of one that sends them.
   void EndAlone();
   Result<> Subscribe();
   transport::Subscription* SubscribeTo(const std::string& topic, View view);
@@ -80,7 +81,8 @@ class WalkerTopics {
   std::string not_permitted_ = "it is not in Active";
   bool checked_ = false;
   transport::Subscription* command_ = nullptr;
-  std::optional<Time> alone_since_;  // in a walk
+  std::optional<Time> alone_since_;   // in a walk
+  std::optional<Time> heartbeat_at_;  // the last of this walk
   transport::Publisher<msg::String>* status_ = nullptr;
   transport::Publisher<msg::MotionServoCmd>* servo_ = nullptr;
   transport::LoopHandlePtr ticks_;  // during a walk

@@ -96,7 +96,14 @@ class RaceProcess : public test::ModuleProcess {
         all);
     Subscribe<msg::String>(
         "yellow_line_walker/command",
-        [this](const msg::String& text) { walker_.push_back(text.data); }, all);
+        [this](const msg::String& text) {
+          if (text.data == "HEARTBEAT") {
+            ++heartbeats_;
+          } else {
+            walker_.push_back(text.data);
+          }
+        },
+        all);
     Subscribe<msg::MotionServoCmd>(
         "motion_servo_cmd", [this](const msg::MotionServoCmd& frame) { frames_.push_back(frame); },
         all);
@@ -161,6 +168,7 @@ class RaceProcess : public test::ModuleProcess {
   std::vector<std::string> infos_;
   std::vector<std::string> states_;
   std::vector<std::string> walker_;
+  int heartbeats_ = 0;  // that the walker gets
   std::vector<std::string> spoken_;
   std::vector<std::int32_t> motions_;
   std::vector<msg::MotionServoCmd> frames_;
@@ -217,6 +225,7 @@ TEST_F(RaceProcess, RunsACourseToItsEndAndReplaysItsRecording) {
   ASSERT_TRUE(peer_.Until([&] { return qr_->MatchedReaders() == 0; }));  // not needed any more
   const std::size_t count = infos_.size();
   ASSERT_TRUE(peer_.Until([&] { return infos_.size() > count + 10; }));
+  EXPECT_TRUE(peer_.Until([&] { return heartbeats_ >= 3; }));
   walker_says_ = "State:IDLE,Active:False,End:course_end";
   ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
   ASSERT_TRUE(peer_.Until([&] {
