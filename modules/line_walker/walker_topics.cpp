@@ -11,6 +11,8 @@ namespace {
 
 constexpr Duration kFramePeriod = Milliseconds(50);
 constexpr Duration kStatusPeriod = Milliseconds(100);
+constexpr Duration kLongestAlone = Milliseconds(1000);
+constexpr Duration kLatestHeartbeat = Milliseconds(1500);
 constexpr Duration kQuiet = std::chrono::seconds(2);  // between warnings of one kind
 constexpr std::size_t kLongestWord = 40;              // of a refused command, in the log
 
@@ -67,8 +69,8 @@ Result<> WalkerTopics::Open() {
         walker_.OnOdometry(odometry, clock.Now(), stamp == msg::Stamp{} ? Duration(0) : age);
       },
       transport::kSensorDataQos);
-  endpoints_.Subscribe<msg::String>(names.command,
-                                    [this](const msg::String& word) { OnCommand(word.data); });
+  command_ = endpoints_.Subscribe<msg::String>(
+      names.command, [this](const msg::String& word) { OnCommand(word.data); });
   if (!endpoints_.opened()) return endpoints_.opened();
   status_timer_ = clock.Every(kStatusPeriod, [this] { PublishStatus(); });
   return Ok();
@@ -78,6 +80,10 @@ void WalkerTopics::OnCommand(const std::string& word) {
   if (word == "START") return OnStart();
   if (word == "STOP") {
     if (walker_.active()) EndWalk("STOP");
+    return;
+  }
+  if (word == "HEARTBEAT") {
+    if (walker_.active()) heartbeat_at_ = dependencies_.clock.Now();
     return;
   }
   warnings_.Log("word", "unknown command " + Quoted(word) + " refused: expected START or STOP",
@@ -94,6 +100,8 @@ void WalkerTopics::OnStart() {
     }
   }
   walker_.Start(now);
+  alone_since_.reset();
+  heartbeat_at_.reset();
   ticks_ = dependencies_.clock.Every(kFramePeriod, [this] { Tick(); });
   Log(LogLevel::kInfo, "START: walking in the lane");
   PublishStatus();
@@ -131,7 +139,21 @@ Result<> WalkerTopics::Subscribe() {
   return opened;
 }
 
+void WalkerTopics::EndAlone() {
+  const Time now = dependencies_.clock.Now();
+  if (heartbeat_at_ && now - *heartbeat_at_ >= kLatestHeartbeat) {
+    walker_.Stop(now, "no heartbeat of its commander for " + SecondsText(kLatestHeartbeat));
+  } else if (command_->MatchedWriters() > 0) {
+    alone_since_.reset();
+  } else if (!alone_since_) {
+    alone_since_ = now;
+  } else if (now - *alone_since_ >= kLongestAlone) {
+    walker_.Stop(now, "its commander is lost");
+  }
+}
+
 void WalkerTopics::Tick() {
+  if (walker_.active()) EndAlone();
   if (const auto step = walker_.Tick(dependencies_.clock.Now())) Publish(*step);
   if (!walker_.active()) Conclude();
 }

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "musher/base/log.hpp"
@@ -60,6 +61,9 @@ class WalkerTopics {
   void OnCommand(const std::string& word);
   void OnStart();
   void EndWalk(const std::string& why);
+  // No STOP can come any more, and the walk ends: without a publisher of commands for
+  // kLongestAlone, or without the next heartbeat of one that sends them.
+  void EndAlone();
   Result<> Subscribe();
   transport::Subscription* SubscribeTo(const std::string& topic, View view);
   void Tick();
@@ -76,6 +80,9 @@ class WalkerTopics {
   bool permitted_ = false;
   std::string not_permitted_ = "it is not in Active";
   bool checked_ = false;
+  transport::Subscription* command_ = nullptr;
+  std::optional<Time> alone_since_;   // in a walk
+  std::optional<Time> heartbeat_at_;  // the last of this walk
   transport::Publisher<msg::String>* status_ = nullptr;
   transport::Publisher<msg::MotionServoCmd>* servo_ = nullptr;
   transport::LoopHandlePtr ticks_;  // during a walk

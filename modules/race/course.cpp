@@ -36,7 +36,8 @@ class Stay {
     return wait.limit + wait.retries * (wait.limit + Walk(wait.retry.count));
   }
   Duration operator()(const UntilStep& step) const {
-    return step.most.value_or(course_.untils[step.until].most.count) * course_.step;
+    return step.most.value_or(course_.untils[step.until].most.count) * course_.step +
+           kLongestHidden;
   }
   Duration operator()(const WalkStep& step) const {
     const LaneWalk& walk = course_.walks[step.walk];

@@ -83,6 +83,9 @@ std::string_view Name(LineWord word);
 
 using Corrections = std::array<std::optional<Stretch>, 4>;  // by LineWord, but of kCenter
 
+// So long a walk until a sight waits for a thing that is hidden.
+inline constexpr Duration kLongestHidden = Milliseconds(10'000);
+
 struct Check {
   std::string name;
   Index detector = 0;
@@ -93,6 +96,7 @@ struct Check {
   Corrections usual;        // after a movement ahead, back or aside
   Corrections after_turn;   // after a turn
   std::optional<int> max_corrections;  // else that of CheckRules
+  bool required = false;               // given up, it is a fault
 };
 
 // Keeps a walk in the middle between two lines: it turns towards their middle.
@@ -102,6 +106,7 @@ struct Keep {
   double yaw_rad_s = 2;     // for an offset of the middle by the whole width of the region
   double most_rad_s = 0.3;  // either way
   Duration fresh = Milliseconds(500);  // an older picture does not count
+  bool one_line = false;               // of one line the middle is known: the camera has a mount
 };
 
 struct CheckRules {
@@ -111,6 +116,7 @@ struct CheckRules {
   Duration open = Milliseconds(2000);      // a detector is opened so long before the movement's end
   Duration silent = Milliseconds(10'000);  // a wanted detector without a sample has failed
   int most_given_up = 0;                   // of a run; one more is a fault. 0: no limit
+  int agreeing = 2;                        // pictures in a row with the same word, until it counts
 };
 
 // Walks by the distance that odometry shows, and not by their time alone.
@@ -120,6 +126,10 @@ struct OdometryRules {
   double most_share = 1.25;            // and at most this one
   Duration fresh = Milliseconds(300);  // without a new sample for so long it is not believed
   Duration begin = Milliseconds(800);  // so long the body accelerates: the time counts
+  double most_turned_rad = 0.3;        // of a straight walk: more is a fault. 0: not checked
+  double blocked_share = 0.5;  // a walk that shows less of its way is a fault. 0: not checked
+  double most_moved_m = 0.15;  // in a pause: more is a fault. 0: not checked
+  double most_moved_rad = 0.2;
 
   bool used() const { return !topic.empty(); }
 };
@@ -284,8 +294,9 @@ enum class Need : std::uint8_t { kRequired, kOptional, kNone };
 
 // The actuator around the course.
 struct RobotRules {
-  bool from_start = false;                   // after a pause; else where it was
-  std::string record;                        // a file; empty: nothing is recorded
+  bool from_start = false;                        // after a pause; else where it was
+  Duration resume_within = Milliseconds(60'000);  // after a longer pause only by START; 0: always
+  std::string record;                             // a file; empty: nothing is recorded
   Duration self_check = Milliseconds(5000);  // of the steady clock, until all programs are there
   Need motion = Need::kRequired;
   Need cameras = Need::kRequired;  // the publishers of all detectors

@@ -172,6 +172,7 @@ class CourseReader {
         row::Time("open_ms", rules.open, 0),
         row::Time("silent_ms", rules.silent),
         row::Integer("most_given_up", rules.most_given_up, 0, 1000),
+        row::Integer("agreeing_pictures", rules.agreeing, 1, 100),
     };
   }
 
@@ -220,6 +221,7 @@ class CourseReader {
           const auto most = table.Integer("max_corrections", 0, 1000);
           if (most) check.max_corrections = static_cast<int>(*most);
         },
+        row::Bool("required", check.required),
         corrections(check.usual),
         [&check](TableReader&) { check.after_turn = check.usual; },
         row::Sub("after_turn", {corrections(check.after_turn)}),
@@ -264,6 +266,7 @@ class CourseReader {
         row::Number("yaw_rad_s", keep.yaw_rad_s, 0, 20),
         row::Number("most_rad_s", keep.most_rad_s, 0, 2),
         row::Time("fresh_ms", keep.fresh),
+        row::Bool("one_line", keep.one_line),
     };
   }
 

@@ -62,6 +62,8 @@ fsm::Next Race::CourseState::OnCommand(fsm::EventId command) {
     race_.Stop();
   } else if (!race_.start_counts_) {
     race_.Refuse("START", "START is refused: a later command has stopped it");
+  } else if (race_.waits_for_start()) {
+    race_.GoOn();
   } else if (race_.memory().completed()) {
     race_.Refuse("START", "START is refused: the task is completed; send RESET before");
   } else if (!is_start()) {
@@ -74,7 +76,7 @@ fsm::Next Race::CourseState::OnCommand(fsm::EventId command) {
 }
 
 fsm::Next Race::CourseState::CheckTransition(const fsm::Tick& tick) {
-  const bool held = race_.jump_.has_value();
+  const bool held = race_.jump_.has_value() || race_.waits_for_start();
   if (tick.command != fsm::kNoEvent) {
     const fsm::Next next = OnCommand(tick.command);
     if (!next.stays()) return next;

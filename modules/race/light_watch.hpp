@@ -1,5 +1,6 @@
 #pragma once
-// Whether a yellow light stops a movement: a near one does, the same one not twice. Pure.
+// Whether a yellow light stops a movement: a near one does, or one of unknown distance; the same
+// one not twice. Pure.
 //
 // Times are those of the machine. One thread.
 
@@ -24,7 +25,7 @@ class LightWatch {
     }
     clear_from_.reset();
     if (continued_at_ && now - *continued_at_ >= rule_.again) armed_ = true;
-    const bool near = sighting->distance_m <= rule_.within_m;  // NaN is not
+    const bool near = !(sighting->distance_m > rule_.within_m);  // NaN is, for safety
     if (!armed_ || !near) return false;
     armed_ = false;
     continued_at_.reset();

@@ -14,7 +14,9 @@ namespace musher::race {
 namespace {
 
 constexpr double kMostSeconds = 60;  // of a walk, between two samples of odometry
-constexpr int kBadReports = 3;       // in a row: 0.3 s of motion_status
+// A walk of so long that comes less far than OdometryRules::blocked_share is blocked.
+constexpr Duration kLatestMove = Milliseconds(1500);
+constexpr int kBadReports = 3;  // in a row: 0.3 s of motion_status
 constexpr Index kSwitchNames = 15;
 
 // Of MotionStatus::switch_status.
@@ -120,8 +122,20 @@ void Locomotion::CountProgress(Duration now) {
   const bool begins = now - stream_from_ <= course_.odometry.begin;
   const bool by_time = begins || !odometer_.believed() || twist == Twist{};
   const auto moved = odometer_.Take(now);
+  if (moved && !twist.turns()) CountTurn(moved->yaw_rad);
+  const bool checks = course_.odometry.blocked_share > 0 && twist != Twist{};
+  if (checks && odometer_.still() >= kLatestMove) {
+    Fail(movement.name +
+         ": the pose of the odometry stands still: something is in the way, or it is frozen");
+  }
   if (by_time || !odometer_.believed()) return Measure(std::exchange(unmeasured_, {}));
-  if (!moved) return Measure({});
+  if (!moved) {
+    // A pose that stands still has its next sample to say how far it was.
+    if (odometer_.still() > Duration(0)) {
+      unmeasured_ = std::min(unmeasured_, course_.odometry.fresh);
+    }
+    return Measure({});
+  }
   const double speed = std::hypot(twist.forward_m_s, twist.left_m_s);
   const double seconds =
       twist.turns() ? moved->yaw_rad / twist.yaw_rad_s
@@ -130,6 +144,16 @@ void Locomotion::CountProgress(Duration now) {
   unmeasured_ = {};
   const double counted = std::clamp(seconds / movement.odometry_share, -kMostSeconds, kMostSeconds);
   Measure(Times(std::chrono::seconds(1), counted));
+  FailIfBlocked(movement);
+}
+
+void Locomotion::CountTurn(double yaw_rad) {
+  walk_->turned_rad += yaw_rad;
+  const double most_rad = course_.odometry.most_turned_rad;
+  if (most_rad == 0 || std::abs(walk_->turned_rad) <= most_rad) return;
+  const auto degrees = std::lround(std::abs(walk_->turned_rad) * 180 / M_PI);
+  Fail(course_.movements[walk_->movement].name + " has turned by " + std::to_string(degrees) +
+       " degrees by odometry: it has lost its way");
 }
 
 void Locomotion::Measure(Duration distance) {
@@ -139,6 +163,14 @@ void Locomotion::Measure(Duration distance) {
                     ? std::clamp(walk_->measured, Times(walk_->walked, 1 / rules.most_share),
                                  Times(walk_->walked, 1 / rules.least_share))
                     : walk_->measured;
+}
+
+void Locomotion::FailIfBlocked(const Movement& movement) {
+  const double share = course_.odometry.blocked_share;
+  if (share == 0 || walk_->walked < kLatestMove) return;
+  if (walk_->measured >= Times(walk_->made, share)) return;
+  Fail(movement.name + " has made " + DistanceText(movement, ToSeconds(walk_->measured)) + " of " +
+       DistanceText(movement, ToSeconds(walk_->walked)) + " by odometry: something is in the way");
 }
 
 void Locomotion::CompareWithTime(const WalkProgress& walk) {

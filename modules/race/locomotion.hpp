@@ -28,10 +28,11 @@ namespace musher::race {
 struct WalkProgress {
   Index movement = 0;
   Duration length{};
-  Duration limit{};     // of `walked`
-  Duration walked{};    // how long it has lasted so far
-  Duration measured{};  // by odometry where that is believed, else by time
-  Duration made{};      // the same within the bounds of OdometryRules
+  Duration limit{};       // of `walked`
+  Duration walked{};      // how long it has lasted so far
+  Duration measured{};    // by odometry where that is believed, else by time
+  Duration made{};        // the same within the bounds of OdometryRules
+  double turned_rad = 0;  // by odometry, to the left
 
   Duration left() const { return length - made; }
 };
@@ -131,6 +132,10 @@ class Locomotion {
   // Counts the time since the last frame, or what odometry shows.
   void CountProgress(Duration now);
   void Measure(Duration distance);
+  // A walk that comes far less far than its time is stopped by something.
+  void FailIfBlocked(const Movement& movement);
+  // A straight walk that turns too far has lost its way.
+  void CountTurn(double yaw_rad);
   // Where odometry and time differ too much.
   void CompareWithTime(const WalkProgress& walk);
   void EndStream();

@@ -1,5 +1,6 @@
 #include "musher/modules/race/odometer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -25,8 +26,9 @@ void Odometer::Begin(Duration now) {
   pose_.reset();
   stamp_ns_.reset();
   moved_ = {};
-  is_new_ = frozen_ = false;
+  is_new_ = frozen_ = is_still_ = false;
   received_at_ = now;
+  still_from_ = still_at_ = now + rules_.begin;
   late_.reset();
   jump_.clear();
   doubt_.clear();
@@ -38,10 +40,20 @@ void Odometer::OnSample(std::int64_t stamp_ns, const navigation::Pose& pose, Dur
   if (age > rules_.fresh) late_ = age;
   frozen_ = stamp_ns_ == stamp_ns;
   if (late_ || frozen_) return;
+  const bool is_same = pose_ && pose.at.x_m == pose_->at.x_m && pose.at.y_m == pose_->at.y_m &&
+                       pose.yaw_rad == pose_->yaw_rad;
+  if (is_same && stamp_ns > *stamp_ns_) {
+    stamp_ns_ = stamp_ns;
+    is_still_ = true;
+    return;
+  }
   const navigation::Pose before = pose_.value_or(pose);
-  const double seconds = !pose_ ? 0 : ToSeconds(Duration(stamp_ns - *stamp_ns_));
+  const double seconds = !pose_                  ? 0
+                         : stamp_ns < *stamp_ns_ ? ToSeconds(Duration(stamp_ns - *stamp_ns_))
+                                                 : ToSeconds(Duration(stamp_ns - pose_stamp_ns_));
   pose_ = pose;
   stamp_ns_ = stamp_ns;
+  pose_stamp_ns_ = stamp_ns;
   const double x_m = pose.at.x_m - before.at.x_m;
   const double y_m = pose.at.y_m - before.at.y_m;
   const double yaw_rad = navigation::Wrapped(pose.yaw_rad - before.yaw_rad);
@@ -65,10 +77,16 @@ std::optional<Displacement> Odometer::Take(Duration now) {
     doubt_ = jump_;
     return std::nullopt;
   }
+  const bool is_still = std::exchange(is_still_, false);
   if (std::exchange(is_new_, false)) {
     received_at_ = now;
+    still_from_ = still_at_ = std::max(now, still_from_);
     doubt_.clear();
     return std::exchange(moved_, {});
+  }
+  if (is_still) {
+    received_at_ = now;
+    still_at_ = std::max(now, still_from_);
   }
   if (now - received_at_ < rules_.fresh || !believed()) return std::nullopt;
   doubt_ = WhySilent();

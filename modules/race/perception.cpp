@@ -23,6 +23,7 @@ bool Perception::Takes(Index detector, Detector::Kind kind, Time taken, Time tim
   watched.stamped = taken;
   if (again) return true;
   watched.received = true;
+  ++watched.pictures;
   watched.taken = std::min(taken, time);
   return true;
 }

@@ -4,6 +4,7 @@
 // Times: `now` is that of the machine, which stands still in a pause; a picture has the time at
 // which it was taken, of the actuator's clock. One thread.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,6 +53,8 @@ class Perception {
   // The newest sample that was taken at `after` or later; null: none.
   const Sighting* SightingSince(Index detector, Time after) const;
   const Lines* LinesSince(Index detector, Time after) const;
+  // The number of its pictures so far: another one for each new picture.
+  std::uint64_t Pictures(Index detector) const { return watched_[detector].pictures; }
   // A sample has come since it was opened, of whichever age.
   bool HasStarted(Index detector) const { return watched_[detector].taken.has_value(); }
   // Opens and closes detectors. Returns one that has been silent for too long: a sample with the
@@ -69,6 +72,7 @@ class Perception {
     Duration received_at{};
     std::optional<Time> stamped;  // of the newest sample
     std::optional<Time> taken;    // the same, but not in the future
+    std::uint64_t pictures = 0;
     Sighting sighting;
     Lines lines;
   };

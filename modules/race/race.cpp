@@ -85,6 +85,7 @@ std::string Race::InfoText() const {
                      ",QRResult:" + memory().Shown() +
                      ",TaskCompleted:" + (memory().completed() ? "True" : "False");
   const bool failed = running() && runner_.state() == course_.error && !runner_.reason().empty();
+  if (waits_for_start()) text += ",Waits:START";
   if (memory().completed() || failed) text += ReservationsText();
   return failed ? text + ",Reason:" + runner_.reason() : text;
 }
@@ -175,9 +176,9 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
                                now);
 }
 
-// Outside of a walk odometry does not count, and is not recorded.
+// Where odometry does not count it is not recorded.
 void Race::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time taken, Time now) {
-  if (!course_.odometry.used() || !runner_.locomotion().streaming()) return;
+  if (!course_.odometry.used() || !runner_.WantsOdometry(now)) return;
   now_ = now;
   const auto fits = [](double number, double most) { return std::abs(number) <= most; };
   const bool is_pose = fits(pose.at.x_m, kMostMetres) && fits(pose.at.y_m, kMostMetres) &&
@@ -192,7 +193,7 @@ void Race::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time 
            {std::to_string(stamp_ns), std::to_string((taken - *first_start_).count()),
             NumberText(pose.at.x_m), NumberText(pose.at.y_m), NumberText(pose.yaw_rad)});
   }
-  runner_.locomotion().OnOdometry(stamp_ns, pose, now - taken);
+  runner_.OnOdometry(stamp_ns, pose, now - taken, now);
 }
 
 void Race::OnWalkerStatus(Index walk, std::string_view status, Time now) {
@@ -366,14 +367,14 @@ void Race::ExecuteJump() {
 void Race::Rest(Time now) {
   now_ = now;
   Record(input::kRest, {});
-  resting_ = true;
+  if (!std::exchange(resting_, true)) rested_at_ = now;
   start_counts_ = false;
   if (jump_ && jump_->state != course_.start) {
     outputs_.Log("START:" + course_.states[jump_->state].name +
                  " is dropped: the race is paused before the body was free for it");
     jump_ = Jump{course_.start, false};
   }
-  runner_.Pause();
+  runner_.Pause(now);
   ExecuteJump();
 }
 
@@ -381,7 +382,26 @@ void Race::Resume(Time now) {
   now_ = now;
   Record(input::kResume, {});
   resting_ = false;
+  if (!std::exchange(has_run_, true)) {  // a walk of a process before, which has crashed
+    for (const LaneWalk& walk : course_.walks) outputs_.CommandWalker(walk, false);
+  }
   runner_.Resume(machine_ == nullptr ? Duration(0) : machine_->time());
+  // In a long pause people come near, or put the robot on its charger.
+  const std::optional<Time> rested_at = std::exchange(rested_at_, std::nullopt);
+  const Duration within = course_.robot.resume_within;
+  const Index state = runner_.state();
+  const bool under_way = state != course_.start && state != course_.end && state != course_.error;
+  if (!rested_at || !running() || !under_way || within == Duration(0)) return;
+  if (now - *rested_at <= within) return;
+  if (!held_from_) held_from_ = machine_->time();
+  outputs_.Log(course_.states[state].name + ": the pause was longer than " +
+               std::to_string(ToMilliseconds(within)) + " ms: it goes on after START");
+}
+
+void Race::GoOn() {
+  const Duration now = machine_->time();
+  outputs_.Log(course_.states[runner_.state()].name + ": goes on by START");
+  runner_.GoOn(now, now - *std::exchange(held_from_, std::nullopt));
 }
 
 void Race::OnInput(const fsm::Machine& machine, const fsm::Input& input) {
@@ -402,7 +422,10 @@ void Race::OnInput(const fsm::Machine& machine, const fsm::Input& input) {
 
 void Race::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   decided_ = change.cause == fsm::Cause::kDecided;
-  if (change.cause != fsm::Cause::kDecided) jump_.reset();
+  if (change.cause != fsm::Cause::kDecided) {
+    jump_.reset();
+    held_from_.reset();
+  }
   if (change.cause == fsm::Cause::kReset) {
     runner_.memory().Forget();
     runner_.ForgetReason();

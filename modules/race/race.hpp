@@ -96,6 +96,9 @@ class Race : private fsm::Listener {
   void OnInput(const fsm::Machine& machine, const fsm::Input& input) override;
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
 
+  // By START, where it waits for that.
+  void GoOn();
+  bool waits_for_start() const { return held_from_.has_value(); }
   void Execute(std::string_view command);
   void Stop();
   bool ExecuteSet(std::string_view command);
@@ -123,6 +126,9 @@ class Race : private fsm::Listener {
   bool decided_ = false;                     // the present change is by a transition of the state
   bool replays_ = false;
   bool resting_ = true;
+  bool has_run_ = false;  // since the process began
+  std::optional<Time> rested_at_;
+  std::optional<Duration> held_from_;  // of the machine: after a long pause, until START
   Time now_{};
 };
 

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kRateHz = 20;  // of servo frames, within the motion manager's watchdog of 200 ms
 constexpr Duration kInfoPeriod = Milliseconds(100);
+constexpr Duration kHeartbeatPeriod = Milliseconds(500);
 // Of the steady clock, where a reply is lost; the course's limits are of the machine's clock.
 constexpr Duration kLongestCall = std::chrono::minutes(5);
 constexpr const char* kModuleName = "race";
@@ -207,7 +208,23 @@ void RaceRobot::Move(std::int32_t motion_id, std::uint64_t number) {
 void RaceRobot::CommandWalker(const LaneWalk& walk, bool start) {
   const auto wire = wire_.lock();
   const auto index = FindByName(race_.course().walks, walk.name);
-  if (wire && index) static_cast<void>(wire->walkers[*index]->Publish({start ? "START" : "STOP"}));
+  if (!wire || !index) return;
+  static_cast<void>(wire->walkers[*index]->Publish({start ? "START" : "STOP"}));
+  if (start) {
+    lane_walk_ = index;
+    heartbeat_at_ = Now();
+  } else if (lane_walk_ == index) {
+    lane_walk_.reset();
+  }
+}
+
+void RaceRobot::AfterTick(Time now) {
+  race_.AfterTick();
+  if (!lane_walk_ || now - heartbeat_at_ < kHeartbeatPeriod) return;
+  heartbeat_at_ = now;
+  if (const auto wire = wire_.lock()) {
+    static_cast<void>(wire->walkers[*lane_walk_]->Publish({"HEARTBEAT"}));
+  }
 }
 
 void RaceRobot::Watch(const std::vector<bool>& detectors) {

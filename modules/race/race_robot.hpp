@@ -8,6 +8,7 @@
 // Threads: those of FsmActuator.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
   Result<> BuildMachine(fsm::Machine& machine) override;
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> SelfCheck() override;
-  void AfterTick(Time /*now*/) override { race_.AfterTick(); }
+  void AfterTick(Time now) override;
   void OnPause() override { race_.Rest(Now()); }
   void OnResume() override { race_.Resume(Now()); }
 
@@ -68,6 +69,8 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
   std::unique_ptr<FsmRecording> recording_;  // before the member that writes to it
   Race race_;
   std::weak_ptr<Wire> wire_;
+  std::optional<Index> lane_walk_;  // whose walker was started
+  Time heartbeat_at_{};             // the last one to it
 };
 
 }  // namespace musher::race

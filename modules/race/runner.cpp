@@ -1,7 +1,10 @@
 #include "musher/modules/race/runner.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdio>
+#include <string_view>
 #include <utility>
 
 #include "musher/base/suggest.hpp"
@@ -14,6 +17,43 @@ namespace {
 constexpr int kLook = 1;
 constexpr int kCorrect = 2;
 constexpr int kRetry = 2;
+
+// Of a sighting: something is before the thing.
+constexpr std::string_view kHidden = "hidden";
+
+// Of the lane in which a walk keeps.
+constexpr int kUnseenTimes = 4;
+constexpr Duration kLongestUnseen = Milliseconds(3000);
+
+// Of a pause: the body comes to rest within the first, and its pose has to be known within the
+// second after the end.
+constexpr Duration kToRest = Milliseconds(1000);
+constexpr Duration kLatestPose = Milliseconds(1000);
+
+// How far the body has been moved; empty: not.
+std::string MovedText(const OdometryRules& rules, const navigation::Pose& from,
+                      const navigation::Pose& to) {
+  const double shift_m = std::hypot(to.at.x_m - from.at.x_m, to.at.y_m - from.at.y_m);
+  const double shift_rad = std::abs(navigation::Wrapped(to.yaw_rad - from.yaw_rad));
+  const bool shifted = rules.most_moved_m > 0 && shift_m > rules.most_moved_m;
+  const bool turned = rules.most_moved_rad > 0 && shift_rad > rules.most_moved_rad;
+  if (!shifted && !turned) return {};
+  char text[100];
+  std::snprintf(text, sizeof text, "it was moved by %.2f m and turned by %.0f degrees in the pause",
+                shift_m, shift_rad * 180 / M_PI);
+  return text;
+}
+
+// The value that a text is, in upper or lower case.
+std::optional<Index> ValueOf(const ResultRule& result, const std::string& text) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  const auto is_text = [&](const std::string& value) {
+    return std::ranges::equal(value, text, {}, lower, lower);
+  };
+  const auto value = std::ranges::find_if(result.values, is_text);
+  if (value == result.values.end()) return std::nullopt;
+  return static_cast<Index>(value - result.values.begin());
+}
 
 std::string Steps(int count) {
   return std::to_string(count) + (count == 1 ? " step" : " steps");
@@ -44,6 +84,12 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   const bool begins = by_decision && state_ == course_.start;
   light_stops_ = returns_ = skips_ = false;
   SeesAgain();
+  unseen_since_.reset();
+  if (!by_decision) {  // by a command that knows where it is
+    checks_pose_from_.reset();
+    moved_.clear();
+    place_checked_ = true;
+  }
   unknown_.clear();
   if (back) {
     const Interrupted interrupted = *std::exchange(interrupted_, std::nullopt);
@@ -68,6 +114,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     by_time_ = false;
     if (light_) light_->Reset();
   }
+  if (!by_decision && light_) light_->Reset();  // the stopped movement does not continue
   if (!by_decision || state == course_.error || begins) interrupted_.reset();
   unsure_before_ = by_decision && unsure_;
   unsure_ = false;
@@ -102,18 +149,75 @@ void Runner::SkipSteps() {
   skips_ = true;
 }
 
-void Runner::Pause() {
+void Runner::Pause(Time time) {
+  if (!paused_at_) {
+    paused_at_ = time;
+    keeps_rest_pose_ = !std::exchange(place_checked_, false);
+    if (!keeps_rest_pose_) rest_pose_.reset();
+  }
+  checks_pose_from_.reset();
   locomotion_.Pause();
   lane_walker_.Pause();
   voice_.Pause();
   perception_.Close();
   SeesAgain();
+  unseen_since_.reset();
   if (light_) light_->Interrupt();
 }
 
 void Runner::Resume(Duration now) {
   const bool under_way = !idle() && state_ != course_.error && at_.step < rule().steps.size();
   locomotion_.Resume(under_way, now);
+  const bool was_paused = std::exchange(paused_at_, std::nullopt).has_value();
+  if (idle() || state_ == course_.error) moved_.clear();
+  if (!was_paused || idle() || state_ == course_.error || !course_.odometry.used()) return;
+  if (!rest_pose_) ReservePose();
+  ComparePose(now);
+}
+
+void Runner::ComparePose(Duration now) {
+  if (rest_pose_) {
+    checks_pose_from_ = now;
+  } else {
+    place_checked_ = true;  // it cannot be
+  }
+}
+
+void Runner::GoOn(Duration now, Duration held) {
+  at_.since += held;
+  if (at_.stale_since) *at_.stale_since += held;
+  if (at_.hidden_since) *at_.hidden_since += held;
+  voice_.Prolong(held);
+  ComparePose(now);
+}
+
+void Runner::ReservePose() {
+  const std::string reason =
+      "whether it was moved in the pause is not known: no odometry on " + course_.odometry.topic;
+  Reserve(reason);
+  Say(reason);
+}
+
+bool Runner::PoseOfRestAt(Time time) const {
+  return paused_at_ && !keeps_rest_pose_ && time - *paused_at_ <= kToRest;
+}
+
+void Runner::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age,
+                        Time time) {
+  locomotion_.OnOdometry(stamp_ns, pose, age);
+  if (age > course_.odometry.fresh) return;
+  if (PoseOfRestAt(time)) rest_pose_ = pose;
+  if (paused_at_ || !checks_pose_from_ || !rest_pose_) return;
+  checks_pose_from_.reset();
+  moved_ = MovedText(course_.odometry, *rest_pose_, pose);
+}
+
+bool Runner::ChecksPose(Duration now) {
+  if (!checks_pose_from_) return false;
+  if (now - *checks_pose_from_ < kLatestPose) return true;
+  checks_pose_from_.reset();
+  if (moved_.empty()) ReservePose();
+  return false;
 }
 
 std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
@@ -131,6 +235,9 @@ std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
 }
 
 std::optional<Index> Runner::RunSteps(Duration now, Time time) {
+  if (ChecksPose(now)) return std::nullopt;
+  place_checked_ = true;
+  if (!moved_.empty()) return Fail(std::exchange(moved_, {}));
   if (skips_) {
     if (locomotion_.busy()) return std::nullopt;
     at_.step = rule().steps.size();
@@ -150,7 +257,8 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
     if (const auto fault = locomotion_.Fault(now)) return Fail(*fault);
     if (outcome == Outcome::kTarget) return target_;
     if (outcome == Outcome::kRunning) return std::nullopt;
-    at_ = {.step = at_.step + 1, .phase = 0, .since = now, .after = {}, .tries = 0};
+    at_ = {.step = at_.step + 1, .since = now};
+    unseen_since_.reset();
     if (outcome == Outcome::kDone) return std::nullopt;  // a new stream begins in the next tick
   }
   if (idle() || state_ == course_.error) return std::nullopt;
@@ -173,6 +281,10 @@ std::optional<Index> Runner::Fail(const std::string& reason) {
 
 bool Runner::Holds(const TransitionRule& transition) const {
   if (transition.result && memory_.Value(*transition.result) != transition.is) return false;
+  return HoldsBesideResult(transition);
+}
+
+bool Runner::HoldsBesideResult(const TransitionRule& transition) const {
   if (!transition.from.empty() &&
       std::ranges::find(transition.from, previous_) == transition.from.end())
     return false;
@@ -184,6 +296,13 @@ bool Runner::Holds(const TransitionRule& transition) const {
 
 std::optional<Index> Runner::ChooseTransition() {
   for (const TransitionRule& transition : rule().transitions) {
+    // A way for all other values is none for a value that is not known.
+    const bool is_unknown = transition.result && !memory_.Value(*transition.result);
+    if (is_unknown && HoldsBesideResult(transition)) {
+      const ResultRule& result = course_.results[*transition.result];
+      return Fail(result.name + " is not known" +
+                  (result.command.empty() ? "" : ": set it by " + result.command));
+    }
     if (!Holds(transition)) continue;
     if (transition.to != kInterrupted) return transition.to;
     if (!interrupted_) return Fail("no movement was interrupted, to which it could go back");
@@ -205,6 +324,12 @@ std::optional<Index> Runner::ChooseTransition() {
 
 Runner::Outcome Runner::Advance(Duration now, Time time) {
   if (Blind(now, time)) {
+    unseen_since_.reset();  // its cameras have a fault of their own
+    locomotion_.Wait();
+    return Outcome::kRunning;
+  }
+  if (Unseen(now)) {
+    if (WatchesLight()) perception_.Want(course_.light->detector);
     locomotion_.Wait();
     return Outcome::kRunning;
   }
@@ -229,9 +354,11 @@ void Runner::ReserveDistances() {
   if (const auto difference = locomotion_.TakeDifference()) {
     Reserve(*difference);
     Say(*difference);
+    unsure_ = true;
   }
-  if (by_time_ || !locomotion_.streaming() || locomotion_.doubt().empty()) return;
-  by_time_ = true;
+  if (!locomotion_.streaming() || locomotion_.doubt().empty()) return;
+  unsure_ = true;
+  if (std::exchange(by_time_, true)) return;
   const std::string reason = "walks without odometry, by their time: " + locomotion_.doubt();
   Reserve(reason);
   Say(reason);
@@ -325,16 +452,48 @@ bool Runner::StoppedByLight(Duration now, Time time) {
   return light_->Stops(perception_.SightingSince(course_.light->detector, since), now);
 }
 
-// Where only one line is seen its middle is not known: straight on.
-void Runner::Steer(const std::optional<Index>& keep, Time time) {
+// Where only one line is seen its middle may not be known: straight on.
+void Runner::Steer(const std::optional<Index>& keep, Duration now, Time time) {
+  keep_ = keep;
   if (!keep) return;
   const Keep& rule = course_.keeps[*keep];
   perception_.Want(rule.detector);
   const Lines* lines = perception_.LinesSince(rule.detector, time - rule.fresh);
-  const bool between = lines != nullptr && lines->contours >= 2 && lines->doubt.empty() &&
-                       std::isfinite(lines->middle_offset);
-  const double yaw_rad_s = between ? -rule.yaw_rad_s * lines->middle_offset : 0;
+  const bool seen = lines != nullptr && lines->contours >= 1 && lines->doubt.empty() &&
+                    std::isfinite(lines->middle_offset);
+  const bool has_middle = seen && (lines->contours >= 2 || rule.one_line);
+  const double yaw_rad_s = has_middle ? -rule.yaw_rad_s * lines->middle_offset : 0;
   locomotion_.Steer(std::clamp(yaw_rad_s, -rule.most_rad_s, rule.most_rad_s));
+  if (seen) {
+    unseen_since_.reset();
+    return;
+  }
+  unseen_why_ = lines == nullptr        ? "no picture is new enough"
+                : !lines->doubt.empty() ? lines->doubt
+                : lines->contours == 0  ? "no line is seen"
+                                        : "its middle is not known";
+  if (unseen_since_) return;
+  unseen_since_ = now;
+  unseen_said_ = false;
+}
+
+bool Runner::Unseen(Duration now) {
+  if (!keep_ || !unseen_since_) return false;
+  const Keep& rule = course_.keeps[*keep_];
+  const Duration most = kUnseenTimes * rule.fresh;
+  const Duration unseen = now - *unseen_since_;
+  if (unseen < most) return false;
+  const std::string what =
+      "the lane is not seen by the detector " + course_.detectors[rule.detector].name + " for ";
+  if (!std::exchange(unseen_said_, true)) {
+    Say(what + std::to_string(ToMilliseconds(most)) + " ms: " + unseen_why_ +
+        "; it stands until it is");
+  }
+  if (unseen >= most + kLongestUnseen) {
+    fault_ = what + std::to_string(ToMilliseconds(most + kLongestUnseen)) + " ms: " + unseen_why_;
+    unseen_since_.reset();  // in the error state it goes on
+  }
+  return true;
 }
 
 bool Runner::WalkEndsSoon() const {
@@ -374,7 +533,7 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
     }
     Phase(1, now);
   }
-  Steer(step.keep, time);
+  Steer(step.keep, now, time);
   const Outcome outcome = Advance(now, time);
   // Also in its last tick: a detector that is closed for a tick has to start once more.
   if (walks && (outcome == Outcome::kDone || WalkEndsSoon())) WantNext();
@@ -382,6 +541,7 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
 }
 
 Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
+  keep_.reset();
   const Check& check = course_.checks[step.check];
   if (at_.phase == 0) {
     at_.after = std::max(at_.after, locomotion_.walked_until() + course_.check.settle);
@@ -396,18 +556,50 @@ Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
   return Outcome::kRunning;
 }
 
-// By a picture that is new enough; nothing where it shows no line, or not the thing.
-std::optional<LineWord> Runner::Word(const Check& check) const {
+// By pictures that are new enough; nothing where they show no line, or not the thing.
+std::optional<LineWord> Runner::Word(const Check& check) {
+  std::optional<LineWord> word;
+  bool clear = true;
   if (check.by == Check::By::kBox) {
     const Sighting* sighting = perception_.SightingSince(check.detector, at_.after);
-    if (sighting == nullptr || !sighting->seen) return std::nullopt;
-    if (!std::isfinite(sighting->offset)) return std::nullopt;  // it does not say where
-    if (sighting->offset > check.threshold) return LineWord::kLeft;
-    return sighting->offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
+    if (sighting == nullptr) return std::nullopt;
+    word = BoxWord(check, *sighting);
+  } else {
+    const Lines* lines = perception_.LinesSince(check.detector, at_.after);
+    if (lines == nullptr) return std::nullopt;
+    clear = lines->doubt.empty();
+    if (clear && lines->contours > 0) word = check.by == Check::By::kDy ? lines->dy : lines->ycy;
   }
-  const Lines* lines = perception_.LinesSince(check.detector, at_.after);
-  if (lines == nullptr || lines->contours == 0 || !lines->doubt.empty()) return std::nullopt;
-  return check.by == Check::By::kDy ? lines->dy : lines->ycy;
+  const auto index = word ? std::optional(static_cast<Index>(*word)) : std::nullopt;
+  return Agreed(check.detector, index, clear) ? word : std::nullopt;
+}
+
+std::optional<LineWord> Runner::BoxWord(const Check& check, const Sighting& sighting) const {
+  if (!sighting.seen || !std::isfinite(sighting.offset)) return std::nullopt;
+  const auto finds = [&](const Wait& wait) {
+    return wait.detector == check.detector && ValueOf(course_.results[wait.result], sighting.text);
+  };
+  const auto reads = [&](const Wait& wait) { return wait.detector == check.detector; };
+  if (std::ranges::any_of(course_.waits, reads) && std::ranges::none_of(course_.waits, finds)) {
+    return std::nullopt;  // another board
+  }
+  if (sighting.offset > check.threshold) return LineWord::kLeft;
+  return sighting.offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
+}
+
+std::optional<Index> Runner::Agreed(Index detector, std::optional<Index> word, bool clear) {
+  Agreement& so_far = at_.agreed;
+  const std::uint64_t picture = perception_.Pictures(detector);
+  if (so_far.picture == picture) return std::nullopt;
+  so_far.picture = picture;
+  ++so_far.pictures;
+  if (clear) ++so_far.clear;
+  if (!word) return std::nullopt;
+  so_far.in_row = so_far.word == word ? so_far.in_row + 1 : 1;
+  so_far.word = word;
+  const bool agrees =
+      so_far.in_row >= course_.check.agreeing && 2 * so_far.clear >= so_far.pictures;
+  return agrees ? word : std::nullopt;
 }
 
 Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, Time /*time*/) {
@@ -417,9 +609,9 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
     if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
     const Lines* lines = perception_.LinesSince(check.detector, at_.after);
     const bool in_doubt = lines != nullptr && !lines->doubt.empty();
-    return GiveUpCheck("check " + check.name + ": no picture of it within " +
-                       std::to_string(ToMilliseconds(rules.picture)) + " ms" +
-                       (in_doubt ? ": " + lines->doubt : ""));
+    return GiveUpCheck(check, "check " + check.name + ": no picture of it within " +
+                                  std::to_string(ToMilliseconds(rules.picture)) + " ms" +
+                                  (in_doubt ? ": " + lines->doubt : ""));
   }
   if (*word == LineWord::kCenter) return Outcome::kDone;
   const Corrections& corrections = after_turn ? check.after_turn : check.usual;
@@ -427,7 +619,7 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
   if (!correction) return Outcome::kDone;
   const std::string found = "check " + check.name + ": " + std::string(Name(*word));
   if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
-    return GiveUpCheck(found + " after " + std::to_string(at_.tries) + " corrections");
+    return GiveUpCheck(check, found + " after " + std::to_string(at_.tries) + " corrections");
   }
   ++at_.tries;
   Say(found + ", correction " + std::to_string(at_.tries) + ": " +
@@ -438,7 +630,11 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
 }
 
 // The race goes on with a reservation, but not with too many of them: then it is lost.
-Runner::Outcome Runner::GiveUpCheck(const std::string& why) {
+Runner::Outcome Runner::GiveUpCheck(const Check& check, const std::string& why) {
+  if (check.required) {
+    fault_ = why;
+    return Outcome::kRunning;
+  }
   Reserve(why);
   memory_.GiveUpCheck();
   unsure_ = true;
@@ -456,6 +652,7 @@ Runner::Outcome Runner::GiveUpCheck(const std::string& why) {
 }
 
 Runner::Outcome Runner::Run(const WaitStep& step, Duration now, Time time) {
+  keep_.reset();
   const Wait& wait = course_.waits[step.wait];
   if (!wait.detector) {
     return now - at_.since >= wait.limit ? Outcome::kDone : Outcome::kRunning;
@@ -481,13 +678,15 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
   perception_.Want(*wait.detector);
   const Sighting* sighting = perception_.SightingSince(*wait.detector, at_.after);
   if (sighting != nullptr && sighting->seen) {
-    const auto value = std::ranges::find(result.values, sighting->text);
-    if (value != result.values.end()) {
-      memory_.Set(wait.result, static_cast<Index>(value - result.values.begin()));
-      Say(result.name + " is " + sighting->text);
+    const auto value = ValueOf(result, sighting->text);
+    // A detector of words says its word once.
+    const bool once = course_.detectors[*wait.detector].kind == Detector::Kind::kText;
+    if (value && (once || Agreed(*wait.detector, value, true))) {
+      memory_.Set(wait.result, *value);
+      Say(result.name + " is " + result.values[*value]);
       return Outcome::kDone;
     }
-    ReportUnknown(wait, sighting->text);
+    if (!value) ReportUnknown(wait, sighting->text);
   }
   if (now - at_.since < wait.limit) return Outcome::kRunning;
   const std::string none =
@@ -527,22 +726,58 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
     Phase(1, now);
   }
   perception_.Want(until.detector);
-  Steer(step.keep, time);
+  Steer(step.keep, now, time);
   const auto store = [&](const WalkProgress& walk) {
     const int made = std::min(StepsOf(walk.made), most.count);  // the last tick may be beyond
     if (step.stores) memory_.SetCount(*step.stores, made);
     return Steps(made, std::min(StepsOf(walk.walked), most.count));
   };
-  const Sighting* sighting = perception_.SightingSince(until.detector, at_.after);
-  if (sighting != nullptr && sighting->phase == until.phase) {
+  const Sighting* sighting = perception_.SightingSince(until.detector, time - blind());
+  const bool of_walk = perception_.SightingSince(until.detector, at_.after) != nullptr;
+  if (sighting != nullptr && of_walk && sighting->phase == until.phase) {
     memory_.SetMissed(step.until, false);
     Say(until.name + " after " + store(locomotion_.Halt(time)));
     return Outcome::kDone;
+  }
+  if (WaitsForSight(until, sighting, now)) {
+    if (WatchesLight()) perception_.Want(course_.light->detector);
+    unseen_since_.reset();
+    locomotion_.Wait();
+    return Outcome::kRunning;
   }
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
   memory_.SetMissed(step.until, true);
   return GiveUp(until.otherwise, "no " + until.name + " within " + store(locomotion_.ended_walk()));
+}
+
+bool Runner::WaitsForSight(const Until& until, const Sighting* sighting, Duration now) {
+  if (sighting == nullptr) {
+    if (!perception_.HasStarted(until.detector)) return true;  // at most CheckRules::silent
+    if (!at_.stale_since) at_.stale_since = now;
+    if (now - *at_.stale_since >= course_.check.silent) {
+      fault_ = "all pictures for the detector " + course_.detectors[until.detector].name +
+               " are older than " + std::to_string(ToMilliseconds(blind())) + " ms, for " +
+               std::to_string(ToMilliseconds(course_.check.silent)) + " ms";
+      at_.stale_since.reset();  // in the error state it goes on
+    }
+    return true;
+  }
+  at_.stale_since.reset();
+  if (sighting->phase != kHidden) {
+    at_.hidden_since.reset();
+    at_.hidden_over = false;
+    return false;
+  }
+  if (at_.hidden_over) return false;
+  if (!at_.hidden_since) at_.hidden_since = now;
+  if (now - *at_.hidden_since < kLongestHidden) return true;
+  at_.hidden_over = true;
+  const std::string reason =
+      until.name + " has been hidden for " + std::to_string(ToMilliseconds(kLongestHidden)) + " ms";
+  Reserve(reason);
+  Say(reason + "; it walks on");
+  return false;
 }
 
 Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time time) {
@@ -557,7 +792,8 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time time) {
 Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
     const bool unsure = step.unsure && (unsure_ || unsure_before_);
-    if (unsure) Say("it is not sure of the place: a check on the way was given up");
+    if (unsure)
+      Say("it is not sure of the place: a check on the way was given up, or a walk not confirmed");
     voice_.Begin(unsure ? *step.unsure : step.speech, memory_, now);
     Phase(1, now);
   }

@@ -35,8 +35,18 @@ class Runner {
   std::optional<Index> Advance(Duration now, Time time, bool held);
   void Leave();
 
-  void Pause();
+  // `time` is that of the actuator's clock, as of OnOdometry().
+  void Pause(Time time);
   void Resume(Duration now);
+  // After it was held for so long, which counts toward no limit. Its place may have changed: it is
+  // compared once more.
+  void GoOn(Duration now, Duration held);
+  // Odometry counts: during a walk, where the robot comes to rest in a pause, and after it.
+  bool WantsOdometry(Time time) const {
+    return locomotion_.streaming() || PoseOfRestAt(time) || checks_pose_from_.has_value();
+  }
+  // See Locomotion::OnOdometry().
+  void OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age, Time time);
   // The steps that are left are dropped: the next tick takes a transition.
   void SkipSteps();
 
@@ -53,6 +63,16 @@ class Runner {
   void ForgetReason() { reason_.clear(); }
 
  private:
+  static constexpr Duration kBlind = Milliseconds(1000);  // of a course without a light
+
+  // What the pictures of a look say, one after the other.
+  struct Agreement {
+    std::optional<std::uint64_t> picture;  // the newest, see Perception::Pictures()
+    std::optional<Index> word;             // the last one
+    int in_row = 0;                        // pictures with this word
+    int pictures = 0;
+    int clear = 0;  // of them without a doubt
+  };
   // Where the present state is.
   struct Activity {
     Index step = 0;
@@ -60,6 +80,11 @@ class Runner {
     Duration since{};  // of the phase
     Time after{};      // pictures taken before do not count
     int tries = 0;     // corrections or retries
+    Agreement agreed{};
+    // Of a walk until a sight: there is no new picture, or the thing is hidden, since then.
+    std::optional<Duration> stale_since{};
+    std::optional<Duration> hidden_since{};
+    bool hidden_over = false;  // it is not waited for until it was seen
   };
   struct Interrupted {
     Index state = 0;
@@ -77,15 +102,24 @@ class Runner {
     kTarget    // a state to go to, in target_
   };
 
+  bool PoseOfRestAt(Time time) const;
+  void ComparePose(Duration now);
+  // After a pause the steps wait until a pose shows that it was not moved in it. False: go on.
+  bool ChecksPose(Duration now);
   std::optional<Index> RunSteps(Duration now, Time time);
   std::optional<Index> Fail(const std::string& reason);
   std::optional<Index> ChooseTransition();
   bool Holds(const TransitionRule& transition) const;
+  // Its conditions but that on a result.
+  bool HoldsBesideResult(const TransitionRule& transition) const;
 
   Outcome Run(const MoveStep& step, Duration now, Time time);
   Outcome Run(const CheckStep& step, Duration now, Time time);
   Outcome Run(const WaitStep& step, Duration now, Time time);
   Outcome Run(const UntilStep& step, Duration now, Time time);
+  // Whether a walk until a sight stands until there is a new picture, or what hides the thing is
+  // gone.
+  bool WaitsForSight(const Until& until, const Sighting* sighting, Duration now);
   Outcome Run(const WalkStep& step, Duration now, Time time);
   Outcome Run(const SayStep& step, Duration now, Time time);
   Outcome Run(const CountStep& step, Duration now, Time time);
@@ -109,14 +143,23 @@ class Runner {
   bool StoppedByLight(Duration now, Time time);
   // Leaves the state for that of the light.
   void Interrupt();
-  void Steer(const std::optional<Index>& keep, Time time);
+  Duration blind() const { return course_.light ? course_.light->blind : kBlind; }
+  void Steer(const std::optional<Index>& keep, Duration now, Time time);
+  // The lane has not been seen for kUnseenTimes times Keep::fresh: the walk waits for it, at most
+  // kLongestUnseen, which is then a fault.
+  bool Unseen(Duration now);
   bool WalkEndsSoon() const;
   void WantNext();
   // Once for each text, at most some of a state.
   void ReportUnknown(const Wait& wait, const std::string& text);
-  std::optional<LineWord> Word(const Check& check) const;
+  std::optional<LineWord> Word(const Check& check);
+  // By the box of a thing whose text is a value that its detector is to find.
+  std::optional<LineWord> BoxWord(const Check& check, const Sighting& sighting) const;
+  // The word, where the last pictures with one have the same, and no more of the pictures were
+  // in doubt than not: one picture decides nothing.
+  std::optional<Index> Agreed(Index detector, std::optional<Index> word, bool clear);
   Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
-  Outcome GiveUpCheck(const std::string& why);
+  Outcome GiveUpCheck(const Check& check, const std::string& why);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
   Outcome GiveUp(const Otherwise& otherwise, const std::string& what);
   // Whether the step is left out, as the sight was not found.
@@ -124,11 +167,14 @@ class Runner {
   void Reserve(const std::string& reason) { memory_.Reserve({rule().name, reason}); }
   // What odometry says against the last walk, or that it says nothing: that once a run.
   void ReserveDistances();
+  // That its place after a pause is not known.
+  void ReservePose();
   // At the end of a run.
   void ReportReservations();
   void Phase(int phase, Duration now) {
     at_.phase = phase;
     at_.since = now;
+    at_.agreed = {};
   }
   int StepsOf(Duration time) const {
     return static_cast<int>((time + course_.step / 2) / course_.step);
@@ -154,13 +200,23 @@ class Runner {
   bool skips_ = false;        // see SkipSteps()
   bool blind_ = false;        // in this tick
   std::optional<Duration> blind_since_;
-  bool blind_said_ = false;     // in the log
+  bool blind_said_ = false;               // in the log
+  std::optional<Index> keep_;             // of the walk under way
+  std::optional<Duration> unseen_since_;  // its lane
+  bool unseen_said_ = false;              // in the log
+  std::string unseen_why_;
   bool by_time_ = false;        // a walk of this run went by its time, without odometry
-  bool unsure_ = false;         // a check of this state was given up
+  bool unsure_ = false;         // a check of this state was given up, or a walk not confirmed
   bool unsure_before_ = false;  // one of the state before
   Index target_ = 0;
-  std::vector<std::string> unknown_;  // texts without a meaning, in this state
-  std::string fault_;                 // found by a step in this tick
+  std::optional<Time> paused_at_;
+  bool place_checked_ = true;                  // since the pause before
+  bool keeps_rest_pose_ = false;               // in this pause: that of the one before counts
+  std::optional<navigation::Pose> rest_pose_;  // where it has come to rest in the pause
+  std::optional<Duration> checks_pose_from_;   // after the pause
+  std::string moved_;                          // in the pause
+  std::vector<std::string> unknown_;           // texts without a meaning, in this state
+  std::string fault_;                          // found by a step in this tick
   std::string reason_;
 };
 

@@ -34,6 +34,7 @@ Rows RobotRows(const std::filesystem::path& folder, RobotRules& robot) {
   };
   return {
       row::Choice("resume", robot.from_start, {{"where_it_was", false}, {"start", true}}),
+      row::Time("resume_within_ms", robot.resume_within, 0),
       read_record,
       row::Time("self_check_ms", robot.self_check),
       need("motion", robot.motion),
@@ -50,6 +51,10 @@ Rows OdometryRows(OdometryRules& odometry) {
       row::Number("most_share", odometry.most_share, 1, 5),
       row::Time("fresh_ms", odometry.fresh),
       row::Time("begin_ms", odometry.begin, 0),
+      row::Number("most_turned_rad", odometry.most_turned_rad, 0, 3),
+      row::Number("blocked_share", odometry.blocked_share, 0, 1),
+      row::Number("most_moved_m", odometry.most_moved_m, 0, 10),
+      row::Number("most_moved_rad", odometry.most_moved_rad, 0, 3),
   };
 }
 

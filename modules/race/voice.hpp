@@ -24,6 +24,8 @@ class Voice {
   void Stop() { phrases_.clear(); }
   // The phrase under way is repeated.
   void Pause();
+  // It has been held for so long, which counts toward no limit.
+  void Prolong(Duration held) { limit_at_ += held; }
 
   void OnSpoken(std::uint64_t number, const Result<>& spoken);
 

@@ -27,6 +27,7 @@ FeedRules FeedRulesOf(const VisionConfig& config) {
           .needs_lens = true,
           .rate_hz = config.rate_hz,
           .silence = config.silence,
+          .still_pictures = config.still_pictures,
           .hang = config.limits.hang};
 }
 

@@ -100,6 +100,7 @@ VisionConfig Read(const Table& table, Findings& findings) {
                   row::Number("rate_hz", config.rate_hz, 0, 1000),
                   row::Time("self_check_ms", config.self_check_time),
                   row::Time("silence_ms", config.silence),
+                  row::Integer("still_pictures", config.still_pictures, 0, 1000),
                   row::Sub("detector", DetectorRows(config.cascade, config.limits)),
                   row::Sub("faces", FaceRows(config.faces)),
                   row::Sub("target", {row::Time("lost_ms", target.lost),
@@ -109,6 +110,7 @@ VisionConfig Read(const Table& table, Findings& findings) {
                   [&](TableReader& reader) {
                     config.detectors = ReadCourseEntries(reader, findings, FaceTopicNames(config));
                   }});
+  for (CourseEntry& entry : config.detectors) entry.still_pictures = config.still_pictures;
   CheckRate(root, config);
   CheckAny(root, config);
   config.cascade.smallest = config.faces.tracker.smallest;

@@ -49,6 +49,7 @@ struct CourseEntry {
   std::string camera_info;            // empty: camera_info below the picture's
   std::optional<double> hfov_rad;     // of the picture, where no CameraInfo comes
   double rate_hz = 10;                // pictures processed in a second of their own time; 0: all
+  int still_pictures = 0;             // as of the whole file
   std::string publish;                // the text, or of a detector of lines its lines
   DetectorLimits limits;
   CourseParameters parameters;

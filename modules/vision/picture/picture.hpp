@@ -40,4 +40,16 @@ class StampGate {
   std::int64_t due_ns_ = 0;
 };
 
+// How many pictures in a row are equal. A live camera has noise in each pixel: equal pictures are
+// one that its driver repeats.
+class StillPictures {
+ public:
+  // Counts this one, too: 1 for one that differs from the last. Compares a part of the pixels.
+  int Count(const msg::Image& picture);
+
+ private:
+  std::optional<std::uint64_t> digest_;  // of the last picture
+  int equal_ = 0;
+};
+
 }  // namespace musher::vision

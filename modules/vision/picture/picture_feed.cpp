@@ -88,9 +88,23 @@ void PictureFeed::OnPicture(msg::Image picture) {
     case StampGate::Verdict::kLook:
       break;
   }
+  if (StandsStill(picture)) return;
   newest_ns_ = stamp_ns;
   if (!requested_at_) requested_at_ = dependencies_.clock.Now();
   events_.on_shot({stamp_ns, std::move(picture)});
+}
+
+bool PictureFeed::StandsStill(const msg::Image& picture) {
+  if (rules_.still_pictures == 0) return false;
+  const int equal = still_.Count(picture);
+  const bool is_still = equal >= rules_.still_pictures;
+  faults_.Set(still_fault_,
+              is_still ? Result<>(FeedFault(KeyCode::kTimeout,
+                                            "the picture stands still: " + std::to_string(equal) +
+                                                " equal ones in a row on " + Topic(rules_.picture)))
+                       : Ok(),
+              "the picture changes again");
+  return is_still;
 }
 
 bool PictureFeed::OnResult(std::int64_t stamp_ns, const Result<>& result) {
@@ -124,6 +138,7 @@ void PictureFeed::OnSilence() {
   const std::string why =
       hangs ? "the detector has been processing one for " + MsText(events_.busy())
       : pictures_->MatchedWriters() == 0 ? "no publisher of " + Topic(rules_.picture)
+      : still_fault_.error               ? "the picture stands still on " + Topic(rules_.picture)
                                          : "no usable picture on " + Topic(rules_.picture);
   faults_.Set(silence_,
               FeedFault(KeyCode::kTimeout, "no picture for " + MsText(rules_.silence) + ": " + why),
@@ -140,6 +155,7 @@ Result<> PictureFeed::Check() const {
                      "the detector hangs: it has been processing one picture for " + MsText(busy));
   }
   if (detector_fault_.error) return FeedFault(kFailed, detector_fault_.error->message);
+  if (still_fault_.error) return FeedFault(kFailed, still_fault_.error->message);
   if (!seen_) {
     if (picture_fault_.error) return FeedFault(kFailed, picture_fault_.error->message);
     const bool published = on() && pictures_->MatchedWriters() > 0;

@@ -1,7 +1,7 @@
 #pragma once
 // The pictures of one camera for one detector: the subscription while it is on, the accepted
-// pictures and their lens, and the supervision: invalid pictures, silence, a detector that fails or
-// hangs. Runs on any transport.
+// pictures and their lens, and the supervision: invalid pictures, a camera that repeats its last
+// one, silence, a detector that fails or hangs. Runs on any transport.
 //
 // Threads: the loop's.
 
@@ -37,6 +37,7 @@ struct FeedRules {
   bool needs_lens = true;          // a self-check without a lens fails
   double rate_hz = 0;              // pictures accepted in a second of their own time; 0: all
   Duration silence{};              // timeout without a processed picture
+  int still_pictures = 0;          // equal pictures in a row: the camera stands still; 0: off
   Duration hang{};                 // a picture that takes longer: the detector hangs
 };
 
@@ -74,6 +75,8 @@ class PictureFeed {
   void Unsubscribe();
   void OnPicture(msg::Image picture);
   void OnInfo(const msg::CameraInfo& info);
+  // Whether it is one of too many equal pictures, which is then a fault.
+  bool StandsStill(const msg::Image& picture);
   void OnSilence();
   void AwaitNext();
   std::string Topic(const std::string& name) const {
@@ -85,11 +88,13 @@ class PictureFeed {
   const FeedEvents events_;
   const FaultLog faults_;
   StampGate gate_;
+  StillPictures still_;
   std::optional<Lens> lens_;  // of the CameraInfo
   std::uint64_t looked_at_ = 0;
   bool seen_ = false;           // a picture was processed since the subscription
   std::int64_t newest_ns_ = 0;  // stamp of the last picture passed to the detector
   FaultLog::Fault picture_fault_;
+  FaultLog::Fault still_fault_;
   FaultLog::Fault info_fault_;
   FaultLog::Fault detector_fault_;
   FaultLog::Fault silence_;

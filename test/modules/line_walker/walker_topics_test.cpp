@@ -106,6 +106,40 @@ TEST_F(WalkerTopicsTest, SubscribeToTheLinesOnlyDuringAWalk) {
   EXPECT_EQ(Readers(), 0);
 }
 
+// A race that crashed in the lane: no light was watched any more, and no STOP came.
+TEST_F(WalkerTopicsTest, EndTheWalkWhoseCommanderIsLost) {
+  StartWalking();
+  command_.reset();
+  Run(100);
+  See(5);
+  EXPECT_EQ(Ends(), 0);
+  See(10);
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_THAT(statuses_.back(), HasSubstr("End:stopped"));
+  EXPECT_THAT(log_.back(), HasSubstr("its commander is lost"));
+}
+
+// A race that was killed is matched until its lease ends, and one that hangs for ever.
+TEST_F(WalkerTopicsTest, EndTheWalkWhoseCommanderHasNoHeartbeatAnyMore) {
+  StartWalking();
+  for (int i = 0; i < 4; ++i) {
+    Command("HEARTBEAT");
+    See(10);
+  }
+  EXPECT_EQ(Ends(), 0);
+  EXPECT_EQ(command_->MatchedReaders(), 1);
+  See(10);
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_THAT(statuses_.back(), HasSubstr("End:stopped"));
+  EXPECT_THAT(log_, ElementsAre("START: walking in the lane",
+                                HasSubstr("no heartbeat of its commander for 1.5 s")));
+  Command("HEARTBEAT");
+  EXPECT_FALSE(topics_->walker().active()) << "it starts no walk";
+  Command("START");
+  See(20);
+  EXPECT_TRUE(topics_->walker().active()) << "of a commander without one";
+}
+
 TEST_F(WalkerTopicsTest, SendFramesOfAServoMotionTwentyTimesASecondAndOneEnd) {
   StartWalking();
   frames_.clear();

@@ -7,6 +7,7 @@
 namespace musher::race::command_test {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 TEST(Command, StartBeginsTheRaceOnce) {
   Rig rig;
@@ -178,6 +179,30 @@ TEST(Command, SetOfAResultIsUsedAtOnce) {
   ASSERT_TRUE(rig.RunTo("S2_TO_L1", Milliseconds(1000)));
 }
 
+// After a restart of the race it took the way of the other value.
+TEST(Command, LeadsToNoWayByAResultThatIsNotKnown) {
+  Rig rig;
+  rig.Command("START:IN_S1_R");
+  ASSERT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(65)));
+  EXPECT_THAT(rig.race->InfoText(),
+              HasSubstr("Reason:IN_S1_R: qr_a is not known: set it by SET_QR_A"));
+  rig.Command("SET_QR_A:A-1");
+  rig.Command("START:IN_S1_R");
+  ASSERT_TRUE(rig.RunTo("S1_TO_A2", std::chrono::seconds(65)));
+}
+
+// START was sent where the robot did not stand in its start: it walked.
+TEST(Command, StartElsewhereThanInTheStartIsAFault) {
+  Rig rig;
+  rig.script.lines = [](const std::string& detector) {
+    return Lines{detector == "front_start" ? 0U : 2U, LineWord::kCenter, LineWord::kCenter};
+  };
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(10)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("check start_heading: no picture of it"));
+  EXPECT_EQ(rig.field.streams, 0);
+}
+
 TEST(Command, ExitOfZoneBLeavesABayAtOnceOnTheSideOppositeToTheArrow) {
   Rig rig;
   rig.Command("SET_ARROW:left");
@@ -187,6 +212,7 @@ TEST(Command, ExitOfZoneBLeavesABayAtOnceOnTheSideOppositeToTheArrow) {
   rig.Command("EXIT_B_ZONE");
   ASSERT_TRUE(rig.RunTo("B1_TO_R1", Milliseconds(1500)));  // after the reply of the lie-down
   rig.Command("RESET");
+  rig.Command("SET_ARROW:right");
   rig.Command("START:IN_B2");
   rig.Run(Milliseconds(1000));
   rig.Command("EXIT_B_ZONE");

@@ -43,15 +43,37 @@ TEST(YellowLight, StopsAMovementAheadWhichContinuesWithItsRestAfterTheCountdown)
   ASSERT_TRUE(rig.RunTo("A1_TO_S1"));
 }
 
-TEST(YellowLight, ThatIsFarOrOfUnknownDistanceStopsNothing) {
+TEST(YellowLight, ThatIsFarStopsNothing) {
   Lamp rig;
   rig.seen = true;
   rig.distance_m = 0.71;
   rig.Command("START:QRA_TO_A1");
-  rig.Run(Milliseconds(2000));
-  rig.distance_m = kUnknown;
-  rig.Run(Milliseconds(2000));
+  rig.Run(Milliseconds(4000));
   EXPECT_EQ(rig.state(), "QRA_TO_A1");
+}
+
+// A detector without a lens: the robot walked into the light.
+TEST(YellowLight, OfUnknownDistanceIsNear) {
+  for (const double distance_m : {kUnknown, -1.0}) {
+    Lamp rig;
+    rig.Command("START:QRA_TO_A1");
+    rig.Run(Milliseconds(2000));
+    rig.seen = true;
+    rig.distance_m = distance_m;
+    EXPECT_TRUE(rig.RunTo("YELLOW_LIGHT_STOP", Milliseconds(300))) << distance_m;
+  }
+}
+
+// The watch stayed disarmed for the rest of the run.
+TEST(YellowLight, StopsAgainWhereACommandHasLedOutOfItsState) {
+  Lamp rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(2000));
+  rig.seen = true;
+  ASSERT_TRUE(rig.RunTo("YELLOW_LIGHT_STOP", Milliseconds(300)));
+  rig.Command("START:L1_TO_QRB");
+  ASSERT_EQ(rig.state(), "L1_TO_QRB");
+  EXPECT_TRUE(rig.RunTo("YELLOW_LIGHT_STOP", Milliseconds(2000)));
 }
 
 TEST(YellowLight, StopsAMovementWhileNoPictureComes) {

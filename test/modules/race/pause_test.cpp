@@ -2,11 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <tuple>
+
 #include "musher/test/modules/race/race_rig.hpp"
 
 namespace musher::race::pause_test {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 void PauseFor(Rig& rig, Duration time) {
   rig.race->Rest(rig.now);
@@ -25,7 +28,7 @@ TEST(Pause, EndsTheStreamAndContinuesWithTheRestAfterStandingUp) {
   rig.race->Rest(rig.now);  // idempotent
   EXPECT_EQ(rig.field.ends, 1);
   rig.machine->Pause();
-  rig.Run(std::chrono::minutes(10));
+  rig.Run(std::chrono::seconds(55));
   rig.race->Resume(rig.now);
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 2; }));
   EXPECT_THAT(rig.field.motions, ElementsAre(111, 111));
@@ -143,7 +146,7 @@ TEST(Pause, DoesNotCountTowardsALimit) {
   Rig rig;
   rig.Command("START:IN_QRB");
   rig.Run(std::chrono::seconds(30));
-  PauseFor(rig, std::chrono::minutes(5));
+  PauseFor(rig, std::chrono::seconds(55));
   rig.Run(std::chrono::seconds(25));
   EXPECT_EQ(rig.state(), "IN_QRB");
   EXPECT_TRUE(rig.RunTo("QRB_TO_B1", std::chrono::seconds(10)));
@@ -184,6 +187,181 @@ TEST(Pause, OverrulesAJumpThatWaitsForTheBody) {
   EXPECT_TRUE(rig.field.Logged("START:QRA_TO_A1 is dropped"));
 }
 
+// An operator has picked it up: it went on "where it was", in another place.
+TEST(Pause, InWhichTheRobotIsMovedIsAFault) {
+  for (const auto& [ahead_m, turned_rad, reason] :
+       {std::tuple(0.4, 0.0, "it was moved by 0.40 m and turned by 0 degrees in the pause"),
+        std::tuple(0.0, 0.5, "it was moved by 0.00 m and turned by 29 degrees in the pause")}) {
+    Rig rig;
+    rig.script.odometry = Truth;
+    rig.Command("START:QRA_TO_A1");
+    rig.Run(Milliseconds(3000));
+    rig.race->Rest(rig.now);
+    rig.machine->Pause();
+    rig.Run(Milliseconds(5000));
+    rig.pose.at.x_m += ahead_m;
+    rig.pose.yaw_rad += turned_rad;
+    rig.Run(Milliseconds(1000));
+    rig.race->Resume(rig.now);
+    ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(3000))) << reason;
+    EXPECT_THAT(rig.race->InfoText(), HasSubstr(reason));
+    EXPECT_EQ(rig.field.streams, 1) << "it walks on";
+  }
+}
+
+TEST(Pause, InWhichTheRobotIsMovedIsNoFaultWhereTheCourseDoesNotCompareIt) {
+  Course course = TheCourse();
+  course.odometry.most_moved_m = 0;
+  Rig rig(course);
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(Milliseconds(5000));
+  rig.pose.at.x_m += 0.4;
+  rig.race->Resume(rig.now);
+  EXPECT_TRUE(rig.RunTo("IN_A1"));
+}
+
+// Charged, the robot walked off from its charger by itself.
+TEST(Pause, ThatIsLongIsFollowedByTheRestOnlyAfterStart) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Run(std::chrono::seconds(30));
+  EXPECT_EQ(rig.state(), "QRA_TO_A1");
+  EXPECT_EQ(rig.field.streams, 1);
+  EXPECT_THAT(rig.field.motions, ElementsAre(111));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr(",Waits:START"));
+  PauseFor(rig, std::chrono::seconds(1));
+  rig.Run(std::chrono::seconds(5));
+  EXPECT_EQ(rig.field.streams, 1) << "a short pause permits nothing";
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("IN_A1", std::chrono::seconds(60)));
+  EXPECT_THAT(rig.race->InfoText(), ::testing::Not(HasSubstr("Waits")));
+}
+
+TEST(Pause, ThatIsLongMayBeEndedByAnotherCommand) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Command("START:QRB_TO_B1");
+  EXPECT_TRUE(rig.RunTo("IN_B1", std::chrono::seconds(60)));
+}
+
+TEST(Pause, ThatIsLongAndInWhichItIsMovedAtItsEndIsAFault) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Run(std::chrono::seconds(5));
+  rig.pose.at.x_m += 0.4;
+  rig.Command("START");
+  EXPECT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+}
+
+// The wait for START counted toward the limits: defaults were taken without one look.
+TEST(Pause, ThatIsLongAndTheWaitForStartDoNotCountTowardsALimit) {
+  Rig rig;
+  rig.Command("START:IN_QRB");
+  rig.Run(std::chrono::seconds(30));
+  PauseFor(rig, std::chrono::seconds(120));
+  rig.Run(std::chrono::seconds(20));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Run(std::chrono::seconds(20));
+  rig.Command("START");
+  rig.Run(std::chrono::seconds(25));
+  EXPECT_EQ(rig.state(), "IN_QRB");
+  EXPECT_TRUE(rig.RunTo("QRB_TO_B1", std::chrono::seconds(10)));
+}
+
+TEST(Pause, AndTheWaitForStartDoNotShortenWhatIsSpoken) {
+  Rig rig;
+  rig.script.speech_replies = false;
+  rig.Command("START:IN_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.spoken.size() == 1; }));
+  PauseFor(rig, std::chrono::seconds(61));
+  rig.Run(std::chrono::seconds(60));
+  rig.Command("START");
+  rig.script.speech_replies = true;
+  ASSERT_TRUE(rig.RunTo("A1_TO_S1", std::chrono::seconds(10)));
+  EXPECT_THAT(rig.field.spoken, ElementsAre("已到达库位", "已到达库位"));
+}
+
+// The second pause took the new place for the one before the pause.
+TEST(Pause, ThatFollowsAtOnceDoesNotHideThatItWasMovedInTheFirst) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(Milliseconds(5000));
+  rig.pose.at.x_m += 0.4;
+  rig.race->Resume(rig.now);
+  PauseFor(rig, Milliseconds(2000));
+  ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("it was moved by 0.40 m"));
+}
+
+TEST(Pause, DuringTheWaitForStartDoesNotHideThatItWasMovedBefore) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(std::chrono::seconds(61));
+  rig.pose.at.x_m += 0.4;
+  rig.race->Resume(rig.now);
+  rig.Run(std::chrono::seconds(5));
+  PauseFor(rig, std::chrono::seconds(2));
+  rig.Run(std::chrono::seconds(5));
+  rig.Command("START");
+  EXPECT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+}
+
+TEST(Pause, AfterAPlaceThatWasComparedIsComparedWithItsOwn) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, Milliseconds(3000));
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streams == 2; }));
+  rig.Run(Milliseconds(1000));
+  PauseFor(rig, Milliseconds(3000));
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_EQ(rig.race->memory().reserved(), 0U);
+}
+
+TEST(Pause, InWhichTheRobotStandsUpIsNone) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(Milliseconds(5000));
+  rig.pose.at.x_m += 0.1;
+  rig.race->Resume(rig.now);
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_EQ(rig.race->memory().reserved(), 0U);
+}
+
+TEST(Pause, WithoutOdometryIsAReservation) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  PauseFor(rig, Milliseconds(5000));
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_TRUE(rig.field.Logged("whether it was moved in the pause is not known"));
+  EXPECT_EQ(rig.race->memory().reserved(), 2U) << "and that it walks by its time";
+}
+
 // The walker was started again behind the lane's end.
 TEST(Pause, AtTheEndOfTheLaneDoesNotStartTheWalkerAgain) {
   Rig rig;
@@ -191,9 +369,21 @@ TEST(Pause, AtTheEndOfTheLaneDoesNotStartTheWalkerAgain) {
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.walking_lane; }));
   rig.Run(Milliseconds(2000));
   rig.race->OnWalkerStatus(0, "State:IDLE,Active:False,End:course_end", rig.now);
-  PauseFor(rig, std::chrono::minutes(10));
+  PauseFor(rig, std::chrono::seconds(55));
   ASSERT_TRUE(rig.RunTo("IN_S2", std::chrono::seconds(10)));
   EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+}
+
+// The race before has crashed while the line walker walked.
+TEST(Pause, BeforeTheFirstRunStopsTheWalkerOfAnEarlierProcess) {
+  Field field;
+  Race race(TheCourse(), field);
+  EXPECT_THAT(field.walker, ElementsAre());
+  race.Resume({});
+  EXPECT_THAT(field.walker, ElementsAre("STOP"));
+  race.Rest({});
+  race.Resume({});
+  EXPECT_THAT(field.walker, ElementsAre("STOP"));
 }
 
 TEST(Pause, OfTheMachineAtItsEndEndsTheStream) {

@@ -141,6 +141,7 @@ class Rig {
         *machine, [this](std::string_view line) { recording += line; });
     race->RecordTo(*recorder);
     race->Resume(now);
+    field.walker.clear();
     EXPECT_TRUE(machine->Start(now));
   }
 
@@ -150,6 +151,7 @@ class Rig {
       MoveBody();
       if (race->resting()) {
         Answer();
+        PublishOdometry();
         continue;
       }
       Answer();
@@ -231,15 +233,17 @@ class Rig {
     }
     if (script.body_reports) race->OnBody(script.body_status, 303, now);
   }
+  void PublishOdometry() {
+    if (!script.odometry) return;
+    const auto sample = script.odometry({pose, now, {}});
+    if (!sample) return;
+    race->OnOdometry(sample->stamp.time_since_epoch().count(), sample->pose, now - sample->age,
+                     now);
+  }
   // Ten pictures a second.
   void Publish() {
     ++turn_;
-    if (script.odometry) {
-      if (const auto sample = script.odometry({pose, now, {}})) {
-        race->OnOdometry(sample->stamp.time_since_epoch().count(), sample->pose, now - sample->age,
-                         now);
-      }
-    }
+    PublishOdometry();
     lane_ = field.walking_lane ? lane_ + Milliseconds(50) : Duration(0);
     if (turn_ % 2 != 0) return;
     const std::string status = script.walker(lane_);

@@ -26,10 +26,12 @@ std::string GoldenText() {
 TEST(RaceRecording, OfAnEarlierVersionIsReplayedIdentically) {
   Field field;
   std::ostringstream out, err;
+  Course course = TheCourse();
+  course.check.agreeing = 1;  // as it was then
   const ReplayExit exit = ReplayFile(
       Golden(),
       [&](fsm::Machine& machine) -> Result<ReplayedInput> {
-        const auto race = std::make_shared<Race>(TheCourse(), field);
+        const auto race = std::make_shared<Race>(course, field);
         if (const Result<> built = race->Build(machine); !built) return built.error();
         race->Resume({});
         return ReplayedInput([race](std::string_view input, std::string_view text) {

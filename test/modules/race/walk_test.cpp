@@ -146,9 +146,58 @@ TEST(Walk, KeepsInTheMiddleOfALaneWhileItIsSeen) {
   seen.middle_offset = -0.4;
   rig.Run(Milliseconds(500));
   EXPECT_DOUBLE_EQ(turn(), 0.3);  // at most
-  seen.contours = 1;              // of a single line the middle is not known
+  seen.contours = 1;              // by the camera's mount
+  seen.middle_offset = 0.05;
   rig.Run(Milliseconds(500));
-  EXPECT_EQ(turn(), 0);
+  EXPECT_DOUBLE_EQ(turn(), -0.1);
+}
+
+TEST(Walk, GoesStraightOnByOneLineOfACameraWithoutAMount) {
+  Course course = TheCourse();
+  course.keeps.front().one_line = false;
+  Rig rig(course);
+  rig.script.lines = [](const std::string&) {
+    return Lines{1, LineWord::kCenter, LineWord::kCenter, 0.4};
+  };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 0; }));
+  rig.Run(Milliseconds(4000));
+  EXPECT_TRUE(rig.field.streaming) << "one line is no reason to stand";
+  EXPECT_EQ(rig.field.frames.back().twist.yaw_rad_s, 0);
+}
+
+// It walked on by 85 steps, straight ahead and without a word.
+TEST(Walk, InALaneThatIsNotSeenStopsAndIsAFault) {
+  Lines seen{2, LineWord::kCenter, LineWord::kCenter, 0};
+  Rig rig;
+  rig.script.lines = [&seen](const std::string&) { return seen; };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 0; }));
+  seen.doubt = "the floor has the colour of the lines";
+  rig.Run(Milliseconds(1500));
+  EXPECT_TRUE(rig.field.streaming);
+  rig.Run(Milliseconds(1200));
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_EQ(rig.state(), "S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(3000)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("the floor has the colour of the lines"));
+}
+
+TEST(Walk, InALaneThatIsSeenAgainGoesOn) {
+  Lines seen{2, LineWord::kCenter, LineWord::kCenter, 0};
+  Rig rig;
+  rig.script.lines = [&seen](const std::string&) { return seen; };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 0; }));
+  for (int times = 0; times < 2; ++times) {
+    seen.contours = 0;
+    rig.Run(Milliseconds(4000));
+    EXPECT_FALSE(rig.field.streaming);
+    seen.contours = 2;
+    rig.Run(Milliseconds(500));
+    EXPECT_TRUE(rig.field.streaming);
+  }
+  EXPECT_EQ(rig.state(), "S2_TO_L1");
 }
 
 TEST(Walk, UntilAMarkerIgnoresAPictureThatWasTakenBefore) {
@@ -163,6 +212,81 @@ TEST(Walk, UntilAMarkerIgnoresAPictureThatWasTakenBefore) {
   EXPECT_EQ(rig.state(), "B2_TO_R1");
   rig.race->OnSighting(marker, {false, 0, "disappeared", ""}, rig.now, rig.now);
   ASSERT_TRUE(rig.RunTo("IN_R1", Milliseconds(2000)));
+}
+
+TEST(Walk, UntilASightStandsWithoutAFreshPicture) {
+  Rig rig;
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 20; }));
+  rig.script.silent = {"barrier"};
+  rig.Run(Milliseconds(1300));
+  EXPECT_FALSE(rig.field.streaming) << "it walks on without looking for the barrier";
+  rig.script.silent.clear();
+  rig.Run(Milliseconds(500));
+  EXPECT_TRUE(rig.field.streaming);
+  rig.script.silent = {"barrier"};
+  EXPECT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(11)));
+}
+
+TEST(Walk, UntilASightThatIsHiddenWaitsForItAndGoesOn) {
+  Rig rig;
+  rig.script.sight = [&](const std::string& detector) -> Sighting {
+    const bool hidden = detector == "marker" && rig.FramesOf({0.4, 0, 0}) > 40;
+    return {false, kUnknown, hidden ? "hidden" : "", ""};
+  };
+  rig.Command("START:S2_TO_R1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 40; }));
+  rig.Run(Milliseconds(500));
+  const int frames = rig.FramesOf({0.4, 0, 0});
+  EXPECT_FALSE(rig.field.streaming);
+  rig.Run(Milliseconds(8500));
+  EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), frames);
+  rig.Run(Milliseconds(2000));
+  EXPECT_TRUE(rig.field.streaming);
+  EXPECT_TRUE(rig.field.Logged("marker has been hidden for 10000 ms"));
+  EXPECT_TRUE(rig.RunTo("IN_R1"));
+}
+
+// It walked up to 10 s before its detector had started.
+TEST(Walk, UntilASightStandsUntilItsDetectorHasStarted) {
+  Rig rig;
+  rig.script.silent = {"barrier"};
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.Wants("barrier"); }));
+  rig.Run(Milliseconds(6000));
+  EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), 0);
+  rig.script.silent.clear();
+  rig.Run(Milliseconds(500));
+  EXPECT_TRUE(rig.field.streaming);
+}
+
+TEST(Walk, UntilASightWhoseDetectorDoesNotStartIsAFault) {
+  Rig rig;
+  rig.script.silent = {"barrier"};
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(30)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("no sample of the detector barrier"));
+  EXPECT_EQ(rig.FramesOf({0.4, 0, 0}), 0);
+}
+
+TEST(Walk, UntilASightThatIsHiddenOnceMoreWaitsOnceMore) {
+  Rig rig;
+  bool hidden = false;
+  rig.script.sight = [&](const std::string& detector) -> Sighting {
+    return {false, kUnknown, hidden && detector == "marker" ? "hidden" : "", ""};
+  };
+  rig.Command("START:S2_TO_R1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 40; }));
+  for (int times = 0; times < 2; ++times) {
+    hidden = true;
+    rig.Run(Milliseconds(9000));
+    EXPECT_FALSE(rig.field.streaming) << times;
+    rig.Run(Milliseconds(2000));
+    EXPECT_TRUE(rig.field.streaming) << times;
+    hidden = false;
+    rig.Run(Milliseconds(1000));
+    EXPECT_TRUE(rig.field.streaming) << times;
+  }
 }
 
 TEST(Walk, AheadIsShorterByTheStepsOfTheRetriesAtTheBoard) {
@@ -231,7 +355,7 @@ TEST(Check, TurnsTowardsTheBoardWhoseBoxIsBesideTheMiddle) {
   for (const double offset : {0.2, -0.2}) {
     Rig rig;
     rig.script.sight = [offset](const std::string& detector) {
-      return Sighting{detector == "qr", std::nan(""), "", "", offset};
+      return Sighting{detector == "qr", std::nan(""), "", "A-1", offset};
     };
     rig.Command("START:S1_TO_A1");
     ASSERT_TRUE(rig.RunUntil([&] { return rig.field.Logged("check board: "); }));
@@ -266,7 +390,38 @@ TEST(Check, NeedsAPictureThatIsHalfASecondNewerThanTheMovement) {
   EXPECT_FALSE(rig.field.Logged("correction"));
   rig.race->OnLines(lines, 2, "left", "center", 0.1, end + Milliseconds(500), rig.now);
   rig.Tick();
+  rig.race->OnLines(lines, 2, "left", "center", 0.1, end + Milliseconds(600), rig.now);
+  rig.Tick();
   EXPECT_TRUE(rig.field.Logged("QRA_TO_A1: check right_ycy: left, correction 1: backward 2"));
+}
+
+TEST(Check, NeedsAWordInTwoPictures) {
+  Rig rig;
+  int pictures = 0;
+  rig.script.lines = [&](const std::string& detector) {
+    if (detector != "right_lane") return Lines{2, LineWord::kCenter, LineWord::kCenter};
+    const bool odd = ++pictures % 2 == 0;
+    return Lines{2, odd ? LineWord::kLeft : LineWord::kRight, LineWord::kCenter};
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_FALSE(rig.field.Logged("correction 1"));
+  EXPECT_TRUE(rig.field.Logged("check right_ycy: no picture of it within 3000 ms"));
+}
+
+// One clear picture of many in doubt is chance.
+TEST(Check, NeedsHalfOfThePicturesWithoutDoubt) {
+  Rig rig;
+  int pictures = 0;
+  rig.script.lines = [&](const std::string& detector) {
+    if (detector != "right_lane") return Lines{2, LineWord::kCenter, LineWord::kCenter};
+    Lines lines{2, LineWord::kLeft, LineWord::kCenter};
+    if (++pictures % 4 != 0) lines.doubt = "the floor has the colour of the lines";
+    return lines;
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_FALSE(rig.field.Logged("correction 1"));
 }
 
 TEST(Check, ContinuesWithoutALineAfterItsLimitAndSaysSo) {
@@ -311,6 +466,33 @@ TEST(Wait, TakesTheDefaultsOfBayAndArrow) {
   ASSERT_TRUE(rig.RunTo("QRB_TO_B1", std::chrono::seconds(65)));
   rig.Command("START:IN_S2");
   ASSERT_TRUE(rig.RunTo("S2_TO_R1", std::chrono::seconds(20)));
+}
+
+// A reflection that was read once decided the way.
+TEST(Wait, NeedsAWordInTwoPictures) {
+  Rig rig;
+  rig.script.silent = {"qr"};
+  rig.Command("START:IN_QR_A");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.Wants("qr"); }));
+  const Index qr = FindByName(rig.course_.detectors, "qr").value();
+  rig.Tick(2);
+  rig.race->OnSighting(qr, Text("A-1"), rig.now, rig.now);
+  const Time taken = rig.now;
+  rig.Tick(2);
+  rig.race->OnSighting(qr, Text("A-1"), taken, rig.now);  // the same picture
+  rig.Tick(2);
+  rig.race->OnSighting(qr, Text("A-2"), rig.now, rig.now);
+  rig.Run(Milliseconds(500));
+  EXPECT_EQ(rig.race->memory().Text(0), "None");
+  rig.race->OnSighting(qr, Text("A-2"), rig.now, rig.now);
+  EXPECT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(1000)));
+}
+
+TEST(Wait, TakesAWordInAnyCase) {
+  Rig rig;
+  rig.script.sight = [](const std::string&) { return Text("a-2"); };
+  rig.Command("START:IN_QR_A");
+  ASSERT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(3000)));
 }
 
 TEST(Wait, IgnoresATextThatIsNoneOfItsValues) {

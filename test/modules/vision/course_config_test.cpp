@@ -35,6 +35,8 @@ TEST(CourseConfig, OfTheRepositoryIsGood) {
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   EXPECT_FALSE(reading.config->detect_faces);
+  EXPECT_EQ(reading.config->still_pictures, 15);
+  EXPECT_EQ(reading.config->detectors.front().still_pictures, 15);
   std::vector<std::string> names;
   for (const CourseEntry& entry : reading.config->detectors) names.push_back(entry.name);
   EXPECT_THAT(names, IsSupersetOf({"qr_detector", "green_arrow_detector", "red_barrier_detector",

@@ -6,6 +6,7 @@
 
 namespace musher::vision::course_topics_test {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -140,6 +141,41 @@ TEST_F(CourseTopicsTest, RefuseInvalidPicturesAndLogItOnce) {
   Shoot();
   EXPECT_THAT(log_.back(), "0 pictures are ok again");
   EXPECT_THAT(texts_, SizeIs(1));
+}
+
+// A driver that repeats its last buffer: each with a stamp of its own.
+TEST_F(CourseTopicsTest, PassOnNoPictureOfACameraThatStandsStill) {
+  entry_.still_pictures = 5;
+  Start();
+  const auto text = Listen("qr_detector/qr_info", texts_);
+  Shoot(20);
+  EXPECT_THAT(texts_, SizeIs(4));
+  EXPECT_THAT(log_, ElementsAre("5907 the picture stands still: 5 equal ones in a row on "
+                                "robot1/image_rgb"));
+  EXPECT_THAT(Failing(), HasSubstr("the picture stands still"));
+  Run(Milliseconds(2000));
+  EXPECT_THAT(log_.back(),
+              "5907 no picture for 2000 ms: the picture stands still on "
+              "robot1/image_rgb");
+  msg::Image other = Picture();
+  other.data[0] ^= 1;
+  Shoot(1, other);
+  EXPECT_THAT(log_, Contains("0 the picture changes again"));
+  EXPECT_THAT(texts_, SizeIs(5));
+  EXPECT_EQ(Failing(), "");
+}
+
+TEST_F(CourseTopicsTest, CheckThemselvesByPicturesThatChange) {
+  entry_.still_pictures = 5;
+  Start(false);
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Run(Milliseconds(500));
+  Shoot(20);
+  EXPECT_TRUE(topics_->SetChecked(false));
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Run(Milliseconds(500));
+  Shoot();
+  EXPECT_THAT(Failing(), HasSubstr("the picture stands still"));
 }
 
 TEST_F(CourseTopicsTest, KnowTheLensOfCameraInfoOrOfTheConfig) {

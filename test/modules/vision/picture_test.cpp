@@ -37,6 +37,22 @@ TEST(CheckPicture, TakesWhatCamerasSend) {
             "");
 }
 
+TEST(StillPictures, CountEqualOnesInARow) {
+  StillPictures still;
+  msg::Image picture = Picture();
+  EXPECT_EQ(still.Count(picture), 1);
+  picture.header.stamp.sec += 1;
+  EXPECT_EQ(still.Count(picture), 2) << "its stamp says nothing";
+  EXPECT_EQ(still.Count(picture), 3);
+  ASSERT_FALSE(picture.data.empty());
+  picture.data[0] ^= 1;
+  EXPECT_EQ(still.Count(picture), 1);
+  EXPECT_EQ(still.Count(picture), 2);
+  std::swap(picture.width, picture.height);
+  picture.width += 1;
+  EXPECT_EQ(still.Count(picture), 1);
+}
+
 TEST(CheckPicture, RefusesAnInvalidPicture) {
   EXPECT_THAT(Said([](msg::Image& picture) { picture.encoding = "32FC1"; }),
               HasSubstr("this one is '32FC1'"));
