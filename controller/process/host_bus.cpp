@@ -30,11 +30,13 @@ constexpr std::size_t kLongestGreeting = 65'536;          // with what a login m
 constexpr std::size_t kMostErrors = 4'096;
 constexpr std::string_view kGreeting = "musher-host ";
 constexpr std::size_t kBootIdLength = 36;
-// A HostId(), as base/host.cpp makes it, and the uptime, then D-Bus. Another shell than sh may read
-// the line.
+// A HostId(), as base/host.cpp makes it, and for how many seconds its first process has run, which
+// is the uptime but in a container; then D-Bus. Another shell than sh may read the line.
 constexpr const char* kRemoteCommand =
-    "exec sh -c 'read -r up idle </proc/uptime; printf \"musher-host %s/%s %s\\n\" "
-    "\"$(cat /proc/sys/kernel/random/boot_id)\" \"$(stat -Lc %i /proc/self/ns/pid)\" \"$up\" && "
+    "exec sh -c 'read -r up idle </proc/uptime; read -r first </proc/1/stat; "
+    "set -- ${first##*) }; printf \"musher-host %s/%s %s\\n\" "
+    "\"$(cat /proc/sys/kernel/random/boot_id)\" \"$(stat -Lc %i /proc/self/ns/pid)\" "
+    "\"$((${up%%.*} - ${20} / 100))\" && "
     "exec systemd-stdio-bridge'";
 
 BusMessage Own(sd_bus_message* message) {

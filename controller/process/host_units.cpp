@@ -291,8 +291,7 @@ std::string HostUnits::Unreached(const Host& host) const {
 }
 
 // Its address may be that of another board now, with the same key if one image was copied to both.
-// That board was not booted since this one was reached last. A container has the uptime of its
-// host, and with it the boot id.
+// That board was not booted since this one was reached last.
 std::string HostUnits::WhyRefused(const Host& host, const std::string& id, Duration running) const {
   if (host.seen.empty() || !host.lost_at || BootOf(host.seen) == BootOf(id)) return {};
   const Duration lost_for = SinceBoot() - *host.lost_at;

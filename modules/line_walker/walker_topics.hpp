@@ -62,7 +62,7 @@ class WalkerTopics {
   void OnStart();
   void EndWalk(const std::string& why);
   // No STOP can come any more, and the walk ends: without a publisher of commands for
-  // kLongestAlone, or without the next heartbeat of one that sends them.
+  // kLongestAlone, or without the next heartbeat of a publisher that sends them.
   void EndAlone();
   Result<> Subscribe();
   transport::Subscription* SubscribeTo(const std::string& topic, View view);

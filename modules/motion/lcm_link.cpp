@@ -147,10 +147,11 @@ void LcmLink::Look(std::optional<Time> end) {
   counted_ = false;
 }
 
-// This process or its host was suspended: the board has let the body lie down, and may have had
-// another commander since. An emergency stop is kept.
+// This process or its host was suspended: the board may have let the body lie down, which it does
+// after 500 ms without a frame, and may have had another commander since. An emergency stop is
+// kept.
 bool LcmLink::HasHung(Time now) {
-  if (now - tick_at_ < kNoResponse) return false;
+  if (now - tick_at_ < kNoResponse - 2 * kHeartbeatPeriod) return false;
   tick_at_ = now;
   return !stopped_;
 }
