@@ -369,7 +369,7 @@ void HostBus::Process() {
   deadline_ = loop_.At(loop_.Now() + Milliseconds(500), [this] { End("its D-Bus has ended"); });
 }
 
-void HostBus::Handle(std::vector<Received> received) {
+void HostBus::Handle(const std::vector<Received>& received) {
   const std::weak_ptr<bool> alive = alive_;
   for (const Received& one : received) {
     if (alive.expired() || bus_ == nullptr) return;

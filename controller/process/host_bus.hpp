@@ -87,7 +87,7 @@ class HostBus {
   void ReadGreeting();
   void Subscribe();
   void Process();
-  void Handle(std::vector<Received> received);
+  void Handle(const std::vector<Received>& received);
   void ArmTimer();
   void ReadErrors();
   void End(const std::string& why);

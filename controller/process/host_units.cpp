@@ -31,7 +31,7 @@ constexpr Duration kExamineAgain = Milliseconds(500);
 // How long a host may have been off before its connection is found to be lost (ssh: 6 s).
 constexpr Duration kLossSeenWithin = Milliseconds(10'000);
 // What a process leaves behind gets SIGTERM, and SIGKILL after this time.
-constexpr std::uint64_t kRestEndsWithin_us = 2'000'000;
+constexpr std::uint64_t kRestEndsWithinUs = 2'000'000;
 constexpr const char* kDeniedCure =
     "; its systemd lets this user start and end no unit: set `user` to root, or permit it by "
     "polkit "
@@ -264,7 +264,7 @@ HostUnits::HostUnits(transport::EventLoop& loop, const MachineConfig& config,
 }
 
 HostUnits::~HostUnits() {
-  Close();
+  HostUnits::Close();
 }
 
 void HostUnits::Open(Hooks hooks) {
@@ -552,7 +552,7 @@ void HostUnits::StartUnit(Unit& unit) {
   AppendText(m, "Type", "exec");  // its start fails if the program cannot be executed
   AppendText(m, "SyslogIdentifier", unit.actuator);
   if (!spec.cwd.empty()) AppendText(m, "WorkingDirectory", spec.cwd);
-  sd_bus_message_append(m, "(sv)", "TimeoutStopUSec", "t", kRestEndsWithin_us);
+  sd_bus_message_append(m, "(sv)", "TimeoutStopUSec", "t", kRestEndsWithinUs);
   OpenProperty(m, "Environment", "as");
   std::vector<std::string> environment;
   environment.reserve(spec.env.size());

@@ -291,10 +291,10 @@ bool LcmLink::IsRenewed(Time now) const {
 
 // By its odometry since the frame began.
 bool LcmLink::IsStill() const {
-  constexpr double kStillM_s = 0.05;
-  constexpr double kStillRad_s = 0.1;
-  return locations_.at && *locations_.at > begun_at_ && body_.motion.v_B.norm() < kStillM_s &&
-         body_.motion.w_B.norm() < kStillRad_s;
+  constexpr double kStillMS = 0.05;
+  constexpr double kStillRadS = 0.1;
+  return locations_.at && *locations_.at > begun_at_ && body_.motion.v_B.norm() < kStillMS &&
+         body_.motion.w_B.norm() < kStillRadS;
 }
 
 // For a stop of the motion manager to be taken.
