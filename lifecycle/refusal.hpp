@@ -78,6 +78,7 @@ enum class Refusal : std::uint8_t {
   kStoppedMachine,
   kNoEmergencyStop,
   kStoppedAgain,
+  kStopNotSeen,
   // A command to an actuator.
   kSenderUnknown,
   kEpochOutOfRange,
@@ -230,6 +231,9 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
     {Refusal::kNoEmergencyStop, kCodeStateInvalid, "no emergency stop is engaged"},
     {Refusal::kStoppedAgain, kCodeProtectedError,
      "released, but an emergency stop was engaged again meanwhile{by?}; release it again once its "
+     "cause is removed"},
+    {Refusal::kStopNotSeen, kCodeProtectedError,
+     "not released: another emergency stop has been engaged since{by?}; release it again once its "
      "cause is removed"},
 
     {Refusal::kSenderUnknown, kCodePermissionDenied,

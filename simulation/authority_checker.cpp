@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/config/flow.hpp"
+
 namespace musher::simulation {
 
 void AuthorityChecker::NoteWord(const SimulatedController& controller, bool restarted) {
@@ -22,10 +24,42 @@ Epoch AuthorityChecker::CheckEpoch(const SimulatedController& controller) {
   const Machine& machine = controller.shell().machine();
   Seen& seen = seen_[controller.serial()];
   const Epoch epoch = std::exchange(seen.epoch, machine.epoch);
-  if (epoch == 0) seen.began_with = machine.epoch;
+  if (epoch == 0) {
+    seen.began_with = machine.epoch;
+    NoteFound(controller);
+  }
   if (epoch != 0 && epoch != machine.epoch) CheckRaised(controller, seen, epoch);
   seen.starts = machine.phase == Phase::kStarting;
   return epoch;
+}
+
+// What runs on the host of a controller that takes the machine over, by a restart for one.
+void AuthorityChecker::NoteFound(const SimulatedController& controller) {
+  if (!controller.shell().machine().start_up.requests_nothing) return;
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    const ActuatorReport* report = robot_.processes().ReportOf(actuator.name, controller.host());
+    if (report == nullptr || report->detached || !config_.RankOf(report->state)) continue;
+    const bool falls = report->busy() && Falls(config_, report->state, report->target);
+    found_[controller.serial()][{actuator.name, controller.host()}] = {
+        report->incarnation, falls ? report->target : report->state};
+  }
+}
+
+// Nothing of a machine rises because its controller was restarted: it goes on from the least active
+// state that it finds, whatever the stage of the actuator is.
+void AuthorityChecker::CheckRise(std::uint64_t controller, const std::string& name,
+                                 std::size_t host, const ActuatorReport& report) {
+  const auto of_controller = found_.find(controller);
+  if (of_controller == found_.end()) return;
+  const auto found = of_controller->second.find({name, host});
+  const bool same =
+      found != of_controller->second.end() && found->second.incarnation == report.incarnation;
+  if (!same || !Rises(config_, found->second.most, report.target)) return;
+  ReportViolation(Invariant::kNoUnrequestedActivation, name + " was found in " +
+                                                           found->second.most +
+                                                           " by a controller that begins "
+                                                           "nothing, which leads it to " +
+                                                           report.target);
 }
 
 void AuthorityChecker::CheckRaised(const SimulatedController& controller, Seen& seen,
@@ -88,6 +122,7 @@ void AuthorityChecker::NoteReasons(const SimulatedController& controller,
     default:
       return;
   }
+  found_.erase(controller.serial());
   const State target(ArgumentOf(record.arguments, "target"));
   // A wake-up, for one, leads to Active or as far as the battery permits.
   reasons_[controller.serial()].insert(target.empty() ? State(kActive) : target);

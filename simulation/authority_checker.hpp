@@ -28,6 +28,10 @@ class AuthorityChecker : public SubjectChecker {
   Epoch CheckEpoch(const SimulatedController& controller);
   void CheckFollows(const std::string& name, std::size_t host, const ActuatorReport& report);
   void NoteReasons(const SimulatedController& controller, const action::Record& record);
+  // An actuator of a host begins, by a command of the controller with this serial, a callback that
+  // leads up.
+  void CheckRise(std::uint64_t controller, const std::string& name, std::size_t host,
+                 const ActuatorReport& report);
   void CheckReason(const SimulatedController& controller, const State& before);
   bool HasReason(std::uint64_t controller, const State& from, const State& to) const;
   void CheckMeant(const action::Record& record);
@@ -54,7 +58,13 @@ class AuthorityChecker : public SubjectChecker {
     Word word;  // the newest
   };
 
+  struct Found {  // running, by a controller that takes over and begins nothing
+    Incarnation incarnation = 0;
+    State most;  // where it was, or was being led down to
+  };
+
   void CheckRaised(const SimulatedController& controller, Seen& seen, Epoch before);
+  void NoteFound(const SimulatedController& controller);
 
   std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller
   std::uint64_t words_ = 0;
@@ -64,6 +74,8 @@ class AuthorityChecker : public SubjectChecker {
   // By the serial of the controller: the targets of requests and of the policy that it has
   // recorded, since nothing was under way.
   std::map<std::uint64_t, std::set<State>> reasons_;
+  // By the serial of the controller, until it has recorded a reason: by actuator, host.
+  std::map<std::uint64_t, std::map<std::pair<std::string, std::size_t>, Found>> found_;
   const SimRobot* other_ = nullptr;  // another machine in the network
 };
 

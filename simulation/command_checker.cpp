@@ -89,6 +89,7 @@ void CommandChecker::OnBegun(const std::string& name, std::size_t host,
     ReportViolation(Invariant::kRisesAreRecorded,
                     what + ", for which its controller has recorded no reason");
   }
+  if (rises) authority_.CheckRise(sent->second.controller, name, host, report);
   release_.CheckAfterRelease(name, host, before, report, sent->second.basis);
 }
 

@@ -22,8 +22,7 @@ namespace musher::simulation {
 
 class CommandChecker : public SubjectChecker {
  public:
-  CommandChecker(CheckerContext& context, const AuthorityChecker& authority,
-                 ReleaseChecker& release)
+  CommandChecker(CheckerContext& context, AuthorityChecker& authority, ReleaseChecker& release)
       : SubjectChecker(context), authority_(authority), release_(release) {}
 
   // Before a controller sends it.
@@ -59,7 +58,7 @@ class CommandChecker : public SubjectChecker {
   bool MayRise(const Machine& machine, const State& target) const;
   bool IsGivenUp(const CommandKey& command) const;
 
-  const AuthorityChecker& authority_;
+  AuthorityChecker& authority_;
   ReleaseChecker& release_;
   std::map<CommandKey, SentCommand> sent_commands_;
   // The last that was given up, by epoch and actuator.

@@ -136,6 +136,10 @@ struct KnownActuator {
   // Since the release of the last emergency stop a switch has been requested that leads it up or to
   // a state of the same rank: it may switch on again.
   bool set_again = false;
+  bool met = false;  // it was present, in this run of the controller
+  // It was running already, announced itself after the machine went on, and was below its state: it
+  // stays there until a switch up is requested.
+  bool found_below = false;
   std::optional<PendingCommand> command;  // the command under way
 
   Health health = Health::kWell;
@@ -243,6 +247,8 @@ inline constexpr std::tuple kFields<KnownActuator> = {
     Field{"join_tried", &KnownActuator::join_tried},
     Field{"failed_checks", &KnownActuator::failed_checks},
     Field{"set_again", &KnownActuator::set_again},
+    Field{"met", &KnownActuator::met},
+    Field{"found_below", &KnownActuator::found_below},
     Field{"held", &KnownActuator::held},
     Field{"due", &KnownActuator::due},
     Field{"fault", &KnownActuator::fault},

@@ -184,6 +184,13 @@ RecordText HeldIn(const State& state, const State& machine) {
                   {{"state", state}, {"machine", machine}});
 }
 
+RecordText FoundBelow(const State& state, const State& machine) {
+  return MakeText(EventName::kFoundBelow,
+                  "was found in {state} after the machine went on in {machine}; run `musher set "
+                  "{machine}` if it may rise",
+                  {{"state", state}, {"machine", machine}});
+}
+
 RecordText EpochOutOfRange(Epoch epoch) {
   return MakeText(EventName::kEpochOutOfRange, "it reports epoch {epoch}, which is out of range",
                   {{"epoch", epoch}});

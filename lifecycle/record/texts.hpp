@@ -140,6 +140,7 @@ RecordText TornDownAlone();
 RecordText SelfCheckMissing(const State& state);
 RecordText NoState(const State& state);
 RecordText HeldIn(const State& state, const State& machine);
+RecordText FoundBelow(const State& state, const State& machine);
 RecordText EpochOutOfRange(Epoch epoch);
 RecordText ControlledByAnother(Epoch epoch);
 // Faults of an actuator that is lost, or hangs.

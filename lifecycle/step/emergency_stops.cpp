@@ -115,6 +115,13 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
     return Do(action::AnswerCall{requested.request, Refused<Refusal::kNoEmergencyStop>()});
   }
   StoredStops stops = StopsOf(machine_);
+  const auto unseen = std::ranges::find_if(stops.engaged, [&](const EmergencyStop& stop) {
+    return !requested.seen.empty() && std::ranges::count(requested.seen, stop.id) == 0;
+  });
+  if (unseen != stops.engaged.end()) {
+    return Do(
+        action::AnswerCall{requested.request, Refused<Refusal::kStopNotSeen>(OriginOf(*unseen))});
+  }
   for (const EmergencyStop& stop : stops.engaged) AddReleased(stops, stop.id);
   // Not by a release that is repeated for an actuator: a switch may have been requested since.
   if (emergency.stop) emergency.last_before_release = machine_.number;

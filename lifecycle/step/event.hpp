@@ -131,6 +131,7 @@ struct EmergencyStopSeen {
 struct ReleaseRequested {
   RequestId request = 0;
   std::string by;
+  std::vector<StopId> seen = {};  // those that the person has seen; empty: all that are engaged
   friend bool operator==(const ReleaseRequested&, const ReleaseRequested&) = default;
 };
 struct SetStateRequested {
@@ -352,6 +353,7 @@ template <>
 inline constexpr std::tuple kFields<event::ReleaseRequested> = {
     Field{"request", &event::ReleaseRequested::request},
     Field{"by", &event::ReleaseRequested::by},
+    Field{"seen", &event::ReleaseRequested::seen},
 };
 
 template <>

@@ -76,14 +76,10 @@ bool Adoption::AgreesWith(ActuatorIndex i, const State& state) const {
 }
 
 bool Adoption::FoundInSelfCheck() const {
-  const auto present = [](const KnownActuator& known) {
-    return known.presence == Presence::kPresent && !known.report.detached;
-  };
-  const auto stands = [&](const KnownActuator& known) {
-    return !present(known) || (known.state() == kSelfCheck && !known.report.busy());
-  };
-  return std::ranges::all_of(view_.actuators, stands) &&
-         std::ranges::any_of(view_.actuators, present);
+  return std::ranges::any_of(view_.actuators, [](const KnownActuator& known) {
+    return known.presence == Presence::kPresent && !known.report.detached &&
+           known.state() == kSelfCheck;
+  });
 }
 
 // Whether the previous controller crashed during a switch: an actuator is switching to another

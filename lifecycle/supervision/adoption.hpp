@@ -18,8 +18,9 @@ class Adoption : MachineView {
   // states with the same rank, the state of most actuators wins; only actuators that list all of
   // these states count.
   std::optional<State> LowestFound() const;
-  // Whether the machine stood in SelfCheck, to which a person had switched it: of a start that
-  // went on to Active, an actuator would be busy.
+  // Whether the machine may have stood in SelfCheck, to which a person had switched it, perhaps
+  // with an actuator that was restarted meanwhile. A start that the previous controller has not
+  // ended looks the same.
   bool FoundInSelfCheck() const;
   // Whether the previous controller crashed during a switch.
   bool FoundSwitching() const;

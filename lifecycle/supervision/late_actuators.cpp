@@ -88,9 +88,17 @@ bool LateActuators::Lower(ActuatorIndex i) {
 bool LateActuators::WaitsForRequest(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const State place = PlaceOf(i);
+  if (IsFoundBelow(i)) return ConfigOf(i).Lists(place);
   return (IsStopped(i) || MustBeSetAgain(machine_, known)) && place != kError &&
          ConfigOf(i).Lists(place) && RunsCallback(config_, i, known.state(), place) &&
          MaySwitchOn(config_, known.state(), place);
+}
+
+// A controller that takes the machine over raises nothing that it finds, and this one may have been
+// led down by a person.
+bool LateActuators::IsFoundBelow(ActuatorIndex i) const {
+  const KnownActuator& known = Of(i);
+  return known.found_below && !known.set_again && Rises(config_, known.state(), PlaceOf(i));
 }
 
 // Its command could overtake the release on the way to it: its own report counts, too.
@@ -105,6 +113,10 @@ void LateActuators::Hold(ActuatorIndex i) {
   const std::int32_t own = known.report.outcome_code;
   const bool reported = own != kCodeOk && known.fault && known.fault->code == own;
   if (known.fault && (reported || known.suspended || !known.checked)) return;
+  if (IsFoundBelow(i)) {
+    return Degrade(i, kCodeStateInvalid, texts::FoundBelow(known.state(), machine_.state),
+                   known.cause);
+  }
   Degrade(i, kCodeProtectedError, texts::HeldIn(known.state(), machine_.state),
           machine_.emergency.cause);
 }

@@ -22,6 +22,7 @@ class LateActuators : StepPart {
   bool Lower(ActuatorIndex i);
   bool WaitsForRequest(ActuatorIndex i) const;
   bool IsStopped(ActuatorIndex i) const;
+  bool IsFoundBelow(ActuatorIndex i) const;
   void Hold(ActuatorIndex i);
   bool MayJoin(ActuatorIndex i, std::optional<RecordText>& blocker) const;
   void Join(ActuatorIndex i);

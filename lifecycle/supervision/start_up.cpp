@@ -132,9 +132,8 @@ void StartUp::EndFirstStage() {
     return AdoptFrom(*lowest, recorded);
   if (machine_.start_up.requests_nothing && Adoption(config_, machine_).FoundInSelfCheck()) {
     return Fail(
-        "it was found in SelfCheck, from where a person leads it on; run `musher set SelfCheck` "
-        "and "
-        "`musher set Active`",
+        "it was found in SelfCheck, from where a person leads it on; run `musher set "
+        "SelfCheck` and `musher set Active`",
         recorded);
   }
   const bool stopped = machine_.emergency.stop.has_value();

@@ -1,6 +1,9 @@
 #include "musher/lifecycle/switch/control.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/config/flow.hpp"
 
 namespace musher {
 
@@ -105,6 +108,9 @@ void Control::Attach(ActuatorIndex i) {
   known.suspended = false;
   known.health = Health::kWell;
   known.due = late && known.checked && !known.held;
+  const bool first = !std::exchange(known.met, true);
+  known.found_below |= first && known.due && machine_.start_up.requests_nothing &&
+                       Rises(config_, known.state(), machine_.state);
   if (known.report.busy()) known.free_by = now_ + config_.TimeFor(i, known.report.target);
   known.cause = RecordActuator(
       i, kCodeOk, texts::ActuatorPresent(ConfigOf(i).name, known.state(), known.report.pid),

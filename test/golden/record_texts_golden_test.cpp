@@ -159,6 +159,7 @@ Examples OfAnActuator() {
       {"SelfCheckMissing", SelfCheckMissing("Error")},
       {"NoState", NoState("Walk")},
       {"HeldIn", HeldIn("Walk", "Active")},
+      {"FoundBelow", FoundBelow("DeActive", "Active")},
       {"EpochOutOfRange", EpochOutOfRange(kLastEpoch)},
       {"ControlledByAnother", ControlledByAnother(6)},
       {"Unhealthy", Unhealthy(Health::kHung, "no heartbeat for 300 ms")},

@@ -175,6 +175,13 @@ TEST_F(RefusedPlans, OfAReleaseWithoutAStopOrOfAStoppedMachine) {
   EXPECT_THAT(AnswerTo(release), Optional(IsRefused(Refusal::kStoppedMachine)));
 }
 
+TEST_F(RefusedPlans, OfAReleaseByAPersonWhoHasNotSeenAllStops) {
+  machine_.emergency.stop = EmergencyStop{5, "alice", "a person"};
+  machine_.emergency.others = {{6, "bob", "a child"}};
+  const event::ReleaseRequested release{7, "alice", {StopId(5)}};
+  EXPECT_THAT(AnswerTo(release), Optional(IsRefused(Refusal::kStopNotSeen)));
+}
+
 TEST_F(RefusedPlans, OfAReleaseDuringWhichTheMachineWasStoppedAgain) {
   machine_.emergency.stop = EmergencyStop{8, "bob", ""};
   machine_.emergency.release.emplace().requests = {7};

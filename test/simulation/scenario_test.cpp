@@ -214,6 +214,18 @@ TEST(FoundScenario, ABatteryThatIsChargedDoesNotRaiseWhatAPersonHasTornDown) {
   EXPECT_EQ(ViolationOf(1124561, {5, 7, 9, 10, 19}), "");
 }
 
+// A person had led it out of Error to SelfCheck. The controller was restarted, beside an actuator
+// that had been restarted too, and went on to Active.
+TEST(FoundScenario, AMachineInSelfCheckIsLedOnByAPersonAlone) {
+  EXPECT_EQ(ViolationOf(1857, {5, 11, 12, 15, 16}), "");
+}
+
+// The restarted controller went on in the state of an actuator that has no LowPower, and then led
+// the one up that a person had put to sleep, which had announced itself late.
+TEST(FoundScenario, ARestartedControllerLeadsNothingUpThatIsAnnouncedLate) {
+  EXPECT_EQ(ViolationOf(2840, {4, 7, 9, 11}), "");
+}
+
 // Its controller was killed and started again, and knew no sample: it stayed in Active.
 TEST(FoundScenario, ARobotWhoseBatteryWasLowAndIsSilentIsTakenDown) {
   EXPECT_EQ(ViolationOf(6561, {8, 9, 10, 11, 12, 14, 23}), "");

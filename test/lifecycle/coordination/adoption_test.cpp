@@ -379,6 +379,43 @@ TEST_F(Adopting, LeavesAMachineThatStandsInSelfCheckThere) {
   EXPECT_TRUE(t.Set("Active").done());
 }
 
+// The simulation found it: a was restarted meanwhile, and is in SetUp.
+TEST_F(Adopting, LeavesAMachineInSelfCheckThereBesideAnActuatorThatWasRestarted) {
+  Harness& t = In("Error", Ours(2));
+  ASSERT_TRUE(t.Set("SelfCheck").done());
+  t.Crash("a");
+  t.RestartController(false, /*restarted=*/true);
+  t.ClearLog();
+  t.Rest();
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck");
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
+// The simulation found it: a cannot go to LowPower, and the machine went on in the state of a. Then
+// b, which a person had put to sleep, announced itself and was led up.
+TEST_F(Adopting, LeavesAnActuatorThatIsAnnouncedLateBelowTheMachineThere) {
+  MachineConfig config = Ours(2);
+  std::erase(ActuatorNamed(config, "a").states, kLowPower);
+  ActuatorNamed(config, "a").times.pop_back();
+  Harness& t = In("Active", config);
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  ASSERT_EQ(t.StateOf("b"), "LowPower");
+  t.DelayReports("b", std::chrono::seconds(2));
+  t.RestartController(false, /*restarted=*/true);
+  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").presence == Presence::kPresent; }));
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_EQ(t.RecordOf("b").fault->event, EventName::kFoundBelow);
+  t.DelayReports("b", {});
+  const SwitchResult set = t.Set("Active");
+  EXPECT_TRUE(set.done()) << set.reason;
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
 TEST_F(Adopting, WithALostDiskExceedsTheEpochOfTheActuators) {
   Harness& t = In("Protected", Ours(3));
   for (int i = 0; i < 4; ++i) Restart(t);
