@@ -146,6 +146,12 @@ class MachineActuator::Impl {
     if (shell_ != nullptr) shell_->ReportFault(fault);
   }
 
+  void ReportStopTrouble(const std::string& trouble) {
+    const std::lock_guard lock(mutex_);
+    stop_trouble_ = trouble;
+    if (checkpoints_ != nullptr) shell_->ReportStopTrouble(trouble);
+  }
+
   void Shutdown() {
     const std::lock_guard one_at_a_time(shutdown_mutex_);
     // A command that arrives meanwhile must not use the worker that is being stopped.
@@ -263,9 +269,14 @@ class MachineActuator::Impl {
       return callbacks_.Run(state);
     };
     hooks.take_degraded = [this] { return degraded_.Take(); };
-    hooks.on_emergency_stop = [this] {
-      const Result<> result = RunEmergencyStop();
-      if (!result) Log(LogLevel::kError, "OnEmergencyStop: " + result.error().message);
+    hooks.on_emergency_stop = [this]() -> std::string {
+      ReportStopTrouble("");
+      if (const Result<> result = RunEmergencyStop(); !result) {
+        Log(LogLevel::kError, "OnEmergencyStop: " + result.error().message);
+        return "OnEmergencyStop has failed: " + result.error().message;
+      }
+      const std::lock_guard lock(mutex_);
+      return stop_trouble_;
     };
     hooks.leads_here = [this](std::int32_t pid) {
       const auto domain = transport::DomainId(transport::OptionsFor(*config_, name_, name_));
@@ -326,9 +337,10 @@ class MachineActuator::Impl {
   std::function<void()> on_poll_;  // of a fault-injection test; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_reported_ = false;
-  mutable std::mutex mutex_;  // guards the two below, and changes of node_
+  mutable std::mutex mutex_;  // guards the three below, and changes of node_
   std::optional<int> finished_;
-  Checkpoints* checkpoints_ = nullptr;
+  Checkpoints* checkpoints_ = nullptr;  // of the shell, which lives as long as this is set
+  std::string stop_trouble_;
   std::condition_variable ended_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<transport::Node> own_node_;  // by its name, on a thread that is shared
@@ -416,6 +428,9 @@ void MachineActuator::ReportDegraded(const Error& why) {
 }
 void MachineActuator::ReportFault(const Error& fault) {
   impl_->ReportFault(fault);
+}
+void MachineActuator::ReportStopTrouble(const std::string& trouble) {
+  impl_->ReportStopTrouble(trouble);
 }
 bool MachineActuator::EmergencyStopped() const {
   return impl_->emergency_stopped();

@@ -145,6 +145,10 @@ class MachineActuator {
   // self-check, or until this is called with the same message and code 0. No effect in a
   // fault-injection test without transport.
   void ReportFault(const Error& fault);
+  // What OnEmergencyStop() has begun and another thread ends is not done yet, or could not be done:
+  // until this is called with "", the stop counts as not confirmed, with this reason. To be called
+  // in OnEmergencyStop(), then from any thread.
+  void ReportStopTrouble(const std::string& trouble);
 
   // Whether an emergency stop is engaged. The callbacks of less active states also run during a
   // stop, and must not move then. From any thread.

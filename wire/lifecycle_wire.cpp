@@ -1,6 +1,7 @@
 #include "musher/wire/lifecycle_wire.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <span>
 #include <utility>
 
@@ -17,6 +18,23 @@ msg::EmergencyStop MalformedStop() {
 }
 
 }  // namespace
+
+std::string StopIdText(StopId id) {
+  std::string text(16, '0');
+  std::uint64_t rest = id.value();
+  for (auto digit = text.rbegin(); digit != text.rend(); ++digit) {
+    *digit = "0123456789abcdef"[rest % 16];
+    rest /= 16;
+  }
+  return text;
+}
+
+StopId ReadStopId(std::string_view text) {
+  std::uint64_t id = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, id, 16);
+  return StopId(error == std::errc() && at == end ? id : 0);
+}
 
 // The highest bit keeps it apart from small ids that people choose.
 std::uint64_t StopIdOf(const SampleInfo& info) {

@@ -19,6 +19,11 @@
 
 namespace musher::transport {
 
+// The id of an emergency stop as 16 hexadecimal digits: JavaScript's numbers have 53 bits only.
+std::string StopIdText(StopId id);
+// 0: the text is no id.
+StopId ReadStopId(std::string_view text);
+
 // Names of topics and services, resolved in the machine's namespace.
 std::string CommandService(std::string_view name_space, std::string_view actuator);
 std::string ActuatorStatusTopic(std::string_view name_space);

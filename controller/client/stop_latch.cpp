@@ -213,9 +213,10 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   Note(machines_, theirs);
   Received& last = received_[status.name];
   const StopId latched(status.emergency_stop);
-  const bool changed = last.writer != info.writer || last.latched != latched;
+  const bool changed =
+      last.writer != info.writer || last.latched != latched || last.trouble != status.stop_trouble;
   if (!changed) return;
-  last = {info.writer, latched, loop_.Now() - begun_};
+  last = {info.writer, latched, status.stop_trouble, loop_.Now() - begun_};
   if (on_change_) on_change_();
 }
 
@@ -375,6 +376,10 @@ EstopReport::Actuator& StopLatch::Take(EstopReport& report, const std::string& n
   actuator.trouble = trouble;
   const auto received = received_.find(name);
   if (received == received_.end() || received->second.latched == 0) return actuator;
+  if (!received->second.trouble.empty()) {
+    actuator.trouble = received->second.trouble;
+    return actuator;
+  }
   actuator.stopped = true;
   actuator.before = received->second.latched != StopId(stop_.id);
   if (!actuator.before) actuator.after = received->second.after;

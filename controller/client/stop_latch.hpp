@@ -37,7 +37,7 @@ struct EstopReport {
     bool stopped = false;
     bool before = false;       // by an earlier emergency stop
     Duration after{};          // since this one was published; 0 if it was stopped before
-    std::string trouble;       // if not stopped: what the controller says of it, "hung"
+    std::string trouble;       // if not stopped: what it, or the controller, says of that: "hung"
     bool unsupported = false;  // its protocol has no emergency stop
     bool found = true;         // else it is only known from a config or a state folder
   };
@@ -135,6 +135,7 @@ class StopLatch {
   struct Received {
     transport::EndpointId writer = 0;
     StopId latched = 0;
+    std::string trouble;  // what it has not done at the stop
     Duration after{};
   };
   // A controller, or a release that its machine's controller may have published.

@@ -144,11 +144,13 @@ void ControllerServices::OnRelease(const msg::ReleaseEmergencyStop::Request& req
   if (const auto error = MeantForAnother(shell_, request)) {
     return reply(AnswerTo<msg::ReleaseEmergencyStop>(*error));
   }
-  shell_.ReleaseEmergencyStop(request.by.substr(0, kLongestName),
-                              [this, reply](const Result<>& result) {
-                                shell_.PublishStatus();
-                                reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
-                              });
+  std::vector<StopId> seen;
+  for (const std::string& id : request.seen_stops) seen.push_back(transport::ReadStopId(id));
+  const auto done = [this, reply](const Result<>& result) {
+    shell_.PublishStatus();
+    reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
+  };
+  shell_.ReleaseEmergencyStop(request.by.substr(0, kLongestName), done, std::move(seen));
 }
 
 void ControllerServices::OnRequestPolicy(const msg::RequestPolicy::Request& request,

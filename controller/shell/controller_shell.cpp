@@ -194,10 +194,11 @@ void ControllerShell::Restart(const std::string& actuator, const std::string& by
   Handle(event::RestartRequested{NewAnswer(std::move(done)), actuator, by});
 }
 
-void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done) {
+void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done,
+                                           std::vector<StopId> seen) {
   CheckThread();
   if (refused_) return done(*refused_);
-  Handle(event::ReleaseRequested{NewAnswer(std::move(done)), by});
+  Handle(event::ReleaseRequested{NewAnswer(std::move(done)), by, std::move(seen)});
 }
 
 void ControllerShell::SendPolicyRequest(event::PolicyRequested requested, OnAnswer done) {

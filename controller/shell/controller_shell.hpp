@@ -96,7 +96,7 @@ class ControllerShell {
   void AwaitSetUp(OnAnswer done);
   // Restarts an actuator's process; calls `done` when it is back, or with why it is not.
   void Restart(const std::string& actuator, const std::string& by, OnAnswer done);
-  void ReleaseEmergencyStop(const std::string& by, OnAnswer done);
+  void ReleaseEmergencyStop(const std::string& by, OnAnswer done, std::vector<StopId> seen = {});
   // Sends a request to the policy; this function chooses `requested.request`. `done` runs exactly
   // once, maybe at once. A request that leads to a switch is answered at the switch's end, with its
   // code and reason unless the outcome is done.

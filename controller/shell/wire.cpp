@@ -1,6 +1,7 @@
 #include "musher/controller/shell/wire.hpp"
 
 #include "musher/lifecycle/policy/policy.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 #include <chrono>
 
@@ -83,6 +84,9 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
   if (machine.emergency.stop) {
     status.emergency_stop_by = machine.emergency.stop->by;
     status.emergency_stop_reason = machine.emergency.stop->reason;
+  }
+  for (const EmergencyStop& stop : StopsOf(machine).engaged) {
+    status.stop_ids.push_back(transport::StopIdText(stop.id));
   }
   status.degraded = Degraded(config, machine);
   for (const ActuatorIndex i : config.actuators.Indices()) {

@@ -138,7 +138,7 @@ class SkillActuator(Actuator):
         if not self._is_set_up:
             return
         self._stepping = False  # at once: no further step begins
-        self.node._run(lambda: self._pause("emergency stop"), first=True)
+        self.node._run(self._pause_at_stop, first=True)
 
     def _set_up(self) -> None:
         node = self.node
@@ -183,7 +183,15 @@ class SkillActuator(Actuator):
         if self._ticks is not None:
             self._ticks.start(self.rate_hz)
 
+    def _pause_at_stop(self) -> None:
+        if not self._rest("emergency stop"):
+            raise Failure(_FAILED, "on_pause raised an exception")
+
     def _pause(self, cancels: str = "") -> None:
+        self._rest(cancels)
+
+    def _rest(self, cancels: str) -> bool:
+        """False: on_pause has failed."""
         self._stepping = False
         if self._ticks is not None:
             self._ticks.stop()
@@ -191,8 +199,9 @@ class SkillActuator(Actuator):
             if cancels:
                 self._manager.cancel_all_now(cancels)
             self._manager.pause()
-        self._guard("on_pause", self.on_pause)
+        well = self._guard("on_pause", self.on_pause)
         self._publish()
+        return well
 
     def _on_tick(self, item: _native.Item) -> None:
         if not self._stepping:
@@ -200,7 +209,11 @@ class SkillActuator(Actuator):
         self._now_s = item.token / 1e9
         well = self._guard("before_step", self.before_step)
         for name in self.manager.running() if well else ():
+            if not self._stepping:  # an emergency stop was engaged on another thread
+                return
             self.manager.step(name)
+        if not self._stepping:
+            return
         well = self._guard("after_step", self.after_step) and well
         if not well:
             self.manager.cancel_all_now("a hook of the actuator has failed")

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <future>
 #include <mutex>
+#include <stdexcept>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
@@ -33,12 +35,18 @@ class Arm : public MachineActuator {
   }
 
   std::future<void> stopped() { return stopped_.get_future(); }
+  void FailStops() { fails_ = true; }
+  using MachineActuator::ReportStopTrouble;
 
  private:
-  void OnEmergencyStop() override { stopped_.set_value(); }
+  void OnEmergencyStop() override {
+    if (fails_) throw std::runtime_error("the brake does not answer");
+    stopped_.set_value();
+  }
 
   const std::function<void(const std::string&)> on_state_;
   std::promise<void> stopped_;
+  std::atomic<bool> fails_ = false;
 };
 
 // Waits for heartbeats and statuses of the robot.
@@ -130,6 +138,24 @@ TEST(Unattended, AnEmergencyStopReachesAModuleWhoseCallbackBlocks) {
   EXPECT_TRUE(checked.get());
   EXPECT_FALSE(controller.Switch("Active").done()) << "no switch up is possible";
   EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.emergency_stop == 7; }));
+}
+
+TEST(Unattended, AModuleWhoseStopFailsSaysSoUntilItIsDone) {
+  const RobotFile file({"arm"}, kStates);
+  Listener listener;
+  ActuatorRunner<Arm> arm;
+  arm.FailStops();
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  ASSERT_TRUE(arm.Start().ok());
+  listener.PressTheButton();
+  EXPECT_TRUE(listener.AwaitStatus([](const auto& status) {
+    return status.emergency_stop == 7 &&
+           status.stop_trouble.find("the brake does not answer") != std::string::npos;
+  }));
+  arm.ReportStopTrouble("");  // by another thread, which has braked
+  EXPECT_TRUE(listener.AwaitStatus([](const auto& status) {
+    return status.emergency_stop == 7 && status.stop_trouble.empty();
+  }));
 }
 
 TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {

@@ -50,6 +50,11 @@ class Listener {
     static_cast<void>(publisher_->Publish(status_));
   }
   void TurnDeaf() { deaf_ = true; }
+  // What it does at a stop fails, or has not ended; empty: it is done.
+  void Report(const std::string& trouble) {
+    status_.stop_trouble = trouble;
+    static_cast<void>(publisher_->Publish(status_));
+  }
 
  private:
   bool deaf_ = false;
@@ -119,6 +124,18 @@ TEST_F(Stop, NamesThoseThatDoNotLatchIt) {
   EXPECT_THAT(report.Missing(), ElementsAre("eyes"));
   EXPECT_THAT(EstopText(report, false), HasSubstr("eyes  stop not confirmed\n"));
   EXPECT_EQ(EstopError(report), "stop not confirmed: eyes");
+}
+
+// "stopped after 3 ms" was said of an actuator whose stop function had thrown, or still waited.
+TEST_F(Stop, IsNotConfirmedByAnActuatorThatHasLatchedItAndNotDoneIt) {
+  eyes_->Report("on_emergency_stop has not ended");
+  Engage();
+  const EstopReport report = AfterASecond(Controller());
+  EXPECT_THAT(report.Missing(), ElementsAre("eyes"));
+  EXPECT_FALSE(report.settled());
+  EXPECT_THAT(EstopText(report, false), HasSubstr("eyes  on_emergency_stop has not ended\n"));
+  eyes_->Report("");
+  EXPECT_TRUE(AfterASecond(Controller()).complete());
 }
 
 TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatOnlyTheControllerLists) {

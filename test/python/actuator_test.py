@@ -119,6 +119,11 @@ class Actuators(unittest.TestCase):
         self.assertEqual(outcome[0].outcome, "done")
         client.release_estop()
 
+    def test_a_stop_whose_function_raises_is_not_confirmed(self):
+        _, machine = self.start(program("def on_emergency_stop(self): raise ValueError('no brake')"))
+        with self.assertRaisesRegex(musher.Failure, "ValueError: no brake"):
+            machine.estop("test")
+
     def test_a_stop_without_a_controller_waits_for_all_actuators_of_the_host_and_reaches_a_frozen_one_later(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)

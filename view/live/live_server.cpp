@@ -10,6 +10,7 @@
 #include "musher/controller/storage/machines_here.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/transport/network.hpp"
+#include "musher/view/http/access.hpp"
 #include "musher/view/http/assets.hpp"
 #include "musher/view/http/reply.hpp"
 #include "musher/view/http/session_file.hpp"
@@ -30,7 +31,6 @@ SharedText Share(const OrderedJson& json) {
   return std::make_shared<const std::string>(Dumped(json));
 }
 
-constexpr const char* kCookie = "musher_view";
 constexpr unsigned kNormalClosure = 1000;
 constexpr std::uint32_t kMostHistory = 10'000;
 constexpr std::int32_t kNeedsLogin = kCodePermissionDenied;
@@ -52,6 +52,15 @@ std::int64_t NumberIn(const http::Request& request, const std::string& name,
 std::string TextIn(const Json& body, const char* name) {
   const auto found = body.find(name);
   return found != body.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+// The texts of a field of a JSON object; none where it is missing.
+std::vector<std::string> TextsIn(const Json& body, const char* name) {
+  std::vector<std::string> texts;
+  const auto found = body.find(name);
+  if (found == body.end() || !found->is_array()) return texts;
+  for (const Json& one : *found) texts.push_back(one.is_string() ? one.get<std::string>() : "");
+  return texts;
 }
 
 // {"action":…,"actuator":…,"skill":…,"parameters":{"x_m":"1.5"}}
@@ -78,9 +87,10 @@ http::Response RefusalResponse(const Error& error) {
   return http::ErrorResponse(error.code == kCodeTargetBusy ? 429 : 403, error.code, error.message);
 }
 
-http::Response WithSession(http::Response response, const std::string& session) {
-  response.headers.emplace_back(
-      "Set-Cookie", std::string(kCookie) + "=" + session + "; HttpOnly; SameSite=Strict; Path=/");
+http::Response WithSession(http::Response response, const std::string& cookie,
+                           const std::string& session) {
+  response.headers.emplace_back("Set-Cookie",
+                                cookie + "=" + session + "; HttpOnly; SameSite=Strict; Path=/");
   return response;
 }
 
@@ -109,7 +119,7 @@ LiveServer::LiveServer(transport::Node& node, Options options)
               [domain = options_.domain_id, name_space = options_.name_space] {
                 return MachinesHere(domain, name_space);
               }),
-      skills_(node, options_.name_space) {}
+      skills_(node, options_.name_space, options_.with_keys) {}
 
 Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Options options) {
   std::unique_ptr<LiveServer> server(new LiveServer(node, std::move(options)));
@@ -205,7 +215,11 @@ void LiveServer::KeepSessions() {
 }
 
 http::WebSocketHandlers LiveServer::OnFoxglove(const std::shared_ptr<http::WebSocket>& socket) {
-  const bool may_act = HasToken(socket->request()) || !PersonOf(socket->request()).empty();
+  // A page of another server of this host may connect, and the browser adds the cookie by itself.
+  const bool is_own_page =
+      http::CheckOrigin(socket->request().headers, http::OriginRule::kSamePage, {}, {}).ok();
+  const bool may_act =
+      HasToken(socket->request()) || (is_own_page && !PersonOf(socket->request()).empty());
   if (!may_act && !MayLook(socket->request())) {
     socket->Close(kPolicyViolation, "looking from another host needs a login: ?token=TOKEN");
     return {};
@@ -334,8 +348,13 @@ SharedText LiveServer::TopicsMessage() const {
 
 // --- the requests of a page: files, API, login ---
 
+// Browsers send the cookies of all servers of a host to each of them, whatever its port.
+std::string LiveServer::Cookie() const {
+  return "musher_view_" + std::to_string(port());
+}
+
 std::string LiveServer::PersonOf(const http::Request& request) {
-  const auto cookie = request.cookies.find(kCookie);
+  const auto cookie = request.cookies.find(Cookie());
   if (cookie == request.cookies.end()) return "";
   return login_.Find(cookie->second, node_.loop().Now()).value_or("");
 }
@@ -429,10 +448,12 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   if (request.path == "/api/estop") {
     return requests_->Stop(caller, TextIn(body, "reason"), respond);
   }
-  if (request.path == "/api/release") return requests_->Release(caller, respond);
+  if (request.path == "/api/release") {
+    return requests_->Release(caller, TextsIn(body, "stop_ids"), respond);
+  }
   if (request.path == "/api/restart") return requests_->Restart(caller, actuator, respond);
   if (request.path == "/api/skill") {
-    if (requests_->IsMeant(caller, respond)) skills_.Run(SkillIn(body), respond);
+    if (requests_->IsMeant(caller, respond)) skills_.Run(caller.shown, SkillIn(body), respond);
     return;
   }
   if (request.path == "/api/cancel_skill") {
@@ -442,9 +463,10 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
     return skills_.Cancel(TextIn(body, "action"), TextIn(body, "goal_id"), respond);
   }
   if (request.path == "/api/pause_skill") {
-    const bool pause = body.value("pause", Json()) != false;
-    if (!pause && !requests_->IsMeant(caller, respond)) return;
-    return skills_.Pause(actuator, TextIn(body, "skill"), pause, respond);
+    const std::string skill = TextIn(body, "skill");
+    if (body.value("pause", Json()) != false) return skills_.Pause(actuator, skill, respond);
+    if (requests_->IsMeant(caller, respond)) skills_.Resume(caller.shown, actuator, skill, respond);
+    return;
   }
   respond(http::ErrorResponse(404, kCodeParametersInvalid, "there is nothing at " + request.path));
 }
@@ -458,7 +480,7 @@ void LiveServer::OnLogin(const http::Request& request, const http::Respond& resp
     return respond(RefusalResponse(error));
   }
   KeepSessions();
-  respond(WithSession(Redirect("/"), session.value()));
+  respond(WithSession(Redirect("/"), Cookie(), session.value()));
 }
 
 // POST {"pin":"482103"}, which a person types on the page.
@@ -471,7 +493,7 @@ void LiveServer::OnPin(const http::Request& request, const http::Respond& respon
   const auto session = login_.RedeemPin(TextIn(body, "pin"), request.peer, node_.loop().Now());
   if (!session) return respond(RefusalResponse(session.error()));
   KeepSessions();
-  respond(WithSession(JsonResponse("{}"), session.value()));
+  respond(WithSession(JsonResponse("{}"), Cookie(), session.value()));
 }
 
 // Ends the session of the cookie; all sessions with {"all":true} and a login, or with the token.
@@ -492,14 +514,14 @@ void LiveServer::OnLogout(const http::Request& request, const http::Respond& res
       return respond(http::ErrorResponse(403, kNeedsLogin, "to end all logins needs a login"));
     }
     login_.EndAll();
-  } else if (const auto cookie = request.cookies.find(kCookie); cookie != request.cookies.end()) {
+  } else if (const auto cookie = request.cookies.find(Cookie()); cookie != request.cookies.end()) {
     login_.End(cookie->second);
   }
   KeepSessions();
   CloseEndedSessions();
   http::Response response = JsonResponse("{}");
-  response.headers.emplace_back(
-      "Set-Cookie", std::string(kCookie) + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
+  response.headers.emplace_back("Set-Cookie",
+                                Cookie() + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
   respond(std::move(response));
 }
 
@@ -511,7 +533,7 @@ void LiveServer::CloseEndedSessions() {
     if (auto socket = acting.lock()) sockets.push_back(std::move(socket));
   }
   for (const auto& socket : sockets) {
-    const auto cookie = socket->request().cookies.find(kCookie);
+    const auto cookie = socket->request().cookies.find(Cookie());
     const bool ended = cookie != socket->request().cookies.end() &&
                        !login_.Lives(cookie->second, node_.loop().Now());
     if (ended) socket->Close(kNormalClosure, "the login has ended");

@@ -76,6 +76,7 @@ class LiveServer {
   bool MayLook(const http::Request& request);
   // Whether the request has the token: for programs that keep no cookies.
   bool HasToken(const http::Request& request);
+  std::string Cookie() const;
 
   void OnRequest(const http::Request& request, const http::Respond& respond);
   void OnGet(const http::Request& request, const http::Respond& respond);

@@ -217,9 +217,13 @@ void RobotRequests::Restart(const Caller& caller, const std::string& actuator,
   one.call = std::move(call).value();
 }
 
-void RobotRequests::Release(const Caller& caller, const http::Respond& respond) {
+void RobotRequests::Release(const Caller& caller, const std::vector<std::string>& seen,
+                            const http::Respond& respond) {
   if (!HasController(respond) || !IsMeant(caller, respond)) return;
-  Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {caller.by}, kAnswerTime, respond);
+  msg::ReleaseEmergencyStop::Request request;
+  request.by = caller.by;
+  request.seen_stops = seen;
+  Call<msg::ReleaseEmergencyStop>("release_emergency_stop", request, kAnswerTime, respond);
 }
 
 // Whether an actuator runs on this host that the followed machine, of another host, does not list.

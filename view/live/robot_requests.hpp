@@ -69,7 +69,10 @@ class RobotRequests {
   // {"code":0,"reason":""} once the controller and all actuators that can have latched it; else,
   // after kStopTime, which have not. Only the last kMostStops are followed and stay published.
   void Stop(const Caller& caller, const std::string& reason, const http::Respond& respond);
-  void Release(const Caller& caller, const http::Respond& respond);
+  // Only if no other stop than these is engaged. `seen`: MachineStatus.stop_ids, as the page has
+  // shown them; empty: all that are engaged.
+  void Release(const Caller& caller, const std::vector<std::string>& seen,
+               const http::Respond& respond);
   // Whether the caller may act on the machine that is followed; if not, it has responded.
   bool IsMeant(const Caller& caller, const http::Respond& respond) const;
   void History(std::uint32_t limit, const http::Respond& respond);

@@ -23,6 +23,10 @@ http::Response GoalResponse(const std::string& json) {
   return response;
 }
 
+http::Response NotMeant(const Error& why) {
+  return http::ErrorResponse(why.code == kCodeTimeout ? 504 : 409, why.code, why.message);
+}
+
 http::Response Running(const std::string& goal_id) {
   return GoalResponse(R"({"goal_id":)" + http::JsonText(goal_id) + "}");
 }
@@ -105,11 +109,21 @@ void SkillRequests::Answer(Begun& begun, http::Response response) {
   std::exchange(begun.respond, nullptr)(std::move(response));
 }
 
-void SkillRequests::Run(const Request& request, const http::Respond& respond) {
+void SkillRequests::Run(const MachineIdentity& machine, const Request& request,
+                        const http::Respond& respond) {
   const auto client = ClientOf(request.action);
   if (!client) {
     return respond(http::ErrorResponse(400, client.error().code, client.error().message));
   }
+  meant_.Check(
+      request.actuator, [client = client.value()] { return client->Servers(); }, machine,
+      [this, client = client.value(), request, respond](const std::optional<Error>& why) {
+        if (why) return respond(NotMeant(*why));
+        Begin(*client, request, respond);
+      });
+}
+
+void SkillRequests::Begin(Client& client, const Request& request, const http::Respond& respond) {
   msg::SkillExecution::Goal goal;
   goal.skill_request.robot_id = request.actuator;
   goal.skill_request.skill_list.resize(1);
@@ -127,8 +141,7 @@ void SkillRequests::Run(const Request& request, const http::Respond& respond) {
   events.on_end = [begun](const GoalEnded& outcome) {
     Answer(*begun, EndResponse(outcome, begun->goal_id));
   };
-  begun->goal_id =
-      transport::GoalIdText(client.value()->SendGoal(goal, kAnswerTime, std::move(events)));
+  begun->goal_id = transport::GoalIdText(client.SendGoal(goal, kAnswerTime, std::move(events)));
 }
 
 void SkillRequests::Cancel(const std::string& action, const std::string& goal_id,
@@ -159,17 +172,35 @@ void SkillRequests::CancelRun(const std::string& by, const std::string& actuator
                        [respond](const auto& reply) { respond(DoneResponse(reply)); });
 }
 
-void SkillRequests::Pause(const std::string& actuator, const std::string& skill, bool pause,
+void SkillRequests::Pause(const std::string& actuator, const std::string& skill,
                           const http::Respond& respond) {
   const auto client = ServiceOf(pauses_, actuator, "pause_skill");
   if (!client) {
     return respond(http::ErrorResponse(400, client.error().code, client.error().message));
   }
+  SendPause(*client.value(), skill, /*pause=*/true, respond);
+}
+
+void SkillRequests::Resume(const MachineIdentity& machine, const std::string& actuator,
+                           const std::string& skill, const http::Respond& respond) {
+  const auto client = ServiceOf(pauses_, actuator, "pause_skill");
+  if (!client) {
+    return respond(http::ErrorResponse(400, client.error().code, client.error().message));
+  }
+  meant_.Check(
+      actuator, [client = client.value()] { return client->Servers(); }, machine,
+      [client = client.value(), skill, respond](const std::optional<Error>& why) {
+        if (why) return respond(NotMeant(*why));
+        SendPause(*client, skill, /*pause=*/false, respond);
+      });
+}
+
+void SkillRequests::SendPause(transport::Client<msg::PauseSkill>& client, const std::string& skill,
+                              bool pause, const http::Respond& respond) {
   msg::PauseSkill::Request request;
   request.skill = skill;
   request.pause = pause;
-  client.value()->Call(request, kAnswerTime,
-                       [respond](const auto& reply) { respond(DoneResponse(reply)); });
+  client.Call(request, kAnswerTime, [respond](const auto& reply) { respond(DoneResponse(reply)); });
 }
 
 }  // namespace musher::view

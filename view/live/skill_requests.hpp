@@ -5,7 +5,8 @@
 // Threads: loop thread only, callbacks too. Each `respond` runs once, within a time; never after
 // this is dropped. Errors are responses with a status and a sentence:
 //   400 the request is malformed
-//   409 the skill is refused, or cannot be cancelled, paused or resumed
+//   409 the skill is refused, or cannot be cancelled, paused or resumed; or a machine beside the
+//       one on the page would receive the request
 //   504 no answer in time
 
 #include <map>
@@ -18,6 +19,7 @@
 #include "musher/transport/action.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/view/http/server.hpp"
+#include "musher/view/live/meant_servers.hpp"
 
 namespace musher::view {
 
@@ -31,8 +33,8 @@ class SkillRequests {
   static constexpr std::size_t kMostActions = 64;
 
   // The node must outlive it.
-  SkillRequests(transport::Node& node, std::string name_space)
-      : node_(node), name_space_(std::move(name_space)) {}
+  SkillRequests(transport::Node& node, std::string name_space, bool with_keys)
+      : node_(node), name_space_(std::move(name_space)), meant_(node, name_space_, with_keys) {}
 
   struct Request {
     std::string action;  // of SkillOffers: "/robot_0/skill_execution"
@@ -40,17 +42,19 @@ class SkillRequests {
     std::string skill;
     std::vector<msg::SkillParameter> parameters;
   };
-  // {"goal_id":"…"} once it runs, or has ended well.
-  void Run(const Request& request, const http::Respond& respond);
+  // {"goal_id":"…"} once it runs, or has ended well. `machine`: the one on the page.
+  void Run(const MachineIdentity& machine, const Request& request, const http::Respond& respond);
   // {} once the actuator is cancelling it. `goal_id`: of SkillFeedback.
   void Cancel(const std::string& action, const std::string& goal_id, const http::Respond& respond);
   // The same of a run without a goal, which goes on after a restart: {} once it has ended. `by`:
   // the person, for its result.
   void CancelRun(const std::string& by, const std::string& actuator, const std::string& skill,
                  const http::Respond& respond);
-  // {} once it stands, or goes on. `pause`: else it is resumed.
-  void Pause(const std::string& actuator, const std::string& skill, bool pause,
-             const http::Respond& respond);
+  // {} once it stands: on each machine that receives it.
+  void Pause(const std::string& actuator, const std::string& skill, const http::Respond& respond);
+  // {} once it goes on.
+  void Resume(const MachineIdentity& machine, const std::string& actuator, const std::string& skill,
+              const http::Respond& respond);
 
  private:
   using Client = transport::ActionClient<msg::SkillExecution>;
@@ -70,9 +74,13 @@ class SkillRequests {
                                                 const std::string& actuator,
                                                 const std::string& name);
   static void Answer(Begun& begun, http::Response response);
+  void Begin(Client& client, const Request& request, const http::Respond& respond);
+  static void SendPause(transport::Client<msg::PauseSkill>& client, const std::string& skill,
+                        bool pause, const http::Respond& respond);
 
   transport::Node& node_;
   const std::string name_space_;
+  MeantServers meant_;
   std::map<std::string, std::unique_ptr<Client>> clients_;  // by action
   Clients<msg::PauseSkill> pauses_;                         // by actuator
   Clients<msg::CancelSkill> cancels_;                       // by actuator

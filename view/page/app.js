@@ -5,7 +5,7 @@ import {draw, h} from './dom.js';
 import {duration} from './format.js';
 import {confirmDialog} from './confirm.js';
 import {language, languageTag, otherLanguage, setLanguage, t} from './i18n.js';
-import {stopButton} from './estop.js';
+import {releaseButton, stopButton} from './estop.js';
 import {loginDialog, logout} from './login.js';
 import {batteryBar, commands, docsLink, levelShape, plainText, stateChip, stoppedChip} from './parts.js';
 import {apply, freshness, initialState, mayAct, mayStop, recentFaults, statusOf} from './store.js';
@@ -151,7 +151,9 @@ function banners(fresh) {
       h('button', {type: 'button', class: 'button small', onclick: () => ctx.alarm('')}, t('close'))) : null,
     status?.emergency_stop ? h('div', {class: 'banner bad', key: 'stop', role: 'alert'}, levelShape('bad'),
       h('p', null, h('b', null, t('stop.engaged')), ' ',
-      commands(t('stop.by', {by: status.emergency_stop_by || '?', reason: status.emergency_stop_reason})))) : null,
+      commands(t('stop.by', {by: status.emergency_stop_by || '?', reason: status.emergency_stop_reason})),
+      status.stop_ids?.length > 1 ? ` ${t('stop.more', {count: status.stop_ids.length})}` : null),
+      releaseButton(ctx)) : null,
     ctx.ui.denied ? h('div', {class: 'banner warn', key: 'denied'}, levelShape('warn'),
       h('p', null, commands(t('banner.denied'))), loginButton()) : fresh === 'old' ? oldBanner() : null,
     fresh === 'gone' ? banner('bad', 'gone', commands(t('banner.gone'))) : null,

@@ -1,5 +1,6 @@
-// The emergency stop: in the header of every view. One press engages it, without a confirmation; its release
-// needs one.
+// The emergency stop: in the header of every view, always. One press engages it, without a confirmation, whatever the
+// page believes: what it shows may be old, and an actuator may have missed an earlier stop. The release is another
+// button, elsewhere, and needs a confirmation.
 import {post} from './connection.js';
 import {h} from './dom.js';
 import {t} from './i18n.js';
@@ -30,26 +31,27 @@ async function engage(ctx) {
   ctx.redraw();
 }
 
-export async function release(ctx) {
+async function release(ctx) {
+  const seen = statusOf(ctx.state)?.stop_ids ?? []; // a stop that is engaged meanwhile is not released
   const yes = await ctx.confirm({title: t('stop.confirm.title'), text: t('stop.confirm.text'),
     yes: t('stop.confirm.yes'), no: t('stop.confirm.no')});
   if (!yes) return;
   try {
-    await done(post('api/release', shownMachine(ctx.state)));
+    await done(post('api/release', {...shownMachine(ctx.state), stop_ids: seen}));
     ctx.say(t('stop.released'));
   } catch (error) {
     ctx.alarm(t('failed', {why: error.message || t('no_answer')}));
   }
 }
 
-export function stopButton(ctx) {
+export function releaseButton(ctx) {
   const allowed = mayAct(ctx.state);
-  const engaged = statusOf(ctx.state)?.emergency_stop === true;
-  if (engaged) {
-    return h('button', {key: 'release', type: 'button', class: 'stop engaged', disabled: !allowed,
-      'aria-label': t('stop.release.label'), 'aria-describedby': allowed ? null : 'look-how',
-        onclick: () => release(ctx)}, t('stop.release'));
-  }
+  return h('button', {key: 'release', type: 'button', class: 'button small release', disabled: !allowed,
+    'aria-label': t('stop.release.label'), 'aria-describedby': allowed ? null : 'look-how',
+    onclick: () => release(ctx)}, t('stop.release'));
+}
+
+export function stopButton(ctx) {
   const may = mayStop(ctx.state);
   return h('button', {key: 'stop', type: 'button', class: 'stop', disabled: !may,
     'aria-describedby': may ? null : 'look-how', title: may ? null

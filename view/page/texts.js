@@ -61,6 +61,7 @@ export const TEXTS = {
     '这里的急停同样需要登录；否则请用机器人自己的按钮或运行 `musher estop`。'],
   'stop.free': ['The emergency stop works without it.', '急停无需登录。'],
   'stop.engaged': ['Emergency stop is engaged.', '急停已触发。'],
+  'stop.more': ['{count} stops are engaged.', '共有 {count} 个急停。'],
   'stop.by': ['By {by}: {reason}', '由 {by} 触发：{reason}'],
   'stop.reason': ['button of the page', '网页按钮'],
   'stop.confirm.title': ['Release the emergency stop?', '要解除急停吗？'],

@@ -56,7 +56,7 @@ test('a person without a login can stop the robot, and not release it', async ()
   await page.waitForSelector('.big-state >> text=Active');
   await page.click('.stop');
   await page.waitForSelector('.banner.bad >> text=Emergency stop is engaged');
-  assert.ok(await page.isDisabled('.stop.engaged'));
+  assert.ok(await page.isDisabled('.release'));
   await close();
   const {emergency_stop: stop} = await robot.status();
   assert.equal(stop.engaged, true);
@@ -88,9 +88,9 @@ test('an emergency stop reaches the robot with the name of the person, and is re
   assert.match(stop.by, /^anna \(/);
   await page.click('.choice:has-text("Active") >> nth=0');
   await page.waitForSelector('#plan >> text=emergency stop');
-  await page.click('.stop.engaged');
+  await page.click('.release');
   await page.click('dialog .danger');
-  await page.waitForSelector('.stop:not(.engaged)');
+  await page.waitForSelector('.release', {state: 'detached'});
   await close();
   assert.equal((await robot.status()).emergency_stop.engaged, false);
   await robot.musher('set', 'Active');

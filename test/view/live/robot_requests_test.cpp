@@ -136,7 +136,7 @@ class RequestsOfAPage : public ::testing::Test {
     bodies_.clear();
     requests_->Set(caller, "Active", "", Collect());
     requests_->Restart(caller, "legs", Collect());
-    requests_->Release(caller, Collect());
+    requests_->Release(caller, {}, Collect());
     network_.RunFor(seconds(1));
     return bodies_;
   }

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::view::skill_requests_test {
 
@@ -68,8 +69,23 @@ class SkillsOfAPage : public ::testing::Test {
     };
   }
   void Run(const std::string& skill, const std::string& action = "/dog/skill_execution") {
-    skills_.Run({action, "dog", skill, {{"height_m", "0.5"}}}, Collect());
+    skills_.Run({"robot", "1234"}, {action, "dog", skill, {{"height_m", "0.5"}}}, Collect());
     network_.RunFor(std::chrono::seconds(20));
+  }
+  // The status of the actuator dog of a machine, as its process latches it.
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> Publish(transport::Node& node,
+                                                                     const std::string& machine,
+                                                                     const std::string& id) {
+    auto publisher = transport::MakePublisher<msg::ActuatorStatus>(
+                         node, transport::ActuatorStatusTopic(""), transport::kLatchedQos)
+                         .value();
+    msg::ActuatorStatus status;
+    status.name = "dog";
+    status.machine = machine;
+    status.machine_id = id;
+    status.participant = node.participant().value();
+    EXPECT_TRUE(publisher->Publish(status).ok());
+    return publisher;
   }
   // Of the last answer.
   std::string GoalId() const {
@@ -90,7 +106,7 @@ class SkillsOfAPage : public ::testing::Test {
   std::string cancelled_by_;
   std::unique_ptr<transport::Server<msg::CancelSkill>> cancels_;
   std::vector<std::string> answers_;
-  SkillRequests skills_{*desk_, ""};
+  SkillRequests skills_{*desk_, "", /*with_keys=*/false};
 };
 
 TEST_F(SkillsOfAPage, RunAndAreCancelled) {
@@ -101,6 +117,36 @@ TEST_F(SkillsOfAPage, RunAndAreCancelled) {
   network_.RunFor(std::chrono::seconds(1));
   EXPECT_EQ(answers_.back(), "200 {}");
   EXPECT_EQ(cancelled_, 1);
+}
+
+TEST_F(SkillsOfAPage, OfTheMachineOnThePageRun) {
+  const auto status = Publish(*robot_, "robot", "1234");
+  Run("jump");
+  EXPECT_THAT(answers_, ElementsAre(StartsWith(R"(200 {"goal_id":")")));
+}
+
+// A goal goes to every actuator of its name: it moved both robots.
+TEST_F(SkillsOfAPage, OfAnActuatorThatTwoMachinesHaveRunOnNone) {
+  const auto status = Publish(*robot_, "robot", "1234");
+  const auto other = network_.MakeNode("other");
+  const auto other_status = Publish(*other, "robot", "5678");
+  transport::ActionHandlers<msg::SkillExecution> handlers;
+  handlers.start = [this](Goal goal) { running_.push_back(goal); };
+  const auto other_server =
+      transport::MakeActionServer<msg::SkillExecution>(*other, "dog/skill_execution", handlers)
+          .value();
+  Run("jump");
+  EXPECT_THAT(answers_, ElementsAre(::testing::AllOf(
+                            StartsWith("409"), HasSubstr("is an actuator of several machines"))));
+  EXPECT_THAT(running_, IsEmpty());
+}
+
+TEST_F(SkillsOfAPage, OfAnotherMachineThanThatOnThePageDoNotGoOn) {
+  const auto status = Publish(*robot_, "other", "5678");
+  skills_.Resume({"robot", "1234"}, "dog", "jump", Collect());
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_THAT(answers_,
+              ElementsAre(::testing::AllOf(StartsWith("409"), HasSubstr("the page shows robot"))));
 }
 
 TEST_F(SkillsOfAPage, ThatAreRefusedSayWhy) {
@@ -128,7 +174,8 @@ TEST_F(SkillsOfAPage, ThatCannotBeCancelledSaySo) {
 
 TEST_F(SkillsOfAPage, ArePausedAndResumedAndARefusalSaysWhy) {
   const auto pause = [&](const std::string& actuator, bool stop) {
-    skills_.Pause(actuator, "jump", stop, Collect());
+    if (stop) skills_.Pause(actuator, "jump", Collect());
+    if (!stop) skills_.Resume({"robot", "1234"}, actuator, "jump", Collect());
     network_.RunFor(std::chrono::seconds(20));
     return answers_.back();
   };

@@ -28,6 +28,7 @@ export class MockRobot {
     this.epoch = 7;
     this.switchNumber = 3;
     this.stop = null;
+    this.stopIds = [];
     this.policy = {active: true, battery: 76, charging: false, battery_silent: false, ceiling: '',
       ceiling_reason: '',
       kept: '', keep_s: 0, low_power_switch: true, power: ''};
@@ -111,7 +112,7 @@ export class MockRobot {
       switch_number: this.switchNumber, pid: 4090, host: 'robot-7', config_file: '/etc/musher/robot.toml',
         config_hash: '5d41402a',
       emergency_stop: this.stop !== null, emergency_stop_by: this.stop?.by ?? '',
-        emergency_stop_reason: this.stop?.reason ?? '',
+        emergency_stop_reason: this.stop?.reason ?? '', stop_ids: [...this.stopIds],
       degraded, actuators: this.parts.map(p => ({...p.info})), policy: {...this.policy}, not_on_disk: [],
         held_by_stop: []};
   }
@@ -311,13 +312,15 @@ export class MockRobot {
   }
 
   engage(by, reason) {
-    this.stop = {by, reason};
+    this.stop ??= {by, reason};
+    this.stopIds.push((0xa1 + this.stopIds.length).toString(16).padStart(16, '0'));
     this.record('emergency_stop_engaged', `emergency stop engaged by ${by}: ${reason}`, {kind: 'controller'});
     this.publish();
   }
 
   release(by) {
     this.stop = null;
+    this.stopIds = [];
     this.record('emergency_stop_released', `emergency stops released by ${by}`, {kind: 'controller'});
     this.publish();
   }

@@ -85,17 +85,40 @@ test('one press engages the emergency stop; its release needs a confirmation',
   assert.match(await page.textContent('.big-state'), /^STOPPED.*Active/s);
   assert.match(await page.textContent('#top .now'), /^STOPPED/);
   await page.click('.choice:has-text("Active") >> nth=0');
-  await page.click('.stop.engaged');
+  await page.click('.release');
   await page.waitForSelector('dialog >> text=Make sure that its cause is removed');
   await page.keyboard.press('Escape');
   await page.waitForSelector('dialog', {state: 'detached'});
   assert.notEqual(robot.stop, null);
-  await page.click('.stop.engaged');
+  await page.click('.release');
   await page.click('dialog .danger');
-  await page.waitForSelector('.stop:not(.engaged)');
+  await page.waitForSelector('.release', {state: 'detached'});
   assert.equal(robot.stop, null);
   assert.deepEqual(server.requests.map(r => [r.path, r.body]),
-    [['/api/estop', {...MACHINE, reason: 'button of the page'}], ['/api/release', MACHINE]]);
+    [['/api/estop', {...MACHINE, reason: 'button of the page'}], ['/api/release', {...MACHINE, stop_ids: ['00000000000000a1']}]]);
+}));
+
+test('the stop can be pressed on a page that shows an old stop, and is not its release',
+  () => inPage({}, async (page, {server, robot}) => {
+  robot.engage('bob', 'a person is near');
+  await page.waitForSelector('.release');
+  robot.controllerEnds();
+  await page.waitForSelector('.banner.bad >> text=The controller has ended');
+  await page.click('.stop');
+  await page.waitForSelector('.stop >> text=STOP');
+  assert.deepEqual(server.requests.map(r => r.path), ['/api/estop']);
+}));
+
+test('a release names the stops that the person has seen',
+  () => inPage({}, async (page, {server, robot}) => {
+  robot.engage('bob', 'a person is near');
+  await page.click('.release');
+  await page.waitForSelector('dialog >> text=Make sure that its cause is removed');
+  robot.engage('carol', 'a child');
+  await page.waitForSelector('.banner.bad >> text=2 stops are engaged');
+  await page.click('dialog .danger');
+  await page.waitForFunction(() => document.querySelector('dialog') === null);
+  assert.deepEqual(server.requests.map(r => r.body.stop_ids), [['00000000000000a1']]);
 }));
 
 test('an emergency stop that cannot be sent says so, loudly', () => inPage({}, async (page, {server}) => {
@@ -110,9 +133,9 @@ test('an emergency stop that is not confirmed, and one that is not released, say
   await page.click('.stop');
   await page.waitForSelector('[role=alert] >> text=NOT confirmed: not stopped: legs');
   robot.engage('bob', 'a person is near');
-  await page.waitForSelector('.stop.engaged');
+  await page.waitForSelector('.release');
   server.act = async (name, body, json) => json({code: 107, reason: 'legs has not confirmed the release'});
-  await page.click('.stop.engaged');
+  await page.click('.release');
   await page.click('dialog .danger');
   await page.waitForSelector('[role=alert] >> text=That did not work: legs has not confirmed the release');
   assert.ok(!(await page.textContent('#said')).includes('was released'));
@@ -127,7 +150,7 @@ test('an emergency stop without an answer is reported, and can be pressed again'
   await page.waitForSelector('[role=alert] >> text=NOT confirmed: no answer');
   server.delay = async () => {};
   await page.click('.stop');
-  await page.waitForSelector('.stop.engaged');
+  await page.waitForSelector('.release');
   assert.notEqual(robot.stop, null);
   never.release();
 }));
