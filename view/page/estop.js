@@ -1,6 +1,5 @@
-// The emergency stop: in the header of every view, always. One press engages it, without a confirmation, whatever the
-// page believes: what it shows may be old, and an actuator may have missed an earlier stop. The release is another
-// button, elsewhere, and needs a confirmation.
+// The emergency stop: in the header of every view, always: what the page shows may be old. One press engages it, without
+// a confirmation; its release needs one.
 import {post} from './connection.js';
 import {h} from './dom.js';
 import {t} from './i18n.js';
