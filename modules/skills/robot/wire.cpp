@@ -60,6 +60,8 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
     detectors = std::make_unique<DetectorFeeds>(node, clock, name_space, config.detectors,
                                                 [this] { return PoseNow(); });
   }
+  looks = std::make_unique<LookFeeds>(node, clock, name_space, config,
+                                      [this](const std::string& frame) { return OnBody(frame); });
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   for (const std::string& name : {names.clear_planner, names.clear_controller}) {
     if (!name.empty()) memories.push_back(endpoints.OpenClient<msg::Trigger>(name));
@@ -82,6 +84,14 @@ Result<navigation::Pose> RosRobot::Wire::InMap(const std::string& frame) const {
   if (!placed) return placed.error();
   if (!placed.value().upside_down) return placed.value().pose;
   return navigation::MakeError(navigation::Fault::kFrame, "its frame is upside down in the map");
+}
+
+Result<navigation::Pose> RosRobot::Wire::OnBody(const std::string& frame) const {
+  if (frame.empty() || frame == body_frame_) return navigation::Pose{};
+  const auto placed = frames_.Find(body_frame_, frame, Now());
+  if (!placed) return placed.error();
+  if (!placed.value().upside_down) return placed.value().pose;
+  return navigation::MakeError(navigation::Fault::kFrame, "its frame is upside down on the body");
 }
 
 void RosRobot::Wire::SubscribeFrames(transport::Endpoints& endpoints) {
