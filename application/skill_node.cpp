@@ -28,6 +28,8 @@ constexpr Duration kStartTime = std::chrono::seconds(5);    // for the reply to 
 constexpr Duration kCancelTime = std::chrono::seconds(1);   // then the cancellation is repeated
 constexpr Duration kEndsWithin = std::chrono::seconds(10);  // an earlier goal that is cancelled
 constexpr Duration kEndTime = std::chrono::seconds(10);     // of a lost goal that is cancelled
+constexpr int kMostLooks = 2;  // for a run without its goal, each kCancelTime
+constexpr const char* kCancelledBy = "a behaviour tree that has lost it";
 
 std::string Trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\n");
@@ -45,13 +47,22 @@ std::optional<double> ProgressIn(const std::string& text) {
   return digits ? std::optional(std::stod(number)) : std::nullopt;
 }
 
+// What a skill actuator serves, for all nodes that run its skills.
+struct Servers {
+  std::unique_ptr<Client> action;
+  std::unique_ptr<transport::Client<msg::GetSkill>> look;
+  std::unique_ptr<transport::Client<msg::CancelSkill>> cancel;
+};
+
 // A goal, also after its node was halted, until its end.
 struct SkillGoal {
-  std::shared_ptr<Client> client;
+  std::shared_ptr<Servers> servers;
   std::string action;
+  std::string skill;
   transport::GoalId id{};
   bool released = false;  // its node was halted, or has read the outcome
   int cancels = 0;        // without a reply yet
+  int looks = 0;          // for its run, after its server does not know the goal
   double progress = 0;
   std::optional<transport::GoalOutcome<Action>> outcome;
   bool stopped = false;  // its server has ended it, or does not know it, after it was lost
@@ -62,19 +73,52 @@ struct SkillGoal {
 
 void Cancel(const std::shared_ptr<SkillGoal>& goal);
 
-// Of a lost goal, after its server has replied to its cancellation.
-void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
-  if (return_code == msg::CancelGoal::kErrorUnknownGoalId ||
-      return_code == msg::CancelGoal::kErrorGoalTerminated) {
+// Its actuator has restarted, and may go on with the run, without the goal. A run that has another
+// goal, or none that runs, is not touched. An actuator that does not reply is asked again.
+void CancelContinuedRun(const std::shared_ptr<SkillGoal>& goal) {
+  if (goal->looks++ >= kMostLooks) {
     goal->stopped = true;
     return;
   }
-  goal->client->GetOutcome(goal->id, kEndTime, [weak = std::weak_ptr(goal)](const auto& outcome) {
+  msg::GetSkill::Request request;
+  request.skill = goal->skill;
+  goal->servers->look->Call(request, kCancelTime, [weak = std::weak_ptr(goal)](const auto& reply) {
     const auto own = weak.lock();
     if (!own) return;
-    own->stopped = outcome.ok();
-    if (!own->stopped) Cancel(own);
+    if (!reply) return Cancel(own);
+    const msg::SkillFeedback& run = reply.value().feedback;
+    const bool runs = reply.value().error.empty() && run.goal_id.empty() && run.state != "IDLE" &&
+                      run.status == msg::SkillFeedback::kStatusProcessing;
+    if (!runs) {
+      own->stopped = true;
+      return;
+    }
+    msg::CancelSkill::Request cancel;
+    cancel.skill = own->skill;
+    cancel.by = kCancelledBy;
+    own->servers->cancel->Call(cancel, kEndTime, [weak](const auto& ended) {
+      const auto goal_of_it = weak.lock();
+      if (!goal_of_it) return;
+      if (!ended) return Cancel(goal_of_it);
+      goal_of_it->stopped = true;
+    });
   });
+}
+
+// Of a lost goal, after its server has replied to its cancellation.
+void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
+  if (return_code == msg::CancelGoal::kErrorUnknownGoalId) return CancelContinuedRun(goal);
+  if (return_code == msg::CancelGoal::kErrorGoalTerminated) {
+    goal->stopped = true;
+    return;
+  }
+  goal->servers->action->GetOutcome(goal->id, kEndTime,
+                                    [weak = std::weak_ptr(goal)](const auto& outcome) {
+                                      const auto own = weak.lock();
+                                      if (!own) return;
+                                      own->stopped = outcome.ok();
+                                      if (!own->stopped) Cancel(own);
+                                    });
 }
 
 // Again and again, until the goal has ended: a request or its reply may be lost, and the actuator
@@ -82,14 +126,15 @@ void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
 void Cancel(const std::shared_ptr<SkillGoal>& goal) {
   if (!goal->MayRun()) return;
   ++goal->cancels;
-  goal->client->Cancel(goal->id, kCancelTime, [weak = std::weak_ptr(goal)](const auto& reply) {
-    const auto own = weak.lock();
-    if (!own) return;
-    --own->cancels;
-    if (!own->MayRun()) return;
-    if (!reply) return Cancel(own);
-    if (own->lost()) AwaitEnd(own, reply.value().return_code);
-  });
+  goal->servers->action->Cancel(goal->id, kCancelTime,
+                                [weak = std::weak_ptr(goal)](const auto& reply) {
+                                  const auto own = weak.lock();
+                                  if (!own) return;
+                                  --own->cancels;
+                                  if (!own->MayRun()) return;
+                                  if (!reply) return Cancel(own);
+                                  if (own->lost()) AwaitEnd(own, reply.value().return_code);
+                                });
 }
 
 void TakeOutcome(const std::shared_ptr<SkillGoal>& goal,
@@ -112,7 +157,8 @@ class SkillNodes::Wire {
     std::vector<const Offer*> others;  // of other machines
   };
 
-  explicit Wire(transport::Endpoints& endpoints) : node_(endpoints.node()) {
+  explicit Wire(transport::Endpoints& endpoints)
+      : node_(endpoints.node()), name_space_(endpoints.name_space()) {
     ReceiveStatuses(endpoints.name_space());
     endpoints.SubscribeWithInfo<msg::SkillOffers>(
         "skills",
@@ -178,12 +224,12 @@ class SkillNodes::Wire {
 
   Result<std::shared_ptr<SkillGoal>> Send(const msg::SkillOffers& offers, const std::string& skill,
                                           const Parameters& parameters) {
-    auto made = transport::MakeActionClient<Action>(node_, offers.action.substr(1),
-                                                    {std::chrono::seconds(3), {}});
-    if (!made) return made.error();
+    const auto servers = ServersOf(offers);
+    if (!servers) return servers.error();
     auto goal = std::make_shared<SkillGoal>();
-    goal->client = std::move(made).value();
+    goal->servers = servers.value();
     goal->action = offers.action;
+    goal->skill = skill;
     Action::Goal request;
     request.skill_request.robot_id = offers.actuator;
     request.skill_request.skill_list.resize(1);
@@ -203,12 +249,31 @@ class SkillNodes::Wire {
     events.on_end = [weak = std::weak_ptr(goal)](const auto& outcome) {
       if (const auto own = weak.lock()) TakeOutcome(own, outcome);
     };
-    goal->id = goal->client->SendGoal(request, kStartTime, std::move(events));
+    goal->id = goal->servers->action->SendGoal(request, kStartTime, std::move(events));
     goals_.push_back(goal);
     return goal;
   }
 
  private:
+  // Made for the first goal, and kept for all that follow.
+  Result<std::shared_ptr<Servers>> ServersOf(const msg::SkillOffers& offers) {
+    std::shared_ptr<Servers>& known = servers_[{offers.action, offers.actuator}];
+    if (known) return known;
+    auto action = transport::MakeActionClient<Action>(node_, offers.action.substr(1),
+                                                      {std::chrono::seconds(3), {}});
+    if (!action) return action.error();
+    const auto name = [&](const char* service) {
+      return transport::ResolveName(name_space_, offers.actuator + service);
+    };
+    auto look = transport::MakeClient<msg::GetSkill>(node_, name("/get_skill"));
+    if (!look) return look.error();
+    auto cancel = transport::MakeClient<msg::CancelSkill>(node_, name("/cancel_skill"));
+    if (!cancel) return cancel.error();
+    known = std::make_shared<Servers>(
+        Servers{std::move(action).value(), std::move(look).value(), std::move(cancel).value()});
+    return known;
+  }
+
   struct Status {
     MachineIdentity machine;
     transport::ParticipantId participant;
@@ -234,6 +299,8 @@ class SkillNodes::Wire {
   }
 
   transport::Node& node_;
+  const std::string name_space_;
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<Servers>> servers_;
   std::map<transport::EndpointId, Offer> offers_;
   std::map<transport::EndpointId, Status> statuses_;
   std::uint64_t received_ = 0;

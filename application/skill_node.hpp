@@ -27,8 +27,9 @@
 //   cancelled waits for its end, 10 s at most.
 // - A goal is lost when its actuator does not reply within 5 s, or is not connected for 3 s. Its
 //   skill may still run, so it is cancelled as soon as the actuator replies, and counts as one that
-//   is still being cancelled. A run that an actuator continues after a restart has no goal any
-//   more: it is not cancelled.
+//   is still being cancelled. A run that its actuator continues after a restart has no goal any
+//   more: it is cancelled by its name, unless it has the goal of another client by then.
+// - All nodes of a SkillNodes share their endpoints: one client for each action of an actuator.
 // - Without topics, as in a fault-injection test, it fails.
 //
 // Threads: the loop's. It must outlive the trees; dropping the endpoints cancels its goals.

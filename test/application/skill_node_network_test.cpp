@@ -35,7 +35,9 @@ class FakeRobot {
   struct Options {
     std::string actuator = "show";
     std::string action = "/skill_execution";
-    std::string machine{};  // empty: it publishes no status
+    std::string machine{};    // empty: it publishes no status
+    std::string continues{};  // a skill that ran when the process before was killed
+    std::string goal_of_it{};
   };
 
   explicit FakeRobot(std::unique_ptr<transport::Node> node) : FakeRobot(std::move(node), {}) {}
@@ -53,6 +55,21 @@ class FakeRobot {
     if (!options.action.empty()) {
       endpoints_.ServeAction<msg::SkillExecution>(options.action, std::move(handlers));
     }
+    endpoints_.Serve<msg::GetSkill>(
+        options.actuator + "/get_skill", [options](const auto& request, auto reply) {
+          msg::GetSkill::Response response;
+          response.feedback.skill = request.skill;
+          response.feedback.state = request.skill == options.continues ? "WAITING" : "IDLE";
+          response.feedback.goal_id = options.goal_of_it;
+          reply(response);
+        });
+    endpoints_.Serve<msg::CancelSkill>(
+        options.actuator + "/cancel_skill", [this](const auto& request, auto reply) {
+          log.push_back(request.skill + " is cancelled by " + request.by);
+          msg::CancelSkill::Response response;
+          response.success = true;
+          reply(response);
+        });
     msg::SkillOffers offers{options.actuator, options.action, {}};
     for (const char* skill : {"wait", "home"}) offers.skills.push_back({skill, "", {}});
     endpoints_.PublishFunction<msg::SkillOffers>("skills", transport::kLatchedQos)(offers);
@@ -194,6 +211,50 @@ TEST_F(RunSkill, StartsAnotherSkillWhenTheActuatorHasRestartedAndDoesNotKnowTheL
   EXPECT_EQ(Tick(), Status::kRunning);
   Run(1);
   EXPECT_THAT(restarted.log, ElementsAre("home starts"));
+}
+
+TEST_F(RunSkill, CancelsARunThatTheActuatorContinuesWithoutItsGoalAfterARestart) {
+  auto robot = std::make_unique<FakeRobot>(network_.MakeNode("robot"));
+  Make(kWaitOrHome);
+  Run(0.5);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(0.5);
+  network_.Crash(robot->node());
+  FakeRobot restarted(network_.MakeNode("robot"), {.continues = "wait"});
+  Run(3);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  EXPECT_THAT(restarted.log, ElementsAre("wait is cancelled by a behaviour tree that has lost it"));
+  Run(1);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(1);
+  EXPECT_EQ(restarted.log.back(), "home starts");
+}
+
+TEST_F(RunSkill, DoesNotCancelTheRunOfAnotherClientAfterARestart) {
+  auto robot = std::make_unique<FakeRobot>(network_.MakeNode("robot"));
+  Make(kWait);
+  Run(0.5);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(0.5);
+  network_.Crash(robot->node());
+  FakeRobot restarted(network_.MakeNode("robot"), {.continues = "wait", .goal_of_it = "4f"});
+  Run(6);
+  EXPECT_EQ(Tick(), Status::kFailure);
+  EXPECT_THAT(restarted.log, IsEmpty());
+}
+
+TEST_F(RunSkill, SharesOneClientWithTheOtherNodesThatRunSkillsOfAnActuator) {
+  FakeRobot robot(network_.MakeNode("robot"));
+  const auto feedback = transport::MakePublisher<msg::SkillExecution::FeedbackMessage>(
+                            robot.node(), "skill_execution/_action/feedback")
+                            .value();
+  Make(R"(<Parallel success_count="2">
+    <RunSkill skill="wait"/><RunSkill skill="home"/></Parallel>)");
+  EXPECT_EQ(Begin(), Status::kRunning);
+  Run(0.5);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  EXPECT_THAT(robot.log, ElementsAre("wait starts", "home starts"));
+  EXPECT_EQ(feedback->MatchedReaders(), 1U);
 }
 
 TEST_F(RunSkill, StartsASkillOfAnActuatorThatHasRestartedBeforeTheOneThatCrashedIsLost) {
