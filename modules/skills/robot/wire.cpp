@@ -176,8 +176,15 @@ void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
 // differs from those around it.
 void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
   if (std::isnan(battery.percentage)) return;
-  if (!battery.present || battery.percentage < 0 || battery.percentage > 1) {
+  const bool in_range = battery.percentage >= 0 && battery.percentage <= 1;
+  if (!in_range) return RefuseBattery(battery);
+  if (!presence_.Counts(battery.present, battery.percentage, battery.voltage)) {
     return RefuseBattery(battery);
+  }
+  if (!battery.present && !std::exchange(battery_doubted_, true)) {
+    Log(LogLevel::kWarning, config.names.battery +
+                                " says that no battery is present, but its level or voltage "
+                                "changes: it is used");
   }
   const double percent = 100 * static_cast<double>(battery.percentage);
   const double limit = config.low_battery_percent;
@@ -205,10 +212,11 @@ void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
 void RosRobot::Wire::RefuseBattery(const msg::BatteryState& battery) {
   if (std::exchange(battery_refused_, true)) return;
   const std::string& topic = config.names.battery;
+  const bool in_range = battery.percentage >= 0 && battery.percentage <= 1;
   Log(LogLevel::kWarning,
-      battery.present ? fmt::format("{} is not used: its percentage is {:g}, expected 0 to 1",
-                                    topic, battery.percentage)
-                      : fmt::format("{} is not used: it says that no battery is present", topic));
+      in_range ? fmt::format("{} is not used: it says that no battery is present", topic)
+               : fmt::format("{} is not used: its percentage is {:g}, expected 0 to 1", topic,
+                             battery.percentage));
 }
 
 // By its odometry alone: a flyer holds its place also while it has none in the map.

@@ -15,6 +15,7 @@
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/skills/robot/battery_presence.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
 #include "musher/modules/skills/robot/flight_hold.hpp"
@@ -140,6 +141,8 @@ struct RosRobot::Wire {
   std::string low_battery_;
   std::optional<Time> battery_differs_since_;  // from low_battery_, in all samples
   bool battery_refused_ = false;               // logged once
+  bool battery_doubted_ = false;               // that it is not present; logged once
+  BatteryPresence presence_;
   Duration odometry_stamp_{};
   Duration line_stamp_{};  // of the last picture
   // Controllers with a goal that has not ended, by the last status of each. One that starts again
