@@ -1,5 +1,7 @@
 #include "musher/application/skill_node.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <map>
@@ -7,11 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "musher/base/host.hpp"
 #include "musher/base/joined.hpp"
 #include "musher/behavior/tree/node.hpp"
 #include "musher/behavior/tree/setup.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/action.hpp"
@@ -46,6 +50,40 @@ std::optional<double> ProgressIn(const std::string& text) {
                       std::ranges::all_of(number, [](char c) { return c >= '0' && c <= '9'; });
   return digits ? std::optional(std::stod(number)) : std::nullopt;
 }
+
+// The machines whose controllers report the processes of their actuators. With security keys an
+// actuator may read that, and not the statuses of other actuators.
+class MachinesByProcess {
+ public:
+  void Take(transport::EndpointId controller, const msg::MachineStatus& status) {
+    reports_[controller] = status;
+  }
+  void Drop(transport::EndpointId controller) { reports_.erase(controller); }
+
+  // Of an actuator by its name and the process that says it is it; nullopt: of none, or of several.
+  std::optional<MachineIdentity> OfActuator(const std::string& name, std::int32_t pid) const {
+    return Only([&](const auto& actuator) { return actuator.name == name && actuator.pid == pid; });
+  }
+  std::optional<MachineIdentity> OfThisProcess() const {
+    return Only(
+        [](const auto& actuator) { return actuator.pid == getpid() && actuator.host == HostId(); });
+  }
+
+ private:
+  template <class Is>
+  std::optional<MachineIdentity> Only(Is is) const {
+    std::optional<MachineIdentity> found;
+    for (const auto& [controller, status] : reports_) {
+      if (std::ranges::none_of(status.actuators, is)) continue;
+      const MachineIdentity machine{status.machine, status.machine_id};
+      if (found && !SameMachine(*found, machine)) return std::nullopt;
+      found = machine;
+    }
+    return found;
+  }
+
+  std::map<transport::EndpointId, msg::MachineStatus> reports_;
+};
 
 // What a skill actuator serves, for all nodes that run its skills.
 struct Servers {
@@ -160,6 +198,7 @@ class SkillNodes::Wire {
   explicit Wire(transport::Endpoints& endpoints)
       : node_(endpoints.node()), name_space_(endpoints.name_space()) {
     ReceiveStatuses(endpoints.name_space());
+    ReceiveReports(endpoints.name_space());
     endpoints.SubscribeWithInfo<msg::SkillOffers>(
         "skills",
         [this](const msg::SkillOffers& offers, const transport::SampleInfo& info) {
@@ -199,12 +238,19 @@ class SkillNodes::Wire {
   }
 
   // The machine of this process; nullopt: not known.
-  std::optional<MachineIdentity> own_machine() const { return MachineOf(node_.participant()); }
-  std::optional<MachineIdentity> MachineOf(transport::ParticipantId participant) const {
-    for (const auto& [writer, status] : statuses_) {
-      if (status.participant == participant && !status.machine.name.empty()) return status.machine;
-    }
-    return std::nullopt;
+  std::optional<MachineIdentity> own_machine() const {
+    const auto own = MachineByStatus(node_.participant());
+    return own ? own : machines_.OfThisProcess();
+  }
+  std::optional<MachineIdentity> MachineOf(const Offer& offer) const {
+    const auto machine = MachineByStatus(offer.participant);
+    if (machine) return machine;
+    const std::int32_t pid = ProcessOf(offer.participant);
+    return pid == 0 ? std::nullopt : machines_.OfActuator(offer.offers.actuator, pid);
+  }
+  // Whether what says the machine of an offer may still come.
+  bool MayBeKnownLater(const Offer& offer) const {
+    return !MachineOf(offer) && (statuses_in_ != nullptr || ProcessOf(offer.participant) != 0);
   }
   // Offers of another machine by that action, whose actuator would receive a goal, too; or null.
   const Offer* OfAnotherBy(const std::string& action) const {
@@ -279,7 +325,20 @@ class SkillNodes::Wire {
     transport::ParticipantId participant;
   };
 
-  // Without the permission to read them no machine is known.
+  std::optional<MachineIdentity> MachineByStatus(transport::ParticipantId participant) const {
+    for (const auto& [writer, status] : statuses_) {
+      if (status.participant == participant && !status.machine.name.empty()) return status.machine;
+    }
+    return std::nullopt;
+  }
+  // 0: it does not say it.
+  std::int32_t ProcessOf(transport::ParticipantId participant) const {
+    const std::vector<transport::PeerInfo> peers = node_.Peers();
+    const auto peer = std::ranges::find(peers, participant, &transport::PeerInfo::id);
+    return peer == peers.end() ? 0 : peer->pid;
+  }
+
+  // With security keys there is no permission to read them.
   void ReceiveStatuses(const std::string& name_space) {
     transport::SubscriptionEvents events;
     events.on_writer_lost = [this](transport::EndpointId writer) { statuses_.erase(writer); };
@@ -290,11 +349,22 @@ class SkillNodes::Wire {
           statuses_[info.writer] = {{status.machine, status.machine_id}, info.participant};
         },
         transport::kLatchedFromManyQos, std::move(events));
-    if (statuses) subscription_ = std::move(statuses).value();
+    if (statuses) statuses_in_ = std::move(statuses).value();
+  }
+  void ReceiveReports(const std::string& name_space) {
+    transport::SubscriptionEvents events;
+    events.on_writer_lost = [this](transport::EndpointId writer) { machines_.Drop(writer); };
+    auto reports = transport::MakeSubscription<msg::MachineStatus>(
+        node_, transport::MachineStatusTopic(name_space),
+        [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+          if (transport::IsOwn(status.participant, info)) machines_.Take(info.writer, status);
+        },
+        transport::kLatchedFromManyQos, std::move(events));
+    if (reports) reports_in_ = std::move(reports).value();
   }
   bool IsOfAnother(const Offer& offer) const {
     const auto own = own_machine();
-    const auto other = MachineOf(offer.participant);
+    const auto other = MachineOf(offer);
     return own && other && !SameMachine(*own, *other);
   }
 
@@ -304,8 +374,11 @@ class SkillNodes::Wire {
   std::map<transport::EndpointId, Offer> offers_;
   std::map<transport::EndpointId, Status> statuses_;
   std::uint64_t received_ = 0;
-  std::vector<std::shared_ptr<SkillGoal>> goals_;          // that may not have ended
-  std::unique_ptr<transport::Subscription> subscription_;  // last: its callbacks use statuses_
+  std::vector<std::shared_ptr<SkillGoal>> goals_;  // that may not have ended
+  MachinesByProcess machines_;
+  // Last: their callbacks use the rest.
+  std::unique_ptr<transport::Subscription> statuses_in_;
+  std::unique_ptr<transport::Subscription> reports_in_;
 };
 
 namespace {
@@ -371,8 +444,8 @@ class RunSkill : public tree::StatefulAction {
     }
     // The status of an actuator may be received after its offers.
     const bool all_known =
-        !wire.own_machine() || std::ranges::all_of(found.own, [&](const auto* offer) {
-          return wire.MachineOf(offer->participant).has_value();
+        !wire.own_machine() || std::ranges::none_of(found.own, [&](const auto* offer) {
+          return wire.MayBeKnownLater(*offer);
         });
     if (!all_known && may_wait) return tree::Status::kRunning;
     if (found.own.size() > 1) {
@@ -385,8 +458,7 @@ class RunSkill : public tree::StatefulAction {
       return Fail(offers.actuator + " offers " + skill + " without an action");
     }
     if (const auto* other = wire.OfAnotherBy(offers.action)) {
-      return Fail(offers.action + " is served by " +
-                  MachineText(*wire.MachineOf(other->participant)) +
+      return Fail(offers.action + " is served by " + MachineText(*wire.MachineOf(*other)) +
                   ", too, which would receive the goal; give each machine a namespace");
     }
     if (wire.IsEnding(offers.action)) {
@@ -406,8 +478,7 @@ class RunSkill : public tree::StatefulAction {
     std::vector<std::string> names;
     for (const auto* offer : others) {  // of another machine: both are known
       whose = " of " + MachineText(*wire.own_machine());
-      names.push_back(offer->offers.actuator + " of " +
-                      MachineText(*wire.MachineOf(offer->participant)));
+      names.push_back(offer->offers.actuator + " of " + MachineText(*wire.MachineOf(*offer)));
     }
     return (actuator.empty() ? "no actuator" + whose + " that runs"
                              : "no actuator " + actuator + whose) +

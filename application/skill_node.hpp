@@ -19,7 +19,8 @@
 // clang-format on
 //
 // - The actuator is found by the topic `skills`, for 3 s at most; `actuator` chooses among several.
-// - It is one of this machine, as far as the statuses of the actuators say. An action that another
+// - It is one of this machine, as far as the statuses of the actuators say, or, with security keys,
+//   the processes that the controllers report. An action that another
 //   machine serves, too, is refused: both would receive the goal.
 // - `parameters` is a list of KEY=VALUE with ";" between them; one within brackets or quotes is
 //   part of the value; quotes around a value are not.

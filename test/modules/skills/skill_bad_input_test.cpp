@@ -160,18 +160,22 @@ INSTANTIATE_TEST_SUITE_P(Skills, ASkillWithABadSource, ::testing::ValuesIn(kSour
 
 // The manager's clock runs at a tenth, at ten times, backwards, or stands, beside the robot's.
 TEST_F(ASkill, HasADefiniteEndByAClockThatIsWrong) {
-  for (const double rate : {0.1, 10.0, -1.0, 0.0}) {
-    SkillsOnARobot skills;
-    Prepare(skills);
-    ASSERT_TRUE(skills.Start("navigate_to", {{"goal_pos", "[2, 4, 0]"}}));
-    Time shown = Time{} + std::chrono::hours(1);
-    for (int i = 0; i < 1200 && skills.run().running(); ++i) {
-      skills.robot.Advance(Milliseconds(100));
-      shown += FromSeconds(0.1 * rate);
-      skills.manager->RunOnce(shown);
+  for (const Wanted& wanted : std::vector<Wanted>{{"navigate_to", {{"goal_pos", "[2, 4, 0]"}}},
+                                                  {"visual_servoing", {{"target", "dock"}}}}) {
+    for (const double rate : {0.1, 10.0, -1.0, 0.0}) {
+      SkillsOnARobot skills;
+      Prepare(skills);
+      ASSERT_TRUE(skills.Start(wanted.skill, wanted.parameters));
+      Time shown = Time{} + std::chrono::hours(1);
+      for (int i = 0; i < 1200 && skills.run().running(); ++i) {
+        skills.robot.Advance(Milliseconds(100));
+        shown += FromSeconds(0.1 * rate);
+        skills.manager->RunOnce(shown);
+      }
+      const std::string what = wanted.skill + " at " + std::to_string(rate);
+      EXPECT_TRUE(skills.run().ended()) << what << ": " << skills.message();
+      EXPECT_TRUE(skills.robot.Rests()) << what;
     }
-    EXPECT_TRUE(skills.run().ended()) << rate << ": " << skills.message();
-    EXPECT_TRUE(skills.robot.Rests()) << rate;
   }
 }
 
