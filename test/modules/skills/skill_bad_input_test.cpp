@@ -174,6 +174,7 @@ TEST_F(ASkill, HasADefiniteEndByAClockThatIsWrong) {
       }
       const std::string what = wanted.skill + " at " + std::to_string(rate);
       EXPECT_TRUE(skills.run().ended()) << what << ": " << skills.message();
+      for (int i = 0; i < 10; ++i) skills.robot.Advance(Milliseconds(100));
       EXPECT_TRUE(skills.robot.Rests()) << what;
     }
   }
