@@ -1,5 +1,7 @@
 #include "musher/application/skill_node.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <map>
@@ -7,11 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "musher/base/host.hpp"
 #include "musher/base/joined.hpp"
 #include "musher/behavior/tree/node.hpp"
 #include "musher/behavior/tree/setup.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/action.hpp"
@@ -28,6 +32,8 @@ constexpr Duration kStartTime = std::chrono::seconds(5);    // for the reply to 
 constexpr Duration kCancelTime = std::chrono::seconds(1);   // then the cancellation is repeated
 constexpr Duration kEndsWithin = std::chrono::seconds(10);  // an earlier goal that is cancelled
 constexpr Duration kEndTime = std::chrono::seconds(10);     // of a lost goal that is cancelled
+constexpr int kMostLooks = 2;  // for a run without its goal, each kCancelTime
+constexpr const char* kCancelledBy = "a behaviour tree that has lost it";
 
 std::string Trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\n");
@@ -45,13 +51,56 @@ std::optional<double> ProgressIn(const std::string& text) {
   return digits ? std::optional(std::stod(number)) : std::nullopt;
 }
 
+// The machines whose controllers report the processes of their actuators. With security keys an
+// actuator may read that, and not the statuses of other actuators.
+class MachinesByProcess {
+ public:
+  void Take(transport::EndpointId controller, const msg::MachineStatus& status) {
+    reports_[controller] = status;
+  }
+  void Drop(transport::EndpointId controller) { reports_.erase(controller); }
+
+  // Of an actuator by its name and the process that says it is it; nullopt: of none, or of several.
+  std::optional<MachineIdentity> OfActuator(const std::string& name, std::int32_t pid) const {
+    return Only([&](const auto& actuator) { return actuator.name == name && actuator.pid == pid; });
+  }
+  std::optional<MachineIdentity> OfThisProcess() const {
+    return Only(
+        [](const auto& actuator) { return actuator.pid == getpid() && actuator.host == HostId(); });
+  }
+
+ private:
+  template <class Is>
+  std::optional<MachineIdentity> Only(Is is) const {
+    std::optional<MachineIdentity> found;
+    for (const auto& [controller, status] : reports_) {
+      if (std::ranges::none_of(status.actuators, is)) continue;
+      const MachineIdentity machine{status.machine, status.machine_id};
+      if (found && !SameMachine(*found, machine)) return std::nullopt;
+      found = machine;
+    }
+    return found;
+  }
+
+  std::map<transport::EndpointId, msg::MachineStatus> reports_;
+};
+
+// What a skill actuator serves, for all nodes that run its skills.
+struct Servers {
+  std::unique_ptr<Client> action;
+  std::unique_ptr<transport::Client<msg::GetSkill>> look;
+  std::unique_ptr<transport::Client<msg::CancelSkill>> cancel;
+};
+
 // A goal, also after its node was halted, until its end.
 struct SkillGoal {
-  std::shared_ptr<Client> client;
+  std::shared_ptr<Servers> servers;
   std::string action;
+  std::string skill;
   transport::GoalId id{};
   bool released = false;  // its node was halted, or has read the outcome
   int cancels = 0;        // without a reply yet
+  int looks = 0;          // for its run, after its server does not know the goal
   double progress = 0;
   std::optional<transport::GoalOutcome<Action>> outcome;
   bool stopped = false;  // its server has ended it, or does not know it, after it was lost
@@ -62,19 +111,52 @@ struct SkillGoal {
 
 void Cancel(const std::shared_ptr<SkillGoal>& goal);
 
-// Of a lost goal, after its server has replied to its cancellation.
-void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
-  if (return_code == msg::CancelGoal::kErrorUnknownGoalId ||
-      return_code == msg::CancelGoal::kErrorGoalTerminated) {
+// Its actuator has restarted, and may go on with the run, without the goal. A run that has another
+// goal, or none that runs, is not touched. An actuator that does not reply is asked again.
+void CancelContinuedRun(const std::shared_ptr<SkillGoal>& goal) {
+  if (goal->looks++ >= kMostLooks) {
     goal->stopped = true;
     return;
   }
-  goal->client->GetOutcome(goal->id, kEndTime, [weak = std::weak_ptr(goal)](const auto& outcome) {
+  msg::GetSkill::Request request;
+  request.skill = goal->skill;
+  goal->servers->look->Call(request, kCancelTime, [weak = std::weak_ptr(goal)](const auto& reply) {
     const auto own = weak.lock();
     if (!own) return;
-    own->stopped = outcome.ok();
-    if (!own->stopped) Cancel(own);
+    if (!reply) return Cancel(own);
+    const msg::SkillFeedback& run = reply.value().feedback;
+    const bool runs = reply.value().error.empty() && run.goal_id.empty() && run.state != "IDLE" &&
+                      run.status == msg::SkillFeedback::kStatusProcessing;
+    if (!runs) {
+      own->stopped = true;
+      return;
+    }
+    msg::CancelSkill::Request cancel;
+    cancel.skill = own->skill;
+    cancel.by = kCancelledBy;
+    own->servers->cancel->Call(cancel, kEndTime, [weak](const auto& ended) {
+      const auto goal_of_it = weak.lock();
+      if (!goal_of_it) return;
+      if (!ended) return Cancel(goal_of_it);
+      goal_of_it->stopped = true;
+    });
   });
+}
+
+// Of a lost goal, after its server has replied to its cancellation.
+void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
+  if (return_code == msg::CancelGoal::kErrorUnknownGoalId) return CancelContinuedRun(goal);
+  if (return_code == msg::CancelGoal::kErrorGoalTerminated) {
+    goal->stopped = true;
+    return;
+  }
+  goal->servers->action->GetOutcome(goal->id, kEndTime,
+                                    [weak = std::weak_ptr(goal)](const auto& outcome) {
+                                      const auto own = weak.lock();
+                                      if (!own) return;
+                                      own->stopped = outcome.ok();
+                                      if (!own->stopped) Cancel(own);
+                                    });
 }
 
 // Again and again, until the goal has ended: a request or its reply may be lost, and the actuator
@@ -82,14 +164,15 @@ void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
 void Cancel(const std::shared_ptr<SkillGoal>& goal) {
   if (!goal->MayRun()) return;
   ++goal->cancels;
-  goal->client->Cancel(goal->id, kCancelTime, [weak = std::weak_ptr(goal)](const auto& reply) {
-    const auto own = weak.lock();
-    if (!own) return;
-    --own->cancels;
-    if (!own->MayRun()) return;
-    if (!reply) return Cancel(own);
-    if (own->lost()) AwaitEnd(own, reply.value().return_code);
-  });
+  goal->servers->action->Cancel(goal->id, kCancelTime,
+                                [weak = std::weak_ptr(goal)](const auto& reply) {
+                                  const auto own = weak.lock();
+                                  if (!own) return;
+                                  --own->cancels;
+                                  if (!own->MayRun()) return;
+                                  if (!reply) return Cancel(own);
+                                  if (own->lost()) AwaitEnd(own, reply.value().return_code);
+                                });
 }
 
 void TakeOutcome(const std::shared_ptr<SkillGoal>& goal,
@@ -112,8 +195,10 @@ class SkillNodes::Wire {
     std::vector<const Offer*> others;  // of other machines
   };
 
-  explicit Wire(transport::Endpoints& endpoints) : node_(endpoints.node()) {
+  explicit Wire(transport::Endpoints& endpoints)
+      : node_(endpoints.node()), name_space_(endpoints.name_space()) {
     ReceiveStatuses(endpoints.name_space());
+    ReceiveReports(endpoints.name_space());
     endpoints.SubscribeWithInfo<msg::SkillOffers>(
         "skills",
         [this](const msg::SkillOffers& offers, const transport::SampleInfo& info) {
@@ -153,12 +238,19 @@ class SkillNodes::Wire {
   }
 
   // The machine of this process; nullopt: not known.
-  std::optional<MachineIdentity> own_machine() const { return MachineOf(node_.participant()); }
-  std::optional<MachineIdentity> MachineOf(transport::ParticipantId participant) const {
-    for (const auto& [writer, status] : statuses_) {
-      if (status.participant == participant && !status.machine.name.empty()) return status.machine;
-    }
-    return std::nullopt;
+  std::optional<MachineIdentity> own_machine() const {
+    const auto own = MachineByStatus(node_.participant());
+    return own ? own : machines_.OfThisProcess();
+  }
+  std::optional<MachineIdentity> MachineOf(const Offer& offer) const {
+    const auto machine = MachineByStatus(offer.participant);
+    if (machine) return machine;
+    const std::int32_t pid = ProcessOf(offer.participant);
+    return pid == 0 ? std::nullopt : machines_.OfActuator(offer.offers.actuator, pid);
+  }
+  // Whether what says the machine of an offer may still come.
+  bool MayBeKnownLater(const Offer& offer) const {
+    return !MachineOf(offer) && (statuses_in_ != nullptr || ProcessOf(offer.participant) != 0);
   }
   // Offers of another machine by that action, whose actuator would receive a goal, too; or null.
   const Offer* OfAnotherBy(const std::string& action) const {
@@ -178,12 +270,12 @@ class SkillNodes::Wire {
 
   Result<std::shared_ptr<SkillGoal>> Send(const msg::SkillOffers& offers, const std::string& skill,
                                           const Parameters& parameters) {
-    auto made = transport::MakeActionClient<Action>(node_, offers.action.substr(1),
-                                                    {std::chrono::seconds(3), {}});
-    if (!made) return made.error();
+    const auto servers = ServersOf(offers);
+    if (!servers) return servers.error();
     auto goal = std::make_shared<SkillGoal>();
-    goal->client = std::move(made).value();
+    goal->servers = servers.value();
     goal->action = offers.action;
+    goal->skill = skill;
     Action::Goal request;
     request.skill_request.robot_id = offers.actuator;
     request.skill_request.skill_list.resize(1);
@@ -203,18 +295,50 @@ class SkillNodes::Wire {
     events.on_end = [weak = std::weak_ptr(goal)](const auto& outcome) {
       if (const auto own = weak.lock()) TakeOutcome(own, outcome);
     };
-    goal->id = goal->client->SendGoal(request, kStartTime, std::move(events));
+    goal->id = goal->servers->action->SendGoal(request, kStartTime, std::move(events));
     goals_.push_back(goal);
     return goal;
   }
 
  private:
+  // Made for the first goal, and kept for all that follow.
+  Result<std::shared_ptr<Servers>> ServersOf(const msg::SkillOffers& offers) {
+    std::shared_ptr<Servers>& known = servers_[{offers.action, offers.actuator}];
+    if (known) return known;
+    auto action = transport::MakeActionClient<Action>(node_, offers.action.substr(1),
+                                                      {std::chrono::seconds(3), {}});
+    if (!action) return action.error();
+    const auto name = [&](const char* service) {
+      return transport::ResolveName(name_space_, offers.actuator + service);
+    };
+    auto look = transport::MakeClient<msg::GetSkill>(node_, name("/get_skill"));
+    if (!look) return look.error();
+    auto cancel = transport::MakeClient<msg::CancelSkill>(node_, name("/cancel_skill"));
+    if (!cancel) return cancel.error();
+    known = std::make_shared<Servers>(
+        Servers{std::move(action).value(), std::move(look).value(), std::move(cancel).value()});
+    return known;
+  }
+
   struct Status {
     MachineIdentity machine;
     transport::ParticipantId participant;
   };
 
-  // Without the permission to read them no machine is known.
+  std::optional<MachineIdentity> MachineByStatus(transport::ParticipantId participant) const {
+    for (const auto& [writer, status] : statuses_) {
+      if (status.participant == participant && !status.machine.name.empty()) return status.machine;
+    }
+    return std::nullopt;
+  }
+  // 0: it does not say it.
+  std::int32_t ProcessOf(transport::ParticipantId participant) const {
+    const std::vector<transport::PeerInfo> peers = node_.Peers();
+    const auto peer = std::ranges::find(peers, participant, &transport::PeerInfo::id);
+    return peer == peers.end() ? 0 : peer->pid;
+  }
+
+  // With security keys there is no permission to read them.
   void ReceiveStatuses(const std::string& name_space) {
     transport::SubscriptionEvents events;
     events.on_writer_lost = [this](transport::EndpointId writer) { statuses_.erase(writer); };
@@ -225,20 +349,36 @@ class SkillNodes::Wire {
           statuses_[info.writer] = {{status.machine, status.machine_id}, info.participant};
         },
         transport::kLatchedFromManyQos, std::move(events));
-    if (statuses) subscription_ = std::move(statuses).value();
+    if (statuses) statuses_in_ = std::move(statuses).value();
+  }
+  void ReceiveReports(const std::string& name_space) {
+    transport::SubscriptionEvents events;
+    events.on_writer_lost = [this](transport::EndpointId writer) { machines_.Drop(writer); };
+    auto reports = transport::MakeSubscription<msg::MachineStatus>(
+        node_, transport::MachineStatusTopic(name_space),
+        [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+          if (transport::IsOwn(status.participant, info)) machines_.Take(info.writer, status);
+        },
+        transport::kLatchedFromManyQos, std::move(events));
+    if (reports) reports_in_ = std::move(reports).value();
   }
   bool IsOfAnother(const Offer& offer) const {
     const auto own = own_machine();
-    const auto other = MachineOf(offer.participant);
+    const auto other = MachineOf(offer);
     return own && other && !SameMachine(*own, *other);
   }
 
   transport::Node& node_;
+  const std::string name_space_;
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<Servers>> servers_;
   std::map<transport::EndpointId, Offer> offers_;
   std::map<transport::EndpointId, Status> statuses_;
   std::uint64_t received_ = 0;
-  std::vector<std::shared_ptr<SkillGoal>> goals_;          // that may not have ended
-  std::unique_ptr<transport::Subscription> subscription_;  // last: its callbacks use statuses_
+  std::vector<std::shared_ptr<SkillGoal>> goals_;  // that may not have ended
+  MachinesByProcess machines_;
+  // Last: their callbacks use the rest.
+  std::unique_ptr<transport::Subscription> statuses_in_;
+  std::unique_ptr<transport::Subscription> reports_in_;
 };
 
 namespace {
@@ -304,8 +444,8 @@ class RunSkill : public tree::StatefulAction {
     }
     // The status of an actuator may be received after its offers.
     const bool all_known =
-        !wire.own_machine() || std::ranges::all_of(found.own, [&](const auto* offer) {
-          return wire.MachineOf(offer->participant).has_value();
+        !wire.own_machine() || std::ranges::none_of(found.own, [&](const auto* offer) {
+          return wire.MayBeKnownLater(*offer);
         });
     if (!all_known && may_wait) return tree::Status::kRunning;
     if (found.own.size() > 1) {
@@ -318,8 +458,7 @@ class RunSkill : public tree::StatefulAction {
       return Fail(offers.actuator + " offers " + skill + " without an action");
     }
     if (const auto* other = wire.OfAnotherBy(offers.action)) {
-      return Fail(offers.action + " is served by " +
-                  MachineText(*wire.MachineOf(other->participant)) +
+      return Fail(offers.action + " is served by " + MachineText(*wire.MachineOf(*other)) +
                   ", too, which would receive the goal; give each machine a namespace");
     }
     if (wire.IsEnding(offers.action)) {
@@ -339,8 +478,7 @@ class RunSkill : public tree::StatefulAction {
     std::vector<std::string> names;
     for (const auto* offer : others) {  // of another machine: both are known
       whose = " of " + MachineText(*wire.own_machine());
-      names.push_back(offer->offers.actuator + " of " +
-                      MachineText(*wire.MachineOf(offer->participant)));
+      names.push_back(offer->offers.actuator + " of " + MachineText(*wire.MachineOf(*offer)));
     }
     return (actuator.empty() ? "no actuator" + whose + " that runs"
                              : "no actuator " + actuator + whose) +

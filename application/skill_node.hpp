@@ -19,7 +19,8 @@
 // clang-format on
 //
 // - The actuator is found by the topic `skills`, for 3 s at most; `actuator` chooses among several.
-// - It is one of this machine, as far as the statuses of the actuators say. An action that another
+// - It is one of this machine, as far as the statuses of the actuators say, or, with security keys,
+//   the processes that the controllers report. An action that another
 //   machine serves, too, is refused: both would receive the goal.
 // - `parameters` is a list of KEY=VALUE with ";" between them; one within brackets or quotes is
 //   part of the value; quotes around a value are not.
@@ -27,8 +28,9 @@
 //   cancelled waits for its end, 10 s at most.
 // - A goal is lost when its actuator does not reply within 5 s, or is not connected for 3 s. Its
 //   skill may still run, so it is cancelled as soon as the actuator replies, and counts as one that
-//   is still being cancelled. A run that an actuator continues after a restart has no goal any
-//   more: it is not cancelled.
+//   is still being cancelled. A run that its actuator continues after a restart has no goal any
+//   more: it is cancelled by its name, unless it has the goal of another client by then.
+// - All nodes of a SkillNodes share their endpoints: one client for each action of an actuator.
 // - Without topics, as in a fault-injection test, it fails.
 //
 // Threads: the loop's. It must outlive the trees; dropping the endpoints cancels its goals.

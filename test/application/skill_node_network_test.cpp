@@ -1,8 +1,12 @@
 // RunSkill on a simulated network in virtual time, with fakes of the skill actuators: what it does
 // when a connection is lost, when an actuator crashes, and where several machines have skills.
 
+#include <unistd.h>
+
 #include "musher/application/skill_node.hpp"
+#include "musher/base/host.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
@@ -35,7 +39,9 @@ class FakeRobot {
   struct Options {
     std::string actuator = "show";
     std::string action = "/skill_execution";
-    std::string machine{};  // empty: it publishes no status
+    std::string machine{};    // empty: it publishes no status
+    std::string continues{};  // a skill that ran when the process before was killed
+    std::string goal_of_it{};
   };
 
   explicit FakeRobot(std::unique_ptr<transport::Node> node) : FakeRobot(std::move(node), {}) {}
@@ -53,6 +59,21 @@ class FakeRobot {
     if (!options.action.empty()) {
       endpoints_.ServeAction<msg::SkillExecution>(options.action, std::move(handlers));
     }
+    endpoints_.Serve<msg::GetSkill>(
+        options.actuator + "/get_skill", [options](const auto& request, auto reply) {
+          msg::GetSkill::Response response;
+          response.feedback.skill = request.skill;
+          response.feedback.state = request.skill == options.continues ? "WAITING" : "IDLE";
+          response.feedback.goal_id = options.goal_of_it;
+          reply(response);
+        });
+    endpoints_.Serve<msg::CancelSkill>(
+        options.actuator + "/cancel_skill", [this](const auto& request, auto reply) {
+          log.push_back(request.skill + " is cancelled by " + request.by);
+          msg::CancelSkill::Response response;
+          response.success = true;
+          reply(response);
+        });
     msg::SkillOffers offers{options.actuator, options.action, {}};
     for (const char* skill : {"wait", "home"}) offers.skills.push_back({skill, "", {}});
     endpoints_.PublishFunction<msg::SkillOffers>("skills", transport::kLatchedQos)(offers);
@@ -196,6 +217,50 @@ TEST_F(RunSkill, StartsAnotherSkillWhenTheActuatorHasRestartedAndDoesNotKnowTheL
   EXPECT_THAT(restarted.log, ElementsAre("home starts"));
 }
 
+TEST_F(RunSkill, CancelsARunThatTheActuatorContinuesWithoutItsGoalAfterARestart) {
+  auto robot = std::make_unique<FakeRobot>(network_.MakeNode("robot"));
+  Make(kWaitOrHome);
+  Run(0.5);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(0.5);
+  network_.Crash(robot->node());
+  FakeRobot restarted(network_.MakeNode("robot"), {.continues = "wait"});
+  Run(3);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  EXPECT_THAT(restarted.log, ElementsAre("wait is cancelled by a behaviour tree that has lost it"));
+  Run(1);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(1);
+  EXPECT_EQ(restarted.log.back(), "home starts");
+}
+
+TEST_F(RunSkill, DoesNotCancelTheRunOfAnotherClientAfterARestart) {
+  auto robot = std::make_unique<FakeRobot>(network_.MakeNode("robot"));
+  Make(kWait);
+  Run(0.5);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(0.5);
+  network_.Crash(robot->node());
+  FakeRobot restarted(network_.MakeNode("robot"), {.continues = "wait", .goal_of_it = "4f"});
+  Run(6);
+  EXPECT_EQ(Tick(), Status::kFailure);
+  EXPECT_THAT(restarted.log, IsEmpty());
+}
+
+TEST_F(RunSkill, SharesOneClientWithTheOtherNodesThatRunSkillsOfAnActuator) {
+  FakeRobot robot(network_.MakeNode("robot"));
+  const auto feedback = transport::MakePublisher<msg::SkillExecution::FeedbackMessage>(
+                            robot.node(), "skill_execution/_action/feedback")
+                            .value();
+  Make(R"(<Parallel success_count="2">
+    <RunSkill skill="wait"/><RunSkill skill="home"/></Parallel>)");
+  EXPECT_EQ(Begin(), Status::kRunning);
+  Run(0.5);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  EXPECT_THAT(robot.log, ElementsAre("wait starts", "home starts"));
+  EXPECT_EQ(feedback->MatchedReaders(), 1U);
+}
+
 TEST_F(RunSkill, StartsASkillOfAnActuatorThatHasRestartedBeforeTheOneThatCrashedIsLost) {
   network_.SetLease(std::chrono::seconds(60));
   auto crashed = std::make_unique<FakeRobot>(network_.MakeNode("robot"));
@@ -249,6 +314,93 @@ TEST_F(RunSkill, StartsNoSkillByAnActionThatTwoMachinesServe) {
             "machine a namespace");
   EXPECT_THAT(dog.log, IsEmpty());
   EXPECT_THAT(cat.log, IsEmpty());
+}
+
+// A node that knows the processes of other participants, as on DDS.
+class NodeWithPeers : public transport::Node {
+ public:
+  explicit NodeWithPeers(std::unique_ptr<transport::Node> node) : node_(std::move(node)) {}
+
+  transport::EventLoop& loop() override { return node_->loop(); }
+  transport::ParticipantId participant() const override { return node_->participant(); }
+  Result<std::unique_ptr<transport::RawWriter>> MakeRawWriter(
+      const std::string& topic, const std::string& type, const transport::Qos& qos,
+      transport::WriterCallbacks callbacks) override {
+    return node_->MakeRawWriter(topic, type, qos, std::move(callbacks));
+  }
+  Result<std::unique_ptr<transport::RawReader>> MakeRawReader(
+      const std::string& topic, const std::string& type, const transport::Qos& qos,
+      transport::ReaderCallbacks callbacks) override {
+    return node_->MakeRawReader(topic, type, qos, std::move(callbacks));
+  }
+  std::vector<transport::PeerInfo> Peers() const override { return peers; }
+
+  std::vector<transport::PeerInfo> peers;
+
+ private:
+  std::unique_ptr<transport::Node> node_;
+};
+
+// With security keys an actuator receives no statuses of actuators, but the reports of controllers.
+class RunSkillWithKeys : public RunSkill {
+ protected:
+  RunSkillWithKeys() { nodes_.Open(with_peers_); }
+
+  // Latches the processes of its actuators, as a controller does.
+  void Report(FakeRobot& robot, const std::string& machine, std::int32_t pid, bool own) {
+    msg::MachineStatus status;
+    status.machine = machine;
+    status.actuators.resize(own ? 2 : 1);
+    status.actuators[0].name = "show";
+    status.actuators[0].pid = pid;
+    if (own) {
+      status.actuators[1].name = "patrol";
+      status.actuators[1].pid = getpid();
+      status.actuators[1].host = HostId();
+    }
+    reports_.push_back(transport::MakePublisher<msg::MachineStatus>(
+                           robot.node(), "musher/machine_status", transport::kLatchedQos)
+                           .value());
+    EXPECT_TRUE(reports_.back()->Publish(status));
+    knowing_.peers.push_back({robot.node().participant(), pid, "", 0, ""});
+  }
+
+  NodeWithPeers knowing_{network_.MakeNode("desk")};
+  transport::Endpoints with_peers_{knowing_, ""};
+  std::vector<std::unique_ptr<transport::Publisher<msg::MachineStatus>>> reports_;
+};
+
+TEST_F(RunSkillWithKeys, KnowsTheMachineOfAnActuatorByItsProcess) {
+  FakeRobot cat(network_.MakeNode("cat"), {.action = "/cat/skill_execution"});
+  FakeRobot dog(network_.MakeNode("dog"), {.action = "/dog/skill_execution"});
+  Report(cat, "cat", 4711, false);
+  Report(dog, "dog", 815, true);
+  Make(kWait);
+  EXPECT_EQ(Begin(), Status::kRunning) << Entry("message");
+  EXPECT_THAT(dog.log, ElementsAre("wait starts"));
+  EXPECT_THAT(cat.log, IsEmpty());
+}
+
+TEST_F(RunSkillWithKeys, StartsNoSkillByAnActionThatTwoMachinesServe) {
+  FakeRobot cat(network_.MakeNode("cat"), {.actuator = "show"});
+  FakeRobot dog(network_.MakeNode("dog"), {.actuator = "show"});
+  Report(cat, "cat", 4711, false);
+  Report(dog, "dog", 815, true);
+  Make(kWait);
+  EXPECT_EQ(Begin(), Status::kFailure);
+  EXPECT_THAT(Entry("message"), HasSubstr("/skill_execution is served by cat, too"));
+  EXPECT_THAT(dog.log, IsEmpty());
+  EXPECT_THAT(cat.log, IsEmpty());
+}
+
+TEST_F(RunSkillWithKeys, TakesNoMachineWhereTwoReportTheSameProcess) {
+  FakeRobot cat(network_.MakeNode("cat"), {.action = "/cat/skill_execution"});
+  Report(cat, "cat", 4711, false);
+  FakeRobot dog(network_.MakeNode("dog"), {.actuator = "other"});
+  Report(dog, "dog", 4711, true);
+  Make(R"(<RunSkill skill="wait" actuator="show" message="{message}"/>)");
+  EXPECT_EQ(Begin(), Status::kRunning) << "as before: not known";
+  EXPECT_THAT(cat.log, ElementsAre("wait starts"));
 }
 
 }  // namespace musher::skill_node_network_test

@@ -114,7 +114,8 @@ class Reader {
                      prefix + "follow_waypoints",
                      "/tf",
                      prefix + "battery",
-                     prefix + "goal_pose"};
+                     prefix + "goal_pose",
+                     prefix + "detections"};
   }
 
   void ReadTopics(TableReader& reader) {
@@ -124,6 +125,7 @@ class Reader {
     Topic(reader, "scan", scan_, true);
     Topic(reader, "objects", names.objects, true);
     Topic(reader, "line", names.line, true);
+    Topic(reader, "detections", names.detections, true);
     Topic(reader, "planner", names.planner, false);
     Topic(reader, "controller", names.controller, false);
     Topic(reader, "hand", names.hand, false);

@@ -40,6 +40,7 @@ struct InterfaceNames {
   std::string battery;  // sensor_msgs/BatteryState
   // geometry_msgs/PoseStamped, as RViz's button for a goal publishes it.
   std::string goal_pose;
+  std::string detections;  // musher_msgs/ObjectStates of a detector, on the body
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.

@@ -38,6 +38,14 @@ struct SeenObject {
   std::string held_by;  // a robot; empty: none
 };
 
+// The last look of the robot's detectors at a target.
+struct Look {
+  Time at;  // when the picture was taken, by Now()
+  // Each thing of that name that it shows, in the frame of the body: x forward, y to the left.
+  // Empty: it shows none.
+  std::vector<navigation::Point> seen;
+};
+
 enum class HandAction : std::uint8_t { kCheckDistance, kAttach, kRelease, kPlace };
 
 struct HandRequest {
@@ -147,6 +155,12 @@ class Robot {
   virtual std::optional<std::vector<SeenObject>> Detect() = 0;
   // Why it sees none.
   virtual std::string WhyNothingSeen() const { return "no objects were received"; }
+  // The last look at a thing with this name or of this category, by what its detectors have found
+  // in their pictures, and not by a map. Nullopt: no picture of the last second; the first call
+  // asks for them.
+  virtual std::optional<Look> LookFor(const std::string& /*target*/) { return std::nullopt; }
+  // Why there is no look: "no detections on jetbot_0/detections".
+  virtual std::string WhyNoLook() const { return name() + " has no detector"; }
   // The pose that came on `topic` (nav_msgs/Odometry) within the last 0.5 s and has a place in the
   // map; the first call subscribes. Nullopt: none.
   virtual std::optional<navigation::Pose> PoseOf(const std::string& topic) = 0;

@@ -48,6 +48,7 @@ void RosRobot::BeginStep(Time now) {
   wire->navigator->Tend();
   wire->cameras->Tend();
   if (wire->detectors) wire->detectors->Tend();
+  wire->looks->Tend();
 }
 
 void RosRobot::Rest() {
@@ -197,6 +198,16 @@ std::string RosRobot::WhyNothingSeen() const {
   const std::string* why = wire ? wire->refused_objects.At(wire->Now()) : nullptr;
   if (why == nullptr) return Robot::WhyNothingSeen();
   return "no objects with a place in the map (" + config_.names.objects + ": " + *why + ")";
+}
+
+std::optional<skills::Look> RosRobot::LookFor(const std::string& target) {
+  const auto wire = wire_.lock();
+  return wire ? wire->looks->LookFor(target) : std::nullopt;
+}
+
+std::string RosRobot::WhyNoLook() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->looks->WhyNone() : kClosed;
 }
 
 std::optional<navigation::Pose> RosRobot::PoseOf(const std::string& topic) {

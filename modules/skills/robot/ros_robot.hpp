@@ -80,6 +80,8 @@ class RosRobot final : public Robot {
   bool HasObjects() const override;
   std::optional<std::vector<SeenObject>> Detect() override;
   std::string WhyNothingSeen() const override;
+  std::optional<skills::Look> LookFor(const std::string& target) override;
+  std::string WhyNoLook() const override;
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override;
   std::string WhyNoPoseOf(const std::string& topic) const override;
   std::uint64_t PosesOf(const std::string& topic) const override;

@@ -60,6 +60,8 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
     detectors = std::make_unique<DetectorFeeds>(node, clock, name_space, config.detectors,
                                                 [this] { return PoseNow(); });
   }
+  looks = std::make_unique<LookFeeds>(node, clock, name_space, config,
+                                      [this](const std::string& frame) { return OnBody(frame); });
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   for (const std::string& name : {names.clear_planner, names.clear_controller}) {
     if (!name.empty()) memories.push_back(endpoints.OpenClient<msg::Trigger>(name));
@@ -82,6 +84,14 @@ Result<navigation::Pose> RosRobot::Wire::InMap(const std::string& frame) const {
   if (!placed) return placed.error();
   if (!placed.value().upside_down) return placed.value().pose;
   return navigation::MakeError(navigation::Fault::kFrame, "its frame is upside down in the map");
+}
+
+Result<navigation::Pose> RosRobot::Wire::OnBody(const std::string& frame) const {
+  if (frame.empty() || frame == body_frame_) return navigation::Pose{};
+  const auto placed = frames_.Find(body_frame_, frame, Now());
+  if (!placed) return placed.error();
+  if (!placed.value().upside_down) return placed.value().pose;
+  return navigation::MakeError(navigation::Fault::kFrame, "its frame is upside down on the body");
 }
 
 void RosRobot::Wire::SubscribeFrames(transport::Endpoints& endpoints) {
@@ -166,8 +176,15 @@ void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
 // differs from those around it.
 void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
   if (std::isnan(battery.percentage)) return;
-  if (!battery.present || battery.percentage < 0 || battery.percentage > 1) {
+  const bool in_range = battery.percentage >= 0 && battery.percentage <= 1;
+  if (!in_range) return RefuseBattery(battery);
+  if (!presence_.Counts(battery.present, battery.percentage, battery.voltage)) {
     return RefuseBattery(battery);
+  }
+  if (!battery.present && !std::exchange(battery_doubted_, true)) {
+    Log(LogLevel::kWarning, config.names.battery +
+                                " says that no battery is present, but its level or voltage "
+                                "changes: it is used");
   }
   const double percent = 100 * static_cast<double>(battery.percentage);
   const double limit = config.low_battery_percent;
@@ -195,10 +212,11 @@ void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
 void RosRobot::Wire::RefuseBattery(const msg::BatteryState& battery) {
   if (std::exchange(battery_refused_, true)) return;
   const std::string& topic = config.names.battery;
+  const bool in_range = battery.percentage >= 0 && battery.percentage <= 1;
   Log(LogLevel::kWarning,
-      battery.present ? fmt::format("{} is not used: its percentage is {:g}, expected 0 to 1",
-                                    topic, battery.percentage)
-                      : fmt::format("{} is not used: it says that no battery is present", topic));
+      in_range ? fmt::format("{} is not used: it says that no battery is present", topic)
+               : fmt::format("{} is not used: its percentage is {:g}, expected 0 to 1", topic,
+                             battery.percentage));
 }
 
 // By its odometry alone: a flyer holds its place also while it has none in the map.

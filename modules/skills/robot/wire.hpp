@@ -15,9 +15,11 @@
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/skills/robot/battery_presence.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
 #include "musher/modules/skills/robot/detector_feeds.hpp"
 #include "musher/modules/skills/robot/flight_hold.hpp"
+#include "musher/modules/skills/robot/look_feeds.hpp"
 #include "musher/modules/skills/robot/navigator.hpp"
 #include "musher/modules/skills/robot/photo_folder.hpp"
 #include "musher/modules/skills/robot/recent_value.hpp"
@@ -72,6 +74,8 @@ struct RosRobot::Wire {
   // Where a frame of a message is in the map, as /tf says; an empty one counts as the map's. Fails
   // with the reason where that is not known.
   Result<navigation::Pose> InMap(const std::string& frame) const;
+  // The same on the body; an empty one counts as the body's.
+  Result<navigation::Pose> OnBody(const std::string& frame) const;
   // "the battery of r is at 9 %, …"; empty: it is not low, or none reports.
   const std::string& LowBattery() const { return low_battery_; }
   // Nullopt: no recent odometry.
@@ -113,6 +117,7 @@ struct RosRobot::Wire {
   std::unique_ptr<CameraFeeds> cameras;
   std::unique_ptr<PhotoFolder> photos;
   std::unique_ptr<DetectorFeeds> detectors;  // null: the config names none
+  std::unique_ptr<LookFeeds> looks;
 
  private:
   void Subscribe(transport::Endpoints& endpoints);
@@ -136,6 +141,8 @@ struct RosRobot::Wire {
   std::string low_battery_;
   std::optional<Time> battery_differs_since_;  // from low_battery_, in all samples
   bool battery_refused_ = false;               // logged once
+  bool battery_doubted_ = false;               // that it is not present; logged once
+  BatteryPresence presence_;
   Duration odometry_stamp_{};
   Duration line_stamp_{};  // of the last picture
   // Controllers with a goal that has not ended, by the last status of each. One that starts again

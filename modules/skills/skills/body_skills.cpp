@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "musher/modules/skills/skills/assembly.hpp"
 #include "musher/modules/skills/skills/detect.hpp"
 #include "musher/modules/skills/skills/grasp.hpp"
 #include "musher/modules/skills/skills/hover.hpp"
@@ -41,6 +42,7 @@ Result<> RegisterBodySkills(skill::Registry& registry, Robot& robot) {
       {"put_down", MadeWithGrip<PutDown>(robot, grip)},
       {"grasp", MadeWithGrip<Grasp>(robot, grip)},
       {"place", MadeWithGrip<Place>(robot, grip)},
+      {"assembly", MadeWithGrip<Assembly>(robot, grip)},
   };
   for (const auto& [name, factory] : skills) {
     if (Result<> added = registry.Add(name, factory); !added) return added;

@@ -12,6 +12,7 @@
 #include "musher/modules/skills/skills/navigate_to.hpp"
 #include "musher/modules/skills/skills/recovery_skill.hpp"
 #include "musher/modules/skills/skills/track.hpp"
+#include "musher/modules/skills/skills/visual_servoing.hpp"
 
 namespace musher::skills {
 namespace {
@@ -33,6 +34,7 @@ Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
       {"track", MadeFor<Track>(robot)},
       {"follow_line", MadeFor<FollowLine>(robot)},
       {"avoid_obstacle", MadeFor<AvoidObstacle>(robot)},
+      {"visual_servoing", MadeFor<VisualServoing>(robot)},
       {"leave_tight_start", MadeFor<RecoverySkill>(robot, RecoveryKind::kLeaveTightStart)},
       {"clear", MadeFor<RecoverySkill>(robot, RecoveryKind::kClear)},
       {"back_up", MadeFor<RecoverySkill>(robot, RecoveryKind::kBackUp)},

@@ -116,6 +116,17 @@ msg::ObjectStates ObjectsInSightOf(const World& world, std::size_t robot) {
   return in_sight;
 }
 
+msg::ObjectStates DetectionsOf(const World& world, std::size_t robot) {
+  const Scene& scene = world.scene();
+  msg::ObjectStates found;
+  found.header = {msg::ToStamp(world.now()), scene.robots.at(robot).name};
+  for (const DetectedObject& seen : DetectObjects(world, robot)) {
+    const ObjectSpec& spec = scene.objects[seen.object];
+    found.objects.push_back({spec.name, spec.category, PoseOf(seen.middle_m, seen.yaw_rad), ""});
+  }
+  return found;
+}
+
 msg::YellowLines LinesInView(const World& world, std::size_t robot) {
   constexpr double kEveryM = 0.02;  // of a line
   const LineViewSpec& view = *world.scene().robots.at(robot).line_view;

@@ -25,6 +25,8 @@ msg::BatteryState ToBatteryState(const Battery& battery, const BatterySpec& spec
 msg::ObjectStates ToObjectStates(const World& world);
 // Those that the robot has in sight.
 msg::ObjectStates ObjectsInSightOf(const World& world, std::size_t robot);
+// Those that its detector finds, in the frame of the robot. It has one.
+msg::ObjectStates DetectionsOf(const World& world, std::size_t robot);
 
 // Where the lines of the scene are in the view of the robot, without an error. It has one.
 msg::YellowLines LinesInView(const World& world, std::size_t robot);

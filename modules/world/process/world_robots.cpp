@@ -54,6 +54,10 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
   }
   outlet.battery = endpoints.Advertise<msg::BatteryState>(prefix + "battery");
   outlet.in_sight = endpoints.Advertise<msg::ObjectStates>(prefix + "objects_in_sight");
+  if (spec.detector) {
+    outlet.detections =
+        endpoints.Advertise<msg::ObjectStates>(prefix + "detections", transport::kSensorDataQos);
+  }
   if (spec.line_view) outlet.lines = endpoints.Advertise<msg::YellowLines>(prefix + "lines");
   if (spec.stamped_command) {
     endpoints.Subscribe<msg::TwistStamped>(prefix + "cmd_vel", [this, robot](const auto& stamped) {
@@ -165,6 +169,10 @@ void WorldRobots::OnStep() {
     }
     if (IsDue(now, kObjectsHz) && outlet.in_sight->MatchedReaders() > 0) {
       static_cast<void>(outlet.in_sight->Publish(ObjectsInSightOf(world_, i)));
+    }
+    if (outlet.detections != nullptr && IsDue(now, scene.robots[i].detector->rate_hz) &&
+        outlet.detections->MatchedReaders() > 0) {
+      static_cast<void>(outlet.detections->Publish(DetectionsOf(world_, i)));
     }
     if (outlet.lines != nullptr && IsDue(now, kObjectsHz)) {
       static_cast<void>(outlet.lines->Publish(LinesInView(world_, i)));

@@ -7,6 +7,9 @@
 //   R/scan                  sensor_msgs/LaserScan, best effort, at the rate of its lidar
 //   R/battery               sensor_msgs/BatteryState, once a second
 //   R/objects_in_sight      musher_msgs/ObjectStates, 10 Hz: those that nothing hides from it
+//   R/detections            musher_msgs/ObjectStates, best effort, in the frame R: what its
+//   detector
+//                           finds in its view, with noise, at its rate
 //   R/lines                 musher_msgs/YellowLines, 10 Hz: of a robot with a line_view
 //   R/planned_path          nav_msgs/Path, subscribed, latched: drawn in the picture
 //   R/manipulation_control  musher_msgs/ManipulationControl, served: of a robot with a hand
@@ -64,8 +67,9 @@ class WorldRobots {
     transport::Publisher<msg::LaserScan>* scan = nullptr;  // null: it has no lidar
     transport::Publisher<msg::BatteryState>* battery = nullptr;
     transport::Publisher<msg::ObjectStates>* in_sight = nullptr;
-    transport::Publisher<msg::YellowLines>* lines = nullptr;  // null: it has no view of them
-    std::string refused;                                      // the last refusal that was logged
+    transport::Publisher<msg::ObjectStates>* detections = nullptr;  // null: it has no detector
+    transport::Publisher<msg::YellowLines>* lines = nullptr;        // null: it has no view of them
+    std::string refused;  // the last refusal that was logged
     OdometryFault fault;
     std::optional<msg::Pose> frozen;
   };

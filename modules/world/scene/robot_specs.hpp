@@ -49,6 +49,16 @@ struct LineViewSpec {
   double depth_m = 0.6;  // from its lower to its upper edge
 };
 
+// A detector of objects in the pictures of a camera that looks ahead; the eye is that of the
+// robot's camera, or the middle of its upper side.
+struct DetectorSpec {
+  double most_m = 4;                  // farther away it finds nothing
+  double hfov_rad = M_PI * 70 / 180;  // from side to side
+  double rate_hz = 10;
+  double noise_m = 0.01;  // standard deviation along each axis
+  double miss_share = 0;  // of the pictures in which it misses an object
+};
+
 struct RobotSpec {
   std::string name;  // the namespace of its topics
   RobotKind kind = RobotKind::kHolonomic;
@@ -65,6 +75,7 @@ struct RobotSpec {
   std::optional<HandSpec> hand;
   std::optional<CameraSpec> camera;
   std::optional<LineViewSpec> line_view;
+  std::optional<DetectorSpec> detector;
   // A full circle, over the middle of its underside.
   LidarSpec lidar{true, {0.05, 10, 0.01, 10}, {{0, 0, 0.15}, 0, 0}, -M_PI, M_PI * 179 / 180, 360};
 };

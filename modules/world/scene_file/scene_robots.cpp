@@ -51,7 +51,8 @@ class RobotReader {
          row::Required("kind", "ground or flyer",
                        row::Choice("kind", flyer, {{"ground", false}, {"flyer", true}})),
          [&](TableReader& table) { ReadDrive(table, flyer, robot); },
-         keys::Center(robot.start_m.head<2>()), keys::Angle("yaw_deg", robot.start_yaw_rad),
+         keys::Center(robot.start_m.head<2>()),
+         keys::Angle("yaw_deg", robot.start_yaw_rad),
          row::Number("radius_m", robot.radius_m, 0.05, 2),
          row::Number("height_m", robot.height_m, 0.05, 3),
          keys::Colour("color", robot.color, findings_),
@@ -61,10 +62,12 @@ class RobotReader {
          row::Number("acceleration_m_s2", robot.limits.acceleration_m_s2, 0.05, 100),
          row::Number("turn_rad_s", robot.limits.turn_rad_s, 0.01, 20),
          row::Number("turn_acceleration_rad_s2", robot.limits.turn_acceleration_rad_s2, 0.05, 200),
-         row::Sub("battery", BatteryRows(robot.battery)), row::Sub("lidar", LidarRows(robot.lidar)),
+         row::Sub("battery", BatteryRows(robot.battery)),
+         row::Sub("lidar", LidarRows(robot.lidar)),
          [&](TableReader& table) { ReadHand(table, robot); },
          [&](TableReader& table) { ReadCamera(table, robot); },
-         [&](TableReader& table) { ReadLineView(table, robot); }});
+         [&](TableReader& table) { ReadLineView(table, robot); },
+         [&](TableReader& table) { ReadDetector(table, robot); }});
     written_robots_.push_back({reader.at(), reader.path()});
     scene_.robots.push_back(std::move(robot));
   }
@@ -197,6 +200,17 @@ class RobotReader {
     ReadRows(*reader, {row::Number("ahead_m", view.ahead_m, -2, 2),
                        row::Number("width_m", view.width_m, 0.05, 5),
                        row::Number("depth_m", view.depth_m, 0.05, 5)});
+  }
+
+  static void ReadDetector(TableReader& robot_table, RobotSpec& robot) {
+    auto reader = robot_table.Sub("detector");
+    if (!reader) return;
+    DetectorSpec& detector = robot.detector.emplace();
+    ReadRows(*reader, {row::Number("most_m", detector.most_m, 0.1, keys::kFarthestM),
+                       row::Degrees("hfov_deg", detector.hfov_rad, 1, 360),
+                       row::Number("rate_hz", detector.rate_hz, 0.1, 50),
+                       row::Number("noise_m", detector.noise_m, 0, 1),
+                       row::Number("miss_share", detector.miss_share, 0, 1)});
   }
 
   std::string OwnName(TableReader& reader, std::map<std::string, Position>& taken) {

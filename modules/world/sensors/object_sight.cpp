@@ -1,7 +1,9 @@
 #include "musher/modules/world/sensors/object_sight.hpp"
 
 #include <Eigen/Geometry>
+#include <cmath>
 
+#include "musher/modules/world/body/normal_random.hpp"
 #include "musher/modules/world/sensors/fleet_sensing.hpp"
 #include "musher/modules/world/sensors/ranging.hpp"
 
@@ -74,6 +76,41 @@ std::vector<std::size_t> ObjectsInSight(const World& world, std::size_t robot) {
     if (IsInSight(around, specs[i], world.fleet().objects()[i], eye)) seen.push_back(i);
   }
   return seen;
+}
+
+std::vector<DetectedObject> DetectObjects(const World& world, std::size_t robot) {
+  constexpr std::uint64_t kDetector = 2000;
+  const DetectorSpec& detector = *world.scene().robots.at(robot).detector;
+  const RobotBody& body = world.fleet().robots()[robot].body;
+  const Rotation2Dd to_body(-body.yaw_rad());
+  const auto in_body = [&](Vector3d at) {
+    at -= body.position_m();
+    at.head<2>() = to_body * Vector2d(at.head<2>());
+    return at;
+  };
+  const Vector3d eye = in_body(EyeOf(world, robot));
+  transport::sim::Random seed(world.scene().seed);
+  transport::sim::Random of_robot(seed.Next() + kDetector + robot);
+  const std::uint64_t of_picture =
+      of_robot.Next() + static_cast<std::uint64_t>(world.now().count());
+  NormalRandom noise(of_picture);
+  transport::sim::Random misses(of_picture + 1);
+  std::vector<DetectedObject> found;
+  for (const std::size_t i : ObjectsInSight(world, robot)) {
+    const FleetObject& object = world.fleet().objects()[i];
+    DetectedObject seen{i, in_body(object.middle_m), object.yaw_rad - body.yaw_rad()};
+    const Vector3d from_eye = seen.middle_m - eye;
+    const double bearing_rad = std::atan2(from_eye.y(), from_eye.x());
+    const bool missed = misses.Bernoulli(detector.miss_share);
+    const bool in_view =
+        from_eye.norm() <= detector.most_m && std::abs(bearing_rad) <= detector.hfov_rad / 2;
+    if (missed || !in_view) continue;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      seen.middle_m[axis] += detector.noise_m * noise.Normal();
+    }
+    found.push_back(seen);
+  }
+  return found;
 }
 
 }  // namespace musher::world

@@ -25,6 +25,7 @@ Values Parameters(const std::string& skill, double number) {
   if (skill == "detect") return {{"target_prim", "box_red"}};
   if (skill == "place") return {{"target_location", Numbers{number / 2, 0, 0}}};
   if (skill == "put_down") return {};
+  if (skill == "assembly") return {{"station", "dock"}, {"distance", 0.3 + number / 10}};
   return {{"object_prim_path", "box_red"}, {"distance_threshold", number / 4}};
 }
 
@@ -44,6 +45,7 @@ void Disturb(Bench& bench, const std::string& skill, int event, std::uint64_t bi
       return;
     case 1:
       robot.has_objects = !robot.has_objects;
+      robot.has_detector = bits % 2 == 0;
       return;
     case 2:
       robot.wind = {number / 2, -number / 3, number / 4, 0};
@@ -83,7 +85,8 @@ RC_GTEST_PROP(AnySkillOfTheBody, EndsWithoutAVelocityCommand, ()) {
   Bench bench("robot_0", kind);
   bench.robot.camera_names = {"front"};
   const bool held = *rc::gen::arbitrary<bool>();
-  bench.robot.seen = {{"box_red", "box", {{1, 0, 0}, 0}, held ? "robot_0" : ""}};
+  bench.robot.seen = {{"box_red", "box", {{1, 0, 0}, 0}, held ? "robot_0" : ""},
+                      {"dock", "station", {{1.5, 0.5, 0.1}, 0}, ""}};
   bench.robot.body.at.z_m = *rc::gen::element(0.0, 1.0, 3.0);
   const auto skill = *rc::gen::elementOf(bench.manager().Names());
   bench.Start(skill, Parameters(skill, *rc::gen::inRange(-10, 60) / 10.0));

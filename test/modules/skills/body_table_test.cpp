@@ -17,7 +17,7 @@ TEST(BodySkills, AreOfferedByTheirNames) {
   Bench bench("jetbot_0", "jetbot");
   EXPECT_THAT(bench.manager().Names(),
               ElementsAre("take_off", "hover", "land", "take_photo", "object_detection", "detect",
-                          "pick_up", "put_down", "grasp", "place"));
+                          "pick_up", "put_down", "grasp", "place", "assembly"));
 }
 
 TEST(BodySkills, HaveTablesWithoutErrorsAndWarnings) {
@@ -51,7 +51,7 @@ TEST(BodySkills, UseThePartsOfTheRobotThatTheyMove) {
   for (const char* flight : {"take_off", "hover", "land"}) {
     EXPECT_THAT(parts[flight], ElementsAre("base")) << flight;
   }
-  for (const char* near : {"grasp", "place"}) {
+  for (const char* near : {"grasp", "place", "assembly"}) {
     EXPECT_THAT(parts[near], ElementsAre("base", "arm")) << near;
   }
   for (const char* still : {"pick_up", "put_down"}) {

@@ -56,6 +56,18 @@ std::string FakeRobot::Held() const {
   return held == seen.end() ? "" : held->name;
 }
 
+std::optional<Look> FakeRobot::LookFor(const std::string& target) {
+  if (!has_detector) return std::nullopt;
+  Look look{now_, {}};
+  const double c = std::cos(body.yaw_rad), s = std::sin(body.yaw_rad);
+  for (const SeenObject& object : seen) {
+    if (object.name != target && object.category != target) continue;
+    const double x = object.pose.at.x_m - body.at.x_m, y = object.pose.at.y_m - body.at.y_m;
+    look.seen.push_back({c * x + s * y, c * y - s * x, object.pose.at.z_m - body.at.z_m});
+  }
+  return look;
+}
+
 template <class T>
 skill::Future<T> FakeRobot::Later(Reply reply, std::function<T()> work) {
   auto source = std::make_shared<skill::Source<T>>();

@@ -32,6 +32,7 @@ class FakeRobot : public Robot {
   bool has_odometry = true;
   bool has_scan = true;
   bool has_objects = true;
+  bool has_detector = true;
   bool has_hand = true;
   double reach_m = 100;  // of the hand
   std::string held_by;   // what its gate stops it for; empty: nothing
@@ -89,6 +90,7 @@ class FakeRobot : public Robot {
   std::optional<std::vector<SeenObject>> Detect() override {
     return has_objects ? std::optional(seen) : std::nullopt;
   }
+  std::optional<Look> LookFor(const std::string& target) override;
   std::optional<navigation::Pose> PoseOf(const std::string&) override { return std::nullopt; }
   std::uint64_t PosesOf(const std::string&) const override { return 0; }
   bool HasCamera(const std::string& camera) const override;

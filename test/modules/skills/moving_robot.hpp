@@ -47,6 +47,8 @@ class MovingRobot : public Robot {
   std::function<bool(const navigation::Point&)> blocked = [](const auto&) { return false; };
   std::function<std::optional<Line>(const navigation::Pose&)> see_line =
       [](const navigation::Pose&) { return std::optional<Line>(); };
+  std::function<std::optional<Look>(const std::string& target, Time)> look =
+      [](const std::string&, Time) { return std::optional<Look>(); };
   std::map<std::string, std::function<std::optional<navigation::Pose>(Time)>> targets;
   double target_hz = 10;                       // of their poses
   std::vector<navigation::RobotIntent> known;  // other robots
@@ -189,6 +191,7 @@ class MovingRobot : public Robot {
   std::vector<SeenObject> objects() const override { return {}; }
   std::optional<std::vector<SeenObject>> Detect() override { return std::nullopt; }
   bool HasObjects() const override { return false; }
+  std::optional<Look> LookFor(const std::string& target) override { return look(target, now_); }
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override {
     const auto found = targets.find(topic);
     return found == targets.end() ? std::nullopt : found->second(now_);

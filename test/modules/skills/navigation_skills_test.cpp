@@ -23,10 +23,10 @@ using Texts = std::vector<std::pair<std::string, std::string>>;
 
 TEST(NavigationSkills, AreTheOnesThatMove) {
   const SkillsOnARobot skills;
-  EXPECT_THAT(
-      skills.registry.Names(),
-      ElementsAre("navigate_to", "nav_2d", "nav_3d", "move", "explore", "track", "follow_line",
-                  "avoid_obstacle", "leave_tight_start", "clear", "back_up", "spin"));
+  EXPECT_THAT(skills.registry.Names(),
+              ElementsAre("navigate_to", "nav_2d", "nav_3d", "move", "explore", "track",
+                          "follow_line", "avoid_obstacle", "visual_servoing", "leave_tight_start",
+                          "clear", "back_up", "spin"));
 }
 
 TEST(NavigationSkills, HaveTablesWithoutAFault) {
@@ -88,6 +88,13 @@ class Hall : public SkillsOnARobot {
       const double angle = ToSeconds(time.time_since_epoch()) / 6;
       return navigation::Pose{{4 * std::cos(angle), 4 * std::sin(angle), 0}, angle};
     };
+    robot.look = [this](const std::string&, Time time) -> std::optional<skills::Look> {
+      const double x = 3 - robot.at.at.x_m, y = -1 - robot.at.at.y_m;
+      const double c = std::cos(robot.at.yaw_rad), s = std::sin(robot.at.yaw_rad);
+      skills::Look look{time, {}};
+      if (target_seen) look.seen.push_back({c * x + s * y, c * y - s * x, 0});
+      return look;
+    };
     robot.points = {{3, 1, 0}, {3, 1.1, 0}, {-2, -2, 0}, {-2, -2.1, 0}};
     straight_ = robot.plan;
   }
@@ -101,6 +108,7 @@ class Hall : public SkillsOnARobot {
         {"track", {{"duration", "20"}}},
         {"follow_line", {{"distance", "4"}}},
         {"avoid_obstacle", {{"goal_pos", "[4, 0]"}}},
+        {"visual_servoing", {{"target", "dock"}}},
         {"leave_tight_start", {}},
         {"clear", {}},
         {"back_up", {}},

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "musher/behavior/skill/manager.hpp"
+#include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/navigation/controller_server/controller_server.hpp"
@@ -62,6 +63,8 @@ class RandomRun {
     line_ = Must(
         transport::MakePublisher<msg::YellowLines>(*peers_, "line", transport::kSensorDataQos));
     target_ = Must(transport::MakePublisher<msg::Odometry>(*peers_, "target/odom"));
+    detections_ = Must(transport::MakePublisher<msg::ObjectStates>(*peers_, "r/detections",
+                                                                   transport::kSensorDataQos));
     PublishMap();
     watch_ = peers_->loop().Every(Milliseconds(10), [this] { Watch(); });
     inputs_ = peers_->loop().Every(Milliseconds(100), [this] { PublishInputs(); });
@@ -177,6 +180,11 @@ class RandomRun {
       texts.emplace_back("speed", "1");
     }
     if (skill_ == "follow_line") texts.emplace_back("speed", std::to_string(Between(0.3, 1)));
+    if (skill_ == "visual_servoing") {
+      texts.emplace_back("target", "dock");
+      texts.emplace_back("distance", std::to_string(Between(0.3, 1.5)));
+      texts.emplace_back("speed", "0.5");
+    }
     if (skill_ == "track") {
       texts.emplace_back("target_topic", "/target/odom");
       texts.emplace_back("track_period", "2");
@@ -246,6 +254,25 @@ class RandomRun {
     target.pose.pose.position.y = 4.5 + 3 * std::sin(now_s / 10);
     target.pose.pose.orientation.w = 1;
     static_cast<void>(target_->Publish(target));
+    PublishDetections(target.pose.pose.position);
+  }
+  // The target as a detector of the body sees it, which looks all around and through walls. Half of
+  // them have pictures that are empty or lost, or show a second thing, or one that jumps.
+  void PublishDetections(const msg::Point& target) {
+    const navigation::Pose& body = body_->pose();
+    const double x = target.x - body.at.x_m, y = target.y - body.at.y_m;
+    const double c = std::cos(body.yaw_rad), s = std::sin(body.yaw_rad);
+    msg::ObjectStates found;
+    found.header = {msg::ToStamp(peers_->loop().Now().time_since_epoch()), "r"};
+    found.objects.push_back({"dock", "station", {}, ""});
+    found.objects[0].pose.position = {c * x + s * y, c * y - s * x, 0};
+    found.objects[0].pose.orientation.w = 1;
+    const std::uint64_t fault = HasFaults() ? detector_faults_() % 40 : 40;
+    if (fault < 4) return;
+    if (fault < 8) found.objects.clear();
+    if (fault == 8) found.objects.push_back(found.objects[0]);
+    if (fault == 9) found.objects[0].pose.position.y += 3;
+    static_cast<void>(detections_->Publish(found));
   }
 
   const std::string skill_;
@@ -268,6 +295,8 @@ class RandomRun {
   std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> grid_;
   std::unique_ptr<transport::Publisher<msg::YellowLines>> line_;
   std::unique_ptr<transport::Publisher<msg::Odometry>> target_;
+  std::unique_ptr<transport::Publisher<msg::ObjectStates>> detections_;
+  std::mt19937_64 detector_faults_{seed_};
   std::unique_ptr<navigation::PlannerServer> planner_;
   std::unique_ptr<navigation::ControllerServer> controller_;
   skills::RosRobot robot_;
@@ -278,7 +307,7 @@ class RandomRun {
 
 void ExpectNoContact(std::uint64_t from, std::uint64_t to) {
   for (const char* skill : {"navigate_to", "move", "explore", "avoid_obstacle", "follow_line",
-                            "track", "back_up", "spin", "leave_tight_start"}) {
+                            "track", "visual_servoing", "back_up", "spin", "leave_tight_start"}) {
     double travelled_m = 0;
     std::string ends;
     for (std::uint64_t seed = from; seed < to; ++seed) {

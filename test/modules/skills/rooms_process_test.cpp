@@ -133,6 +133,34 @@ TEST_F(RoomsNightly, LetARobotGoToAPlaceWithoutAMap) {
   EXPECT_NEAR(Distance(2.2, 1.2), 0, 0.3);
 }
 
+TEST_F(RoomsNightly, LetARobotStandBeforeWhatItsDetectorSees) {
+  const auto node = transport::NodeThread::Start().value();
+  std::unique_ptr<transport::Publisher<msg::PoseStamped>> place;
+  transport::LoopHandlePtr again;
+  msg::PoseStamped before_the_car;
+  before_the_car.pose.position = {1.8, 5.8, 0};
+  before_the_car.pose.orientation.w = 1;
+  node->RunOnLoop([&] {
+    place =
+        transport::MakePublisher<msg::PoseStamped>(node->node(), "world/jetbot_0/place").value();
+    again = node->loop().Every(Milliseconds(200), [&] {
+      if (place->MatchedReaders() > 0) static_cast<void>(place->Publish(before_the_car));
+    });
+  });
+  for (int i = 0; i < 20 && !(Distance(1.8, 5.8) < 0.01); ++i) {
+  }
+  node->RunOnLoop([&] {
+    again.reset();
+    place.reset();
+  });
+  ASSERT_NEAR(Distance(1.8, 5.8), 0, 0.01);
+  const testing::Ended seen = Skill({"visual_servoing", "target=car", "distance=0.8"});
+  EXPECT_EQ(seen.exit, 0) << seen.out << seen.err;
+  EXPECT_NEAR(Distance(3.9, 5.2), 0.8, 0.1);
+  const testing::Ended lost = Skill({"visual_servoing", "target=unicorn"});
+  EXPECT_THAT(lost.out + lost.err, HasSubstr("unicorn is not seen"));
+}
+
 // The target is a robot of another machine, whose odometry this test publishes; the movers of the
 // scene have other names.
 TEST_F(RoomsNightly, LetARobotFollowATarget) {

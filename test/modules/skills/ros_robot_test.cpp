@@ -2,6 +2,7 @@
 
 #include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/messages/yaw.hpp"
+#include "musher/modules/skills/robot/battery_presence.hpp"
 #include "musher/test/modules/skills/robot_on_network.hpp"
 
 namespace musher::skills::ros_robot_test {
@@ -541,6 +542,43 @@ TEST_F(ARosFlyer, RefusesLevelsOfNoBatteryAndThoseThatNoBatteryHas) {
   ASSERT_NE(robot_.LowBattery(), "");
   ReportBattery(87.0F);
   EXPECT_NE(robot_.LowBattery(), "") << "the last level counts";
+}
+
+// `present` is false by default: many drivers leave it out.
+TEST_F(ARosFlyer, LandsByABatteryThatSaysItIsNotThereWhoseLevelChanges) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  const auto status = msg::BatteryState::kStatusUnknown;
+  ReportBattery(0.05F, status, false);
+  EXPECT_EQ(robot_.LowBattery(), "") << "it says the same all the time";
+  ReportBattery(0.04F, status, false);
+  EXPECT_NE(robot_.LowBattery(), "");
+  Fly(1);
+  EXPECT_LT(peers_->commands.back().linear.z, -0.1);
+  ReportBattery(0.0F, status, false);
+  EXPECT_NE(robot_.LowBattery(), "");
+}
+
+TEST_F(ARosFlyer, BelievesADriverThatItsBatteryIsTakenOut) {
+  ReportBattery(0.5F);
+  ReportBattery(0.05F, msg::BatteryState::kStatusUnknown, false);
+  ReportBattery(0.04F, msg::BatteryState::kStatusUnknown, false);
+  EXPECT_EQ(robot_.LowBattery(), "");
+}
+
+TEST(BatteryPresence, CountsByLevelsOrAVoltageThatChange) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  BatteryPresence level;
+  EXPECT_FALSE(level.Counts(false, 0.5, none));
+  EXPECT_FALSE(level.Counts(false, 0.5, none));
+  EXPECT_TRUE(level.Counts(false, 0.49, none));
+  EXPECT_TRUE(level.Counts(false, 0, none)) << "from then on";
+  BatteryPresence voltage;
+  EXPECT_FALSE(voltage.Counts(false, 0.5, 11.9));
+  EXPECT_TRUE(voltage.Counts(false, 0.5, 11.8));
+  BatteryPresence empty;  // an open input, and a level that is never measured
+  for (const double volts : {0.1, 0.4, 11.9, 11.7}) EXPECT_FALSE(empty.Counts(false, 0, volts));
 }
 
 TEST_F(ARosFlyer, ReadsABatteryThatIsPublishedAsSensorDataAndSaysWhenThereIsNone) {

@@ -24,6 +24,12 @@ class ASkill : public ::testing::Test {
   static void Prepare(SkillsOnARobot& skills) {
     for (int i = -40; i <= 40; ++i) skills.robot.points.push_back({3, 0.1 * i, 0});
     skills.robot.blocked = [](const navigation::Point& at) { return at.x_m > 2.7; };
+    skills.robot.look = [&skills](const std::string&, Time time) {  // a dock
+      const navigation::Pose& at = skills.robot.at;
+      const double x = 2 - at.at.x_m, y = 2 - at.at.y_m;
+      const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
+      return std::optional(skills::Look{time, {{c * x + s * y, c * y - s * x, 0}}});
+    };
   }
   // Within 12 minutes, which is more than the limit of a run.
   static void ExpectDefiniteEnd(SkillsOnARobot& skills, const Wanted& wanted) {
@@ -59,6 +65,10 @@ TEST_F(ASkill, EndsWithASentenceForNumbersThatAreHugeOrNone) {
              {"avoid_obstacle", {{"goal_pos", place}}},
              {"avoid_obstacle", {{"heading", number}, {"distance", "1"}}},
              {"avoid_obstacle", {{"distance", number}}},
+             {"visual_servoing", {{"target", "dock"}, {"distance", number}}},
+             {"visual_servoing", {{"target", "dock"}, {"bearing", number}}},
+             {"visual_servoing", {{"target", "dock"}, {"tolerance", number}}},
+             {"visual_servoing", {{"target", "dock"}, {"speed", number}}},
          }) {
       SkillsOnARobot skills;
       Prepare(skills);
@@ -94,6 +104,7 @@ TEST_P(ASkillWithABadSource, HasADefiniteEndAtAStandWithItsReason) {
            {"navigate_to", {{"goal_pos", "[2, 4, 0]"}}},
            {"explore", {{"boundary", "[[0, 0], [2, 0], [2, 6], [0, 6]]"}}},
            {"avoid_obstacle", {{"goal_pos", "[2, 4]"}}},
+           {"visual_servoing", {{"target", "dock"}}},
            {"back_up", {}},
            {"spin", {}},
        }) {
@@ -119,6 +130,26 @@ const BadSource kSources[] = {
        s.robot.points.assign(9, {NAN, NAN, 0});
      }},
     {"ScanOfPointsInTheRobot", [](SkillsOnARobot& s) { s.robot.points.assign(9, s.robot.at.at); }},
+    {"DetectorsThatAreLost",
+     [](SkillsOnARobot& s) { s.robot.look = [](const auto&, Time) { return std::nullopt; }; }},
+    {"DetectorsThatSeeNoNumbers",
+     [](SkillsOnARobot& s) {
+       s.robot.look = [](const auto&, Time time) {
+         return std::optional(skills::Look{time, {{NAN, INFINITY, 0}}});
+       };
+     }},
+    {"DetectorsThatSeeHugeNumbers",
+     [](SkillsOnARobot& s) {
+       s.robot.look = [](const auto&, Time time) {
+         return std::optional(skills::Look{time, {{1e308, -1e308, 0}}});
+       };
+     }},
+    {"DetectorsThatStand",
+     [](SkillsOnARobot& s) {
+       s.robot.look = [](const auto&, Time) {
+         return std::optional(skills::Look{Time{}, {{1, 1, 0}}});
+       };
+     }},
     {"PlannerThatIsLost", [](SkillsOnARobot& s) { s.robot.KillPlanner(); }},
     {"ControllerThatIsLost", [](SkillsOnARobot& s) { s.robot.KillController(); }},
     {"PlannerThatDoesNotAnswer", [](SkillsOnARobot& s) { s.robot.answers = false; }},
@@ -129,18 +160,23 @@ INSTANTIATE_TEST_SUITE_P(Skills, ASkillWithABadSource, ::testing::ValuesIn(kSour
 
 // The manager's clock runs at a tenth, at ten times, backwards, or stands, beside the robot's.
 TEST_F(ASkill, HasADefiniteEndByAClockThatIsWrong) {
-  for (const double rate : {0.1, 10.0, -1.0, 0.0}) {
-    SkillsOnARobot skills;
-    Prepare(skills);
-    ASSERT_TRUE(skills.Start("navigate_to", {{"goal_pos", "[2, 4, 0]"}}));
-    Time shown = Time{} + std::chrono::hours(1);
-    for (int i = 0; i < 1200 && skills.run().running(); ++i) {
-      skills.robot.Advance(Milliseconds(100));
-      shown += FromSeconds(0.1 * rate);
-      skills.manager->RunOnce(shown);
+  for (const Wanted& wanted : std::vector<Wanted>{{"navigate_to", {{"goal_pos", "[2, 4, 0]"}}},
+                                                  {"visual_servoing", {{"target", "dock"}}}}) {
+    for (const double rate : {0.1, 10.0, -1.0, 0.0}) {
+      SkillsOnARobot skills;
+      Prepare(skills);
+      ASSERT_TRUE(skills.Start(wanted.skill, wanted.parameters));
+      Time shown = Time{} + std::chrono::hours(1);
+      for (int i = 0; i < 1200 && skills.run().running(); ++i) {
+        skills.robot.Advance(Milliseconds(100));
+        shown += FromSeconds(0.1 * rate);
+        skills.manager->RunOnce(shown);
+      }
+      const std::string what = wanted.skill + " at " + std::to_string(rate);
+      EXPECT_TRUE(skills.run().ended()) << what << ": " << skills.message();
+      for (int i = 0; i < 10; ++i) skills.robot.Advance(Milliseconds(100));
+      EXPECT_TRUE(skills.robot.Rests()) << what;
     }
-    EXPECT_TRUE(skills.run().ended()) << rate << ": " << skills.message();
-    EXPECT_TRUE(skills.robot.Rests()) << rate;
   }
 }
 

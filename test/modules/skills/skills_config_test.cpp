@@ -32,6 +32,7 @@ TEST(SkillsConfig, NeedsOnlyTheRobotAndItsKind) {
   EXPECT_EQ(reading.config->ceiling_m, std::nullopt);
   EXPECT_EQ(reading.config->names.battery, "dog_1/battery");
   EXPECT_EQ(reading.config->names.goal_pose, "dog_1/goal_pose");
+  EXPECT_EQ(reading.config->names.detections, "dog_1/detections");
   EXPECT_EQ(reading.config->low_battery_percent, 0);
 }
 
@@ -61,6 +62,7 @@ odometry = "/odom"
 tf = "/localisation/tf"
 scan = ""
 line = "line"
+detections = ""
 [line]
 width_m = 2
 [cameras]
@@ -83,6 +85,7 @@ camera_yaw_deg = -90
   EXPECT_EQ(reading.config->gate.margin_m, 0.15);
   EXPECT_EQ(reading.config->gate.radius_m, reading.config->radius_m);
   EXPECT_EQ(reading.config->ceiling_m, 2.2);
+  EXPECT_EQ(reading.config->names.detections, "");
   EXPECT_EQ(reading.config->line.width_m, 2);
   EXPECT_EQ(reading.config->skill_config, "/a/skills.toml");
   EXPECT_THAT(reading.config->cameras, ElementsAre(Pair("front", "dog_1/camera/image")));

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "musher/modules/world/process/robot_messages.hpp"
 #include "musher/test/modules/world/rooms.hpp"
 
@@ -58,6 +60,53 @@ TEST(ObjectSight, IsHiddenByAnotherObjectAndByARobot) {
   scene.robots[1].radius_m = 0.4;
   scene.robots[1].height_m = 1;
   EXPECT_THAT(ObjectsInSight(World(scene), kGround), IsEmpty());
+}
+
+Scene YardWithADetector() {
+  Scene scene = YardWithABox();
+  scene.robots[kGround].detector = DetectorSpec{.most_m = 4, .noise_m = 0};
+  return scene;
+}
+
+TEST(Detector, FindsAnObjectInTheFrameOfTheRobot) {
+  Scene scene = YardWithADetector();
+  scene.robots[kGround].start_yaw_rad = 0.3;
+  const auto found = DetectObjects(World(scene), kGround);
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_NEAR(found[0].middle_m.x(), 3 * std::cos(0.3), 1e-9);
+  EXPECT_NEAR(found[0].middle_m.y(), -3 * std::sin(0.3), 1e-9);
+  EXPECT_NEAR(found[0].middle_m.z(), 0.075, 1e-9);
+}
+
+TEST(Detector, FindsNothingBesideItsViewTooFarAwayOrBehindAWall) {
+  Scene aside = YardWithADetector();
+  aside.robots[kGround].start_yaw_rad = 0.7;
+  EXPECT_THAT(DetectObjects(World(aside), kGround), IsEmpty());
+  Scene far = YardWithADetector();
+  far.objects[0].middle_m.x() = 4.5;
+  EXPECT_THAT(DetectObjects(World(far), kGround), IsEmpty());
+  Scene hidden = YardWithADetector();
+  hidden.boxes.push_back(WallAt(1.5, -2, 2, 2.4));
+  EXPECT_THAT(DetectObjects(World(hidden), kGround), IsEmpty());
+}
+
+TEST(Detector, IsOffByItsNoiseAndMissesItsShare) {
+  Scene scene = YardWithADetector();
+  scene.robots[kGround].detector->noise_m = 0.02;
+  scene.robots[kGround].detector->miss_share = 0.25;
+  World world(scene);
+  constexpr int kPictures = 2000;
+  int found = 0;
+  double squares = 0;
+  for (int i = 0; i < kPictures; ++i) {
+    world.Step();
+    for (const DetectedObject& seen : DetectObjects(world, kGround)) {
+      ++found;
+      squares += std::pow(seen.middle_m.x() - 3, 2);
+    }
+  }
+  EXPECT_NEAR(double(found) / kPictures, 0.75, 0.04);
+  EXPECT_NEAR(std::sqrt(squares / found), 0.02, 0.002);
 }
 
 TEST(ObjectSight, IsPublishedWithNamesAndPoses) {

@@ -50,6 +50,22 @@ class RobotsHostTest : public WorldOnNetwork {
   }
 };
 
+TEST_F(RobotsHostTest, PublishesWhatTheDetectorOfARobotFinds) {
+  Scene scene = RobotYard();
+  scene.objects = {BoxOf("box_red", {3, 0, 0.075}), BoxOf("box_blue", {-2, 0, 0.075})};
+  scene.robots[0].detector = DetectorSpec{.noise_m = 0};
+  Open(scene);
+  std::vector<msg::ObjectStates> found;
+  Keep("jetbot_0/detections", found, transport::kSensorDataQos);
+  found.clear();
+  network_.RunFor(seconds(2));
+  EXPECT_THAT(found, SizeIs(20));
+  ASSERT_THAT(found.back().objects, SizeIs(1));
+  EXPECT_EQ(found.back().header.frame_id, "jetbot_0");
+  EXPECT_EQ(found.back().objects[0].name, "box_red");
+  EXPECT_EQ(found.back().objects[0].pose.position.x, 3);
+}
+
 TEST_F(RobotsHostTest, DrivesARobotAndPublishesItsOdometry50TimesASecond) {
   Open(RobotYard());
   std::vector<msg::Odometry> odometry;
