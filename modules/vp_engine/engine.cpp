@@ -175,9 +175,14 @@ void Engine::AfterTick(Time /*now*/, tree::Status status) {
   programs_.Ended(failed ? ProgramState::kFailed : ProgramState::kSucceeded, failed ? why : "");
 }
 
+Result<> Engine::OnStartCommand() {
+  return Error{kCodeParametersInvalid, "a program is run by " + name() + "/manage_program"};
+}
+
 void Engine::OnPause() {
+  // It does not begin again at the next Active, whatever began it.
+  if (has_tree() && !tree::IsCompleted(result())) Halt();
   if (programs_.running().empty()) return;
-  Halt();  // it does not begin again at the next Active
   programs_.Ended(ProgramState::kStopped,
                   EmergencyStopped() ? "an emergency stop" : "the robot left Active");
 }
