@@ -38,9 +38,10 @@ class TreeActuator::Impl final : public ApplicationImpl {
     }
     Loaded loaded{std::move(document), entries, main, nullptr};
     if (Result<> built = Build(loaded, *factory_); !built) return built;
-    HaltTree();
+    const bool rests = HaltNodes().value_or(false);
     commanded_ = true;
     Use(std::move(loaded));
+    resting_ |= rests;
     Record();
     Report(true);
     return Ok();
@@ -93,7 +94,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
     Result<std::unique_ptr<TreeRecording>> recording = OpenRecording();
     if (!recording) return recording.error();
     owner_.RunOnLoop([&] {
-      HaltTree();
+      HaltNodes();
       commanded_ = false;
       Use(std::move(loaded));
       factory_ = std::move(factory);
@@ -243,10 +244,15 @@ class TreeActuator::Impl final : public ApplicationImpl {
   // Within a tick, the nodes above the present one would go on with halted children: later then.
   void Stop(bool rests) {
     if (in_tree_) {
-      after_tick_ = [this, rests] { Stop(rests); };
+      rests_later_ = rests;
       return;
     }
-    HaltTree();
+    const bool halts = HaltNodes().value_or(false);
+    Settle(rests || halts);
+  }
+
+  // A halted tree: rests, or begins with the next tick.
+  void Settle(bool rests) {
     commanded_ = commanded_ || !rests;
     result_ = tree::Status::kIdle;
     resting_ = rests || !has_tree();
@@ -254,14 +260,20 @@ class TreeActuator::Impl final : public ApplicationImpl {
     Report(true);
   }
 
-  // A result of the tree stays.
   void HaltTree() {
-    if (!has_tree()) return;
+    if (const auto rests = HaltNodes()) Settle(*rests);
+  }
+
+  // A result of the tree stays. Returns what a node has requested meanwhile: whether the tree
+  // rests.
+  std::optional<bool> HaltNodes() {
+    if (!has_tree()) return std::nullopt;
     in_tree_ = true;
     const Result<> halted = loaded_.tree->Halt(time_.last());
     in_tree_ = false;
     if (!halted) Fault(halted.error().message);
     if (result_ == tree::Status::kRunning) result_ = tree::Status::kIdle;
+    return std::exchange(rests_later_, std::nullopt);
   }
 
   void Tick() override {
@@ -300,7 +312,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
 
   // What a node has requested meanwhile.
   tree::Status AfterTree(tree::Status status) {
-    if (const auto work = std::exchange(after_tick_, nullptr)) work();
+    if (const auto rests = std::exchange(rests_later_, std::nullopt)) Stop(*rests);
     return status;
   }
 
@@ -314,12 +326,13 @@ class TreeActuator::Impl final : public ApplicationImpl {
   // An end with FAILURE: of a tick or a hook around it.
   tree::Status Fail(const std::string& what) {
     Fault(what);
-    HaltTree();
+    const auto rests = HaltNodes();
     if (!has_tree()) return tree::Status::kFailure;
     result_ = tree::Status::kFailure;
     if (!options_.restart_after_end) resting_ = true;
     Report(!options_.restart_after_end);
-    return result_;
+    if (rests) Settle(*rests);
+    return tree::Status::kFailure;
   }
 
   // Logged once as long as it is the same; the status of the actuator shows it until the tree
@@ -386,7 +399,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   tree::Status result_ = tree::Status::kIdle;
   std::string last_fault_;
   std::string logged_fault_;
-  std::function<void()> after_tick_;
+  std::optional<bool> rests_later_;  // after the present tick or halt: a Halt(), or a Restart()
   bool resting_ = false;
   bool commanded_ = false;  // to begin, since SetUp
   bool in_tree_ = false;    // the code of a node runs

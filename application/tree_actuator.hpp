@@ -146,9 +146,10 @@ class TreeActuator : public MachineActuator {
   // wrong; also within a tick, in the code of a node. `main`: as Options::tree.
   Result<> Load(tree::Document document, const Entries& entries = {}, const std::string& main = "");
   // Halts the tree, which begins at its root at the next tick of Active: a command to begin.
-  // Within a tick: after it.
+  // Within a tick or a halt: after it.
   void Restart();
-  // Halts the tree, which rests then. Within a tick: after it.
+  // Halts the tree, which rests then. Within a tick or a halt: after it; it outweighs a Restart()
+  // or a Load() that halts the nodes.
   void Halt();
   // All of it, for a report or a monitor; valid in this handler.
   TreeView view();

@@ -361,6 +361,55 @@ TEST_F(ATreeActuator, DoesWhatANodeRequestsAfterTheTick) {
   EXPECT_THAT(course.TakeLog(), ElementsAre("first halted"));
 }
 
+TEST_F(ATreeActuator, RestsAtTheNextActiveWhereANodeThatIsHaltedByThePauseHaltsIt) {
+  ActuatorRunner<Course> course;
+  course.data().does["first halted"] = [&] { course.Halt(); };
+  Begin(course);
+  harness_.Tick(course, 2);
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre()) << "not one tick";
+  EXPECT_EQ(course.Result(), Status::kIdle);
+}
+
+TEST_F(ATreeActuator, RestsWhereANodeThatIsHaltedByARestartHaltsIt) {
+  ActuatorRunner<Course> course;
+  course.data().does["first halted"] = [&] { course.Halt(); };
+  Begin(course);
+  harness_.Tick(course, 2);
+  course.RunOnLoop([&] { course.Restart(); });
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+}
+
+TEST_F(ATreeActuator, RestsWithAnotherTreeWhereANodeOfTheOldOneHaltsIt) {
+  ActuatorRunner<Course> course;
+  course.data().does["first halted"] = [&] { course.Halt(); };
+  Begin(course);
+  harness_.Tick(course, 2);
+  ASSERT_TRUE(course.LoadText(testing::kCourse));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+}
+
+TEST_F(ATreeActuator, StaysHaltedWhereANodeThatIsHaltedRestartsIt) {
+  ActuatorRunner<Course> course;
+  course.data().does["first halted"] = [&] { course.Restart(); };
+  Begin(course);
+  harness_.Tick(course, 2);
+  course.RunOnLoop([&] { course.Halt(); });
+  course.TakeLog();
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "once: no restart is left over";
+}
+
 TEST_F(ATreeActuator, ServesItsTreeAndPublishesItsState) {
   std::vector<msg::TreeState> states;
   std::unique_ptr<transport::Subscription> topic;
