@@ -39,6 +39,9 @@
 //                  (during SetUp nothing moves yet: there is nothing to pause)
 // clang-format on
 //
+// A machine that its application stops, by Machine::Stop(), has ended: it begins again by START,
+// and neither by a pause nor after an emergency stop.
+//
 // A machine that stops because its safe state failed, or because it has none, ends the process with
 // a non-zero exit code, so that its restart policy applies. A state that blocks blocks the loop:
 // with checkpoint_ms in the config the actuator is then reported as hung.
