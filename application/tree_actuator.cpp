@@ -41,6 +41,8 @@ class TreeActuator::Impl final : public ApplicationImpl {
     const bool rests = HaltNodes().value_or(false);
     commanded_ = true;
     Use(std::move(loaded));
+    ForgetFault();
+    halted_ = rests;
     resting_ |= rests;
     Record();
     Report(true);
@@ -97,6 +99,8 @@ class TreeActuator::Impl final : public ApplicationImpl {
       HaltNodes();
       commanded_ = false;
       Use(std::move(loaded));
+      ForgetFault();
+      halted_ = false;
       factory_ = std::move(factory);
       recording_ = std::move(recording).value();
       Record();
@@ -205,7 +209,6 @@ class TreeActuator::Impl final : public ApplicationImpl {
     ++revision_;
     result_ = tree::Status::kIdle;
     resting_ = loaded_.tree == nullptr || !MayBegin();
-    ForgetFault();
     time_ = {};
     reported_changes_ = 0;
   }
@@ -218,7 +221,10 @@ class TreeActuator::Impl final : public ApplicationImpl {
     if (options_.resume == Resume::kNewBlackboard && has_tree()) {
       Loaded fresh{loaded_.document, loaded_.entries, loaded_.main, nullptr};
       if (Result<> built = Build(fresh, *factory_); !built) return built;
+      // A command undoes these, a pause does not. The fault stays in the status.
+      const bool rests = halted_ || (resting_ && !last_fault_.empty());
       Use(std::move(fresh));
+      resting_ |= rests;
       Record();
     }
     if (const auto thrown = Thrown("OnResume", [&] { owner_.OnResume(); })) {
@@ -254,6 +260,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   // A halted tree: rests, or begins with the next tick.
   void Settle(bool rests) {
     commanded_ = commanded_ || !rests;
+    halted_ = rests;
     result_ = tree::Status::kIdle;
     resting_ = rests || !has_tree();
     if (!rests) ForgetFault();
@@ -401,6 +408,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   std::string logged_fault_;
   std::optional<bool> rests_later_;  // after the present tick or halt: a Halt(), or a Restart()
   bool resting_ = false;
+  bool halted_ = false;     // by Halt(), since then neither loaded nor commanded to begin
   bool commanded_ = false;  // to begin, since SetUp
   bool in_tree_ = false;    // the code of a node runs
   LimitedLog log_;

@@ -85,7 +85,8 @@ class TreeActuator : public MachineActuator {
  public:
   enum class Resume : std::uint8_t {
     kKeepBlackboard,
-    kNewBlackboard  // the tree is built again at each change to Active; its end does not rest then
+    kNewBlackboard  // the tree is built again at each change to Active. An end does not rest then;
+                    // a Halt() and a fault do
   };
   struct Options {
     double rate_hz = 100;  // of ticks; more than 0

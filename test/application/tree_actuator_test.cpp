@@ -410,6 +410,47 @@ TEST_F(ATreeActuator, StaysHaltedWhereANodeThatIsHaltedRestartsIt) {
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "once: no restart is left over";
 }
 
+TEST_F(ATreeActuator, StaysHaltedAtTheNextActiveAlsoWithANewBlackboard) {
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .resume = TreeActuator::Resume::kNewBlackboard});
+  Begin(course);
+  harness_.Tick(course, 2);
+  course.RunOnLoop([&] { course.Halt(); });
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "START has ended the halt";
+}
+
+TEST_F(ATreeActuator, RestsAfterAFaultAlsoWithANewBlackboardAndShowsItUntilStart) {
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .resume = TreeActuator::Resume::kNewBlackboard});
+  course.data().throws["first starts"] = "the leg is stuck";
+  Begin(course);
+  harness_.Tick(course, 2);
+  ASSERT_EQ(course.Result(), Status::kFailure);
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_THAT(course.Of([](Course& c) { return c.last_fault(); }), HasSubstr("the leg is stuck"));
+  course.RunOnLoop([&] { course.data().throws.clear(); });
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(course.Of([](Course& c) { return c.last_fault(); }), "");
+}
+
 TEST_F(ATreeActuator, ServesItsTreeAndPublishesItsState) {
   std::vector<msg::TreeState> states;
   std::unique_ptr<transport::Subscription> topic;
