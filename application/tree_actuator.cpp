@@ -160,6 +160,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   }
 
   Result<> Build(Loaded& loaded, const tree::Factory& factory) {
+    OuterBoardGuard outer(options_.outer_board.get());
     tree::BuildOptions options{.tree = loaded.main, .history = options_.history};
     if (options_.outer_board != nullptr) {
       options.board = std::make_shared<tree::Board>(options_.outer_board);
@@ -169,6 +170,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
     tree::Board& board = tree.value()->board();
     if (Result<> filled = owner_.FillBlackboard(board); !filled) return filled;
     if (Result<> set = SetEntries(board, loaded.entries); !set) return set;
+    outer.Keep();
     loaded.tree = std::move(tree).value();
     return Ok();
   }

@@ -143,8 +143,9 @@ class TreeActuator : public MachineActuator {
   tree::Tree& tree();  // there must be one
   const tree::Factory& factory() const;
   // Replaces the tree, and begins with it at the next tick of Active; the old one is halted first.
-  // Keeps the old one and fails, with all errors a line each, where the document or an entry is
-  // wrong; also within a tick, in the code of a node. `main`: as Options::tree.
+  // Keeps the old one, and what the outer_board has, and fails, with all errors a line each, where
+  // the document or an entry is wrong; also within a tick, in the code of a node. `main`: as
+  // Options::tree.
   Result<> Load(tree::Document document, const Entries& entries = {}, const std::string& main = "");
   // Halts the tree, which begins at its root at the next tick of Active: a command to begin.
   // Within a tick or a halt: after it.

@@ -451,6 +451,26 @@ TEST_F(ATreeActuator, RestsAfterAFaultAlsoWithANewBlackboardAndShowsItUntilStart
   EXPECT_EQ(course.Of([](Course& c) { return c.last_fault(); }), "");
 }
 
+TEST_F(ATreeActuator, LeavesTheBoardAroundItsTreesAsItWasWhereAnotherTreeIsRefused) {
+  const auto outer = std::make_shared<tree::Board>();
+  ActuatorRunner<Course> course({.rate_hz = 50, .outer_board = outer});
+  Begin(course);
+  course.RunOnLoop([&] { EXPECT_TRUE(outer->Set("speed", 1)); });
+  const auto refused = course.LoadText(
+      "<root BTCPP_format=\"4\"><BehaviorTree ID=\"New\"><Sequence><Walk ticks=\"{@speed}\"/>"
+      "<Walk ticks=\"{@steps}\"/></Sequence></BehaviorTree></root>",
+      {{"@speed", "9"}, {"@steps", "2"}, {"missing", "1"}});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("entry 'missing'"));
+  course.RunOnLoop([&] {
+    const tree::Entry* speed = outer->Find("speed");
+    EXPECT_EQ(speed->value.Shown(), "1");
+    EXPECT_EQ(speed->sequence, 1U) << "nothing that watches it runs";
+    const tree::Entry* steps = outer->Find("steps");
+    EXPECT_TRUE(steps == nullptr || (steps->value.empty() && steps->type == nullptr));
+  });
+}
+
 TEST_F(ATreeActuator, ServesItsTreeAndPublishesItsState) {
   std::vector<msg::TreeState> states;
   std::unique_ptr<transport::Subscription> topic;
