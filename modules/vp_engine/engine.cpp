@@ -70,7 +70,8 @@ void Engine::OpenTopics(transport::Endpoints& topics) {
       topics,
       {.port = config_.groot2_port,
        .address = config_.groot2_address,
-       .hooks = config_.groot2_hooks},
+       .hooks = config_.groot2_hooks,
+       .on_lost = [this] { StopLost(); }},
       [this] { return view(); }, factory());
   if (!served) Log(served.error());  // programs run without it
 }
@@ -165,6 +166,12 @@ Result<> Engine::StopProgram(const std::string& program) {
   Log("program " + running + " stopped");
   programs_.Ended(ProgramState::kStopped, "stopped on request");
   return Ok();
+}
+
+void Engine::StopLost() {
+  Log(LogLevel::kWarning, "Groot2 is lost, and its hooks held or replaced a node: stopped");
+  Halt();
+  if (!programs_.running().empty()) programs_.Ended(ProgramState::kStopped, "Groot2 is lost");
 }
 
 void Engine::AfterTick(Time /*now*/, tree::Status status) {

@@ -39,6 +39,7 @@ class Engine : public TreeActuator {
   msg::ManageProgram::Response Manage(const msg::ManageProgram::Request& request);
   Result<> RunProgram(const msg::ManageProgram::Request& request);
   Result<> StopProgram(const std::string& program);
+  void StopLost();
   const VpConfig config_;
   ServiceRobot robot_;
   Programs programs_;
