@@ -122,22 +122,29 @@ class Server {
     return parts;
   }
 
+  // The loop carries a request out only where its client is not refused meanwhile.
   Parts ReplyOnLoop(const std::string& client, const Parts& request) {
-    const auto promise = std::make_shared<std::promise<Parts>>();
-    std::future<Parts> reply = promise->get_future();
-    loop_.Post([promise, client, request, weak = std::weak_ptr<Session>(session_)] {
-      if (const auto session = weak.lock()) promise->set_value(session->Reply(client, request));
+    const auto work = std::make_shared<Work>();
+    std::future<Parts> reply = work->reply.get_future();
+    loop_.Post([work, client, request, weak = std::weak_ptr<Session>(session_)] {
+      if (work->decided.exchange(true)) return;
+      const auto session = weak.lock();
+      work->reply.set_value(session ? session->Reply(client, request) : kBusy);
     });
-    const auto deadline = std::chrono::steady_clock::now() + kLongestWait;
+    const auto deadline = Clock::now() + kLongestWait;
     while (reply.wait_for(kSlice) != std::future_status::ready) {
-      if (ends_ || std::chrono::steady_clock::now() > deadline) {
-        return {"error", "the robot's loop is busy"};
-      }
+      const bool ends = ends_ || Clock::now() > deadline;
+      if (ends && !work->decided.exchange(true)) return kBusy;
     }
     return reply.get();
   }
 
   using Clock = std::chrono::steady_clock;
+  struct Work {
+    std::promise<Parts> reply;
+    std::atomic<bool> decided = false;  // the loop carries it out, or the client is refused
+  };
+  static inline const Parts kBusy = {"error", "the robot's loop is busy"};
 
   transport::EventLoop& loop_;
   const Context context_;  // before the sockets, also that of the session

@@ -50,6 +50,7 @@ class Hooks {
   // Lets a held node go on; if the node is not held yet, its next start or end. False: there is
   // none.
   bool Release(NodeId node, Status instead, bool once, bool after = false);
+  bool Has(NodeId node, bool after = false) const { return hooks_.contains({node, after}); }
   // Whether the node was held in the last tick.
   bool IsHeld(NodeId node, bool after = false) const;
   // Whether its hook held the node in the last tick, and it was not released since, or replaced it.

@@ -370,6 +370,34 @@ TEST_F(AGroot2Debugger, IsRefusedAHookThatIsWrongAndThoseBesideIt) {
   }
 }
 
+TEST_F(AGroot2Debugger, ReleasesANodeOnceWhereItsRequestComesTwice) {
+  Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
+  Activate();
+  harness_.Tick(watched_, 2);
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", false)}).size(), 1U);
+  harness_.Tick(watched_, 1);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", false)}).at(1),
+            "the node is not held");
+  watched_.Of([](Watched& self) {
+    self.Restart();
+    return 0;
+  });
+  watched_.TakeLog();
+  harness_.Tick(watched_, 2);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "its next start is held";
+}
+
+TEST_F(AGroot2Debugger, WhoseRequestWasAnsweredWithAnErrorChangesNothingLater) {
+  std::promise<void> busy;
+  std::thread loop([&] { watched_.RunOnLoop([&] { busy.get_future().wait(); }); });
+  const Parts refused = Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
+  busy.set_value();
+  loop.join();
+  EXPECT_EQ(refused, (Parts{"error", "the robot's loop is busy"}));
+  EXPECT_EQ(Hooks(), "[]");
+}
+
 TEST_F(AGroot2DebuggerThatIsLost, HoldsNothingAnyMoreAndTheTreeIsHalted) {
   Ask({Header('I'), HookJson(4, 0, "SKIPPED")});
   Activate();
