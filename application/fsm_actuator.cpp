@@ -127,7 +127,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
 
   void Pause() {
     PauseMachine();
-    Guard("OnPause", [&] { owner_.OnPause(); });
+    CallOnPause([&] { owner_.OnPause(); });
   }
 
   Result<> StartOrResume() {
@@ -185,7 +185,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   void End() {
     PauseMachine();
     static_cast<void>(machine_->Stop());  // a fault is reported by OnFault
-    Guard("OnPause", [&] { owner_.OnPause(); });
+    CallOnPause([&] { owner_.OnPause(); });
   }
 
   void PauseMachine() {

@@ -108,7 +108,7 @@ class FsmActuator : public MachineActuator {
   virtual void AfterTick(Time /*now*/) {}
   // The robot is in a state in which the machine is paused, or an emergency stop was engaged:
   // bring the outputs to neutral. Must return at once and be idempotent. An exception is
-  // logged.
+  // logged, and shown in the status until a further pause succeeds.
   virtual void OnPause() {}
   // The robot goes to Active; called before the machine is started or continues. An exception fails
   // the switch to Active with its text, after OnPause().

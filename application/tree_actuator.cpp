@@ -38,10 +38,12 @@ class TreeActuator::Impl final : public ApplicationImpl {
     }
     Loaded loaded{std::move(document), entries, main, nullptr};
     if (Result<> built = Build(loaded, *factory_); !built) return built;
-    const bool rests = HaltNodes().value_or(false);
+    ForgetFault();
+    const Halted halted = HaltNodes();
+    if (!halted.fault.empty()) return RestFailed(halted.fault);
+    const bool rests = halted.rests.value_or(false);
     commanded_ = true;
     Use(std::move(loaded));
-    ForgetFault();
     halted_ = rests;
     resting_ |= rests;
     Record();
@@ -49,8 +51,8 @@ class TreeActuator::Impl final : public ApplicationImpl {
     return Ok();
   }
 
-  void Restart() { Stop(false); }
-  void Halt() { Stop(true); }
+  Result<> Restart() { return Stop(false); }
+  void Halt() { static_cast<void>(Stop(true)); }
 
   Impl& OnLoop() { return CheckThread(), *this; }  // for calls that are on the loop only
   bool has_tree() const { return loaded_.tree != nullptr; }
@@ -245,18 +247,30 @@ class TreeActuator::Impl final : public ApplicationImpl {
     StopTicks();
     HaltTree();
     time_.Pause();
-    Guard("OnPause", [&] { owner_.OnPause(); });
+    CallOnPause([&] { owner_.OnPause(); });
     Report(true);
   }
 
   // Within a tick, the nodes above the present one would go on with halted children: later then.
-  void Stop(bool rests) {
+  // Fails where it is to begin again, and a node throws in its halt: then it rests.
+  Result<> Stop(bool rests) {
     if (in_tree_) {
       rests_later_ = rests;
-      return;
+      return Ok();
     }
-    const bool halts = HaltNodes().value_or(false);
-    Settle(rests || halts);
+    if (!rests) ForgetFault();
+    const Halted halted = HaltNodes();
+    if (!rests && !halted.fault.empty()) return RestFailed(halted.fault);
+    Settle(rests || halted.rests.value_or(false));
+    return Ok();
+  }
+
+  // What the node has not stopped may still move: nothing begins on top of it.
+  Error RestFailed(const std::string& fault) {
+    result_ = tree::Status::kFailure;
+    resting_ = true;
+    Report(true);
+    return {kCodeFailed, fault};
   }
 
   // A halted tree: rests, or begins with the next tick.
@@ -270,19 +284,24 @@ class TreeActuator::Impl final : public ApplicationImpl {
   }
 
   void HaltTree() {
-    if (const auto rests = HaltNodes()) Settle(*rests);
+    const Halted halted = HaltNodes();
+    if (halted.rests) Settle(*halted.rests || !halted.fault.empty());
   }
 
-  // A result of the tree stays. Returns what a node has requested meanwhile: whether the tree
-  // rests.
-  std::optional<bool> HaltNodes() {
-    if (!has_tree()) return std::nullopt;
+  struct Halted {
+    std::string fault;          // "": none
+    std::optional<bool> rests;  // what a node has requested meanwhile: Halt(), or Restart()
+  };
+
+  // A result of the tree stays.
+  Halted HaltNodes() {
+    if (!has_tree()) return {};
     in_tree_ = true;
     const Result<> halted = loaded_.tree->Halt(time_.last());
     in_tree_ = false;
     if (!halted) Fault(halted.error().message);
     if (result_ == tree::Status::kRunning) result_ = tree::Status::kIdle;
-    return std::exchange(rests_later_, std::nullopt);
+    return {halted ? "" : halted.error().message, std::exchange(rests_later_, std::nullopt)};
   }
 
   void Tick() override {
@@ -321,7 +340,8 @@ class TreeActuator::Impl final : public ApplicationImpl {
 
   // What a node has requested meanwhile.
   tree::Status AfterTree(tree::Status status) {
-    if (const auto rests = std::exchange(rests_later_, std::nullopt)) Stop(*rests);
+    const auto rests = std::exchange(rests_later_, std::nullopt);
+    if (rests) static_cast<void>(Stop(*rests));  // a fault is reported
     return status;
   }
 
@@ -335,12 +355,12 @@ class TreeActuator::Impl final : public ApplicationImpl {
   // An end with FAILURE: of a tick or a hook around it.
   tree::Status Fail(const std::string& what) {
     Fault(what);
-    const auto rests = HaltNodes();
+    const Halted halted = HaltNodes();
     if (!has_tree()) return tree::Status::kFailure;
     result_ = tree::Status::kFailure;
     if (!options_.restart_after_end) resting_ = true;
     Report(!options_.restart_after_end);
-    if (rests) Settle(*rests);
+    if (halted.rests && (*halted.rests || halted.fault.empty())) Settle(*halted.rests);
     return tree::Status::kFailure;
   }
 
@@ -445,11 +465,10 @@ TreeView TreeActuator::view() {
   return impl_->OnLoop().View();
 }
 void TreeActuator::Restart() {
-  impl_->OnLoop().Restart();
+  static_cast<void>(impl_->OnLoop().Restart());  // a fault is reported
 }
 Result<> TreeActuator::OnStartCommand() {
-  Restart();
-  return Ok();
+  return impl_->OnLoop().Restart();
 }
 void TreeActuator::Halt() {
   impl_->OnLoop().Halt();

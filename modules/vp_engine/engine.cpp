@@ -148,7 +148,13 @@ Result<> Engine::RunProgram(const msg::ManageProgram::Request& request) {
   for (const msg::ProgramSetting& each : request.settings)
     entries.emplace_back(each.key, each.value);
   tree::Reading read = ReadProgram(request.program, text.value());
-  if (Result<> loaded = Load(std::move(read.document), entries); !loaded) return loaded;
+  if (Result<> loaded = Load(std::move(read.document), entries); !loaded) {
+    // The program before could not be halted.
+    if (result() == tree::Status::kFailure && !programs_.running().empty()) {
+      programs_.Ended(ProgramState::kFailed, last_fault());
+    }
+    return loaded;
+  }
   programs_.Ended(ProgramState::kStopped, "replaced by " + request.program);
   programs_.Started(request.program);
   Log("program " + request.program + " started");

@@ -410,6 +410,46 @@ TEST_F(ATreeActuator, StaysHaltedWhereANodeThatIsHaltedRestartsIt) {
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "once: no restart is left over";
 }
 
+TEST_F(ATreeActuator, DoesNotBeginAgainWhereANodeThatIsHaltedForThatThrows) {
+  ActuatorRunner<Course> course;
+  course.data().throws["first halted"] = "the leg is stuck";
+  Begin(course);
+  harness_.Tick(course, 2);
+  EXPECT_THAT(Send("START"), HasSubstr("Course/Sequence/first: the leg is stuck"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre()) << "what moves below it is not known";
+  EXPECT_EQ(course.Result(), Status::kFailure);
+  EXPECT_THAT(course.Of([](Course& c) { return c.last_fault(); }), HasSubstr("the leg is stuck"));
+  EXPECT_EQ(Send("START"), "") << "nothing is left to halt";
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(course.Of([](Course& c) { return c.last_fault(); }), "");
+
+  const auto loaded = course.LoadText(testing::kCourse, {{"ticks", "7"}});
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("the leg is stuck"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_EQ(course.Of([](Course& c) { return c.tree().board().Get<int>("ticks").value(); }), 3)
+      << "the old one is kept";
+  EXPECT_TRUE(course.LoadText(testing::kCourse, {{"ticks", "7"}}));
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+}
+
+TEST_F(ATreeActuator, IsDegradedWhereItsPauseThrowsUntilAPauseSucceeds) {
+  ActuatorRunner<Course> course;
+  course.data().throws["pauses"] = "the motors do not reply";
+  Begin(course);
+  static_cast<void>(harness_.controller().Switch("LowPower"));
+  EXPECT_THAT(harness_.controller().Switch("Active").degraded, ElementsAre("show"));
+  course.RunOnLoop([&] { course.data().throws.clear(); });
+  static_cast<void>(harness_.controller().Switch("LowPower"));
+  EXPECT_THAT(harness_.controller().Switch("Active").degraded, ElementsAre());
+}
+
 TEST_F(ATreeActuator, StaysHaltedAtTheNextActiveAlsoWithANewBlackboard) {
   ActuatorRunner<Course> course(
       {.rate_hz = 50, .begin = Begin::kAtActive, .resume = TreeActuator::Resume::kNewBlackboard});
