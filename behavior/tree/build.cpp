@@ -277,6 +277,15 @@ std::string Builder::PlainPath(NodeId id) const {
   return tree_->name() + path;
 }
 
+std::string Builder::TreePath(NodeId id) const {
+  std::string path = tree_->infos_[id].name;
+  for (NodeId at = tree_->infos_[id].parent; at != kNoNode; at = tree_->infos_[at].parent) {
+    const NodeInfo& info = tree_->infos_[at];
+    if (info.kind == NodeKind::kSubtree) path = info.name + "/" + path;
+  }
+  return path;
+}
+
 NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind kind,
                         const Around& around) {
   const Attribute* name = element.Find("name");
@@ -334,7 +343,8 @@ Node* Builder::MakeRegistered(const Element& element, std::string_view id,
   CheckAttributes(element, setup);
   const Substitution* substitute =
       factory_.has_substitutes() && element.children.empty()
-          ? factory_.Substituted(tree_->infos_[node_id].name, PlainPath(node_id))
+          ? factory_.Substituted(tree_->infos_[node_id].name, tree_->infos_[node_id].id,
+                                 PlainPath(node_id), TreePath(node_id))
           : nullptr;
   if (substitute != nullptr) substituted_.insert(substitute);
   if (substitute != nullptr && substitute->node.empty()) {

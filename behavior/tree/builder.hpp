@@ -72,6 +72,7 @@ class Builder {
   void CheckAttributes(const Element& element, const Setup& setup);
   void UnknownNode(Place place, std::string_view id);
   std::string PlainPath(NodeId id) const;
+  std::string TreePath(NodeId id) const;  // "arm/hand/close": the subtrees, and the node
   Entry& Use(Entry& entry, Place place, const PortModel& model);
   void Unify(Entry& entry, Place place, const PortModel& model);
   void UnifyPointers();
