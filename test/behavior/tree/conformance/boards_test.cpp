@@ -115,6 +115,20 @@ TEST_F(AGivenBoard, IsAsBeforeWhereTheTreeHasErrors) {
       << "what failed has given no type";
 }
 
+TEST_F(AGivenBoard, KeepsItsValuesWhereAnotherTreeOfTheDocumentHasErrors) {
+  const auto board = std::make_shared<Board>();
+  ASSERT_TRUE(board->Set("n", "250"));
+  EXPECT_EQ(Made("<root BTCPP_format=\"4\" main_tree_to_execute=\"Main\"><BehaviorTree ID=\"Main\">"
+                 "<Sleep msec=\"{n}\"/></BehaviorTree><BehaviorTree ID=\"Other\"><Unknown/>"
+                 "</BehaviorTree></root>",
+                 board)
+                .tree,
+            nullptr);
+  EXPECT_EQ(board->Find("n")->value.type(), TypeOf<std::string>());
+  EXPECT_NE(Made(Main("<Sleep msec=\"{n}\"/>"), board).tree, nullptr);
+  EXPECT_EQ(board->Find("n")->value.type(), TypeOf<unsigned>());
+}
+
 constexpr const char* kTwoBoards =
     "<root BTCPP_format=\"4\" main_tree_to_execute=\"Main\"><BehaviorTree ID=\"Main\"><Sequence>"
     "<Script code=\"n := n + 1; word := 'a'\"/><SubTree ID=\"Part\" in=\"{n}\"/></Sequence>"
