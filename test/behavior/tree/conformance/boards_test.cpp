@@ -177,6 +177,25 @@ TEST(ABackup, OfAnotherTreeIsRefusedAndChangesNothing) {
               HasSubstr("entry 'n': 'many' is not valid: expected integer"));
   EXPECT_EQ(typed->board().Get<int>("word").value(), 3);
 }
+TEST(ABackup, OfATreeWithOtherSubtreesIsRefused) {
+  const auto tree = MakeTree(kTwoBoards);
+  ASSERT_TRUE(tree->board().Set("n", 1));
+  const auto made = [](const std::string& main, const std::string& subtree) {
+    return MakeTree("<root BTCPP_format=\"4\" main_tree_to_execute=\"" + main +
+                    "\"><BehaviorTree ID=\"" + main + "\"><Sequence><SubTree ID=\"" + subtree +
+                    "\"/></Sequence></BehaviorTree><BehaviorTree ID=\"" + subtree +
+                    "\"><Script code=\"n := 3\"/></BehaviorTree></root>");
+  };
+  const auto other = made("Main", "Whole");
+  ASSERT_TRUE(other->board().Set("n", 7));
+  EXPECT_EQ(Backup(*tree).Restore(*other).error().message,
+            "the backup has a blackboard of Main/Sequence/Part, tree Main has one of "
+            "Main/Sequence/Whole in its place");
+  EXPECT_EQ(other->board().Get<int>("n").value(), 7);
+  const auto renamed = made("Course", "Part");
+  EXPECT_EQ(Backup(*tree).Restore(*renamed).error().message,
+            "the backup has a blackboard of Main, tree Course has one of Course in its place");
+}
 TEST(ABackup, LeavesTheBoardAroundTheTree) {
   const auto outer = std::make_shared<Board>();
   const Reading reading = ReadTree(Main("<Script code=\"@n := 1; n := 2\"/>"), "t.xml");
