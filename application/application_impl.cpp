@@ -71,10 +71,14 @@ std::string ApplicationImpl::Whereabouts() const {
   return actuator_.CurrentState() + (actuator_.HeldByStop() ? ", held by the emergency stop" : "");
 }
 
-void ApplicationImpl::Guard(const char* name, const std::function<void()>& hook) const {
-  if (const auto thrown = Thrown(name, hook)) {
-    actuator_.Log(LogLevel::kError, "fault: " + *thrown);
-  }
+void ApplicationImpl::CallOnPause(const std::function<void()>& hook) {
+  const auto thrown = Thrown("OnPause", hook);
+  if (!pause_fault_.empty()) actuator_.ReportFault({kCodeOk, pause_fault_});
+  pause_fault_.clear();
+  if (!thrown) return;
+  actuator_.Log(LogLevel::kError, "fault: " + *thrown);
+  pause_fault_ = *thrown + "; its outputs may not be neutral";
+  actuator_.ReportFault({kCodeFailed, pause_fault_});
 }
 
 void CheckStopped(const std::string& name, bool started) {

@@ -55,8 +55,9 @@ class ApplicationImpl {
   void StopTicks();
   // "LowPower, held by the emergency stop".
   std::string Whereabouts() const;
-  // Calls a hook, whose exception is logged.
-  void Guard(const char* name, const std::function<void()>& hook) const;
+  // Calls the application's OnPause(). An exception is logged, and is a fault of the actuator until
+  // a further pause succeeds: its outputs may not be neutral.
+  void CallOnPause(const std::function<void()>& hook);
 
   Ticks ticks_;
 
@@ -65,6 +66,7 @@ class ApplicationImpl {
   const double rate_hz_;
   bool open_ = false;  // SetUp is done
   bool ticking_ = false;
+  std::string pause_fault_;  // that is reported
 };
 
 // For the destructor of a class whose hooks an ApplicationImpl calls.

@@ -31,6 +31,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
     if (waits_) {
       if (command == kStartCommand) {
         commanded_ = true;
+        ended_ = false;
         return StartOrResume();
       }
       return Refused<ApplicationRefusal::kWaitsForStart>(owner_.name(), owner_.name());
@@ -83,7 +84,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   }
 
   Result<> SetUp() override {
-    owner_.RunOnLoop([this] { commanded_ = false; });
+    owner_.RunOnLoop([this] { commanded_ = ended_ = false; });
     machine_ = std::make_unique<fsm::Machine>(options_.machine);
     machine_->Listen(this);
     if (Result<> built = owner_.BuildMachine(*machine_); !built) return built;
@@ -126,13 +127,13 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
 
   void Pause() {
     PauseMachine();
-    Guard("OnPause", [&] { owner_.OnPause(); });
+    CallOnPause([&] { owner_.OnPause(); });
   }
 
   Result<> StartOrResume() {
     if (Result<> checked = CheckNoStop(); !checked) return checked;
     if (ticking()) return Ok();
-    waits_ = options_.begin == Begin::kOnCommand && !commanded_;
+    waits_ = Waits();
     if (waits_) {
       owner_.Log("stands, and waits for START");
       return Ok();
@@ -155,6 +156,9 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
     return Ok();
   }
 
+  // For START.
+  bool Waits() const { return ended_ || (options_.begin == Begin::kOnCommand && !commanded_); }
+
   void Tick() override {
     const Time now = Now();
     in_tick_ = true;
@@ -171,14 +175,17 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   void Ended() {
     const bool by_fault = machine_->fault() && machine_->mode() == fsm::Mode::kSafeStop;
     Pause();
-    if (!by_fault) return owner_.Log("the machine has ended");
+    if (!by_fault) {
+      ended_ = waits_ = true;
+      return owner_.Log("the machine has ended, and waits for START");
+    }
     owner_.GiveUp({kCodeFailed, machine_->Describe(*machine_->fault())});
   }
 
   void End() {
     PauseMachine();
     static_cast<void>(machine_->Stop());  // a fault is reported by OnFault
-    Guard("OnPause", [&] { owner_.OnPause(); });
+    CallOnPause([&] { owner_.OnPause(); });
   }
 
   void PauseMachine() {
@@ -234,7 +241,8 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   std::unique_ptr<fsm::Machine> machine_;
   std::function<void(const msg::String&)> publish_state_;  // while the ticks are open
   bool commanded_ = false;                                 // to begin, since SetUp
-  bool waits_ = false;                                     // for that, in Active
+  bool ended_ = false;                                     // by itself, since START
+  bool waits_ = false;                                     // for START, in Active
   bool in_tick_ = false;
   std::string before_fault_;  // the exception of BeforeTick() in the last tick
   std::string after_fault_;

@@ -39,6 +39,9 @@
 //                  (during SetUp nothing moves yet: there is nothing to pause)
 // clang-format on
 //
+// A machine that its application stops, by Machine::Stop(), has ended: it begins again by START,
+// and neither by a pause nor after an emergency stop.
+//
 // A machine that stops because its safe state failed, or because it has none, ends the process with
 // a non-zero exit code, so that its restart policy applies. A state that blocks blocks the loop:
 // with checkpoint_ms in the config the actuator is then reported as hung.
@@ -105,7 +108,7 @@ class FsmActuator : public MachineActuator {
   virtual void AfterTick(Time /*now*/) {}
   // The robot is in a state in which the machine is paused, or an emergency stop was engaged:
   // bring the outputs to neutral. Must return at once and be idempotent. An exception is
-  // logged.
+  // logged, and shown in the status until a further pause succeeds.
   virtual void OnPause() {}
   // The robot goes to Active; called before the machine is started or continues. An exception fails
   // the switch to Active with its text, after OnPause().

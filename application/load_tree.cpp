@@ -39,6 +39,31 @@ Result<std::unique_ptr<tree::Tree>> BuildTree(const tree::Document& document,
   return std::move(built.tree);
 }
 
+OuterBoardGuard::OuterBoardGuard(tree::Board* board) : board_(board) {
+  if (board_ == nullptr) return;
+  for (const std::string& key : board_->Keys()) {
+    tree::Entry* const entry = board_->Find(key);
+    before_.emplace(entry, *entry);
+  }
+}
+
+OuterBoardGuard::~OuterBoardGuard() {
+  if (board_ == nullptr) return;
+  for (const std::string& key : board_->Keys()) {
+    tree::Entry& entry = *board_->Find(key);
+    const auto found = before_.find(&entry);
+    if (found != before_.end()) {
+      entry = found->second;
+      continue;
+    }
+    entry.type = nullptr;
+    entry.value.Clear();
+    entry.declared = false;
+    entry.sequence = 0;
+    entry.set_at = {};
+  }
+}
+
 Result<> SetEntries(tree::Board& board,
                     const std::vector<std::pair<std::string, std::string>>& entries) {
   std::string wrong;

@@ -1,7 +1,8 @@
 #pragma once
-// Builds the tree of an actuator. Plain functions.
+// Builds the tree of an actuator.
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -24,6 +25,21 @@ Result<tree::Document> ReadTreeDocument(const std::string& file, const Warn& war
 Result<std::unique_ptr<tree::Tree>> BuildTree(const tree::Document& document,
                                               const tree::Factory& factory,
                                               const tree::BuildOptions& options, const Warn& warn);
+
+// What is set on a board around a tree while that tree is built and filled goes back where it was,
+// unless Keep() is called: running trees use that board. A key that is new stays, without a value.
+class OuterBoardGuard {
+ public:
+  explicit OuterBoardGuard(tree::Board* board);  // null: there is none
+  ~OuterBoardGuard();
+  OuterBoardGuard(const OuterBoardGuard&) = delete;
+  OuterBoardGuard& operator=(const OuterBoardGuard&) = delete;
+  void Keep() { board_ = nullptr; }
+
+ private:
+  tree::Board* board_;
+  std::map<tree::Entry*, tree::Entry> before_;
+};
 
 // Sets entries of the blackboard from texts. An Error names each key that no node has, and each
 // value that is not of the entry's type.

@@ -233,7 +233,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   }
 
   void AfterPause() {
-    Guard("OnPause", [&] { owner_.OnPause(); });
+    CallOnPause([&] { owner_.OnPause(); });
     ReportGoals();
   }
 

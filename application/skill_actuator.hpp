@@ -99,7 +99,7 @@ class SkillActuator : public MachineActuator {
   virtual void AfterTick(Time /*now*/) {}
   // No skill is stepped from now on: the robot is not Active, or an emergency stop was engaged.
   // Skills are already paused or cancelled. Bring the outputs to neutral; must return at once and
-  // be idempotent. An exception is logged.
+  // be idempotent. An exception is logged, and shown in the status until a further pause succeeds.
   virtual void OnPause() {}
 
   // Cancels all skills at once, for example because the process ends: OnPause() is called, their

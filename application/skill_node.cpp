@@ -383,6 +383,12 @@ class SkillNodes::Wire {
 
 namespace {
 
+// "" for a port that is left out. An entry must have a value: left out, the port `actuator` is for
+// any of them.
+std::string Given(const tree::InPort<std::string>& port) {
+  return port.entry() == nullptr ? port.Or("") : port.Get();
+}
+
 class RunSkill : public tree::StatefulAction {
  public:
   RunSkill(tree::Setup& setup, const std::weak_ptr<SkillNodes::Wire>& wire)
@@ -398,7 +404,7 @@ class RunSkill : public tree::StatefulAction {
   tree::Status OnStart(const tree::Tick& tick) override {
     sent_ = false;
     begun_ = tick.now;
-    const auto parameters = SkillNodes::ReadParameters(parameters_.Or(""));
+    const auto parameters = SkillNodes::ReadParameters(Given(parameters_));
     if (!parameters) return Fail(parameters.error().message);
     values_ = parameters.value();
     progress_.Set(0);
@@ -434,7 +440,7 @@ class RunSkill : public tree::StatefulAction {
 
   tree::Status Begin(SkillNodes::Wire& wire, const tree::Tick& tick) {
     const std::string& skill = skill_.Get();
-    const std::string actuator = actuator_.Or("");
+    const std::string actuator = Given(actuator_);
     const auto found = wire.Find(skill, actuator);
     const Duration waited = tick.now - begun_;
     const bool may_wait = waited < kFoundWithin;

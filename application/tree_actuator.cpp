@@ -38,16 +38,21 @@ class TreeActuator::Impl final : public ApplicationImpl {
     }
     Loaded loaded{std::move(document), entries, main, nullptr};
     if (Result<> built = Build(loaded, *factory_); !built) return built;
-    HaltTree();
+    ForgetFault();
+    const Halted halted = HaltNodes();
+    if (!halted.fault.empty()) return RestFailed(halted.fault);
+    const bool rests = halted.rests.value_or(false);
     commanded_ = true;
     Use(std::move(loaded));
+    halted_ = rests;
+    resting_ |= rests;
     Record();
     Report(true);
     return Ok();
   }
 
-  void Restart() { Stop(false); }
-  void Halt() { Stop(true); }
+  Result<> Restart() { return Stop(false); }
+  void Halt() { static_cast<void>(Stop(true)); }
 
   Impl& OnLoop() { return CheckThread(), *this; }  // for calls that are on the loop only
   bool has_tree() const { return loaded_.tree != nullptr; }
@@ -93,9 +98,11 @@ class TreeActuator::Impl final : public ApplicationImpl {
     Result<std::unique_ptr<TreeRecording>> recording = OpenRecording();
     if (!recording) return recording.error();
     owner_.RunOnLoop([&] {
-      HaltTree();
+      HaltNodes();
       commanded_ = false;
       Use(std::move(loaded));
+      ForgetFault();
+      halted_ = false;
       factory_ = std::move(factory);
       recording_ = std::move(recording).value();
       Record();
@@ -155,6 +162,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   }
 
   Result<> Build(Loaded& loaded, const tree::Factory& factory) {
+    OuterBoardGuard outer(options_.outer_board.get());
     tree::BuildOptions options{.tree = loaded.main, .history = options_.history};
     if (options_.outer_board != nullptr) {
       options.board = std::make_shared<tree::Board>(options_.outer_board);
@@ -164,6 +172,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
     tree::Board& board = tree.value()->board();
     if (Result<> filled = owner_.FillBlackboard(board); !filled) return filled;
     if (Result<> set = SetEntries(board, loaded.entries); !set) return set;
+    outer.Keep();
     loaded.tree = std::move(tree).value();
     return Ok();
   }
@@ -204,7 +213,6 @@ class TreeActuator::Impl final : public ApplicationImpl {
     ++revision_;
     result_ = tree::Status::kIdle;
     resting_ = loaded_.tree == nullptr || !MayBegin();
-    ForgetFault();
     time_ = {};
     reported_changes_ = 0;
   }
@@ -217,7 +225,10 @@ class TreeActuator::Impl final : public ApplicationImpl {
     if (options_.resume == Resume::kNewBlackboard && has_tree()) {
       Loaded fresh{loaded_.document, loaded_.entries, loaded_.main, nullptr};
       if (Result<> built = Build(fresh, *factory_); !built) return built;
+      // A command undoes these, a pause does not. The fault stays in the status.
+      const bool rests = halted_ || (resting_ && !last_fault_.empty());
       Use(std::move(fresh));
+      resting_ |= rests;
       Record();
     }
     if (const auto thrown = Thrown("OnResume", [&] { owner_.OnResume(); })) {
@@ -236,32 +247,61 @@ class TreeActuator::Impl final : public ApplicationImpl {
     StopTicks();
     HaltTree();
     time_.Pause();
-    Guard("OnPause", [&] { owner_.OnPause(); });
+    CallOnPause([&] { owner_.OnPause(); });
     Report(true);
   }
 
   // Within a tick, the nodes above the present one would go on with halted children: later then.
-  void Stop(bool rests) {
+  // Fails where it is to begin again, and a node throws in its halt: then it rests.
+  Result<> Stop(bool rests) {
     if (in_tree_) {
-      after_tick_ = [this, rests] { Stop(rests); };
-      return;
+      rests_later_ = rests;
+      return Ok();
     }
-    HaltTree();
+    if (!rests) ForgetFault();
+    const Halted halted = HaltNodes();
+    if (!rests && !halted.fault.empty()) return RestFailed(halted.fault);
+    Settle(rests || halted.rests.value_or(false));
+    return Ok();
+  }
+
+  // What the node has not stopped may still move: nothing begins on top of it.
+  Error RestFailed(const std::string& fault) {
+    result_ = tree::Status::kFailure;
+    resting_ = true;
+    Report(true);
+    return {kCodeFailed, fault};
+  }
+
+  // A halted tree: rests, or begins with the next tick.
+  void Settle(bool rests) {
     commanded_ = commanded_ || !rests;
+    halted_ = rests;
     result_ = tree::Status::kIdle;
     resting_ = rests || !has_tree();
     if (!rests) ForgetFault();
     Report(true);
   }
 
-  // A result of the tree stays.
   void HaltTree() {
-    if (!has_tree()) return;
+    const Halted halted = HaltNodes();
+    if (halted.rests) Settle(*halted.rests || !halted.fault.empty());
+  }
+
+  struct Halted {
+    std::string fault;          // "": none
+    std::optional<bool> rests;  // what a node has requested meanwhile: Halt(), or Restart()
+  };
+
+  // A result of the tree stays.
+  Halted HaltNodes() {
+    if (!has_tree()) return {};
     in_tree_ = true;
     const Result<> halted = loaded_.tree->Halt(time_.last());
     in_tree_ = false;
     if (!halted) Fault(halted.error().message);
     if (result_ == tree::Status::kRunning) result_ = tree::Status::kIdle;
+    return {halted ? "" : halted.error().message, std::exchange(rests_later_, std::nullopt)};
   }
 
   void Tick() override {
@@ -300,7 +340,8 @@ class TreeActuator::Impl final : public ApplicationImpl {
 
   // What a node has requested meanwhile.
   tree::Status AfterTree(tree::Status status) {
-    if (const auto work = std::exchange(after_tick_, nullptr)) work();
+    const auto rests = std::exchange(rests_later_, std::nullopt);
+    if (rests) static_cast<void>(Stop(*rests));  // a fault is reported
     return status;
   }
 
@@ -314,12 +355,13 @@ class TreeActuator::Impl final : public ApplicationImpl {
   // An end with FAILURE: of a tick or a hook around it.
   tree::Status Fail(const std::string& what) {
     Fault(what);
-    HaltTree();
+    const Halted halted = HaltNodes();
     if (!has_tree()) return tree::Status::kFailure;
     result_ = tree::Status::kFailure;
     if (!options_.restart_after_end) resting_ = true;
     Report(!options_.restart_after_end);
-    return result_;
+    if (halted.rests && (*halted.rests || halted.fault.empty())) Settle(*halted.rests);
+    return tree::Status::kFailure;
   }
 
   // Logged once as long as it is the same; the status of the actuator shows it until the tree
@@ -386,8 +428,9 @@ class TreeActuator::Impl final : public ApplicationImpl {
   tree::Status result_ = tree::Status::kIdle;
   std::string last_fault_;
   std::string logged_fault_;
-  std::function<void()> after_tick_;
+  std::optional<bool> rests_later_;  // after the present tick or halt: a Halt(), or a Restart()
   bool resting_ = false;
+  bool halted_ = false;     // by Halt(), since then neither loaded nor commanded to begin
   bool commanded_ = false;  // to begin, since SetUp
   bool in_tree_ = false;    // the code of a node runs
   LimitedLog log_;
@@ -422,11 +465,10 @@ TreeView TreeActuator::view() {
   return impl_->OnLoop().View();
 }
 void TreeActuator::Restart() {
-  impl_->OnLoop().Restart();
+  static_cast<void>(impl_->OnLoop().Restart());  // a fault is reported
 }
 Result<> TreeActuator::OnStartCommand() {
-  Restart();
-  return Ok();
+  return impl_->OnLoop().Restart();
 }
 void TreeActuator::Halt() {
   impl_->OnLoop().Halt();

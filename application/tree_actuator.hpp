@@ -85,7 +85,8 @@ class TreeActuator : public MachineActuator {
  public:
   enum class Resume : std::uint8_t {
     kKeepBlackboard,
-    kNewBlackboard  // the tree is built again at each change to Active; its end does not rest then
+    kNewBlackboard  // the tree is built again at each change to Active. An end does not rest then;
+                    // a Halt() and a fault do
   };
   struct Options {
     double rate_hz = 100;  // of ticks; more than 0
@@ -129,7 +130,7 @@ class TreeActuator : public MachineActuator {
   virtual void AfterTick(Time /*now*/, tree::Status /*status*/) {}
   // The tree is not ticked from now on: the robot is not Active, or an emergency stop was engaged.
   // Its nodes are already halted. Bring the outputs to neutral; must return at once and be
-  // idempotent. An exception is logged.
+  // idempotent. An exception is logged, and shown in the status until a further pause succeeds.
   virtual void OnPause() {}
   // The robot goes to Active; called before the first tick. An exception fails the switch to Active
   // with its text, after OnPause().
@@ -142,13 +143,17 @@ class TreeActuator : public MachineActuator {
   tree::Tree& tree();  // there must be one
   const tree::Factory& factory() const;
   // Replaces the tree, and begins with it at the next tick of Active; the old one is halted first.
-  // Keeps the old one and fails, with all errors a line each, where the document or an entry is
-  // wrong; also within a tick, in the code of a node. `main`: as Options::tree.
+  // Keeps the old one, and what the outer_board has, and fails, with all errors a line each, where
+  // the document or an entry is wrong. Fails also where a node of the old one throws in its halt:
+  // the old one rests then, with that fault; and within a tick, in the code of a node. `main`: as
+  // Options::tree.
   Result<> Load(tree::Document document, const Entries& entries = {}, const std::string& main = "");
   // Halts the tree, which begins at its root at the next tick of Active: a command to begin.
-  // Within a tick: after it.
+  // Within a tick or a halt: after it. Where a node throws in its halt, the tree rests with that
+  // fault instead.
   void Restart();
-  // Halts the tree, which rests then. Within a tick: after it.
+  // Halts the tree, which rests then. Within a tick or a halt: after it; it outweighs a Restart()
+  // or a Load() that halts the nodes.
   void Halt();
   // All of it, for a report or a monitor; valid in this handler.
   TreeView view();

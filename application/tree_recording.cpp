@@ -1,24 +1,17 @@
 #include "musher/application/tree_recording.hpp"
 
-#include <fcntl.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <system_error>
 #include <utility>
 
-#include "musher/base/files.hpp"
-#include "musher/base/unique_fd.hpp"
+#include "musher/application/recording_file.hpp"
 
 namespace musher {
 namespace {
-
-constexpr std::chrono::seconds kSyncEvery(1);
 
 std::uint64_t WallUs() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -26,48 +19,12 @@ std::uint64_t WallUs() {
       std::chrono::duration_cast<std::chrono::microseconds>(now).count());
 }
 
-// Whether a recording has more than the line with which each begins: a run in which no tree was
-// loaded replaces no recording of a crash.
-bool HasTree(const std::string& path) {
-  std::ifstream file(path);
-  std::string line;
-  return std::getline(file, line) && std::getline(file, line);
-}
-
 }  // namespace
-
-// Of the thread, but for the atomics.
-struct TreeRecording::File {
-  explicit File(std::string of) : path(std::move(of)) {}
-
-  // The file that is there is kept once, if it has a tree.
-  bool Open() {
-    std::error_code none;
-    if (std::filesystem::is_regular_file(path, none) && HasTree(path)) {
-      std::filesystem::rename(path, path + ".before", none);
-    }
-    fd = UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    return fd.valid();
-  }
-  bool Write(std::string_view text) {
-    if (!fd.valid() || !WriteAll(fd.get(), text)) return false;
-    const auto now = std::chrono::steady_clock::now();
-    if (now - synced < kSyncEvery) return true;
-    synced = now;
-    return fdatasync(fd.get()) == 0 || errno == EINVAL || errno == EROFS;  // of a pipe: EINVAL
-  }
-
-  const std::string path;
-  UniqueFd fd;
-  std::chrono::steady_clock::time_point synced{};
-  std::atomic<std::size_t> pending = 0;  // bytes
-  std::atomic<bool> failed = false;
-};
 
 Result<std::unique_ptr<TreeRecording>> TreeRecording::Open(const std::string& actuator,
                                                            const TreeRecordingOptions& options,
                                                            Log log) {
-  const auto file = std::make_shared<File>(options.file);
+  const auto file = std::make_shared<RecordingFile>(options.file);
   const std::filesystem::path folder = std::filesystem::path(options.file).parent_path();
   std::error_code none;
   if (!folder.empty()) std::filesystem::create_directories(folder, none);
@@ -80,7 +37,7 @@ Result<std::unique_ptr<TreeRecording>> TreeRecording::Open(const std::string& ac
 }
 
 TreeRecording::TreeRecording(std::string actuator, std::size_t most_bytes,
-                             std::shared_ptr<File> file, Log log)
+                             std::shared_ptr<RecordingFile> file, Log log)
     : actuator_(std::move(actuator)),
       most_in_file_(most_bytes / 2),
       log_(std::move(log)),
@@ -148,7 +105,7 @@ void TreeRecording::BeginFile() {
   thread_.Do([file = file_, log = log_] {
     if (file->failed || file->Open()) return;
     file->failed = true;
-    log("the recording ends here: " + file->path + " cannot be written to");
+    log("the recording ends here: " + file->path() + " cannot be written to");
   });
 }
 
@@ -170,7 +127,7 @@ void TreeRecording::Give() {
   thread_.Do([file = file_, log = log_, text = std::exchange(buffer_, {})] {
     if (!file->failed && !file->Write(text)) {
       file->failed = true;
-      log("the recording ends here: " + file->path + " cannot be written to");
+      log("the recording ends here: " + file->path() + " cannot be written to");
     }
     file->pending -= text.size();
   });

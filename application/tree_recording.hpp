@@ -23,6 +23,8 @@
 
 namespace musher {
 
+class RecordingFile;
+
 struct TreeRecordingOptions {
   std::string file{};  // relative to state_dir of the state config; empty: none
   std::size_t most_bytes = std::size_t{16} << 20;
@@ -46,8 +48,8 @@ class TreeRecording {
   void Note(const TreeView& view);
 
  private:
-  struct File;
-  TreeRecording(std::string actuator, std::size_t most_bytes, std::shared_ptr<File> file, Log log);
+  TreeRecording(std::string actuator, std::size_t most_bytes, std::shared_ptr<RecordingFile> file,
+                Log log);
   void Flush();
   void BeginFile();
   bool Fits();
@@ -60,7 +62,7 @@ class TreeRecording {
   std::size_t written_ = 0;  // to the present file
   std::uint64_t lost_ = 0;   // lines
   std::shared_ptr<tree::Recorder> recorder_;
-  std::shared_ptr<File> file_;
+  std::shared_ptr<RecordingFile> file_;
   WorkQueue thread_{{.name = "tree-record"}};  // last: it uses the file
 };
 

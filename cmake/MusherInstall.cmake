@@ -22,6 +22,8 @@ install(CODE "
     file(INSTALL DESTINATION \"${include_to}/\${folder}\"
          TYPE FILE FILES \"${PROJECT_SOURCE_DIR}/\${header}\")
   endforeach()")
+install(FILES ${MUSHER_GENERATED_DIR}/musher/behavior/tree/plugin/plugin_version.hpp
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/behavior/tree/plugin)
 # A folder of the IDL is a package, whose headers are generated.
 file(GLOB packages RELATIVE ${PROJECT_SOURCE_DIR}/messages ${PROJECT_SOURCE_DIR}/messages/*/*.idl)
 list(TRANSFORM packages REPLACE "/.*" "")

@@ -2,11 +2,13 @@
 
 #include <zmq.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <future>
+#include <iterator>
+#include <map>
 #include <memory>
-#include <optional>
 #include <thread>
 #include <utility>
 
@@ -73,22 +75,33 @@ class Server {
   void Run() {
     while (!ends_) {
       zmq_pollitem_t readable{replies_.get(), 0, ZMQ_POLLIN, 0};
-      if (zmq_poll(&readable, 1, kPollMs) <= 0) {
-        ForgetLater();
-        continue;
-      }
-      last_request_ = Clock::now();
-      const Parts request = Receive();
-      Send(replies_.get(), ReplyOnLoop(request));
+      if (zmq_poll(&readable, 1, kPollMs) > 0) Serve(Receive());
+      ForgetLater();
     }
   }
 
-  // The last client is lost, as far as can be known.
+  // Of a ROUTER socket: the identity of the connection, further parts of the client's envelope, an
+  // empty part, the request.
+  void Serve(const Parts& parts) {
+    const auto empty = std::ranges::find(parts, std::string());
+    if (empty == parts.begin() || empty == parts.end()) return;  // no request of this protocol
+    const std::string& client = parts.front();
+    const Parts reply = ReplyOnLoop(client, Parts(std::next(empty), parts.end()));
+    last_requests_[client] = Clock::now();
+    Parts answer(parts.begin(), std::next(empty));
+    answer.insert(answer.end(), reply.begin(), reply.end());
+    Send(replies_.get(), answer);
+  }
+
+  // Clients that are lost, as far as can be known.
   void ForgetLater() {
-    if (!last_request_ || Clock::now() - *last_request_ < silence_) return;
-    last_request_.reset();
-    loop_.Post([weak = std::weak_ptr<Session>(session_)] {
-      if (const auto session = weak.lock()) session->Forget();
+    const auto now = Clock::now();
+    std::erase_if(last_requests_, [&](const auto& last) {
+      if (now - last.second < silence_) return false;
+      loop_.Post([weak = std::weak_ptr<Session>(session_), client = last.first] {
+        if (const auto session = weak.lock()) session->Forget(client);
+      });
+      return true;
     });
   }
 
@@ -109,29 +122,36 @@ class Server {
     return parts;
   }
 
-  Parts ReplyOnLoop(const Parts& request) {
-    const auto promise = std::make_shared<std::promise<Parts>>();
-    std::future<Parts> reply = promise->get_future();
-    loop_.Post([promise, request, weak = std::weak_ptr<Session>(session_)] {
-      if (const auto session = weak.lock()) promise->set_value(session->Reply(request));
+  // The loop carries a request out only where its client is not refused meanwhile.
+  Parts ReplyOnLoop(const std::string& client, const Parts& request) {
+    const auto work = std::make_shared<Work>();
+    std::future<Parts> reply = work->reply.get_future();
+    loop_.Post([work, client, request, weak = std::weak_ptr<Session>(session_)] {
+      if (work->decided.exchange(true)) return;
+      const auto session = weak.lock();
+      work->reply.set_value(session ? session->Reply(client, request) : kBusy);
     });
-    const auto deadline = std::chrono::steady_clock::now() + kLongestWait;
+    const auto deadline = Clock::now() + kLongestWait;
     while (reply.wait_for(kSlice) != std::future_status::ready) {
-      if (ends_ || std::chrono::steady_clock::now() > deadline) {
-        return {"error", "the robot's loop is busy"};
-      }
+      const bool ends = ends_ || Clock::now() > deadline;
+      if (ends && !work->decided.exchange(true)) return kBusy;
     }
     return reply.get();
   }
 
   using Clock = std::chrono::steady_clock;
+  struct Work {
+    std::promise<Parts> reply;
+    std::atomic<bool> decided = false;  // the loop carries it out, or the client is refused
+  };
+  static inline const Parts kBusy = {"error", "the robot's loop is busy"};
 
   transport::EventLoop& loop_;
   const Context context_;  // before the sockets, also that of the session
   const Socket replies_;
   const std::shared_ptr<Session> session_;
   const Duration silence_;
-  std::optional<Clock::time_point> last_request_;  // nothing: no client is known
+  std::map<std::string, Clock::time_point> last_requests_;  // of each client that is known
   std::atomic<bool> ends_ = false;
   std::thread thread_;  // last: it uses the others
 };
@@ -143,7 +163,7 @@ Result<> Serve(transport::Endpoints& topics, const ServeOptions& options,
   Context context(zmq_ctx_new());
   if (!context) return ZmqError("no context for Groot2");
   const std::string host = "tcp://" + options.address + ":";
-  Result<Socket> replies = Bind(context.get(), ZMQ_REP, host + std::to_string(options.port));
+  Result<Socket> replies = Bind(context.get(), ZMQ_ROUTER, host + std::to_string(options.port));
   if (!replies) return replies.error();
   Result<Socket> breakpoints =
       Bind(context.get(), ZMQ_PUB, host + std::to_string(options.port + 1));
@@ -152,9 +172,10 @@ Result<> Serve(transport::Endpoints& topics, const ServeOptions& options,
   const auto publisher = std::make_shared<Socket>(std::move(breakpoints).value());
   const auto session = std::make_shared<Session>(
       std::move(view), factory,
-      Session::Options{.hooks = options.hooks, .publish = [publisher](const Parts& parts) {
-                         Send(publisher->get(), parts);
-                       }});
+      Session::Options{
+          .hooks = options.hooks,
+          .publish = [publisher](const Parts& parts) { Send(publisher->get(), parts); },
+          .on_lost = options.on_lost});
   topics.Keep(std::make_shared<Server>(topics.node().loop(), std::move(context),
                                        std::move(replies).value(), session, options.silence));
   return Ok();

@@ -4,13 +4,15 @@
 // blackboards; with ServeOptions::hooks it can also hold nodes and replace their results, and thus
 // move the robot.
 //
-// Hooks are removed, and held nodes go on, once no request has come for ServeOptions::silence (the
-// protocol has no end of a connection; Groot2 requests the status several times a second), when
-// another tree is loaded, and when the endpoints are closed. A tree that leaves Active is halted
-// with its held nodes as always.
+// The hooks of a client are removed once it has sent no request for ServeOptions::silence (the
+// protocol has no end of a connection; Groot2 requests the status several times a second); one that
+// connects again is another client. Where a hook held or replaced a node then,
+// ServeOptions::on_lost halts the tree. Hooks also end when another tree is loaded, and when the
+// endpoints are closed. A tree that leaves Active is halted with its held nodes as always.
 //
 //   void OpenTopics(transport::Endpoints& topics) override {
-//     auto served = groot2::Serve(topics, {.port = 1667}, [this] { return view(); }, factory());
+//     auto served = groot2::Serve(topics, {.port = 1667, .on_lost = [this] { Halt(); }},
+//                                 [this] { return view(); }, factory());
 //     if (!served) Log(served.error());
 //   }
 //
@@ -31,6 +33,10 @@ struct ServeOptions {
   std::string address = "127.0.0.1";  // of this host; "*": all
   bool hooks = false;                 // a client may hold and replace nodes
   Duration silence = std::chrono::seconds(5);
+  // A client is lost whose hooks held or replaced a node: halt the tree, so that nothing moves
+  // because a connection has ended. Called on the loop, after its hooks were removed. Null: such a
+  // hook stays, until any client removes it or releases the node.
+  std::function<void()> on_lost{};
 };
 
 // The endpoints keep the server; what `view` and `factory` refer to must outlive them. Loop thread

@@ -65,28 +65,30 @@ Result<tree::Hook> HookFrom(const Json& json, const tree::Tree& tree) {
 }
 
 // All of them or none.
-Result<> Insert(const Json& json, const tree::Tree& tree, tree::Hooks& hooks) {
+Result<std::vector<tree::Hook>> HooksFrom(const Json& json, const tree::Tree& tree) {
   std::vector<tree::Hook> all;
   for (const Json& each : json.is_array() ? json : Json::array({json})) {
     const Result<tree::Hook> hook = HookFrom(each, tree);
     if (!hook) return hook.error();
     all.push_back(hook.value());
   }
-  for (const tree::Hook& hook : all) hooks.Set(hook);
-  return Ok();
+  return all;
 }
 
 Result<> Release(const Json& json, tree::NodeId node, tree::Hooks& hooks) {
   const Result<tree::Status> status = StatusFrom(json);
   if (!status) return status.error();
   const bool once = Field<bool>(json, "remove_when_done");
+  // One that comes twice or late would release the next start.
+  if (hooks.Has(node, IsAfter(json)) && !hooks.IsHeld(node, IsAfter(json))) {
+    return Refused("the node is not held");
+  }
   return hooks.Release(node, status.value(), once, IsAfter(json)) ? Ok()
                                                                   : Result<>(Refused(kNoNode));
 }
 
-// By a request I, R or U.
+// By a request R or U.
 Result<> ChangeHook(char type, const Json& json, const tree::Tree& tree, tree::Hooks& hooks) {
-  if (type == 'I') return Insert(json, tree, hooks);
   const Result<tree::NodeId> node = NodeOf(json, tree);
   if (!node) return node.error();
   if (type == 'U') return Release(json, node.value(), hooks);
@@ -152,21 +154,33 @@ void Session::Follow(const TreeView& view) {
   revision_ = view.revision;
   for (char& byte : id_) byte = static_cast<char>(random_());  // so that Groot2 reads it again
   hooks_ = MakeHooks();
+  hook_owners_.clear();
   if (view.tree != nullptr && transitions_ != nullptr) view.tree->Listen(transitions_);
 }
 
-void Session::Forget() {
-  hooks_->Clear();
-  transitions_ = nullptr;
+void Session::Forget(const std::string& client) {
+  if (recorder_ == client) transitions_ = nullptr;
+  Follow(view_());
+  bool acted = false;
+  std::erase_if(hook_owners_, [&](const auto& owned) {
+    const auto& [at, owner] = owned;
+    if (owner != client) return false;
+    const bool acts = hooks_->Acts(at.first, at.second);
+    if (acts && !options_.on_lost) return false;
+    acted |= acts;
+    hooks_->Remove(at.first, at.second);
+    return true;
+  });
+  if (acted && options_.on_lost) options_.on_lost();
 }
 
-Parts Session::Reply(const Parts& request) {
+Parts Session::Reply(const std::string& client, const Parts& request) {
   const TreeView view = view_();
   Follow(view);
   Parts reply = groot2::Reply(request, view, factory_, id_);
   if (reply.size() != 1) return reply;
   try {
-    const Result<Parts> content = Change(request[0][1], request, view);
+    const Result<Parts> content = Change(client, request, view);
     if (!content) return {"error", content.error().message};
     reply.insert(reply.end(), content.value().begin(), content.value().end());
     return reply;
@@ -176,7 +190,9 @@ Parts Session::Reply(const Parts& request) {
 }
 
 // The further parts of the reply.
-Result<Parts> Session::Change(char type, const Parts& request, const TreeView& view) {
+Result<Parts> Session::Change(const std::string& client, const Parts& request,
+                              const TreeView& view) {
+  const char type = request[0][1];
   if (type == 'D') return Parts{Dump()};
   if (type == 'A') hooks_->Clear();
   if (type == 'X') hooks_->DisableAll();
@@ -184,25 +200,36 @@ Result<Parts> Session::Change(char type, const Parts& request, const TreeView& v
   if (view.tree == nullptr) return Refused("no tree is loaded");
   if (type == 't') return Parts{transitions_ == nullptr ? "" : transitions_->Take()};
   if (request.size() != 2) return Refused(kTwoParts);
-  if (type == 'r') return Record(request[1], view);
+  if (type == 'r') return Record(client, request[1], view);
   if (!options_.hooks) {
     return Refused(
         "hooks hold and replace nodes of a robot: its configuration does not allow them "
         "(ServeOptions::hooks, or groot2_hooks of its program)");
   }
-  const Result<> done = ChangeHook(type, Json::parse(request[1]), *view.tree, *hooks_);
-  if (!done) return done.error();
+  const Json json = Json::parse(request[1]);
+  if (type == 'I') {
+    const auto hooks = HooksFrom(json, *view.tree);
+    if (!hooks) return hooks.error();
+    for (const tree::Hook& hook : hooks.value()) {
+      hooks_->Set(hook);
+      hook_owners_[{hook.node, hook.after}] = client;
+    }
+  } else if (const Result<> done = ChangeHook(type, json, *view.tree, *hooks_); !done) {
+    return done.error();
+  }
   view.tree->Attach(hooks_);
   return Parts();
 }
 
-Result<Parts> Session::Record(const std::string& command, const TreeView& view) {
+Result<Parts> Session::Record(const std::string& client, const std::string& command,
+                              const TreeView& view) {
   if (command == "stop") {
     if (transitions_ != nullptr) transitions_->Stop();
     return Parts();
   }
   if (command != "start") return Refused("expected start or stop");
   transitions_ = std::make_shared<Transitions>();
+  recorder_ = client;
   view.tree->Listen(transitions_);
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();

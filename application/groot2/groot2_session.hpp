@@ -18,14 +18,19 @@
 // PRE (0) is served. Modes: BREAKPOINT (0) holds the node when it is about to start, REPLACE (1)
 // gives it the desired status, if that is SUCCESS or FAILURE (behavior/tree/hooks.hpp).
 //
+// A hook is the client's that has set it last, and a recording is the client's that has started it.
+//
 // Threads: the loop's.
 
 #include <chrono>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
+#include <string>
+#include <utility>
 
 #include "musher/application/groot2/groot2_reply.hpp"
 #include "musher/behavior/tree/hooks.hpp"
@@ -39,19 +44,22 @@ class Session {
   struct Options {
     bool hooks = false;
     std::function<void(const Parts&)> publish{};
+    std::function<void()> on_lost{};  // see groot2_server.hpp
   };
   Session(std::function<TreeView()> view, const tree::Factory& factory, Options options);
 
-  Parts Reply(const Parts& request);
-  // The last client is lost: no node stays held, as no client could release it.
-  void Forget();
+  // `client`: any name of it that no other one has.
+  Parts Reply(const std::string& client, const Parts& request);
+  // The client is lost: its hooks are removed. Where one of them acts, the node would begin to
+  // move: on_lost halts the tree. Without on_lost that hook stays, until any client removes it.
+  void Forget(const std::string& client);
 
  private:
   class Transitions;
 
   void Follow(const TreeView& view);
-  Result<Parts> Change(char type, const Parts& request, const TreeView& view);
-  Result<Parts> Record(const std::string& command, const TreeView& view);
+  Result<Parts> Change(const std::string& client, const Parts& request, const TreeView& view);
+  Result<Parts> Record(const std::string& client, const std::string& command, const TreeView& view);
   std::string Dump() const;
   std::shared_ptr<tree::Hooks> MakeHooks();
 
@@ -61,8 +69,10 @@ class Session {
   std::random_device random_;
   std::optional<std::uint32_t> revision_;
   TreeId id_{};
-  std::shared_ptr<tree::Hooks> hooks_;        // of the present tree
-  std::shared_ptr<Transitions> transitions_;  // null: nothing was recorded
+  std::shared_ptr<tree::Hooks> hooks_;                                // of the present tree
+  std::map<std::pair<tree::NodeId, bool>, std::string> hook_owners_;  // by node, before and after
+  std::shared_ptr<Transitions> transitions_;                          // null: nothing was recorded
+  std::string recorder_;                                              // the client of these
 };
 
 }  // namespace musher::groot2

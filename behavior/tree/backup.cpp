@@ -11,9 +11,21 @@ bool IsOuter(const std::string& key) {
   return key.starts_with('@');
 }
 
+// Of each board the path of its subtree; of the main one the name of the tree.
+std::vector<std::string> BoardPaths(const Tree& tree) {
+  std::vector<std::string> paths(tree.boards().size());
+  paths.front() = tree.name();
+  for (NodeId id = 0; id < tree.size(); ++id) {
+    const NodeInfo& info = tree.info(id);
+    std::string& path = paths.at(info.board);
+    if (path.empty()) path = tree.Path(info.parent);
+  }
+  return paths;
+}
+
 }  // namespace
 
-Backup::Backup(const Tree& tree) {
+Backup::Backup(const Tree& tree) : paths_(BoardPaths(tree)) {
   for (const auto& board : tree.boards()) {
     auto& values = boards_.emplace_back();
     for (const std::string& key : board->Keys()) {
@@ -27,6 +39,12 @@ Result<> Backup::Restore(Tree& tree) const {
     return Error{kCodeFailed, "the backup has " + Counted(boards_.size(), "blackboard") +
                                   ", tree " + tree.name() + " has " +
                                   std::to_string(tree.boards().size())};
+  }
+  const std::vector<std::string> paths = BoardPaths(tree);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (paths[i] == paths_[i]) continue;
+    return Error{kCodeFailed, "the backup has a blackboard of " + paths_[i] + ", tree " +
+                                  tree.name() + " has one of " + paths[i] + " in its place"};
   }
   std::map<Entry*, Value> values;  // also of what the backup does not have
   for (std::size_t i = 0; i < boards_.size(); ++i) {

@@ -24,11 +24,12 @@ class Backup {
   explicit Backup(const Tree& tree);
 
   // Each value counts as set again; an entry without one is cleared. Fails, and changes nothing,
-  // where the tree has another number of boards, or an entry with a type that the value can not
+  // where the tree has another name, other subtrees, or an entry with a type that the value can not
   // have.
   Result<> Restore(Tree& tree) const;
 
  private:
+  std::vector<std::string> paths_;  // by board
   std::vector<std::map<std::string, Value>> boards_;
 };
 

@@ -277,6 +277,15 @@ std::string Builder::PlainPath(NodeId id) const {
   return tree_->name() + path;
 }
 
+std::string Builder::TreePath(NodeId id) const {
+  std::string path = tree_->infos_[id].name;
+  for (NodeId at = tree_->infos_[id].parent; at != kNoNode; at = tree_->infos_[at].parent) {
+    const NodeInfo& info = tree_->infos_[at];
+    if (info.kind == NodeKind::kSubtree) path = info.name + "/" + path;
+  }
+  return path;
+}
+
 NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind kind,
                         const Around& around) {
   const Attribute* name = element.Find("name");
@@ -334,7 +343,8 @@ Node* Builder::MakeRegistered(const Element& element, std::string_view id,
   CheckAttributes(element, setup);
   const Substitution* substitute =
       factory_.has_substitutes() && element.children.empty()
-          ? factory_.Substituted(tree_->infos_[node_id].name, PlainPath(node_id))
+          ? factory_.Substituted(tree_->infos_[node_id].name, tree_->infos_[node_id].id,
+                                 PlainPath(node_id), TreePath(node_id))
           : nullptr;
   if (substitute != nullptr) substituted_.insert(substitute);
   if (substitute != nullptr && substitute->node.empty()) {
@@ -447,6 +457,7 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
   }
   const GivenTypes given(options.board.get());
   std::unique_ptr<Tree> tree = builder.Make(*main, options.history, options.board);
+  const Builder::Fitting fitting = builder.TakeFitting();
   // Trees that nothing uses are checked, too.
   for (const Document::Tree* other : trees) {
     const auto& used = builder.used();
@@ -456,6 +467,8 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
   if (builder.failed()) {
     tree = nullptr;
     given.Restore();
+  } else {
+    for (const auto& [entry, value] : fitting) entry->value = value;
   }
   return {std::move(tree), std::move(builder).Take()};
 }
@@ -672,9 +685,8 @@ std::uint32_t Builder::MakeBoard(const Element& element, std::string_view id,
   return board_id;
 }
 
-// What a given board has already becomes a value of the type of its ports.
+// What a given board has already becomes a value of the type of its ports: once nothing can fail.
 void Builder::FitValues() {
-  std::vector<std::pair<Entry*, Value>> fitting;
   for (const auto& [entry, use] : types_) {
     if (entry->type == nullptr || entry->value.empty()) continue;
     if (entry->value.type() == entry->type) continue;
@@ -684,11 +696,9 @@ void Builder::FitValues() {
              "'" + entry->key + "' of the given board is " + entry->value.Shown() + ": " +
                  fits.error().message);
     } else {
-      fitting.emplace_back(entry, std::move(value));
+      fitting_.emplace_back(entry, std::move(value));
     }
   }
-  if (failed()) return;
-  for (auto& [entry, value] : fitting) entry->value = value;
 }
 
 // Fixed texts of subtrees become values once the types of their entries are known: a number where

@@ -25,6 +25,9 @@ class Builder {
   void Report(Place place, Severity severity, std::string message) {
     found_.emplace_back(place, severity, std::move(message));
   }
+  // Values of the given board of the tree that was made last, as its ports have them.
+  using Fitting = std::vector<std::pair<Entry*, Value>>;
+  Fitting TakeFitting() { return std::exchange(fitting_, {}); }
   bool failed() const;
   // The diagnostics by place, each once.
   std::vector<Diagnostic> Take() &&;
@@ -72,6 +75,7 @@ class Builder {
   void CheckAttributes(const Element& element, const Setup& setup);
   void UnknownNode(Place place, std::string_view id);
   std::string PlainPath(NodeId id) const;
+  std::string TreePath(NodeId id) const;  // "arm/hand/close": the subtrees, and the node
   Entry& Use(Entry& entry, Place place, const PortModel& model);
   void Unify(Entry& entry, Place place, const PortModel& model);
   void UnifyPointers();
@@ -123,6 +127,7 @@ class Builder {
     Place place;
   };
   std::vector<Constant> constants_;
+  Fitting fitting_;
   // Entries with a place that reads or sets them.
   std::vector<std::pair<const Entry*, Place>> reads_;
   std::map<const Entry*, Place> writes_;

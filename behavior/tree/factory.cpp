@@ -140,9 +140,13 @@ std::vector<std::string> Factory::Names() const {
   return names;
 }
 
-const Substitution* Factory::Substituted(std::string_view name, std::string_view path) const {
+const Substitution* Factory::Substituted(std::string_view name, std::string_view id,
+                                         std::string_view path, std::string_view tree_path) const {
   for (const Substitution& each : substitutes_) {
-    if (Matches(each.pattern, name) || Matches(each.pattern, path)) return &each;
+    if (each.pattern == id || Matches(each.pattern, name) || Matches(each.pattern, path) ||
+        Matches(each.pattern, tree_path)) {
+      return &each;
+    }
   }
   return nullptr;
 }

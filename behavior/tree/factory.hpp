@@ -107,7 +107,10 @@ class Factory {
   bool has_substitutes() const { return !substitutes_.empty(); }
   // The first one that matches; null: there is none.
   const std::vector<Substitution>& substitutions() const { return substitutes_; }
-  const Substitution* Substituted(std::string_view name, std::string_view path) const;
+  // Null: none. `path`: of all nodes above the leaf, `tree_path` of the subtrees only, as
+  // BehaviorTree.CPP has it.
+  const Substitution* Substituted(std::string_view name, std::string_view id, std::string_view path,
+                                  std::string_view tree_path) const;
   // The ports of a node.
   std::vector<PortModel> PortsOf(std::string_view name) const;
 

@@ -18,6 +18,20 @@ bool Hooks::Release(NodeId node, Status instead, bool once, bool after) {
   return true;
 }
 
+bool Hooks::IsHeld(NodeId node, bool after) const {
+  const auto found = hooks_.find({node, after});
+  if (found == hooks_.end()) return false;
+  const State& state = found->second;
+  return state.hook.enabled && state.hook.holds && state.held_in == ticks_;
+}
+
+bool Hooks::Acts(NodeId node, bool after) const {
+  const auto found = hooks_.find({node, after});
+  if (found == hooks_.end() || !found->second.hook.enabled) return false;
+  const State& state = found->second;
+  return state.hook.holds ? IsHeld(node, after) && !state.released : state.replaced_in == ticks_;
+}
+
 void Hooks::DisableAll() {
   for (auto& [at, state] : hooks_) state.hook.enabled = false;
 }
@@ -36,8 +50,9 @@ bool Hooks::Holds(State& state) {
   return true;
 }
 
-Status Hooks::Pass(const State& state) {
+Status Hooks::Pass(State& state) {
   const Hook hook = state.hook;
+  state.replaced_in = ticks_;
   if (!hook.holds && on_reached_) on_reached_(hook.node);
   if (hook.once) Remove(hook.node, hook.after);
   return hook.instead;

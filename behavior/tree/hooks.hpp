@@ -50,6 +50,11 @@ class Hooks {
   // Lets a held node go on; if the node is not held yet, its next start or end. False: there is
   // none.
   bool Release(NodeId node, Status instead, bool once, bool after = false);
+  bool Has(NodeId node, bool after = false) const { return hooks_.contains({node, after}); }
+  // Whether the node was held in the last tick.
+  bool IsHeld(NodeId node, bool after = false) const;
+  // Whether its hook held the node in the last tick, and it was not released since, or replaced it.
+  bool Acts(NodeId node, bool after = false) const;
   void Clear() { hooks_.clear(); }
   // None holds any more.
   void DisableAll();
@@ -70,7 +75,8 @@ class Hooks {
   struct State {
     Hook hook;
     bool released = false;
-    std::uint64_t held_in = 0;  // tick
+    std::uint64_t held_in = 0;      // tick
+    std::uint64_t replaced_in = 0;  // tick
   };
 
   using Hooked = std::map<std::pair<NodeId, bool>, State>;  // by node, before and after its tick
@@ -79,7 +85,7 @@ class Hooks {
   State* Find(NodeId node, bool after);
   // Whether it waits for its release.
   bool Holds(State& state);
-  Status Pass(const State& state);
+  Status Pass(State& state);
 
   const std::function<void(NodeId)> on_reached_;
   Hooked hooks_;

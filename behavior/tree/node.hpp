@@ -188,7 +188,7 @@ class Decorator : public Node {
     if (IsCompleted(status)) child_->Reset(tick);
     return status;
   }
-  // An override halts the child, too: by this.
+  // An override halts the child, too: by this. Where it throws before, the tree halts the child.
   void OnHalt(Tick& tick) override { child_->Reset(tick); }
 
  private:

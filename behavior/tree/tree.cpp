@@ -61,13 +61,21 @@ Result<Status> Tree::TickNodes() {
     if (IsCompleted(status)) root.Reset(tick_);
     if (status != Status::kRunning) EndRun();
     if (tick_.fault.empty()) return status;
-    root.Reset(tick_);  // a node threw while it was halted
+    HaltNodes();  // a node threw while it was halted
     EndRun();
     return Fault(tick_.faulty, tick_.fault);
   } catch (const NodeFault& fault) {
-    root.Reset(tick_);
+    HaltNodes();
     EndRun();
     return Fault(fault.node->id(), fault.what);
+  }
+}
+
+// From the root, and then what still runs below a node that threw before it halted its children.
+void Tree::HaltNodes() {
+  nodes_.front()->Reset(tick_);
+  for (const auto& node : nodes_) {
+    if (node->running()) node->Reset(tick_);
   }
 }
 
@@ -120,7 +128,7 @@ Result<> Tree::Halt(Time now) {
   const Busy busy(busy_);
   BeginAt(now);
   tick_.fault.clear();
-  nodes_.front()->Reset(tick_);
+  HaltNodes();
   EndRun();
   if (tick_.fault.empty()) return Ok();
   return Fault(tick_.faulty, tick_.fault);

@@ -110,6 +110,7 @@ class Tree {
   friend class Builder;
   Tree(std::string name, std::size_t history);
   Result<Status> TickNodes();
+  void HaltNodes();
   Error Fault(NodeId id, const std::string& what) const;
   void BeginAt(Time now);
   void BeginRun();

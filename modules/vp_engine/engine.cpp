@@ -70,7 +70,8 @@ void Engine::OpenTopics(transport::Endpoints& topics) {
       topics,
       {.port = config_.groot2_port,
        .address = config_.groot2_address,
-       .hooks = config_.groot2_hooks},
+       .hooks = config_.groot2_hooks,
+       .on_lost = [this] { StopLost(); }},
       [this] { return view(); }, factory());
   if (!served) Log(served.error());  // programs run without it
 }
@@ -147,7 +148,13 @@ Result<> Engine::RunProgram(const msg::ManageProgram::Request& request) {
   for (const msg::ProgramSetting& each : request.settings)
     entries.emplace_back(each.key, each.value);
   tree::Reading read = ReadProgram(request.program, text.value());
-  if (Result<> loaded = Load(std::move(read.document), entries); !loaded) return loaded;
+  if (Result<> loaded = Load(std::move(read.document), entries); !loaded) {
+    // The program before could not be halted.
+    if (result() == tree::Status::kFailure && !programs_.running().empty()) {
+      programs_.Ended(ProgramState::kFailed, last_fault());
+    }
+    return loaded;
+  }
   programs_.Ended(ProgramState::kStopped, "replaced by " + request.program);
   programs_.Started(request.program);
   Log("program " + request.program + " started");
@@ -167,6 +174,12 @@ Result<> Engine::StopProgram(const std::string& program) {
   return Ok();
 }
 
+void Engine::StopLost() {
+  Log(LogLevel::kWarning, "Groot2 is lost, and its hooks held or replaced a node: stopped");
+  Halt();
+  if (!programs_.running().empty()) programs_.Ended(ProgramState::kStopped, "Groot2 is lost");
+}
+
 void Engine::AfterTick(Time /*now*/, tree::Status status) {
   if (status == tree::Status::kIdle || status == tree::Status::kRunning) return;
   const bool failed = status == tree::Status::kFailure;
@@ -175,9 +188,14 @@ void Engine::AfterTick(Time /*now*/, tree::Status status) {
   programs_.Ended(failed ? ProgramState::kFailed : ProgramState::kSucceeded, failed ? why : "");
 }
 
+Result<> Engine::OnStartCommand() {
+  return Error{kCodeParametersInvalid, "a program is run by " + name() + "/manage_program"};
+}
+
 void Engine::OnPause() {
+  // It does not begin again at the next Active, whatever began it.
+  if (has_tree() && !tree::IsCompleted(result())) Halt();
   if (programs_.running().empty()) return;
-  Halt();  // it does not begin again at the next Active
   programs_.Ended(ProgramState::kStopped,
                   EmergencyStopped() ? "an emergency stop" : "the robot left Active");
 }

@@ -29,6 +29,8 @@ class Engine : public TreeActuator {
   void OpenTopics(transport::Endpoints& topics) override;
   void AfterTick(Time now, tree::Status status) override;
   void OnPause() override;
+  // START is refused: the tree would run, and the table of programs would show none.
+  Result<> OnStartCommand() override;
 
   struct Background;
   using Reply = std::function<void(const msg::ManageProgram::Response&)>;
@@ -37,6 +39,7 @@ class Engine : public TreeActuator {
   msg::ManageProgram::Response Manage(const msg::ManageProgram::Request& request);
   Result<> RunProgram(const msg::ManageProgram::Request& request);
   Result<> StopProgram(const std::string& program);
+  void StopLost();
   const VpConfig config_;
   ServiceRobot robot_;
   Programs programs_;

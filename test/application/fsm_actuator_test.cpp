@@ -234,16 +234,40 @@ TEST_F(AnFsmActuator, EndsTheProgramWhenAHookThrowsAndThereIsNoSafeState) {
   EXPECT_EQ(show.Wait(), 1);
 }
 
-TEST_F(AnFsmActuator, IsPausedWhenItsApplicationStopsTheMachineAndStartsItAtTheNextActive) {
-  ActuatorRunner<Show> show;
-  Begin(show);
-  show.RunOnLoop([&] { show.data().left_early = true; });
-  harness_.Tick(show, 2);
-  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
-  show.RunOnLoop([&] { show.data().left_early = false; });
-  ASSERT_TRUE(Go("Protected"));
-  ASSERT_TRUE(Go("Active"));
-  EXPECT_EQ(show.Path(), "GREET");
+// It has ended by itself: a pause, which may be an emergency stop, does not begin it again.
+TEST_F(AnFsmActuator, WaitsForStartOnceItsApplicationHasStoppedTheMachine) {
+  for (const musher::Begin begin : {musher::Begin::kAtActive, musher::Begin::kOnCommand}) {
+    Harness harness;
+    ActuatorRunner<Show> show({.rate_hz = 50, .begin = begin});
+    harness.Open(show);
+    ASSERT_TRUE(harness.controller().Switch("SelfCheck").done());
+    ASSERT_TRUE(harness.controller().Switch("Active").done());
+    if (begin == musher::Begin::kOnCommand) {
+      ASSERT_TRUE(show.Of([](Show& s) { return s.Send("START"); }));
+    }
+    const auto end = [&] {
+      show.RunOnLoop([&] { show.data().left_early = true; });
+      harness.Tick(show, 2);
+      EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
+      show.RunOnLoop([&] { show.data().left_early = false; });
+    };
+    end();
+    ASSERT_TRUE(harness.controller().Switch("Protected").done());
+    ASSERT_TRUE(harness.controller().Switch("Active").done());
+    harness.Tick(show, 2);
+    EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "nothing begins by itself";
+    const auto sent = show.Of([](Show& s) { return s.Send("again"); });
+    ASSERT_FALSE(sent);
+    EXPECT_THAT(sent.error(), testing::IsRefused(ApplicationRefusal::kWaitsForStart));
+    EXPECT_TRUE(show.Of([](Show& s) { return s.Send("START"); }));
+    EXPECT_EQ(show.Path(), "GREET");
+    end();
+    EXPECT_TRUE(show.Of([](Show& s) { return s.Send("START"); })) << "also without a pause";
+    EXPECT_EQ(show.Path(), "GREET");
+    ASSERT_TRUE(harness.controller().Switch("Protected").done());
+    ASSERT_TRUE(harness.controller().Switch("Active").done());
+    EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); })) << "it has not ended again";
+  }
 }
 
 TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsMachineStopsAsItBegins) {

@@ -116,6 +116,38 @@ TEST_F(FsmRecordingTest, KeepsTheFileOfTheRunBeforeOnce) {
   EXPECT_EQ(Replay(file_), ReplayExit::kIdentical) << err_;
 }
 
+TEST_F(FsmRecordingTest, OfAMachineThatWasNotStartedReplacesNone) {
+  Record(file_);
+  const std::string run = TextOf(file_);
+  for (int starts = 0; starts < 3; ++starts) {
+    Door door;
+    fsm::Machine machine({.name = "door"});
+    ASSERT_TRUE(door.Build(machine));
+    ASSERT_TRUE(FsmRecording::Open(machine, file_, "robot.record", Log()));
+  }
+  EXPECT_EQ(TextOf(file_ + ".before"), run);
+}
+
+TEST_F(FsmRecordingTest, EndsWhereItIsAsLongAsItMayBeAndIsReplayedUpToThere) {
+  Door door;
+  fsm::Machine machine({.name = "door"});
+  ASSERT_TRUE(door.Build(machine));
+  constexpr std::size_t kMost = std::size_t{1} << 20;
+  auto recording = FsmRecording::Open(machine, file_, "robot.record", Log(), kMost);
+  ASSERT_TRUE(recording);
+  ASSERT_TRUE(machine.Start(Time(Milliseconds(0))));
+  const std::string input(5'000, 'x');
+  for (int i = 0; i < 400; ++i) {
+    if (i > 0) recording.value()->recorder().Input("near", input);
+    machine.RunOnce(Time(Milliseconds(20 * i)));
+  }
+  recording.value().reset();
+  EXPECT_LE(TextOf(file_).size(), kMost);
+  EXPECT_GT(TextOf(file_).size(), kMost / 2);
+  EXPECT_THAT(log_, ElementsAre("the recording ends here: it has 1 MiB, as much as it may have"));
+  EXPECT_EQ(Replay(file_), ReplayExit::kIdentical) << err_;
+}
+
 TEST_F(FsmRecordingTest, OfAFileThatCannotBeWrittenToNamesTheKeyAndTheFile) {
   Door door;
   fsm::Machine machine({.name = "door"});

@@ -4,9 +4,12 @@
 
 #include <zmq.h>
 
+#include <future>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "musher/test/application/tree_course.hpp"
+#include "musher/test/behavior/tree/trees.hpp"
 
 namespace musher::groot2_test {
 
@@ -42,6 +45,7 @@ class Watched : public TreeActuator {
   std::string Status(tree::NodeId node) {
     return Of([&](Watched& self) { return std::string(tree::Name(self.tree().status(node))); });
   }
+  using TreeActuator::Halt;
   using TreeActuator::Now;
   using TreeActuator::Restart;
   using TreeActuator::tree;
@@ -58,7 +62,11 @@ class Watched : public TreeActuator {
   // [serve]
   void OpenTopics(transport::Endpoints& topics) override {
     const Result<> served = groot2::Serve(
-        topics, {.port = served_.port, .hooks = served_.hooks, .silence = served_.silence},
+        topics,
+        {.port = served_.port,
+         .hooks = served_.hooks,
+         .silence = served_.silence,
+         .on_lost = [this] { Halt(); }},
         [this] { return view(); }, factory());
     if (!served) Log(served.error());
   }
@@ -76,28 +84,30 @@ class AGroot2Client : public ::testing::Test {
     Connect();
   }
   ~AGroot2Client() override {
-    zmq_close(breakpoints_);
-    zmq_close(socket_);
+    for (void* socket : {other_, breakpoints_, socket_}) zmq_close(socket);
     zmq_ctx_term(context_);
   }
   void Connect() {
     const int linger = 0;
     const int timeout_ms = 20'000;
-    for (void* socket : {socket_, breakpoints_}) {
+    for (void* socket : {socket_, breakpoints_, other_}) {
       zmq_setsockopt(socket, ZMQ_LINGER, &linger, sizeof linger);
       zmq_setsockopt(socket, ZMQ_RCVTIMEO, &timeout_ms, sizeof timeout_ms);
     }
     zmq_setsockopt(breakpoints_, ZMQ_SUBSCRIBE, "", 0);
-    zmq_connect(socket_, ("tcp://127.0.0.1:" + std::to_string(kPort)).c_str());
+    for (void* socket : {socket_, other_}) {
+      zmq_connect(socket, ("tcp://127.0.0.1:" + std::to_string(kPort)).c_str());
+    }
     zmq_connect(breakpoints_, ("tcp://127.0.0.1:" + std::to_string(kPort + 1)).c_str());
   }
   static std::string Header(char type) { return {2, type, 'a', 'b', 'c', 'd'}; }
-  Parts Ask(const Parts& request) {
+  Parts Ask(const Parts& request) { return Ask(socket_, request); }
+  static Parts Ask(void* socket, const Parts& request) {
     for (std::size_t i = 0; i < request.size(); ++i) {
-      zmq_send(socket_, request[i].data(), request[i].size(),
+      zmq_send(socket, request[i].data(), request[i].size(),
                i + 1 < request.size() ? ZMQ_SNDMORE : 0);
     }
-    return Receive(socket_);
+    return Receive(socket);
   }
   static Parts Receive(void* socket) {
     Parts reply;
@@ -130,6 +140,7 @@ class AGroot2Client : public ::testing::Test {
   void* context_ = zmq_ctx_new();
   void* socket_ = zmq_socket(context_, ZMQ_REQ);
   void* breakpoints_ = zmq_socket(context_, ZMQ_SUB);
+  void* other_ = zmq_socket(context_, ZMQ_REQ);  // of another client
 };
 
 constexpr int kFirstUid = 2;  // of the node `first`
@@ -359,18 +370,97 @@ TEST_F(AGroot2Debugger, IsRefusedAHookThatIsWrongAndThoseBesideIt) {
   }
 }
 
-TEST_F(AGroot2DebuggerThatIsLost, HoldsNothingAnyMore) {
+TEST_F(AGroot2Debugger, ReleasesANodeOnceWhereItsRequestComesTwice) {
   Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
   Activate();
   harness_.Tick(watched_, 2);
-  std::vector<std::string> log;
-  testing::Until([&] {
-    harness_.Tick(watched_, 1);
-    log = watched_.TakeLog();
-    return !log.empty();
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", false)}).size(), 1U);
+  harness_.Tick(watched_, 1);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", false)}).at(1),
+            "the node is not held");
+  watched_.Of([](Watched& self) {
+    self.Restart();
+    return 0;
   });
-  EXPECT_THAT(log, ElementsAre("first starts")) << "by itself: no request has come for 300 ms";
+  watched_.TakeLog();
+  harness_.Tick(watched_, 2);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "its next start is held";
+}
+
+TEST_F(AGroot2Debugger, WhoseRequestWasAnsweredWithAnErrorChangesNothingLater) {
+  std::promise<void> busy;
+  std::thread loop([&] { watched_.RunOnLoop([&] { busy.get_future().wait(); }); });
+  const Parts refused = Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
+  busy.set_value();
+  loop.join();
+  EXPECT_EQ(refused, (Parts{"error", "the robot's loop is busy"}));
   EXPECT_EQ(Hooks(), "[]");
+}
+
+TEST_F(AGroot2DebuggerThatIsLost, HoldsNothingAnyMoreAndTheTreeIsHalted) {
+  Ask({Header('I'), HookJson(4, 0, "SKIPPED")});
+  Activate();
+  harness_.Tick(watched_, 4);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts"));
+  ASSERT_EQ(watched_.Status(2), "RUNNING") << "the subtree around the held node";
+  EXPECT_TRUE(testing::Until([&] { return watched_.Status(0) == "IDLE"; }));
+  EXPECT_EQ(Hooks(), "[]");
+  harness_.Tick(watched_, 3);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "nothing moves by itself";
+}
+
+TEST(AGroot2Session, KeepsAHookOfALostClientThatActsWhereNothingHaltsTheTree) {
+  tree::Logged logged;
+  const auto tree = tree::MakeTree(
+      tree::Main("<Sequence><Say name=\"a\" does=\"R\"/><Say name=\"b\" does=\"S\"/></Sequence>"),
+      logged.factory);
+  groot2::Session session([&] { return TreeView{.tree = tree.get(), .revision = 1}; },
+                          logged.factory, {.hooks = true});
+  const auto hooks = [&] {
+    return session.Reply("other", Parts{std::string{2, 'D', 'a', 'b', 'c', 'd'}}).at(1);
+  };
+  const std::string held = HookJson(2, 0, "SKIPPED");
+  session.Reply("lost", Parts{std::string{2, 'I', 'a', 'b', 'c', 'd'},
+                              "[" + held + "," + HookJson(3, 0, "SKIPPED") + "]"});
+  EXPECT_EQ(tree::Ticks(*tree, 2), "RR");
+  session.Forget("lost");
+  EXPECT_EQ(nlohmann::json::parse(hooks()), nlohmann::json::parse("[" + held + "]"));
+  EXPECT_EQ(tree::Ticks(*tree, 2, 2), "RR");
+  EXPECT_EQ(logged.Take(), "") << "it does not move by itself";
+}
+
+TEST_F(AGroot2DebuggerThatIsLost, HaltsATreeInWhichItReplacesANode) {
+  Ask({Header('I'), HookJson(kFirstUid, 1, "SUCCESS")});
+  Activate();
+  harness_.Tick(watched_, 1);
+  EXPECT_TRUE(testing::Until([&] { return Ask(other_, {Header('D')}).at(1) == "[]"; }));
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("second starts", "second halted"));
+  harness_.Tick(watched_, 3);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre());
+}
+
+TEST_F(AGroot2DebuggerThatIsLost, LeavesATreeAloneThatItsHooksHaveNotReached) {
+  Ask({Header('I'), HookJson(4, 0, "SKIPPED")});
+  Activate();
+  harness_.Tick(watched_, 1);
+  EXPECT_TRUE(testing::Until([&] { return Ask(other_, {Header('D')}).at(1) == "[]"; }));
+  EXPECT_EQ(watched_.Status(0), "RUNNING");
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts"));
+}
+
+TEST_F(AGroot2DebuggerThatIsLost, LosesItsHooksAlsoWhereAnotherClientIsThere) {
+  Ask({Header('I'), HookJson(kFirstUid, 1, "SUCCESS")});
+  const std::string own = HookJson(4, 0, "SKIPPED");
+  Ask(other_, {Header('I'), own});
+  std::string hooks;
+  EXPECT_TRUE(testing::Until(
+      [&] {
+        hooks = Ask(other_, {Header('D')}).at(1);
+        return nlohmann::json::parse(hooks).size() == 1;
+      },
+      std::chrono::seconds(20)));
+  EXPECT_EQ(nlohmann::json::parse(hooks), nlohmann::json::parse("[" + own + "]"));
 }
 
 }  // namespace musher::groot2_test

@@ -104,6 +104,24 @@ TEST_F(ASkillNode, FailsWithTheReasonOfItsSkillOrOfARefusal) {
   EXPECT_EQ(Message(), "no actuator arm offers the skill wait");
 }
 
+TEST_F(ASkillNode, RequestsNothingWhereAnEntryOfItsPortsHasNoValue) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  for (const std::string port : {"actuator", "parameters"}) {
+    Make("skill=\"wait\" " + port + "=\"{who}\"");
+    std::string why;
+    EXPECT_TRUE(testing::Until([&] {
+      harness_.Tick(tasks, 1);
+      harness_.node().RunOnLoop([&] {
+        const auto ticked = tree_->TickOnce(harness_.node().node().loop().Now());
+        why = ticked ? tree::Name(ticked.value()) : ticked.error().message;
+      });
+      return why != "RUNNING" || tasks.StateOf("wait") == "WAITING";
+    }));
+    EXPECT_THAT(why, HasSubstr("port '" + port + "': the blackboard"));
+  }
+}
+
 TEST_F(ASkillNode, CancelsItsSkillWhenItIsHaltedAndMayRunItAgainAtOnce) {
   ActuatorRunner<Tasks> tasks;
   Begin(tasks);

@@ -361,6 +361,156 @@ TEST_F(ATreeActuator, DoesWhatANodeRequestsAfterTheTick) {
   EXPECT_THAT(course.TakeLog(), ElementsAre("first halted"));
 }
 
+TEST_F(ATreeActuator, RestsAtTheNextActiveWhereANodeThatIsHaltedByThePauseHaltsIt) {
+  ActuatorRunner<Course> course;
+  course.data().does["first halted"] = [&] { course.Halt(); };
+  Begin(course);
+  harness_.Tick(course, 2);
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre()) << "not one tick";
+  EXPECT_EQ(course.Result(), Status::kIdle);
+}
+
+TEST_F(ATreeActuator, RestsWhereANodeThatIsHaltedByARestartHaltsIt) {
+  ActuatorRunner<Course> course;
+  course.data().does["first halted"] = [&] { course.Halt(); };
+  Begin(course);
+  harness_.Tick(course, 2);
+  course.RunOnLoop([&] { course.Restart(); });
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+}
+
+TEST_F(ATreeActuator, RestsWithAnotherTreeWhereANodeOfTheOldOneHaltsIt) {
+  ActuatorRunner<Course> course;
+  course.data().does["first halted"] = [&] { course.Halt(); };
+  Begin(course);
+  harness_.Tick(course, 2);
+  ASSERT_TRUE(course.LoadText(testing::kCourse));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+}
+
+TEST_F(ATreeActuator, StaysHaltedWhereANodeThatIsHaltedRestartsIt) {
+  ActuatorRunner<Course> course;
+  course.data().does["first halted"] = [&] { course.Restart(); };
+  Begin(course);
+  harness_.Tick(course, 2);
+  course.RunOnLoop([&] { course.Halt(); });
+  course.TakeLog();
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "once: no restart is left over";
+}
+
+TEST_F(ATreeActuator, DoesNotBeginAgainWhereANodeThatIsHaltedForThatThrows) {
+  ActuatorRunner<Course> course;
+  course.data().throws["first halted"] = "the leg is stuck";
+  Begin(course);
+  harness_.Tick(course, 2);
+  EXPECT_THAT(Send("START"), HasSubstr("Course/Sequence/first: the leg is stuck"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre()) << "what moves below it is not known";
+  EXPECT_EQ(course.Result(), Status::kFailure);
+  EXPECT_THAT(course.Of([](Course& c) { return c.last_fault(); }), HasSubstr("the leg is stuck"));
+  EXPECT_EQ(Send("START"), "") << "nothing is left to halt";
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(course.Of([](Course& c) { return c.last_fault(); }), "");
+
+  const auto loaded = course.LoadText(testing::kCourse, {{"ticks", "7"}});
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("the leg is stuck"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_EQ(course.Of([](Course& c) { return c.tree().board().Get<int>("ticks").value(); }), 3)
+      << "the old one is kept";
+  EXPECT_TRUE(course.LoadText(testing::kCourse, {{"ticks", "7"}}));
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+}
+
+TEST_F(ATreeActuator, IsDegradedWhereItsPauseThrowsUntilAPauseSucceeds) {
+  ActuatorRunner<Course> course;
+  course.data().throws["pauses"] = "the motors do not reply";
+  Begin(course);
+  static_cast<void>(harness_.controller().Switch("LowPower"));
+  EXPECT_THAT(harness_.controller().Switch("Active").degraded, ElementsAre("show"));
+  course.RunOnLoop([&] { course.data().throws.clear(); });
+  static_cast<void>(harness_.controller().Switch("LowPower"));
+  EXPECT_THAT(harness_.controller().Switch("Active").degraded, ElementsAre());
+}
+
+TEST_F(ATreeActuator, StaysHaltedAtTheNextActiveAlsoWithANewBlackboard) {
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .resume = TreeActuator::Resume::kNewBlackboard});
+  Begin(course);
+  harness_.Tick(course, 2);
+  course.RunOnLoop([&] { course.Halt(); });
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "START has ended the halt";
+}
+
+TEST_F(ATreeActuator, RestsAfterAFaultAlsoWithANewBlackboardAndShowsItUntilStart) {
+  ActuatorRunner<Course> course(
+      {.rate_hz = 50, .begin = Begin::kAtActive, .resume = TreeActuator::Resume::kNewBlackboard});
+  course.data().throws["first starts"] = "the leg is stuck";
+  Begin(course);
+  harness_.Tick(course, 2);
+  ASSERT_EQ(course.Result(), Status::kFailure);
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_THAT(course.Of([](Course& c) { return c.last_fault(); }), HasSubstr("the leg is stuck"));
+  course.RunOnLoop([&] { course.data().throws.clear(); });
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(course.Of([](Course& c) { return c.last_fault(); }), "");
+}
+
+TEST_F(ATreeActuator, LeavesTheBoardAroundItsTreesAsItWasWhereAnotherTreeIsRefused) {
+  const auto outer = std::make_shared<tree::Board>();
+  ActuatorRunner<Course> course({.rate_hz = 50, .outer_board = outer});
+  Begin(course);
+  course.RunOnLoop([&] { EXPECT_TRUE(outer->Set("speed", 1)); });
+  const auto refused = course.LoadText(
+      "<root BTCPP_format=\"4\"><BehaviorTree ID=\"New\"><Sequence><Walk ticks=\"{@speed}\"/>"
+      "<Walk ticks=\"{@steps}\"/></Sequence></BehaviorTree></root>",
+      {{"@speed", "9"}, {"@steps", "2"}, {"missing", "1"}});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("entry 'missing'"));
+  course.RunOnLoop([&] {
+    const tree::Entry* speed = outer->Find("speed");
+    EXPECT_EQ(speed->value.Shown(), "1");
+    EXPECT_EQ(speed->sequence, 1U) << "nothing that watches it runs";
+    const tree::Entry* steps = outer->Find("steps");
+    EXPECT_TRUE(steps == nullptr || (steps->value.empty() && steps->type == nullptr));
+  });
+}
+
 TEST_F(ATreeActuator, ServesItsTreeAndPublishesItsState) {
   std::vector<msg::TreeState> states;
   std::unique_ptr<transport::Subscription> topic;

@@ -128,7 +128,7 @@ TEST_F(ARecording, KeepsTheFileOfTheRunBefore) {
 TEST_F(ARecording, OfARunWithoutATreeReplacesNone) {
   std::filesystem::create_directories(folder_ / "new");
   std::ofstream(file_ + ".before") << "the crash\nits tree\n";
-  std::ofstream(file_) << "a run without a tree\n";
+  std::ofstream(file_) << "musher-tree-recording 2 show\n";
   Open();
   EXPECT_EQ(TextOf(file_ + ".before"), "the crash\nits tree\n");
 }

@@ -7,7 +7,9 @@
 //     "SubstitutionRules": { "*/there": "Blocked", "talk": "AlwaysSuccess" } }
 //
 // A test node has return_status (SUCCESS, the default, FAILURE or SKIPPED), async_delay in ms,
-// success_script, failure_script and post_script. `*` stands for any characters.
+// success_script, failure_script and post_script. A rule has the name or the class of a leaf, or a
+// path: of its subtrees (`arm/hand/close`, as in BehaviorTree.CPP), or of all nodes above it
+// (`Main/Sequence/close`). `*` stands for any characters of a name or a path.
 //
 // Errors, all of them with their places: no JSON, an unknown field, a value of another kind, a rule
 // with neither a test node nor a node of the factory. Warning: a test node that no rule uses.

@@ -33,10 +33,13 @@ Result<> LoadPlugin(Factory& factory, const std::string& path) {
   }
   if (std::string_view(plugin->build) != MUSHER_TREE_PLUGIN_BUILD) {
     return fail("it is '" + std::string(plugin->build) + "', the program needs '" +
-                MUSHER_TREE_PLUGIN_BUILD + "': build it again with the program's compiler");
+                MUSHER_TREE_PLUGIN_BUILD +
+                "': build it again with the program's compiler and version of Musher");
   }
   if (plugin->sizes != kPluginSizes) {
-    return fail("it was built with another version of Musher: build it again");
+    return fail(
+        "it was built with another version of Musher, or other options of the compiler: build it "
+        "again");
   }
   if (plugin->number != TypeOf<double>()) {
     return fail(
@@ -50,6 +53,8 @@ Result<> LoadPlugin(Factory& factory, const std::string& path) {
     }
   } catch (const std::exception& error) {
     return fail(error.what());
+  } catch (...) {
+    return fail("it threw something that is not a std::exception");
   }
   factory = std::move(with_plugin);
   return Ok();

@@ -15,9 +15,12 @@
 #include <cstddef>
 
 #include "musher/behavior/tree/factory.hpp"
+#include "musher/behavior/tree/plugin/plugin_version.hpp"
 
-// What both have to have in common, beside the headers: the compiler with its standard library.
-#define MUSHER_TREE_PLUGIN_BUILD "musher tree plugin 1, compiler " __VERSION__
+// What both have to have in common: the version with its headers, and the compiler with its
+// standard library.
+#define MUSHER_TREE_PLUGIN_BUILD \
+  "musher tree plugin 2, version " MUSHER_TREE_PLUGIN_VERSION ", compiler " __VERSION__
 
 // NOLINTBEGIN(bugprone-macro-parentheses): the argument is the name of a parameter.
 // The body of a function that adds nodes to `factory`, and returns a Result<>.
@@ -32,11 +35,19 @@
 
 namespace musher::tree {
 
-// Another version of Musher mostly has other ones.
-using PluginSizes = std::array<std::size_t, 6>;
-inline constexpr PluginSizes kPluginSizes = {sizeof(Node),    sizeof(Entry),
-                                             sizeof(Type),    sizeof(Setup),
-                                             sizeof(Factory), sizeof(Factory::Registered)};
+// Other options of the compiler may give other ones.
+using PluginSizes = std::array<std::size_t, 11>;
+inline constexpr PluginSizes kPluginSizes = {sizeof(Node),
+                                             sizeof(Entry),
+                                             sizeof(Type),
+                                             sizeof(Setup),
+                                             sizeof(Factory),
+                                             sizeof(Tick),
+                                             sizeof(Trace),
+                                             sizeof(Board),
+                                             sizeof(Value),
+                                             sizeof(PortModel),
+                                             sizeof(Factory::Registered)};
 
 // The symbol `musher_tree_plugin` of the library.
 struct Plugin {

@@ -85,7 +85,16 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
   Publish();
   if (config_.groot2_port == 0) return;
   const Result<> served = groot2::Serve(
-      topics, {.port = config_.groot2_port, .hooks = config_.groot2_hooks},
+      topics,
+      {.port = config_.groot2_port,
+       .hooks = config_.groot2_hooks,
+       .on_lost =
+           [this] {
+             Log(LogLevel::kWarning,
+                 "Groot2 is lost, and its hooks held or replaced a node: halted");
+             Halt();
+             OnPause();
+           }},
       [this] { return view(); }, factory());
   if (!served) Log(LogLevel::kWarning, served.error().message);
 }

@@ -174,4 +174,58 @@ TEST_F(Decorators, ATestNodeTakesThePlaceOfOthers) {
   EXPECT_EQ(tree->board().Get<int>("failed").value(), 1);
 }
 
+// Of a robot: it forgets its child where its own clean-up throws.
+class Careless : public tree::Decorator {
+ public:
+  explicit Careless(Setup&) {}
+
+ private:
+  Status OnTick(Tick& tick) override { return TickChild(tick); }
+  void OnHalt(Tick&) override { throw std::runtime_error("the gripper is stuck"); }
+};
+
+struct BelowADecoratorThatThrowsInItsHalt : testing::Test, Logged {
+  BelowADecoratorThatThrowsInItsHalt() { EXPECT_TRUE(factory.Add<Careless>("Careless")); }
+  void ExpectStopped(const Tree& tree) {
+    EXPECT_EQ(Take(), "a! ") << "halted once";
+    for (NodeId id = 0; id < tree.size(); ++id) EXPECT_NE(tree.status(id), Status::kRunning) << id;
+  }
+};
+
+constexpr const char* kCareless = "<Careless><Say name=\"a\" does=\"R\"/></Careless>";
+
+TEST_F(BelowADecoratorThatThrowsInItsHalt, NothingRunsOnAfterAHalt) {
+  const auto tree = MakeTree(Main(kCareless), factory);
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  Take();
+  const Result<> halted = tree->Halt(At(100));
+  ASSERT_FALSE(halted);
+  EXPECT_THAT(halted.error().message, testing::HasSubstr("Main/Careless: the gripper is stuck"));
+  ExpectStopped(*tree);
+}
+
+TEST_F(BelowADecoratorThatThrowsInItsHalt, NothingRunsOnAfterAnotherNodeHasThrown) {
+  const auto tree = MakeTree(
+      Main("<Parallel>" + std::string(kCareless) + "<Say name=\"b\" does=\"R!\"/></Parallel>"),
+      factory);
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  Take();
+  const Result<Status> ticked = tree->TickExactlyOnce(At(10));
+  ASSERT_FALSE(ticked);
+  EXPECT_THAT(ticked.error().message, testing::HasSubstr("it broke"));
+  EXPECT_EQ(Take(), "a b b! a! ");
+  EXPECT_FALSE(tree->status(2) == Status::kRunning);
+}
+
+TEST_F(BelowADecoratorThatThrowsInItsHalt, NothingRunsOnAfterItWasHaltedByItsParent) {
+  const auto tree =
+      MakeTree(Main("<Timeout msec=\"15\">" + std::string(kCareless) + "</Timeout>"), factory);
+  EXPECT_EQ(Ticks(*tree, 2), "RR");
+  Take();
+  const Result<Status> ticked = tree->TickExactlyOnce(At(20));
+  ASSERT_FALSE(ticked);
+  EXPECT_THAT(ticked.error().message, testing::HasSubstr("the gripper is stuck"));
+  ExpectStopped(*tree);
+}
+
 }  // namespace musher::tree::decorator_test

@@ -2,6 +2,7 @@
 // robot.
 
 #include "musher/modules/vp_engine/engine.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/test/application/show.hpp"
 
 namespace musher::vp_engine::engine_test {
@@ -19,6 +20,7 @@ class Peeked : public Engine {
     return found;
   }
   using Engine::Now;
+  using Engine::Restart;
 };
 
 std::string Sequence(const std::string& content) {
@@ -72,6 +74,29 @@ class AnEngine : public ::testing::Test {
       return there;
     });
     return *response;
+  }
+  // Why the command START is refused; "": it is not.
+  std::string SendStart() {
+    std::unique_ptr<transport::Client<msg::SendCommand>> client;
+    std::optional<std::string> reply;
+    harness_.node().RunOnLoop([&] {
+      client = transport::MakeClient<msg::SendCommand>(harness_.node().node(), "show/send_command")
+                   .value();
+      client->Call({kStartCommand}, std::chrono::seconds(20),
+                   [&](const auto& r) { reply = r.value().message; });
+    });
+    testing::Until([&] {
+      bool there = false;
+      harness_.node().RunOnLoop([&] { there = reply.has_value(); });
+      return there;
+    });
+    harness_.node().RunOnLoop([&] { client.reset(); });
+    return *reply;
+  }
+  std::size_t Said() {
+    std::size_t count = 0;
+    harness_.node().RunOnLoop([&] { count = said_.size(); });
+    return count;
   }
   std::string StateOf(const std::string& program) {
     for (const msg::ProgramInfo& each : Do(Op::kList).programs) {
@@ -172,6 +197,29 @@ TEST_F(AnEngine, RunsProgramsInActiveOnlyAndStopsThemInEveryOtherState) {
   EXPECT_EQ(StateOf("wait"), "stopped: the robot left Active") << "it does not go on by itself";
   ASSERT_TRUE(Do(Op::kRun, "wait").success);
   EXPECT_EQ(StateOf("wait"), "running");
+}
+
+TEST_F(AnEngine, RefusesStartSoThatNoProgramRunsThatItsTableDoesNotShow) {
+  Activate();
+  ASSERT_TRUE(Do(Op::kAdd, "greet", Sequence("<Say text=\"Hello\"/>")).success);
+  ASSERT_TRUE(Do(Op::kRun, "greet").success);
+  AwaitState("greet", "succeeded");
+  EXPECT_EQ(SendStart(), "a program is run by show/manage_program");
+  harness_.Tick(engine_, 5);
+  EXPECT_EQ(Said(), 1U);
+  EXPECT_EQ(StateOf("greet"), "succeeded");
+}
+
+TEST_F(AnEngine, BeginsNothingAtTheNextActiveAlsoWhereItsTreeRanWithoutAProgram) {
+  Activate();
+  ASSERT_TRUE(Do(Op::kAdd, "greet", Sequence("<Say text=\"Hello\"/>")).success);
+  ASSERT_TRUE(Do(Op::kRun, "greet").success);
+  AwaitState("greet", "succeeded");
+  engine_.RunOnLoop([&] { engine_.Restart(); });
+  ASSERT_TRUE(Go("Protected"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(engine_, 5);
+  EXPECT_EQ(Said(), 1U);
 }
 
 TEST_F(AnEngine, StandsInActiveAfterItsStartWhateverProgramsThereAre) {

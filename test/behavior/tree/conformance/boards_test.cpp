@@ -115,6 +115,20 @@ TEST_F(AGivenBoard, IsAsBeforeWhereTheTreeHasErrors) {
       << "what failed has given no type";
 }
 
+TEST_F(AGivenBoard, KeepsItsValuesWhereAnotherTreeOfTheDocumentHasErrors) {
+  const auto board = std::make_shared<Board>();
+  ASSERT_TRUE(board->Set("n", "250"));
+  EXPECT_EQ(Made("<root BTCPP_format=\"4\" main_tree_to_execute=\"Main\"><BehaviorTree ID=\"Main\">"
+                 "<Sleep msec=\"{n}\"/></BehaviorTree><BehaviorTree ID=\"Other\"><Unknown/>"
+                 "</BehaviorTree></root>",
+                 board)
+                .tree,
+            nullptr);
+  EXPECT_EQ(board->Find("n")->value.type(), TypeOf<std::string>());
+  EXPECT_NE(Made(Main("<Sleep msec=\"{n}\"/>"), board).tree, nullptr);
+  EXPECT_EQ(board->Find("n")->value.type(), TypeOf<unsigned>());
+}
+
 constexpr const char* kTwoBoards =
     "<root BTCPP_format=\"4\" main_tree_to_execute=\"Main\"><BehaviorTree ID=\"Main\"><Sequence>"
     "<Script code=\"n := n + 1; word := 'a'\"/><SubTree ID=\"Part\" in=\"{n}\"/></Sequence>"
@@ -162,6 +176,25 @@ TEST(ABackup, OfAnotherTreeIsRefusedAndChangesNothing) {
   EXPECT_THAT(Backup(*tree).Restore(*typed).error().message,
               HasSubstr("entry 'n': 'many' is not valid: expected integer"));
   EXPECT_EQ(typed->board().Get<int>("word").value(), 3);
+}
+TEST(ABackup, OfATreeWithOtherSubtreesIsRefused) {
+  const auto tree = MakeTree(kTwoBoards);
+  ASSERT_TRUE(tree->board().Set("n", 1));
+  const auto made = [](const std::string& main, const std::string& subtree) {
+    return MakeTree("<root BTCPP_format=\"4\" main_tree_to_execute=\"" + main +
+                    "\"><BehaviorTree ID=\"" + main + "\"><Sequence><SubTree ID=\"" + subtree +
+                    "\"/></Sequence></BehaviorTree><BehaviorTree ID=\"" + subtree +
+                    "\"><Script code=\"n := 3\"/></BehaviorTree></root>");
+  };
+  const auto other = made("Main", "Whole");
+  ASSERT_TRUE(other->board().Set("n", 7));
+  EXPECT_EQ(Backup(*tree).Restore(*other).error().message,
+            "the backup has a blackboard of Main/Sequence/Part, tree Main has one of "
+            "Main/Sequence/Whole in its place");
+  EXPECT_EQ(other->board().Get<int>("n").value(), 7);
+  const auto renamed = made("Course", "Part");
+  EXPECT_EQ(Backup(*tree).Restore(*renamed).error().message,
+            "the backup has a blackboard of Main, tree Course has one of Course in its place");
 }
 TEST(ABackup, LeavesTheBoardAroundTheTree) {
   const auto outer = std::make_shared<Board>();

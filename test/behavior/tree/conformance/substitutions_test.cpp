@@ -66,6 +66,23 @@ TEST_F(Substitutions, FromJsonReplaceLeavesByTestNodesAndByOtherNodes) {
   EXPECT_EQ(tree->board().Get<int>("n").value(), 2);
   EXPECT_EQ(tree->board().Get<std::string>("why").value(), "door");
 }
+TEST_F(Substitutions, FindLeavesAsBehaviorTreeCppDoesByTheirIdAndByThePathOfTheirSubtrees) {
+  ASSERT_EQ(Added("{\"SubstitutionRules\": {\"Move\": \"AlwaysSuccess\", "
+                  "\"arm/*\": \"AlwaysSuccess\", \"arm/hand/close\": \"AlwaysFailure\"}}"),
+            "");
+  const auto by_id = MakeTree(Main("<Move name=\"there\" goal=\"3\"/>"), factory);
+  EXPECT_EQ(by_id->info(0).id, "Move");
+  EXPECT_EQ(Ticks(*by_id, 1), "S") << "its name is not that of its class";
+  const auto tree = MakeTree(
+      "<root BTCPP_format=\"4\" main_tree_to_execute=\"Main\"><BehaviorTree ID=\"Main\">"
+      "<Sequence><SubTree ID=\"Arm\" name=\"arm\"/>"
+      "</Sequence></BehaviorTree><BehaviorTree ID=\"Arm\"><Sequence>"
+      "<SubTree ID=\"Hand\" name=\"hand\"/></Sequence></BehaviorTree>"
+      "<BehaviorTree ID=\"Hand\"><Inverter><Teleport name=\"close\" goal=\"1\"/></Inverter>"
+      "</BehaviorTree></root>",
+      factory);
+  EXPECT_EQ(Ticks(*tree, 1), "F") << "the first rule that matches, in their order";
+}
 TEST_F(Substitutions, AreCheckedWithThePortsOfTheOtherNode) {
   ASSERT_EQ(Added("{\"SubstitutionRules\": {\"Move\": \"SetBlackboard\"}}"), "");
   EXPECT_THAT(Findings(Main("<Move goal=\"3\"/>"), factory),

@@ -1,5 +1,7 @@
 // Nodes from shared libraries.
 
+#include "musher/behavior/tree/plugin/plugin.hpp"
+#include "musher/base/version.hpp"
 #include "musher/behavior/tree/plugin/load_plugin.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
 
@@ -34,6 +36,16 @@ TEST_F(APlugin, WhoseNodeThrowsEndsTheTickWithItsPath) {
   ASSERT_EQ(ErrorOf(Library("arm_nodes")), "");
   const auto tree = MakeTree(Main("<Grip force_n=\"-1\"/>"), factory);
   EXPECT_EQ(tree->TickOnce(At(0)).error().message, "t.xml:3:1: Main/Grip: a force below 0");
+}
+TEST_F(APlugin, IsRefusedWhereItIsOfAnotherVersionOrItsHeadersWere) {
+  EXPECT_THAT(MUSHER_TREE_PLUGIN_BUILD, HasSubstr(" " + std::string(Version()) + ","))
+      << "a plugin of another version has another text";
+  EXPECT_THAT(ErrorOf(Library("other_sizes_plugin")),
+              HasSubstr("it was built with another version of Musher, or other options"));
+}
+TEST_F(APlugin, IsRefusedWhereItThrowsSomethingElseThanAnException) {
+  EXPECT_THAT(ErrorOf(Library("throwing_plugin")), HasSubstr("it threw something that is not"));
+  EXPECT_EQ(ErrorOf(Library("arm_nodes")), "");
 }
 TEST_F(APlugin, IsRefusedWhereItsNodesAreThereAlreadyOrItIsNone) {
   ASSERT_EQ(ErrorOf(Library("arm_nodes")), "");
