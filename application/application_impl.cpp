@@ -31,7 +31,9 @@ Result<> ApplicationImpl::Run(const State& state) {
 }
 
 void ApplicationImpl::OnEmergencyStop() {
-  if (open_) StopAtOnce();
+  if (!open_) return;
+  StopAtOnce();
+  if (!pause_fault_.empty()) actuator_.ReportStopTrouble(pause_fault_);
 }
 
 Result<> ApplicationImpl::Open(const std::function<void(transport::Endpoints&)>& open) {
@@ -73,8 +75,11 @@ std::string ApplicationImpl::Whereabouts() const {
 
 void ApplicationImpl::CallOnPause(const std::function<void()>& hook) {
   const auto thrown = Thrown("OnPause", hook);
-  if (!pause_fault_.empty()) actuator_.ReportFault({kCodeOk, pause_fault_});
-  pause_fault_.clear();
+  if (!pause_fault_.empty()) {
+    actuator_.ReportFault({kCodeOk, pause_fault_});
+    actuator_.ReportStopTrouble("");
+    pause_fault_.clear();
+  }
   if (!thrown) return;
   actuator_.Log(LogLevel::kError, "fault: " + *thrown);
   pause_fault_ = *thrown + "; its outputs may not be neutral";

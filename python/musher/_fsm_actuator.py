@@ -69,6 +69,7 @@ class FsmActuator(Actuator):
         self._opened: List[Endpoint] = []
         self._is_set_up = False
         self._ticking = False
+        self._has_ended = False  # the application has stopped the machine, since START
         self._in_tick = False
         self._published: Optional[str] = None
         self._last_raised: Dict[str, str] = {}  # by the hook around a tick
@@ -118,8 +119,15 @@ class FsmActuator(Actuator):
 
     def send(self, command: str, data: Any = None) -> None:
         """A command for the machine, of <name>/send_command or of a topic, with its data. Raises musher.Failure when the machine is
-        paused, so that no command is executed hours later, and when machine.send() does."""
+        paused, so that no command is executed hours later, and when machine.send() does. A machine that the application
+        has stopped begins again by START only."""
+        if self._has_ended and command == "START" and self.current_state == "Active":
+            self._has_ended = False
+            return self._start_or_resume()
         if not self._ticking:
+            if self._has_ended and self.current_state == "Active":
+                raise Failure(_STATE_INVALID, f"{self.name} stands and waits for START: musher behavior {self.name} "
+                              "--send START")
             held = ", held by the emergency stop" if self.held_by_stop else ""
             raise Failure(_STATE_INVALID, f"{self.name} is paused in {self.current_state}{held}")
         self.machine.send(command, data)
@@ -166,6 +174,7 @@ class FsmActuator(Actuator):
         for warning in machine.warnings:
             self.log.warning(warning)
         self._machine = machine
+        self._has_ended = False
         self.node._run(self._open_all)
         self._is_set_up = True
 
@@ -211,6 +220,9 @@ class FsmActuator(Actuator):
             raise Failure(_STATE_INVALID, "an emergency stop was engaged meanwhile")
         if self._ticking:
             return
+        if self._has_ended:
+            self.log.info("stands, and waits for START")
+            return
         self._named("on_resume", self.on_resume)
         machine, ticks = self.machine, self._ticks
         assert ticks is not None
@@ -251,7 +263,8 @@ class FsmActuator(Actuator):
         if by_fault:
             self.give_up(_FAILED, self.machine.fault)
         else:
-            self.log.info("the machine has ended")
+            self._has_ended = True
+            self.log.info("the machine has ended, and waits for START")
 
     def _pause(self) -> None:
         self._pause_machine()

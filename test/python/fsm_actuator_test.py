@@ -161,6 +161,18 @@ class Applications(WithRobot):
         self.machine.set("Active")
         self.assertEqual(self.behavior("show")["state"], "GREET")
 
+    def test_a_machine_that_its_application_has_stopped_begins_again_by_start_only(self):
+        self.show("def after_tick(self):\n    if self.machine.state == 'PLAY': self.machine.stop()")
+        self.await_state(self.states_of("show"), "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_behavior("show", lambda report: not report["ticking"])
+        self.machine.set("LowPower")
+        self.machine.set("Active")
+        self.assertFalse(self.behavior("show")["ticking"])
+        self.assertIn("waits for START", self.robot.run("behavior", "show", "--send", "next").stderr)
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "START").returncode, 0)
+        self.assertTrue(self.behavior("show")["ticking"])
+
     def test_an_emergency_stop_pauses_the_machine_until_active_is_set_again(self):
         self.show("def on_pause(self): self.log.info('pauses')")
         self.await_state(self.states_of("show"), "GREET")
