@@ -59,10 +59,13 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
   };
   const auto root = ota::Root::Open(disk, fs::canonical(root_path));
   if (!root) return fail(root.error());
-  const int holder = ota::HolderOf(root.value().RunLock());
-  if (holder != 0 && !takeover) {
-    return fail({kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}",
-                                              holder, root.value().path(), HowToReplace(holder))});
+  const auto holder = [&root] { return ota::HolderOf(root.value().RunLock()); };
+  RootLock lock;
+  const auto taken = TakeFromKilled([&] { return lock.Take(root.value().path()); }, holder);
+  if (!taken && taken.error().code == kCodeTargetBusy && !takeover) {
+    return fail(
+        {kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}", holder(),
+                                      root.value().path(), HowToReplace(holder()))});
   }
   std::string abandoned;  // why a version was abandoned
   while (true) {
@@ -71,12 +74,14 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
     const ota::Boot& b = boot.value();
     ChosenSlot chosen{{root.value().path(), b.start, b.on_trial_boot, b.version.text,
                        root.value().config().trial, abandoned.empty() ? b.reason : abandoned},
+                      {},
                       {}};
     auto config = LoadConfig(root.value().ConfigFile(b.start), console);
     if (config) {
       chosen.config = std::move(*config);
       chosen.config.state_dir = OutsideOfSlot(chosen.config.state_dir, chosen.run);
       chosen.config.log = OutsideOfSlot(chosen.config.log, chosen.run);
+      chosen.lock = std::move(lock);
       return chosen;
     }
     if (!b.on_trial_boot) return std::nullopt;
@@ -113,10 +118,15 @@ Result<> RootLock::Take(const std::string& root_path) {
   disk_ = std::make_unique<ota::PosixDisk>();
   const auto root = ota::Root::Open(*disk_, root_path);
   if (!root) return root.error();
-  auto lock = disk_->Take(root.value().RunLock(), /*wait=*/false);
+  file_ = root.value().RunLock();
+  auto lock = disk_->Take(file_, /*wait=*/false);
   if (!lock) return lock.error();
   lock_ = std::move(lock).value();
   return Ok();
+}
+
+void RootLock::NameThisProcess() const {
+  if (held()) ota::WriteHolder(file_);
 }
 
 TrialBoot::TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, const SlotRun& run,

@@ -21,6 +21,13 @@ class Killed : public RobotWithUpgrades {
     EXPECT_TRUE(lock) << lock.error().message;
     return std::move(lock).value();
   }
+  static void KillController() {
+    const auto controller = Status()["pid"].get<pid_t>();
+    const auto process = OpenPidfd(controller);
+    ASSERT_TRUE(process) << process.error().message;
+    ASSERT_EQ(kill(controller, SIGKILL), 0);
+    ASSERT_TRUE(AwaitReadable(process.value().get(), In(std::chrono::seconds(30))));
+  }
   // What a program of the new version does: it makes this file, and does not come back.
   std::string Waits() const { return "touch " + (folder_ / "runs") + "; exec sleep 60"; }
 
@@ -51,10 +58,7 @@ TEST_F(Killed, InstallerAndControllerInTheMiddleAreReportedByTheNextStartOnce) {
   ASSERT_NE(installer.LineWith("copy"), "");
   installer.Signal(SIGKILL);
   EXPECT_EQ(installer.Wait().exit, -1);
-  const auto controller = Status()["pid"].get<pid_t>();
-  const auto process = OpenPidfd(controller);
-  ASSERT_EQ(kill(controller, SIGKILL), 0);
-  ASSERT_TRUE(AwaitReadable(process.value().get(), In(std::chrono::seconds(30))));
+  KillController();
   const Ended up = UpDetached();
   ASSERT_EQ(up.exit, 0) << up.err;
   EXPECT_EQ(Where(), "OTA from a") << "it adopts the actuators as they are";
@@ -129,6 +133,25 @@ TEST_F(Killed, TwoInstallersDoNotMeet) {
   const Ended third = Install("1.1.0");
   EXPECT_EQ(third.exit, 1);
   EXPECT_THAT(third.err, HasSubstr("a trial boot is running"));
+}
+
+// The second start took the first one for a trial boot that had not finished, recorded a good
+// version as failed, and ended the processes of the first.
+TEST_F(Killed, AMachineThatIsBeingStartedIsNotStartedTwice) {
+  Make("1.1.0", {});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  // A process that is left of the other slot and ignores SIGTERM: a start waits for its end.
+  Process left({"env", "MUSHER_CONFIG=" + root_ + "/slots/a/robot.toml", "sh", "-c",
+                "trap '' TERM; echo runs; exec sleep 60"});
+  ASSERT_NE(left.LineWith("runs"), "");
+  Process first(Command({"up", root_}));
+  ASSERT_TRUE(Until([] { return Versions()["slots"]["b"]["role"] == "on trial"; }));
+  const Ended second = UpDetached();
+  EXPECT_EQ(second.exit, 2);
+  EXPECT_THAT(second.err, HasSubstr("already leads the machine of " + root_));
+  EXPECT_NE(first.LineWith("version 1.1.0 in slot b is kept"), "");
+  EXPECT_EQ(Where(), "Active from b");
+  EXPECT_EQ(Versions()["last"]["kept"], true);
 }
 
 TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
