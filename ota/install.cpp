@@ -140,7 +140,7 @@ Result<> Installation::Prepare() {
       return Error{kCodeTargetBusy, "another process changed the slot state meanwhile; try again"};
     }
     SlotState next = state;
-    next.on_trial_boot = next.started = next.other_good = false;
+    next.on_trial_boot = next.started = next.other_good = next.taking_down = false;
     next.installing = manifest_.manifest.version.text;
     return next;
   });
@@ -168,7 +168,7 @@ Result<> Installation::MarkTrialBoot() {
     }
     SlotState next = state;
     next.on_trial_boot = true;
-    next.started = false;
+    next.started = next.taking_down = false;
     next.installing.clear();
     return next;
   });
@@ -206,7 +206,7 @@ Result<Version> MarkRollback(const Root& root, std::optional<Slot> running) {
     version = std::move(content).value();
     SlotState next = state;
     next.on_trial_boot = true;
-    next.started = false;
+    next.started = next.taking_down = false;
     next.installing.clear();
     return next;
   });

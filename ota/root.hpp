@@ -68,8 +68,8 @@ class Root {
   Result<> Change(const std::function<Result<SlotState>(const SlotState&)>& change) const;
 
   // Chooses which slot is started now, and saves that. Does not begin a trial boot that cannot be
-  // saved.
-  Result<ota::Boot> Boot() const;
+  // saved. `running`: the slot whose actuators run, see DecideBoot().
+  Result<ota::Boot> Boot(std::optional<Slot> running = std::nullopt) const;
   // Ends the running trial boot.
   Result<> EndTrialBoot(const std::string& version, const Result<>& outcome) const;
   // Initialises the state: the first version of a new root is in this slot.

@@ -121,7 +121,7 @@ struct Target {
 
 std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
   if (std::filesystem::is_directory(options.file)) {
-    auto chosen = ChooseSlot(options.file, options.takeover, console);
+    auto chosen = ChooseSlot(options.file, options.takeover, options.resume.has_value(), console);
     if (!chosen) return std::nullopt;
     return Target{std::move(chosen->config), std::move(chosen->run), std::move(chosen->lock)};
   }

@@ -118,7 +118,7 @@ void ControllerProcess::BeginRun() {
   if (!root_lock_.held()) {  // in a takeover the previous controller has released it by now
     if (auto locked = root_lock_.Take(run_->root); !locked) OnTrouble(locked.error().message);
   }
-  if (!run_->reason.empty()) {
+  if (!run_->reason.empty() && !run_->takes_down) {
     controller_->shell().Remark(run_->on_trial_boot ? kCodeOk : kCodeFailed, run_->reason);
   }
   again_watch_ = loop_.WhenReadable(again_.get(), [this] {
@@ -126,6 +126,7 @@ void ControllerProcess::BeginRun() {
     if (NextSignal(again_, &sender) == 0) return;
     StartAgain("restart from the slot that is due, requested by process " + std::to_string(sender));
   });
+  if (run_->takes_down) return StartAgain(run_->reason);
   if (!run_->on_trial_boot) return;
   trial_boot_.emplace(
       loop_, disk_, *run_, config_, [this] { return &controller_->shell().machine(); },

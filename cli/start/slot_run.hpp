@@ -31,6 +31,8 @@ struct SlotRun {
   std::string version;
   Duration trial{};    // time limit of a trial boot
   std::string reason;  // why this slot was chosen
+  // The actuators run from this slot, which is not due: take them down, then start again.
+  bool takes_down = false;
 
   std::string Folder() const { return root + "/slots/" + std::string(ota::SlotName(slot)); }
 };
@@ -61,7 +63,11 @@ struct ChosenSlot {
 // Chooses the slot of a root and saves the choice. A version on trial boot with a faulty config is
 // abandoned for the previous one. Prints the error and returns nullopt if there is no version to
 // start, or if the machine of this root already runs, or is being started, and `takeover` is false.
-std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, Console& console);
+//
+// `taken_down`: the machine was taken down for this start. Otherwise actuators that run, as after a
+// crash of the controller or in a takeover, decide which slot is started: see ota::DecideBoot().
+std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, bool taken_down,
+                                     Console& console);
 
 // Saves the outcome of the trial boot: the version is kept, or why not.
 Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/ota/install.hpp"
 #include "musher/ota/posix_disk.hpp"
 #include "musher/test/integration/ota/root.hpp"
 #include "musher/test/support/wait.hpp"
@@ -21,6 +22,22 @@ class Killed : public RobotWithUpgrades {
     EXPECT_TRUE(lock) << lock.error().message;
     return std::move(lock).value();
   }
+  // What an installer that is killed before it starts the machine again leaves.
+  void MarkForTrialBoot(const std::string& version) {
+    auto files = BeginInstallation(version, ota::Slot::kA);
+    ASSERT_TRUE(files && files->Check({}) && files->Prepare() && files->Copy({}) &&
+                files->CheckWritten({}) && files->MarkTrialBoot());
+  }
+  std::optional<ota::Installation> BeginInstallation(const std::string& version,
+                                                     std::optional<ota::Slot> running) {
+    if (!opened_) {
+      auto root = ota::Root::Open(disk_, root_);
+      EXPECT_TRUE(root) << root.error().message;
+      opened_.emplace(std::move(root).value());
+    }
+    auto begun = ota::Installation::Begin(*opened_, Bundle(version), {}, running);
+    return begun ? std::optional(std::move(begun).value()) : std::nullopt;
+  }
   static void KillController() {
     const auto controller = Status()["pid"].get<pid_t>();
     const auto process = OpenPidfd(controller);
@@ -28,11 +45,18 @@ class Killed : public RobotWithUpgrades {
     ASSERT_EQ(kill(controller, SIGKILL), 0);
     ASSERT_TRUE(AwaitReadable(process.value().get(), In(std::chrono::seconds(30))));
   }
+  static std::vector<pid_t> Pids() {
+    std::vector<pid_t> pids;
+    const auto status = Status();
+    for (const auto& actuator : status["actuators"]) pids.push_back(actuator["pid"]);
+    return pids;
+  }
   // What a program of the new version does: it makes this file, and does not come back.
   std::string Waits() const { return "touch " + (folder_ / "runs") + "; exec sleep 60"; }
 
  private:
   ota::PosixDisk disk_;
+  std::optional<ota::Root> opened_;
 };
 
 TEST_F(Killed, InstallerLeavesTheMachineInOtaUntilItIsInstalledAgain) {
@@ -152,6 +176,52 @@ TEST_F(Killed, AMachineThatIsBeingStartedIsNotStartedTwice) {
   EXPECT_NE(first.LineWith("version 1.1.0 in slot b is kept"), "");
   EXPECT_EQ(Where(), "Active from b");
   EXPECT_EQ(Versions()["last"]["kept"], true);
+}
+
+// It ended the actuators of an Active robot, without TearDown, for the trial boot that was due.
+TEST_F(Killed, ControllerOfARobotThatStandsIsFollowedByOneThatLeavesThePendingTrialBootForLater) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  MarkForTrialBoot("1.1.0");  // and its installer is killed
+  const auto before = Pids();
+  KillController();
+  ASSERT_EQ(Musher({"up", root_, "--detach", "--restarted"}).exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_EQ(Pids(), before);
+  EXPECT_THAT(History(), HasSubstr("the trial boot of slot b, version 1.1.0, waits"));
+  const std::string versions = Musher({"ota", "status"}).out;
+  EXPECT_THAT(versions, HasSubstr("its trial boot waits for `musher down`"));
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Where(), "Active from b");
+  EXPECT_EQ(Versions()["last"]["kept"], true);
+}
+
+TEST_F(Killed, NoActuatorEndsInATakeoverWhileATrialBootIsPending) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  MarkForTrialBoot("1.1.0");
+  const auto before = Pids();
+  ASSERT_EQ(Musher({"up", root_, "--detach", "--takeover"}).exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_EQ(Pids(), before);
+}
+
+// The actuators that are up stand: they have to lie down before their processes end.
+TEST_F(Killed, ControllerInTheTrialBootIsFollowedByOneThatTearsTheNewVersionDownFirst) {
+  const std::string torn_down = folder_ / "torn_down";
+  Make("1.1.0", {.set_up = "mkdir " + (folder_ / "first") + " && exit; " + Waits(),
+                 .tear_down = "touch " + torn_down});
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_TRUE(AwaitFile(folder_ / "runs")) << "legs are Active, voice is set up";
+  installer.Signal(SIGKILL);
+  KillController();
+  ASSERT_EQ(Musher({"up", root_, "--detach", "--restarted"}).exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_TRUE(std::filesystem::exists(torn_down));
+  EXPECT_EQ(Versions()["last"]["kept"], false);
+  EXPECT_THAT(History(), HasSubstr("its trial boot did not finish"));
 }
 
 TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
