@@ -106,6 +106,38 @@ TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
+// The robot lay, and stood up.
+TEST_F(Killed, InstallerLeavesTheMachineWhereItWasSwitchedMeanwhile) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  auto state = HoldState();
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("enter OTA"), "");
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  installer.Signal(SIGINT);
+  state.reset();
+  const Ended ended = installer.Wait();
+  EXPECT_EQ(ended.exit, 130) << ended.err;
+  EXPECT_EQ(Where(), "LowPower from a");
+  EXPECT_THAT(History(), Not(HasSubstr("LowPower → Active")));
+}
+
+// It was taken down while it was in use.
+TEST_F(Killed, InstallerDoesNotStartAMachineAgainThatHasLeftOtaMeanwhile) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  auto state = HoldState();
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("enter OTA"), "");
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  state.reset();
+  const Ended ended = installer.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("the machine was switched to LowPower meanwhile"));
+  EXPECT_EQ(Where(), "LowPower from a");
+  EXPECT_EQ(Versions()["slots"]["b"]["role"], "tried at the next start");
+}
+
 TEST_F(Killed, MachineInOtaCanBeTakenOutOfItByHand) {
   ASSERT_EQ(UpDetached().exit, 0);
   ASSERT_EQ(Musher({"set", "OTA"}).exit, 0);
