@@ -8,7 +8,8 @@
 //   current         a link to the confirmed slot, for people, and used if ota_state is lost
 //   state           the controller's folder, unless the config sets another one
 //   *.lock          install.lock: held by an installer; ota_state.lock: by a process that changes
-//                   ota_state; run.lock: by the controller of a machine that was started from here
+//                   ota_state; run.lock: by the controller of a machine that was started from here,
+//                   or by an installer while there is none
 //
 // `musher` itself is not in a slot: it chooses between them.
 //

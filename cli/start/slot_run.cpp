@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 constexpr Duration kCheckEvery = Milliseconds(100);
 constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
 constexpr Duration kRunKillTime = Milliseconds(2000);
+constexpr int kInstallerPollMs = 100;
 constexpr const char* kConfigVariable = "MUSHER_CONFIG";  // of an actuator's process
 
 // Slots are replaced by upgrades: the controller's own files must be outside of them.
@@ -61,6 +62,22 @@ std::optional<ota::Slot> RunningSlot(const ota::Root& root) {
   return std::nullopt;
 }
 
+// Waits for the end of an installation, which is quicker than a person who starts the robot again.
+Result<> TakeRoot(const ota::Root& root, RootLock& lock, Console& console) {
+  const auto holder = [&root] { return ota::HolderOf(root.RunLock()); };
+  for (bool first = true;; first = false) {
+    const auto taken = TakeFromKilled([&] { return lock.Take(root.path()); }, holder);
+    if (taken || taken.error().code != kCodeTargetBusy) return taken;
+    const int installer = holder();
+    if (installer == 0 || installer != ota::HolderOf(root.InstallLock())) return taken;
+    if (first) {
+      console.PrintError(fmt::format(
+          "process {} installs a version into {}; the start waits for it", installer, root.path()));
+    }
+    poll(nullptr, 0, kInstallerPollMs);
+  }
+}
+
 }  // namespace
 
 std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover, bool taken_down,
@@ -74,7 +91,7 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
   if (!root) return fail(root.error());
   const auto holder = [&root] { return ota::HolderOf(root.value().RunLock()); };
   RootLock lock;
-  const auto taken = TakeFromKilled([&] { return lock.Take(root.value().path()); }, holder);
+  const auto taken = TakeRoot(root.value(), lock, console);
   if (!taken && taken.error().code == kCodeTargetBusy && !takeover) {
     return fail(
         {kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}", holder(),

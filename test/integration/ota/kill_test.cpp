@@ -256,6 +256,28 @@ TEST_F(Killed, ControllerInTheTrialBootIsFollowedByOneThatTearsTheNewVersionDown
   EXPECT_THAT(History(), HasSubstr("its trial boot did not finish"));
 }
 
+// The slot was emptied under the machine that had begun to run from it.
+TEST_F(Killed, MachineThatIsStartedDuringAnInstallationWaitsForItsEnd) {
+  Make("1.1.0", {});
+  Make("1.2.0", {});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  auto installation = BeginInstallation("1.2.0", std::nullopt);
+  ASSERT_TRUE(installation);
+  ASSERT_TRUE(installation->Check({}));
+  Process up(Command({"up", root_}));
+  ASSERT_TRUE(up.AwaitError("the start waits for it"));
+  ASSERT_TRUE(installation->Prepare() && installation->Copy({}) && installation->CheckWritten({}) &&
+              installation->MarkTrialBoot());
+  installation.reset();
+  EXPECT_NE(up.LineWith("version 1.2.0 in slot b is kept"), "");
+}
+
+TEST_F(Killed, AnInstallerThatHasFoundNoMachineIsRefusedOnceThereIsOne) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_FALSE(BeginInstallation("1.1.0", std::nullopt));
+}
+
 TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended second = UpDetached();
