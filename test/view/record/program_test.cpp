@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/support/domain.hpp"
@@ -174,6 +175,47 @@ TEST_F(RecordProgram, TheTopicsOfAMachineArePlayedOnlyIfAsked) {
   const auto asked = testing::RunToEnd({kRecord, "play", file_, "--machine-topics"});
   EXPECT_EQ(asked.exit, 0);
   EXPECT_THAT(asked.err, HasSubstr("1 message published"));
+}
+
+// Velocities, servo commands and /clock went to the robot whose domain the recording was played in.
+TEST_F(RecordProgram, NothingIsPlayedBesideARobotUnlessAsked) {
+  {
+    testing::Process recorder({kRecord, "record", "-o", file_, "--topic", "/cmd_vel"});
+    const auto velocity = Publish("cmd_vel", transport::kDefaultQos);
+    Say(*velocity, "forward");
+    ASSERT_TRUE(Has(file_, "/cmd_vel", "forward"));
+    recorder.Signal(SIGINT);
+    ASSERT_EQ(recorder.Wait().exit, 0);
+  }
+  std::vector<std::string> velocities;
+  const auto wheels = transport::MakeSubscription<msg::String>(
+      *node_, "cmd_vel", [&velocities](const msg::String& message, const transport::SampleInfo&) {
+        velocities.push_back(message.data);
+      });
+  ASSERT_TRUE(wheels);
+  const auto play = [this](std::vector<std::string> more) {
+    std::vector<std::string> argv = {kRecord, "play", file_, "--no-clock"};
+    argv.insert(argv.end(), more.begin(), more.end());
+    testing::Process player(argv);
+    return player.Wait();
+  };
+  const auto receives = [&](std::size_t count) {
+    return loop_.RunUntil([&] { return velocities.size() == count; }, loop_.Now() + kLong);
+  };
+  {
+    const auto motor = transport::MakePublisher<msg::ActuatorStatus>(
+                           *node_, "dog1/musher/motor/status", transport::kLatchedQos)
+                           .value();
+    const auto refused = play({});
+    EXPECT_EQ(refused.exit, 1);
+    EXPECT_THAT(refused.err, HasSubstr("a robot is in this domain (it publishes /dog1/musher/"));
+    const auto asked = play({"--beside-a-robot"});
+    EXPECT_EQ(asked.exit, 0) << asked.err;
+    EXPECT_TRUE(receives(1)) << "of the first nothing, of the second one";
+  }
+  const auto alone = play({});
+  EXPECT_EQ(alone.exit, 0) << alone.err;
+  EXPECT_TRUE(receives(2));
 }
 
 TEST_F(RecordProgram, AFullDiskEndsTheRecordingWithASentenceAndAGoodFile) {
