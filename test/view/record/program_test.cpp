@@ -274,6 +274,34 @@ TEST_F(RecordProgram, ARingKeepsWhatWentWrong) {
   EXPECT_EQ(TextsOf(kept[0], "/musher/machine_status").size(), 2U);
 }
 
+// The status of each machine of the namespace was trouble of the other.
+TEST_F(RecordProgram, ARingKeepsNoTroubleOfAnotherMachineOfTheNamespace) {
+  const auto publisher = [this] {
+    return transport::MakePublisher<msg::MachineStatus>(*node_, "musher/machine_status",
+                                                        transport::kLatchedQos)
+        .value();
+  };
+  const auto dog = publisher();
+  msg::MachineStatus of_dog;
+  of_dog.machine = "dog";
+  ASSERT_TRUE(dog->Publish(of_dog));
+  testing::Process recorder({kRecord, "record", "--ring", "5m", "-o", folder_ / "kept"});
+  ASSERT_TRUE(loop_.RunUntil([&] { return dog->MatchedReaders() == 2; }, loop_.Now() + kLong));
+  ASSERT_TRUE(dog->Flush(kLong));
+  const auto cat = publisher();
+  msg::MachineStatus of_cat;
+  of_cat.machine = "cat";
+  of_cat.emergency_stop = true;
+  ASSERT_TRUE(loop_.RunUntil([&] { return cat->MatchedReaders() == 2; }, loop_.Now() + kLong));
+  ASSERT_TRUE(cat->Publish(of_cat));
+  ASSERT_TRUE(cat->Flush(kLong));
+  of_dog.state = "Error";
+  ASSERT_TRUE(dog->Publish(of_dog));
+  ASSERT_TRUE(recorder.AwaitError("trouble: error"));
+  recorder.Signal(SIGINT);
+  EXPECT_THAT(recorder.Wait().err, ::testing::Not(HasSubstr("emergency-stop")));
+}
+
 TEST_F(RecordProgram, ARingThatCannotKeepAllOfWhatWentWrongSaysSoAndExitsWithOne) {
   const auto machine = transport::MakePublisher<msg::MachineStatus>(*node_, "musher/machine_status",
                                                                     transport::kLatchedQos)
