@@ -66,6 +66,17 @@ Result<> CheckState(const SlotState& state, std::optional<Slot> running) {
   return Ok();
 }
 
+// Held by a change of a root from which no machine runs: none is started meanwhile. Null if one
+// runs.
+Result<std::unique_ptr<Disk::Lock>> KeepFromStarting(const Root& root,
+                                                     std::optional<Slot> running) {
+  if (running) return std::unique_ptr<Disk::Lock>();
+  auto lock = root.disk().Take(root.RunLock(), /*wait=*/false);
+  if (lock || lock.error().code != kCodeTargetBusy) return lock;
+  return Error{kCodeTargetBusy, "a machine is being started from " + root.path() +
+                                    "; try again once it runs: " + lock.error().message};
+}
+
 }  // namespace
 
 Result<> CheckVersion(const Manifest& manifest, const Version& present,
@@ -92,6 +103,9 @@ Result<Installation> Installation::Begin(const Root& root, std::string bundle,
     return Error{kCodeTargetBusy, "another installation is running: " + lock.error().message};
   }
   installation.lock_ = std::move(lock).value();
+  auto stays_down = KeepFromStarting(root, running);
+  if (!stays_down) return stays_down.error();
+  installation.run_lock_ = std::move(stays_down).value();
   const auto state = root.State();
   if (!state) return state.error();
   if (auto good = CheckState(state.value(), running); !good) return good.error();
@@ -140,7 +154,7 @@ Result<> Installation::Prepare() {
       return Error{kCodeTargetBusy, "another process changed the slot state meanwhile; try again"};
     }
     SlotState next = state;
-    next.on_trial_boot = next.started = next.other_good = false;
+    next.on_trial_boot = next.started = next.other_good = next.taking_down = false;
     next.installing = manifest_.manifest.version.text;
     return next;
   });
@@ -168,7 +182,7 @@ Result<> Installation::MarkTrialBoot() {
     }
     SlotState next = state;
     next.on_trial_boot = true;
-    next.started = false;
+    next.started = next.taking_down = false;
     next.installing.clear();
     return next;
   });
@@ -199,6 +213,8 @@ Result<Version> FindRollback(const Root& root, std::optional<Slot> running) {
 Result<Version> MarkRollback(const Root& root, std::optional<Slot> running) {
   const auto lock = root.disk().Take(root.InstallLock(), /*wait=*/false);
   if (!lock) return lock.error();
+  const auto stays_down = KeepFromStarting(root, running);
+  if (!stays_down) return stays_down.error();
   std::optional<Version> version;
   const auto changed = root.Change([&](const SlotState& state) -> Result<SlotState> {
     auto content = RollbackTarget(root, state, running);
@@ -206,7 +222,7 @@ Result<Version> MarkRollback(const Root& root, std::optional<Slot> running) {
     version = std::move(content).value();
     SlotState next = state;
     next.on_trial_boot = true;
-    next.started = false;
+    next.started = next.taking_down = false;
     next.installing.clear();
     return next;
   });

@@ -28,7 +28,8 @@ Result<> CheckVersion(const Manifest& manifest, const Version& present,
 
 class Installation {
  public:
-  // Takes the install lock. `running`: the slot that a machine runs from now.
+  // Takes the install lock. `running`: the slot that a machine runs from now; nullopt: none does,
+  // and the start of one waits for the end of this installation.
   static Result<Installation> Begin(const Root& root, std::string bundle, InstallOptions options,
                                     std::optional<Slot> running);
 
@@ -53,6 +54,7 @@ class Installation {
   std::string bundle_;
   InstallOptions options_;
   std::unique_ptr<Disk::Lock> lock_;
+  std::unique_ptr<Disk::Lock> run_lock_;  // null if a machine runs
   Slot slot_ = Slot::kB;
   Version present_;
   SignedManifest manifest_;

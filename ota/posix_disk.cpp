@@ -97,6 +97,13 @@ int ReadPid(int fd) {
   return std::max(pid, 0);
 }
 
+// Only the lock counts: on a full disk the file may stay empty.
+void WritePid(int fd) {
+  const std::string pid = std::to_string(getpid()) + "\n";
+  if (ftruncate(fd, 0) != 0) return;
+  [[maybe_unused]] const ssize_t written = pwrite(fd, pid.data(), pid.size(), 0);
+}
+
 }  // namespace
 
 Result<Disk::Info> PosixDisk::Look(const std::string& path) {
@@ -196,11 +203,7 @@ Result<std::unique_ptr<Disk::Lock>> PosixDisk::Take(const std::string& path, boo
                  path + " is held by process " + std::to_string(ReadPid(fd.get()))};
   }
   if (taken != 0) return SystemError("can't lock " + path);
-  // Only the lock counts: on a full disk the file may stay empty.
-  const std::string pid = std::to_string(getpid()) + "\n";
-  if (ftruncate(fd.get(), 0) == 0) {
-    [[maybe_unused]] const ssize_t written = pwrite(fd.get(), pid.data(), pid.size(), 0);
-  }
+  WritePid(fd.get());
   return std::unique_ptr<Lock>(std::make_unique<PosixLock>(std::move(fd)));
 }
 
@@ -209,6 +212,11 @@ int HolderOf(const std::string& path) {
   struct flock whole = Whole(F_RDLCK);
   if (!fd.valid() || fcntl(fd.get(), F_OFD_GETLK, &whole) != 0) return 0;
   return whole.l_type == F_UNLCK ? 0 : ReadPid(fd.get());
+}
+
+void WriteHolder(const std::string& path) {
+  const UniqueFd fd(open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (fd.valid()) WritePid(fd.get());
 }
 
 }  // namespace musher::ota

@@ -29,4 +29,8 @@ class PosixDisk : public Disk {
 // The process that holds the lock of this file; 0: none.
 int HolderOf(const std::string& path);
 
+// Writes this process's pid into the file of a lock that it holds: for a lock that was taken before
+// a fork.
+void WriteHolder(const std::string& path);
+
 }  // namespace musher::ota

@@ -138,12 +138,12 @@ Result<> Root::Change(const std::function<Result<SlotState>(const SlotState&)>& 
   return SaveState(next.value());
 }
 
-Result<Boot> Root::Boot() const {
+Result<Boot> Root::Boot(std::optional<Slot> running) const {
   // Without the lock (read-only disk, or a stopped holder) the start continues.
   const auto lock = LockState();
   const auto look = [this](Slot slot) { return Look(slot); };
   const auto state = LoadState();
-  auto boot = DecideBoot(state, CurrentSlot(), look);
+  auto boot = DecideBoot(state, CurrentSlot(), look, running);
   if (!boot) return boot.error();
   ReportUnfinished(boot.value());
   if (state != boot.value().next) {

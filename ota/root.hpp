@@ -8,7 +8,8 @@
 //   current         a link to the confirmed slot, for people, and used if ota_state is lost
 //   state           the controller's folder, unless the config sets another one
 //   *.lock          install.lock: held by an installer; ota_state.lock: by a process that changes
-//                   ota_state; run.lock: by the controller of a machine that was started from here
+//                   ota_state; run.lock: by the controller of a machine that was started from here,
+//                   or by an installer while there is none
 //
 // `musher` itself is not in a slot: it chooses between them.
 //
@@ -68,8 +69,8 @@ class Root {
   Result<> Change(const std::function<Result<SlotState>(const SlotState&)>& change) const;
 
   // Chooses which slot is started now, and saves that. Does not begin a trial boot that cannot be
-  // saved.
-  Result<ota::Boot> Boot() const;
+  // saved. `running`: the slot whose actuators run, see DecideBoot().
+  Result<ota::Boot> Boot(std::optional<Slot> running = std::nullopt) const;
   // Ends the running trial boot.
   Result<> EndTrialBoot(const std::string& version, const Result<>& outcome) const;
   // Initialises the state: the first version of a new root is in this slot.

@@ -82,6 +82,7 @@ std::string FormatState(const SlotState& state) {
   text += std::string("on_trial_boot = ") + flag(state.on_trial_boot);
   text += std::string("started = ") + flag(state.started);
   text += std::string("other_good = ") + flag(state.other_good);
+  if (state.taking_down) text += "taking_down = true\n";
   if (!state.installing.empty()) text += "installing = " + Literal(state.installing) + "\n";
   if (state.last) {
     text += "\n[last]\nslot = \"" + std::string(SlotName(state.last->slot)) +
@@ -105,7 +106,8 @@ std::optional<SlotState> ParseState(std::string_view text) {
                   Flag(*table, "started"),
                   Flag(*table, "other_good"),
                   std::nullopt,
-                  Text(*table, "installing")};
+                  Text(*table, "installing"),
+                  Flag(*table, "taking_down")};
   const auto* last = Find(*table, "last");
   if (const auto* end_of_trial_boot = last == nullptr ? nullptr : last->value.As<Table>()) {
     state.last = TrialBootEnd{SlotOf(Text(*end_of_trial_boot, "slot")).value_or(*confirmed),
@@ -115,10 +117,14 @@ std::optional<SlotState> ParseState(std::string_view text) {
   return state;
 }
 
-Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slot> link,
-                        const LookIntoSlot& look) {
+namespace {
+
+// The start of a machine of which nothing runs.
+Result<Boot> DecideDue(const std::optional<SlotState>& state, std::optional<Slot> link,
+                       const LookIntoSlot& look) {
   if (!state) return DecideWithoutState(link, look);
   SlotState next = *state;
+  next.taking_down = false;
   std::string reason;
   const Slot other = Other(state->confirmed);
   std::optional<SlotContent> tried;  // the other slot, once it was looked into
@@ -147,6 +153,32 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
   return Boot{other, false, tried->value(), next,
               Name(state->confirmed) + " is damaged (" + confirmed.error().message + "); " +
                   "starting " + Name(other) + ", version " + tried->value().text};
+}
+
+}  // namespace
+
+Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slot> link,
+                        const LookIntoSlot& look, std::optional<Slot> running) {
+  auto due = DecideDue(state, link, look);
+  if (!due || !running || due.value().start == *running) return due;
+  if (state && state->taking_down) return due;
+  const SlotContent content = look(*running);
+  if (!content) return due;  // a version that was altered is not started
+  const std::string from = "actuators run from " + Name(*running);
+  if (due.value().on_trial_boot) {
+    return Boot{*running, false, content.value(), *state,
+                "the " + due.value().reason + ", waits: " + from +
+                    "; it begins with the next start after `musher down`"};
+  }
+  SlotState next = state ? *state : due.value().next;
+  next.taking_down = true;
+  return Boot{*running,
+              false,
+              content.value(),
+              next,
+              from + ", which is not due: the machine is taken down, and starts from " +
+                  Name(due.value().start),
+              true};
 }
 
 SlotState AfterTrialBoot(const SlotState& state, const std::string& version,

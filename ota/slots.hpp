@@ -45,6 +45,8 @@ struct SlotState {
   bool other_good = false;     // the other one was confirmed once, and is as it was then
   std::optional<TrialBootEnd> last;
   std::string installing{};  // the version that is being written into the other one; empty: none
+  // A start takes down what runs from the slot that is not due, and has not finished that.
+  bool taking_down = false;
 
   friend bool operator==(const SlotState&, const SlotState&) = default;
 };
@@ -64,12 +66,18 @@ struct Boot {
   Version version;
   SlotState next;
   std::string reason;  // why it is not what one would expect; empty: it is
+  // The machine runs from this slot, and another one is due: it is to be taken down, then started
+  // from the one that is due.
+  bool takes_down = false;
 };
 
 // `state`: nullopt if it is lost or damaged; then `link`, the target of ROOT/current, is used.
-// Fails with Fault::kNoVersion if neither slot can be started.
+// `running`: the slot whose actuators run, nullopt: none. They may stand: no process of theirs is
+// to end without TearDown. A pending trial boot waits until the machine was taken down; a rollback,
+// or another change of the slot, takes it down first. If that has not been finished before, the
+// slot that is due is started. Fails with Fault::kNoVersion if neither slot can be started.
 Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slot> link,
-                        const LookIntoSlot& look);
+                        const LookIntoSlot& look, std::optional<Slot> running = std::nullopt);
 
 // The state after the trial boot: the new version is kept, or why it is not.
 SlotState AfterTrialBoot(const SlotState& state, const std::string& version,

@@ -116,13 +116,14 @@ struct Reexec {
 struct Target {
   MachineConfig config;
   std::optional<SlotRun> run;
+  RootLock lock{};  // of the run's root
 };
 
 std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
   if (std::filesystem::is_directory(options.file)) {
-    auto chosen = ChooseSlot(options.file, options.takeover, console);
+    auto chosen = ChooseSlot(options.file, options.takeover, options.resume.has_value(), console);
     if (!chosen) return std::nullopt;
-    return Target{std::move(chosen->config), std::move(chosen->run)};
+    return Target{std::move(chosen->config), std::move(chosen->run), std::move(chosen->lock)};
   }
   const bool is_word = options.file.find_first_of("./") == std::string::npos;
   if (is_word && !std::filesystem::exists(options.file)) {
@@ -134,7 +135,7 @@ std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
   }
   auto config = LoadConfig(options.file, console);
   if (!config) return std::nullopt;
-  return Target{std::move(*config), std::nullopt};
+  return Target{std::move(*config), std::nullopt, {}};
 }
 
 // Whether --restarted means a restart after a crash. systemd uses the same command for the first
@@ -180,14 +181,19 @@ namespace {
   // Kept for the program that is executed after this one; the machine's processes do not inherit
   // it.
   const UniqueFd kept(fcntl(progress.get(), F_DUPFD_CLOEXEC, 0));
+  target.lock.NameThisProcess();
   Reexec reexec(target.run ? target.run->root : "", kept.get());
   {
     ControllerProcess process(
-        target.config, target.run, std::move(progress), launcher,
+        target.config, target.run, target.lock, std::move(progress), launcher,
         {options.takeover, options.adopt, options.resume || StartedAgain(options),
          options.resume || options.restarted});
     the_end.exit_code = process.Run();
-    if (process.StartsAgain()) reexec.Prepare(process.launcher());
+    if (process.StartsAgain()) {
+      reexec.Prepare(process.launcher());
+    } else {
+      target.lock = {};  // the machine is stopped, while this process leaves the domain
+    }
     EndWithin(kLeaveTime);
   }
   if (the_end.argv.empty()) std::exit(the_end.exit_code);  // NOLINT(concurrency-mt-unsafe)
@@ -226,6 +232,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
     const std::string reason =
         "version " + target->run->version + " abandoned: " + good.error().message;
     console.PrintError(reason);
+    target.reset();  // releases its lock
     target = ChooseTarget(options, console);
     if (!target) return ExitCode::kUsage;
     if (target->run) target->run->reason = reason;
@@ -248,6 +255,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
     Lead(options, *target, std::move(theirs), options.detach ? 0 : launcher);
   }
   theirs = {};
+  target->lock = {};  // it is the controller's
   return UpLauncher(console, config, controller, std::move(ours), std::move(signals),
                     options.detach, options.restarted)
       .Run();

@@ -35,9 +35,11 @@ void PutOwnFolderFirstInPath() {
 }  // namespace
 
 ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                                     UniqueFd progress, pid_t launcher, Start start)
+                                     RootLock& root_lock, UniqueFd progress, pid_t launcher,
+                                     Start start)
     : config_(config),
       run_(std::move(run)),
+      root_lock_(root_lock),
       launcher_(launcher),
       start_(start),
       signals_(TakeEndSignals()),
@@ -58,7 +60,6 @@ int ControllerProcess::Run() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit counts as a full disk
   PutOwnFolderFirstInPath();
   if (run_) PutSlotFirstInPath(*run_);
-  if (run_) EndOtherSlot(*run_);
   if (const auto begun = Begin(); !begun) {
     // A version on trial boot that cannot be started is abandoned for the previous one.
     start_again_ = run_ && run_->on_trial_boot && EndTrialBoot(*run_, begun.error());
@@ -94,6 +95,8 @@ Result<> ControllerProcess::Begin() {
   auto controller = Controller::Make(*node_, domain_id.value(), config_, Options());
   if (!controller) return controller.error();
   controller_ = std::move(controller).value();
+  // Not before: what runs from the other slot may belong to a controller that leads.
+  if (run_) EndOtherSlot(*run_);
   controller_->AdoptOrphans();
   children_watch_ = loop_.WhenReadable(children_.get(), [this] {
     if (NextSignal(children_) != 0) controller_->ReapOrphans();
@@ -112,8 +115,10 @@ Result<> ControllerProcess::Begin() {
 }
 
 void ControllerProcess::BeginRun() {
-  if (auto locked = root_lock_.Take(run_->root); !locked) OnTrouble(locked.error().message);
-  if (!run_->reason.empty()) {
+  if (!root_lock_.held()) {  // in a takeover the previous controller has released it by now
+    if (auto locked = root_lock_.Take(run_->root); !locked) OnTrouble(locked.error().message);
+  }
+  if (!run_->reason.empty() && !run_->takes_down) {
     controller_->shell().Remark(run_->on_trial_boot ? kCodeOk : kCodeFailed, run_->reason);
   }
   again_watch_ = loop_.WhenReadable(again_.get(), [this] {
@@ -121,6 +126,7 @@ void ControllerProcess::BeginRun() {
     if (NextSignal(again_, &sender) == 0) return;
     StartAgain("restart from the slot that is due, requested by process " + std::to_string(sender));
   });
+  if (run_->takes_down) return StartAgain(run_->reason);
   if (!run_->on_trial_boot) return;
   trial_boot_.emplace(
       loop_, disk_, *run_, config_, [this] { return &controller_->shell().machine(); },

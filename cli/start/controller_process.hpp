@@ -44,8 +44,10 @@ class ControllerProcess {
   // `launcher`: pid of the process in the foreground, 0 for none. If it is killed, this process is
   // killed too, until the launcher detaches: after a failed start, or when its terminal was closed
   // (SIGHUP).
-  ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run, UniqueFd progress,
-                    pid_t launcher, Start start);
+  // `root_lock`: of the run's root; it outlives this object, so that no other start comes between
+  // this controller and the program that it executes after itself.
+  ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run, RootLock& root_lock,
+                    UniqueFd progress, pid_t launcher, Start start);
 
   // Call in a new process, before it has threads. Returns its exit code.
   int Run();
@@ -71,6 +73,7 @@ class ControllerProcess {
 
   const MachineConfig& config_;
   const std::optional<SlotRun> run_;
+  RootLock& root_lock_;
   pid_t launcher_;
   const Start start_;
   bool start_again_ = false;
@@ -90,7 +93,6 @@ class ControllerProcess {
   transport::LoopHandlePtr release_watch_;
   transport::LoopHandlePtr again_watch_;
   transport::LoopHandlePtr children_watch_;
-  RootLock root_lock_;
   std::optional<action::StartUpEnded> start_up_;  // of a trial boot; not reported yet
   bool start_held_ = false;                       // an emergency stop has refused the start-up
   std::optional<TrialBoot> trial_boot_;

@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
 constexpr Duration kCheckEvery = Milliseconds(100);
 constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
 constexpr Duration kRunKillTime = Milliseconds(2000);
+constexpr int kInstallerPollMs = 100;
+constexpr const char* kConfigVariable = "MUSHER_CONFIG";  // of an actuator's process
 
 // Slots are replaced by upgrades: the controller's own files must be outside of them.
 std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
@@ -48,9 +50,37 @@ void SignalAll(std::vector<UniqueFd>& processes, int signal, Duration timeout) {
   }
 }
 
+// The slot from which a controller has started an actuator that still runs.
+std::optional<ota::Slot> RunningSlot(const ota::Root& root) {
+  for (const MarkedProcess& process : FindMarked()) {
+    if (process.pid != process.started) continue;  // an actuator has started it
+    const std::string config = VariableOf(process.pid, kConfigVariable);
+    for (const ota::Slot slot : {ota::Slot::kA, ota::Slot::kB}) {
+      if (config.starts_with(root.SlotFolder(slot) + "/")) return slot;
+    }
+  }
+  return std::nullopt;
+}
+
+// Waits for the end of an installation, which is quicker than a person who starts the robot again.
+Result<> TakeRoot(const ota::Root& root, RootLock& lock, Console& console) {
+  const auto holder = [&root] { return ota::HolderOf(root.RunLock()); };
+  for (bool first = true;; first = false) {
+    const auto taken = TakeFromKilled([&] { return lock.Take(root.path()); }, holder);
+    if (taken || taken.error().code != kCodeTargetBusy) return taken;
+    const int installer = holder();
+    if (installer == 0 || installer != ota::HolderOf(root.InstallLock())) return taken;
+    if (first) {
+      console.PrintError(fmt::format(
+          "process {} installs a version into {}; the start waits for it", installer, root.path()));
+    }
+    poll(nullptr, 0, kInstallerPollMs);
+  }
+}
+
 }  // namespace
 
-std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover,
+std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover, bool taken_down,
                                      Console& console) {
   ota::PosixDisk disk;
   const auto fail = [&](const Error& error) {
@@ -59,25 +89,36 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
   };
   const auto root = ota::Root::Open(disk, fs::canonical(root_path));
   if (!root) return fail(root.error());
-  const int holder = ota::HolderOf(root.value().RunLock());
-  if (holder != 0 && !takeover) {
-    return fail({kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}",
-                                              holder, root.value().path(), HowToReplace(holder))});
+  const auto holder = [&root] { return ota::HolderOf(root.value().RunLock()); };
+  RootLock lock;
+  const auto taken = TakeRoot(root.value(), lock, console);
+  if (!taken && taken.error().code == kCodeTargetBusy && !takeover) {
+    return fail(
+        {kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}", holder(),
+                                      root.value().path(), HowToReplace(holder()))});
   }
+  auto running = taken_down ? std::nullopt : RunningSlot(root.value());
   std::string abandoned;  // why a version was abandoned
   while (true) {
-    const auto boot = root.value().Boot();
+    const auto boot = root.value().Boot(running);
     if (!boot) return fail(boot.error());
     const ota::Boot& b = boot.value();
-    ChosenSlot chosen{{root.value().path(), b.start, b.on_trial_boot, b.version.text,
-                       root.value().config().trial, abandoned.empty() ? b.reason : abandoned},
-                      {}};
+    ChosenSlot chosen{
+        {root.value().path(), b.start, b.on_trial_boot, b.version.text, root.value().config().trial,
+         abandoned.empty() ? b.reason : abandoned, b.takes_down},
+        {},
+        {}};
     auto config = LoadConfig(root.value().ConfigFile(b.start), console);
     if (config) {
       chosen.config = std::move(*config);
       chosen.config.state_dir = OutsideOfSlot(chosen.config.state_dir, chosen.run);
       chosen.config.log = OutsideOfSlot(chosen.config.log, chosen.run);
+      chosen.lock = std::move(lock);
       return chosen;
+    }
+    if (b.takes_down) {  // it can't be led any more
+      running.reset();
+      continue;
     }
     if (!b.on_trial_boot) return std::nullopt;
     const auto ended = EndTrialBoot(chosen.run, Error{kCodeFailed, "its state config is invalid"});
@@ -101,7 +142,7 @@ void EndOtherSlot(const SlotRun& run) {
   other.slot = ota::Other(run.slot);
   std::vector<UniqueFd> processes;
   // Of a container, or of another robot on this host, the same path is another folder.
-  for (const pid_t pid : FindByVariable("MUSHER_CONFIG", other.Folder() + "/")) {
+  for (const pid_t pid : FindByVariable(kConfigVariable, other.Folder() + "/")) {
     auto process = OpenPidfd(pid);
     if (process) processes.push_back(std::move(process).value());
   }
@@ -113,10 +154,15 @@ Result<> RootLock::Take(const std::string& root_path) {
   disk_ = std::make_unique<ota::PosixDisk>();
   const auto root = ota::Root::Open(*disk_, root_path);
   if (!root) return root.error();
-  auto lock = disk_->Take(root.value().RunLock(), /*wait=*/false);
+  file_ = root.value().RunLock();
+  auto lock = disk_->Take(file_, /*wait=*/false);
   if (!lock) return lock.error();
   lock_ = std::move(lock).value();
   return Ok();
+}
+
+void RootLock::NameThisProcess() const {
+  if (held()) ota::WriteHolder(file_);
 }
 
 TrialBoot::TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, const SlotRun& run,

@@ -31,19 +31,43 @@ struct SlotRun {
   std::string version;
   Duration trial{};    // time limit of a trial boot
   std::string reason;  // why this slot was chosen
+  // The actuators run from this slot, which is not due: take them down, then start again.
+  bool takes_down = false;
 
   std::string Folder() const { return root + "/slots/" + std::string(ota::SlotName(slot)); }
+};
+
+// Held while a machine is started and runs from a root: from before the slot is chosen on, so that
+// of two starts the second one neither changes the choice nor ends what the first has started.
+class RootLock {
+ public:
+  // kCodeTargetBusy: another process holds it. After another Error the machine runs without it:
+  // `musher ota` then cannot find this machine.
+  Result<> Take(const std::string& root);
+  bool held() const { return lock_ != nullptr; }
+  // After a fork, in the process that keeps it: the file names this process from now on.
+  void NameThisProcess() const;
+
+ private:
+  std::string file_;
+  std::unique_ptr<ota::Disk> disk_;
+  std::unique_ptr<ota::Disk::Lock> lock_;
 };
 
 struct ChosenSlot {
   SlotRun run;
   MachineConfig config;
+  RootLock lock;  // not held if it cannot be taken, or in a takeover from a controller that runs
 };
 
 // Chooses the slot of a root and saves the choice. A version on trial boot with a faulty config is
 // abandoned for the previous one. Prints the error and returns nullopt if there is no version to
-// start, or if the machine of this root already runs and `takeover` is false.
-std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, Console& console);
+// start, or if the machine of this root already runs, or is being started, and `takeover` is false.
+//
+// `taken_down`: the machine was taken down for this start. Otherwise actuators that run, as after a
+// crash of the controller or in a takeover, decide which slot is started: see ota::DecideBoot().
+std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, bool taken_down,
+                                     Console& console);
 
 // Saves the outcome of the trial boot: the version is kept, or why not.
 Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);
@@ -52,19 +76,9 @@ Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);
 void PutSlotFirstInPath(const SlotRun& run);
 
 // Stops the processes that a crashed controller left running from the other slot: otherwise two
-// versions of a module would run. Waits for them, some seconds at most.
+// versions of a module would run. Waits for them, some seconds at most. Only for the controller
+// that leads: they may belong to another one.
 void EndOtherSlot(const SlotRun& run);
-
-// Marks, while it exists, that a machine runs from this root.
-class RootLock {
- public:
-  // Report an Error and continue: `musher ota` then cannot find this machine.
-  Result<> Take(const std::string& root);
-
- private:
-  std::unique_ptr<ota::Disk> disk_;
-  std::unique_ptr<ota::Disk::Lock> lock_;
-};
 
 // The trial boot of a version.
 class TrialBoot {

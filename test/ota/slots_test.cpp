@@ -160,6 +160,53 @@ TEST(Boots, FindAVersionWhereverThereIsOne) {
   }
 }
 
+// A process ends only after TearDown: a robot that stands does not fall.
+TEST(Boots, LeaveAPendingTrialBootForLaterWhileActuatorsRunFromTheOtherSlot) {
+  const Content content{Holds("1.0.0"), Holds("1.1.0")};
+  const SlotState pending{Slot::kA, true, false, false, {}};
+  const auto boot = DecideBoot(pending, {}, content.Look(), Slot::kA);
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().start, Slot::kA);
+  EXPECT_FALSE(boot.value().on_trial_boot);
+  EXPECT_FALSE(boot.value().takes_down);
+  EXPECT_EQ(boot.value().next, pending);
+  EXPECT_THAT(boot.value().reason, HasSubstr("the trial boot of slot b, version 1.1.0, waits"));
+}
+
+TEST(Boots, TakeDownTheVersionThatIsRolledBackWhileItsActuatorsRun) {
+  const Content content{Holds("1.0.0"), Holds("1.1.0")};
+  const SlotState started{Slot::kA, true, true, false, {}};
+  const auto boot = DecideBoot(started, {}, content.Look(), Slot::kB);
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().start, Slot::kB);
+  EXPECT_FALSE(boot.value().on_trial_boot);
+  EXPECT_TRUE(boot.value().takes_down);
+  const auto down = DecideBoot(boot.value().next, {}, content.Look());
+  ASSERT_TRUE(down);
+  EXPECT_EQ(down.value().start, Slot::kA);
+  EXPECT_THAT(down.value().reason, HasSubstr("its trial boot did not finish"));
+  EXPECT_FALSE(down.value().next.taking_down);
+}
+
+// The new version may be why the controller crashes.
+TEST(Boots, RollBackAtOnceIfTakingTheVersionDownHasNotFinishedBefore) {
+  const Content content{Holds("1.0.0"), Holds("1.1.0")};
+  SlotState state{Slot::kA, true, true, false, {}};
+  state.taking_down = true;
+  ASSERT_EQ(ParseState(FormatState(state)), state);
+  const auto boot = DecideBoot(state, {}, content.Look(), Slot::kB);
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().start, Slot::kA);
+  EXPECT_FALSE(boot.value().takes_down);
+}
+
+TEST(Boots, DoNotStartARunningVersionThatWasAltered) {
+  const Content content{Holds("1.0.0"), Damaged()};
+  const auto boot = DecideBoot(SlotState{}, {}, content.Look(), Slot::kB);
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().start, Slot::kA);
+}
+
 TEST(Flows, TakeTheMachineOutOfOtaAfterEveryFailureBeforeTheTrialBoot) {
   const Flow whole = InstallFlow(true);
   for (std::size_t failing = 0; failing < whole.left.size(); ++failing) {

@@ -40,6 +40,7 @@ struct PlayCommandOptions {
   std::vector<std::string> exclude;
   bool no_clock = false;
   bool machine = false;
+  bool beside_a_robot = false;
   std::vector<std::string> remap;
 };
 

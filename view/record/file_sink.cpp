@@ -1,13 +1,18 @@
 #include "musher/view/record/file_sink.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <filesystem>
 #include <mutex>
 #include <set>
 #include <utility>
 
 #include "musher/base/files.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/view/record/merge.hpp"
 
 namespace musher::view {
@@ -20,6 +25,28 @@ constexpr std::uint64_t kOverhead = 64;  // bytes of a waiting sample beside its
 
 WorkQueueOptions DiskThread(std::uint64_t max_waiting_bytes) {
   return {.name = "record-disk", .most = max_waiting_bytes};
+}
+
+// The lock of a ring's folder, held by its recorder as long as it runs; not valid if the file
+// system has none. Fails if another recorder holds it: each would delete the segments of the other.
+Result<UniqueFd> LockRing(const std::string& folder, const std::string& path) {
+  while (true) {
+    UniqueFd fd(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644));
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    whole.l_whence = SEEK_SET;
+    const bool locked = fd.valid() && fcntl(fd.get(), F_OFD_SETLK, &whole) == 0;
+    if (!locked && fd.valid() && errno == EAGAIN) {
+      return Error{kCodeTargetBusy, "another recorder has its ring in " + folder +
+                                        "; give this one another folder: -o FOLDER"};
+    }
+    if (!locked) return UniqueFd();
+    struct stat ours {};
+    struct stat there {};
+    const bool same = fstat(fd.get(), &ours) == 0 && lstat(path.c_str(), &there) == 0 &&
+                      ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
+    if (same) return fd;  // else the last holder has removed it since it was opened
+  }
 }
 
 bool IsGiven(WorkQueue::Given given) {
@@ -73,9 +100,11 @@ struct DiskSide {
   std::set<std::uint64_t> old;               // of these, no longer in the ring
   std::vector<Unkept> unkept;
   bool folder_is_ours = false;
+  UniqueFd lock;        // of the folder of a ring
   std::string failure;  // the first thing of which not all is kept
 
   std::string Folder() const { return options.path + "/ring"; }
+  std::string LockFile() const { return Folder() + "/.lock"; }
   std::string Segment(std::uint64_t number) const { return Folder() + "/" + SegmentName(number); }
   void Begin(std::uint64_t number, std::int64_t wall_ns) {
     Check(Close());
@@ -180,6 +209,8 @@ struct DiskSide {
            ", from which the next recorder keeps them");
     }
     std::error_code ignored;
+    if (lock.valid()) fs::remove(LockFile(), ignored);
+    lock = {};
     if (folder_is_ours) fs::remove(Folder(), ignored);  // if it is empty
     if (failure.empty()) return Ok();
     return Error{kCodeFailed, failure};
@@ -257,6 +288,9 @@ Result<std::unique_ptr<RingSink>> RingSink::Open(transport::EventLoop& loop,
   }
   std::unique_ptr<RingSink> sink(new RingSink(loop, options, ring, std::move(wall_clock)));
   DiskSide* disk = sink->disk_.get();
+  auto lock = LockRing(options.path, disk->LockFile());
+  if (!lock) return lock.error();
+  disk->lock = std::move(lock).value();
   disk->report = [&loop, on_kept = std::move(on_kept)](const std::string& sentence) {
     loop.Post([on_kept, sentence] { on_kept(sentence); });
   };

@@ -62,7 +62,8 @@ class RingSink : public Sink {
 
   // `options.path` is the folder of the kept files; the segments are in its folder "ring". Those of
   // a recorder that was killed are kept as a file. Other files of both folders are left alone.
-  // What cannot be kept, as on a full disk, is tried again with each new segment.
+  // What cannot be kept, as on a full disk, is tried again with each new segment. Fails if another
+  // recorder that runs has its ring in this folder.
   static Result<std::unique_ptr<RingSink>> Open(transport::EventLoop& loop,
                                                 const FileSinkOptions& options, RingOptions ring,
                                                 std::function<std::int64_t()> wall_clock,

@@ -28,35 +28,52 @@ std::vector<std::size_t> JournalCursor::Take(const std::vector<msg::HistoryEntry
 }
 
 JournalRecorder::JournalRecorder(std::string name_space, Sink& sink, std::int64_t since_ns,
-                                 OnEvent on_event)
+                                 Events events)
     : name_space_(std::move(name_space)),
       sink_(sink),
       cursor_(since_ns),
-      on_event_(std::move(on_event)) {}
+      events_(std::move(events)) {}
 
 Result<std::unique_ptr<JournalRecorder>> JournalRecorder::Make(transport::Node& node,
                                                                const std::string& name_space,
-                                                               Sink& sink, std::int64_t since_ns,
-                                                               OnEvent on_event) {
+                                                               const std::string& host, Sink& sink,
+                                                               std::int64_t since_ns,
+                                                               Events events) {
   auto client = transport::MakeClient<msg::GetHistory>(
       node, transport::ResolveName(name_space, "musher/get_history"));
   if (!client) return client.error();
   std::unique_ptr<JournalRecorder> recorder(
-      new JournalRecorder(name_space, sink, since_ns, std::move(on_event)));
+      new JournalRecorder(name_space, sink, since_ns, std::move(events)));
   recorder->client_ = std::move(client).value();
+  LeaderWatch::Options watch{name_space, host, WatchByPidfd(node.loop())};
+  watch.prefer_here = true;
+  watch.one_name = true;
+  auto leader = LeaderWatch::Make(
+      node, std::move(watch),
+      [self = recorder.get()](const msg::MachineStatus& status) {
+        if (self->events_.on_status) self->events_.on_status(status);
+      },
+      [](const msg::MachineStatus&, const std::string&) {});
+  if (!leader) return leader.error();
+  recorder->leader_ = std::move(leader).value();
   recorder->timer_ = node.loop().Every(kPeriod, [self = recorder.get()] { self->Query(); });
   return recorder;
 }
 
 void JournalRecorder::Query() {
-  if (querying_ || !client_->Ready()) return;
+  if (querying_ || !leader_->leader() || !client_->Ready()) return;
   querying_ = true;
   msg::GetHistory::Request request;
   request.since_wall_ns = cursor_.since_ns();
-  client_->Call(request, kTimeout, [this](Result<msg::GetHistory::Response> answer) {
-    querying_ = false;
-    if (answer) OnAnswer(answer.value());
-  });
+  request.machine = leader_->machine().name;
+  request.machine_id = leader_->machine().id;
+  client_->Call(
+      request, kTimeout,
+      [this](const Result<msg::GetHistory::Response>& answer) {
+        querying_ = false;
+        if (answer) OnAnswer(answer.value());
+      },
+      leader_->participant());
 }
 
 void JournalRecorder::OnAnswer(const msg::GetHistory::Response& answer) {
@@ -71,7 +88,7 @@ void JournalRecorder::OnAnswer(const msg::GetHistory::Response& answer) {
     } else {
       ++lost_;
     }
-    if (i < answer.events.size() && on_event_) on_event_(answer.events[i]);
+    if (i < answer.events.size() && events_.on_event) events_.on_event(answer.events[i]);
   }
 }
 

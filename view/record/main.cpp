@@ -65,6 +65,9 @@ void AddPlay(CLI::App& main, PlayCommandOptions& options, int& exit) {
   app->add_option("--remap", options.remap, "FROM:=TO, publish a topic under another name");
   app->add_flag("--machine-topics", options.machine,
                 "Also the topics of a machine (musher/...), which a robot would obey");
+  app->add_flag("--beside-a-robot", options.beside_a_robot,
+                "Also if a controller or an actuator is in the domain: the robot's\n"
+                "processes obey what is played, such as /cmd_vel");
   AddWhere(*app, options.where);
   app->callback([&] { exit = RunPlay(options); });
 }

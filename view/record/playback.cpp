@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
+
 namespace musher::view {
 namespace {
 
@@ -80,6 +83,10 @@ bool IsOfMachine(std::string_view topic, std::string_view type) {
   return type.starts_with("musher_msgs/msg/ActuatorCommand") ||
          type.starts_with("musher_msgs/msg/ActuatorStatus") ||
          type.starts_with("musher_msgs/msg/EmergencyStop");
+}
+
+bool IsReportOfRobot(std::string_view type) {
+  return type == msg::MachineStatus::kTypeName || type == msg::ActuatorStatus::kTypeName;
 }
 
 Result<Duration> DurationFrom(std::string_view text) {

@@ -48,6 +48,10 @@ class Remapping {
 // actuators. Published again only on request.
 bool IsOfMachine(std::string_view topic, std::string_view type);
 
+// Whether a writer of this type ("musher_msgs::msg::dds_::MachineStatus_") belongs to a robot that
+// runs: to a controller or an actuator.
+bool IsReportOfRobot(std::string_view type);
+
 // "90s", "10m", "2h", "1.5s"; a number alone is seconds.
 Result<Duration> DurationFrom(std::string_view text);
 // "500M", "2G", "64K"; a number alone is bytes.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "musher/base/date_text.hpp"
+#include "musher/base/host.hpp"
 #include "musher/base/words.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/dds/topic_watch.hpp"
@@ -70,7 +71,6 @@ class Session {
   TroubleWatch trouble_;
   std::unique_ptr<TopicRecorder> topics_;
   std::unique_ptr<JournalRecorder> journal_;
-  std::unique_ptr<transport::Subscription> status_;
   std::unique_ptr<transport::TopicWatch> watch_;
   transport::LoopHandlePtr limit_;
   std::string path_;  // of the file; empty: a ring
@@ -149,22 +149,17 @@ Result<> Session::OpenSink() {
 }
 
 Result<> Session::WatchMachine() {
-  const std::string& name_space = options_.where.name_space;
-  auto journal = JournalRecorder::Make(*node_, name_space, *sink_, WallNow(),
-                                       [this](const std::string& event) {
-                                         if (const auto reason = TroubleOf(event)) Trouble(*reason);
-                                       });
+  JournalRecorder::Events events;
+  events.on_event = [this](const std::string& event) {
+    if (const auto reason = TroubleOf(event)) Trouble(*reason);
+  };
+  events.on_status = [this](const msg::MachineStatus& status) {
+    if (const auto reason = trouble_.On(status)) Trouble(*reason);
+  };
+  auto journal = JournalRecorder::Make(*node_, options_.where.name_space, HostId(), *sink_,
+                                       WallNow(), std::move(events));
   if (!journal) return journal.error();
   journal_ = std::move(journal).value();
-  if (!ring_) return Ok();
-  auto status = transport::MakeSubscription<msg::MachineStatus>(
-      *node_, transport::ResolveName(name_space, "musher/machine_status"),
-      [this](const msg::MachineStatus& message, const transport::SampleInfo&) {
-        if (const auto reason = trouble_.On(message)) Trouble(*reason);
-      },
-      transport::kLatchedQos);
-  if (!status) return status.error();
-  status_ = std::move(status).value();
   return Ok();
 }
 
@@ -212,7 +207,6 @@ int Session::End() {
   // Samples that arrived before the end are recorded, later ones neither recorded nor counted.
   static_cast<void>(loop_.RunUntil([] { return false; }, loop_.Now() + kLastSamples));
   watch_.reset();
-  status_.reset();
   topics_->Stop();
   const std::uint64_t of_journal = journal_->entries();
   std::uint64_t lost = journal_->lost();

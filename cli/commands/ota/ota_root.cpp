@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/inotify.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
@@ -42,6 +43,17 @@ GlobalOptions ForMachine(const MachineConfig& config, GlobalOptions global) {
   if (!global.name_space_given) global.name_space = config.name_space;
   if (config.transport == TransportProfile::kLan) setenv("MUSHER_TRANSPORT", "lan", /*replace=*/0);
   return global;
+}
+
+SwitchNumber NumberOf(const msg::MachineStatus& status) {
+  return {status.epoch, status.switch_number};
+}
+
+// Some actuators are in OTA, or on their way to it.
+bool MovedToOta(const msg::MachineStatus& status) {
+  return std::any_of(status.actuators.begin(), status.actuators.end(), [](const auto& actuator) {
+    return actuator.state == kOta || actuator.target == kOta;
+  });
 }
 
 }  // namespace
@@ -131,27 +143,42 @@ Result<> RootMachine::Switch(const std::string& state) {
   return Error{response.code, "the machine stays in " + response.state + ": " + response.reason};
 }
 
-Result<> RootMachine::EnterOta() {
-  // Calls the service: the topic may lag behind.
-  const auto answer = link_->Call<msg::GetStatus>("get_status", {}, kAnswerTimeout);
+// Calls the service: the topic may lag behind.
+Result<msg::MachineStatus> RootMachine::Look() {
+  auto answer = link_->Call<msg::GetStatus>("get_status", {}, kAnswerTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
-  const msg::MachineStatus& status = std::get<msg::GetStatus::Response>(answer).status;
+  return std::move(std::get<msg::GetStatus::Response>(answer).status);
+}
+
+Result<> RootMachine::EnterOta() {
+  const auto before = Look();
+  if (!before) return before.error();
   // A machine that failed to start is not in use; this upgrade may fix it.
-  if (status.phase == "failed") return Ok();
-  before_ = status.state;
-  requested_ota_ = true;
+  if (before.value().phase == "failed") return Ok();
+  before_ = before.value().state;
   auto entered = RequestPolicy(true);
   // A robot without [policy] has no rules for OTA: switch directly.
   if (!entered && entered.error().code == kCodeUnSupport) entered = Switch(std::string(kOta));
+  const auto after = Look();
+  // A request that was refused at once has moved nothing. What has become of one is not known if
+  // the connection was interrupted meanwhile: LeaveOta() looks again.
+  const bool began = !after || NumberOf(after.value()) != NumberOf(before.value());
+  if (entered || began) ota_switch_ = after ? NumberOf(after.value()) : SwitchNumber();
   if (entered) return Ok();
   return Error{entered.error().code, "switch to OTA failed: " + entered.error().message};
 }
 
 Result<> RootMachine::LeaveOta() {
-  if (!requested_ota_) return Ok();
+  if (!ota_switch_) return Ok();
   if (Interrupted()) {  // an interrupted connection no longer waits
     if (auto failure = Connect()) return failure->error;
   }
+  const auto now = Look();
+  if (!now) return now.error();
+  // A machine that was switched by another command since then stays where it is: a robot that lies
+  // must not stand up for a full disk. The switch to OTA may have failed half-way.
+  const bool half_way = NumberOf(now.value()) == *ota_switch_ && MovedToOta(now.value());
+  if (now.value().state != kOta && now.value().target != kOta && !half_way) return Ok();
   if (Switch(before_)) return Ok();
   auto left = RequestPolicy(false);
   if (!left && left.error().code == kCodeUnSupport) left = Switch(std::string(kActive));
@@ -159,6 +186,15 @@ Result<> RootMachine::LeaveOta() {
 }
 
 Result<> RootMachine::StartAgain() {
+  const auto now = Look();
+  if (!now) return now.error();
+  if (now.value().phase != "failed" && now.value().state != kOta) {
+    return Error{kCodeStateInvalid,
+                 "the machine was switched to " + now.value().state +
+                     " meanwhile and keeps running; the trial boot waits for `musher down` and the "
+                     "next start: musher up " +
+                     ShellWord(root_.path())};
+  }
   const auto process = OpenPidfd(pid_);
   if (!process) return process.error();
   if (ota::HolderOf(root_.RunLock()) != pid_) {

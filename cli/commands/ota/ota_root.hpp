@@ -3,9 +3,11 @@
 //
 // Threads: one. Ctrl-C ends the waiting for the machine, and then the command.
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "musher/cli/machine/link.hpp"
 #include "musher/ota/root.hpp"
@@ -18,6 +20,9 @@ std::optional<std::string> UpgradeFault(const MachineConfig& config);
 // --root, else $MUSHER_OTA_ROOT, else that of the machine that runs in the command's namespace.
 Result<std::string> FindRoot(const std::string& option, const GlobalOptions& global);
 
+// Of the last switch of a machine, or of the one under way: the controller's epoch and the number.
+using SwitchNumber = std::pair<std::uint64_t, std::uint64_t>;
+
 // The machine that was started from a root, on this host.
 class RootMachine {
  public:
@@ -29,9 +34,11 @@ class RootMachine {
   ota::Slot slot() const { return slot_; }
 
   Result<> EnterOta();
-  // Switches back to the state before EnterOta().
+  // Switches back to the state before EnterOta(), unless another command has switched the machine
+  // since then.
   Result<> LeaveOta();
   // Signals its controller to take the machine down and to start it from the slot that is due.
+  // Fails if the machine is no longer in OTA.
   Result<> StartAgain();
   // Waits for the end of the trial boot, and after a rollback for the machine. Error:
   // Fault::kRolledBack, or that the outcome is unknown.
@@ -44,6 +51,7 @@ class RootMachine {
   RootMachine(const ota::Root& root, GlobalOptions global, int pid)
       : root_(root), global_(std::move(global)), pid_(pid) {}
   std::optional<Failure> Connect();
+  Result<msg::MachineStatus> Look();
   Result<> RequestPolicy(bool enter);
   Result<> Switch(const std::string& state);
   std::optional<Result<>> TrialBootEnd() const;
@@ -53,8 +61,8 @@ class RootMachine {
   const GlobalOptions global_;
   const int pid_;
   ota::Slot slot_ = ota::Slot::kA;
-  std::string before_;  // its state before it went to OTA
-  bool requested_ota_ = false;
+  std::string before_;                      // its state before it went to OTA
+  std::optional<SwitchNumber> ota_switch_;  // that took it there, or tried; not known: {}
   bool interrupted_ = false;
   std::unique_ptr<Link> link_;
 };

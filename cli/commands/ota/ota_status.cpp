@@ -51,7 +51,12 @@ ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global,
   console.Print(robot.robot + "  " + robot.root +
                 (robot.pid == 0 ? "  (not running)" : "  controller " + std::to_string(robot.pid)));
   Table table({"SLOT", "VERSION", "ROLE", "NOTE"});
-  for (const OtaRobot::SlotInfo& slot : robot.slots) {
+  const bool waits = state.value().on_trial_boot && !state.value().started && robot.pid != 0;
+  for (OtaRobot::SlotInfo& slot : robot.slots) {
+    const bool tried = slot.slot != ota::SlotName(state.value().confirmed);
+    if (waits && tried && slot.fault.empty()) {
+      slot.fault = "its trial boot waits for `musher down` and the next start";
+    }
     const bool bad = slot.version.empty() && slot.role != "not used";
     table.Add({{slot.slot},
                {slot.version.empty() ? "-" : slot.version},

@@ -236,6 +236,21 @@ TEST_F(Upgrade, RequestsOtaFromThePolicy) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
+// Active was requested again: the actuator that was held went up with the others.
+TEST_F(Upgrade, ThatThePolicyRefusesEndsNoHold) {
+  Make("1.1.0", {.policy = "[policy]\n"});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  Make("1.2.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"keep", "Active", "--for", "600"}).exit, 0);
+  ASSERT_EQ(Musher({"set", "LowPower", "voice"}).exit, 0);
+  ASSERT_EQ(Status()["actuators"]["voice"]["state"], "LowPower");
+  const Ended refused = Install("1.2.0");
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_THAT(refused.err, HasSubstr("kept in Active"));
+  EXPECT_EQ(Status()["actuators"]["voice"]["state"], "LowPower");
+}
+
 TEST_F(Upgrade, IsPrintedAsJson) {
   Make("1.1.0", {});
   ASSERT_EQ(UpDetached().exit, 0);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/ota/install.hpp"
 #include "musher/ota/posix_disk.hpp"
 #include "musher/test/integration/ota/root.hpp"
 #include "musher/test/support/wait.hpp"
@@ -21,11 +22,41 @@ class Killed : public RobotWithUpgrades {
     EXPECT_TRUE(lock) << lock.error().message;
     return std::move(lock).value();
   }
+  // What an installer that is killed before it starts the machine again leaves.
+  void MarkForTrialBoot(const std::string& version) {
+    auto files = BeginInstallation(version, ota::Slot::kA);
+    ASSERT_TRUE(files && files->Check({}) && files->Prepare() && files->Copy({}) &&
+                files->CheckWritten({}) && files->MarkTrialBoot());
+  }
+  std::optional<ota::Installation> BeginInstallation(const std::string& version,
+                                                     std::optional<ota::Slot> running) {
+    if (!opened_) {
+      auto root = ota::Root::Open(disk_, root_);
+      EXPECT_TRUE(root) << root.error().message;
+      opened_.emplace(std::move(root).value());
+    }
+    auto begun = ota::Installation::Begin(*opened_, Bundle(version), {}, running);
+    return begun ? std::optional(std::move(begun).value()) : std::nullopt;
+  }
+  static void KillController() {
+    const auto controller = Status()["pid"].get<pid_t>();
+    const auto process = OpenPidfd(controller);
+    ASSERT_TRUE(process) << process.error().message;
+    ASSERT_EQ(kill(controller, SIGKILL), 0);
+    ASSERT_TRUE(AwaitReadable(process.value().get(), In(std::chrono::seconds(30))));
+  }
+  static std::vector<pid_t> Pids() {
+    std::vector<pid_t> pids;
+    const auto status = Status();
+    for (const auto& actuator : status["actuators"]) pids.push_back(actuator["pid"]);
+    return pids;
+  }
   // What a program of the new version does: it makes this file, and does not come back.
   std::string Waits() const { return "touch " + (folder_ / "runs") + "; exec sleep 60"; }
 
  private:
   ota::PosixDisk disk_;
+  std::optional<ota::Root> opened_;
 };
 
 TEST_F(Killed, InstallerLeavesTheMachineInOtaUntilItIsInstalledAgain) {
@@ -51,10 +82,7 @@ TEST_F(Killed, InstallerAndControllerInTheMiddleAreReportedByTheNextStartOnce) {
   ASSERT_NE(installer.LineWith("copy"), "");
   installer.Signal(SIGKILL);
   EXPECT_EQ(installer.Wait().exit, -1);
-  const auto controller = Status()["pid"].get<pid_t>();
-  const auto process = OpenPidfd(controller);
-  ASSERT_EQ(kill(controller, SIGKILL), 0);
-  ASSERT_TRUE(AwaitReadable(process.value().get(), In(std::chrono::seconds(30))));
+  KillController();
   const Ended up = UpDetached();
   ASSERT_EQ(up.exit, 0) << up.err;
   EXPECT_EQ(Where(), "OTA from a") << "it adopts the actuators as they are";
@@ -76,6 +104,38 @@ TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {
   const Ended ended = installer.Wait();
   EXPECT_EQ(ended.exit, 130) << ended.err;
   EXPECT_EQ(Where(), "Active from a");
+}
+
+// The robot lay, and stood up.
+TEST_F(Killed, InstallerLeavesTheMachineWhereItWasSwitchedMeanwhile) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  auto state = HoldState();
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("enter OTA"), "");
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  installer.Signal(SIGINT);
+  state.reset();
+  const Ended ended = installer.Wait();
+  EXPECT_EQ(ended.exit, 130) << ended.err;
+  EXPECT_EQ(Where(), "LowPower from a");
+  EXPECT_THAT(History(), Not(HasSubstr("LowPower → Active")));
+}
+
+// It was taken down while it was in use.
+TEST_F(Killed, InstallerDoesNotStartAMachineAgainThatHasLeftOtaMeanwhile) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  auto state = HoldState();
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("enter OTA"), "");
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  state.reset();
+  const Ended ended = installer.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("the machine was switched to LowPower meanwhile"));
+  EXPECT_EQ(Where(), "LowPower from a");
+  EXPECT_EQ(Versions()["slots"]["b"]["role"], "tried at the next start");
 }
 
 TEST_F(Killed, MachineInOtaCanBeTakenOutOfItByHand) {
@@ -129,6 +189,93 @@ TEST_F(Killed, TwoInstallersDoNotMeet) {
   const Ended third = Install("1.1.0");
   EXPECT_EQ(third.exit, 1);
   EXPECT_THAT(third.err, HasSubstr("a trial boot is running"));
+}
+
+// The second start took the first one for a trial boot that had not finished, recorded a good
+// version as failed, and ended the processes of the first.
+TEST_F(Killed, AMachineThatIsBeingStartedIsNotStartedTwice) {
+  Make("1.1.0", {});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  // A process that is left of the other slot and ignores SIGTERM: a start waits for its end.
+  Process left({"env", "MUSHER_CONFIG=" + root_ + "/slots/a/robot.toml", "sh", "-c",
+                "trap '' TERM; echo runs; exec sleep 60"});
+  ASSERT_NE(left.LineWith("runs"), "");
+  Process first(Command({"up", root_}));
+  ASSERT_TRUE(Until([] { return Versions()["slots"]["b"]["role"] == "on trial"; }));
+  const Ended second = UpDetached();
+  EXPECT_EQ(second.exit, 2);
+  EXPECT_THAT(second.err, HasSubstr("already leads the machine of " + root_));
+  EXPECT_NE(first.LineWith("version 1.1.0 in slot b is kept"), "");
+  EXPECT_EQ(Where(), "Active from b");
+  EXPECT_EQ(Versions()["last"]["kept"], true);
+}
+
+// It ended the actuators of an Active robot, without TearDown, for the trial boot that was due.
+TEST_F(Killed, ControllerOfARobotThatStandsIsFollowedByOneThatLeavesThePendingTrialBootForLater) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  MarkForTrialBoot("1.1.0");  // and its installer is killed
+  const auto before = Pids();
+  KillController();
+  ASSERT_EQ(Musher({"up", root_, "--detach", "--restarted"}).exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_EQ(Pids(), before);
+  EXPECT_THAT(History(), HasSubstr("the trial boot of slot b, version 1.1.0, waits"));
+  const std::string versions = Musher({"ota", "status"}).out;
+  EXPECT_THAT(versions, HasSubstr("its trial boot waits for `musher down`"));
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Where(), "Active from b");
+  EXPECT_EQ(Versions()["last"]["kept"], true);
+}
+
+TEST_F(Killed, NoActuatorEndsInATakeoverWhileATrialBootIsPending) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  MarkForTrialBoot("1.1.0");
+  const auto before = Pids();
+  ASSERT_EQ(Musher({"up", root_, "--detach", "--takeover"}).exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_EQ(Pids(), before);
+}
+
+// The actuators that are up stand: they have to lie down before their processes end.
+TEST_F(Killed, ControllerInTheTrialBootIsFollowedByOneThatTearsTheNewVersionDownFirst) {
+  const std::string torn_down = folder_ / "torn_down";
+  Make("1.1.0", {.set_up = "mkdir " + (folder_ / "first") + " && exit; " + Waits(),
+                 .tear_down = "touch " + torn_down});
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_TRUE(AwaitFile(folder_ / "runs")) << "legs are Active, voice is set up";
+  installer.Signal(SIGKILL);
+  KillController();
+  ASSERT_EQ(Musher({"up", root_, "--detach", "--restarted"}).exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_TRUE(std::filesystem::exists(torn_down));
+  EXPECT_EQ(Versions()["last"]["kept"], false);
+  EXPECT_THAT(History(), HasSubstr("its trial boot did not finish"));
+}
+
+// The slot was emptied under the machine that had begun to run from it.
+TEST_F(Killed, MachineThatIsStartedDuringAnInstallationWaitsForItsEnd) {
+  Make("1.1.0", {});
+  Make("1.2.0", {});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  auto installation = BeginInstallation("1.2.0", std::nullopt);
+  ASSERT_TRUE(installation);
+  ASSERT_TRUE(installation->Check({}));
+  Process up(Command({"up", root_}));
+  ASSERT_TRUE(up.AwaitError("the start waits for it"));
+  ASSERT_TRUE(installation->Prepare() && installation->Copy({}) && installation->CheckWritten({}) &&
+              installation->MarkTrialBoot());
+  installation.reset();
+  EXPECT_NE(up.LineWith("version 1.2.0 in slot b is kept"), "");
+}
+
+TEST_F(Killed, AnInstallerThatHasFoundNoMachineIsRefusedOnceThereIsOne) {
+  Make("1.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_FALSE(BeginInstallation("1.1.0", std::nullopt));
 }
 
 TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {

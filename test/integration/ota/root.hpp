@@ -30,6 +30,7 @@ class RobotWithUpgrades : public MachineFixture {
   struct Version {
     std::string check = "exit 0";        // the program of the self-check, from the slot's bin
     std::string set_up = "exit 0";       // … and that of SetUp
+    std::string tear_down = "exit 0";    // … and that of TearDown
     std::string name_space{};            // another one
     std::string controller{};            // more keys of [controller]
     std::string policy{};                // more of the config
@@ -46,12 +47,13 @@ class RobotWithUpgrades : public MachineFixture {
                 content.name_space.empty() ? name_space_ : content.name_space, content);
     std::ofstream(built + "/legs.toml")
         << "[state.SetUp]\nrun = [\"set-up\"]\n[state.SelfCheck]\nrun = [\"self-check\"]\n"
-           "[state.OTA]\nrun = [\"true\"]\n";
+           "[state.OTA]\nrun = [\"true\"]\n[state.TearDown]\nrun = [\"tear-down\"]\n";
     if (content.large_bytes > 0) {
       std::ofstream(built + "/large") << std::string(content.large_bytes, 'x');
     }
     Script(built + "/bin/self-check", content.check);
     Script(built + "/bin/set-up", content.set_up);
+    Script(built + "/bin/tear-down", content.tear_down);
     if (!content.program.empty()) Program(built + "/bin/stand-in", content.program);
     std::vector<std::string> words = {
         "ota",   "bundle",       built, "--version", version, "--key", folder_ / "key.key",

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/support/domain.hpp"
@@ -176,6 +177,47 @@ TEST_F(RecordProgram, TheTopicsOfAMachineArePlayedOnlyIfAsked) {
   EXPECT_THAT(asked.err, HasSubstr("1 message published"));
 }
 
+// Velocities, servo commands and /clock went to the robot whose domain the recording was played in.
+TEST_F(RecordProgram, NothingIsPlayedBesideARobotUnlessAsked) {
+  {
+    testing::Process recorder({kRecord, "record", "-o", file_, "--topic", "/cmd_vel"});
+    const auto velocity = Publish("cmd_vel", transport::kDefaultQos);
+    Say(*velocity, "forward");
+    ASSERT_TRUE(Has(file_, "/cmd_vel", "forward"));
+    recorder.Signal(SIGINT);
+    ASSERT_EQ(recorder.Wait().exit, 0);
+  }
+  std::vector<std::string> velocities;
+  const auto wheels = transport::MakeSubscription<msg::String>(
+      *node_, "cmd_vel", [&velocities](const msg::String& message, const transport::SampleInfo&) {
+        velocities.push_back(message.data);
+      });
+  ASSERT_TRUE(wheels);
+  const auto play = [this](std::vector<std::string> more) {
+    std::vector<std::string> argv = {kRecord, "play", file_, "--no-clock"};
+    argv.insert(argv.end(), more.begin(), more.end());
+    testing::Process player(argv);
+    return player.Wait();
+  };
+  const auto receives = [&](std::size_t count) {
+    return loop_.RunUntil([&] { return velocities.size() == count; }, loop_.Now() + kLong);
+  };
+  {
+    const auto motor = transport::MakePublisher<msg::ActuatorStatus>(
+                           *node_, "dog1/musher/motor/status", transport::kLatchedQos)
+                           .value();
+    const auto refused = play({});
+    EXPECT_EQ(refused.exit, 1);
+    EXPECT_THAT(refused.err, HasSubstr("a robot is in this domain (it publishes /dog1/musher/"));
+    const auto asked = play({"--beside-a-robot"});
+    EXPECT_EQ(asked.exit, 0) << asked.err;
+    EXPECT_TRUE(receives(1)) << "of the first nothing, of the second one";
+  }
+  const auto alone = play({});
+  EXPECT_EQ(alone.exit, 0) << alone.err;
+  EXPECT_TRUE(receives(2));
+}
+
 TEST_F(RecordProgram, AFullDiskEndsTheRecordingWithASentenceAndAGoodFile) {
   testing::Process recorder(
       {"prlimit", "--fsize=300000", kRecord, "record", "-o", file_, "--compression", "none"});
@@ -230,6 +272,34 @@ TEST_F(RecordProgram, ARingKeepsWhatWentWrong) {
   EXPECT_THAT(kept[0], HasSubstr("Z_emergency-stop.mcap"));
   EXPECT_THAT(TextsOf(kept[0], "/chat"), ElementsAre("before"));
   EXPECT_EQ(TextsOf(kept[0], "/musher/machine_status").size(), 2U);
+}
+
+// The status of each machine of the namespace was trouble of the other.
+TEST_F(RecordProgram, ARingKeepsNoTroubleOfAnotherMachineOfTheNamespace) {
+  const auto publisher = [this] {
+    return transport::MakePublisher<msg::MachineStatus>(*node_, "musher/machine_status",
+                                                        transport::kLatchedQos)
+        .value();
+  };
+  const auto dog = publisher();
+  msg::MachineStatus of_dog;
+  of_dog.machine = "dog";
+  ASSERT_TRUE(dog->Publish(of_dog));
+  testing::Process recorder({kRecord, "record", "--ring", "5m", "-o", folder_ / "kept"});
+  ASSERT_TRUE(loop_.RunUntil([&] { return dog->MatchedReaders() == 2; }, loop_.Now() + kLong));
+  ASSERT_TRUE(dog->Flush(kLong));
+  const auto cat = publisher();
+  msg::MachineStatus of_cat;
+  of_cat.machine = "cat";
+  of_cat.emergency_stop = true;
+  ASSERT_TRUE(loop_.RunUntil([&] { return cat->MatchedReaders() == 2; }, loop_.Now() + kLong));
+  ASSERT_TRUE(cat->Publish(of_cat));
+  ASSERT_TRUE(cat->Flush(kLong));
+  of_dog.state = "Error";
+  ASSERT_TRUE(dog->Publish(of_dog));
+  ASSERT_TRUE(recorder.AwaitError("trouble: error"));
+  recorder.Signal(SIGINT);
+  EXPECT_THAT(recorder.Wait().err, ::testing::Not(HasSubstr("emergency-stop")));
 }
 
 TEST_F(RecordProgram, ARingThatCannotKeepAllOfWhatWentWrongSaysSoAndExitsWithOne) {

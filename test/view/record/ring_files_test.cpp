@@ -134,6 +134,23 @@ TEST_F(RingFiles, WhatAKilledRecorderLeftBehindIsKept) {
   EXPECT_THAT(Texts(Kept()[0]), ElementsAre("ring/00000001.mcap", "ring/00000002.mcap"));
 }
 
+// Each took the segments of the other for those of a killed recorder, and deleted them.
+TEST_F(RingFiles, OfTwoRecordersInOneFolderTheSecondIsRefused) {
+  Open();
+  Run(3);
+  FileSinkOptions file;
+  file.path = folder_.path();
+  const auto second = RingSink::Open(
+      node_->loop(), file, {}, [this] { return Now(); }, [](const std::string&) {});
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("another recorder has its ring in " + file.path));
+  EXPECT_THAT(Kept(), IsEmpty());
+  EXPECT_TRUE(fs::exists(folder_ / "ring/00000001.mcap"));
+  ASSERT_TRUE(ring_->Close());
+  EXPECT_FALSE(fs::exists(folder_ / "ring"));
+  Open();
+}
+
 TEST_F(RingFiles, OtherFilesOfTheFolderAreLeftAlone) {
   const auto write = [](const std::string& path) { ASSERT_TRUE(WriteFile(path, "mine")); };
   write(folder_ / "run.mcap");
@@ -172,7 +189,7 @@ TEST_F(RingFiles, AClockSetBackMakesNoSegmentLongerAndTheNewestIsKept) {
   Run(40);
   clock_set_ = -std::chrono::hours(1);
   Run(100);
-  EXPECT_THAT(EntriesOf(folder_ / "ring"), SizeIs(7));
+  EXPECT_THAT(EntriesOf(folder_ / "ring"), SizeIs(8)) << "with the lock";
   ring_->OnTrouble("c");
   Run(40);
   ASSERT_TRUE(ring_->Close());
