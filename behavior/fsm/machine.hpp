@@ -245,6 +245,7 @@ class Machine {
     std::function<void(Archive&)> persist;
   };
   class Declaration;
+  class InTick;
   class Restorer;
 
   void DeclareStates();
@@ -267,10 +268,13 @@ class Machine {
   // What the present states have declared of it.
   enum class Word : std::uint8_t { kNothing, kHandles, kDefers };
 
-  inline void Advance(Time now);
-  inline bool BeginTick(Time now);
-  inline void RunStep();
-  inline bool Step();
+  void RunAny(Time now);
+  inline void Advance(Time last, Time now);
+  bool BeginTick(Time now);
+  void EndTick();
+  void RunStep();
+  bool Step();
+  bool Conclude(Next next);
   bool Execute(Next next);
   inline void Run();
   void Keeps(EventId command, const Next& next);
@@ -336,6 +340,10 @@ class Machine {
   // The data that every tick reads, side by side.
   bool running_ = false;
   bool in_tick_ = false;
+  // Between two ticks: it runs, has no safety checks, no commands, and no transition under way, so
+  // that the next tick needs to ask and run its state only. Each call that may change this clears
+  // it, and the next tick finds out again.
+  bool plain_ = false;
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
   State* present_ = nullptr;  // the same, ready to be called
