@@ -251,10 +251,10 @@ class Machine {
   void DeclareStates();
   std::optional<Route> FindRoute(std::string_view target);
   std::optional<std::vector<MachineState>> FindBelow(std::string_view path);
-  const Route* RouteOf(StateId target) const;
+  inline const Route* RouteOf(StateId target) const;
   std::optional<StateId> FindTarget(StateId from, std::string_view name) const;
   Result<> StartIn(StateId state, Time now, const Entry& entry);
-  void GoTo(StateId target);
+  inline void GoTo(StateId target);
   void Follow();
   void SetEntries(const Entry& entry);
   void CancelRequest();
@@ -275,7 +275,7 @@ class Machine {
   void RunStep();
   bool Step();
   bool Conclude(Next next);
-  bool Execute(Next next);
+  inline bool Execute(Next next);
   inline void Run();
   void Keeps(EventId command, const Next& next);
   void Drain();
@@ -284,7 +284,7 @@ class Machine {
   Word WordOf(EventId command) const;
   std::size_t FirstWaiting() const;
   EventId InsideOf(EventId outer) const;
-  void Begin(Next next);
+  inline void Begin(Next next);
   void Proceed();
   void Enter(StateId target, Cause cause, EventId command, const Entry& entry);
   void Switch(StateId target, Cause cause, EventId command, const Entry& entry);
@@ -294,9 +294,9 @@ class Machine {
   void Fail(Phase phase, std::string what);
   void LeaveFailed(Phase phase);
   void FailByException(Phase phase);
-  void EndPresent(EventId command);
+  inline void EndPresent(EventId command);
   void Halt(Cause cause);
-  bool Declared(StateId from, StateId to) const;
+  inline bool Declared(StateId from, StateId to) const;
   Result<> Reached(StateId target) const;
   Error Failure() const;
   void DropCommands() {
@@ -313,7 +313,7 @@ class Machine {
   void GiveBack(EventId command);
   void Unhandled(EventId command);
   void NotifyInput(const Input& input);
-  void Remember(const Change& change);
+  inline void Remember(const Change& change);
   template <class Call>
   bool Guard(Phase phase, Call&& call);
   template <class Call>
