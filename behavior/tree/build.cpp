@@ -23,6 +23,16 @@ bool IsForm(std::string_view name) {
   return name == "Action" || name == "Condition" || name == "Decorator" || name == "Control";
 }
 
+bool IsSubtree(std::string_view name) {
+  return name == "SubTree" || name == "SubTreePlus";
+}
+
+std::size_t CountElements(const Element& element) {
+  std::size_t count = 1;
+  for (const Element& child : element.children) count += CountElements(child);
+  return count;
+}
+
 std::string Quoted(std::string_view text) {
   return "'" + std::string(text) + "'";
 }
@@ -46,8 +56,7 @@ const std::string& ClassOf(const Element& element) {
 
 void NoteSubtrees(const Element& element, std::set<std::string>& used) {
   for (const Element& child : element.children) {
-    const bool subtree = child.name == "SubTree" || child.name == "SubTreePlus";
-    const Attribute* id = subtree ? child.Find("ID") : nullptr;
+    const Attribute* id = IsSubtree(child.name) ? child.Find("ID") : nullptr;
     if (id != nullptr) used.insert(id->value);
     NoteSubtrees(child, used);
   }
@@ -180,6 +189,7 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   for (const Document::File& file : document_.files) tree_->files_.push_back(file.path);
   tree_->boards_.push_back(board != nullptr ? std::move(board) : std::make_shared<Board>());
   elements_.clear();
+  registered_.clear();
   types_.clear();
   pointers_.clear();
   read_as_text_.clear();
@@ -188,6 +198,11 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   writes_.clear();
   made_.clear();
   needed_.clear();
+  const std::size_t count = CountElements(main.content);  // more nodes where it has subtrees
+  tree_->nodes_.reserve(count);
+  tree_->infos_.reserve(count);
+  elements_.reserve(count);
+  registered_.reserve(count);
   MakeContent(main, {});
   UnifyPointers();
   if (failed()) return nullptr;
@@ -226,9 +241,7 @@ Node* Builder::MakeNode(const Element& element, const Around& around) {
     too_large_ = true;
     return nullptr;
   }
-  if (element.name == "SubTree" || element.name == "SubTreePlus") {
-    return MakeSubtree(element, around);
-  }
+  if (IsSubtree(element.name)) return MakeSubtree(element, around);
   std::string_view id = element.name;
   Place at = element.at;
   if (IsForm(id)) {
@@ -278,12 +291,13 @@ std::string Builder::PlainPath(NodeId id) const {
 }
 
 NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind kind,
-                        const Around& around) {
+                        const Factory::Registered* registered, const Around& around) {
   const Attribute* name = element.Find("name");
   const std::vector<std::uint32_t>& begins = lines_[element.at.file];
   const auto line = std::ranges::upper_bound(begins, element.at.at);
   tree_->nodes_.push_back(nullptr);
   elements_.push_back(&element);
+  registered_.push_back(registered);
   tree_->infos_.push_back({.name = name != nullptr ? name->value : std::string(id),
                            .id = std::string(id),
                            .kind = kind,
@@ -324,7 +338,7 @@ std::unique_ptr<Node> Builder::Call(const Factory::Registered& registered, Setup
 
 Node* Builder::MakeRegistered(const Element& element, std::string_view id,
                               const Factory::Registered& registered, const Around& around) {
-  const NodeId node_id = Reserve(element, id, registered.kind, around);
+  const NodeId node_id = Reserve(element, id, registered.kind, &registered, around);
   tree_->infos_[node_id].takes_time = registered.takes_time;
   Board& board = *tree_->boards_[around.board];
   Setup setup(this, element, board, factory_.enums());
@@ -361,9 +375,21 @@ Node* Builder::MakeRegistered(const Element& element, std::string_view id,
   return node;
 }
 
+Control* Builder::AsControl(Node* node) {
+  return node->shape_ == Node::Shape::kControl ? static_cast<Control*>(node) : nullptr;
+}
+
+Decorator* Builder::AsDecorator(Node* node) {
+  return node->shape_ == Node::Shape::kDecorator ? static_cast<Decorator*>(node) : nullptr;
+}
+
 void Builder::MakeChildren(const Element& element, Node* node, NodeId id, const Around& around) {
-  auto* control = dynamic_cast<Control*>(node);
-  auto* decorator = dynamic_cast<Decorator*>(node);
+  Control* const control = AsControl(node);
+  Decorator* const decorator = AsDecorator(node);
+  if (control != nullptr) {
+    control->children_.reserve(element.children.size());
+    control->child_names_.reserve(element.children.size());
+  }
   for (const Element& child : element.children) {
     Node* made = MakeNode(child, {id, around.board, around.depth + 1});
     if (made == nullptr) continue;
@@ -375,13 +401,13 @@ void Builder::MakeChildren(const Element& element, Node* node, NodeId id, const 
   }
 }
 
-void Builder::CheckChildren(const Element& element, const Node& node, std::string_view id) {
+void Builder::CheckChildren(const Element& element, Node& node, std::string_view id) {
   const std::size_t count = element.children.size();
   std::size_t least = 0;
   std::size_t most = 0;
-  if (dynamic_cast<const Decorator*>(&node) != nullptr) {
+  if (AsDecorator(&node) != nullptr) {
     least = most = 1;
-  } else if (const auto* control = dynamic_cast<const Control*>(&node)) {
+  } else if (const Control* control = AsControl(&node)) {
     least = control->least_;
     most = control->most_;
   }
@@ -416,7 +442,7 @@ Node* Builder::MakeSubtree(const Element& element, const Around& around) {
     Report(attribute->value_at, Severity::kError, "the trees are recursive: " + circle + id);
     return nullptr;
   }
-  const NodeId node_id = Reserve(element, id, NodeKind::kSubtree, around);
+  const NodeId node_id = Reserve(element, id, NodeKind::kSubtree, factory_.Find(id), around);
   Node* node = Keep(node_id, std::make_unique<Subtree>());
   SetConditions(element, *node, *tree_->boards_[around.board]);
   const std::uint32_t board = MakeBoard(element, id, around.board);
@@ -606,6 +632,9 @@ void Builder::CheckAttributes(const Element& element, const Setup& setup) {
 }
 
 void Builder::SetConditions(const Element& element, Node& node, Board& board) {
+  const bool may_have = std::ranges::any_of(
+      element.attributes, [](const Attribute& each) { return each.name.starts_with('_'); });
+  if (!may_have) return;
   for (std::size_t i = 0; i < kConditionNames.size(); ++i) {
     const Attribute* attribute = element.Find(kConditionNames[i]);
     if (attribute == nullptr) continue;

@@ -21,7 +21,7 @@ void Node::FailStatus(Status status) {
 
 // In its tick. A node with children is halted from the root, for those.
 void Node::Fail(const char* what, Tick& tick) {
-  if (leaf_) {
+  if (shape_ == Shape::kLeaf) {
     if (running()) CallOnHalt(tick);
     FailAsEnded(what, tick);
   }

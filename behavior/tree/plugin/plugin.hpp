@@ -17,7 +17,7 @@
 #include "musher/behavior/tree/factory.hpp"
 
 // What both have to have in common, beside the headers: the compiler with its standard library.
-#define MUSHER_TREE_PLUGIN_BUILD "musher tree plugin 1, compiler " __VERSION__
+#define MUSHER_TREE_PLUGIN_BUILD "musher tree plugin 2, compiler " __VERSION__
 
 // NOLINTBEGIN(bugprone-macro-parentheses): the argument is the name of a parameter.
 // The body of a function that adds nodes to `factory`, and returns a Result<>.
