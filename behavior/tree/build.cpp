@@ -644,7 +644,7 @@ void Builder::SetConditions(const Element& element, Node& node, Board& board) {
     for (const Script::Finding& finding : findings) ReportScript(*attribute, finding);
     NoteScript(script, attribute->value_at);
     if (node.conditions_ == nullptr) node.conditions_ = std::make_unique<Conditions>();
-    node.conditions_->scripts[i] = std::move(script);
+    node.conditions_->scripts[i] = std::make_unique<const Script>(std::move(script));
     node.special_ = true;
   }
 }
