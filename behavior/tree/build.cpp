@@ -253,7 +253,9 @@ Node* Builder::MakeNode(const Element& element, const Around& around) {
     id = attribute->value;
     at = attribute->value_at;
   }
-  const Factory::Registered* registered = factory_.Find(id);
+  const auto [known, is_new] = classes_.try_emplace(id);
+  if (is_new) known->second = factory_.Find(id);
+  const Factory::Registered* const registered = known->second;
   if (registered == nullptr) {
     UnknownNode(at, id);
     for (const Element& child : element.children) MakeNode(child, around);
@@ -313,8 +315,13 @@ NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind ki
 Node* Builder::Keep(NodeId id, std::unique_ptr<Node> node) {
   node->id_ = id;
   Node* kept = node.get();
-  if (auto* observer = dynamic_cast<RunObserver*>(kept)) {
-    tree_->run_observers_.emplace_back(kept, observer);
+  const std::type_info* const type = &typeid(*kept);
+  if (std::ranges::find(no_observers_, type) == no_observers_.end()) {
+    if (auto* observer = dynamic_cast<RunObserver*>(kept)) {
+      tree_->run_observers_.emplace_back(kept, observer);
+    } else {
+      no_observers_.push_back(type);
+    }
   }
   tree_->nodes_[id] = std::move(node);
   return kept;

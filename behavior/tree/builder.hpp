@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <typeinfo>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -95,7 +97,10 @@ class Builder {
   const Document& document_;
   const Factory& factory_;
   std::unique_ptr<Tree> tree_;
-  std::vector<const Element*> elements_;  // by node
+  // What the factory has by each name of the document so far; null: nothing.
+  std::unordered_map<std::string_view, const Factory::Registered*> classes_;
+  std::vector<const std::type_info*> no_observers_;  // types of nodes that are no RunObserver
+  std::vector<const Element*> elements_;             // by node
   // By node: the class of its name; null: a subtree whose name is no class.
   std::vector<const Factory::Registered*> registered_;
   std::vector<std::tuple<Place, Severity, std::string>> found_;
