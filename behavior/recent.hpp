@@ -3,6 +3,8 @@
 // Allocates its places once.
 
 #include <cstddef>
+#include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "musher/base/check.hpp"
@@ -17,8 +19,15 @@ class Recent {
   void Add(const T& entry) {
     if (ring_.empty()) return;
     ring_[next_] = entry;
-    next_ = next_ + 1 == ring_.size() ? 0 : next_ + 1;
-    if (size_ < ring_.size()) ++size_;
+    Advance();
+  }
+  // The same of its fields, in its place: to make it elsewhere and copy it takes much longer.
+  template <class... Fields>
+  requires std::is_trivially_destructible_v<T>
+  void Emplace(Fields... fields) {
+    if (ring_.empty()) return;
+    std::construct_at(&ring_[next_], fields...);
+    Advance();
   }
   void Clear() { next_ = size_ = 0; }
 
@@ -33,6 +42,11 @@ class Recent {
   const T& back() const { return (*this)[size_ - 1]; }
 
  private:
+  void Advance() {
+    next_ = next_ + 1 == ring_.size() ? 0 : next_ + 1;
+    if (size_ < ring_.size()) ++size_;
+  }
+
   std::vector<T> ring_;
   std::size_t next_ = 0;
   std::size_t size_ = 0;

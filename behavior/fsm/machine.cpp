@@ -39,18 +39,6 @@ std::optional<std::string> NameFault(const std::string& kind, const std::string&
   return kind + " " + name + ": a name has no slash and no control characters";
 }
 
-// While this exists, calls that change the machine fail.
-class InTick {
- public:
-  explicit InTick(bool& flag) : flag_(flag) { flag_ = true; }
-  ~InTick() { flag_ = false; }
-  InTick(const InTick&) = delete;
-  InTick& operator=(const InTick&) = delete;
-
- private:
-  bool& flag_;
-};
-
 Error CallError(const std::string& machine, const char* why) {
   return {kCodeFailed, machine + ": " + why};
 }
@@ -69,6 +57,21 @@ std::string WhatWasThrown() {
 constexpr const char* kInTick = "a state or a listener cannot change the machine; it may Send()";
 
 }  // namespace
+
+// While this exists, calls that change the machine fail.
+class Machine::InTick {
+ public:
+  explicit InTick(Machine& machine) : machine_(machine) {
+    machine_.in_tick_ = true;
+    machine_.plain_ = false;
+  }
+  ~InTick() { machine_.in_tick_ = false; }
+  InTick(const InTick&) = delete;
+  InTick& operator=(const InTick&) = delete;
+
+ private:
+  Machine& machine_;
+};
 
 // --- the build: states, events, checks and the chart of all that they declare ---
 
@@ -211,7 +214,7 @@ void Machine::DeclareStates() {
     Declaration transitions(*this, static_cast<StateId>(i));
     nodes_[i].handles.clear();
     nodes_[i].defers.clear();
-    const InTick guard(in_tick_);  // a state that calls its machine here gets an error
+    const InTick guard(*this);  // a state that calls its machine here gets an error
     try {
       nodes_[i].state->Declare(transitions);
     } catch (const std::exception& thrown) {
@@ -479,16 +482,16 @@ void Machine::NotifyAll(Call&& call) {
 }
 
 // Machine time stops at its maximum, so that no sum of times overflows.
-void Machine::Advance(Time now) {
+void Machine::Advance(Time last, Time now) {
   const auto ns = [](auto time) { return static_cast<std::uint64_t>(time.count()); };
-  const Time last = last_tick_.value_or(now);
-  const std::uint64_t passed =
-      now > last ? ns(now.time_since_epoch()) - ns(last.time_since_epoch()) : 0;
+  std::uint64_t passed = 0;
+  if (now > last) [[likely]] {
+    passed = ns(now.time_since_epoch()) - ns(last.time_since_epoch());
+  }
   tick_.step = Duration(std::min(passed, kFarthestNs - ns(tick_.now)));
-  last_tick_ = now;
   tick_.now += tick_.step;
   tick_.elapsed += tick_.step;
-  if (mode_ == Mode::kTransitioning) tick_.transition_elapsed += tick_.step;
+  ++ticks_;
 }
 
 void Machine::NotifyInput(const Input& input) {
@@ -504,7 +507,7 @@ Result<> Machine::StartIn(StateId state, Time now, const Entry& entry) {
   if (!built_) return CallError(name(), "cannot start before Build() has succeeded");
   if (running_) return CallError(name(), "runs already");
   if (Index(state) >= nodes_.size()) return CallError(name(), "has no such state");
-  const InTick guard(in_tick_);
+  const InTick guard(*this);
   NotifyInput({.kind = Input::Kind::kStart, .time = now, .state = state});
   running_ = true;
   ticks_ = 0;
@@ -520,7 +523,7 @@ Result<> Machine::StartIn(StateId state, Time now, const Entry& entry) {
 
 void Machine::Pause() {
   if (in_tick_ || !running_) return;
-  const InTick guard(in_tick_);
+  const InTick guard(*this);
   NotifyInput({.kind = Input::Kind::kPause});
   last_tick_.reset();
   DropNormalCommands();
@@ -543,27 +546,61 @@ void Machine::DropNormalCommands() {
 // [[unlikely]] moves rare code out of the path of the common tick: the state decides to stay, and
 // runs.
 void Machine::RunOnce(Time now) {
-  if (in_tick_) [[unlikely]] {
+  if (!plain_) [[unlikely]] {
+    return RunAny(now);
+  }
+  const InTick guard(*this);
+  if (!listeners_.empty()) NotifyInput({.kind = Input::Kind::kTick, .time = now});
+  Advance(std::exchange(*last_tick_, now), now);
+  if (waiting_ > 0) [[unlikely]] {  // a listener has sent a command
+    stays_ = Step();
+    if (stays_) Run();
+    return EndTick();
+  }
+  use_ = Use::kDone;
+  Next next = Next::Stay();
+  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return EndTick();
+  if (!next.stays() || requested_ != nullptr) [[unlikely]] {
+    stays_ = Conclude(next);
+    if (stays_) Run();
+    return EndTick();
+  }
+  if (Guard(Phase::kRun, [&] { present_->Run(tick_); }) && waiting_ == 0 && requested_ == nullptr)
+      [[likely]] {
+    plain_ = true;
+    return;
+  }
+  EndTick();
+}
+
+// A tick that may have checks, commands or a transition under way.
+void Machine::RunAny(Time now) {
+  if (in_tick_) {
     throw std::logic_error("RunOnce() of " + name() + " inside of its own tick does nothing");
   }
   if (!running_) return;
-  const InTick guard(in_tick_);
+  const InTick guard(*this);
   if (!BeginTick(now)) return;
-  RunStep();
-  if (waiting_ > 0 && options_.commands_per_tick > 1) [[unlikely]] {
-    Drain();
-  }
-  if (!checks_.empty() && running_) PassesChecks();
+  stays_ = Step();
+  if (stays_) Run();
+  EndTick();
 }
 
 // False: it went to its safe state.
 bool Machine::BeginTick(Time now) {
-  if (!listeners_.empty()) [[unlikely]] {
-    NotifyInput({.kind = Input::Kind::kTick, .time = now});
-  }
-  Advance(now);
-  ++ticks_;
+  if (!listeners_.empty()) NotifyInput({.kind = Input::Kind::kTick, .time = now});
+  Advance(last_tick_.value_or(now), now);
+  last_tick_ = now;
+  if (mode_ == Mode::kTransitioning) tick_.transition_elapsed += tick_.step;
   return checks_.empty() || PassesChecks();
+}
+
+void Machine::EndTick() {
+  if (requested_ != nullptr && requested_->at == this) Follow();
+  if (waiting_ > 0 && options_.commands_per_tick > 1) Drain();
+  if (!checks_.empty() && running_) PassesChecks();
+  plain_ = running_ && mode_ != Mode::kTransitioning && waiting_ == 0 && requested_ == nullptr &&
+           checks_.empty();
 }
 
 // Handles further commands, as in ticks at the same time.
@@ -589,7 +626,7 @@ void Machine::RunStep() {
 Machine::Use Machine::Decide(Time now, EventId command, const std::shared_ptr<EventData>& data) {
   stays_ = false;
   if (!running_) return Use::kNothing;
-  const InTick guard(in_tick_);
+  const InTick guard(*this);
   if (!BeginTick(now)) return command == kNoEvent ? Use::kDone : Use::kKept;
   // Its own commands come first.
   const bool busy = mode_ == Mode::kTransitioning || FirstWaiting() < waiting_;
@@ -604,7 +641,7 @@ Machine::Use Machine::Decide(Time now, EventId command, const std::shared_ptr<Ev
 
 void Machine::RunDecided() {
   if (!running_) return;
-  const InTick guard(in_tick_);
+  const InTick guard(*this);
   if (std::exchange(stays_, false)) Run();
   if (requested_ != nullptr && requested_->at == this) Follow();
   if (!checks_.empty() && running_) PassesChecks();
@@ -626,6 +663,11 @@ bool Machine::Step() {
   }
   Next next = Next::Stay();
   if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return false;
+  return Conclude(next);
+}
+
+// The state has decided. Whether it stays, so that it runs.
+bool Machine::Conclude(Next next) {
   if (requested_ != nullptr) [[unlikely]] {  // a state inside goes elsewhere
     const EventId command = std::exchange(tick_.command, kNoEvent);
     if (command != kNoEvent && next.keeps()) {
@@ -844,7 +886,7 @@ void Machine::Halt(Cause cause) {
 Result<> Machine::Stop() {
   if (in_tick_) return CallError(name(), kInTick);
   if (!running_) return Ok();
-  const InTick guard(in_tick_);
+  const InTick guard(*this);
   NotifyInput({.kind = Input::Kind::kStop});
   bool left = false;
   try {
@@ -863,7 +905,7 @@ Result<> Machine::Force(StateId target) {
   if (in_tick_) return CallError(name(), kInTick);
   if (!running_) return CallError(name(), "does not run");
   if (Index(target) >= nodes_.size()) return CallError(name(), "has no such state");
-  const InTick guard(in_tick_);
+  const InTick guard(*this);
   NotifyInput({.kind = Input::Kind::kForce, .state = target});
   Switch(target, Cause::kForced, kNoEvent, {});
   return Reached(target);
@@ -872,7 +914,7 @@ Result<> Machine::Force(StateId target) {
 Result<> Machine::Reset() {
   if (in_tick_) return CallError(name(), kInTick);
   if (!running_) return CallError(name(), "does not run");
-  const InTick guard(in_tick_);
+  const InTick guard(*this);
   NotifyInput({.kind = Input::Kind::kReset});
   DropCommands();
   fault_.reset();
@@ -897,7 +939,7 @@ Result<> Machine::SendData(EventId event, std::shared_ptr<EventData> data) {
   }
   if (!running_) return CallError(name(), "does not run");
   if (!in_tick_) {  // a command of a state or a listener is not an input from outside
-    const InTick guard(in_tick_);
+    const InTick guard(*this);
     NotifyInput({.kind = Input::Kind::kCommand, .command = event, .data = data.get()});
   }
   if (events_[Index(event)].urgency == Urgency::kUrgent) DropCommands();

@@ -245,15 +245,16 @@ class Machine {
     std::function<void(Archive&)> persist;
   };
   class Declaration;
+  class InTick;
   class Restorer;
 
   void DeclareStates();
   std::optional<Route> FindRoute(std::string_view target);
   std::optional<std::vector<MachineState>> FindBelow(std::string_view path);
-  const Route* RouteOf(StateId target) const;
+  inline const Route* RouteOf(StateId target) const;
   std::optional<StateId> FindTarget(StateId from, std::string_view name) const;
   Result<> StartIn(StateId state, Time now, const Entry& entry);
-  void GoTo(StateId target);
+  inline void GoTo(StateId target);
   void Follow();
   void SetEntries(const Entry& entry);
   void CancelRequest();
@@ -267,11 +268,14 @@ class Machine {
   // What the present states have declared of it.
   enum class Word : std::uint8_t { kNothing, kHandles, kDefers };
 
-  inline void Advance(Time now);
-  inline bool BeginTick(Time now);
-  inline void RunStep();
-  inline bool Step();
-  bool Execute(Next next);
+  void RunAny(Time now);
+  inline void Advance(Time last, Time now);
+  bool BeginTick(Time now);
+  void EndTick();
+  void RunStep();
+  bool Step();
+  bool Conclude(Next next);
+  inline bool Execute(Next next);
   inline void Run();
   void Keeps(EventId command, const Next& next);
   void Drain();
@@ -280,7 +284,7 @@ class Machine {
   Word WordOf(EventId command) const;
   std::size_t FirstWaiting() const;
   EventId InsideOf(EventId outer) const;
-  void Begin(Next next);
+  inline void Begin(Next next);
   void Proceed();
   void Enter(StateId target, Cause cause, EventId command, const Entry& entry);
   void Switch(StateId target, Cause cause, EventId command, const Entry& entry);
@@ -290,9 +294,9 @@ class Machine {
   void Fail(Phase phase, std::string what);
   void LeaveFailed(Phase phase);
   void FailByException(Phase phase);
-  void EndPresent(EventId command);
+  inline void EndPresent(EventId command);
   void Halt(Cause cause);
-  bool Declared(StateId from, StateId to) const;
+  inline bool Declared(StateId from, StateId to) const;
   Result<> Reached(StateId target) const;
   Error Failure() const;
   void DropCommands() {
@@ -309,7 +313,7 @@ class Machine {
   void GiveBack(EventId command);
   void Unhandled(EventId command);
   void NotifyInput(const Input& input);
-  void Remember(const Change& change);
+  inline void Remember(const Change& change);
   template <class Call>
   bool Guard(Phase phase, Call&& call);
   template <class Call>
@@ -336,6 +340,10 @@ class Machine {
   // The data that every tick reads, side by side.
   bool running_ = false;
   bool in_tick_ = false;
+  // Between two ticks: it runs, has no safety checks, no commands, and no transition under way, so
+  // that the next tick needs to ask and run its state only. Each call that may change this clears
+  // it, and the next tick finds out again.
+  bool plain_ = false;
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
   State* present_ = nullptr;  // the same, ready to be called

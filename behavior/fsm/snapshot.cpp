@@ -332,6 +332,7 @@ std::vector<SnapshotFault> Machine::Restore(const Snapshot& saved, Time now) {
 void Machine::Become(const Snapshot& saved, Time now) {
   const auto state = [this](const std::string& name) { return FindState(name).value_or(kNoState); };
   const auto event = [this](const std::string& name) { return FindEvent(name).value_or(kNoEvent); };
+  plain_ = false;
   running_ = saved.running;
   mode_ = saved.mode;
   current_ = state(saved.state);

@@ -23,6 +23,16 @@ bool IsForm(std::string_view name) {
   return name == "Action" || name == "Condition" || name == "Decorator" || name == "Control";
 }
 
+bool IsSubtree(std::string_view name) {
+  return name == "SubTree" || name == "SubTreePlus";
+}
+
+std::size_t CountElements(const Element& element) {
+  std::size_t count = 1;
+  for (const Element& child : element.children) count += CountElements(child);
+  return count;
+}
+
 std::string Quoted(std::string_view text) {
   return "'" + std::string(text) + "'";
 }
@@ -46,8 +56,7 @@ const std::string& ClassOf(const Element& element) {
 
 void NoteSubtrees(const Element& element, std::set<std::string>& used) {
   for (const Element& child : element.children) {
-    const bool subtree = child.name == "SubTree" || child.name == "SubTreePlus";
-    const Attribute* id = subtree ? child.Find("ID") : nullptr;
+    const Attribute* id = IsSubtree(child.name) ? child.Find("ID") : nullptr;
     if (id != nullptr) used.insert(id->value);
     NoteSubtrees(child, used);
   }
@@ -180,6 +189,7 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   for (const Document::File& file : document_.files) tree_->files_.push_back(file.path);
   tree_->boards_.push_back(board != nullptr ? std::move(board) : std::make_shared<Board>());
   elements_.clear();
+  registered_.clear();
   types_.clear();
   pointers_.clear();
   read_as_text_.clear();
@@ -188,6 +198,11 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   writes_.clear();
   made_.clear();
   needed_.clear();
+  const std::size_t count = CountElements(main.content);  // more nodes where it has subtrees
+  tree_->nodes_.reserve(count);
+  tree_->infos_.reserve(count);
+  elements_.reserve(count);
+  registered_.reserve(count);
   MakeContent(main, {});
   UnifyPointers();
   if (failed()) return nullptr;
@@ -226,9 +241,7 @@ Node* Builder::MakeNode(const Element& element, const Around& around) {
     too_large_ = true;
     return nullptr;
   }
-  if (element.name == "SubTree" || element.name == "SubTreePlus") {
-    return MakeSubtree(element, around);
-  }
+  if (IsSubtree(element.name)) return MakeSubtree(element, around);
   std::string_view id = element.name;
   Place at = element.at;
   if (IsForm(id)) {
@@ -240,7 +253,9 @@ Node* Builder::MakeNode(const Element& element, const Around& around) {
     id = attribute->value;
     at = attribute->value_at;
   }
-  const Factory::Registered* registered = factory_.Find(id);
+  const auto [known, is_new] = classes_.try_emplace(id);
+  if (is_new) known->second = factory_.Find(id);
+  const Factory::Registered* const registered = known->second;
   if (registered == nullptr) {
     UnknownNode(at, id);
     for (const Element& child : element.children) MakeNode(child, around);
@@ -287,12 +302,13 @@ std::string Builder::TreePath(NodeId id) const {
 }
 
 NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind kind,
-                        const Around& around) {
+                        const Factory::Registered* registered, const Around& around) {
   const Attribute* name = element.Find("name");
   const std::vector<std::uint32_t>& begins = lines_[element.at.file];
   const auto line = std::ranges::upper_bound(begins, element.at.at);
   tree_->nodes_.push_back(nullptr);
   elements_.push_back(&element);
+  registered_.push_back(registered);
   tree_->infos_.push_back({.name = name != nullptr ? name->value : std::string(id),
                            .id = std::string(id),
                            .kind = kind,
@@ -308,8 +324,13 @@ NodeId Builder::Reserve(const Element& element, std::string_view id, NodeKind ki
 Node* Builder::Keep(NodeId id, std::unique_ptr<Node> node) {
   node->id_ = id;
   Node* kept = node.get();
-  if (auto* observer = dynamic_cast<RunObserver*>(kept)) {
-    tree_->run_observers_.emplace_back(kept, observer);
+  const std::type_info* const type = &typeid(*kept);
+  if (std::ranges::find(no_observers_, type) == no_observers_.end()) {
+    if (auto* observer = dynamic_cast<RunObserver*>(kept)) {
+      tree_->run_observers_.emplace_back(kept, observer);
+    } else {
+      no_observers_.push_back(type);
+    }
   }
   tree_->nodes_[id] = std::move(node);
   return kept;
@@ -333,7 +354,7 @@ std::unique_ptr<Node> Builder::Call(const Factory::Registered& registered, Setup
 
 Node* Builder::MakeRegistered(const Element& element, std::string_view id,
                               const Factory::Registered& registered, const Around& around) {
-  const NodeId node_id = Reserve(element, id, registered.kind, around);
+  const NodeId node_id = Reserve(element, id, registered.kind, &registered, around);
   tree_->infos_[node_id].takes_time = registered.takes_time;
   Board& board = *tree_->boards_[around.board];
   Setup setup(this, element, board, factory_.enums());
@@ -371,9 +392,21 @@ Node* Builder::MakeRegistered(const Element& element, std::string_view id,
   return node;
 }
 
+Control* Builder::AsControl(Node* node) {
+  return node->shape_ == Node::Shape::kControl ? static_cast<Control*>(node) : nullptr;
+}
+
+Decorator* Builder::AsDecorator(Node* node) {
+  return node->shape_ == Node::Shape::kDecorator ? static_cast<Decorator*>(node) : nullptr;
+}
+
 void Builder::MakeChildren(const Element& element, Node* node, NodeId id, const Around& around) {
-  auto* control = dynamic_cast<Control*>(node);
-  auto* decorator = dynamic_cast<Decorator*>(node);
+  Control* const control = AsControl(node);
+  Decorator* const decorator = AsDecorator(node);
+  if (control != nullptr) {
+    control->children_.reserve(element.children.size());
+    control->child_names_.reserve(element.children.size());
+  }
   for (const Element& child : element.children) {
     Node* made = MakeNode(child, {id, around.board, around.depth + 1});
     if (made == nullptr) continue;
@@ -385,13 +418,13 @@ void Builder::MakeChildren(const Element& element, Node* node, NodeId id, const 
   }
 }
 
-void Builder::CheckChildren(const Element& element, const Node& node, std::string_view id) {
+void Builder::CheckChildren(const Element& element, Node& node, std::string_view id) {
   const std::size_t count = element.children.size();
   std::size_t least = 0;
   std::size_t most = 0;
-  if (dynamic_cast<const Decorator*>(&node) != nullptr) {
+  if (AsDecorator(&node) != nullptr) {
     least = most = 1;
-  } else if (const auto* control = dynamic_cast<const Control*>(&node)) {
+  } else if (const Control* control = AsControl(&node)) {
     least = control->least_;
     most = control->most_;
   }
@@ -426,7 +459,7 @@ Node* Builder::MakeSubtree(const Element& element, const Around& around) {
     Report(attribute->value_at, Severity::kError, "the trees are recursive: " + circle + id);
     return nullptr;
   }
-  const NodeId node_id = Reserve(element, id, NodeKind::kSubtree, around);
+  const NodeId node_id = Reserve(element, id, NodeKind::kSubtree, factory_.Find(id), around);
   Node* node = Keep(node_id, std::make_unique<Subtree>());
   SetConditions(element, *node, *tree_->boards_[around.board]);
   const std::uint32_t board = MakeBoard(element, id, around.board);
@@ -619,6 +652,9 @@ void Builder::CheckAttributes(const Element& element, const Setup& setup) {
 }
 
 void Builder::SetConditions(const Element& element, Node& node, Board& board) {
+  const bool may_have = std::ranges::any_of(
+      element.attributes, [](const Attribute& each) { return each.name.starts_with('_'); });
+  if (!may_have) return;
   for (std::size_t i = 0; i < kConditionNames.size(); ++i) {
     const Attribute* attribute = element.Find(kConditionNames[i]);
     if (attribute == nullptr) continue;
@@ -628,7 +664,7 @@ void Builder::SetConditions(const Element& element, Node& node, Board& board) {
     for (const Script::Finding& finding : findings) ReportScript(*attribute, finding);
     NoteScript(script, attribute->value_at);
     if (node.conditions_ == nullptr) node.conditions_ = std::make_unique<Conditions>();
-    node.conditions_->scripts[i] = std::move(script);
+    node.conditions_->scripts[i] = std::make_unique<const Script>(std::move(script));
     node.special_ = true;
   }
 }

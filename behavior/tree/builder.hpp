@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <typeinfo>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -68,7 +70,10 @@ class Builder {
   std::unique_ptr<Node> Call(const Factory::Registered& registered, Setup& setup,
                              const Element& element, std::string_view id);
   void MakeChildren(const Element& element, Node* node, NodeId id, const Around& around);
-  void CheckChildren(const Element& element, const Node& node, std::string_view id);
+  void CheckChildren(const Element& element, Node& node, std::string_view id);
+  // Null: it is none.
+  static Control* AsControl(Node* node);
+  static Decorator* AsDecorator(Node* node);
   Node* MakeContent(const Document::Tree& tree, const Around& around);
   std::uint32_t MakeBoard(const Element& element, std::string_view id, std::uint32_t outer);
   void SetConditions(const Element& element, Node& node, Board& board);
@@ -79,7 +84,8 @@ class Builder {
   Entry& Use(Entry& entry, Place place, const PortModel& model);
   void Unify(Entry& entry, Place place, const PortModel& model);
   void UnifyPointers();
-  NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
+  NodeId Reserve(const Element& element, std::string_view id, NodeKind kind,
+                 const Factory::Registered* registered, const Around& around);
   Node* Keep(NodeId id, std::unique_ptr<Node> node);
   void FitValues();
   void SetConstants();
@@ -95,7 +101,12 @@ class Builder {
   const Document& document_;
   const Factory& factory_;
   std::unique_ptr<Tree> tree_;
-  std::vector<const Element*> elements_;  // by node
+  // What the factory has by each name of the document so far; null: nothing.
+  std::unordered_map<std::string_view, const Factory::Registered*> classes_;
+  std::vector<const std::type_info*> no_observers_;  // types of nodes that are no RunObserver
+  std::vector<const Element*> elements_;             // by node
+  // By node: the class of its name; null: a subtree whose name is no class.
+  std::vector<const Factory::Registered*> registered_;
   std::vector<std::tuple<Place, Severity, std::string>> found_;
   std::vector<std::vector<std::uint32_t>> lines_;  // where the lines of each file begin
   // Findings that are the same at each place of a class of nodes: reported at the first one.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string_view>
 
@@ -18,7 +19,7 @@ inline constexpr std::array<std::string_view, 8> kConditionNames = {
 inline constexpr std::size_t kConditionsBefore = 4;  // the first ones
 
 struct Conditions {
-  std::array<std::optional<Script>, kConditionNames.size()> scripts;
+  std::array<std::unique_ptr<const Script>, kConditionNames.size()> scripts;  // most are null
 
   // The status that a node that is not running gets instead of its tick.
   std::optional<Status> BeforeStart() const;

@@ -21,7 +21,7 @@ void Node::FailStatus(Status status) {
 
 // In its tick. A node with children is halted from the root, for those.
 void Node::Fail(const char* what, Tick& tick) {
-  if (leaf_) {
+  if (shape_ == Shape::kLeaf) {
     if (running()) CallOnHalt(tick);
     FailAsEnded(what, tick);
   }
@@ -60,7 +60,8 @@ Status Node::ExecuteSpecially(Tick& tick) {
       return *instead == Status::kRunning ? *instead : End(*instead, tick);
     }
   }
-  return EndByHook(Run(tick), tick);
+  const Status status = Run(tick);
+  return tick.hooks != nullptr ? EndByHook(status, tick) : End(status, tick);
 }
 
 Status Node::EndByHook(Status status, Tick& tick) {
@@ -133,24 +134,24 @@ Status Action::OnTick(Tick& tick) {
 std::optional<Status> Conditions::BeforeStart() const {
   constexpr std::array<Status, 3> kThen = {Status::kFailure, Status::kSuccess, Status::kSkipped};
   for (std::size_t i = 0; i < kThen.size(); ++i) {
-    if (scripts[i] && scripts[i]->True()) return kThen[i];
+    if (scripts[i] != nullptr && scripts[i]->True()) return kThen[i];
   }
-  if (scripts[3] && !scripts[3]->True()) return Status::kSkipped;
+  if (scripts[3] != nullptr && !scripts[3]->True()) return Status::kSkipped;
   return std::nullopt;
 }
 
 bool Conditions::MayContinue() const {
-  return !scripts[3] || scripts[3]->True();
+  return scripts[3] == nullptr || scripts[3]->True();
 }
 
 void Conditions::AfterCompleted(Status status) const {
   const auto& script = scripts[status == Status::kSuccess ? 4 : 5];
-  if (script) script->Run();
-  if (scripts[7]) scripts[7]->Run();
+  if (script != nullptr) script->Run();
+  if (scripts[7] != nullptr) scripts[7]->Run();
 }
 
 void Conditions::AfterHalt() const {
-  if (scripts[6]) scripts[6]->Run();
+  if (scripts[6] != nullptr) scripts[6]->Run();
 }
 
 }  // namespace musher::tree

@@ -139,7 +139,7 @@ class Node {
 
   Status status_ = Status::kIdle;
   bool special_ = false;
-  bool leaf_ = true;
+  enum class Shape : std::uint8_t { kLeaf, kDecorator, kControl } shape_ = Shape::kLeaf;
   bool held_ = false;  // by a hook, with its result
   NodeId id_ = 0;
   std::unique_ptr<Conditions> conditions_;
@@ -181,7 +181,7 @@ class Decorator : public Node {
   Node& child() const { return *child_; }
 
  protected:
-  Decorator() { leaf_ = false; }
+  Decorator() { shape_ = Shape::kDecorator; }
   // Ticks the child, and resets it when it has completed.
   Status TickChild(Tick& tick) {
     const Status status = child_->Execute(tick);
@@ -206,7 +206,7 @@ class Control : public Node {
   static constexpr std::size_t kAny = static_cast<std::size_t>(-1);
   // How many children it needs; checked when the tree is built.
   explicit Control(std::size_t least = 1, std::size_t most = kAny) : least_(least), most_(most) {
-    leaf_ = false;
+    shape_ = Shape::kControl;
   }
   void OnHalt(Tick& tick) override { ResetChildren(tick); }
   // Each control does this when it completes.

@@ -12,9 +12,13 @@ std::string Shown(const Operand& operand) {
   return operand.other().Shown();
 }
 
-double NumberOf(const Operand& operand, std::string_view sign) {
-  if (operand.is_number()) return operand.number();
+[[noreturn]] void FailNumber(const Operand& operand, std::string_view sign) {
   throw ScriptError("'" + std::string(sign) + "' needs numbers; got " + Shown(operand));
+}
+
+double NumberOf(const Operand& operand, std::string_view sign) {
+  if (!operand.is_number()) FailNumber(operand, sign);
+  return operand.number();
 }
 
 std::int64_t WholeOf(const Operand& operand, std::string_view sign) {
@@ -25,12 +29,15 @@ std::int64_t WholeOf(const Operand& operand, std::string_view sign) {
   return static_cast<std::int64_t>(number);
 }
 
-bool TruthOf(const Operand& operand) {
-  if (operand.is_number()) return operand.number() != 0;
+bool TruthOfOther(const Operand& operand) {
   if (operand.is_text()) {
     if (const auto truth = Convert<bool>::FromText(operand.text())) return truth.value();
   }
   throw ScriptError("expected true or false, or a number; got " + Shown(operand));
+}
+
+bool TruthOf(const Operand& operand) {
+  return operand.is_number() ? operand.number() != 0 : TruthOfOther(operand);
 }
 
 // Numbers that a 32-bit floating-point number can not tell apart from 1 are equal, as in
@@ -44,9 +51,28 @@ bool Same(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+template <class T>
+bool Script::Holds(T a, T b, Comparison comparison) {
+  switch (comparison) {
+    case Comparison::kEqual:
+      return Same(a, b);
+    case Comparison::kNotEqual:
+      return !Same(a, b);
+    case Comparison::kLess:
+      return a < b;
+    case Comparison::kGreater:
+      return a > b;
+    case Comparison::kAtMost:
+      return a <= b;
+    case Comparison::kAtLeast:
+      return a >= b;
+  }
+  return false;
+}
+
 Operand Script::Evaluate() const {
   Operand last;
-  for (const std::uint32_t statement : statements_) last = Evaluate(statement);
+  for (const std::uint32_t statement : statements_) last = EvaluateOperand(statement);
   return last;
 }
 
@@ -74,7 +100,7 @@ Operand Script::Evaluate(std::uint32_t at) const {
     case Code::kCompare:
       return Compare(operation);
     case Code::kIf: {
-      const Operand condition = Evaluate(operation.a);
+      const Operand condition = EvaluateOperand(operation.a);
       const bool is_text = condition.is_text();
       const bool holds = is_text ? !condition.text().empty() : TruthOf(condition);
       return Evaluate(holds ? operation.b : operation.c);
@@ -106,16 +132,16 @@ void Script::Keep(const Operation& operation, Operand& operand) const {
 }
 
 Operand Script::Unary(const Operation& operation) const {
-  const Operand operand = Evaluate(operation.a);
+  const Operand operand = EvaluateOperand(operation.a);
   if (operation.code == Code::kNegate) return Operand(-NumberOf(operand, "-"));
   if (operation.code == Code::kNot) return Operand(TruthOf(operand) ? 0.0 : 1.0);
   return Operand(static_cast<double>(~WholeOf(operand, "~")));
 }
 
 Operand Script::Binary(const Operation& operation) const {
-  Operand left = Evaluate(operation.a);
+  Operand left = EvaluateOperand(operation.a);
   Keep(operation, left);
-  const Operand right = Evaluate(operation.b);
+  const Operand right = EvaluateOperand(operation.b);
   switch (operation.code) {
     case Code::kAdd:
       if (left.is_text() && right.is_text()) {
@@ -165,43 +191,29 @@ std::optional<double> Script::NumberIn(std::string_view text, const Enums& enums
   return number ? std::optional(number.value()) : std::nullopt;
 }
 
-Operand Script::Compare(const Operation& first) const {
-  const auto holds = [](auto a, auto b, Comparison comparison) {
-    switch (comparison) {
-      case Comparison::kEqual:
-        return Same(a, b);
-      case Comparison::kNotEqual:
-        return !Same(a, b);
-      case Comparison::kLess:
-        return a < b;
-      case Comparison::kGreater:
-        return a > b;
-      case Comparison::kAtMost:
-        return a <= b;
-      case Comparison::kAtLeast:
-        return a >= b;
-    }
-    return false;
+// Of operands that are not both numbers.
+bool Script::CompareOther(const Operand& left, const Operand& right, Comparison comparison) const {
+  if (left.is_text() && right.is_text()) return Holds(left.text(), right.text(), comparison);
+  const auto number = [&](const Operand& operand) {
+    if (operand.is_number()) return operand.number();
+    const auto in = operand.is_text() ? NumberIn(operand.text(), *enums_) : std::nullopt;
+    if (!in) throw ScriptError("can not compare " + Shown(left) + " with " + Shown(right));
+    return *in;
   };
-  Operand left = Evaluate(first.a);
+  return Holds(number(left), number(right), comparison);
+}
+
+Operand Script::Compare(const Operation& first) const {
+  Operand left = EvaluateOperand(first.a);
   const Operation* operation = &first;
   while (true) {
     Keep(*operation, left);
-    const Operand right = Evaluate(operation->b);
+    const Operand right = EvaluateOperand(operation->b);
     const auto comparison = static_cast<Comparison>(operation->kind);
-    bool is = false;
-    if (left.is_text() && right.is_text()) {
-      is = holds(left.text(), right.text(), comparison);
-    } else {
-      const auto number = [&](const Operand& operand) {
-        if (operand.is_number()) return operand.number();
-        const auto in = operand.is_text() ? NumberIn(operand.text(), *enums_) : std::nullopt;
-        if (!in) throw ScriptError("can not compare " + Shown(left) + " with " + Shown(right));
-        return *in;
-      };
-      is = holds(number(left), number(right), comparison);
-    }
-    if (!is) return Operand(0.0);
+    const bool holds = left.is_number() && right.is_number()
+                           ? Holds(left.number(), right.number(), comparison)
+                           : CompareOther(left, right, comparison);
+    if (!holds) return Operand(0.0);
     if (operation->c == 0) return Operand(1.0);
     operation = &operations_[operation->c];
     left = right;
@@ -215,7 +227,7 @@ Operand Script::Assign(const Operation& operation) const {
     throw ScriptError("the blackboard has no value of '" + entry.key +
                       "'; to make an entry, use ':='");
   }
-  Operand right = Evaluate(operation.b);
+  Operand right = EvaluateOperand(operation.b);
   if (kind != Assignment::kMake && kind != Assignment::kSet) {
     const Operand left = Read(entry);
     if (kind == Assignment::kAdd && left.is_text() && right.is_text()) {

@@ -128,11 +128,23 @@ class Script {
   };
 
   Operand Evaluate(std::uint32_t at) const;
+  // The same, without a call for a number.
+  Operand EvaluateOperand(std::uint32_t at) const {
+    const Operation& operation = operations_[at];
+    if (operation.code == Code::kNumber) return Operand(operation.number);
+    if (operation.code == Code::kEntry) {
+      if (const double* number = operation.entry->value.As<double>()) return Operand(*number);
+    }
+    return Evaluate(at);
+  }
   Operand Read(const Entry& entry) const;
   void Keep(const Operation& operation, Operand& operand) const;
   Operand Unary(const Operation& operation) const;
   Operand Binary(const Operation& operation) const;
   Operand Compare(const Operation& operation) const;
+  template <class T>
+  static bool Holds(T a, T b, Comparison comparison);
+  bool CompareOther(const Operand& left, const Operand& right, Comparison comparison) const;
   Operand Join(const Operation& operation, const Operand& left, const Operand& right) const;
   // The number to which a text is converted to be compared with one.
   static std::optional<double> NumberIn(std::string_view text, const Enums& enums);

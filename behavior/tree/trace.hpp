@@ -50,7 +50,7 @@ class Trace {
   void Resize(std::size_t nodes) { nodes_.assign(nodes, {}); }
   void Add(const Change& change) {
     ++changes_;
-    history_.Add(change);
+    history_.Emplace(change.at, change.node, change.from, change.to);
     NodeRuns& node = nodes_[change.node];
     if (change.from == Status::kRunning) {
       node.spent += change.at - node.since;
@@ -59,7 +59,7 @@ class Trace {
     }
     if (change.to == Status::kRunning) node.since = change.at;
     node.last = change.to;
-    if (!listeners_.empty()) Notify(change);
+    if (!listeners_.empty()) Notify({change.at, change.node, change.from, change.to});
   }
   void AddReset(const Change& change) {
     if (!listeners_.empty()) Notify(change);

@@ -9,6 +9,8 @@
 namespace musher::tree {
 namespace {
 
+using namespace std::string_view_literals;  // of these == looks at the sizes first
+
 // The fixed number of an attribute. Nothing: it is missing or an entry.
 std::optional<double> FixedNumber(const Element& element, std::string_view name) {
   const Attribute* attribute = element.Find(name);
@@ -27,7 +29,7 @@ void Builder::Warn() {
   std::vector<std::set<std::string>> uses(infos.size());  // parts of the robot
   for (NodeId id = static_cast<NodeId>(infos.size()); id-- > 0;) {
     const NodeId parent = infos[id].parent;
-    const Factory::Registered* registered = factory_.Find(infos[id].id);
+    const Factory::Registered* registered = registered_[id];
     if (registered != nullptr && registered->placeholder) unsure[id] = 1;
     const bool is_subtree = infos[id].kind == NodeKind::kSubtree;
     if (registered != nullptr && !is_subtree && !registered->uses.empty()) {
@@ -37,7 +39,9 @@ void Builder::Warn() {
     uses[parent].insert(uses[id].begin(), uses[id].end());
     if (unsure[id] != 0) unsure[parent] = 1;
     if (infos[id].takes_time) infos[parent].takes_time = true;
-    children[parent].insert(children[parent].begin(), id);
+  }
+  for (NodeId id = 0; id < infos.size(); ++id) {
+    if (infos[id].parent != kNoNode) children[infos[id].parent].push_back(id);
   }
   for (NodeId id = 0; id < infos.size(); ++id) {
     WarnOfReactive(id, children[id]);
@@ -51,7 +55,7 @@ void Builder::Warn() {
 
 void Builder::WarnOfReactive(NodeId id, const std::vector<NodeId>& children) {
   const NodeInfo& info = tree_->infos_[id];
-  if (info.id != "ReactiveSequence" && info.id != "ReactiveFallback") return;
+  if (info.id != "ReactiveSequence"sv && info.id != "ReactiveFallback"sv) return;
   for (const NodeId child : children) {
     const NodeInfo& other = tree_->infos_[child];
     if (child == children.back() || !other.takes_time) continue;
@@ -66,7 +70,7 @@ void Builder::WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool un
   const NodeInfo& info = tree_->infos_[id];
   const Element& element = *elements_[id];
   const bool at_once = children.size() == 1 && !tree_->infos_[children[0]].takes_time && !unsure;
-  if (info.id == "Timeout") {
+  if (info.id == "Timeout"sv) {
     if (FixedNumber(element, "msec") == 0.0) {
       Report(info.place, Severity::kWarning, "msec=\"0\" is no limit");
     } else if (at_once) {
@@ -74,8 +78,8 @@ void Builder::WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool un
              "Timeout has no effect: nothing below it may return RUNNING");
     }
   }
-  if (info.id != "Repeat" && info.id != "RetryUntilSuccessful") return;
-  const std::string limit = info.id == "Repeat" ? "num_cycles" : "num_attempts";
+  if (info.id != "Repeat"sv && info.id != "RetryUntilSuccessful"sv) return;
+  const std::string limit = info.id == "Repeat"sv ? "num_cycles" : "num_attempts";
   const std::optional<double> times = FixedNumber(element, limit);
   if (times && *times < -1.0) {
     Report(element.Find(limit)->value_at, Severity::kWarning,
@@ -90,9 +94,9 @@ void Builder::WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool un
 
 void Builder::WarnOfParallel(NodeId id, std::size_t children) {
   const NodeInfo& info = tree_->infos_[id];
+  if (info.id != "Parallel"sv && info.id != "ParallelAll"sv) return;
   const Element& element = *elements_[id];
   for (const std::string_view port : {"success_count", "failure_count", "max_failures"}) {
-    if (info.id != "Parallel" && info.id != "ParallelAll") return;
     const auto count = FixedNumber(element, port);
     if (!count || *count <= static_cast<double>(children)) continue;
     Report(element.Find(port)->value_at, Severity::kError,
@@ -107,8 +111,9 @@ void Builder::WarnOfParallel(NodeId id, std::size_t children) {
 void Builder::WarnOfShared(NodeId id, const std::vector<NodeId>& children,
                            const std::vector<std::set<std::string>>& uses) {
   const NodeInfo& info = tree_->infos_[id];
-  const bool parallel = info.id == "Parallel" || info.id == "ParallelAll";
-  if (info.kind != NodeKind::kControl || (!parallel && info.id != "PipelineSequence")) return;
+  if (info.kind != NodeKind::kControl) return;
+  const bool parallel = info.id == "Parallel"sv || info.id == "ParallelAll"sv;
+  if (!parallel && info.id != "PipelineSequence"sv) return;
   std::map<std::string, NodeId> first;  // child that uses the part
   for (const NodeId child : children) {
     for (const std::string& part : uses[child]) {

@@ -9,10 +9,16 @@ class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {}
 
-  std::vector<ElementPlace> Run() && {
+  Places Run() && {
     while ((at_ = std::min(text_.find('<', at_), text_.size())) < text_.size()) {
-      if (SkipTo("<!--", "-->") || SkipTo("<![CDATA[", "]]>") || SkipTo("<?", "?>")) continue;
-      if (SkipTo("<!", ">") || SkipTo("</", ">")) continue;
+      const char next = at_ + 1 < text_.size() ? text_[at_ + 1] : ' ';
+      if (next == '!') {
+        if (SkipTo("<!--", "-->") || SkipTo("<![CDATA[", "]]>") || SkipTo("<!", ">")) continue;
+      } else if (next == '?') {
+        if (SkipTo("<?", "?>")) continue;
+      } else if (next == '/') {
+        if (SkipTo("</", ">")) continue;
+      }
       ScanElement();
     }
     return std::move(places_);
@@ -38,8 +44,8 @@ class Scanner {
   }
 
   void ScanElement() {
-    ElementPlace& place = places_.emplace_back();
-    place.at = static_cast<std::uint32_t>(at_++);
+    places_.elements.push_back(
+        {static_cast<std::uint32_t>(at_++), static_cast<std::uint32_t>(places_.attributes.size())});
     SkipName();
     while (true) {
       SkipSpaces();
@@ -48,7 +54,7 @@ class Scanner {
         ++at_;
         return;
       }
-      ElementPlace::Attribute attribute{.name_at = static_cast<std::uint32_t>(at_)};
+      AttributePlace attribute{.name_at = static_cast<std::uint32_t>(at_)};
       const std::size_t begin = at_;
       SkipName();
       SkipSpaces();
@@ -61,7 +67,7 @@ class Scanner {
       if (at_ >= text_.size()) return;
       const char quote = text_[at_++];
       attribute.value_at = static_cast<std::uint32_t>(at_);
-      place.attributes.push_back(attribute);
+      places_.attributes.push_back(attribute);
       at_ = std::min(text_.find(quote, at_), text_.size());
       if (at_ < text_.size()) ++at_;
     }
@@ -69,12 +75,12 @@ class Scanner {
 
   const std::string_view text_;
   std::size_t at_ = 0;
-  std::vector<ElementPlace> places_;
+  Places places_;
 };
 
 }  // namespace
 
-std::vector<ElementPlace> FindPlaces(std::string_view text) {
+Places FindPlaces(std::string_view text) {
   return Scanner(text).Run();
 }
 

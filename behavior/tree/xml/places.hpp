@@ -7,16 +7,23 @@
 
 namespace musher::tree {
 
-struct ElementPlace {
-  struct Attribute {
-    std::uint32_t name_at = 0;
-    std::uint32_t value_at = 0;  // behind the quotation mark
-  };
-  std::uint32_t at = 0;  // of the '<'
-  std::vector<Attribute> attributes;
+struct AttributePlace {
+  std::uint32_t name_at = 0;
+  std::uint32_t value_at = 0;  // behind the quotation mark
 };
 
-// In the order of the elements in the text, for a text that is XML; for others as far as it is.
-std::vector<ElementPlace> FindPlaces(std::string_view text);
+struct ElementPlace {
+  std::uint32_t at = 0;               // of the '<'
+  std::uint32_t first_attribute = 0;  // its attributes end where those of the next element begin
+};
+
+// In the order of the text.
+struct Places {
+  std::vector<ElementPlace> elements;
+  std::vector<AttributePlace> attributes;
+};
+
+// Those of a text that is XML; of others as far as it is.
+Places FindPlaces(std::string_view text);
 
 }  // namespace musher::tree

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 #include "musher/base/suggest.hpp"
@@ -77,20 +78,35 @@ class Reader {
     Error({id, static_cast<std::uint32_t>(at)}, std::move(what));
   }
 
+  // Where the element stands, and its attributes; 0 and none where the text was not understood.
+  std::pair<std::uint32_t, std::span<const AttributePlace>> PlacesOf(std::size_t element) const {
+    const std::vector<ElementPlace>& elements = places_.elements;
+    if (element >= elements.size()) return {0, {}};
+    const std::size_t first = elements[element].first_attribute;
+    const std::size_t end = element + 1 < elements.size() ? elements[element + 1].first_attribute
+                                                          : places_.attributes.size();
+    return {elements[element].at, std::span(places_.attributes).subspan(first, end - first)};
+  }
+
   Element Convert(const tinyxml2::XMLElement& from, std::uint32_t file) {
     const std::size_t index = next_place_++;
     Element element;
     element.name = from.Name();
-    const ElementPlace* place = index < places_.size() ? &places_[index] : nullptr;
-    element.at = {file, place != nullptr ? place->at : 0};
+    const auto [place, attributes] = PlacesOf(index);
+    element.at = {file, place};
     std::size_t i = 0;
     for (const auto* each = from.FirstAttribute(); each != nullptr; each = each->Next(), ++i) {
-      const bool known = place != nullptr && i < place->attributes.size();
-      element.attributes.push_back(
-          {each->Name(), each->Value(),
-           known ? Place{file, place->attributes[i].name_at} : element.at,
-           known ? Place{file, place->attributes[i].value_at} : element.at});
+      const bool known = i < attributes.size();
+      element.attributes.push_back({each->Name(), each->Value(),
+                                    known ? Place{file, attributes[i].name_at} : element.at,
+                                    known ? Place{file, attributes[i].value_at} : element.at});
     }
+    std::size_t count = 0;
+    for (const auto* child = from.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement()) {
+      ++count;
+    }
+    element.children.reserve(count);
     for (const auto* child = from.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       element.children.push_back(Convert(*child, file));
@@ -186,7 +202,7 @@ class Reader {
   const ReadText& read_;
   Document document_;
   std::vector<Diagnostic> found_;
-  std::vector<ElementPlace> places_;
+  Places places_;
   std::size_t next_place_ = 0;
 };
 

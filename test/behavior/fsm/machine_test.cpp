@@ -288,6 +288,48 @@ TEST_F(MachineTest, CannotBeForcedOrStoppedFromInsideOfATick) {
   EXPECT_EQ(Current(), "IDLE");
 }
 
+TEST_F(MachineTest, RefusesItsOwnTickInsideOfATickAlsoAfterOthersInWhichItOnlyStayed) {
+  LoggingState& idle = Add("IDLE");
+  Start("IDLE");
+  Run(3);
+  idle.on["run"] = [&](const Tick&) { EXPECT_THROW(machine_.RunOnce(now_), std::logic_error); };
+  Run(2);
+  EXPECT_EQ(machine_.ticks(), 5U);
+  EXPECT_EQ(Current(), "IDLE");
+}
+
+// Sends a command at the beginning of a tick.
+class Sender : public Listener {
+ public:
+  explicit Sender(Machine& machine) : machine_(machine) {}
+  void OnInput(const Machine&, const Input& input) override {
+    if (input.kind != Input::Kind::kTick) return;
+    EXPECT_TRUE(machine_.Send("photo"));
+  }
+
+ private:
+  Machine& machine_;
+};
+
+TEST_F(MachineTest, HandlesACommandThatAListenerSendsAtTheBeginningOfATickInThatTick) {
+  machine_.AddEvent("photo");
+  LoggingState& idle = Add("IDLE", {"PHOTO"});
+  Add("PHOTO", {"IDLE"});
+  Start("IDLE");
+  const EventId photo = *machine_.FindEvent("photo");
+  const StateId to = *machine_.FindState("PHOTO");
+  idle.check = [=](const Tick& tick) {
+    return tick.command == photo ? Next::To(to) : Next::Stay();
+  };
+  Run(3);
+  Sender sender(machine_);
+  machine_.Listen(&sender);
+  Run();
+  machine_.Forget(&sender);
+  EXPECT_EQ(Current(), "PHOTO");
+  EXPECT_EQ(machine_.waiting_commands(), 0U);
+}
+
 TEST_F(MachineTest, RefusesAForceToAnUnknownStateAndKeepsItsState) {
   Add("IDLE");
   Start("IDLE");

@@ -1,16 +1,18 @@
-// What a tick of a behaviour tree costs for each node that it ticks, what a port and a script cost,
-// and how long a tree takes to load, and its memory. The smallest of several turns.
+// What a tick of a behaviour tree costs for each node that it ticks, what a condition, a port and a
+// script cost, and how long a tree takes to load, and its memory. The smallest of several turns, of
+// some the median, too.
 //
 //   benchmark_tree [TURNS]    (300)
 
 #include <malloc.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <limits>
 #include <string>
+#include <vector>
 
 #include "musher/application/tree_report.hpp"
 #include "musher/behavior/tree/build.hpp"
@@ -58,10 +60,24 @@ double SecondsOf(const std::function<void()>& work) {
   return ToSeconds(std::chrono::steady_clock::now() - begin);
 }
 
+struct Seconds {
+  double smallest = 0;
+  double median = 0;
+  std::size_t allocations = 0;  // in all turns
+};
+
+Seconds Measured(int turns, const std::function<void()>& work) {
+  std::vector<double> seconds;
+  seconds.reserve(static_cast<std::size_t>(turns));
+  const std::size_t before = testing::AllocationsOfNew().times;
+  for (int i = 0; i < turns; ++i) seconds.push_back(SecondsOf(work));
+  const std::size_t allocations = testing::AllocationsOfNew().times - before;
+  std::ranges::sort(seconds);
+  return {seconds.front(), seconds[seconds.size() / 2], allocations};
+}
+
 double Smallest(int turns, const std::function<void()>& work) {
-  double smallest = std::numeric_limits<double>::max();
-  for (int i = 0; i < turns; ++i) smallest = std::min(smallest, SecondsOf(work));
-  return smallest;
+  return Measured(turns, work).smallest;
 }
 
 std::string Document(const std::string& content) {
@@ -111,8 +127,7 @@ void MeasureTicks(int turns, int nodes, std::size_t history) {
   };
   run();
   const std::uint64_t ticks_before = static_cast<std::uint64_t>(ticks);
-  const std::size_t allocations = testing::AllocationsOfNew().times;
-  const double seconds = Smallest(turns, run);
+  const Seconds seconds = Measured(turns, run);
   const double rounds =
       static_cast<double>(static_cast<std::uint64_t>(ticks) - ticks_before) / turns;
   // Each group: ten nodes in its first tick of which two (the action, its decorator) and the two
@@ -120,9 +135,29 @@ void MeasureTicks(int turns, int nodes, std::size_t history) {
   const double groups = nodes / 10;
   const double runs = runs_of_a_turn;
   const double visited = runs * (groups * 10 + 1) + (rounds - runs) * 4;
-  std::printf("tick of %6d nodes%s: %6.2f ns a ticked node, %zu allocations\n", nodes,
-              history == 0 ? " without history" : "", seconds / visited * 1e9,
-              testing::AllocationsOfNew().times - allocations);
+  std::printf("tick of %6d nodes%s: %6.2f ns a ticked node, median %6.2f, %zu allocations\n", nodes,
+              history == 0 ? " without history" : "", seconds.smallest / visited * 1e9,
+              seconds.median / visited * 1e9, seconds.allocations);
+}
+
+// A leaf with a condition that does not skip it, beside one without a condition.
+void MeasureCondition(int turns, const std::string& condition) {
+  const auto tick_ns = [&](const std::string& attribute) {
+    std::string text;
+    for (int i = 0; i < 1000; ++i) text += "<Leaf" + attribute + "/>\n";
+    const auto tree = Load(Document("<Sequence>" + text + "</Sequence>"));
+    static_cast<void>(tree->board().Set("x", 5.0));
+    static_cast<void>(tree->board().Set("y", 1.0));
+    std::int64_t ticks = 0;
+    const Seconds seconds =
+        Measured(turns, [&] { static_cast<void>(tree->TickExactlyOnce(Time(Duration(++ticks)))); });
+    return Seconds{seconds.smallest * 1e6, seconds.median * 1e6, 0};
+  };
+  const Seconds plain = tick_ns("");
+  const Seconds conditional = tick_ns(" _skipIf=\"" + condition + "\"");
+  std::printf("leaf with _skipIf %-16s %5.1f ns, median %5.1f; without %5.1f, median %5.1f\n",
+              condition.c_str(), conditional.smallest, conditional.median, plain.smallest,
+              plain.median);
 }
 
 // The state of a tree on the wire: nothing, as while no program is subscribed (a comparison a
@@ -179,8 +214,9 @@ void MeasureTimeouts(int turns, int count) {
 
 void MeasureLoad(int turns, int nodes) {
   const std::string xml = Mix(nodes);
-  const double seconds = Smallest(turns, [&xml] { Load(xml); });
-  std::printf("load of %5d nodes: %.3f ms\n", nodes, seconds * 1e3);
+  const Seconds seconds = Measured(turns, [&xml] { Load(xml); });
+  std::printf("load of %5d nodes: %.3f ms, median %.3f\n", nodes, seconds.smallest * 1e3,
+              seconds.median * 1e3);
 }
 
 // What a loaded tree holds on the heap, with its history of 256 changes; without its document.
@@ -221,6 +257,8 @@ int main(int argc, char** argv) {
     for (int i = 0; i < 100; ++i) static_cast<void>(tree->TickExactlyOnce(musher::Time{}));
   });
   std::printf("get and set of a port: %.2f ns\n", seconds / 100'000 * 1e9);
+  MeasureCondition(turns, "3 > x");
+  MeasureCondition(turns, "3 > x || y == 7");
   MeasureScript(turns, "x < 3 && y != 1");
   MeasureScript(turns, "x := x + y * 2; x -= 4");
   MeasureTimeouts(turns, 1000);
